@@ -1,0 +1,28 @@
+"""jaximpact: differentiable impacts of rock blocks on deformable ground."""
+
+from .accuracy import PRESETS, Accuracy
+from .batch import simulate_batch
+from .block import Block
+from .laws import Laws
+from .outcomes import Outcome
+from .restitution import energetic_coefficient, vijayakumar_coefficient
+from .scene import Impact, Scene
+from .simulation import EnergyLedger, ImpactResult, simulate
+from .soil import Soil
+
+__all__ = [
+    "PRESETS",
+    "Accuracy",
+    "Block",
+    "EnergyLedger",
+    "Impact",
+    "ImpactResult",
+    "Laws",
+    "Outcome",
+    "Scene",
+    "Soil",
+    "energetic_coefficient",
+    "simulate",
+    "simulate_batch",
+    "vijayakumar_coefficient",
+]

@@ -1,0 +1,108 @@
+"""How an impact ends: the margins that watch over it, and the names of the outcomes."""
+
+import enum
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .dynamics import (
+    INITIAL_SINKING,
+    Contact,
+    Ground,
+    Motion,
+    elastic_energy,
+    kinetic_energy,
+)
+
+Scalar = Float[Array, ""]
+
+TOPPLING_SINKING = 1e-3
+"""A block can topple only while its sinking exceeds this part of R."""
+ARREST_ENERGY = 1e-4
+"""A block is arrested when its energy falls below this part of the incoming one."""
+TIME_LIMIT = 1.0
+"""Longest contact that is followed [s]."""
+
+
+class Outcome(enum.IntEnum):
+    """Why an impact ended."""
+
+    detached = 0
+    """The normal force, or the sinking, came down to zero."""
+    toppled = 1
+    """The resultant reached the edge of the foundation: the block rolls over it."""
+    arrested = 2
+    """Kinetic and elastic energy fell below 1e-4 of the incoming energy."""
+    in_contact = 3
+    """Still in contact after 1 s."""
+    separating = 4
+    """The block was moving away from the ground: no impact, velocities unchanged."""
+    failed = 5
+    """The integration did not finish; every number is NaN."""
+
+    def __str__(self) -> str:
+        return self.name.replace("_", " ")
+
+
+class Margins(NamedTuple):
+    """Dimensionless distances to each end of the impact; positive while it goes on."""
+
+    force: Scalar
+    """Normal force, by its largest value so far; or, if larger, the sinking velocity by the speed: at
+    N = 0 nothing yields, so the force can come down to zero only while the block rises,
+    and a force that is zero to rounding at the onset is no end."""
+    sinking: Scalar
+    """Sinking above 0.5e-6 R, by R."""
+    toppling: Scalar
+    """N B_t/2 less |M|, by the force's scale times R; or, if larger, the sinking still
+    wanted before the block may topple, by R."""
+    arrest: Scalar
+    """Energy left above 1e-4 of the incoming one, by the incoming one."""
+
+
+OUTCOME_OF_MARGIN = (
+    Outcome.detached,
+    Outcome.detached,
+    Outcome.toppled,
+    Outcome.arrested,
+)
+
+
+def end_margins(
+    ground: Ground,
+    motion: Motion,
+    now: Contact,
+    force_scale: Scalar,
+    speed_scale: Scalar,
+    incoming_energy: Scalar,
+) -> Margins:
+    """Margins to the ends of the impact.
+
+    Args:
+        ground, motion, now: constants, state and contact.
+        force_scale: largest normal force so far [N], positive. (Forces early in a
+            contact are a billionth of what they grow to; by a fixed scale they would
+            look like zero.)
+        speed_scale: impact speed [m/s].
+        incoming_energy: kinetic energy at impact [J].
+
+    Continuous; kinked at M = 0 and where the larger of two conditions changes.
+    """
+    radius = ground.axes.minor
+    base = now.foundation
+    normal = now.normal_force_before_cut
+    leverage = 0.5 * normal * base.length - jnp.abs(now.forces.moment)
+    sinking_rate = motion.normal_velocity + base.tangency_arm * motion.angular_velocity
+    energy = kinetic_energy(ground, motion) + elastic_energy(motion, now.stiffness)
+    return Margins(
+        force=jnp.maximum(
+            now.normal_force_before_cut / force_scale, sinking_rate / speed_scale
+        ),
+        sinking=base.sinking / radius - 0.5 * INITIAL_SINKING,
+        toppling=jnp.maximum(
+            leverage / (force_scale * radius),
+            TOPPLING_SINKING - base.sinking / radius,
+        ),
+        arrest=energy / incoming_energy - ARREST_ENERGY,
+    )

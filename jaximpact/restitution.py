@@ -1,0 +1,74 @@
+"""Restitution coefficients, from velocities before and after an impact."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .block import Block
+from .foundation import tangency_arm
+from .safe import safe_sqrt
+
+Scalar = Float[Array, ""]
+
+
+def defined_ratio(numerator: Scalar, denominator: Scalar) -> Scalar:
+    """`numerator / denominator`; NaN, with gradient 0, where the denominator is 0."""
+    defined = denominator != 0.0
+    ratio = numerator / jnp.where(defined, denominator, 1.0)
+    return jnp.where(defined, ratio, jnp.nan)
+
+
+def energetic_coefficient(
+    e_n: Scalar,
+    e_t: Scalar,
+    angle: Scalar,
+    rotational_ratio_before: Scalar,
+    rotational_ratio_after: Scalar,
+) -> Scalar:
+    r"""Energetic coefficient from the apparent ones.
+
+    $$ \bar e = \sqrt{\frac{1 - R_{r0}}{1 - R_r}
+       (e_n^2\cos^2\theta^{in} + e_t^2\sin^2\theta^{in})} $$
+
+    Args:
+        e_n, e_t: apparent coefficients [-]. angle: impact angle [rad].
+        rotational_ratio_before, rotational_ratio_after: rotational over total kinetic
+            energy.
+
+    Equal to $\sqrt{E_k/E_{k0}}$ identically. Source: Dattola et al. (2023), eq. 5,
+    which prints $R_t$ for $R_r$.
+    """
+    translational = (e_n * jnp.cos(angle)) ** 2 + (e_t * jnp.sin(angle)) ** 2
+    return safe_sqrt(
+        (1.0 - rotational_ratio_before) / (1.0 - rotational_ratio_after) * translational
+    )
+
+
+def vijayakumar_coefficient(
+    block: Block,
+    orientation: Scalar,
+    e_contact: Scalar,
+    normal_velocity: Scalar,
+    angular_velocity: Scalar,
+) -> Scalar:
+    r"""Apparent normal coefficient of an instantaneous rigid-body impact.
+
+    $$ e_n = \frac{I e^* - m r_t^2}{I + m r_t^2}
+       + (1 + e^*)\frac{r_t I}{I + m r_t^2}\frac{\dot\theta_0}{v_{n0}} $$
+
+    Args:
+        block: mass, inertia and shape.
+        orientation: $\theta_0$ [rad]; gives the arm $r_t$ of the tangency point.
+        e_contact: coefficient $e^*$ at the contact [-].
+        normal_velocity, angular_velocity: before the impact [m/s, rad/s].
+
+    Source: Vijayakumar et al. (2012), as eq. 6 of Dattola et al. (2023), whose last term
+    has $r_t^2$ where the dimensions need $r_t$.
+    """
+    arm = tangency_arm(block.semi_axes, jnp.sin(orientation), jnp.cos(orientation))
+    turning = block.mass * arm**2
+    inertia = block.inertia
+    return (inertia * e_contact - turning) / (inertia + turning) + (
+        (1.0 + e_contact)
+        * (arm * inertia / (inertia + turning))
+        * defined_ratio(angular_velocity, normal_velocity)
+    )

@@ -1,0 +1,405 @@
+"""One impact: from a scene to every number that the model gives.
+
+`simulate` is differentiable in both modes. Its derivative is taken forward through the
+integration, for those inputs only that are being differentiated (`jax.custom_jvp` with
+symbolic zeros), and what remains is linear, so JAX can transpose it: `jax.grad` costs
+as much as `jax.jacfwd` does, in proportion to the number of scene parameters that vary.
+"""
+
+import functools
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.custom_derivatives import SymbolicZero
+from jaxtyping import Array, Float
+
+from . import provenance
+from .accuracy import Accuracy, get_accuracy
+from .block import Block
+from .checks import check_scene
+from .compilation import unfused_jit
+from .dynamics import elastic_energy, initial_motion, kinetic_energy
+from .foundation import tangency_arm
+from .history import History, record_history
+from .integration import End, Problem, integrate, pose
+from .laws import Laws
+from .outcomes import OUTCOME_OF_MARGIN, Outcome
+from .precision import require_float64
+from .restitution import defined_ratio, vijayakumar_coefficient
+from .safe import safe_sqrt
+from .scene import Impact, Scene
+from .soil import Soil
+
+Scalar = Float[Array, ""]
+
+
+class EnergyLedger(NamedTuple):
+    """Where the energy went [J].
+
+    `kinetic_in + gravity + arm + stiffness
+    = kinetic_out + elastic + viscoplastic + slider + dashpot`,
+    to the accuracy of the integration. Items of either sign on the left are work on the
+    block; those on the right are what is left and what is dissipated (never negative).
+
+    `arm` and `stiffness` belong to the model as the paper prints it, and are no
+    dissipation: the normal force acts at the centre of the foundation while sinking is
+    measured at the deepest point, and the springs' stiffness follows the foundation's
+    size. `arm` is not small in eccentric impacts: a limit of the model.
+    """
+
+    kinetic_in: Scalar
+    kinetic_out: Scalar
+    gravity: Scalar
+    elastic: Scalar
+    viscoplastic: Scalar
+    slider: Scalar
+    dashpot: Scalar
+    arm: Scalar
+    stiffness: Scalar
+
+    @property
+    def residual(self) -> Scalar:
+        """What the ledger fails to account for [J]."""
+        return (
+            self.kinetic_in
+            + self.gravity
+            + self.arm
+            + self.stiffness
+            - self.kinetic_out
+            - self.elastic
+            - self.viscoplastic
+            - self.slider
+            - self.dashpot
+        )
+
+
+class Numbers(NamedTuple):
+    """The numbers of an impact, all of them arrays; see `ImpactResult`."""
+
+    e_n: Scalar
+    e_t: Scalar
+    e_contact: Scalar
+    e_bar: Scalar
+    R_r: Scalar
+    e_n_vijayakumar: Scalar
+    max_penetration: Scalar
+    max_sinking: Scalar
+    max_normal_force: Scalar
+    max_tangential_force: Scalar
+    max_moment: Scalar
+    time_of_max_penetration: Scalar
+    time_of_max_sinking: Scalar
+    time_of_max_normal_force: Scalar
+    time_of_max_tangential_force: Scalar
+    time_of_max_moment: Scalar
+    duration: Scalar
+    rotation: Scalar
+    normal_velocity: Scalar
+    tangential_velocity: Scalar
+    angular_velocity: Scalar
+    energy: EnergyLedger | None
+    outcome_code: Scalar
+    steps: Scalar
+
+
+DETACHED_WITHIN = 1e-9
+"""A force margin within this counts as zero when the end is named. At N = 0 without a
+moment the resultant reaches the edge at the same instant: that block has detached."""
+
+
+def outcome_code(end: End, separating: Scalar) -> Scalar:
+    """The outcome as a float, so that it can pass through differentiation."""
+    margins = jnp.stack(end.margins)
+    fired = jnp.argmin(margins)
+    fired = jnp.where(margins[0] <= DETACHED_WITHIN, 0, fired)
+    codes = jnp.asarray([float(outcome) for outcome in OUTCOME_OF_MARGIN])
+    code = jnp.where(end.event, codes[fired], float(Outcome.in_contact))
+    code = jnp.where(end.finished, code, float(Outcome.failed))
+    code = jnp.where(separating, float(Outcome.separating), code)
+    return jax.lax.stop_gradient(code)
+
+
+def summarise(scene: Scene, problem: Problem, end: End) -> Numbers:
+    """Every result of an impact from its end."""
+    ground, impact = problem.ground, scene.impact
+    start = initial_motion(scene)
+    final, now = problem.contact(end.vector)
+    kinetic_in = kinetic_energy(ground, start)
+    kinetic_out = kinetic_energy(ground, final)
+    arm_at_start = tangency_arm(ground.axes, ground.sin_start, ground.cos_start)
+    closing = start.normal_velocity + arm_at_start * start.angular_velocity
+    opening = (
+        final.normal_velocity + now.foundation.tangential_arm * final.angular_velocity
+    )
+    separating = closing <= 0.0
+
+    # Where nothing happens the block leaves as it came.
+    def unless_separating(value, otherwise):
+        return jnp.where(separating, otherwise, value)
+
+    normal = unless_separating(final.normal_velocity, start.normal_velocity)
+    tangential = unless_separating(final.tangential_velocity, start.tangential_velocity)
+    spin = unless_separating(final.angular_velocity, start.angular_velocity)
+    kinetic_out = unless_separating(kinetic_out, kinetic_in)
+    e_contact = -unless_separating(opening, closing) / jnp.where(
+        closing == 0.0, 1.0, closing
+    )
+    e_contact = jnp.where(closing == 0.0, -1.0, e_contact)
+    peaks = [unless_separating(peak, 0.0) for peak in end.fold.peaks]
+    times = [unless_separating(time, 0.0) for time in end.fold.peak_times]
+    energy = None
+    if problem.ledger:
+        work = {
+            name: unless_separating(item, 0.0)
+            for name, item in end.fold.work._asdict().items()
+        }
+        gained = elastic_energy(final, now.stiffness)
+        energy = EnergyLedger(
+            kinetic_in=kinetic_in,
+            kinetic_out=kinetic_out,
+            elastic=unless_separating(gained, 0.0),
+            **work,
+        )
+    numbers = Numbers(
+        e_n=-defined_ratio(normal, start.normal_velocity),
+        e_t=defined_ratio(tangential, start.tangential_velocity),
+        e_contact=e_contact,
+        e_bar=safe_sqrt(kinetic_out / kinetic_in),
+        R_r=0.5 * ground.inertia * spin**2 / kinetic_out,
+        e_n_vijayakumar=vijayakumar_coefficient(
+            scene.block,
+            impact.orientation,
+            e_contact,
+            start.normal_velocity,
+            start.angular_velocity,
+        ),
+        max_penetration=peaks[0],
+        max_sinking=peaks[1],
+        max_normal_force=peaks[2],
+        max_tangential_force=peaks[3],
+        max_moment=peaks[4],
+        time_of_max_penetration=times[0],
+        time_of_max_sinking=times[1],
+        time_of_max_normal_force=times[2],
+        time_of_max_tangential_force=times[3],
+        time_of_max_moment=times[4],
+        duration=unless_separating(end.time, 0.0),
+        rotation=unless_separating(final.rotation, 0.0),
+        normal_velocity=normal,
+        tangential_velocity=tangential,
+        angular_velocity=spin,
+        energy=energy,
+        outcome_code=jnp.zeros(()),
+        steps=jnp.zeros(()),
+    )
+    known = end.finished | separating
+    numbers = jax.tree.map(lambda x: jnp.where(known, x, jnp.nan), numbers)
+    return numbers._replace(
+        outcome_code=outcome_code(end, separating),
+        steps=jax.lax.stop_gradient((end.steps + end.rejected).astype(float)),
+    )
+
+
+class Assembly(NamedTuple):
+    """Choices that change the program; the numbers are in the scene."""
+
+    laws: Laws
+    damped: bool
+    ledger: bool
+
+
+def compute(assembly: Assembly, scene: Scene, tolerance, floor) -> Numbers:
+    """Numbers of one impact: pure, differentiable in forward mode."""
+    accuracy = Accuracy("", tolerance, floor)
+    problem, vector = pose(
+        scene,
+        assembly.laws,
+        damped=assembly.damped,
+        ledger=assembly.ledger,
+        accuracy=accuracy,
+    )
+    return summarise(scene, problem, integrate(problem, vector))
+
+
+def _compute_leaves(assembly, structure, leaves, tolerance, floor):
+    scene = jax.tree.unflatten(structure, leaves)
+    return compute(assembly, scene, tolerance, floor)
+
+
+def _compute_with_columns(assembly, structure, varied, leaves, tolerance, floor):
+    """Numbers, and their derivatives by the leaves named in `varied`."""
+
+    def of_varied(values):
+        all_leaves = list(leaves)
+        for place, value in zip(varied, values, strict=True):
+            all_leaves[place] = value
+        numbers = _compute_leaves(assembly, structure, all_leaves, tolerance, floor)
+        return numbers, numbers
+
+    columns, numbers = jax.jacfwd(of_varied, has_aux=True)(
+        [leaves[place] for place in varied]
+    )
+    return numbers, columns
+
+
+_compiled = unfused_jit(_compute_leaves, static_argnums=(0, 1))
+_compiled_with_columns = unfused_jit(_compute_with_columns, static_argnums=(0, 1, 2))
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def _solve(assembly, structure, leaves, tolerance, floor):
+    return _compiled(assembly, structure, leaves, tolerance, floor)
+
+
+@functools.partial(_solve.defjvp, symbolic_zeros=True)
+def _solve_jvp(assembly, structure, primals, tangents):
+    leaves, tolerance, floor = primals
+    varied = tuple(
+        place
+        for place, tangent in enumerate(tangents[0])
+        if not isinstance(tangent, SymbolicZero)
+    )
+    numbers, columns = _compiled_with_columns(
+        assembly, structure, varied, leaves, tolerance, floor
+    )
+    steps = [tangents[0][place] for place in varied]
+
+    def along(*derivatives):
+        return sum(d * step for d, step in zip(derivatives, steps, strict=True))
+
+    return numbers, jax.tree.map(along, *_by_leaf(columns, len(varied)))
+
+
+def _by_leaf(columns, count):
+    """From numbers holding a list over leaves to a list of numbers."""
+    is_list = lambda x: isinstance(x, list)  # noqa: E731
+    return [
+        jax.tree.map(lambda entry, k=k: entry[k], columns, is_leaf=is_list)
+        for k in range(count)
+    ]
+
+
+def solve_scene(
+    scene: Scene, accuracy: Accuracy, laws: Laws, *, ledger: bool
+) -> Numbers:
+    """Numbers of one scene, compiled, differentiable in both modes."""
+    leaves, structure = jax.tree.flatten(scene)
+    assembly = Assembly(laws, is_damped(scene.soil), ledger)
+    tolerance = jnp.asarray(accuracy.tolerance)
+    floor = jnp.asarray(accuracy.floor)
+    return _solve(assembly, structure, leaves, tolerance, floor)
+
+
+def is_damped(soil: Soil) -> bool:
+    """Whether the program needs dashpots: any damping ratio above zero, or unknown yet
+    because it is being differentiated or batched."""
+    ratios = (soil.eta_N, soil.eta_T, soil.eta_R)
+    if any(isinstance(ratio, jax.core.Tracer) for ratio in ratios):
+        return True
+    return bool(np.any([np.any(np.asarray(ratio) > 0.0) for ratio in ratios]))
+
+
+class ImpactResult(eqx.Module):
+    """Everything about one impact. Lengths in m, forces in N, moments in N m, times in
+    s, angles in rad; n into the ground, t down-slope, rotation clockwise.
+
+    Coefficients: `e_n` and `e_t` are apparent (centre of mass; `e_t` is NaN where the
+    block came in along the normal and it has no meaning), `e_contact` is at the contact
+    point, `e_bar` is energetic, `R_r` the final ratio of rotational to total kinetic
+    energy, `e_n_vijayakumar` the rigid-body estimate with this `e_contact`.
+    """
+
+    e_n: Scalar
+    e_t: Scalar
+    e_contact: Scalar
+    e_bar: Scalar
+    R_r: Scalar
+    e_n_vijayakumar: Scalar
+    max_penetration: Scalar
+    max_sinking: Scalar
+    max_normal_force: Scalar
+    max_tangential_force: Scalar
+    max_moment: Scalar
+    time_of_max_penetration: Scalar
+    time_of_max_sinking: Scalar
+    time_of_max_normal_force: Scalar
+    time_of_max_tangential_force: Scalar
+    time_of_max_moment: Scalar
+    duration: Scalar
+    rotation: Scalar
+    normal_velocity: Scalar
+    tangential_velocity: Scalar
+    angular_velocity: Scalar
+    energy: EnergyLedger | None
+    outcome_code: Scalar
+    steps: Scalar
+    scene: Scene
+    accuracy: Accuracy = eqx.field(static=True)
+    history: History | None = None
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the impact ended. Not to be had from inside a JAX transformation; use
+        `outcome_code` there."""
+        return Outcome(int(self.outcome_code))
+
+    def plot(self, path=None):
+        """Force, penetration, rotation and energy against time; see
+        `plotting.plot_impact`. Records the history first if it was not asked for."""
+        from .plotting import plot_impact
+
+        return plot_impact(self, path)
+
+    def manifest(self) -> dict:
+        """What is needed to compute this again: parameters, versions, accuracy."""
+        return provenance.manifest(self.scene, self.accuracy)
+
+
+def simulate(
+    block: Block,
+    soil: Soil,
+    impact: Impact,
+    *,
+    accuracy: str | Accuracy = "balanced",
+    history: bool = False,
+    laws: Laws | None = None,
+) -> ImpactResult:
+    """Simulate one impact.
+
+    Args:
+        block, soil, impact: the scene; scalars (for many scenes, `simulate_batch`, or
+            `jax.vmap` around this function).
+        accuracy: "fast", "balanced" or "reference"; see `PRESETS`.
+        history: also record the course of the impact (`result.history`); not under a
+            JAX transformation.
+        laws: constitutive functions, if not the default ones.
+
+    Returns:
+        `ImpactResult`. A scene whose integration fails gives NaN and the outcome
+        `failed`; nothing is raised.
+
+    Differentiable in forward and reverse mode with respect to every field of block,
+    soil and impact, through the event that ends the impact. The derivative is that of
+    the branch taken: outcomes change suddenly with the scene, and coefficients may jump
+    there.
+
+    Raises:
+        ValueError: a value out of its range, or an array where a scalar is needed.
+        RuntimeError: JAX is set to float32.
+    """
+    require_float64()
+    setting = get_accuracy(accuracy)
+    laws = laws or Laws()
+    scene = Scene(block, soil, impact)
+    check_scene(scene)
+    numbers = solve_scene(scene, setting, laws, ledger=True)
+    result = ImpactResult(**numbers._asdict(), scene=scene, accuracy=setting)
+    if not history:
+        return result
+    recorded = record_history(scene, setting, laws, damped=is_damped(soil))
+    return eqx.tree_at(
+        lambda r: r.history, result, recorded, is_leaf=lambda x: x is None
+    )
