@@ -1,0 +1,77 @@
+"""The command `jaximpact`.
+
+One module a command; each has `add_parser(commands)`, which names its function `run`.
+What needs JAX is imported by `run`.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+
+from ..errors import InputError
+from ..provenance import version_of
+from . import batch, calibrate, simulate
+
+USER_ERROR = 2
+SYSTEM_ERROR = 1
+INTERRUPTED = 130
+BROKEN_PIPE = 141
+
+
+class _Parser(argparse.ArgumentParser):
+    """Reports a wrong argument like any other wrong input: in one line."""
+
+    def error(self, message):
+        raise InputError(f"{message}; see {self.prog} --help")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command and return its exit code.
+
+    0: done. 1: the system refused, for example a full disk. 2: wrong arguments or
+    input. 130: interrupted from the keyboard. Whatever went wrong is one line on
+    stderr. Sets JAX to float64.
+    """
+    try:
+        arguments = _parser().parse_args(argv)
+        _use_float64()
+        arguments.run(arguments)
+        sys.stdout.flush()
+    except InputError as error:
+        return _report(f"error: {error}", USER_ERROR)
+    except KeyboardInterrupt:
+        return _report("interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        # The reader of stdout has left (`| head`); Python must not write at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+    except OSError as error:
+        return _report(f"error: {error}", SYSTEM_ERROR)
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="jaximpact",
+        description="Impacts of rock blocks on deformable ground.",
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "--version", action="version", version=f"%(prog)s {version_of('jaximpact')}"
+    )
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for command in (simulate, batch, calibrate):
+        command.add_parser(commands)
+    return parser
+
+
+def _use_float64() -> None:
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+
+
+def _report(message: str, code: int) -> int:
+    print(f"jaximpact: {message}", file=sys.stderr)
+    return code

@@ -1,0 +1,90 @@
+"""`jaximpact batch`: many impacts from a table."""
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from ..errors import InputError
+from ..files import check_writable
+from . import options
+from .progress import Progress
+
+DEFAULT_ACCURACY = "balanced"
+DESCRIPTION = """\
+Compute every impact of a CSV of scenes and append the results to its rows.
+
+A column that is missing takes its default. A scene that cannot be solved gets the
+outcome `failed` and nan, and the rest go on. A manifest with versions, accuracy and the
+checksum of the scenes is written beside the results."""
+
+
+def add_parser(commands) -> None:
+    """Add the command to the command line."""
+    epilog = (
+        options.input_help("Columns of the scenes:"),
+        options.label_help(),
+        options.result_help(),
+    )
+    parser = commands.add_parser(
+        "batch",
+        help="many impacts from a CSV",
+        description=DESCRIPTION,
+        epilog="\n\n".join(epilog),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "scenes", type=Path, metavar="scenes.csv", help="table of scenes, one a row"
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        metavar="results.csv",
+        help="table of results; an existing one is replaced once the new one is whole",
+    )
+    options.add_accuracy(parser, otherwise=DEFAULT_ACCURACY)
+    parser.add_argument(
+        "--timing",
+        action="store_true",
+        help="print seconds of compilation and of running, and impacts per second",
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Compute the table."""
+    from .. import batch, results, tables
+
+    scenes, out = arguments.scenes, arguments.out
+    if os.path.realpath(scenes) == os.path.realpath(out):
+        raise InputError(f"--out must be another file than the scenes, but is {out}")
+    check_writable(out, option="--out")
+    check_writable(results.manifest_path(out), option="the manifest beside --out,")
+    table = tables.read_table(scenes)
+    timing = {}
+    with Progress("impacts") as progress:
+        progress(0, len(table.rows))
+        result = batch.simulate_batch(
+            table.scene(),
+            accuracy=arguments.accuracy or DEFAULT_ACCURACY,
+            progress=progress,
+            timing=timing,
+        )
+    results.write_results(out, table, result)
+    if arguments.timing:
+        rate = len(table.rows) / timing["run_s"]
+        _say(
+            f"{timing['compile_s']:.2f} s compiling, {timing['run_s']:.2f} s running, "
+            f"{rate:.0f} impacts/s"
+        )
+    counts = results.count_outcomes(result).items()
+    _say(
+        f"{len(table.rows)} impacts: "
+        + ", ".join(f"{count} {outcome}" for outcome, count in counts)
+    )
+
+
+def _say(text: str) -> None:
+    print(f"jaximpact: {text}", file=sys.stderr)

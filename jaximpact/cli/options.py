@@ -1,0 +1,60 @@
+"""Options and help that several commands share."""
+
+import argparse
+
+from ..accuracy import PRESETS
+from ..columns import (
+    INPUT_COLUMNS,
+    LABEL_COLUMNS,
+    OUTCOME_COLUMN,
+    OUTCOME_MEANING,
+    RESULT_COLUMNS,
+)
+
+
+def add_accuracy(parser: argparse.ArgumentParser, *, otherwise: str) -> None:
+    """Add `--accuracy`; None where it is not given, which help calls `otherwise`."""
+    parser.add_argument(
+        "--accuracy",
+        choices=tuple(PRESETS),
+        help=(
+            "error control of the integration; relative tolerance per step: "
+            + ", ".join(f"{name} {p.tolerance:g}" for name, p in PRESETS.items())
+            + f" (default: {otherwise})"
+        ),
+    )
+
+
+def input_help(title: str) -> str:
+    """The quantities of a scene: name, unit, default, range and meaning."""
+    rows = [("name", "unit", "default", "range", "meaning")]
+    rows += [
+        (c.name, c.unit, f"{c.default:g}", c.range_text, c.meaning)
+        for c in INPUT_COLUMNS.values()
+    ]
+    return f"{title}\n{align(rows)}"
+
+
+def label_help() -> str:
+    """The columns of free text."""
+    return f"Columns of free text, carried along unchanged: {', '.join(LABEL_COLUMNS)}."
+
+
+def result_help() -> str:
+    """The results: name, unit and meaning."""
+    rows = [("name", "unit", "meaning")]
+    rows += [(c.name, c.unit, c.meaning) for c in RESULT_COLUMNS.values()]
+    rows += [(OUTCOME_COLUMN, "-", OUTCOME_MEANING)]
+    return f"Columns that are appended:\n{align(rows)}"
+
+
+def align(rows: list[tuple[str, ...]]) -> str:
+    """Rows of cells as text in columns, indented by two."""
+    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
+    return "\n".join(
+        "  "
+        + "  ".join(
+            cell.ljust(width) for cell, width in zip(row, widths, strict=True)
+        ).rstrip()
+        for row in rows
+    )

@@ -1,0 +1,37 @@
+"""Progress of long work, on stderr."""
+
+import sys
+
+PARTS = 10
+"""Lines of progress in all where stderr is not a terminal."""
+
+
+class Progress:
+    """Says how far the work is: `progress(done, total)`.
+
+    On a terminal one line that overwrites itself; else a line every tenth. To be used
+    in a `with`, which ends the line that is open.
+    """
+
+    def __init__(self, unit: str):
+        self.unit = unit
+        self.stream = sys.stderr
+        self.overwrites = self.stream.isatty()
+        self.part = -1
+
+    def __enter__(self) -> "Progress":
+        return self
+
+    def __exit__(self, *exception) -> None:
+        if self.overwrites and self.part >= 0:
+            self.stream.write("\n")
+
+    def __call__(self, done: int, total: int) -> None:
+        part = PARTS * done // total
+        if not self.overwrites and part == self.part:
+            return
+        self.part = part
+        percent = 100 * done // total
+        text = f"{done} of {total} {self.unit} ({percent} %)"
+        self.stream.write(f"\r{text}" if self.overwrites else f"{text}\n")
+        self.stream.flush()

@@ -1,0 +1,76 @@
+"""`jaximpact simulate`: one impact from a file."""
+
+import argparse
+import json
+from pathlib import Path
+
+from ..errors import InputError
+from ..files import check_writable, replacing
+from . import options
+
+DEFAULT_ACCURACY = "balanced"
+PLOT_SUFFIXES = (".png", ".pdf", ".svg")
+DESCRIPTION = """\
+Compute one impact and print every result with its energy ledger.
+
+The scene is a TOML file with the tables [block], [soil] and [impact], or with the keys
+of all three before any table. A key that is missing takes its default. `accuracy`,
+before any table, is used unless --accuracy is given."""
+
+
+def add_parser(commands) -> None:
+    """Add the command to the command line."""
+    parser = commands.add_parser(
+        "simulate",
+        help="one impact from a TOML file",
+        description=DESCRIPTION,
+        epilog=options.input_help("Keys of the scene:"),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "scene", type=Path, metavar="scene.toml", help="block, soil and impact"
+    )
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="print JSON, with what is needed to compute the impact again",
+    )
+    parser.add_argument(
+        "--plot",
+        type=Path,
+        metavar="out.png",
+        help="draw force, penetration, rotation and energy against time; "
+        f"{', '.join(PLOT_SUFFIXES)}",
+    )
+    options.add_accuracy(parser, otherwise=f"the file's, else {DEFAULT_ACCURACY}")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Compute the impact."""
+    from ..scene_file import read_scene
+    from ..simulation import simulate
+    from . import report
+
+    plot = arguments.plot
+    if plot is not None:
+        if plot.suffix not in PLOT_SUFFIXES:
+            raise InputError(
+                f"--plot must end in one of {', '.join(PLOT_SUFFIXES)}, but is {plot}"
+            )
+        check_writable(plot, option="--plot")
+    scene, accuracy = read_scene(arguments.scene)
+    result = simulate(
+        scene.block,
+        scene.soil,
+        scene.impact,
+        accuracy=arguments.accuracy or accuracy or DEFAULT_ACCURACY,
+    )
+    if plot is not None:
+        with replacing(plot) as temporary:
+            result.plot(temporary)
+    if arguments.json:
+        print(json.dumps(report.as_json(result), indent=2, allow_nan=False))
+    else:
+        print(report.as_text(result))

@@ -1,0 +1,345 @@
+"""One impact drawn: forces, depth, rotation and energy over time, and a side view.
+
+Matplotlib's object-oriented interface only: nothing is shown, no global state changes,
+and it works without a display.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+from .files import replacing
+from .history import History, record_history
+from .laws import Laws
+from .outcomes import Outcome
+from .scene import Scene
+
+if TYPE_CHECKING:
+    from .simulation import ImpactResult
+
+# Okabe and Ito's colours, which colour-blind readers tell apart.
+BLUE, SKY, ORANGE, VERMILION = "#0072b2", "#56b4e9", "#e69f00", "#d55e00"
+GREEN, PURPLE, GREY, SOIL = "#009e73", "#cc79a7", "#9a9a9a", "#eadcc4"
+
+FORCE_UNITS = ((1e3, "kN"), (1.0, "N"))
+LENGTH_UNITS = ((1e-2, "cm"), (1e-3, "mm"))
+ENERGY_UNITS = ((1e6, "MJ"), (1e3, "kJ"), (1.0, "J"))
+
+NEGLIGIBLE = 1e-6
+"""Part of the panel's largest value below which a peak is not marked."""
+
+
+def plot_impact(result: "ImpactResult", path: str | Path | None = None) -> Figure:
+    """Draw one impact.
+
+    Args:
+        result: of one scene. Its history is drawn if it was asked for; otherwise the
+            impact is recorded again, with the default laws.
+        path: where to save the figure too, in the format that the suffix names (png,
+            pdf, svg); a file of that name is replaced once the new one is whole.
+
+    Returns:
+        The figure. A block that separates, or an impact that failed, gives panels that
+        show what there is and say so.
+
+    Raises:
+        ValueError: the result holds many scenes, or the suffix names no format.
+    """
+    if np.ndim(result.outcome_code) > 0:
+        raise ValueError(
+            "plot draws one impact, but the result holds "
+            f"{np.shape(result.outcome_code)}; take one of them"
+        )
+    figure = Figure(figsize=(13.0, 7.5), layout=ConstrainedLayoutEngine(w_pad=0.08))
+    grid = figure.add_gridspec(2, 3, width_ratios=(1.0, 1.0, 0.8))
+    figure.suptitle(f"{scene_in_words(result.scene)}\n{outcome_in_words(result)}")
+    history = _finite_part(_history_of(result))
+    if result.outcome is Outcome.separating:
+        history = History(*(series[:1] for series in history))
+    for draw, place in (
+        (draw_forces, grid[0, 0]),
+        (draw_depth, grid[0, 1]),
+        (draw_rotation, grid[1, 0]),
+        (draw_energy, grid[1, 1]),
+        (draw_side_view, grid[:, 2]),
+    ):
+        draw(figure.add_subplot(place), result, history)
+    if path is not None:
+        with replacing(Path(path)) as temporary:
+            figure.savefig(temporary, dpi=150)
+    return figure
+
+
+def _history_of(result: "ImpactResult") -> History:
+    from .simulation import is_damped
+
+    if result.history is not None:
+        return result.history
+    scene = result.scene
+    damped = is_damped(scene.soil)
+    return record_history(scene, result.accuracy, Laws(), damped=damped)
+
+
+def _finite_part(history: History) -> History:
+    """The rows before the first that is not finite: a failed impact may have some."""
+    finite = np.all(np.isfinite(np.stack(history)), axis=0)
+    count = len(finite) if finite.all() else int(np.argmin(finite))
+    return History(*(series[:count] for series in history))
+
+
+def scene_in_words(scene: Scene) -> str:
+    """Block and impact in one line; spin, slope and width only where they matter."""
+    block, impact = scene.block, scene.impact
+    words = [
+        f"{float(block.mass):.4g} kg",
+        f"$A_r$ = {float(block.aspect_ratio):.3g}",
+        f"{float(impact.speed):.3g} m/s at {np.degrees(float(impact.angle)):.3g}°",
+        f"orientation {np.degrees(float(impact.orientation)):.4g}°",
+    ]
+    if block.out_of_plane_ratio != 1.0:
+        words.insert(2, f"W/R = {float(block.out_of_plane_ratio):.3g}")
+    if impact.angular_velocity != 0.0:
+        words.append(f"spin {np.degrees(float(impact.angular_velocity)):.4g}°/s")
+    if impact.slope != 0.0:
+        words.append(f"slope {np.degrees(float(impact.slope)):.3g}°")
+    return ",  ".join(words)
+
+
+def outcome_in_words(result: "ImpactResult") -> str:
+    """Outcome and coefficients in one line; those without meaning are left out."""
+    if result.outcome is Outcome.failed:
+        return "FAILED: the integration did not finish"
+    if result.outcome is Outcome.separating:
+        return "separating: the block moves away from the ground, no impact"
+    coefficients = (
+        ("e_n", result.e_n),
+        ("e_t", result.e_t),
+        (r"\bar{e}", result.e_bar),
+        ("R_r", result.R_r),
+    )
+    numbers = ",  ".join(
+        f"${name}$ = {float(value):.3f}"
+        for name, value in coefficients
+        if np.isfinite(value)
+    )
+    return f"{result.outcome} after {1e3 * float(result.duration):.4g} ms:  {numbers}"
+
+
+def _unit(largest: float, units) -> tuple[float, str]:
+    """The largest unit in which a value is at least 1; the smallest for less."""
+    return next((unit for unit in units if largest >= unit[0]), units[-1])
+
+
+def _time_axis(axes: Axes, history: History) -> np.ndarray:
+    """Label the axis of times; the times in ms."""
+    time = 1e3 * history.time
+    axes.set_xlabel("time [ms]")
+    axes.grid(alpha=0.25)
+    if len(time) > 1:
+        axes.set_xlim(time[0], time[-1])
+    else:
+        axes.set(xticks=[], yticks=[])
+        axes.text(0.5, 0.5, "no course to draw", ha="center", transform=axes.transAxes)
+    return time
+
+
+def _mark_peak(axes: Axes, time, value, colour: str, *, above: bool) -> None:
+    """A dot with its value over or under it."""
+    left, right = axes.get_xlim()
+    at_the_end = time > left + 0.9 * (right - left)
+    axes.plot(time, value, "o", color=colour, markersize=5, clip_on=False, zorder=4)
+    axes.annotate(
+        f"{value:.3g}",
+        (time, value),
+        xytext=(0, 7 if above else -7),
+        textcoords="offset points",
+        ha="right" if at_the_end else "center",
+        va="bottom" if above else "top",
+        color=colour,
+        fontweight="bold",
+        zorder=5,
+    )
+
+
+def draw_forces(axes: Axes, result: "ImpactResult", history: History) -> None:
+    """N and T over time, their largest values marked."""
+    axes.set_title("contact force")
+    time = _time_axis(axes, history)
+    normal, tangential = history.normal_force, history.tangential_force
+    largest = max(np.max(np.abs(normal), initial=0.0), 1e-300)
+    unit, name = _unit(largest, FORCE_UNITS)
+    axes.plot(time, normal / unit, color=BLUE, label="N, normal")
+    axes.plot(time, tangential / unit, color=VERMILION, label="T, tangential")
+    axes.set_ylabel(f"force [{name}]")
+    axes.margins(y=0.15)
+    if len(time) > 1 and result.max_normal_force > 0.0:
+        when = 1e3 * float(result.time_of_max_normal_force)
+        peak = float(result.max_normal_force) / unit
+        _mark_peak(axes, when, peak, BLUE, above=True)
+        if result.max_tangential_force > NEGLIGIBLE * largest:
+            when = 1e3 * float(result.time_of_max_tangential_force)
+            sign = np.sign(np.interp(when, time, tangential))
+            peak = sign * float(result.max_tangential_force)
+            _mark_peak(axes, when, peak / unit, VERMILION, above=sign > 0.0)
+    axes.legend(loc="best", frameon=False)
+
+
+def draw_depth(axes: Axes, result: "ImpactResult", history: History) -> None:
+    """Penetration of the centre and sinking of the deepest point, downwards."""
+    axes.set_title("depth")
+    time = _time_axis(axes, history)
+    penetration, sinking = history.penetration, history.sinking
+    largest = np.max(np.abs([penetration, sinking]), initial=0.0)
+    unit, name = _unit(largest, LENGTH_UNITS)
+    # Where both are one the dashes show it.
+    axes.plot(time, sinking / unit, color=ORANGE, lw=3, label="$u_D$, deepest point")
+    axes.plot(time, penetration / unit, color=BLUE, ls="--", label="$u_n$, centre")
+    axes.set_ylabel(f"depth [{name}]")
+    axes.margins(y=0.15)
+    axes.invert_yaxis()
+    if len(time) > 1 and result.max_sinking > 0.0:
+        peaks = [
+            (result.time_of_max_sinking, result.max_sinking, ORANGE),
+            (result.time_of_max_penetration, result.max_penetration, BLUE),
+        ]
+        depths = [float(depth) for _, depth, _ in peaks]
+        # A block that does not turn has one depth.
+        same = np.ptp(depths) < 1e-3 * largest
+        for when, depth, colour in peaks[:1] if same else peaks:
+            shallower = not same and depth == min(depths)
+            depth = float(depth) / unit
+            _mark_peak(axes, 1e3 * float(when), depth, colour, above=shallower)
+    axes.legend(loc="best", frameon=False)
+
+
+def draw_rotation(axes: Axes, result: "ImpactResult", history: History) -> None:
+    """Rotation, and the part of the kinetic energy that is rotational."""
+    axes.set_title("rotation")
+    time = _time_axis(axes, history)
+    rotation = np.degrees(history.rotation)
+    (turn,) = axes.plot(time, rotation, color=BLUE, label="rotation")
+    axes.set_ylabel("rotation, clockwise [°]", color=BLUE)
+    # A block that does not turn shows a flat line, not the rounding of its angle; the
+    # legend has the upper part for itself.
+    low, high = np.min(rotation, initial=0.0), np.max(rotation, initial=0.0)
+    span = max(high - low, 1.0)
+    axes.set_ylim(low - 0.15 * span, high + 0.35 * span)
+    if len(time) > 1 and np.any(np.abs(rotation) > 1e-3):
+        place = int(np.argmax(np.abs(rotation)))
+        value = rotation[place]
+        _mark_peak(axes, time[place], value, BLUE, above=value > 0.0)
+    other = axes.twinx()
+    ratios = history.rotational_ratio
+    (ratio,) = other.plot(
+        time, ratios, color=PURPLE, ls="--", label="energy ratio $R_r$"
+    )
+    span = max(np.max(ratios, initial=0.0), 0.1)
+    other.set_ylim(-0.15 * span, 1.35 * span)
+    other.set_ylabel("rotational over total kinetic energy", color=PURPLE)
+    axes.legend(handles=[turn, ratio], loc="upper center", ncols=2, frameon=False)
+
+
+def draw_energy(axes: Axes, result: "ImpactResult", history: History) -> None:
+    """Where the energy is, stacked, under the line of what there is to share out."""
+    axes.set_title("energy")
+    time = _time_axis(axes, history)
+    available = (
+        np.sum(history.kinetic[:1]) + history.gravity + history.arm + history.stiffness
+    )
+    largest = np.max(available, initial=0.0)
+    unit, name = _unit(largest, ENERGY_UNITS)
+    parts = [
+        ("kinetic", history.kinetic, SKY),
+        ("elastic", history.elastic, GREEN),
+        ("visco-plastic", history.viscoplastic, ORANGE),
+        ("slider", history.slider, VERMILION),
+        ("dashpot", history.dashpot, PURPLE),
+    ]
+    axes.stackplot(
+        time,
+        [values / unit for _, values, _ in parts],
+        labels=[label for label, _, _ in parts],
+        colors=[colour for _, _, colour in parts],
+        alpha=0.85,
+    )
+    axes.plot(time, available / unit, "k--", lw=1.3, label="available")
+    axes.set_ylabel(f"energy [{name}]")
+    # The legend has the upper part for itself.
+    axes.set_ylim(bottom=0.0, top=1.32 * max(largest / unit, 1e-9))
+    axes.legend(loc="upper center", ncols=3, fontsize="small", frameon=False)
+
+
+def outline(scene: Scene, penetration, rotation, shift) -> np.ndarray:
+    """The block's outline in the plane of motion [m]: rows of t and height, the first
+    being the tip of the major axis that points down at orientation 0.
+
+    `shift` is how far the centre has moved down-slope [m].
+    """
+    major, minor, _ = (float(axis) for axis in scene.block.semi_axes)
+    start = float(scene.impact.orientation)
+    support = np.hypot(major * np.cos(start), minor * np.sin(start))
+    sin, cos = np.sin(start + rotation), np.cos(start + rotation)
+    turn = np.linspace(0.0, 2.0 * np.pi, 181)
+    along, across = major * np.cos(turn), minor * np.sin(turn)
+    tangential = shift - along * sin + across * cos
+    height = support - penetration - along * cos - across * sin
+    return np.column_stack([tangential, height])
+
+
+def draw_side_view(axes: Axes, result: "ImpactResult", history: History) -> None:
+    """The block at impact, at its deepest and at the end, over the ground."""
+    axes.set_title("side view, to scale", pad=26.0)
+    scene, time = result.scene, history.time
+    if not len(time):
+        return
+    moments = [("at impact", 0, GREY, "-")]
+    if len(time) > 1:
+        moments += [
+            ("deepest", int(np.argmax(history.sinking)), VERMILION, "-"),
+            ("at the end", len(time) - 1, BLUE, "--"),
+        ]
+    velocity = history.tangential_velocity
+    steps = 0.5 * np.diff(time) * (velocity[1:] + velocity[:-1])
+    shift = np.concatenate([[0.0], np.cumsum(steps)])
+    axes.axhline(0.0, color="black", lw=1.0)
+    for label, row, colour, style in moments:
+        line = outline(
+            scene, history.penetration[row], history.rotation[row], shift[row]
+        )
+        axes.plot(*line.T, color=colour, ls=style, label=label)
+        centre = 0.5 * (line[0] + line[90])
+        # The half-axis lets the eye follow the rotation, of a sphere too.
+        axes.plot(*np.transpose([centre, line[0]]), color=colour, lw=0.8, ls=style)
+        axes.plot(*centre, "o", color=colour, markersize=3)
+    axes.margins(0.15)
+    axes.autoscale_view()
+    low, high = axes.get_ylim()
+    axes.axhspan(low, 0.0, color=SOIL, zorder=0)
+    axes.set_ylim(low, high)
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_xlabel("along the ground, down-slope [m]")
+    axes.set_ylabel("height over the ground [m]")
+    slope = float(scene.impact.slope)
+    if slope != 0.0:
+        # In the upper corner that the block has not come from
+        axes.annotate(
+            "gravity",
+            xy=(0.2 if shift[-1] < 0.0 else 0.8, 0.72),
+            xycoords="axes fraction",
+            xytext=(-32.0 * np.sin(slope), 32.0 * np.cos(slope)),
+            textcoords="offset points",
+            ha="center",
+            arrowprops=dict(arrowstyle="->"),
+        )
+    axes.legend(
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        ncols=3,
+        handlelength=1.2,
+        columnspacing=1.0,
+        frameon=False,
+    )

@@ -1,0 +1,113 @@
+"""One scene from a TOML file."""
+
+import tomllib
+from pathlib import Path
+from typing import NamedTuple
+
+from .accuracy import PRESETS
+from .block import Block
+from .columns import INPUT_COLUMNS, InputColumn, nearest
+from .errors import InputError
+from .scene import Impact, Scene
+from .soil import Soil
+
+TABLES = ("block", "soil", "impact")
+ACCURACY_KEY = "accuracy"
+
+
+class SceneFile(NamedTuple):
+    """What the file says."""
+
+    scene: Scene
+    accuracy: str | None
+    """Name of a preset, or None where the file does not say."""
+
+
+def read_scene(path: Path) -> SceneFile:
+    """Read one scene.
+
+    The keys are the columns of a table of scenes, with the units in their names. Each
+    stands in its table `[block]`, `[soil]` or `[impact]`, or before all tables. A
+    missing key has its default. `accuracy`, before all tables, names a preset.
+
+    Raises InputError, naming file and key, for whatever cannot be used.
+    """
+    path = Path(path)
+    content = _load(path)
+    fields = {part: {} for part in TABLES}
+    accuracy = None
+    for key, value in content.items():
+        if key == ACCURACY_KEY:
+            accuracy = _accuracy(path, value)
+        elif key in TABLES:
+            if not isinstance(value, dict):
+                raise InputError("must be a table", file=path, key=key)
+            for name, number in value.items():
+                column = _column(path, name, key)
+                if name in content:
+                    raise InputError(
+                        f"stands in [{key}] and before all tables; remove one",
+                        file=path,
+                        key=name,
+                    )
+                fields[column.part][column.field] = _si_value(path, column, number)
+        else:
+            column = _column(path, key, None)
+            fields[column.part][column.field] = _si_value(path, column, value)
+    scene = Scene(
+        Block(**fields["block"]), Soil(**fields["soil"]), Impact(**fields["impact"])
+    )
+    return SceneFile(scene, accuracy)
+
+
+def _load(path: Path) -> dict:
+    try:
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
+    except UnicodeDecodeError as error:
+        raise InputError("is not text in UTF-8", file=path) from error
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"is not valid TOML: {error}", file=path) from error
+
+
+def _column(path: Path, name: str, table: str | None) -> InputColumn:
+    """The column that a key stands for; `table` is the one it was found in."""
+    if name not in INPUT_COLUMNS:
+        top = () if table else (*TABLES, ACCURACY_KEY)
+        raise InputError(
+            f"is unknown; did you mean {nearest(name, (*INPUT_COLUMNS, *top))}?",
+            file=path,
+            key=f"{table}.{name}" if table else name,
+        )
+    column = INPUT_COLUMNS[name]
+    if table not in (None, column.part):
+        raise InputError(
+            f"stands in [{table}], but belongs into [{column.part}]",
+            file=path,
+            key=name,
+        )
+    return column
+
+
+def _si_value(path: Path, column: InputColumn, value) -> float:
+    # A TOML boolean is a Python integer.
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(
+            f"must be a number, but is {value!r}", file=path, key=column.name
+        )
+    if not column.is_allowed(value):
+        raise InputError(
+            f"must be {column.requirement}, but is {value}", file=path, key=column.name
+        )
+    return column.factor * value
+
+
+def _accuracy(path: Path, value) -> str:
+    if not isinstance(value, str) or value not in PRESETS:
+        raise InputError(
+            f"must be one of {', '.join(PRESETS)}, but is {value!r}",
+            file=path,
+            key=ACCURACY_KEY,
+        )
+    return value

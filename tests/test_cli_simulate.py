@@ -1,0 +1,107 @@
+"""`jaximpact simulate`: what it prints and draws."""
+
+import dataclasses
+import json
+import os
+
+import pytest
+from command_line import assert_one_line_error
+
+from jaximpact import Block, Impact, ImpactResult, Soil, simulate
+from jaximpact.cli import main
+from jaximpact.cli.report import ENERGY_ITEMS, FURTHER_RESULTS
+from jaximpact.columns import RESULT_COLUMNS
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty working directory."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def impact_along_the_normal():
+    """An impact of which e_t has no meaning."""
+    return simulate(Block(mass=500.0), Soil(), Impact())
+
+
+def test_simulate_prints_every_result_as_json(folder, capsys, impact_along_the_normal):
+    (folder / "scene.toml").write_text("[block]\nmass_kg = 500\n")
+    assert main(["simulate", "scene.toml", "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    shown = json.loads(out)
+    result = impact_along_the_normal
+    assert shown["e_t"] is None
+    assert shown["outcome"] == str(result.outcome)
+    for column in (*RESULT_COLUMNS.values(), *FURTHER_RESULTS):
+        if column.name != "e_t":
+            assert shown[column.name] == float(getattr(result, column.field))
+    for name in ENERGY_ITEMS:
+        assert shown["energy_J"][name] == float(getattr(result.energy, name))
+    assert shown["manifest"]["scene"]["mass_kg"] == 500.0
+    assert shown["manifest"]["accuracy"]["name"] == "balanced"
+
+
+def test_simulate_prints_every_result_as_text(folder, capsys, impact_along_the_normal):
+    (folder / "scene.toml").write_text("mass_kg = 500\n")
+    assert main(["simulate", "scene.toml"]) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    shown = {line[0]: line[1:3] for line in lines if line[0] != "energy"}
+    energy = {line[1]: line[2:4] for line in lines if line[0] == "energy"}
+    result = impact_along_the_normal
+    for column in (*RESULT_COLUMNS.values(), *FURTHER_RESULTS):
+        value, unit = shown[column.name]
+        assert float(value) == pytest.approx(
+            float(getattr(result, column.field)), rel=1e-5, nan_ok=True
+        )
+        assert unit == column.unit.split()[0]
+    assert energy.keys() == ENERGY_ITEMS.keys()
+    assert energy["kinetic_in"] == ["49000", "J"]
+
+
+def test_no_result_is_left_out_of_the_report():
+    shown = {column.field for column in (*RESULT_COLUMNS.values(), *FURTHER_RESULTS)}
+    other = {"energy", "outcome_code", "scene", "accuracy", "history"}
+    fields = {field.name for field in dataclasses.fields(ImpactResult)}
+    assert fields == shown | other
+
+
+def test_the_accuracy_of_the_option_goes_before_that_of_the_file(folder, capsys):
+    (folder / "scene.toml").write_text('accuracy = "reference"\n')
+    used = []
+    for arguments in ([], ["--accuracy", "balanced"]):
+        assert main(["simulate", "scene.toml", "--json", *arguments]) == 0
+        shown = json.loads(capsys.readouterr().out)
+        used.append(shown["manifest"]["accuracy"]["name"])
+    assert used == ["reference", "balanced"]
+
+
+def test_a_plot_that_fails_leaves_no_file(folder, monkeypatch, capsys):
+    (folder / "scene.toml").write_text("")
+
+    def half_a_plot(self, path):
+        path.write_text("half")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(ImpactResult, "plot", half_a_plot)
+    assert main(["simulate", "scene.toml", "--plot", "plot.png"]) == 1
+    assert_one_line_error(capsys, "No space left on device")
+    assert os.listdir(folder) == ["scene.toml"]
+
+
+def test_a_plot_is_drawn_to_the_file_that_was_named(folder, monkeypatch):
+    (folder / "scene.toml").write_text("")
+    monkeypatch.setattr(ImpactResult, "plot", lambda self, path: path.write_text("it"))
+    assert main(["simulate", "scene.toml", "--plot", "plot.png"]) == 0
+    assert (folder / "plot.png").read_text() == "it"
+
+
+def test_a_bad_scene_is_one_line(folder, capsys):
+    (folder / "scene.toml").write_text("[block]\nmass_kg = -1\n")
+    assert main(["simulate", "scene.toml"]) == 2
+    err = assert_one_line_error(
+        capsys, "error: scene.toml, key mass_kg: must be above 0"
+    )
+    assert err.count("\n") == 1
