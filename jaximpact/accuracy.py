@@ -21,9 +21,9 @@ class Accuracy:
 
 
 PRESETS = {
-    "fast": Accuracy("fast", 1e-3, 1e-1),
-    "balanced": Accuracy("balanced", 1e-5, 1e-1),
-    "reference": Accuracy("reference", 1e-8, 1e-1),
+    "fast": Accuracy("fast", 1e-3, 1e-2),
+    "balanced": Accuracy("balanced", 1e-5, 1e-2),
+    "reference": Accuracy("reference", 1e-8, 1e-2),
 }
 
 

@@ -17,9 +17,10 @@ from .precision import require_float64
 from .scene import Scene
 from .simulation import Assembly, ImpactResult, Numbers, compute
 
-CHUNK = 256
-"""Impacts integrated in lockstep; the last chunk is filled up with copies. Fewer waste
-time on dispatch, more on waiting for the slowest."""
+CHUNK, SMALL_CHUNK = 256, 32
+"""Impacts integrated in lockstep. Fewer waste time on dispatch, more on waiting for the
+slowest. A chunk that is not full is filled up with copies; up to 32 impacts go in the
+small one."""
 
 
 def _compute_chunk(assembly, scenes, tolerance, floor):
@@ -63,6 +64,7 @@ def simulate_batch(
     *,
     accuracy: str | Accuracy = "balanced",
     laws: Laws | None = None,
+    ledger: bool = False,
     progress: Callable[[int, int], None] | None = None,
     timing: dict | None = None,
 ) -> ImpactResult:
@@ -71,11 +73,12 @@ def simulate_batch(
     Args:
         scene: fields that broadcast to one shape `(n,)`.
         accuracy, laws: as for `simulate`.
+        ledger: also keep the energy ledger of each impact.
         progress: called as `progress(done, n)` after each chunk.
         timing: a dictionary to be given `compile_s` and `run_s`.
 
     Returns:
-        `ImpactResult` with arrays `(n,)` in the order given, without a ledger. A scene
+        `ImpactResult` with arrays `(n,)` in the order given. A scene
         that cannot be integrated gets NaN and the outcome `failed`; the rest go on.
         Each result is what the scene gives by itself, to rounding, whatever its place.
 
@@ -97,7 +100,7 @@ def simulate_batch(
     chunks = []
     for has_dashpots in (False, True):
         lanes = effort[damped[effort] == has_dashpots]
-        assembly = Assembly(laws, has_dashpots, ledger=False)
+        assembly = Assembly(laws, has_dashpots, ledger)
         parts = [lanes[i : i + CHUNK] for i in range(0, len(lanes), CHUNK)]
         chunks += [(assembly, part) for part in parts]
 
@@ -105,19 +108,24 @@ def simulate_batch(
     floor = jnp.asarray(setting.floor)
 
     def run(assembly: Assembly, lanes: np.ndarray) -> Numbers:
-        filled = np.resize(lanes, CHUNK)  # repeats the lanes to fill the chunk
+        size = SMALL_CHUNK if len(lanes) <= SMALL_CHUNK else CHUNK
+        filled = np.resize(lanes, size)  # repeats the lanes to fill the chunk
         scenes = jax.tree.map(lambda leaf: jnp.asarray(leaf[filled]), scene)
         numbers = _compiled_chunk(assembly, scenes, tolerance, floor)
         return jax.tree.map(lambda x: np.asarray(x)[: len(lanes)], numbers)
 
-    columns: dict[str, np.ndarray] = {}
+    columns: Numbers | None = None
     done = 0
 
-    def keep(lanes, numbers) -> None:
-        nonlocal done
-        for name, values in numbers._asdict().items():
-            if values is not None:
-                columns.setdefault(name, np.empty(count))[lanes] = values
+    def keep(lanes, numbers: Numbers) -> None:
+        nonlocal columns, done
+        if columns is None:
+            columns = jax.tree.map(lambda _: np.empty(count), numbers)
+
+        def put(column, values):
+            column[lanes] = values
+
+        jax.tree.map(put, columns, numbers)
         done += len(lanes)
         if progress is not None:
             progress(done, count)
@@ -125,10 +133,11 @@ def simulate_batch(
     # The first chunk of each program compiles it; its run is counted as compilation.
     waiting, seen = [], set()
     for assembly, lanes in chunks:
-        if assembly in seen:
+        program = (assembly, len(lanes) <= SMALL_CHUNK)
+        if program in seen:
             waiting.append((assembly, lanes))
             continue
-        seen.add(assembly)
+        seen.add(program)
         start = time.perf_counter()
         numbers = run(assembly, lanes)
         first = time.perf_counter() - start
@@ -151,4 +160,4 @@ def simulate_batch(
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     timing["run_s"] += time.perf_counter() - start
-    return ImpactResult(**columns, energy=None, scene=scene, accuracy=setting)
+    return ImpactResult(**columns._asdict(), scene=scene, accuracy=setting)

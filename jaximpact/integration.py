@@ -249,9 +249,7 @@ def start_fold(vector) -> Fold:
 def fold_step(problem: Problem, fold: Fold, time, step: DenseOutput) -> Fold:
     """What is gathered, one accepted step later."""
     width = step.t1 - step.t0
-    watched, rate = problem.watch_with_rate(
-        step.y1, fold.peaks.normal_force
-    )
+    watched, rate = problem.watch_with_rate(step.y1, fold.peaks.normal_force)
     peaks, times = [], []
     for name in Observed._fields:
         ends = (
@@ -446,7 +444,7 @@ def diffrax_arguments(problem: Problem, vector: Float[Array, " n"]) -> dict:
         solver=FoldingSolver(),
         t0=0.0,
         t1=TIME_LIMIT,
-        dt0=1e-6 * radius / speed,
+        dt0=1e-12 * radius / speed,
         y0=Course(vector, start_fold(vector)),
         args=problem,
         stepsize_controller=LandingController(

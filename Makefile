@@ -1,0 +1,53 @@
+# make calibrate   set up, fit the studies shipped in calibration/
+# make test        set up, run the tests
+# make lint        set up, check the style
+# make clean       remove the environment, results and caches
+#
+# Needs Python 3.11 or newer; another one: make test PYTHON=python3.12
+# Another place for the environment: make test VENV=/tmp/venv
+# Some of the tests: make test TESTS=tests/test_laws.py
+
+PYTHON ?= python3
+VENV ?= .venv
+OUT ?= out
+TESTS ?= tests
+
+PIP = $(VENV)/bin/python -m pip --disable-pip-version-check
+STUDIES = wyllie lu2019
+
+.PHONY: help calibrate test lint clean
+
+help:
+	@sed -n '/^#/!q; s/^# \{0,1\}//p' Makefile
+
+calibrate: $(VENV)/.installed
+	@set -e; for study in $(STUDIES); do \
+	    echo "jaximpact calibrate calibration/$$study/study.toml --out $(OUT)/$$study"; \
+	    $(VENV)/bin/jaximpact calibrate calibration/$$study/study.toml --out $(OUT)/$$study; \
+	done
+
+# A file's tests share what they compile, so a file stays with one of the two workers.
+test: $(VENV)/.installed
+	$(VENV)/bin/python -m pytest -n 2 --dist loadfile $(TESTS)
+
+lint: $(VENV)/.linter
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+
+# The stamps are written last, so that an installation that broke off is taken up again.
+$(VENV)/.installed: pyproject.toml
+	@command -v "$(PYTHON)" > /dev/null || { \
+	    echo "Python 3.11 or newer is needed, but $(PYTHON) is not there; name it: make PYTHON=/path/to/python3" >&2; exit 1; }
+	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed, but $(PYTHON) is %d.%d; name another: make PYTHON=/path/to/python3" % sys.version_info[:2])'
+	@echo "setting up $(VENV) (once; some minutes)"
+	"$(PYTHON)" -m venv "$(VENV)"
+	$(PIP) install --quiet --editable '.[test]'
+	@touch "$@"
+
+$(VENV)/.linter: $(VENV)/.installed
+	$(PIP) install --quiet --editable '.[dev]'
+	@touch "$@"
+
+clean:
+	rm -rf "$(VENV)" "$(OUT)" .pytest_cache .hypothesis .ruff_cache
+	find jaximpact tests -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,1 @@
+"""Soil parameters from measured impacts, with what the data do not determine."""
