@@ -461,6 +461,18 @@ def diffrax_arguments(problem: Problem, vector: Float[Array, " n"]) -> dict:
     )
 
 
+def _peaks_at_the_end(problem: Problem, fold: Fold, time: Scalar, vector) -> Fold:
+    """Peaks reached as the impact ends, taken there: they move with the event's time."""
+    watched = problem.watch(list(vector), fold.peaks.normal_force)
+    peaks = [
+        jnp.where(reached >= time, jnp.abs(value), peak)
+        for peak, reached, value in zip(
+            fold.peaks, fold.peak_times, watched.observed, strict=True
+        )
+    ]
+    return fold._replace(peaks=Observed(*peaks))
+
+
 def integrate(problem: Problem, vector: Float[Array, " n"]) -> End:
     """Integrate from touch to end.
 
@@ -479,7 +491,7 @@ def integrate(problem: Problem, vector: Float[Array, " n"]) -> End:
     return End(
         vector=vector,
         time=jax.lax.stop_gradient(solution.ts[0]) - correction,
-        fold=end.fold,
+        fold=_peaks_at_the_end(problem, end.fold, solution.ts[0], vector),
         margins=problem.margins(vector, end.fold.peaks.normal_force),
         event=event,
         finished=finished & jnp.all(jnp.isfinite(vector)),

@@ -64,7 +64,7 @@ DAMPED = sum(EVERYTHING[name] for name in ("eta_N", "eta_T", "eta_R")) > 0.0
 def pair(request):
     chosen = DAMPED if request.param == "damped" else ~DAMPED
     columns = {name: values[chosen] for name, values in EVERYTHING.items()}
-    return columns, simulate_batch(as_scene(columns), accuracy="reference")
+    return columns, simulate_batch(as_scene(columns), accuracy="reference", ledger=True)
 
 
 def test_scenes_cover_every_outcome():
