@@ -122,6 +122,7 @@ class Problem(eqx.Module):
     laws: Laws = eqx.field(static=True)
     damped: bool = eqx.field(static=True)
     ledger: bool = eqx.field(static=True)
+    max_steps: int = eqx.field(static=True)
 
     def contact(self, rows) -> tuple[Motion, Contact]:
         """Named state and contact, from the rows of the state vector."""
@@ -176,7 +177,13 @@ class Problem(eqx.Module):
 
 
 def pose(
-    scene: Scene, laws: Laws, *, damped: bool, ledger: bool, accuracy: Accuracy
+    scene: Scene,
+    laws: Laws,
+    *,
+    damped: bool,
+    ledger: bool,
+    accuracy: Accuracy,
+    max_steps: int = MAX_STEPS,
 ) -> tuple[Problem, Float[Array, " n"]]:
     """The initial value problem of a scene, and its initial state."""
     ground = prepare(scene, laws)
@@ -200,6 +207,7 @@ def pose(
         laws=laws,
         damped=damped,
         ledger=ledger,
+        max_steps=max_steps,
         tolerance=jnp.asarray(accuracy.tolerance),
         floor=jnp.asarray(accuracy.floor),
     )
@@ -456,7 +464,7 @@ def diffrax_arguments(problem: Problem, vector: Float[Array, " n"]) -> dict:
             lambda t, y, args, **kwargs: y.fold.watched.margin <= LANDING
         ),
         adjoint=diffrax.ForwardMode(),
-        max_steps=MAX_STEPS,
+        max_steps=problem.max_steps,
         throw=False,
     )
 

@@ -30,7 +30,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Float
 
 GAMMA = 0.21193756319429014
 # Rows i = 2..6 of a_ij; stages 7 and 8 start from stage 6 plus u_6, and plus u_7.

@@ -17,7 +17,7 @@ from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array, Float
 
 from . import provenance
-from .accuracy import Accuracy, get_accuracy
+from .accuracy import MAX_STEPS, Accuracy, get_accuracy
 from .block import Block
 from .checks import check_scene
 from .compilation import unfused_jit
@@ -209,6 +209,7 @@ class Assembly(NamedTuple):
     laws: Laws
     damped: bool
     ledger: bool
+    max_steps: int = MAX_STEPS
 
 
 def compute(assembly: Assembly, scene: Scene, tolerance, floor) -> Numbers:
@@ -220,6 +221,7 @@ def compute(assembly: Assembly, scene: Scene, tolerance, floor) -> Numbers:
         damped=assembly.damped,
         ledger=assembly.ledger,
         accuracy=accuracy,
+        max_steps=assembly.max_steps,
     )
     return summarise(scene, problem, integrate(problem, vector))
 

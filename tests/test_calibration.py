@@ -1,7 +1,5 @@
 """Calibration: transforms, Jacobian, known values recovered, verdicts, bad studies."""
 
-import json
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -9,9 +7,9 @@ import pytest
 from command_line import assert_one_line_error
 
 from jaximpact import Block, Impact, Soil, simulate
-from jaximpact.calibration.fit import Reason, fit, spread_starts
+from jaximpact.calibration.fit import spread_starts
 from jaximpact.calibration.solver import Stepper, fresh_lanes
-from jaximpact.calibration.study import case_of, run_study
+from jaximpact.calibration.study import case_of
 from jaximpact.calibration.study_file import read_study
 from jaximpact.calibration.transforms import Bounds
 from jaximpact.calibration.uncertainty import estimate
@@ -25,6 +23,7 @@ STUDY = """\
 data = "tests.csv"
 starts = 4
 seed = 1
+accuracy = "reference"
 [parameters]
 c_v = { start = 1.0, lower = 0.1, upper = 20.0 }
 gamma_v = { start = 10.0, lower = 0.5, upper = 100.0 }
@@ -73,14 +72,6 @@ def predicted(tmp_path_factory):
     z = np.repeat(true_reals(stepper.case.bounds)[None], study.starts, axis=0)
     lanes = stepper.step(fresh_lanes(stepper.case, z))
     return 1.0 + study.sigma * lanes.residuals[0].reshape(study.sigma.shape)
-
-
-@pytest.fixture(scope="module")
-def twin(tmp_path_factory, predicted):
-    """The study of noise-free targets, and where it wrote."""
-    folder = tmp_path_factory.mktemp("twin")
-    path = write_study(folder, measured=predicted)
-    return run_study(path, folder / "out"), folder / "out"
 
 
 def some_bounds():
@@ -172,81 +163,27 @@ def test_a_combination_in_words():
 def test_predictions_are_those_of_the_model(predicted):
     soil = Soil(**TRUE, alpha_s=1.0)
     mass, speed = TESTS[1]
-    result = simulate(Block(mass=mass), soil, Impact(speed=speed))
+    impact = Impact(speed=speed)
+    result = simulate(Block(mass=mass), soil, impact, accuracy="reference")
     expected = (result.e_n, result.max_penetration, result.max_normal_force)
-    np.testing.assert_allclose(predicted[1], expected, rtol=1e-9)
+    np.testing.assert_allclose(predicted[1], expected, rtol=1e-6)
 
 
 def test_jacobian_equals_central_differences(tmp_path):
-    _, stepper = stepper_of(
-        write_study(tmp_path, STUDY.replace("seed = 1", 'accuracy = "reference"'))
-    )
+    """Far below the tolerance of any preset, so that differences are not its noise."""
+    _, stepper = stepper_of(write_study(tmp_path))
+    stepper.case = stepper.case._replace(tolerance=jnp.asarray(1e-11))
     z = true_reals(stepper.case.bounds)
-    width = 1e-4
+    width = 1e-3
     steps = width * np.eye(len(z))
     around = np.concatenate([z[None], z + steps, z - steps])
     lanes = stepper.step(fresh_lanes(stepper.case, around))
     plus, minus = np.split(lanes.residuals[1:], 2)
     differences = ((plus - minus) / (2.0 * width)).T
     largest = np.max(np.abs(differences))
-    np.testing.assert_allclose(lanes.jacobian[0], differences, atol=1e-5 * largest)
-
-
-def test_twin_is_recovered(twin):
-    result, _ = twin
-    variant = result.variants[0]
-    found = dict(
-        zip([v.name for v in variant.verdicts], variant.parameters, strict=True)
+    np.testing.assert_allclose(
+        lanes.jacobian[0], differences, rtol=0.0, atol=1e-5 * largest
     )
-    for name, value in TRUE.items():
-        assert found[name] == pytest.approx(value, rel=1e-4)
-    assert variant.failed == 0
-    assert len(variant.start_costs) == 4
-
-
-def test_verdicts_of_the_twin(twin):
-    """Friction under the block has no influence where nothing slides."""
-    result, _ = twin
-    variant = result.variants[0]
-    determined = {v.name: v.determined for v in variant.verdicts}
-    assert determined == {"c_v": True, "gamma_v": True, "k_E": True, "alpha_s": False}
-    assert "no influence" in variant.verdicts[3].reason
-    held = variant.profiles["alpha_s"]
-    assert np.max(held.rise) < 1e-3
-    assert held.low is None
-    assert held.high is None
-
-
-def test_files_of_the_twin(twin):
-    result, out = twin
-    assert sorted(p.name for p in out.iterdir()) == [
-        "fit.json",
-        "fit.png",
-        "fitted.csv",
-        "report.txt",
-    ]
-    report = (out / "report.txt").read_text()
-    assert "The data do not determine alpha_s" in report
-    line = next(x for x in report.splitlines() if x.strip().startswith("alpha_s"))
-    assert "not determined" in line
-    content = json.loads((out / "fit.json").read_text())
-    alpha_s = content["variants"][0]["parameters"]["alpha_s"]
-    assert alpha_s["standard_error"] is None
-    assert content["manifest"]["data"]["sha256"] == result.study.table.sha256
-    assert content["manifest"]["seed"] == 1
-    rows = (out / "fitted.csv").read_text().splitlines()
-    assert len(rows) == 1 + len(TESTS) * len(TARGETS)
-
-
-def test_adam_lowers_the_cost(tmp_path, predicted, monkeypatch):
-    _, stepper = stepper_of(write_study(tmp_path, measured=predicted))
-    monkeypatch.setattr("jaximpact.calibration.fit.ADAM_STEPS", 25)
-    z = np.repeat(true_reals(stepper.case.bounds)[None], 4, axis=0)
-    z = z + 0.3 * np.eye(4)
-    before = stepper.step(fresh_lanes(stepper.case, z)).cost
-    after = fit(stepper, z, method="adam")
-    assert np.all(after.cost[:3] < 0.5 * before[:3])
-    assert set(after.reasons) <= {Reason.step_limit, Reason.converged}
 
 
 BAD = {
@@ -263,7 +200,11 @@ BAD = {
     "absent target": ("seed = 1", 'targets = ["e_bar"]', ("targets", "no column")),
     "no target": ("seed = 1", "targets = []", ("key targets",)),
     "method": ("seed = 1", 'method = "adm"', ("key method", "adam")),
-    "accuracy": ("seed = 1", 'accuracy = "fats"', ("key accuracy", "fast")),
+    "accuracy": (
+        'accuracy = "reference"',
+        'accuracy = "fats"',
+        ("key accuracy", "fast"),
+    ),
     "sigma": ("e_n = 0.01", "e_n = 0.0", ("default_sigma.e_n", "above 0")),
     "sigma of one": ("e_n = 0.01\n", "", ("default_sigma", "e_n has no sigma")),
     "fixed soil": ("[default_sigma]", "[soil]\nk_F = 1.0\n[default_sigma]", ("k_E",)),

@@ -12,12 +12,9 @@ from .solver import Lane, Stepper, fresh_lanes, put, take
 from .transforms import Bounds
 
 METHODS = ("levenberg-marquardt", "adam")
-MAX_STEPS = {"levenberg-marquardt": 80, "adam": 300}
-FLAT_STEPS = 5
-FLAT = 1e-6
-"""A cost that falls by less than this part over `FLAT_STEPS` accepted steps is flat."""
-MAX_REJECTED = 8
-"""Steps in a row, each shorter, none of which lowered the cost."""
+ADAM_STEPS = 300
+FLAT_STEPS = 4
+
 ADAM_RATE, ADAM_DECAY, ADAM_DECAY_STEPS = 0.1, 0.5, 60
 """Adam's step in z at first, and what it is multiplied by every so many steps."""
 ADAM_GRADIENT = 1e-8
@@ -26,6 +23,23 @@ SPREAD = 0.05
 """Starts keep this part of the range away from the bounds."""
 
 Progress = Callable[[str], None]
+
+
+class Patience(NamedTuple):
+    """How long Levenberg-Marquardt goes on."""
+
+    flat: float
+    """Part of the cost; one that falls by less over `FLAT_STEPS` accepted steps has
+    come to its end."""
+    rejected: int
+    """Steps in a row, each shorter, none of which lowered the cost."""
+    steps: int
+
+
+ROUGH = Patience(flat=3e-3, rejected=4, steps=25)
+"""For comparing starts, and for profiles."""
+FINE = Patience(flat=1e-6, rejected=8, steps=60)
+"""For the fit that is reported."""
 
 
 class Reason(enum.Enum):
@@ -74,6 +88,7 @@ def fit(
     anchor=None,
     *,
     method: str = METHODS[0],
+    patience: Patience = FINE,
     progress: Progress = lambda text: None,
 ) -> Fits:
     """Fit from every z until each fit has a reason to stop.
@@ -82,22 +97,23 @@ def fit(
         stepper: of the case.
         z, free, anchor: as for `fresh_lanes`.
         method: one of `METHODS`.
+        patience: of Levenberg-Marquardt.
         progress: called with a line of text after every step.
 
     The same numbers, on the same machine, for the same arguments.
     """
     lanes = fresh_lanes(stepper.case, z, free, anchor)
-    run = _levenberg_marquardt if method == METHODS[0] else _adam
-    return run(stepper, lanes, progress)
+    if method == METHODS[0]:
+        return _levenberg_marquardt(stepper, lanes, patience, progress)
+    return _adam(stepper, lanes, progress)
 
 
-def _levenberg_marquardt(stepper, lanes, progress) -> Fits:
+def _levenberg_marquardt(stepper, lanes, patience, progress) -> Fits:
     count = len(lanes.z)
     reasons: list[Reason | None] = [None] * count
     steps = np.zeros(count, int)
     histories: list[list[float]] = [[] for _ in range(count)]
-    limit = MAX_STEPS[METHODS[0]]
-    for number in range(1, limit + 1):
+    for number in range(1, patience.steps + 1):
         active = [i for i in range(count) if reasons[i] is None]
         if not active:
             break
@@ -109,25 +125,26 @@ def _levenberg_marquardt(stepper, lanes, progress) -> Fits:
             if rejected == 0:
                 histories[lane].append(float(cost[lane]))
             steps[lane] = number
-            reasons[lane] = _reason(
-                histories[lane], rejected, bool(after.state.terminate[place])
-            )
+            terminate = bool(after.state.terminate[place])
+            reasons[lane] = _reason(histories[lane], rejected, terminate, patience)
         progress(_line(number, cost, reasons))
     reasons = [reason or Reason.step_limit for reason in reasons]
     return Fits(lanes, lanes.cost, reasons, steps)
 
 
-def _reason(history: list[float], rejected: int, terminate: bool) -> Reason | None:
+def _reason(
+    history: list[float], rejected: int, terminate: bool, patience: Patience
+) -> Reason | None:
     """Why to stop a fit, given the costs of its accepted steps; None to go on."""
     if not history or not np.isfinite(history[-1]):
         return Reason.failed
     if terminate:
         return Reason.converged
-    if rejected >= MAX_REJECTED:
+    if rejected >= patience.rejected:
         return Reason.stuck
     if len(history) > FLAT_STEPS and rejected == 0:
         fall = history[-1 - FLAT_STEPS] - history[-1]
-        if fall <= FLAT * history[-1]:
+        if fall <= patience.flat * history[-1]:
             return Reason.flat
     return None
 
@@ -141,7 +158,7 @@ def _adam(stepper, lanes, progress) -> Fits:
     best = None
     reasons: list[Reason | None] = [None] * len(z)
     steps = np.zeros(len(z), int)
-    for number in range(1, MAX_STEPS["adam"] + 1):
+    for number in range(1, ADAM_STEPS + 1):
         now = stepper.step(fresh_lanes(stepper.case, z, lanes.free, lanes.anchor))
         cost = now.cost
         gradient = np.einsum("lrp,lr->lp", now.jacobian, now.residuals)

@@ -1,4 +1,4 @@
-"""The compiled step: a Levenberg-Marquardt step of optimistix, for several fits at once.
+"""The compiled step: one of optimistix' Levenberg-Marquardt, for several fits at once.
 
 Each fit is a lane. Lanes are stepped in groups of a fixed size, so that there is one
 program, and those that have come to an end are left out. One step from a fresh lane
@@ -19,7 +19,7 @@ from ..compilation import unfused_jit
 from .residuals import Case, Program, Residuals, function_of_reals
 from .transforms import Parameters
 
-IMPACTS_AT_ONCE = 128
+IMPACTS_AT_ONCE = 64
 """Impacts, tests times lanes, in a group: fewer waste time on dispatch, more on waiting
 for the slowest."""
 TOLERANCE = 1e-6

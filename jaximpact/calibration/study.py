@@ -1,0 +1,248 @@
+"""A whole study: read, fit every variant, judge, write."""
+
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..accuracy import PRESETS
+from ..batch import broadcast_scene
+from ..columns import INPUT_COLUMNS
+from ..errors import InputError
+from ..laws import Laws
+from ..precision import require_float64
+from ..scene import Scene
+from ..simulation import Assembly, is_damped
+from ..soil import Soil
+from .fit import FINE, ROUGH, Fits, Progress, fit, spread_starts
+from .likelihood_profile import LikelihoodProfile, profile
+from .residuals import Case, Program
+from .solver import Stepper, take
+from .study_file import Study, Variant, read_study
+from .transforms import Bounds
+from .uncertainty import USELESS_ERROR, Uncertainty, estimate, jacobian_in_errors
+from .verdict import Verdict, directions, judge_all, weakest_first
+
+MAX_STEPS = 1000
+"""Steps after which an impact of a fit counts as failed: all starts wait for the
+slowest, and a soil on which an impact takes more is not the one looked for."""
+
+LOWER_BY = 1e-3
+"""A profile that finds a cost lower by more than this part starts the fit again."""
+
+
+class VariantResult(NamedTuple):
+    """What the fit of one variant gave; parameters in the units of their columns."""
+
+    variant: Variant
+    bounds: Bounds
+    parameters: np.ndarray
+    """At the best fit."""
+    cost: float
+    predicted: np.ndarray
+    """`(tests, targets)`; NaN where there is no prediction."""
+    failed: int
+    """How many predictions there are not."""
+    uncertainty: Uncertainty
+    verdicts: list[Verdict]
+    directions: list[str]
+    profiles: dict[str, LikelihoodProfile]
+    start_parameters: np.ndarray
+    """Of every start, the given one first."""
+    start_costs: np.ndarray
+    """Where every start ended."""
+    start_reasons: list[str]
+    start_steps: np.ndarray
+    reason: str
+    """Why the fit that is reported stopped."""
+
+
+class StudyResult(NamedTuple):
+    """A study and what it gave."""
+
+    study: Study
+    variants: list[VariantResult]
+    seconds: float
+    """Wall time of all fits, compilation included."""
+
+
+def run_study(
+    study_path: Path, out_dir: Path, *, progress: Progress | None = None
+) -> StudyResult:
+    """Fit a study, and write report.txt, fit.json, fitted.csv and fit.png.
+
+    Args:
+        study_path: the TOML file; the table it names lies relative to it.
+        out_dir: made if need be; files of the same names are replaced, each once it is
+            whole.
+        progress: called with lines of text.
+
+    Raises InputError for a study that cannot be used, RuntimeError if JAX is set to
+    float32.
+    """
+    from .output import make_directory, write_all
+
+    require_float64()
+    study = read_study(study_path)
+    make_directory(Path(out_dir))
+    result = fit_study(study, progress=progress or (lambda text: None))
+    write_all(result, Path(out_dir))
+    return result
+
+
+def fit_study(study: Study, *, progress: Progress = lambda text: None) -> StudyResult:
+    """Fit every variant of a study."""
+    begin = time.perf_counter()
+    soils = [soil_of(study, variant) for variant in study.variants]
+    fitted = tuple(parameter.name for parameter in study.parameters)
+    damped = any(map(is_damped, soils)) or any(n.startswith("eta_") for n in fitted)
+    program = Program(
+        Assembly(Laws(), damped, ledger=False, max_steps=MAX_STEPS),
+        fitted,
+        study.targets,
+    )
+    progress(f"compiling {'with dashpots, which takes minutes' if damped else 'once'}")
+    results = []
+    for variant in study.variants:
+        start = f"{variant.name}: " if len(study.variants) > 1 else ""
+        results.append(
+            _fit_variant(
+                study,
+                program,
+                variant,
+                lambda text, start=start: progress(start + text),
+            )
+        )
+    return StudyResult(study, results, time.perf_counter() - begin)
+
+
+def soil_of(study: Study, variant: Variant) -> Soil:
+    """The fixed soil: the table's columns, else the study's values, else Table 1."""
+    values = dict(study.table.numbers) | study.soil | variant.soil
+    soil_columns = {n: c for n, c in INPUT_COLUMNS.items() if c.part == "soil"}
+    return Soil(
+        **{
+            column.field: column.factor * values[name]
+            for name, column in soil_columns.items()
+            if name in values
+        }
+    )
+
+
+def case_of(study: Study, variant: Variant) -> Case:
+    """The numbers of a variant's fit."""
+    table = study.table.scene()
+    scene = Scene(table.block, soil_of(study, variant), table.impact)
+    scene, _ = broadcast_scene(scene)
+    accuracy = PRESETS[study.accuracy]
+    return Case(
+        scene=jax.tree.map(jnp.asarray, scene),
+        measured=jnp.asarray(study.measured),
+        sigma=jnp.asarray(study.sigma),
+        bounds=bounds_of(study),
+        tolerance=jnp.asarray(accuracy.tolerance),
+        floor=jnp.asarray(accuracy.floor),
+    )
+
+
+def bounds_of(study: Study) -> Bounds:
+    """Ranges of the study's parameters."""
+    return Bounds(
+        lower=jnp.asarray([p.lower for p in study.parameters]),
+        upper=jnp.asarray([p.upper for p in study.parameters]),
+        logarithmic=jnp.asarray([p.logarithmic for p in study.parameters]),
+    )
+
+
+def _fit_variant(
+    study: Study, program: Program, variant: Variant, progress: Progress
+) -> VariantResult:
+    case = case_of(study, variant)
+    bounds = case.bounds
+    stepper = Stepper(program, case, study.starts)
+    given = [parameter.start for parameter in study.parameters]
+    starts = spread_starts(bounds, given, study.starts, study.seed)
+    screened = fit(
+        stepper, starts, method=study.method, patience=ROUGH, progress=progress
+    )
+    if not np.any(np.isfinite(screened.cost)):
+        raise InputError("no start gives a finite cost", file=study.path)
+
+    def refine(z) -> Fits:
+        return fit(
+            stepper,
+            np.asarray(z)[None],
+            patience=FINE,
+            progress=lambda text: progress(f"refining, {text}"),
+        )
+
+    best = refine(screened.lanes.z[screened.best])
+    uncertainty = _uncertainty(study, bounds, best)
+    profiles: dict[str, LikelihoodProfile] = {}
+    for place in _to_be_profiled(bounds, best, uncertainty):
+        found = profile(
+            stepper,
+            place,
+            best.lanes.z[0],
+            best.cost[0],
+            uncertainty.variance,
+            progress,
+        )
+        profiles[found.name] = found
+        if found.lowest_cost < (1.0 - LOWER_BY) * best.cost[0]:
+            best = refine(found.lowest_z)
+            uncertainty = _uncertainty(study, bounds, best)
+    lane = take(best.lanes, 0)
+    parameters = np.asarray(bounds.parameter(jnp.asarray(lane.z)))
+    predicted = study.measured + study.sigma * lane.residuals.reshape(
+        study.measured.shape
+    )
+    predicted = np.where(lane.failed.reshape(predicted.shape) > 0.0, np.nan, predicted)
+    return VariantResult(
+        variant=variant,
+        bounds=bounds,
+        parameters=parameters,
+        cost=float(best.cost[0]),
+        predicted=predicted,
+        failed=int(np.sum(lane.failed)),
+        uncertainty=uncertainty,
+        verdicts=judge_all(program.fitted, parameters, bounds, uncertainty, profiles),
+        directions=directions(program.fitted, bounds, uncertainty),
+        profiles=profiles,
+        start_parameters=np.asarray(jax.vmap(bounds.parameter)(jnp.asarray(starts))),
+        start_costs=screened.cost,
+        start_reasons=[reason.value for reason in screened.reasons],
+        start_steps=screened.steps,
+        reason=best.reasons[0].value,
+    )
+
+
+def _uncertainty(study: Study, bounds: Bounds, best: Fits) -> Uncertainty:
+    lane = take(best.lanes, 0)
+    return estimate(
+        lane.residuals,
+        lane.failed,
+        jacobian_in_errors(bounds, lane.z, lane.jacobian),
+        sigma_given=study.sigma_given,
+    )
+
+
+DOUBTFUL_ERROR = 0.3 * USELESS_ERROR
+"""A standard error above this is looked into by a profile."""
+
+
+def _to_be_profiled(bounds: Bounds, best: Fits, uncertainty: Uncertainty) -> list[int]:
+    """The weakest parameter, and all others that may not be determined."""
+    parameters = bounds.parameter(jnp.asarray(best.lanes.z[0]))
+    order = weakest_first(bounds, parameters, uncertainty)
+    reached = bounds.bound_reached(parameters)
+    return [
+        place
+        for rank, place in enumerate(order)
+        if rank == 0
+        or reached[place]
+        or uncertainty.standard_errors[place] > DOUBTFUL_ERROR
+    ]
