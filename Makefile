@@ -1,4 +1,4 @@
-# make calibrate   set up, fit the studies shipped in calibration/
+# make calibrate   set up, fit the study calibration/wyllie
 # make test        set up, run the tests
 # make lint        set up, check the style
 # make clean       remove the environment, results and caches
@@ -13,7 +13,7 @@ OUT ?= out
 TESTS ?= tests
 
 PIP = $(VENV)/bin/python -m pip --disable-pip-version-check
-STUDIES = wyllie lu2019
+STUDIES = wyllie
 
 .PHONY: help calibrate test lint clean
 

@@ -66,8 +66,8 @@ def pair():
     return columns, simulate_batch(as_scene(columns), accuracy="reference", ledger=True)
 
 
-# Dashpots make a step some twenty times as dear, so two short contacts stand for them.
-@pytest.mark.parametrize("number", [17, 65])
+# Dashpots make a step some twenty times as dear, so one short contact stands for them.
+@pytest.mark.parametrize("number", [17])
 def test_dashpots_as_the_oracle_has_them(number):
     row = {
         name: values[EVERYTHING["scene"] == number][0]
