@@ -1,6 +1,7 @@
 """Many impacts: the same model over arrays of scenes, in chunks on every core."""
 
 import concurrent.futures
+import functools
 import os
 import time
 from collections.abc import Callable
@@ -10,12 +11,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from .accuracy import Accuracy, get_accuracy
+from .block import Block
 from .checks import check_scene
-from .compilation import unfused_jit
+from .compilation import compile_unfused
 from .laws import Laws
 from .precision import require_float64
-from .scene import Scene
+from .scene import Impact, Scene
 from .simulation import Assembly, ImpactResult, Numbers, compute
+from .soil import Soil
 
 CHUNK, SMALL_CHUNK = 256, 32
 """Impacts integrated in lockstep. Fewer waste time on dispatch, more on waiting for the
@@ -23,11 +26,24 @@ slowest. A chunk that is not full is filled up with copies; up to 32 impacts go 
 small one."""
 
 
-def _compute_chunk(assembly, scenes, tolerance, floor):
-    return jax.vmap(lambda scene: compute(assembly, scene, tolerance, floor))(scenes)
+def chunk_size(lanes: np.ndarray) -> int:
+    """How many impacts the program that takes these lanes integrates at once."""
+    return SMALL_CHUNK if len(lanes) <= SMALL_CHUNK else CHUNK
 
 
-_compiled_chunk = unfused_jit(_compute_chunk, static_argnums=(0,))
+@functools.lru_cache(maxsize=16)
+def _program(assembly: Assembly, size: int) -> Callable:
+    """What computes one chunk, compiled: `(scenes, tolerance, floor)` to `Numbers`."""
+
+    def compute_chunk(scenes, tolerance, floor):
+        return jax.vmap(lambda scene: compute(assembly, scene, tolerance, floor))(
+            scenes
+        )
+
+    shapes = jax.tree.map(
+        lambda _: jax.ShapeDtypeStruct((size,), float), Scene(Block(), Soil(), Impact())
+    )
+    return compile_unfused(compute_chunk, shapes, 1.0, 1.0)
 
 
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
@@ -92,7 +108,6 @@ def simulate_batch(
     check_scene(scene, batched=True)
     scene, count = broadcast_scene(scene)
     timing = {} if timing is None else timing
-    timing.update(compile_s=0.0, run_s=0.0)
 
     soil = scene.soil
     damped = (soil.eta_N > 0.0) | (soil.eta_T > 0.0) | (soil.eta_R > 0.0)
@@ -104,14 +119,10 @@ def simulate_batch(
         parts = [lanes[i : i + CHUNK] for i in range(0, len(lanes), CHUNK)]
         chunks += [(assembly, part) for part in parts]
 
-    tolerance = jnp.asarray(setting.tolerance)
-    floor = jnp.asarray(setting.floor)
-
-    def run(assembly: Assembly, lanes: np.ndarray) -> Numbers:
-        size = SMALL_CHUNK if len(lanes) <= SMALL_CHUNK else CHUNK
-        filled = np.resize(lanes, size)  # repeats the lanes to fill the chunk
+    def run(lanes: np.ndarray, program: Callable) -> Numbers:
+        filled = np.resize(lanes, chunk_size(lanes))  # repeats lanes to fill the chunk
         scenes = jax.tree.map(lambda leaf: jnp.asarray(leaf[filled]), scene)
-        numbers = _compiled_chunk(assembly, scenes, tolerance, floor)
+        numbers = program(scenes, setting.tolerance, setting.floor)
         return jax.tree.map(lambda x: np.asarray(x)[: len(lanes)], numbers)
 
     columns: Numbers | None = None
@@ -130,34 +141,20 @@ def simulate_batch(
         if progress is not None:
             progress(done, count)
 
-    # The first chunk of each program compiles it; its run is counted as compilation.
-    waiting, seen = [], set()
-    for assembly, lanes in chunks:
-        program = (assembly, len(lanes) <= SMALL_CHUNK)
-        if program in seen:
-            waiting.append((assembly, lanes))
-            continue
-        seen.add(program)
-        start = time.perf_counter()
-        numbers = run(assembly, lanes)
-        first = time.perf_counter() - start
-        start = time.perf_counter()
-        numbers = run(assembly, lanes)
-        again = time.perf_counter() - start
-        timing["compile_s"] += max(first - again, 0.0)
-        timing["run_s"] += again
-        keep(lanes, numbers)
+    start = time.perf_counter()
+    programs = [_program(assembly, chunk_size(lanes)) for assembly, lanes in chunks]
+    timing["compile_s"] = time.perf_counter() - start
 
     start = time.perf_counter()
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         running = {}
         try:
-            for assembly, lanes in waiting:
-                running[pool.submit(run, assembly, lanes)] = lanes
+            for (_, lanes), program in zip(chunks, programs, strict=True):
+                running[pool.submit(run, lanes, program)] = lanes
             for future in concurrent.futures.as_completed(running):
                 keep(running[future], future.result())
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-    timing["run_s"] += time.perf_counter() - start
+    timing["run_s"] = time.perf_counter() - start
     return ImpactResult(**columns._asdict(), scene=scene, accuracy=setting)

@@ -34,6 +34,13 @@ def is_inside_jit(*arguments) -> bool:
     return any(not _traces(leaf) <= EAGER_TRACES for leaf in leaves)
 
 
+def compile_unfused(function: Callable, *arguments) -> Callable:
+    """The function compiled for arguments of these shapes, without fusion on a CPU."""
+    on_cpu = jax.default_backend() == "cpu"
+    jitted = jax.jit(function, compiler_options=UNFUSED if on_cpu else None)
+    return jitted.lower(*arguments).compile()
+
+
 def unfused_jit(function: Callable, static_argnums: tuple[int, ...] = ()) -> Callable:
     """`jax.jit` that leaves out fusion on a CPU.
 

@@ -1,8 +1,9 @@
 """One impact integrated from touch to end: diffrax, Rodas5P and the end events.
 
-The solver's state is one vector, the fields of `Motion`. What is wanted besides the end state (largest force and depth, energy ledger) is folded over the
-accepted steps by `FoldingSolver`, so that it costs the step size control nothing and no
-history need be kept.
+The solver's state is one vector, the fields of `Motion`. What is wanted
+besides the end state (largest force and depth, energy ledger) is folded over the accepted
+steps by `FoldingSolver`, so that it costs the step size control nothing and no history
+need be kept.
 
 diffrax watches one margin, the least of all, and stops when it has come to zero. The
 root is found by the step size control: a step that ends beyond zero is rejected and
@@ -214,6 +215,16 @@ def pose(
     return problem, jnp.stack(motion)
 
 
+def hermite_cubic(start, start_rate, end, end_rate, width):
+    """Coefficients a, b, c of the cubic `start + a s + b s^2 + c s^3`, s from 0 to 1,
+    through both ends' values and rates."""
+    a = width * start_rate
+    rise = end - start
+    b = 3.0 * rise - 2.0 * a - width * end_rate
+    c = a + width * end_rate - 2.0 * rise
+    return a, b, c
+
+
 def peak_of_cubic(start, start_rate, end, end_rate, width):
     """Largest value on a step of the cubic through both ends' values and rates.
 
@@ -222,10 +233,7 @@ def peak_of_cubic(start, start_rate, end, end_rate, width):
         the end counts. Finite, with finite gradients, for every input: flat steps and
         steps of no width give the end's value.
     """
-    a = width * start_rate
-    rise = end - start
-    b = 3.0 * rise - 2.0 * a - width * end_rate
-    c = a + width * end_rate - 2.0 * rise
+    a, b, c = hermite_cubic(start, start_rate, end, end_rate, width)
     # derivative a + 2 b s + 3 c s^2; its maximum root in the form without cancellation
     root = safe_sqrt(b * b - 3.0 * a * c)
     divisor = -b + root
@@ -297,32 +305,20 @@ def fold_step(problem: Problem, fold: Fold, time, step: DenseOutput) -> Fold:
 
 @jax.jit
 def advance(problem: Problem, course: Course, time: Scalar, width: Scalar):
-    """One step: the course after it, the error in units of what is allowed, the dense
-    output. (`jit` keeps diffrax from tracing it four times over.)"""
+    """One step: the course after it, and the error in units of what is allowed. (`jit`
+    keeps diffrax from tracing it four times over.)"""
     vector, error, stages = rodas5p_step(
         problem.rate, course.vector, width, jacobian_pattern(problem.damped)
     )
     size = jnp.maximum(jnp.abs(course.vector), jnp.abs(vector))
     allowed = problem.tolerance * (size + problem.floor * problem.scale)
-    dense = dense_output(course.vector, vector, stages)
-    step = DenseOutput(t0=jnp.zeros_like(width), t1=width, **dense)
+    step = DenseOutput(
+        t0=jnp.zeros_like(width),
+        t1=width,
+        **dense_output(course.vector, vector, stages),
+    )
     after = Course(vector, fold_step(problem, course.fold, time, step))
-    return after, jax.lax.stop_gradient(error / allowed), dense
-
-
-class CourseInterpolation(diffrax.AbstractLocalInterpolation):
-    """Dense output of `FoldingSolver`: the state inside a step, all else at its end."""
-
-    t0: Float[Array, ""]
-    t1: Float[Array, ""]
-    dense: dict[str, Array]
-    fold: Fold
-
-    def evaluate(self, t0, t1=None, left=True):
-        if t1 is not None:
-            raise NotImplementedError("increments of a course have no meaning")
-        step = DenseOutput(t0=self.t0, t1=self.t1, **self.dense)
-        return Course(step.evaluate(t0), self.fold)
+    return after, jax.lax.stop_gradient(error / allowed)
 
 
 class FoldingSolver(diffrax.AbstractAdaptiveSolver):
@@ -333,7 +329,8 @@ class FoldingSolver(diffrax.AbstractAdaptiveSolver):
     """
 
     term_structure: ClassVar = diffrax.ODETerm
-    interpolation_cls: ClassVar = CourseInterpolation
+    # Saved are steps and the end, and the event is landed on: nothing interpolates.
+    interpolation_cls: ClassVar = diffrax.LocalLinearInterpolation
 
     def order(self, terms):
         return 5
@@ -345,9 +342,9 @@ class FoldingSolver(diffrax.AbstractAdaptiveSolver):
         return terms.vf(t0, y0, args)
 
     def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
-        after, error, dense = advance(args, y0, t0, terms.contr(t0, t1))
+        after, error = advance(args, y0, t0, terms.contr(t0, t1))
         errors = jax.tree.map(jnp.zeros_like, after)._replace(vector=error)
-        info = dict(dense=dense, fold=after.fold)
+        info = dict(y0=y0, y1=after)
         return after, errors, info, solver_state, diffrax.RESULTS.successful
 
 
@@ -364,10 +361,7 @@ def root_of_cubic(start, start_rate, end, end_rate, width):
     For start > 0 > end. Five Newton steps kept inside the bracket; where they have not
     converged the landing takes one more step.
     """
-    a = width * start_rate
-    rise = end - start
-    b = 3.0 * rise - 2.0 * a - width * end_rate
-    c = a + width * end_rate - 2.0 * rise
+    a, b, c = hermite_cubic(start, start_rate, end, end_rate, width)
     low, high = jnp.zeros_like(a), jnp.ones_like(a)
     s = start / (start - end)
     for _ in range(5):
