@@ -1,10 +1,17 @@
-"""Many impacts: the same model over arrays of scenes, in chunks on every core."""
+"""Many impacts: the same model over arrays of scenes, on every core.
+
+Each worker keeps so many lanes going. A lane that has ended changes places with one that
+waits at its start, so that no lane waits for the slowest; once all that waited have
+ended, their results are worked out together and the next scenes take their places.
+"""
 
 import concurrent.futures
 import functools
 import os
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -14,36 +21,69 @@ from .accuracy import Accuracy, get_accuracy
 from .block import Block
 from .checks import check_scene
 from .compilation import compile_unfused
+from .lanes import Lanes, end_lanes, march, start_lanes
 from .laws import Laws
 from .precision import require_float64
+from .problem import Assembly
 from .scene import Impact, Scene
-from .simulation import Assembly, ImpactResult, Numbers, compute
+from .simulation import ImpactResult, Numbers, has_dashpots, summarise
 from .soil import Soil
 
-CHUNK, SMALL_CHUNK = 256, 32
-"""Impacts integrated in lockstep. Fewer waste time on dispatch, more on waiting for the
-slowest. A chunk that is not full is filled up with copies; up to 32 impacts go in the
-small one."""
+WIDTH, SMALL_WIDTH = 512, 32
+"""Impacts that a worker integrates side by side: fewer waste time on dispatch, more on
+memory. Up to 32 impacts a core take the small program, whose steps are shorter."""
+CORES = os.cpu_count() or 1
+STEPS = 16
+"""Steps between two looks at which lanes have ended."""
 
 
-def chunk_size(lanes: np.ndarray) -> int:
-    """How many impacts the program that takes these lanes integrates at once."""
-    return SMALL_CHUNK if len(lanes) <= SMALL_CHUNK else CHUNK
+class Programs(NamedTuple):
+    """What a worker runs, compiled for one width."""
+
+    width: int
+    start: Callable[..., Lanes]
+    """From scenes, tolerance and floor."""
+    march: Callable[[Lanes], Lanes]
+    exchange: Callable[..., tuple[Lanes, Lanes]]
+    """Permutes the lanes of two sets: `(going, waiting, order)`."""
+    finish: Callable[[Scene, Lanes], Numbers]
 
 
 @functools.lru_cache(maxsize=16)
-def _program(assembly: Assembly, size: int) -> Callable:
-    """What computes one chunk, compiled: `(scenes, tolerance, floor)` to `Numbers`."""
+def compile_programs(assembly: Assembly, width: int) -> Programs:
+    """The programs of an assembly of the model."""
 
-    def compute_chunk(scenes, tolerance, floor):
-        return jax.vmap(lambda scene: compute(assembly, scene, tolerance, floor))(
-            scenes
+    def start(scenes, tolerance, floor):
+        return start_lanes(assembly, scenes, tolerance, floor)
+
+    def exchange(going, waiting, order):
+        both = jax.tree.map(
+            lambda a, b: jnp.take(jnp.concatenate([a, b], -1), order, -1),
+            going,
+            waiting,
+        )
+        return (
+            jax.tree.map(lambda x: x[..., :width], both),
+            jax.tree.map(lambda x: x[..., width:], both),
         )
 
-    shapes = jax.tree.map(
-        lambda _: jax.ShapeDtypeStruct((size,), float), Scene(Block(), Soil(), Impact())
+    def finish(scenes, lanes):
+        summary = jax.vmap(summarise, in_axes=(0, -1, 0))
+        return summary(scenes, lanes.problem, end_lanes(lanes))
+
+    scenes = jax.tree.map(
+        lambda _: jax.ShapeDtypeStruct((width,), float),
+        Scene(Block(), Soil(), Impact()),
     )
-    return compile_unfused(compute_chunk, shapes, 1.0, 1.0)
+    lanes = jax.eval_shape(start, scenes, 1.0, 1.0)
+    order = jax.ShapeDtypeStruct((2 * width,), int)
+    return Programs(
+        width,
+        compile_unfused(start, scenes, 1.0, 1.0),
+        compile_unfused(lambda lanes: march(lanes, STEPS), lanes),
+        compile_unfused(exchange, lanes, lanes, order),
+        compile_unfused(finish, scenes, lanes),
+    )
 
 
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
@@ -65,14 +105,119 @@ def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
 
 
 def order_by_effort(scene: Scene) -> np.ndarray:
-    """An order of the scenes that puts like efforts side by side.
+    """An order of the scenes that puts the longest contacts first.
 
-    Lanes of a chunk wait for the slowest. Slow are the contacts that last: those of
-    little speed into the ground, in units of what gravity gives over a block's size.
+    At the end of a batch lanes stand empty while the last ones finish. Long are the
+    contacts of little speed into the ground, in units of what gravity gives over a
+    block's size.
     """
     speed = np.asarray(scene.impact.speed) * np.cos(np.asarray(scene.impact.angle))
     size = np.cbrt(np.asarray(scene.block.mass) / np.asarray(scene.block.density))
     return np.argsort(speed / np.sqrt(size), kind="stable")
+
+
+class Part(NamedTuple):
+    """Scenes that wait to be integrated, or have been, with the lanes they took."""
+
+    places: np.ndarray
+    """Where each belongs in the batch; -1 for a lane that only fills up."""
+    scenes: Scene
+    lanes: Lanes
+
+
+class Worker:
+    """Integrates parts of a batch, as it gets them, and hands over results."""
+
+    def __init__(self, programs: Programs, scene: Scene, accuracy: Accuracy):
+        self.programs, self.scene, self.accuracy = programs, scene, accuracy
+
+    def start(self, places: np.ndarray) -> Part:
+        """A part at the start; filled up with copies of its scenes, which do not count."""
+        width = self.programs.width
+        filled = np.resize(places, width)
+        scenes = jax.tree.map(lambda leaf: np.asarray(leaf[filled]), self.scene)
+        setting = self.accuracy
+        lanes = self.programs.start(scenes, setting.tolerance, setting.floor)
+        counted = np.where(np.arange(width) < len(places), filled, -1)
+        return Part(counted, scenes, lanes)
+
+    def finish(self, part: Part) -> tuple[np.ndarray, Numbers]:
+        """Places and results of a part none of whose lanes is going."""
+        numbers = self.programs.finish(part.scenes, part.lanes)
+        counted = part.places >= 0
+        return part.places[counted], jax.tree.map(
+            lambda x: np.asarray(x)[counted], numbers
+        )
+
+    def run(
+        self, parts: Iterator[np.ndarray], stop: threading.Event
+    ) -> Iterator[tuple[np.ndarray, Numbers]]:
+        """Results of the parts, in the order in which lanes come to their ends."""
+        first = next(parts, None)
+        if first is None:
+            return
+        going, waiting = self.start(first), None
+        width = self.programs.width
+        fresh = np.zeros(width, bool)  # lanes of `waiting` that are still to be run
+        while not stop.is_set():
+            lanes = self.programs.march(going.lanes)
+            going = going._replace(lanes=lanes)
+            ended = ~np.asarray(lanes.going)
+            if waiting is None:
+                if np.all(ended):
+                    yield self.finish(going)
+                    return
+                if np.sum(ended) < width // 8:
+                    continue
+                waiting, fresh, parts = self._next(parts)
+                if waiting is None:
+                    continue
+            leave, enter = np.flatnonzero(ended), np.flatnonzero(fresh)
+            count = min(len(leave), len(enter))
+            if count:
+                going, waiting = self._swap(
+                    going, waiting, leave[:count], enter[:count]
+                )
+                fresh[enter[:count]] = False
+            if not np.any(fresh):
+                yield self.finish(waiting)
+                waiting = None
+
+    def _next(self, parts):
+        places = next(parts, None)
+        if places is None:
+            return None, None, parts
+        part = self.start(places)
+        return part, part.places >= 0, parts
+
+    def _swap(self, going: Part, waiting: Part, leave, enter) -> tuple[Part, Part]:
+        width = self.programs.width
+        order = np.arange(2 * width)
+        order[leave], order[width + enter] = width + enter, leave
+        lanes = self.programs.exchange(going.lanes, waiting.lanes, order)
+
+        def exchanged(a, b):
+            both = np.concatenate([a, b])[order]
+            return both[:width], both[width:]
+
+        places = exchanged(going.places, waiting.places)
+        leaves = [
+            exchanged(a, b)
+            for a, b in zip(
+                jax.tree.leaves(going.scenes),
+                jax.tree.leaves(waiting.scenes),
+                strict=True,
+            )
+        ]
+        structure = jax.tree.structure(going.scenes)
+        return tuple(
+            Part(
+                places[i],
+                jax.tree.unflatten(structure, [leaf[i] for leaf in leaves]),
+                lanes[i],
+            )
+            for i in (0, 1)
+        )
 
 
 def simulate_batch(
@@ -90,7 +235,7 @@ def simulate_batch(
         scene: fields that broadcast to one shape `(n,)`.
         accuracy, laws: as for `simulate`.
         ledger: also keep the energy ledger of each impact.
-        progress: called as `progress(done, n)` after each chunk.
+        progress: called as `progress(done, n)` as results come in.
         timing: a dictionary to be given `compile_s` and `run_s`.
 
     Returns:
@@ -108,53 +253,65 @@ def simulate_batch(
     check_scene(scene, batched=True)
     scene, count = broadcast_scene(scene)
     timing = {} if timing is None else timing
-
-    soil = scene.soil
-    damped = (soil.eta_N > 0.0) | (soil.eta_T > 0.0) | (soil.eta_R > 0.0)
-    effort = order_by_effort(scene)
-    chunks = []
-    for has_dashpots in (False, True):
-        lanes = effort[damped[effort] == has_dashpots]
-        assembly = Assembly(laws, has_dashpots, ledger)
-        parts = [lanes[i : i + CHUNK] for i in range(0, len(lanes), CHUNK)]
-        chunks += [(assembly, part) for part in parts]
-
-    def run(lanes: np.ndarray, program: Callable) -> Numbers:
-        filled = np.resize(lanes, chunk_size(lanes))  # repeats lanes to fill the chunk
-        scenes = jax.tree.map(lambda leaf: jnp.asarray(leaf[filled]), scene)
-        numbers = program(scenes, setting.tolerance, setting.floor)
-        return jax.tree.map(lambda x: np.asarray(x)[: len(lanes)], numbers)
+    timing |= {"compile_s": 0.0, "run_s": 0.0}
 
     columns: Numbers | None = None
     done = 0
+    lock = threading.Lock()
 
-    def keep(lanes, numbers: Numbers) -> None:
+    def keep(places: np.ndarray, numbers: Numbers) -> None:
         nonlocal columns, done
-        if columns is None:
-            columns = jax.tree.map(lambda _: np.empty(count), numbers)
+        with lock:
+            if columns is None:
+                columns = jax.tree.map(lambda _: np.empty(count), numbers)
+            for column, values in zip(
+                jax.tree.leaves(columns), jax.tree.leaves(numbers), strict=True
+            ):
+                column[places] = values
+            done += len(places)
+            if progress is not None:
+                progress(done, count)
 
-        def put(column, values):
-            column[lanes] = values
-
-        jax.tree.map(put, columns, numbers)
-        done += len(lanes)
-        if progress is not None:
-            progress(done, count)
-
-    start = time.perf_counter()
-    programs = [_program(assembly, chunk_size(lanes)) for assembly, lanes in chunks]
-    timing["compile_s"] = time.perf_counter() - start
-
-    start = time.perf_counter()
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        running = {}
-        try:
-            for (_, lanes), program in zip(chunks, programs, strict=True):
-                running[pool.submit(run, lanes, program)] = lanes
-            for future in concurrent.futures.as_completed(running):
-                keep(running[future], future.result())
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-    timing["run_s"] = time.perf_counter() - start
+    effort = order_by_effort(scene)
+    damped = has_dashpots(scene.soil)[effort]
+    for is_damped in (False, True):
+        chosen = effort[damped == is_damped]
+        if not len(chosen):
+            continue
+        begin = time.perf_counter()
+        width = SMALL_WIDTH if len(chosen) <= SMALL_WIDTH * CORES else WIDTH
+        programs = compile_programs(Assembly(laws, is_damped, ledger), width)
+        started = time.perf_counter()
+        _run_on_every_core(Worker(programs, scene, setting), chosen, keep)
+        timing["compile_s"] += started - begin
+        timing["run_s"] += time.perf_counter() - started
     return ImpactResult(**columns._asdict(), scene=scene, accuracy=setting)
+
+
+def _run_on_every_core(worker: Worker, chosen: np.ndarray, keep: Callable) -> None:
+    """Let several threads take parts of the chosen scenes until none are left."""
+    # No larger parts than give every core one.
+    size = min(worker.programs.width, -(-len(chosen) // CORES))
+    parts = iter([chosen[i : i + size] for i in range(0, len(chosen), size)])
+    lock, stop = threading.Lock(), threading.Event()
+
+    def take() -> Iterator[np.ndarray]:
+        while True:
+            with lock:
+                part = next(parts, None)
+            if part is None:
+                return
+            yield part
+
+    def work() -> None:
+        for places, numbers in worker.run(take(), stop):
+            keep(places, numbers)
+
+    with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
+        try:
+            running = [pool.submit(work) for _ in range(CORES)]
+            for future in concurrent.futures.as_completed(running):
+                future.result()
+        except BaseException:
+            stop.set()
+            raise

@@ -21,7 +21,6 @@ displacement is in rate form, because the block may turn a lot; the paper prints
 $u_t - r_n\theta$.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
@@ -30,8 +29,8 @@ from jaxtyping import Array, Float
 
 from .block import SemiAxes
 from .foundation import Foundation, foundation, support_radius
-from .laws import BearingFactors, FlowRate, Laws, Stiffness
-from .rosenbrock import factorise, substitute
+from .laws import BearingFactors, Branch, FlowRate, Laws, Load, Stiffness
+from .rosenbrock import factorise, jacobian_columns, substitute
 from .safe import TINY
 from .scene import GRAVITY, Scene
 from .soil import Soil
@@ -46,8 +45,8 @@ SMALLEST_FOUNDATION = 1e-6
 """Sizes of the foundation are not taken below this part of R, so that the laws stay
 finite where the solver probes a state out of contact; at the least sinking of a
 contact, 0.5e-6 R, the foundation is a thousand times larger."""
-LOOP_TOLERANCE = 1e-12
-"""Relative change at which the forces of springs and dashpots are settled."""
+GAP_TOLERANCE = 1e-12
+"""Relative gap at which the forces of springs and dashpots at touch are settled."""
 
 
 class Motion(NamedTuple):
@@ -137,6 +136,9 @@ class Contact(NamedTuple):
     """N before it is cut off at zero, for the event that it ends."""
     elastic_forces: Forces
     """Part of the forces that the springs carry; the normal one may be negative."""
+    approach: tuple[Scalar, Scalar, Scalar]
+    """Velocities at which the block presses on the ground: sinking, sliding, turning."""
+    load: Load
     flow: FlowRate
     slip: Scalar
     hardening_rate: Scalar
@@ -171,138 +173,173 @@ def floored_sizes(ground: Ground, base: Foundation) -> tuple[Scalar, Scalar]:
     return jnp.maximum(base.length, floor), jnp.maximum(base.width, floor)
 
 
-def contact(ground: Ground, laws: Laws, motion: Motion, *, damped: bool) -> Contact:
+def contact(
+    ground: Ground,
+    laws: Laws,
+    motion: Motion,
+    forces: Forces | None = None,
+    branch: Branch | None = None,
+) -> Contact:
     """Foundation, forces and flow at one state.
 
     Args:
         ground: constants of the impact.
         laws: the constitutive functions.
         motion: the state.
-        damped: whether there are dashpots; without them the springs give the forces
-            outright, with them the forces solve an algebraic loop.
+        forces: what springs and dashpots carry together, the normal one not cut off; None
+            without dashpots, where the springs carry all.
+        branch: the side taken at each switch of the laws, if not the one where the state
+            is.
 
     Finite for every finite input. Kinks: see the laws.
     """
     soil = ground.soil
     base = contact_geometry(ground, motion.penetration, motion.rotation)
     length, width = floored_sizes(ground, base)
-    stiffness = laws.elastic_stiffness(length, width, ground.unit_weight_normal, soil)
+    stiffness = laws.elastic_stiffness(
+        length, width, ground.unit_weight_normal, soil, branch=branch
+    )
     springs = Forces(
         stiffness.normal * motion.elastic_normal,
         stiffness.tangential * motion.elastic_tangential,
         stiffness.rotational * motion.elastic_rotation,
     )
     capacity = laws.bearing_capacity(
-        length, width, base.sinking, ground.unit_weight_normal, ground.bearing
+        length,
+        width,
+        base.sinking,
+        ground.unit_weight_normal,
+        ground.bearing,
+        branch=branch,
     )
     friction_slope = ground.bearing.friction_slope
+    normal_before_cut = springs.normal if forces is None else forces.normal
+    forces = springs if forces is None else forces
+    forces = forces._replace(normal=jnp.maximum(forces.normal, 0.0))
 
-    def yielding(forces: Forces) -> tuple[FlowRate, Scalar]:
-        normal = jnp.maximum(forces.normal, 0.0)
-        load = laws.loading_surface(
-            normal / capacity,
-            forces.tangential / (friction_slope * capacity),
-            forces.moment / (soil.psi * length * capacity),
-            soil.beta,
-        )
-        flow = laws.flow_rate(load, motion.hardening, length, friction_slope, soil)
-        slip = laws.slip_rate(
-            forces.tangential, normal, stiffness.tangential, ground.slider_friction
-        )
-        return flow, slip
-
+    load = laws.loading_surface(
+        forces.normal / capacity,
+        forces.tangential / (friction_slope * capacity),
+        forces.moment / (soil.psi * length * capacity),
+        soil.beta,
+    )
+    flow = laws.flow_rate(
+        load, motion.hardening, length, friction_slope, soil, branch=branch
+    )
+    slip = laws.slip_rate(
+        forces.tangential,
+        forces.normal,
+        stiffness.tangential,
+        ground.slider_friction,
+        branch=branch,
+    )
     approach = (
         motion.normal_velocity + base.tangency_arm * motion.angular_velocity,
         motion.tangential_velocity - base.normal_arm * motion.angular_velocity,
         motion.angular_velocity,
     )
-
-    def elastic_rates(flow: FlowRate, slip: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-        return (
-            approach[0] - flow.normal,
-            approach[1] - flow.tangential - slip,
-            approach[2] - flow.rotational,
-        )
-
-    forces = springs
-    if damped:
-        dashpots = laws.dashpots(stiffness, ground.mass, ground.inertia, soil)
-
-        def springs_and_dashpots(forces: Forces) -> Forces:
-            rates = elastic_rates(*yielding(forces))
-            return Forces(
-                *(s + c * r for s, c, r in zip(springs, dashpots, rates, strict=True))
-            )
-
-        unyielding = Forces(
-            *(s + c * r for s, c, r in zip(springs, dashpots, approach, strict=True))
-        )
-        forces = solve_loop(springs_and_dashpots, springs, unyielding)
-    flow, slip = yielding(forces)
     return Contact(
         foundation=base,
         stiffness=stiffness,
-        forces=forces._replace(normal=jnp.maximum(forces.normal, 0.0)),
-        normal_force_before_cut=forces.normal,
+        forces=forces,
+        normal_force_before_cut=normal_before_cut,
         elastic_forces=springs,
+        approach=approach,
+        load=load,
         flow=flow,
         slip=slip,
-        hardening_rate=laws.hardening_rate(motion.hardening, flow, length, width, soil),
-        elastic_rates=elastic_rates(flow, slip),
+        hardening_rate=laws.hardening_rate(
+            motion.hardening, flow, length, width, soil, branch=branch
+        ),
+        elastic_rates=(
+            approach[0] - flow.normal,
+            approach[1] - flow.tangential - slip,
+            approach[2] - flow.rotational,
+        ),
     )
 
 
-def solve_loop(
-    springs_and_dashpots: Callable[[Forces], Forces],
-    springs: Forces,
-    unyielding: Forces,
-) -> Forces:
-    """Forces that fulfil `forces = springs_and_dashpots(forces)`.
+def force_gap(ground: Ground, laws: Laws, now: Contact) -> Forces:
+    """What springs and dashpots carry, less the forces that the contact was given.
 
-    The rate of flow depends on the forces, the rates of the springs on that of flow, and
-    the dashpots' forces on these. Newton's method from the forces without any yielding:
-    the residual is convex and steeper beyond the kinks of yield and slip, so steps from
-    there seldom overshoot; two short ones in every eight end a cycle between the sides
-    of a kink. Derivatives of every order are those of the implicit
-    function.
+    Zero where the forces are those of the model: flow and slip, and with them the rates
+    of the springs and the dashpots' forces, depend on the forces themselves.
     """
-    size = [
-        jnp.abs(a) + jnp.abs(b) + TINY for a, b in zip(springs, unyielding, strict=True)
+    dashpots = laws.dashpots(now.stiffness, ground.mass, ground.inertia, ground.soil)
+    carried = [
+        spring + coefficient * rate
+        for spring, coefficient, rate in zip(
+            now.elastic_forces, dashpots, now.elastic_rates, strict=True
+        )
     ]
+    return Forces(
+        carried[0] - now.normal_force_before_cut,
+        carried[1] - now.forces.tangential,
+        carried[2] - now.forces.moment,
+    )
 
-    def residual(values):
-        found = springs_and_dashpots(Forces(*values))
-        return [f - v for f, v in zip(found, values, strict=True)]
 
-    def linear_solve(linear_map, right_hand_side):
-        columns = [
-            linear_map([jnp.full_like(x, float(i == j)) for i, x in enumerate(size)])
-            for j in range(3)
-        ]
-        rows = [{j: columns[j][i] for j in range(3)} for i in range(3)]
-        return substitute(*factorise(rows), right_hand_side)
+def forces_at_touch(ground: Ground, laws: Laws, motion: Motion) -> Forces:
+    """Forces of springs and dashpots that fulfil the model at a state.
 
-    def solve(residual, guess):
-        def unsolved(carry):
-            _, change, tries = carry
-            return jnp.any(change > LOOP_TOLERANCE) & (tries < 48)
+    Newton's method from the forces that there would be without any yielding. A step that
+    makes the gap larger is halved, a few times at most: on a kink the gap has to grow
+    before it falls. The derivative is that of the implicit function; a last step, nil in
+    value, carries it.
+    """
+    unforced = contact(ground, laws, motion)
+    dashpots = laws.dashpots(
+        unforced.stiffness, ground.mass, ground.inertia, ground.soil
+    )
+    unyielding = [
+        spring + coefficient * rate
+        for spring, coefficient, rate in zip(
+            unforced.elastic_forces, dashpots, unforced.approach, strict=True
+        )
+    ]
+    radius = ground.axes.minor
+    scale = unyielding[0] + jnp.abs(unyielding[1]) + jnp.abs(unyielding[2]) / radius
 
-        def improve(carry):
-            values, _, tries = carry
-            factor = jnp.where(tries % 8 < 6, 1.0, jnp.where(tries % 8 == 6, 0.5, 0.2))
-            errors, linear_map = jax.linearize(residual, list(values))
-            steps = linear_solve(linear_map, errors)
-            stepped = tuple(v - factor * c for v, c in zip(values, steps, strict=True))
-            change = sum(
-                jnp.abs(c) / (jnp.abs(v) + 1e-12 * s + TINY)
-                for v, c, s in zip(stepped, steps, size, strict=True)
-            )
-            return stepped, change, tries + 1
+    def gap(values):
+        now = contact(ground, laws, motion, Forces(*values))
+        return list(force_gap(ground, laws, now))
 
-        start = (tuple(guess), jnp.full_like(guess[0], jnp.inf), 0)
-        return list(jax.lax.while_loop(unsolved, improve, start)[0])
+    def newton_step(values):
+        columns = jacobian_columns(gap, values)
+        rows = [{j: -columns[j][i] for j in range(3)} for i in range(3)]
+        errors = gap(values)
+        relative = jnp.sqrt(
+            errors[0] ** 2 + errors[1] ** 2 + (errors[2] / radius) ** 2
+        ) / (scale + TINY)
+        return substitute(*factorise(rows), errors), relative
 
-    return Forces(*jax.lax.custom_root(residual, list(unyielding), solve, linear_solve))
+    def unsolved(carry):
+        _, _, _, relative, tries = carry
+        return jnp.any(relative > GAP_TOLERANCE) & (tries < 100)
+
+    def improve(carry):
+        values, step, factor, relative, tries = carry
+        tried = [v + factor * s for v, s in zip(values, step, strict=True)]
+        next_step, error = newton_step(tried)
+        taken = (error < relative) | (factor < 0.1)
+
+        def choose(new, old):
+            return [jnp.where(taken, n, o) for n, o in zip(new, old, strict=True)]
+
+        return (
+            choose(tried, values),
+            choose(next_step, step),
+            jnp.where(taken, 1.0, 0.5 * factor),
+            jnp.where(taken, error, relative),
+            tries + 1,
+        )
+
+    step, relative = newton_step(unyielding)
+    start = (unyielding, step, jnp.ones_like(relative), relative, 0)
+    values = jax.lax.while_loop(unsolved, improve, jax.lax.stop_gradient(start))[0]
+    values = jax.lax.stop_gradient(values)
+    step, _ = newton_step(values)
+    return Forces(*(v + s for v, s in zip(values, step, strict=True)))
 
 
 def motion_rate(ground: Ground, motion: Motion, now: Contact) -> Motion:
@@ -324,13 +361,21 @@ def motion_rate(ground: Ground, motion: Motion, now: Contact) -> Motion:
     )
 
 
-def work_rate(ground: Ground, laws: Laws, motion: Motion, now: Contact) -> Work:
+def work_rate(
+    ground: Ground,
+    laws: Laws,
+    motion: Motion,
+    now: Contact,
+    branch: Branch | None = None,
+) -> Work:
     """Power of every item of the ledger [W]."""
     base, forces = now.foundation, now.forces
 
     def stiffness_at(penetration, rotation):
         sizes = floored_sizes(ground, contact_geometry(ground, penetration, rotation))
-        return laws.elastic_stiffness(*sizes, ground.unit_weight_normal, ground.soil)
+        return laws.elastic_stiffness(
+            *sizes, ground.unit_weight_normal, ground.soil, branch=branch
+        )
 
     _, stiffness_rates = jax.jvp(
         stiffness_at,

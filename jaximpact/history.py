@@ -11,8 +11,9 @@ from jaxtyping import Array, Float
 from .accuracy import MAX_STEPS, Accuracy
 from .compilation import is_inside_jit, unfused_jit
 from .dynamics import elastic_energy, kinetic_energy
-from .integration import Problem, diffrax_arguments, pose
+from .integration import diffrax_arguments
 from .laws import Laws
+from .problem import Assembly, Problem, pose
 from .scene import Scene
 
 Series = Float[Array, " steps"]
@@ -75,9 +76,7 @@ def _row(problem: Problem, time, vector, work) -> History:
 
 
 def _record(laws, damped, scene, tolerance, floor):
-    problem, vector = pose(
-        scene, laws, damped=damped, ledger=True, accuracy=Accuracy("", tolerance, floor)
-    )
+    problem, vector = pose(scene, Assembly(laws, damped, ledger=True), tolerance, floor)
     solution = diffrax.diffeqsolve(
         **diffrax_arguments(problem, vector),
         saveat=diffrax.SaveAt(t0=True, steps=True),

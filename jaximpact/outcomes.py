@@ -14,6 +14,7 @@ from .dynamics import (
     elastic_energy,
     kinetic_energy,
 )
+from .foundation import tangency_arm
 
 Scalar = Float[Array, ""]
 
@@ -49,9 +50,9 @@ class Margins(NamedTuple):
     """Dimensionless distances to each end of the impact; positive while it goes on."""
 
     force: Scalar
-    """Normal force, by its largest value so far; or, if larger, the sinking velocity by the speed: at
-    N = 0 nothing yields, so the force can come down to zero only while the block rises,
-    and a force that is zero to rounding at the onset is no end."""
+    """Normal force, by its largest value so far; or, if larger, the sinking velocity by
+    the speed: at N = 0 nothing yields, so the force can come down to zero only while the
+    block rises, and a force that is zero to rounding at the onset is no end."""
     sinking: Scalar
     """Sinking above 0.5e-6 R, by R."""
     toppling: Scalar
@@ -67,6 +68,13 @@ OUTCOME_OF_MARGIN = (
     Outcome.toppled,
     Outcome.arrested,
 )
+
+
+def closing_velocity(ground: Ground, motion: Motion) -> Scalar:
+    """Velocity at which the block's deepest point sinks at touch [m/s]; a block for which
+    it is not positive is separating."""
+    arm = tangency_arm(ground.axes, ground.sin_start, ground.cos_start)
+    return motion.normal_velocity + arm * motion.angular_velocity
 
 
 def end_margins(
@@ -93,12 +101,9 @@ def end_margins(
     base = now.foundation
     normal = now.normal_force_before_cut
     leverage = 0.5 * normal * base.length - jnp.abs(now.forces.moment)
-    sinking_rate = motion.normal_velocity + base.tangency_arm * motion.angular_velocity
     energy = kinetic_energy(ground, motion) + elastic_energy(motion, now.stiffness)
     return Margins(
-        force=jnp.maximum(
-            now.normal_force_before_cut / force_scale, sinking_rate / speed_scale
-        ),
+        force=jnp.maximum(normal / force_scale, now.approach[0] / speed_scale),
         sinking=base.sinking / radius - 0.5 * INITIAL_SINKING,
         toppling=jnp.maximum(
             leverage / (force_scale * radius),

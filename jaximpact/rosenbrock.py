@@ -18,6 +18,9 @@ Three things matter for speed and for gradients:
   when the program is built: pass `pattern`, True where J may differ from zero.
 * Only autonomous systems: f must not depend on t.
 
+Equations without a rate, $0 = f_i(y)$, may stand among the others (index 1): their rows
+of the matrix are $-J_i$ and of the right-hand side $f_i$ alone.
+
 Coefficients: Steinebach (2023), BIT Numer. Math. 63:27,
 https://doi.org/10.1007/s10543-023-00967-x, in the form of Hairer and Wanner.
 """
@@ -211,7 +214,9 @@ def jacobian_columns(f, y: list[Array]) -> list[list[Array]]:
     return columns
 
 
-def rodas5p_step(f, y0: Array, step_size: Array, pattern):
+def rodas5p_step(
+    f, y0: Array, step_size: Array, pattern, algebraic: tuple[int, ...] = ()
+):
     """One step.
 
     Args:
@@ -220,6 +225,7 @@ def rodas5p_step(f, y0: Array, step_size: Array, pattern):
         y0: state `(n, ...)`.
         step_size: h, shape `(...)`; 0 leaves the state as it is.
         pattern: `pattern[i][j]` is True where df_i/dy_j may differ from zero.
+        algebraic: rows i where the equation is `0 = f_i`, to be solved for y_i.
 
     Returns:
         `y1`, the error estimate, and the eight stage increments `(8, n, ...)`.
@@ -228,7 +234,11 @@ def rodas5p_step(f, y0: Array, step_size: Array, pattern):
     rows = list(y0)
     columns = jacobian_columns(f, rows)
 
+    # A row without a rate has nothing but its Jacobian, and is not scaled by h, so that
+    # the matrix stays regular at h = 0.
     def entry(i, j):
+        if i in algebraic:
+            return -columns[j][i]
         return (1.0 if i == j else 0.0) - scaled * columns[j][i]
 
     order = range(len(rows))
@@ -242,8 +252,8 @@ def rodas5p_step(f, y0: Array, step_size: Array, pattern):
         y = y0 + jnp.tensordot(jnp.asarray(STAGE_MATRIX)[i], stages, 1)
         coupled = jnp.tensordot(jnp.asarray(COUPLING_MATRIX)[i], stages, 1)
         right = [
-            scaled * rate + other
-            for rate, other in zip(f(list(y)), coupled, strict=True)
+            rate if row in algebraic else scaled * rate + coupled[row]
+            for row, rate in enumerate(f(list(y)))
         ]
         return stages.at[i].set(jnp.stack(substitute(*factors, right)))
 

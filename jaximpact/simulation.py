@@ -17,17 +17,17 @@ from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array, Float
 
 from . import provenance
-from .accuracy import MAX_STEPS, Accuracy, get_accuracy
+from .accuracy import Accuracy, get_accuracy
 from .block import Block
 from .checks import check_scene
 from .compilation import unfused_jit
 from .dynamics import elastic_energy, initial_motion, kinetic_energy
-from .foundation import tangency_arm
 from .history import History, record_history
-from .integration import End, Problem, integrate, pose
+from .integration import End, integrate
 from .laws import Laws
-from .outcomes import OUTCOME_OF_MARGIN, Outcome
+from .outcomes import OUTCOME_OF_MARGIN, Outcome, closing_velocity
 from .precision import require_float64
+from .problem import Assembly, Problem, pose
 from .restitution import defined_ratio, vijayakumar_coefficient
 from .safe import safe_sqrt
 from .scene import Impact, Scene
@@ -129,8 +129,7 @@ def summarise(scene: Scene, problem: Problem, end: End) -> Numbers:
     final, now = problem.contact(end.vector)
     kinetic_in = kinetic_energy(ground, start)
     kinetic_out = kinetic_energy(ground, final)
-    arm_at_start = tangency_arm(ground.axes, ground.sin_start, ground.cos_start)
-    closing = start.normal_velocity + arm_at_start * start.angular_velocity
+    closing = closing_velocity(ground, start)
     opening = (
         final.normal_velocity + now.foundation.tangential_arm * final.angular_velocity
     )
@@ -203,26 +202,9 @@ def summarise(scene: Scene, problem: Problem, end: End) -> Numbers:
     )
 
 
-class Assembly(NamedTuple):
-    """Choices that change the program; the numbers are in the scene."""
-
-    laws: Laws
-    damped: bool
-    ledger: bool
-    max_steps: int = MAX_STEPS
-
-
 def compute(assembly: Assembly, scene: Scene, tolerance, floor) -> Numbers:
     """Numbers of one impact: pure, differentiable in forward mode."""
-    accuracy = Accuracy("", tolerance, floor)
-    problem, vector = pose(
-        scene,
-        assembly.laws,
-        damped=assembly.damped,
-        ledger=assembly.ledger,
-        accuracy=accuracy,
-        max_steps=assembly.max_steps,
-    )
+    problem, vector = pose(scene, assembly, tolerance, floor)
     return summarise(scene, problem, integrate(problem, vector))
 
 
@@ -301,7 +283,13 @@ def is_damped(soil: Soil) -> bool:
     ratios = (soil.eta_N, soil.eta_T, soil.eta_R)
     if any(isinstance(ratio, jax.core.Tracer) for ratio in ratios):
         return True
-    return bool(np.any([np.any(np.asarray(ratio) > 0.0) for ratio in ratios]))
+    return bool(np.any(has_dashpots(soil)))
+
+
+def has_dashpots(soil: Soil) -> np.ndarray:
+    """Where any damping ratio is above zero."""
+    ratios = (soil.eta_N, soil.eta_T, soil.eta_R)
+    return functools.reduce(np.logical_or, [np.asarray(r) > 0.0 for r in ratios])
 
 
 class ImpactResult(eqx.Module):

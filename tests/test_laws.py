@@ -11,7 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jaximpact import Block, Impact, Laws, Scene, Soil, simulate
-from jaximpact.dynamics import contact, initial_motion, prepare
+from jaximpact.dynamics import (
+    Forces,
+    contact,
+    force_gap,
+    initial_motion,
+    prepare,
+)
 from jaximpact.laws import (
     FlowRate,
     Load,
@@ -311,7 +317,9 @@ def test_flow_rate_against_plain_numbers():
 
 def test_viscous_nucleus_is_replaceable():
     load = Load(0.3, 1.0, 0.0, 0.0)
-    found = flow_rate(load, 0.2, 0.5, 0.8, Soil(), nucleus=lambda size, rho: size - rho)
+    found = flow_rate(
+        load, 0.2, 0.5, 0.8, Soil(), nucleus=lambda size, rho, *, branch: size - rho
+    )
     assert float(found.normal) == pytest.approx(8.7 * 0.1, rel=ROUNDING)
 
 
@@ -439,16 +447,18 @@ def rates_of(laws, *, damped):
         elastic_tangential=jnp.asarray(2e-3),
         elastic_rotation=jnp.asarray(1e-3),
     )
-    now = contact(ground, laws, motion, damped=damped)
-    return np.array([float(leaf) for leaf in jax.tree.leaves(now)])
+    forces = Forces(*map(jnp.asarray, (4e3, 1e3, 2e2))) if damped else None
+    now = contact(ground, laws, motion, forces)
+    leaves = jax.tree.leaves((now, force_gap(ground, laws, now)))
+    return np.array([float(leaf) for leaf in leaves])
 
 
 @pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(Laws)])
 def test_every_law_can_be_replaced_and_is_used(name):
     law = getattr(Laws(), name)
 
-    def one_percent_more(*arguments):
-        return jax.tree.map(lambda x: 1.01 * x, law(*arguments))
+    def one_percent_more(*arguments, **branch):
+        return jax.tree.map(lambda x: 1.01 * x, law(*arguments, **branch))
 
     changed = dataclasses.replace(Laws(), **{name: one_percent_more})
     damped = name == "dashpots"
@@ -457,7 +467,7 @@ def test_every_law_can_be_replaced_and_is_used(name):
 
 
 def test_replaced_law_changes_the_impact():
-    def no_hardening(hardening, flow, length, width, soil):
+    def no_hardening(hardening, flow, length, width, soil, *, branch):
         return jnp.zeros_like(hardening)
 
     scene = (Block(), Soil(), Impact())
@@ -495,7 +505,7 @@ def test_contact_is_finite_with_its_gradients_at_every_singular_state(
     batch = jax.tree.map(lambda *leaves: jnp.stack(leaves), *states.values())
 
     def numbers(scene, motion):
-        return contact(prepare(scene, Laws()), Laws(), motion, damped=False)
+        return contact(prepare(scene, Laws()), Laws(), motion)
 
     def with_slopes(motion):
         slopes = jax.jacfwd(numbers, argnums=(0, 1))(scene, motion)

@@ -11,13 +11,9 @@ from jaximpact.accuracy import PRESETS, Accuracy
 from jaximpact.block import Block
 from jaximpact.compilation import unfused_jit
 from jaximpact.dynamics import Motion
-from jaximpact.integration import (
-    Problem,
-    diffrax_arguments,
-    jacobian_pattern,
-    pose,
-)
+from jaximpact.integration import diffrax_arguments
 from jaximpact.laws import Laws
+from jaximpact.problem import JACOBIAN_PATTERN, Assembly, Problem, pose
 from jaximpact.rosenbrock import (
     DenseOutput,
     Rodas5P,
@@ -315,20 +311,22 @@ STRUCTURE_SCENES = {
 def states_and_jacobians(scene: Scene):
     """Scaled Jacobians at the end of every step of an impact."""
     setting = Accuracy("", PRESETS["fast"].tolerance, PRESETS["fast"].floor)
-    problem, vector = pose(scene, Laws(), damped=False, ledger=False, accuracy=setting)
+    problem, vector = pose(
+        scene, Assembly(Laws(), False, False), setting.tolerance, setting.floor
+    )
     solution = diffrax.diffeqsolve(
         **diffrax_arguments(problem, vector), saveat=diffrax.SaveAt(steps=True)
     )
     vectors = solution.ys.vector[:200]
 
     def jacobian(vector):
-        return jax.jacfwd(lambda y: jnp.stack(problem.rate(list(y))))(vector)
+        return jax.jacfwd(lambda y: jnp.stack(problem.equations(list(y))))(vector)
 
     return jax.vmap(jacobian)(vectors), solution.stats["num_accepted_steps"]
 
 
 def test_pattern_covers_the_jacobian_and_no_more():
-    pattern = np.array(jacobian_pattern(False))
+    pattern = np.array(JACOBIAN_PATTERN[False])
     assert len(pattern) == len(Motion._fields)
     reached = np.zeros_like(pattern)
     for scene in STRUCTURE_SCENES.values():
@@ -344,8 +342,7 @@ def test_problem_is_posed_with_the_pattern_s_size():
     for damped in (False, True):
         setting = PRESETS["fast"]
         scene = STRUCTURE_SCENES["inclined ellipsoid"]
-        problem, vector = pose(
-            scene, Laws(), damped=damped, ledger=False, accuracy=setting
-        )
+        assembly = Assembly(Laws(), damped, False)
+        problem, vector = pose(scene, assembly, setting.tolerance, setting.floor)
         assert isinstance(problem, Problem)
-        assert np.shape(jacobian_pattern(damped)) == (vector.size, vector.size)
+        assert np.shape(JACOBIAN_PATTERN[damped]) == (vector.size, vector.size)

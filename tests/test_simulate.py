@@ -279,8 +279,8 @@ def test_dashpots_dissipate():
 def test_laws_can_be_replaced_one_by_one():
     from jaximpact.laws import bearing_capacity
 
-    def twice_as_strong(*arguments):
-        return 2.0 * bearing_capacity(*arguments)
+    def twice_as_strong(*arguments, **branch):
+        return 2.0 * bearing_capacity(*arguments, **branch)
 
     laws = dataclasses.replace(Laws(), bearing_capacity=twice_as_strong)
     ours = simulate(Block(), Soil(), Impact())

@@ -9,6 +9,7 @@ from .bearing_capacity import (
     bearing_factors,
     peak_friction_angle,
 )
+from .branch import Branch
 from .damping import Damping, dashpots
 from .elasticity import Stiffness, elastic_stiffness
 from .flow import FlowRate, flow_direction, flow_rate, overstress
@@ -18,6 +19,7 @@ from .slider import slider_friction, slip_rate
 
 __all__ = [
     "BearingFactors",
+    "Branch",
     "Damping",
     "FlowRate",
     "Laws",
@@ -44,7 +46,9 @@ class Laws:
 
     A replacement takes and returns what the function that it replaces does, is written
     in `jax.numpy`, and is finite for every finite input:
-    `dataclasses.replace(Laws(), bearing_capacity=mine)`.
+    `dataclasses.replace(Laws(), bearing_capacity=mine)`. One that takes a `branch` and
+    does not heed it stays right; steps across its own kinks are then left to the error
+    control.
     """
 
     elastic_stiffness: Callable = elastic_stiffness

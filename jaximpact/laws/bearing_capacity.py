@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..soil import Soil
+from .branch import Branch
 
 Scalar = Float[Array, ""]
 
@@ -62,6 +63,8 @@ def bearing_capacity(
     sinking: Scalar,
     unit_weight_normal: Scalar,
     factors: BearingFactors,
+    *,
+    branch: Branch | None = None,
 ) -> Scalar:
     r"""Vertical limit load $V_M$ [N] of a footing sunk into the ground.
 
@@ -77,13 +80,15 @@ def bearing_capacity(
         sinking: $u_D$ [m].
         unit_weight_normal: $\gamma_n = \gamma\cos\omega$ [N/m3].
         factors: of the peak friction angle.
+        branch: the side taken at $B_t = B_w$, if not the one where the sizes are.
 
     Kinked at $B_t = B_w$ and at zero sinking.
 
     Source: a reading; Vesic (1973) with Hansen's depth factor.
     """
-    smaller, larger = jnp.minimum(length, width), jnp.maximum(length, width)
-    ratio = smaller / larger
+    oblong = length > width if branch is None else branch.oblong
+    smaller = jnp.where(oblong, width, length)
+    ratio = smaller / jnp.where(oblong, length, width)
     depth = jnp.maximum(sinking, 0.0)
     surcharge_shape = 1.0 + ratio * factors.friction_slope
     weight_shape = 1.0 - 0.4 * ratio

@@ -7,6 +7,7 @@ from jaxtyping import Array, Float
 
 from ..safe import safe_power
 from ..soil import Soil
+from .branch import Branch
 
 Scalar = Float[Array, ""]
 
@@ -34,7 +35,12 @@ def shape_factor(shape_ratio: Scalar) -> Scalar:
 
 
 def elastic_stiffness(
-    length: Scalar, width: Scalar, unit_weight_normal: Scalar, soil: Soil
+    length: Scalar,
+    width: Scalar,
+    unit_weight_normal: Scalar,
+    soil: Soil,
+    *,
+    branch: Branch | None = None,
 ) -> Stiffness:
     r"""Stiffness of a circular footing of equal area, modulus taken at one radius' depth.
 
@@ -48,15 +54,18 @@ def elastic_stiffness(
         length, width: $B_t$, $B_w$ [m], positive.
         unit_weight_normal: $\gamma_n = \gamma \cos\omega$ [N/m3].
         soil: `k_E`, `n_E`, `S_ef`, `poisson`.
+        branch: the side taken at the kink, if not the one where the sizes are.
 
-    Smooth except at $B_t = B_w$, where the shape ratio has a kink; JAX gives the mean
-    of the two slopes there.
+    Smooth except at $B_t = B_w$, where the shape ratio has a kink; the derivative there
+    is that of $B_t < B_w$.
 
     Source: a reading. Stiffness: Gazetas (1983); modulus: Duncan and Chang (1970).
     Dattola et al. (2023) print only $J_s$ and name the parameters.
     """
     radius = 0.5 * jnp.sqrt(length * width)
-    shape_ratio = jnp.maximum(length, width) / jnp.minimum(length, width)
+    ratio = length / width
+    oblong = ratio > 1.0 if branch is None else branch.oblong
+    shape_ratio = jnp.where(oblong, ratio, 1.0 / ratio)
     modulus = (
         soil.k_E
         * ATMOSPHERIC_PRESSURE

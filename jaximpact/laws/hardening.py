@@ -4,13 +4,20 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..soil import Soil
+from .branch import Branch
 from .flow import FlowRate
 
 Scalar = Float[Array, ""]
 
 
 def hardening_rate(
-    hardening: Scalar, flow: FlowRate, length: Scalar, width: Scalar, soil: Soil
+    hardening: Scalar,
+    flow: FlowRate,
+    length: Scalar,
+    width: Scalar,
+    soil: Soil,
+    *,
+    branch: Branch | None = None,
 ) -> Scalar:
     r"""Rate of the hardening variable [1/s].
 
@@ -23,14 +30,25 @@ def hardening_rate(
         flow: visco-plastic rates.
         length, width: $B_t$, $B_w$ [m], positive.
         soil: `c_v`, `alpha_vT`, `alpha_vR`.
+        branch: the signs of the rates, if not those that they have.
 
-    Kinked where a rate changes sign (slope 0 is taken at zero).
+    Kinked where a rate changes sign; the derivative there is that of a positive rate.
 
     Source: a reading; di Prisco and Vecchiotti (2006).
     """
+    if branch is None:
+        heaves, shears_up, rocks_back = (rate < 0.0 for rate in flow)
+    else:
+        heaves, shears_up, rocks_back = (
+            branch.heaves,
+            branch.shears_up,
+            branch.rocks_back,
+        )
     path = (
-        jnp.maximum(flow.normal, 0.0)
-        + soil.alpha_vT * jnp.abs(flow.tangential)
-        + soil.alpha_vR * length * jnp.abs(flow.rotational)
+        jnp.where(heaves, 0.0, flow.normal)
+        + soil.alpha_vT * jnp.where(shears_up, -flow.tangential, flow.tangential)
+        + soil.alpha_vR
+        * length
+        * jnp.where(rocks_back, -flow.rotational, flow.rotational)
     )
     return soil.c_v * (1.0 - hardening) * path / jnp.sqrt(length * width)

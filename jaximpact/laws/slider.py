@@ -4,6 +4,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..soil import Soil
+from .branch import Branch
 
 Scalar = Float[Array, ""]
 
@@ -26,6 +27,8 @@ def slip_rate(
     normal_force: Scalar,
     tangential_stiffness: Scalar,
     friction: Scalar,
+    *,
+    branch: Branch | None = None,
 ) -> Scalar:
     r"""Rate of slip $\dot u_t^{ps}$ [m/s], Duvaut-Lions regularisation of Coulomb.
 
@@ -36,6 +39,7 @@ def slip_rate(
         tangential_force: $T$ [N]. normal_force: $N \ge 0$ [N].
         tangential_stiffness: $k_t$ [N/m], positive.
         friction: $\tan\varphi_b$ [-].
+        branch: whether it slips, if not as the forces have it.
 
     Kinked at the onset of slip, smooth at T = 0 (for N > 0).
 
@@ -43,5 +47,8 @@ def slip_rate(
     ($f \le 0$, $\lambda \ge 0$, $f\lambda = 0$) hold as tau_s goes to 0.
     """
     limit = normal_force * friction
-    excess = tangential_force - jnp.clip(tangential_force, -limit, limit)
+    down, up = tangential_force - limit, tangential_force + limit
+    slips_down = down > 0.0 if branch is None else branch.slips_down
+    slips_up = up < 0.0 if branch is None else branch.slips_up
+    excess = jnp.where(slips_down, down, jnp.where(slips_up, up, 0.0))
     return excess / (tangential_stiffness * RELAXATION_TIME)

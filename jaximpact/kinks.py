@@ -1,0 +1,89 @@
+"""Where the laws switch: functions of the state that change sign there.
+
+The rates of the state are continuous at a switch, their slopes are not. A step that runs
+across one would be accurate to second order only in its value, and to first order in its
+derivatives. So a step takes one `Branch` from start to end, and the step size control
+lands on the switches as it lands on the end of the impact.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .dynamics import Contact, Ground, Motion
+from .laws import Branch
+
+Scalar = Float[Array, ""]
+
+
+class Switches(NamedTuple):
+    """Dimensionless functions of the state; each changes sign where a law switches."""
+
+    yielding: Scalar
+    """Overstress, negative below yield."""
+    heave: Scalar
+    """Normal part of the loading surface's unit gradient."""
+    shear: Scalar
+    """Tangential force, whose flow hardens in either direction."""
+    rocking: Scalar
+    """Moment, the same."""
+    slip_down: Scalar
+    """Tangential force above the slider's limit, down-slope."""
+    slip_up: Scalar
+    """The same, up-slope."""
+    section: Scalar
+    """Length less width of the foundation, by R."""
+
+
+def switches(
+    ground: Ground, motion: Motion, now: Contact, force_scale: Scalar
+) -> Switches:
+    """Values of the switching functions.
+
+    Args:
+        ground, motion, now: constants, state and contact.
+        force_scale: largest normal force so far [N], positive.
+    """
+    load = now.load
+    radius = ground.axes.minor
+    tangential = now.forces.tangential / force_scale
+    limit = now.forces.normal * ground.slider_friction / force_scale
+    gradient = jnp.sqrt(load.normal**2 + load.tangential**2 + load.rotational**2)
+    return Switches(
+        yielding=load.size / motion.hardening - 1.0,
+        heave=load.normal / gradient,
+        shear=tangential,
+        rocking=now.forces.moment / (force_scale * radius),
+        slip_down=tangential - limit,
+        slip_up=-tangential - limit,
+        section=(now.foundation.length - now.foundation.width) / radius,
+    )
+
+
+def branch_of(switches: Switches) -> Branch:
+    """The side taken at each switch."""
+    return Branch(
+        yields=switches.yielding > 0.0,
+        heaves=switches.heave < 0.0,
+        shears_up=switches.shear < 0.0,
+        rocks_back=switches.rocking < 0.0,
+        slips_down=switches.slip_down > 0.0,
+        slips_up=switches.slip_up > 0.0,
+        oblong=switches.section > 0.0,
+    )
+
+
+def in_force(switches: Switches, soil) -> Switches:
+    """Which of the switches switch anything: those of flow do so while the soil yields,
+    those of a hardening that the soil does not have never."""
+    yields = switches.yielding > 0.0
+    return Switches(
+        yielding=jnp.ones_like(yields),
+        heave=yields,
+        shear=yields & (soil.alpha_vT > 0.0),
+        rocking=yields & (soil.alpha_vR > 0.0),
+        slip_down=jnp.ones_like(yields),
+        slip_up=jnp.ones_like(yields),
+        section=jnp.ones_like(yields),
+    )

@@ -1,0 +1,172 @@
+"""Step size control that lands on the end of the impact and on the switches of the laws.
+
+A step that runs past one of them is rejected and taken again, shorter, with the width at
+which the cubic through value and slope at both ends is zero, until a step lands there. So
+state and time are as accurate as the steps themselves, not as their interpolant, and no
+second copy of the step is compiled.
+"""
+
+from typing import NamedTuple
+
+import diffrax
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .cubic import peak_of_cubic, root_of_cubic
+from .folding import Fold
+from .kinks import branch_of, in_force
+from .problem import Problem
+
+Scalar = Float[Array, ""]
+
+LANDING = 1e-10
+"""A margin within this counts as zero."""
+
+
+ON_SWITCH = 1e-7, 1e-2
+"""A switching function within the first, or within this part of the tolerance, counts as
+zero."""
+PATIENCE = 40
+"""Tries to land after which the step is taken as it is. None is known that needs ten."""
+SHORTEST_PART = 0.01
+"""Part to which a step is cut at most in one try to land."""
+SWITCHED_OFF = 1e-11
+"""A switching function that starts within this is not landed upon: it is zero by
+symmetry, or has just been landed upon."""
+
+
+def first_landing(problem: Problem, before: Fold, after: Fold, width):
+    """Whether a step passes the end or a switch, and where the first of them lies.
+
+    Returns:
+        True where it does, and the place as a part of the step. A switch is to be passed
+        by half of what counts as zero, so that the next step starts on the far side. One
+        that is passed there and back is passed: its place is where it is farthest off.
+    """
+    on = jnp.maximum(ON_SWITCH[0], ON_SWITCH[1] * problem.tolerance)
+    active = in_force(before.watched.switches, problem.ground.soil)
+    side = [jnp.sign(value) for value in before.watched.switches]
+
+    def by_side(switches):
+        return jnp.stack([s * value for s, value in zip(side, switches, strict=True)])
+
+    start, start_rate = (
+        by_side(before.watched.switches),
+        by_side(before.watched_rate.switches),
+    )
+    end, end_rate = (
+        by_side(after.watched.switches),
+        by_side(after.watched_rate.switches),
+    )
+    counts = jnp.stack(active) & (start > SWITCHED_OFF)
+    farthest, place = peak_of_cubic(-start, -start_rate, -end, -end_rate, width)
+    beyond = counts & (end < -on)
+    returned = counts & ~beyond & (farthest > on)
+
+    # The one that a straight line would put first is looked at closely; if it was
+    # another, the next try will tell.
+    guess = jnp.where(beyond, start / jnp.where(beyond, start - end, 1.0), 2.0)
+    guess = jnp.where(returned, place, guess)
+    ended = after.watched.margin < -LANDING
+    margins = before.watched.margin, after.watched.margin
+    end_guess = jnp.where(
+        ended, margins[0] / jnp.where(ended, margins[0] - margins[1], 1.0), 2.0
+    )
+    first = jnp.argmin(guess, axis=0)
+
+    def of_first(values):
+        return jnp.take_along_axis(values, first[None], axis=0)[0]
+
+    is_end = end_guess < of_first(guess)
+    aim = jnp.where(is_end, 0.0, 0.5 * on)
+    ends = [
+        jnp.where(is_end, margin, of_first(switch)) + shift
+        for margin, switch, shift in (
+            (margins[0], start, aim),
+            (before.watched_rate.margin, start_rate, 0.0),
+            (margins[1], end, aim),
+            (after.watched_rate.margin, end_rate, 0.0),
+        )
+    ]
+    there_and_back = ~is_end & of_first(returned)
+    passed = ended | jnp.any(beyond | returned, axis=0)
+    has_root = passed & ~there_and_back
+    harmless = (1.0, 0.0, -1.0, 0.0)
+    root = root_of_cubic(
+        *(jnp.where(has_root, x, h) for x, h in zip(ends, harmless, strict=True)), width
+    )
+    part = jnp.where(there_and_back, jnp.minimum(of_first(place), 0.9), root)
+    # A step far too long has a cubic that says little.
+    return passed, jnp.maximum(part, SHORTEST_PART)
+
+
+class LandingState(NamedTuple):
+    """State of `LandingController`."""
+
+    inner: tuple
+    rejected: Scalar
+    """1 if the last step was too long for the error control, else 0."""
+    tries: Scalar
+    """How often the step has been cut to land."""
+    resumed: Scalar
+    """Width of the step that was cut short to land [s]; 0 if none was."""
+
+
+class LandingController(diffrax.AbstractStepSizeController):
+    """Step size control that lands on the end and on the switches of the laws.
+
+    Wraps another controller; a step that passes one of them is rejected and taken again
+    up to the root of the margin, or of the switching function. After a switch the width
+    is what it was before.
+    """
+
+    inner: diffrax.PIDController
+
+    def wrap(self, direction):
+        return LandingController(self.inner.wrap(direction))
+
+    def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
+        t1, inner = self.inner.init(terms, t0, t1, y0, dt0, args, func, error_order)
+        zero = jnp.zeros_like(t1)
+        return t1, LandingState(inner, zero, zero, zero)
+
+    def adapt_step_size(
+        self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
+    ):
+        before_state, rejected, tries, resumed = controller_state
+        keep, next_t0, next_t1, made_jump, state, result = self.inner.adapt_step_size(
+            t0, t1, y0, y1_candidate, args, y_error, error_order, before_state
+        )
+        before, after = jax.lax.stop_gradient((y0.fold, y1_candidate.fold))
+        width = t1 - t0
+        passed, part = first_landing(args, before, after, width)
+        beyond = keep & passed & (tries < PATIENCE)
+        state = jax.tree.map(
+            lambda old, new: jnp.where(beyond, old, new), before_state, state
+        )
+        landed = keep & ~beyond
+        sides = branch_of(before.watched.switches), branch_of(after.watched.switches)
+        switched = jnp.any(jnp.stack(sides[0]) != jnp.stack(sides[1]), axis=0)
+        # What has just been found too long is not tried again at once.
+        next_t1 = jnp.where(
+            keep & (rejected > 0.0), jnp.minimum(next_t1, next_t0 + width), next_t1
+        )
+        next_t1 = jnp.where(
+            landed & switched, jnp.maximum(next_t1, next_t0 + resumed), next_t1
+        )
+        longest = jnp.maximum(resumed, width)
+        resumed = jnp.where(beyond, longest, jnp.where(landed, 0.0, resumed))
+        return (
+            landed,
+            jnp.where(beyond, t0, next_t0),
+            jnp.where(beyond, t0 + part * width, next_t1),
+            made_jump,
+            LandingState(
+                state,
+                jnp.where(keep, 0.0, 1.0),
+                jnp.where(landed, 0.0, tries + beyond),
+                resumed,
+            ),
+            result,
+        )

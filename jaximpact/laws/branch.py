@@ -1,0 +1,33 @@
+"""Which side of its switches each law is on.
+
+The laws switch: at yield, at slip, where dilatancy cuts the heave, where a rate whose
+size counts changes sign, where length and width of the foundation change places. By
+itself every law looks where it is. Told a `Branch`, it goes on as the branch does, past
+the switch, smoothly: so that the stages of one step of the integration, and the
+derivatives of the step, all see one smooth function.
+"""
+
+from typing import NamedTuple
+
+from jaxtyping import Array, Bool
+
+Flag = Bool[Array, ""]
+
+
+class Branch(NamedTuple):
+    """The side taken at each switch."""
+
+    yields: Flag
+    """The load is beyond the surface of the hardening reached."""
+    heaves: Flag
+    """The loading surface's gradient points out of the ground."""
+    shears_up: Flag
+    """The tangential force is negative."""
+    rocks_back: Flag
+    """The moment is negative."""
+    slips_down: Flag
+    """The tangential force is above the slider's limit."""
+    slips_up: Flag
+    """The same, in the negative direction."""
+    oblong: Flag
+    """The foundation is longer than wide."""

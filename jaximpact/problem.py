@@ -1,0 +1,265 @@
+"""The initial value problem of one impact: unknowns, equations, what is watched.
+
+The unknowns are one vector: the fields of `Motion`, and with dashpots those of `Forces`.
+"""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .accuracy import MAX_STEPS
+from .dynamics import (
+    Contact,
+    Forces,
+    Ground,
+    Motion,
+    Work,
+    contact,
+    force_gap,
+    forces_at_touch,
+    initial_motion,
+    kinetic_energy,
+    motion_rate,
+    prepare,
+    work_rate,
+)
+from .kinks import Switches, switches
+from .laws import Branch, Laws
+from .outcomes import Margins, end_margins
+from .rosenbrock import factorise, jacobian_columns, substitute
+from .scene import Scene
+
+Scalar = Float[Array, ""]
+
+
+class Assembly(NamedTuple):
+    """Choices that change the program; the numbers are in the scene."""
+
+    laws: Laws
+    damped: bool
+    ledger: bool
+    max_steps: int = MAX_STEPS
+
+
+# Which rate (row) may depend on which unknown (column), in the order of Motion. Without
+# dashpots the springs give the forces; with them the forces are unknowns as well, each
+# with an equation that has no rate.
+_UNDAMPED = """
+    penetration         . . n . . . . . .
+    rotation            . . . . w . . . .
+    normal_velocity     x x . . . N . . .
+    tangential_velocity x x . . . . T . .
+    angular_velocity    x x . . . N T M .
+    elastic_normal      x x n . w N T M c
+    elastic_tangential  x x . t w N T M c
+    elastic_rotation    x x . . w N T M c
+    hardening           x x . . . N T M c
+"""
+_DAMPED = """
+    penetration         . . n . . . . . . . . .
+    rotation            . . . . w . . . . . . .
+    normal_velocity     . . . . . . . . . N . .
+    tangential_velocity . . . . . . . . . . T .
+    angular_velocity    x x . . . . . . . N T M
+    elastic_normal      x x n . w . . . c N T M
+    elastic_tangential  x x . t w . . . c N T M
+    elastic_rotation    x x . . w . . . c N T M
+    hardening           x x . . . . . . c N T M
+    normal_force        x x n . w s . . c N T M
+    tangential_force    x x . t w . s . c N T M
+    moment              x x . . w . . s c N T M
+"""
+
+
+def _pattern(text: str) -> tuple[tuple[bool, ...], ...]:
+    lines = text.strip().split("\n")
+    return tuple(tuple(mark != "." for mark in line.split()[1:]) for line in lines)
+
+
+JACOBIAN_PATTERN = {False: _pattern(_UNDAMPED), True: _pattern(_DAMPED)}
+"""Where the Jacobian may differ from zero, with dashpots (True) and without."""
+MOTIONS = len(Motion._fields)
+ALGEBRAIC = {False: (), True: tuple(range(MOTIONS, MOTIONS + len(Forces._fields)))}
+"""Unknowns whose equation has no rate."""
+
+
+class Observed(NamedTuple):
+    """Quantities whose largest value over the impact is wanted."""
+
+    penetration: Scalar  # u_n [m]
+    sinking: Scalar  # u_D [m]
+    normal_force: Scalar  # N [N]
+    tangential_force: Scalar  # |T| [N]
+    moment: Scalar  # |M| [N m]
+
+
+class Watched(NamedTuple):
+    """What is worked out at the end of every step, T and M with their signs."""
+
+    observed: Observed
+    margin: Scalar
+    """The least of the margins to an end."""
+    switches: Switches
+
+
+class Problem(eqx.Module):
+    """The initial value problem of one impact."""
+
+    ground: Ground
+    scale: Float[Array, " n"]
+    """Magnitude of each unknown over the impact."""
+    force_scale: Scalar
+    """Force of an elastic impact on a footing of the block's size [N]."""
+    incoming_energy: Scalar
+    tolerance: Scalar
+    floor: Scalar
+    """Of the error control; see `Accuracy`."""
+    laws: Laws = eqx.field(static=True)
+    damped: bool = eqx.field(static=True)
+    ledger: bool = eqx.field(static=True)
+    max_steps: int = eqx.field(static=True)
+
+    def contact(self, rows, branch: Branch | None = None) -> tuple[Motion, Contact]:
+        """Named state and contact, from the rows of the state vector."""
+        motion = Motion(*(rows[i] for i in range(MOTIONS)))
+        forces = Forces(*(rows[i] for i in ALGEBRAIC[True])) if self.damped else None
+        return motion, contact(self.ground, self.laws, motion, forces, branch)
+
+    def equations(self, rows, branch: Branch | None = None) -> list[Scalar]:
+        """Right-hand sides, rows to rows: rates, then what has to be zero."""
+        motion, now = self.contact(rows, branch)
+        rates = list(motion_rate(self.ground, motion, now))
+        if self.damped:
+            rates += force_gap(self.ground, self.laws, now)
+        return rates
+
+    def rate(self, rows, branch: Branch | None = None) -> list[Scalar]:
+        """Rates of all unknowns; those of the forces by the implicit function."""
+        rates = self.equations(rows, branch)[:MOTIONS]
+        if not self.damped:
+            return rates
+
+        _, change = jax.jvp(
+            lambda motion: self._gap(motion, rows[MOTIONS:], branch),
+            (rows[:MOTIONS],),
+            (rates,),
+        )
+        return rates + self._forces_that_close(rows, change, branch)
+
+    def settle(self, rows, branch: Branch) -> list[Scalar]:
+        """The state with forces that fulfil their equations on a branch, from ones that
+        do so to the error of a step.
+
+        Where slip ends, an error left in the forces would grow by the ratio of the
+        slopes, and could carry them back over the switch.
+        """
+
+        def newton(_, forces):
+            now = [*rows[:MOTIONS], *forces]
+            gap = self._gap(rows[:MOTIONS], list(forces), branch)
+            steps = self._forces_that_close(now, gap, branch)
+            return tuple(f + s for f, s in zip(forces, steps, strict=True))
+
+        forces = jax.lax.fori_loop(0, 2, newton, tuple(rows[MOTIONS:]))
+        return [*rows[:MOTIONS], *forces]
+
+    def _gap(self, motion, forces, branch) -> list[Scalar]:
+        return self.equations([*motion, *forces], branch)[MOTIONS:]
+
+    def _forces_that_close(self, rows, gap, branch) -> list[Scalar]:
+        """Change of the forces that closes a gap of their equations."""
+        columns = jacobian_columns(
+            lambda forces: self._gap(rows[:MOTIONS], forces, branch), rows[MOTIONS:]
+        )
+        order = range(len(columns))
+        factors = factorise([{j: -columns[j][i] for j in order} for i in order])
+        return substitute(*factors, gap)
+
+    def watch(self, rows, largest_force, branch: Branch | None = None) -> Watched:
+        """Quantities whose peaks are wanted, margin and switches, by the largest normal
+        force up to now."""
+        motion, now = self.contact(rows, branch)
+        observed = Observed(
+            motion.penetration,
+            now.foundation.sinking,
+            now.forces.normal,
+            now.forces.tangential,
+            now.forces.moment,
+        )
+        force_scale = self._force_scale(now, largest_force)
+        return Watched(
+            observed,
+            jnp.min(jnp.stack(self._margins(motion, now, force_scale)), axis=0),
+            switches(self.ground, motion, now, force_scale),
+        )
+
+    def watch_with_rate(
+        self, vector, largest_force, branch: Branch
+    ) -> tuple[Watched, Watched]:
+        """Watched quantities and their rates of change along the motion on a branch."""
+        rows = list(vector)
+        return jax.jvp(
+            lambda rows: self.watch(rows, largest_force, branch),
+            (rows,),
+            (self.rate(rows, branch),),
+        )
+
+    def power(self, vector, branch: Branch) -> Work:
+        """Power of the ledger's items [W]."""
+        motion, now = self.contact(vector, branch)
+        return work_rate(self.ground, self.laws, motion, now, branch)
+
+    def margins(self, vector, largest_force) -> Margins:
+        """Distances to the ends of the impact."""
+        motion, now = self.contact(vector)
+        return self._margins(motion, now, self._force_scale(now, largest_force))
+
+    def _force_scale(self, now, largest_force) -> Scalar:
+        reached = jnp.maximum(largest_force, now.forces.normal)
+        return jax.lax.stop_gradient(jnp.maximum(reached, 1e-15 * self.force_scale))
+
+    def _margins(self, motion, now, force_scale) -> Margins:
+        return end_margins(
+            self.ground, motion, now, force_scale, self.scale[2], self.incoming_energy
+        )
+
+
+def pose(
+    scene: Scene, assembly: Assembly, tolerance, floor
+) -> tuple[Problem, Float[Array, " n"]]:
+    """The initial value problem of a scene, and its initial state.
+
+    Args:
+        tolerance, floor: of the error control; see `Accuracy`.
+    """
+    laws = assembly.laws
+    ground = prepare(scene, laws)
+    motion = initial_motion(scene)
+    radius = ground.axes.minor
+    speed = scene.impact.speed
+    # Displacement of the springs in an elastic impact on a footing of the block's size
+    stiffness = laws.elastic_stiffness(
+        2.0 * radius, 2.0 * radius, ground.unit_weight_normal, scene.soil
+    )
+    elastic = speed * jnp.sqrt(ground.mass / stiffness.normal)
+    one = jnp.ones_like(radius)
+    spin = speed / radius
+    scale = [radius, one, speed, speed, spin, elastic, elastic, elastic / radius, one]
+    force_scale = stiffness.normal * elastic
+    start = list(motion)
+    if assembly.damped:
+        scale += [force_scale, force_scale, force_scale * radius]
+        start += forces_at_touch(ground, laws, motion)
+    problem = Problem(
+        ground=ground,
+        scale=jax.lax.stop_gradient(jnp.stack(scale)),
+        force_scale=jax.lax.stop_gradient(force_scale),
+        incoming_energy=kinetic_energy(ground, motion),
+        tolerance=jnp.asarray(tolerance, float),
+        floor=jnp.asarray(floor, float),
+        **assembly._asdict(),
+    )
+    return problem, jnp.stack(start)
