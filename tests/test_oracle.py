@@ -28,6 +28,11 @@ RELATIVE = 2e-3
 # an edge of its foundation a nanosecond before.
 TOPPLES_AS_IT_LIFTS = 47
 
+# As slip begins in scene 77, the equations of springs and dashpots together lose their
+# solution: on either branch it lies on the other's side. The oracle's iteration jumps to
+# a solution far away; here the impact is said to have failed.
+HAS_NO_SOLUTION = 77
+
 
 def read_scenes():
     """Columns of the file as arrays, knife edges left out."""
@@ -60,27 +65,23 @@ EVERYTHING = read_scenes()
 DAMPED = sum(EVERYTHING[name] for name in ("eta_N", "eta_T", "eta_R")) > 0.0
 
 
-@pytest.fixture(scope="module")
-def pair():
-    columns = {name: values[~DAMPED] for name, values in EVERYTHING.items()}
+@pytest.fixture(scope="module", params=["undamped", "damped"])
+def pair(request):
+    chosen = DAMPED if request.param == "damped" else ~DAMPED
+    chosen &= EVERYTHING["scene"] != HAS_NO_SOLUTION
+    columns = {name: values[chosen] for name, values in EVERYTHING.items()}
     return columns, simulate_batch(as_scene(columns), accuracy="reference", ledger=True)
 
 
-# Dashpots make a step some twenty times as dear, so one short contact stands for them.
-@pytest.mark.parametrize("number", [17])
-def test_dashpots_as_the_oracle_has_them(number):
+def test_dashpots_without_a_solution_are_said_to_have_failed():
     row = {
-        name: values[EVERYTHING["scene"] == number][0]
+        name: values[EVERYTHING["scene"] == HAS_NO_SOLUTION][0]
         for name, values in EVERYTHING.items()
     }
     scene = as_scene(row)
-    result = simulate(scene.block, scene.soil, scene.impact, accuracy="balanced")
-    assert max(row["eta_N"], row["eta_T"], row["eta_R"]) > 0.1
-    assert str(result.outcome) == row["outcome"]
-    for name, column in RESULT_COLUMNS.items():
-        received = float(getattr(result, column.field))
-        absolute = COEFFICIENTS.get(name, 0.0)
-        assert received == pytest.approx(row[name], rel=RELATIVE, abs=absolute), name
+    result = simulate(scene.block, scene.soil, scene.impact, accuracy="fast")
+    assert result.outcome == Outcome.failed
+    assert np.isnan(result.e_n)
 
 
 def test_scenes_cover_every_outcome():
