@@ -21,12 +21,12 @@ from .accuracy import Accuracy, get_accuracy
 from .block import Block
 from .checks import check_scene
 from .compilation import compile_unfused
-from .lanes import Lanes, end_lanes, march, start_lanes
+from .lanes import Lanes, march, start_lanes
 from .laws import Laws
 from .precision import require_float64
 from .problem import Assembly
 from .scene import Impact, Scene
-from .simulation import ImpactResult, Numbers, has_dashpots, summarise
+from .simulation import ImpactResult, Numbers, has_dashpots, summarise_lanes
 from .soil import Soil
 
 WIDTH, SMALL_WIDTH = 512, 32
@@ -67,10 +67,6 @@ def compile_programs(assembly: Assembly, width: int) -> Programs:
             jax.tree.map(lambda x: x[..., width:], both),
         )
 
-    def finish(scenes, lanes):
-        summary = jax.vmap(summarise, in_axes=(0, -1, 0))
-        return summary(scenes, lanes.problem, end_lanes(lanes))
-
     scenes = jax.tree.map(
         lambda _: jax.ShapeDtypeStruct((width,), float),
         Scene(Block(), Soil(), Impact()),
@@ -82,7 +78,7 @@ def compile_programs(assembly: Assembly, width: int) -> Programs:
         compile_unfused(start, scenes, 1.0, 1.0),
         compile_unfused(lambda lanes: march(lanes, STEPS), lanes),
         compile_unfused(exchange, lanes, lanes, order),
-        compile_unfused(finish, scenes, lanes),
+        compile_unfused(summarise_lanes, scenes, lanes),
     )
 
 

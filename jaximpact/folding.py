@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 
 from .cubic import peak_of_cubic
 from .dynamics import Work
-from .kinks import Switches
+from .kinks import Switches, branch_of
 from .laws import Branch
 from .problem import Observed, Problem, Watched
 from .rosenbrock import DenseOutput
@@ -32,6 +32,19 @@ class Fold(NamedTuple):
     work: Work | None
     watched: Watched
     watched_rate: Watched
+    """On the branch that led here."""
+    turned: Scalar
+    """1 where the next step takes another branch, on which the rates are others; else 0.
+    They are the same at the switch itself; but slip relaxes in a microsecond, so that
+    its rate is off by much where the switch has been missed by little."""
+
+    def rate_at_start(self, start, start_rate, end, end_rate, width):
+        """Rate at the start of the next step, on its branch: the one known, or after a
+        switch that of the parabola through what is known."""
+        rise = jnp.where(
+            width > 0.0, (end - start) / jnp.where(width > 0.0, width, 1.0), 0.0
+        )
+        return jnp.where(self.turned > 0.0, 2.0 * rise - end_rate, start_rate)
 
 
 GAUSS_NODES = (0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15))
@@ -50,6 +63,7 @@ def start_fold(problem: Problem, vector) -> Fold:
         work=Work(*[zero] * len(Work._fields)),
         watched=Watched(nothing, zero + INITIAL_MARGIN, sides),
         watched_rate=Watched(nothing, zero, still),
+        turned=zero,
     )
 
 
@@ -61,12 +75,12 @@ def fold_step(
     watched, rate = problem.watch_with_rate(step.y1, fold.peaks.normal_force, branch)
     peaks, times = [], []
     for name in Observed._fields:
-        ends = (
-            getattr(fold.watched.observed, name),
-            getattr(fold.watched_rate.observed, name),
-            getattr(watched.observed, name),
-            getattr(rate.observed, name),
+        start, start_rate, end, end_rate = (
+            getattr(of.observed, name)
+            for of in (fold.watched, fold.watched_rate, watched, rate)
         )
+        start_rate = fold.rate_at_start(start, start_rate, end, end_rate, width)
+        ends = start, start_rate, end, end_rate
         value, place = peak_of_cubic(*ends, width)
         if name in ("tangential_force", "moment"):
             lowest, lowest_place = peak_of_cubic(*(-x for x in ends), width)
@@ -93,4 +107,13 @@ def fold_step(
             work,
             powers,
         )
-    return Fold(Observed(*peaks), Observed(*times), work, watched, rate)
+    sides = jnp.stack(branch), jnp.stack(branch_of(watched.switches))
+    turned = jnp.any(sides[0] != sides[1], axis=0)
+    return Fold(
+        peaks=Observed(*peaks),
+        peak_times=Observed(*times),
+        work=work,
+        watched=watched,
+        watched_rate=rate,
+        turned=jnp.where(turned, 1.0, 0.0),
+    )

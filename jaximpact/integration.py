@@ -53,7 +53,9 @@ def advance(problem: Problem, course: Course, time: Scalar, width: Scalar):
         **dense_output(course.vector, vector, stages),
     )
     after = Course(vector, fold_step(problem, course.fold, time, step, branch))
-    return after, jax.lax.stop_gradient(error / allowed)
+    # Where a step ran out of the numbers it is too long, by much.
+    error = jax.lax.stop_gradient(error / allowed)
+    return after, jnp.where(jnp.isfinite(error), error, 1e6)
 
 
 class FoldingSolver(diffrax.AbstractAdaptiveSolver):

@@ -13,9 +13,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .cubic import peak_of_cubic, root_of_cubic
+from .cubic import root_of_cubic
 from .folding import Fold
-from .kinks import branch_of, in_force
+from .kinks import in_force
 from .problem import Problem
 
 Scalar = Float[Array, ""]
@@ -27,6 +27,8 @@ LANDING = 1e-10
 ON_SWITCH = 1e-7, 1e-2
 """A switching function within the first, or within this part of the tolerance, counts as
 zero."""
+SMALLEST_WIDTH = 1e-15
+"""Of a step, as a part of the time reached; a few roundings."""
 PATIENCE = 40
 """Tries to land after which the step is taken as it is. None is known that needs ten."""
 SHORTEST_PART = 0.01
@@ -41,62 +43,49 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width):
 
     Returns:
         True where it does, and the place as a part of the step. A switch is to be passed
-        by half of what counts as zero, so that the next step starts on the far side. One
-        that is passed there and back is passed: its place is where it is farthest off.
+        by half of what counts as zero, so that the next step starts on the far side.
+
+    A switch that is passed there and back within one step is not seen: the error control
+    resolves what swings, so such an excursion is a small part of the swing.
     """
     on = jnp.maximum(ON_SWITCH[0], ON_SWITCH[1] * problem.tolerance)
-    active = in_force(before.watched.switches, problem.ground.soil)
     side = [jnp.sign(value) for value in before.watched.switches]
 
-    def by_side(switches):
-        return jnp.stack([s * value for s, value in zip(side, switches, strict=True)])
+    def both(margin, switches):
+        switches = [s * value for s, value in zip(side, switches, strict=True)]
+        return jnp.stack([margin, *switches])
 
-    start, start_rate = (
-        by_side(before.watched.switches),
-        by_side(before.watched_rate.switches),
+    start, start_rate, end, end_rate = (
+        both(watched.margin, watched.switches)
+        for watched in (
+            before.watched,
+            before.watched_rate,
+            after.watched,
+            after.watched_rate,
+        )
     )
-    end, end_rate = (
-        by_side(after.watched.switches),
-        by_side(after.watched_rate.switches),
+    active = in_force(before.watched.switches, problem.ground.soil)
+    counts = jnp.stack(active) & (start[1:] > SWITCHED_OFF)
+    beyond = jnp.concatenate(
+        [end[:1] < -LANDING, counts & (end[1:] < -on)],
     )
-    counts = jnp.stack(active) & (start > SWITCHED_OFF)
-    farthest, place = peak_of_cubic(-start, -start_rate, -end, -end_rate, width)
-    beyond = counts & (end < -on)
-    returned = counts & ~beyond & (farthest > on)
-
     # The one that a straight line would put first is looked at closely; if it was
     # another, the next try will tell.
     guess = jnp.where(beyond, start / jnp.where(beyond, start - end, 1.0), 2.0)
-    guess = jnp.where(returned, place, guess)
-    ended = after.watched.margin < -LANDING
-    margins = before.watched.margin, after.watched.margin
-    end_guess = jnp.where(
-        ended, margins[0] / jnp.where(ended, margins[0] - margins[1], 1.0), 2.0
-    )
     first = jnp.argmin(guess, axis=0)
+    passed = jnp.any(beyond, axis=0)
 
-    def of_first(values):
-        return jnp.take_along_axis(values, first[None], axis=0)[0]
+    def of_first(values, harmless):
+        value = jnp.take_along_axis(values, first[None], axis=0)[0]
+        return jnp.where(passed, value, harmless)
 
-    is_end = end_guess < of_first(guess)
-    aim = jnp.where(is_end, 0.0, 0.5 * on)
-    ends = [
-        jnp.where(is_end, margin, of_first(switch)) + shift
-        for margin, switch, shift in (
-            (margins[0], start, aim),
-            (before.watched_rate.margin, start_rate, 0.0),
-            (margins[1], end, aim),
-            (after.watched_rate.margin, end_rate, 0.0),
-        )
-    ]
-    there_and_back = ~is_end & of_first(returned)
-    passed = ended | jnp.any(beyond | returned, axis=0)
-    has_root = passed & ~there_and_back
-    harmless = (1.0, 0.0, -1.0, 0.0)
-    root = root_of_cubic(
-        *(jnp.where(has_root, x, h) for x, h in zip(ends, harmless, strict=True)), width
+    shift = jnp.where(first == 0, 0.0, 0.5 * on)
+    start, end = of_first(start, 1.0) + shift, of_first(end, -1.0) + shift
+    end_rate = of_first(end_rate, 0.0)
+    start_rate = before.rate_at_start(
+        start, of_first(start_rate, 0.0), end, end_rate, width
     )
-    part = jnp.where(there_and_back, jnp.minimum(of_first(place), 0.9), root)
+    part = root_of_cubic(start, start_rate, end, end_rate, width)
     # A step far too long has a cubic that says little.
     return passed, jnp.maximum(part, SHORTEST_PART)
 
@@ -141,26 +130,30 @@ class LandingController(diffrax.AbstractStepSizeController):
         before, after = jax.lax.stop_gradient((y0.fold, y1_candidate.fold))
         width = t1 - t0
         passed, part = first_landing(args, before, after, width)
-        beyond = keep & passed & (tries < PATIENCE)
+        smallest = SMALLEST_WIDTH * t0
+        beyond = keep & passed & (tries < PATIENCE) & (width > smallest)
         state = jax.tree.map(
             lambda old, new: jnp.where(beyond, old, new), before_state, state
         )
         landed = keep & ~beyond
-        sides = branch_of(before.watched.switches), branch_of(after.watched.switches)
-        switched = jnp.any(jnp.stack(sides[0]) != jnp.stack(sides[1]), axis=0)
         # What has just been found too long is not tried again at once.
         next_t1 = jnp.where(
             keep & (rejected > 0.0), jnp.minimum(next_t1, next_t0 + width), next_t1
         )
         next_t1 = jnp.where(
-            landed & switched, jnp.maximum(next_t1, next_t0 + resumed), next_t1
+            landed & (after.turned > 0.0),
+            jnp.maximum(next_t1, next_t0 + resumed),
+            next_t1,
         )
+        # Time must go on where a step was cut to less than its rounding.
+        next_t1 = jnp.where(landed, jnp.maximum(next_t1, next_t0 + smallest), next_t1)
+        cut_t1 = t0 + jnp.maximum(part * width, smallest)
         longest = jnp.maximum(resumed, width)
         resumed = jnp.where(beyond, longest, jnp.where(landed, 0.0, resumed))
         return (
             landed,
             jnp.where(beyond, t0, next_t0),
-            jnp.where(beyond, t0 + part * width, next_t1),
+            jnp.where(beyond, cut_t1, next_t1),
             made_jump,
             LandingState(
                 state,

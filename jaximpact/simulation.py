@@ -24,6 +24,7 @@ from .compilation import unfused_jit
 from .dynamics import elastic_energy, initial_motion, kinetic_energy
 from .history import History, record_history
 from .integration import End, integrate
+from .lanes import Lanes, end_lanes, march, start_lanes
 from .laws import Laws
 from .outcomes import OUTCOME_OF_MARGIN, Outcome, closing_velocity
 from .precision import require_float64
@@ -206,6 +207,21 @@ def compute(assembly: Assembly, scene: Scene, tolerance, floor) -> Numbers:
     """Numbers of one impact: pure, differentiable in forward mode."""
     problem, vector = pose(scene, assembly, tolerance, floor)
     return summarise(scene, problem, integrate(problem, vector))
+
+
+def compute_lanes(assembly: Assembly, scenes: Scene, tolerance, floor) -> Numbers:
+    """Numbers of many impacts side by side, to the slowest; scene fields are `(lanes,)`.
+
+    Pure, differentiable in forward mode.
+    """
+    lanes = march(start_lanes(assembly, scenes, tolerance, floor))
+    return summarise_lanes(scenes, lanes)
+
+
+def summarise_lanes(scenes: Scene, lanes: Lanes) -> Numbers:
+    """Every result of lanes none of which is going."""
+    summary = jax.vmap(summarise, in_axes=(0, -1, 0))
+    return summary(scenes, lanes.problem, end_lanes(lanes))
 
 
 def _compute_leaves(assembly, structure, leaves, tolerance, floor):

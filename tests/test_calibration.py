@@ -1,5 +1,7 @@
 """Calibration: transforms, Jacobian, known values recovered, verdicts, bad studies."""
 
+import json
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -7,9 +9,9 @@ import pytest
 from command_line import assert_one_line_error
 
 from jaximpact import Block, Impact, Soil, simulate
-from jaximpact.calibration.fit import spread_starts
+from jaximpact.calibration.fit import Reason, fit, spread_starts
 from jaximpact.calibration.solver import Stepper, fresh_lanes
-from jaximpact.calibration.study import case_of
+from jaximpact.calibration.study import case_of, run_study
 from jaximpact.calibration.study_file import read_study
 from jaximpact.calibration.transforms import Bounds
 from jaximpact.calibration.uncertainty import estimate
@@ -72,6 +74,14 @@ def predicted(tmp_path_factory):
     z = np.repeat(true_reals(stepper.case.bounds)[None], study.starts, axis=0)
     lanes = stepper.step(fresh_lanes(stepper.case, z))
     return 1.0 + study.sigma * lanes.residuals[0].reshape(study.sigma.shape)
+
+
+@pytest.fixture(scope="module")
+def twin(tmp_path_factory, predicted):
+    """The study of noise-free targets, and where it wrote."""
+    folder = tmp_path_factory.mktemp("twin")
+    path = write_study(folder, measured=predicted)
+    return run_study(path, folder / "out"), folder / "out"
 
 
 def some_bounds():
@@ -184,6 +194,63 @@ def test_jacobian_equals_central_differences(tmp_path):
     np.testing.assert_allclose(
         lanes.jacobian[0], differences, rtol=0.0, atol=1e-5 * largest
     )
+
+
+def test_twin_is_recovered(twin):
+    result, _ = twin
+    variant = result.variants[0]
+    found = dict(
+        zip([v.name for v in variant.verdicts], variant.parameters, strict=True)
+    )
+    for name, value in TRUE.items():
+        assert found[name] == pytest.approx(value, rel=1e-4)
+    assert variant.failed == 0
+    assert len(variant.start_costs) == 4
+
+
+def test_verdicts_of_the_twin(twin):
+    """Friction under the block has no influence where nothing slides."""
+    result, _ = twin
+    variant = result.variants[0]
+    determined = {v.name: v.determined for v in variant.verdicts}
+    assert determined == {"c_v": True, "gamma_v": True, "k_E": True, "alpha_s": False}
+    assert "no influence" in variant.verdicts[3].reason
+    held = variant.profiles["alpha_s"]
+    assert np.max(held.rise) < 1e-3
+    assert held.low is None
+    assert held.high is None
+
+
+def test_files_of_the_twin(twin):
+    result, out = twin
+    assert sorted(p.name for p in out.iterdir()) == [
+        "fit.json",
+        "fit.png",
+        "fitted.csv",
+        "report.txt",
+    ]
+    report = (out / "report.txt").read_text()
+    assert "The data do not determine alpha_s" in report
+    line = next(x for x in report.splitlines() if x.strip().startswith("alpha_s"))
+    assert "not determined" in line
+    content = json.loads((out / "fit.json").read_text())
+    alpha_s = content["variants"][0]["parameters"]["alpha_s"]
+    assert alpha_s["standard_error"] is None
+    assert content["manifest"]["data"]["sha256"] == result.study.table.sha256
+    assert content["manifest"]["seed"] == 1
+    rows = (out / "fitted.csv").read_text().splitlines()
+    assert len(rows) == 1 + len(TESTS) * len(TARGETS)
+
+
+def test_adam_lowers_the_cost(tmp_path, predicted, monkeypatch):
+    _, stepper = stepper_of(write_study(tmp_path, measured=predicted))
+    monkeypatch.setattr("jaximpact.calibration.fit.ADAM_STEPS", 25)
+    z = np.repeat(true_reals(stepper.case.bounds)[None], 4, axis=0)
+    z = z + 0.3 * np.eye(4)
+    before = stepper.step(fresh_lanes(stepper.case, z)).cost
+    after = fit(stepper, z, method="adam")
+    assert np.all(after.cost[:3] < 0.5 * before[:3])
+    assert set(after.reasons) <= {Reason.step_limit, Reason.converged}
 
 
 BAD = {

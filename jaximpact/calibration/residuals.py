@@ -9,7 +9,8 @@ from jaxtyping import Array, Float
 
 from ..columns import INPUT_COLUMNS, RESULT_COLUMNS
 from ..scene import Scene
-from ..simulation import Assembly, compute
+from ..problem import Assembly
+from ..simulation import compute_lanes
 from .transforms import Bounds, Parameters
 
 FAILED_RESIDUAL = 1e3
@@ -56,22 +57,23 @@ def predict(program: Program, case: Case, parameters: Parameters) -> Targets:
         parameters: of the soil, in the units of their columns.
     """
 
-    def of_test(scene: Scene):
-        changed = {
-            INPUT_COLUMNS[name].field: INPUT_COLUMNS[name].factor * value
-            for name, value in zip(program.fitted, parameters, strict=True)
-        }
-        soil = dataclasses.replace(scene.soil, **changed)
-        numbers = compute(
-            program.assembly,
-            Scene(scene.block, soil, scene.impact),
-            case.tolerance,
-            case.floor,
+    scene = case.scene
+    tests = scene.block.mass.shape
+    changed = {
+        INPUT_COLUMNS[name].field: jnp.broadcast_to(
+            INPUT_COLUMNS[name].factor * value, tests
         )
-        fields = [RESULT_COLUMNS[name].field for name in program.targets]
-        return jnp.stack([getattr(numbers, field) for field in fields])
-
-    return jax.vmap(of_test)(case.scene)
+        for name, value in zip(program.fitted, parameters, strict=True)
+    }
+    soil = dataclasses.replace(scene.soil, **changed)
+    numbers = compute_lanes(
+        program.assembly,
+        Scene(scene.block, soil, scene.impact),
+        case.tolerance,
+        case.floor,
+    )
+    fields = [RESULT_COLUMNS[name].field for name in program.targets]
+    return jnp.stack([getattr(numbers, field) for field in fields], axis=-1)
 
 
 def residuals(program: Program, case: Case, parameters: Parameters) -> Residuals:

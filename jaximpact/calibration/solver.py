@@ -19,7 +19,7 @@ from ..compilation import unfused_jit
 from .residuals import Case, Program, Residuals, function_of_reals
 from .transforms import Parameters
 
-IMPACTS_AT_ONCE = 64
+IMPACTS_AT_ONCE = 256
 """Impacts, tests times lanes, in a group: fewer waste time on dispatch, more on waiting
 for the slowest."""
 TOLERANCE = 1e-6
