@@ -56,12 +56,12 @@ def start_fold(problem: Problem, vector) -> Fold:
     zero = jnp.zeros_like(vector[0])
     nothing = Observed(*[zero] * len(Observed._fields))
     still = Switches(*[zero] * len(Switches._fields))
-    sides = problem.watch(list(vector), zero).switches
+    watched = problem.watch(list(vector), zero)
     return Fold(
-        peaks=nothing,
+        peaks=nothing._replace(normal_force=watched.observed.normal_force),
         peak_times=nothing,
         work=Work(*[zero] * len(Work._fields)),
-        watched=Watched(nothing, zero + INITIAL_MARGIN, sides),
+        watched=Watched(nothing, zero + INITIAL_MARGIN, watched.switches),
         watched_rate=Watched(nothing, zero, still),
         turned=zero,
     )

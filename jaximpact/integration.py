@@ -46,7 +46,7 @@ def advance(problem: Problem, course: Course, time: Scalar, width: Scalar):
     if problem.damped:
         vector = jnp.stack(problem.settle(list(vector), branch))
     size = jnp.maximum(jnp.abs(course.vector), jnp.abs(vector))
-    allowed = problem.tolerance * (size + problem.floor * problem.scale)
+    allowed = problem.allowed_error(size, course.fold.peaks.normal_force)
     step = DenseOutput(
         t0=jnp.zeros_like(width),
         t1=width,

@@ -84,6 +84,11 @@ JACOBIAN_PATTERN = {False: _pattern(_UNDAMPED), True: _pattern(_DAMPED)}
 MOTIONS = len(Motion._fields)
 ALGEBRAIC = {False: (), True: tuple(range(MOTIONS, MOTIONS + len(Forces._fields)))}
 """Unknowns whose equation has no rate."""
+LOADS = (
+    *(i for i, name in enumerate(Motion._fields) if name.startswith("elastic")),
+    *ALGEBRAIC[True],
+)
+"""Unknowns that carry the load."""
 
 
 class Observed(NamedTuple):
@@ -121,6 +126,25 @@ class Problem(eqx.Module):
     damped: bool = eqx.field(static=True)
     ledger: bool = eqx.field(static=True)
     max_steps: int = eqx.field(static=True)
+
+    def allowed_error(self, size, largest_force) -> Float[Array, " n"]:
+        """Error of each unknown that a step may make: `tolerance (size + floor scale)`.
+
+        What carries the load grows from a billionth of its scale. Were its errors at the
+        onset measured by what it comes to, moment and shear would be noise there, and the
+        load so far outside the surface that no step finds back; so the part of the scale
+        is at most a tenth of what the normal force has come to.
+        """
+        share = self.tolerance * self.floor
+        reached = jax.lax.stop_gradient(largest_force / self.force_scale)
+        load_share = jnp.minimum(share, 0.1 * reached)
+        return jnp.stack(
+            [
+                self.tolerance * size[row]
+                + (load_share if row in LOADS else share) * self.scale[row]
+                for row in range(len(self.scale))
+            ]
+        )
 
     def contact(self, rows, branch: Branch | None = None) -> tuple[Motion, Contact]:
         """Named state and contact, from the rows of the state vector."""
