@@ -36,9 +36,9 @@ class Patience(NamedTuple):
     steps: int
 
 
-ROUGH = Patience(flat=3e-3, rejected=4, steps=25)
+ROUGH = Patience(flat=1e-2, rejected=5, steps=25)
 """For comparing starts, and for profiles."""
-FINE = Patience(flat=1e-6, rejected=8, steps=60)
+FINE = Patience(flat=1e-4, rejected=8, steps=60)
 """For the fit that is reported."""
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from .fit import ROUGH, Progress, fit
 from .solver import Stepper
+from .transforms import logit
 
 PARTS = (0.02, 0.2, 0.4, 0.6, 0.8, 0.98)
 """Where in its range a parameter is held."""
@@ -26,69 +27,88 @@ class LikelihoodProfile(NamedTuple):
     high: float | None
     """Between these the rise stays below one standard deviation, interpolated; None
     where it does so down, or up, to the end of the range."""
+    best_cost: float
+    """At the best fit, to the accuracy of the profile."""
     lowest_cost: float
     """Least cost found with the parameter held."""
     lowest_z: np.ndarray
     """Where it was found."""
 
 
-def profile(
+def profile_all(
     stepper: Stepper,
-    place: int,
+    chosen: list[int],
     best_z,
-    best_cost: float,
     variance: float,
     progress: Progress,
-) -> LikelihoodProfile:
-    """Profile of the parameter at `place`.
+) -> list[LikelihoodProfile]:
+    """Profiles of the parameters at the places chosen, all points side by side.
 
-    Every point starts with the other parameters at the best fit.
+    Every point starts with the other parameters at the best fit; the last one, with all
+    of them held there, gives its cost to the accuracy of the others.
     """
-    bounds = stepper.case.bounds
-    name = stepper.program.fitted[place]
     best_z = np.asarray(best_z)
-    best = np.asarray(bounds.parameter(best_z))
-    held = np.repeat(best[None], len(PARTS), axis=0)
-    parts = np.repeat(bounds.part(best)[None], len(PARTS), axis=0)
-    parts[:, place] = PARTS
-    held[:, place] = bounds.at_part(parts)[:, place]
-    anchor = np.repeat(best_z[None], len(PARTS), axis=0)
-    anchor[:, place] = np.log(PARTS) - np.log1p(-np.asarray(PARTS))
+    anchor = np.repeat(best_z[None], len(chosen) * len(PARTS) + 1, axis=0)
     free = np.ones_like(anchor)
-    free[:, place] = 0.0
+    free[-1] = 0.0
+    for k, place in enumerate(chosen):
+        rows = slice(k * len(PARTS), (k + 1) * len(PARTS))
+        anchor[rows, place] = logit(np.asarray(PARTS))
+        free[rows, place] = 0.0
     fits = fit(
         stepper,
         anchor,
         free,
         anchor,
         patience=ROUGH,
-        progress=lambda text: progress(f"profile of {name}, {text}"),
+        progress=lambda text: progress(f"profiles, {text}"),
     )
-    values = np.append(held[:, place], best[place])
-    costs = np.append(fits.cost, best_cost)
-    order = np.argsort(values, kind="stable")
-    values, costs = values[order], costs[order]
-    rise = 2.0 * (costs - np.min(costs)) / variance
-    part = np.sort(np.append(PARTS, bounds.part(best)[place]))
-    low, high = _within(part, rise)
+    reached = np.where(free > 0, fits.lanes.z, anchor)
+    profiles = []
+    for k, place in enumerate(chosen):
+        rows = slice(k * len(PARTS), (k + 1) * len(PARTS))
+        profiles.append(
+            _of_parameter(
+                stepper,
+                place,
+                best_z,
+                np.append(fits.cost[rows], fits.cost[-1]),
+                reached[rows],
+                variance,
+            )
+        )
+    return profiles
 
-    def value_at(where):
-        if where is None:
+
+def _of_parameter(
+    stepper: Stepper, place: int, best_z, costs, reached, variance: float
+) -> LikelihoodProfile:
+    """Profile from the costs of its points, that of the best fit last."""
+    bounds = stepper.case.bounds
+    best = np.asarray(bounds.parameter(best_z))
+    best_part = np.asarray(bounds.part(best))
+
+    def value_at(part: float | None) -> float | None:
+        if part is None:
             return None
-        all_parts = bounds.part(best).copy()
-        all_parts[place] = where
-        return float(bounds.at_part(all_parts)[place])
+        parts = best_part.copy()
+        parts[place] = part
+        return float(bounds.at_part(parts)[place])
 
+    parts = np.append(PARTS, best_part[place])
+    order = np.argsort(parts, kind="stable")
+    rise = 2.0 * (costs - np.min(costs))[order] / variance
+    low, high = _within(parts[order], rise)
+    lowest = int(np.argmin(costs[:-1]))
     return LikelihoodProfile(
-        name=name,
-        values=values,
+        name=stepper.program.fitted[place],
+        values=np.array([value_at(part) for part in parts[order]]),
         rise=rise,
         low=value_at(low),
         high=value_at(high),
-        lowest_cost=float(fits.cost[fits.best]),
-        lowest_z=np.where(
-            free[fits.best] > 0, fits.lanes.z[fits.best], anchor[fits.best]
-        ),
+        best_cost=float(costs[-1]),
+        lowest_cost=float(costs[lowest]),
+        lowest_z=reached[lowest],
     )
 
 

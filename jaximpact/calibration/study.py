@@ -18,7 +18,7 @@ from ..scene import Scene
 from ..simulation import Assembly, is_damped
 from ..soil import Soil
 from .fit import FINE, ROUGH, Fits, Progress, fit, spread_starts
-from .likelihood_profile import LikelihoodProfile, profile
+from .likelihood_profile import LikelihoodProfile, profile_all
 from .residuals import Case, Program
 from .solver import Stepper, take
 from .study_file import Study, Variant, read_study
@@ -165,8 +165,15 @@ def _fit_variant(
     stepper = Stepper(program, case, study.starts)
     given = [parameter.start for parameter in study.parameters]
     starts = spread_starts(bounds, given, study.starts, study.seed)
+    # Starts and profiles need no more accuracy than tells costs apart.
+    fast = jnp.maximum(case.tolerance, PRESETS["fast"].tolerance)
+    rough = Stepper(program, case._replace(tolerance=fast), study.starts)
     screened = fit(
-        stepper, starts, method=study.method, patience=ROUGH, progress=progress
+        rough,
+        starts,
+        method=study.method,
+        patience=ROUGH,
+        progress=progress,
     )
     if not np.any(np.isfinite(screened.cost)):
         raise InputError("no start gives a finite cost", file=study.path)
@@ -182,19 +189,18 @@ def _fit_variant(
     best = refine(screened.lanes.z[screened.best])
     uncertainty = _uncertainty(study, bounds, best)
     profiles: dict[str, LikelihoodProfile] = {}
-    for place in _to_be_profiled(bounds, best, uncertainty):
-        found = profile(
-            stepper,
-            place,
-            best.lanes.z[0],
-            best.cost[0],
-            uncertainty.variance,
-            progress,
-        )
+    for found in profile_all(
+        rough,
+        _to_be_profiled(bounds, best, uncertainty),
+        best.lanes.z[0],
+        uncertainty.variance,
+        progress,
+    ):
         profiles[found.name] = found
-        if found.lowest_cost < (1.0 - LOWER_BY) * best.cost[0]:
-            best = refine(found.lowest_z)
-            uncertainty = _uncertainty(study, bounds, best)
+    lowest = min(profiles.values(), key=lambda found: found.lowest_cost)
+    if lowest.lowest_cost < (1.0 - LOWER_BY) * lowest.best_cost:
+        best = refine(lowest.lowest_z)
+        uncertainty = _uncertainty(study, bounds, best)
     lane = take(best.lanes, 0)
     parameters = np.asarray(bounds.parameter(jnp.asarray(lane.z)))
     predicted = study.measured + study.sigma * lane.residuals.reshape(

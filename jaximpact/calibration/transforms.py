@@ -39,8 +39,7 @@ class Bounds(NamedTuple):
 
     def real(self, p) -> np.ndarray:
         """z of p, for p strictly inside."""
-        part = self.part(p)
-        return np.log(part) - np.log1p(-part)
+        return logit(self.part(p))
 
     def part(self, p) -> np.ndarray:
         """Where p lies between its bounds, in q: 0 at the lower, 1 at the upper."""
@@ -71,6 +70,11 @@ class Bounds(NamedTuple):
             part < NEAR_BOUND, "lower", np.where(part > 1 - NEAR_BOUND, "upper", "")
         )
         return [str(word) or None for word in near]
+
+
+def logit(part) -> np.ndarray:
+    """z of a part of the range, strictly between 0 and 1."""
+    return np.log(part) - np.log1p(-np.asarray(part))
 
 
 def _natural(bounds: Bounds, p):
