@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 
 from .cubic import peak_of_cubic
 from .dynamics import Work
-from .kinks import Switches, branch_of
+from .kinks import SWITCHED_OFF, Switches, branch_of
 from .laws import Branch
 from .problem import Observed, Problem, Watched
 from .rosenbrock import DenseOutput
@@ -108,7 +108,8 @@ def fold_step(
             powers,
         )
     sides = jnp.stack(branch), jnp.stack(branch_of(watched.switches))
-    turned = jnp.any(sides[0] != sides[1], axis=0)
+    is_on = jnp.abs(jnp.stack(watched.switches)) > SWITCHED_OFF
+    turned = jnp.any((sides[0] != sides[1]) & is_on, axis=0)
     return Fold(
         peaks=Observed(*peaks),
         peak_times=Observed(*times),

@@ -17,6 +17,11 @@ from .laws import Branch
 Scalar = Float[Array, ""]
 
 
+SWITCHED_OFF = 1e-11
+"""A switching function within this is not looked at: it is zero by symmetry, and its sign
+is that of the rounding."""
+
+
 class Switches(NamedTuple):
     """Dimensionless functions of the state; each changes sign where a law switches."""
 

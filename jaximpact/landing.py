@@ -15,7 +15,7 @@ from jaxtyping import Array, Float
 
 from .cubic import root_of_cubic
 from .folding import Fold
-from .kinks import in_force
+from .kinks import SWITCHED_OFF, in_force
 from .problem import Problem
 
 Scalar = Float[Array, ""]
@@ -33,9 +33,6 @@ PATIENCE = 40
 """Tries to land after which the step is taken as it is. None is known that needs ten."""
 SHORTEST_PART = 0.01
 """Part to which a step is cut at most in one try to land."""
-SWITCHED_OFF = 1e-11
-"""A switching function that starts within this is not landed upon: it is zero by
-symmetry, or has just been landed upon."""
 
 
 def first_landing(problem: Problem, before: Fold, after: Fold, width):
