@@ -1,8 +1,8 @@
 """Many impacts: the same model over arrays of scenes, on every core.
 
-Each worker keeps so many lanes going. A lane that has ended changes places with one that
-waits at its start, so that no lane waits for the slowest; once all that waited have
-ended, their results are worked out together and the next scenes take their places.
+Each worker keeps so many lanes going. A lane that has ended changes places with one
+that waits at its start, so that no lane waits for the slowest; once all that waited
+have ended, their results are worked out together and the next scenes take their places.
 """
 
 import concurrent.futures
@@ -128,7 +128,8 @@ class Worker:
         self.programs, self.scene, self.accuracy = programs, scene, accuracy
 
     def start(self, places: np.ndarray) -> Part:
-        """A part at the start; filled up with copies of its scenes, which do not count."""
+        """A part at the start; filled up with copies of its scenes, which do not
+        count."""
         width = self.programs.width
         filled = np.resize(places, width)
         scenes = jax.tree.map(lambda leaf: np.asarray(leaf[filled]), self.scene)

@@ -1,9 +1,9 @@
 """Compiling for the CPU without fusion.
 
 XLA's fusion on CPU copies shared arithmetic into every place where it is used. The
-Jacobian of the contact laws, 650 products, becomes 3 300; it then compiles four times as
-slowly and runs eight times as slowly as it does with the pass switched off (jax 0.10.2).
-The option can be given only to a `jax.jit` that is not inside another one.
+Jacobian of the contact laws, 650 products, becomes 3 300; it then compiles four times
+as slowly and runs eight times as slowly as it does with the pass switched off (jax
+0.10.2). The option can be given only to a `jax.jit` that is not inside another one.
 """
 
 from collections.abc import Callable

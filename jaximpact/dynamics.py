@@ -137,7 +137,8 @@ class Contact(NamedTuple):
     elastic_forces: Forces
     """Part of the forces that the springs carry; the normal one may be negative."""
     approach: tuple[Scalar, Scalar, Scalar]
-    """Velocities at which the block presses on the ground: sinking, sliding, turning."""
+    """Velocities at which the block presses on the ground: sinking, sliding,
+    turning."""
     load: Load
     flow: FlowRate
     slip: Scalar
@@ -186,10 +187,10 @@ def contact(
         ground: constants of the impact.
         laws: the constitutive functions.
         motion: the state.
-        forces: what springs and dashpots carry together, the normal one not cut off; None
-            without dashpots, where the springs carry all.
-        branch: the side taken at each switch of the laws, if not the one where the state
-            is.
+        forces: what springs and dashpots carry together, the normal one not cut off;
+            None without dashpots, where the springs carry all.
+        branch: the side taken at each switch of the laws, if not the one where the
+            state is.
 
     Finite for every finite input. Kinks: see the laws.
     """
@@ -282,10 +283,10 @@ def force_gap(ground: Ground, laws: Laws, now: Contact) -> Forces:
 def forces_at_touch(ground: Ground, laws: Laws, motion: Motion) -> Forces:
     """Forces of springs and dashpots that fulfil the model at a state.
 
-    Newton's method from the forces that there would be without any yielding. A step that
-    makes the gap larger is halved, a few times at most: on a kink the gap has to grow
-    before it falls. The derivative is that of the implicit function; a last step, nil in
-    value, carries it.
+    Newton's method from the forces that there would be without any yielding. A step
+    that makes the gap larger is halved, a few times at most: on a kink the gap has to
+    grow before it falls. The derivative is that of the implicit function; a last step,
+    nil in value, carries it.
     """
     unforced = contact(ground, laws, motion)
     dashpots = laws.dashpots(

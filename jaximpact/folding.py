@@ -34,9 +34,9 @@ class Fold(NamedTuple):
     watched_rate: Watched
     """On the branch that led here."""
     turned: Scalar
-    """1 where the next step takes another branch, on which the rates are others; else 0.
-    They are the same at the switch itself; but slip relaxes in a microsecond, so that
-    its rate is off by much where the switch has been missed by little."""
+    """1 where the next step takes another branch, on which the rates are others; else
+    0. They are the same at the switch itself; but slip relaxes in a microsecond, so
+    that its rate is off by much where the switch has been missed by little."""
 
     def rate_at_start(self, start, start_rate, end, end_rate, width):
         """Rate at the start of the next step, on its branch: the one known, or after a

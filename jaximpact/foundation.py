@@ -48,7 +48,8 @@ class Foundation(NamedTuple):
 
 
 def support_radius(axes: SemiAxes, sin: Scalar, cos: Scalar) -> Scalar:
-    r"""Height of the centre over a tangent ground, $r_y = \sqrt{H^2 c^2 + R^2 s^2}$ [m].
+    r"""Height of the centre over a tangent ground, $r_y = \sqrt{H^2 c^2 + R^2 s^2}$
+    [m].
 
     Args:
         axes: semi-axes of the block [m].

@@ -95,7 +95,8 @@ def record_history(
 ) -> History:
     """Course of one impact as NumPy arrays, one entry for the start and each step.
 
-    Raises ValueError under a JAX transformation: the number of steps is not known there.
+    Raises ValueError under a JAX transformation: the number of steps is not known
+    there.
     """
     if is_inside_jit(scene) or any(
         isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(scene)

@@ -2,8 +2,8 @@
 
 What is wanted besides the end state is folded over the accepted steps (`folding`).
 diffrax watches one margin, the least of all, and stops when the step size control
-(`landing`) has landed on its root. Step widths are cut from differentiation; a last Newton
-correction, nil in value, carries the derivative of the event's time.
+(`landing`) has landed on its root. Step widths are cut from differentiation; a last
+Newton correction, nil in value, carries the derivative of the event's time.
 """
 
 from typing import ClassVar, NamedTuple
@@ -141,7 +141,8 @@ def diffrax_arguments(problem: Problem, vector: Float[Array, " n"]) -> dict:
 
 
 def _peaks_at_the_end(problem: Problem, fold: Fold, time: Scalar, vector) -> Fold:
-    """Peaks reached as the impact ends, taken there: they move with the event's time."""
+    """Peaks reached as the impact ends, taken there: they move with the event's
+    time."""
     watched = problem.watch(list(vector), fold.peaks.normal_force)
     peaks = [
         jnp.where(reached >= time, jnp.abs(value), peak)

@@ -1,9 +1,9 @@
 """Where the laws switch: functions of the state that change sign there.
 
-The rates of the state are continuous at a switch, their slopes are not. A step that runs
-across one would be accurate to second order only in its value, and to first order in its
-derivatives. So a step takes one `Branch` from start to end, and the step size control
-lands on the switches as it lands on the end of the impact.
+The rates of the state are continuous at a switch, their slopes are not. A step that
+runs across one would be accurate to second order only in its value, and to first order
+in its derivatives. So a step takes one `Branch` from start to end, and the step size
+control lands on the switches as it lands on the end of the impact.
 """
 
 from typing import NamedTuple
@@ -18,8 +18,8 @@ Scalar = Float[Array, ""]
 
 
 SWITCHED_OFF = 1e-11
-"""A switching function within this is not looked at: it is zero by symmetry, and its sign
-is that of the rounding."""
+"""A switching function within this is not looked at: it is zero by symmetry, and its
+sign is that of the rounding."""
 
 
 class Switches(NamedTuple):

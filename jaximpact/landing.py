@@ -1,9 +1,10 @@
-"""Step size control that lands on the end of the impact and on the switches of the laws.
+"""Step size control that lands on the end of the impact and on the switches of the
+laws.
 
-A step that runs past one of them is rejected and taken again, shorter, with the width at
-which the cubic through value and slope at both ends is zero, until a step lands there. So
-state and time are as accurate as the steps themselves, not as their interpolant, and no
-second copy of the step is compiled.
+A step that runs past one of them is rejected and taken again, shorter, with the width
+at which the cubic through value and slope at both ends is zero, until a step lands
+there. So state and time are as accurate as the steps themselves, not as their
+interpolant, and no second copy of the step is compiled.
 """
 
 from typing import NamedTuple
@@ -25,12 +26,13 @@ LANDING = 1e-10
 
 
 ON_SWITCH = 1e-7, 1e-2
-"""A switching function within the first, or within this part of the tolerance, counts as
-zero."""
+"""A switching function within the first, or within this part of the tolerance, counts
+as zero."""
 SMALLEST_WIDTH = 1e-15
 """Of a step, as a part of the time reached; a few roundings."""
 PATIENCE = 40
-"""Tries to land after which the step is taken as it is. None is known that needs ten."""
+"""Tries to land after which the step is taken as it is. None is known that needs
+ten."""
 SHORTEST_PART = 0.01
 """Part to which a step is cut at most in one try to land."""
 
@@ -39,11 +41,12 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width):
     """Whether a step passes the end or a switch, and where the first of them lies.
 
     Returns:
-        True where it does, and the place as a part of the step. A switch is to be passed
-        by half of what counts as zero, so that the next step starts on the far side.
+        True where it does, and the place as a part of the step. A switch is to be
+        passed by half of what counts as zero, so that the next step starts on the far
+        side.
 
-    A switch that is passed there and back within one step is not seen: the error control
-    resolves what swings, so such an excursion is a small part of the swing.
+    A switch that is passed there and back within one step is not seen: the error
+    control resolves what swings, so such an excursion is a small part of the swing.
     """
     on = jnp.maximum(ON_SWITCH[0], ON_SWITCH[1] * problem.tolerance)
     side = [jnp.sign(value) for value in before.watched.switches]

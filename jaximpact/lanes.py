@@ -1,9 +1,10 @@
 """Many impacts integrated side by side.
 
-Every array has the impacts, "lanes", on its last axis, so that each operation of the laws
-runs over contiguous memory. Steps, their control and the landing on events are those of
-`integration`; lanes that have ended stand still. What this saves against `jax.vmap` of a
-single integration is memory traffic: the unknowns are rows here, and columns there.
+Every array has the impacts, "lanes", on its last axis, so that each operation of the
+laws runs over contiguous memory. Steps, their control and the landing on events are
+those of `integration`; lanes that have ended stand still. What this saves against
+`jax.vmap` of a single integration is memory traffic: the unknowns are rows here, and
+columns there.
 """
 
 from typing import NamedTuple
@@ -46,8 +47,8 @@ class Lanes(NamedTuple):
 
     @property
     def going(self) -> Bool[Array, " lanes"]:
-        """Which lanes have not come to an end. A lane whose step has become too short to
-        be told from none has been given up."""
+        """Which lanes have not come to an end. A lane whose step has become too short
+        to be told from none has been given up."""
         return (
             ~self.event
             & (self.time < TIME_LIMIT)

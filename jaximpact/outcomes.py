@@ -51,8 +51,8 @@ class Margins(NamedTuple):
 
     force: Scalar
     """Normal force, by its largest value so far; or, if larger, the sinking velocity by
-    the speed: at N = 0 nothing yields, so the force can come down to zero only while the
-    block rises, and a force that is zero to rounding at the onset is no end."""
+    the speed: at N = 0 nothing yields, so the force can come down to zero only while
+    the block rises, and a force that is zero to rounding at the onset is no end."""
     sinking: Scalar
     """Sinking above 0.5e-6 R, by R."""
     toppling: Scalar
@@ -71,8 +71,8 @@ OUTCOME_OF_MARGIN = (
 
 
 def closing_velocity(ground: Ground, motion: Motion) -> Scalar:
-    """Velocity at which the block's deepest point sinks at touch [m/s]; a block for which
-    it is not positive is separating."""
+    """Velocity at which the block's deepest point sinks at touch [m/s]; a block for
+    which it is not positive is separating."""
     arm = tangency_arm(ground.axes, ground.sin_start, ground.cos_start)
     return motion.normal_velocity + arm * motion.angular_velocity
 

@@ -1,6 +1,7 @@
 """The initial value problem of one impact: unknowns, equations, what is watched.
 
-The unknowns are one vector: the fields of `Motion`, and with dashpots those of `Forces`.
+The unknowns are one vector: the fields of `Motion`, and with dashpots those of
+`Forces`.
 """
 
 from typing import NamedTuple
@@ -130,10 +131,10 @@ class Problem(eqx.Module):
     def allowed_error(self, size, largest_force) -> Float[Array, " n"]:
         """Error of each unknown that a step may make: `tolerance (size + floor scale)`.
 
-        What carries the load grows from a billionth of its scale. Were its errors at the
-        onset measured by what it comes to, moment and shear would be noise there, and the
-        load so far outside the surface that no step finds back; so the part of the scale
-        is at most a tenth of what the normal force has come to.
+        What carries the load grows from a billionth of its scale. Were its errors at
+        the onset measured by what it comes to, moment and shear would be noise there,
+        and the load so far outside the surface that no step finds back; so the part of
+        the scale is at most a tenth of what the normal force has come to.
         """
         share = self.tolerance * self.floor
         reached = jax.lax.stop_gradient(largest_force / self.force_scale)

@@ -61,8 +61,8 @@ def vijayakumar_coefficient(
         e_contact: coefficient $e^*$ at the contact [-].
         normal_velocity, angular_velocity: before the impact [m/s, rad/s].
 
-    Source: Vijayakumar et al. (2012), as eq. 6 of Dattola et al. (2023), whose last term
-    has $r_t^2$ where the dimensions need $r_t$.
+    Source: Vijayakumar et al. (2012), as eq. 6 of Dattola et al. (2023), whose last
+    term has $r_t^2$ where the dimensions need $r_t$.
     """
     arm = tangency_arm(block.semi_axes, jnp.sin(orientation), jnp.cos(orientation))
     turning = block.mass * arm**2

@@ -271,8 +271,8 @@ def dense_output(y0: Array, y1: Array, stages: Array) -> dict[str, Array]:
 class Rodas5P(diffrax.AbstractAdaptiveSolver):
     """Rosenbrock method of order 5(4), L-stable, for autonomous stiff systems.
 
-    The state must be one vector. `pattern[i][j]` is True where df_i/dy_j may differ from
-    zero; None means everywhere.
+    The state must be one vector. `pattern[i][j]` is True where df_i/dy_j may differ
+    from zero; None means everywhere.
     """
 
     pattern: tuple[tuple[bool, ...], ...] | None = eqx.field(default=None, static=True)

@@ -1,4 +1,5 @@
-"""Elementary functions that stay finite, with a finite gradient, at their singular point.
+"""Elementary functions that stay finite, with a finite gradient, at their singular
+point.
 
 `jax.grad` of `jnp.where(x > 0, jnp.sqrt(x), 0)` is NaN at 0, because the branch that
 is not taken is differentiated as well. Every function here feeds its singular operation

@@ -210,7 +210,8 @@ def compute(assembly: Assembly, scene: Scene, tolerance, floor) -> Numbers:
 
 
 def compute_lanes(assembly: Assembly, scenes: Scene, tolerance, floor) -> Numbers:
-    """Numbers of many impacts side by side, to the slowest; scene fields are `(lanes,)`.
+    """Numbers of many impacts side by side, to the slowest; scene fields are
+    `(lanes,)`.
 
     Pure, differentiable in forward mode.
     """

@@ -1,18 +1,19 @@
 """Brute-force geometry of a tilted ellipsoid cut by the ground, for tests only.
 
-Everything comes from the general equation of the ellipsoid, x^T A x = 1 with A = Q diag(1/H^2, 1/R^2,
-1/W^2) Q^T, by sampling and root finding; no closed form of a support radius, section or
-chord is used.
+Everything comes from the general equation of the ellipsoid, x^T A x = 1 with A = Q
+diag(1/H^2, 1/R^2, 1/W^2) Q^T, by sampling and root finding; no closed form of a support
+radius, section or chord is used.
 It serves to check the library's closed forms and to show the misprints in the geometry
 appendix of
 Dattola, Crosta and di Prisco (2023).
 
-Axes: n into the ground, t down-slope, w out of the plane, measured from the ground level (n = 0) and
-from the block's centre (t = w = 0), which lies at n = -d.  The major half-axis H makes the angle Theta
-with n, clockwise positive (its lower tip moves towards -t).
+Axes: n into the ground, t down-slope, w out of the plane, measured from the ground
+level (n = 0) and from the block's centre (t = w = 0), which lies at n = -d.  The major
+half-axis H makes the angle Theta with n, clockwise positive (its lower tip moves
+towards -t).
 
-Accuracy: positions and lengths to about 1e-10 of the block's size, and less (about 1e-16 / q for section
-ends) where the ground only just touches the block.
+Accuracy: positions and lengths to about 1e-10 of the block's size, and less (about
+1e-16 / q for section ends) where the ground only just touches the block.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ def quadric(H: float, R: float, W: float, theta: float) -> np.ndarray:
 
 
 def level(n, t, w, H, R, W, theta, d):
-    """Value of x^T A x at a point of the ground's frame: below 1 inside the block, 1 on its surface."""
+    """Value of x^T A x at a point of the ground's frame: below 1 inside the block, 1 on
+    its surface."""
     x = np.stack(
         np.broadcast_arrays(
             np.asarray(n, float) + d, np.asarray(t, float), np.asarray(w, float)
@@ -47,7 +49,8 @@ def level(n, t, w, H, R, W, theta, d):
 
 
 def surface(a, b, H, R, W, theta):
-    """Points of the surface, relative to the centre, from two angles; the last axis is (n, t, w)."""
+    """Points of the surface, relative to the centre, from two angles; the last axis is
+    (n, t, w)."""
     a, b = np.broadcast_arrays(np.asarray(a, float), np.asarray(b, float))
     local = np.stack(
         [H * np.cos(a) * np.cos(b), R * np.sin(a) * np.cos(b), W * np.sin(b)], -1
@@ -56,7 +59,8 @@ def surface(a, b, H, R, W, theta):
 
 
 def extreme(direction, H, R, W, theta) -> np.ndarray:
-    """Surface point farthest along ``direction``: grid search, then stationarity in the two angles."""
+    """Surface point farthest along ``direction``: grid search, then stationarity in the
+    two angles."""
     u = np.asarray(direction, float)
     # shift the angles' pole away from the points sought along w
     a = np.linspace(-np.pi, np.pi, 721)
@@ -82,13 +86,15 @@ def extreme(direction, H, R, W, theta) -> np.ndarray:
 
 
 def _line_minimum(f, scale):
-    """Position of the minimum of a function that is a parabola along a line, from three samples."""
+    """Position of the minimum of a function that is a parabola along a line, from three
+    samples."""
     y0, y1, y2 = f(-scale), f(0.0), f(scale)
     return -scale * (y2 - y0) / (2 * (y2 - 2 * y1 + y0))
 
 
 def section_ends(H, R, W, theta, d):
-    """Ends (t_a, t_b) of the block's cut with the ground line n = 0, w = 0; None if there is no cut."""
+    """Ends (t_a, t_b) of the block's cut with the ground line n = 0, w = 0; None if
+    there is no cut."""
     size = max(H, R)
 
     def f(t):

@@ -1,6 +1,6 @@
 """Regenerate data/oracle_scenes.csv: random scenes with the results of :mod:`oracle`.
 
-    OMP_NUM_THREADS=1 python make_oracle_scenes.py [--count 300] [--out data/oracle_scenes.csv]
+    OMP_NUM_THREADS=1 python make_oracle_scenes.py [--count 300] [--out FILE]
 
 The seed is fixed, so that the scenes are the same each time.  Each is run at rtol 1e-8
 and 1e-9; the
@@ -32,7 +32,7 @@ EXTRA = ("ledger_residual_J", "e_vijayakumar", "oracle_error", "outcome_loose")
 
 
 def scenes(count: int = 300) -> list[dict]:
-    """Random scenes; the values are rounded so that the CSV holds exactly what was run."""
+    """Random scenes, rounded so that the CSV holds exactly what was run."""
     rng = np.random.default_rng(SEED)
 
     def uni(a, b):
@@ -154,9 +154,10 @@ def main() -> None:
             )
             spent = time.perf_counter() - began
             left = spent / (i + 1) * (len(todo) - i - 1)
+            residual = best["ledger_residual_J"] / best["kinetic_in_J"]
             print(
-                f"{i + 1}/{len(todo)}  {dt:5.1f} s  {best['outcome']:10s} e_n {best['e_n']:+.4f}  "
-                f"change {err:.1e}  residual {best['ledger_residual_J'] / best['kinetic_in_J']:+.1e}  "
+                f"{i + 1}/{len(todo)}  {dt:5.1f} s  {best['outcome']:10s} "
+                f"e_n {best['e_n']:+.4f}  change {err:.1e}  residual {residual:+.1e}  "
                 f"left {left:.0f} s{note} {best['message']}",
                 file=sys.stderr,
                 flush=True,

@@ -8,9 +8,9 @@ di Prisco (2023): an ellipsoidal block that sinks into the ground on an equivale
 foundation whose
 elasto-damping, visco-plastic and slider elements act in series, with the constitutive
 functions read
-from the literature that the paper builds on: Gazetas (1983) stiffness, Duncan and Chang (1970)
-modulus, Vesic (1973) bearing capacity, Bolton (1986) dilatancy, Nova and Montrasio
-(1991) interaction
+from the literature that the paper builds on: Gazetas (1983) stiffness, Duncan and Chang
+(1970) modulus, Vesic (1973) bearing capacity, Bolton (1986) dilatancy, Nova and
+Montrasio (1991) interaction
 surface, Perzyna (1963) overstress flow.  Those readings are ours, not the authors'
 code.
 
@@ -18,16 +18,17 @@ What it is for
 --------------
 To check the library.  It shares no code with it: plain Python floats, SciPy's implicit
 Radau IIA
-integrator, the laws with their kinks left sharp (no smoothing), SciPy's event location for the
-end of the impact.  It is slow (0.1 to some seconds an impact) and has no gradients.
+integrator, the laws with their kinks left sharp (no smoothing), SciPy's event location
+for the end of the impact.  It is slow (0.1 to some seconds an impact) and has no
+gradients.
 
 How it works
 ------------
 Eleven states: u_n, s_t, theta, v_n, v_t, Omega, u_n^vp, u_t^vp, theta^vp, rho_c,
 u_t^ps; the elastic
-displacement is what is left after subtraction.  Six quadratures ride along for the energy ledger:
-true tangential path of the centre, visco-plastic, slider and dashpot dissipation, arm
-work, stiffness
+displacement is what is left after subtraction.  Six quadratures ride along for the
+energy ledger: true tangential path of the centre, visco-plastic, slider and dashpot
+dissipation, arm work, stiffness
 work.  With any eta > 0 the forces follow from an algebraic loop, solved at each right-
 hand side
 (:func:`_Model.loop`): damped Newton, then SciPy's ``root`` from several starts.
@@ -36,9 +37,9 @@ How accurate it is
 ------------------
 ``rtol`` is 1e-8 unless told otherwise.  e_n, e_t and e_bar then change by about 1e-7 or
 less when the
-tolerance is tightened, save for scenes at a knife edge (an end condition that is only just met or
-missed); ``data/oracle_scenes.csv`` gives the change of each scene in ``oracle_error``.
-The Coulomb
+tolerance is tightened, save for scenes at a knife edge (an end condition that is only
+just met or missed); ``data/oracle_scenes.csv`` gives the change of each scene in
+``oracle_error``. The Coulomb
 slider is regularised with a relaxation time of 1 microsecond; everything else is sharp.
 
 Signs: n into the ground, t down-slope, rotation positive clockwise (down-slope to the
@@ -182,9 +183,10 @@ class _Model:
         )
         self._warm = None
 
-    # ----------------------------------------------------------------------------- geometry
+    # --------------------------------------------------------------------- geometry
     def geometry(self, un: float, theta: float) -> dict:
-        """Equivalent foundation with the partial derivatives with respect to u_n and theta.
+        """Equivalent foundation with the partial derivatives with respect to u_n and
+        theta.
 
         Derivatives are (d/du_n, d/dtheta) pairs.
         """
@@ -268,7 +270,7 @@ class _Model:
             k[2] * (self.n_E + 3) * lr0,
         )
 
-    # ----------------------------------------------------------------------- visco-plastic part
+    # ----------------------------------------------------------- visco-plastic part
     def V_M(self, uD: float, Bt: float, Bw: float) -> float:
         B, L = (Bt, Bw) if Bt < Bw else (Bw, Bt)
         area = 0.25 * math.pi * Bt * Bw
@@ -320,7 +322,7 @@ class _Model:
             return 0.0
         return math.copysign(f / (k_t * TAU_S), T)
 
-    # ----------------------------------------------------------------------------- forces
+    # ----------------------------------------------------------------------- forces
     def loop(self, elastic, c, trial, VM, Bt, rho_c, k_t):
         """Forces with dashpots.  Unknowns y = (N_raw, T, M), N = max(N_raw, 0):
 
@@ -409,7 +411,8 @@ class _Model:
 
     @staticmethod
     def _relax(res, norm, x, tol):
-        """Pseudo-transient continuation: implicit Euler on dx/dtau = -res(x) with a growing step."""
+        """Pseudo-transient continuation: implicit Euler on dx/dtau = -res(x) with a
+        growing step."""
         x = np.array(x, float)
         r = np.array(res(x))
         rn = norm(r)
@@ -479,7 +482,8 @@ class _Model:
 
             dx = (-det3(r, b, d) / det, -det3(a, r, d) / det, -det3(a, b, r) / det)
             lam, done = 1.0, False
-            # to the last digit: the integrator differentiates the result, so it must not be lazy
+            # to the last digit: the integrator differentiates the result, so it must
+            # not be lazy
             for _ in range(30 if rn > tol else 1):
                 xn = (x[0] + lam * dx[0], x[1] + lam * dx[1], x[2] + lam * dx[2])
                 rnew = res(xn)
@@ -503,7 +507,8 @@ class _Model:
         Bt, Bw = g["Bt"], g["Bw"]
         uD = g["uD"]
         if not (Bt > 1e-12 * self.R and Bw > 1e-12 * self.R):
-            # stage of the integrator above the ground, past the end of contact: no forces.
+            # stage of the integrator above the ground, past the end of contact: no
+            # forces.
             return dict(
                 g=g,
                 k=(0.0, 0.0, 0.0),
@@ -587,7 +592,8 @@ class _Model:
         w_sl = T * sl
         if self.damped:
             ud = (rates[0] - vp[0], rates[1] - vp[1] - sl, rates[2] - vp[2])
-            # what the dashpot really takes: force less spring force (N may be clipped at zero)
+            # what the dashpot really takes: force less spring force (N may be clipped
+            # at zero)
             w_d = (
                 (N - k[0] * ued[0]) * ud[0]
                 + (T - k[1] * ued[1]) * ud[1]
@@ -617,7 +623,8 @@ class _Model:
         ]
 
     def jac(self, t, y):
-        """Jacobian for the integrator's Newton iteration, by differences whose steps follow the physics.
+        """Jacobian for the integrator's Newton iteration, by differences whose steps
+        follow the physics.
 
         Generic difference steps (relative to each state) drown in rounding here,
         because the elastic
@@ -670,7 +677,7 @@ class _Model:
             J[:, i] = column([(i, h)], h)
         return J
 
-    # ----------------------------------------------------------------------------- energies
+    # --------------------------------------------------------------------- energies
     def kinetic(self, y):
         return (
             0.5 * self.mass * (y[3] ** 2 + y[4] ** 2) + 0.5 * self.inertia * y[5] ** 2
@@ -687,7 +694,8 @@ def _floats(y):
 
 
 def _refine_max(sol, f_of_t, t_end):
-    """Maximum of f over the run: step ends first, then the dense output around the best of them."""
+    """Maximum of f over the run: step ends first, then the dense output around the best
+    of them."""
     ts = [t for t in sol.t if t <= t_end]
     if not ts or ts[-1] < t_end:
         ts.append(t_end)
@@ -718,7 +726,8 @@ def _refine_max(sol, f_of_t, t_end):
 
 
 def simulate(scene: dict, rtol: float = 1e-8, history: bool = False) -> dict:
-    """One impact.  ``scene`` may leave out any key of :data:`DEFAULTS`; see :data:`RESULTS` for the result.
+    """One impact.  ``scene`` may leave out any key of :data:`DEFAULTS`; see
+    :data:`RESULTS` for the result.
 
     Further keys of the result: ``ledger_residual_J`` (what the energy ledger misses),
     ``e_vijayakumar``,

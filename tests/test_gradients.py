@@ -1,4 +1,5 @@
-"""Derivatives of an impact: against differences, forward against reverse, under vmap."""
+"""Derivatives of an impact: against differences, forward against reverse, under
+vmap."""
 
 import math
 

@@ -29,8 +29,8 @@ RELATIVE = 2e-3
 TOPPLES_AS_IT_LIFTS = 47
 
 # As slip begins in scene 77, the equations of springs and dashpots together lose their
-# solution: on either branch it lies on the other's side. The oracle's iteration jumps to
-# a solution far away; here the impact is said to have failed.
+# solution: on either branch it lies on the other's side. The oracle's iteration jumps
+# to a solution far away; here the impact is said to have failed.
 HAS_NO_SOLUTION = 77
 
 

@@ -1,4 +1,5 @@
-"""One impact: reference numbers, exact facts, symmetries, the ledger, singular scenes."""
+"""One impact: reference numbers, exact facts, symmetries, the ledger, singular
+scenes."""
 
 import dataclasses
 import math

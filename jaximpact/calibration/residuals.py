@@ -8,8 +8,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..columns import INPUT_COLUMNS, RESULT_COLUMNS
-from ..scene import Scene
 from ..problem import Assembly
+from ..scene import Scene
 from ..simulation import compute_lanes
 from .transforms import Bounds, Parameters
 

@@ -71,7 +71,8 @@ def bearing_capacity(
     With $B, L$ the smaller and larger of $B_t, B_w$, $A = \pi B_t B_w/4$ and
     $u = \max(u_D, 0)$:
 
-    $$ V_M = A\left(\gamma_n u N_q s_q d_q + \tfrac12 \gamma_n B N_\gamma s_\gamma\right) $$
+    $$ V_M = A\left(\gamma_n u N_q s_q d_q + \tfrac12 \gamma_n B N_\gamma
+    s_\gamma\right) $$
     $$ s_q = 1 + \tfrac{B}{L}\tan\varphi, \quad s_\gamma = 1 - 0.4 \tfrac{B}{L}, \quad
        d_q = 1 + 2\tan\varphi\,(1 - \sin\varphi)^2 \arctan(u/B) $$
 

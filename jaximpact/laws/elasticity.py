@@ -42,7 +42,8 @@ def elastic_stiffness(
     *,
     branch: Branch | None = None,
 ) -> Stiffness:
-    r"""Stiffness of a circular footing of equal area, modulus taken at one radius' depth.
+    r"""Stiffness of a circular footing of equal area, modulus taken at one radius'
+    depth.
 
     $$ r_0 = \tfrac12\sqrt{B_t B_w}, \quad
        E = k_E\, p_a (\gamma_n r_0/p_a)^{n_E}, \quad

@@ -1,4 +1,5 @@
-"""Loading surface of the macro-element: how large a load is, and which way is outward."""
+"""Loading surface of the macro-element: how large a load is, and which way is
+outward."""
 
 from typing import NamedTuple
 
