@@ -282,7 +282,7 @@ def simulate_batch(
         _run_on_every_core(Worker(programs, scene, setting), chosen, keep)
         timing["compile_s"] += started - begin
         timing["run_s"] += time.perf_counter() - started
-    return ImpactResult(**columns._asdict(), scene=scene, accuracy=setting)
+    return ImpactResult(**vars(columns), scene=scene, accuracy=setting)
 
 
 def _run_on_every_core(worker: Worker, chosen: np.ndarray, keep: Callable) -> None:

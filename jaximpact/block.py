@@ -71,5 +71,6 @@ class Block(eqx.Module):
 
     @property
     def sphericity(self) -> Float[Array, ""]:
-        r"""Sphericity index $S_p = A_r^{-2/3}$ (eq. 17 of the paper)."""
+        r"""Sphericity index $S_p = A_r^{-2/3}$ (eq. 8 of the paper by our count, see
+        docs/model.md; others call it eq. 17)."""
         return self.aspect_ratio ** (-2.0 / 3.0)

@@ -55,7 +55,7 @@ def support_radius(axes: SemiAxes, sin: Scalar, cos: Scalar) -> Scalar:
         axes: semi-axes of the block [m].
         sin, cos: of the orientation from the ground's normal to the major axis.
 
-    Smooth everywhere. Source: Dattola et al. (2023), eq. 12.
+    Smooth everywhere. Source: Dattola et al. (2023), eq. 22, first line.
     """
     return jnp.sqrt((axes.major * cos) ** 2 + (axes.minor * sin) ** 2)
 

@@ -6,6 +6,7 @@ symbolic zeros), and what remains is linear, so JAX can transpose it: `jax.grad`
 as much as `jax.jacfwd` does, in proportion to the number of scene parameters that vary.
 """
 
+import dataclasses
 import functools
 from typing import NamedTuple
 
@@ -77,8 +78,15 @@ class EnergyLedger(NamedTuple):
         )
 
 
-class Numbers(NamedTuple):
-    """The numbers of an impact, all of them arrays; see `ImpactResult`."""
+class Numbers(eqx.Module):
+    """The numbers of an impact. Lengths in m, forces in N, moments in N m, times in s,
+    angles in rad; n into the ground, t down-slope, rotation clockwise.
+
+    Coefficients: `e_n` and `e_t` are apparent (centre of mass; `e_t` is NaN where the
+    block came in along the normal and it has no meaning), `e_contact` is at the contact
+    point, `e_bar` is energetic, `R_r` the final ratio of rotational to total kinetic
+    energy, `e_n_vijayakumar` the rigid-body estimate with this `e_contact`.
+    """
 
     e_n: Scalar
     e_t: Scalar
@@ -197,7 +205,8 @@ def summarise(scene: Scene, problem: Problem, end: End) -> Numbers:
     )
     known = end.finished | separating
     numbers = jax.tree.map(lambda x: jnp.where(known, x, jnp.nan), numbers)
-    return numbers._replace(
+    return dataclasses.replace(
+        numbers,
         outcome_code=outcome_code(end, separating),
         steps=jax.lax.stop_gradient((end.steps + end.rejected).astype(float)),
     )
@@ -283,12 +292,10 @@ def _by_leaf(columns, count):
     ]
 
 
-def solve_scene(
-    scene: Scene, accuracy: Accuracy, laws: Laws, *, ledger: bool
-) -> Numbers:
+def solve_scene(scene: Scene, accuracy: Accuracy, laws: Laws) -> Numbers:
     """Numbers of one scene, compiled, differentiable in both modes."""
     leaves, structure = jax.tree.flatten(scene)
-    assembly = Assembly(laws, is_damped(scene.soil), ledger)
+    assembly = Assembly(laws, is_damped(scene.soil), ledger=True)
     tolerance = jnp.asarray(accuracy.tolerance)
     floor = jnp.asarray(accuracy.floor)
     return _solve(assembly, structure, leaves, tolerance, floor)
@@ -309,40 +316,9 @@ def has_dashpots(soil: Soil) -> np.ndarray:
     return functools.reduce(np.logical_or, [np.asarray(r) > 0.0 for r in ratios])
 
 
-class ImpactResult(eqx.Module):
-    """Everything about one impact. Lengths in m, forces in N, moments in N m, times in
-    s, angles in rad; n into the ground, t down-slope, rotation clockwise.
+class ImpactResult(Numbers):
+    """Everything about one impact: its numbers, and what they were computed from."""
 
-    Coefficients: `e_n` and `e_t` are apparent (centre of mass; `e_t` is NaN where the
-    block came in along the normal and it has no meaning), `e_contact` is at the contact
-    point, `e_bar` is energetic, `R_r` the final ratio of rotational to total kinetic
-    energy, `e_n_vijayakumar` the rigid-body estimate with this `e_contact`.
-    """
-
-    e_n: Scalar
-    e_t: Scalar
-    e_contact: Scalar
-    e_bar: Scalar
-    R_r: Scalar
-    e_n_vijayakumar: Scalar
-    max_penetration: Scalar
-    max_sinking: Scalar
-    max_normal_force: Scalar
-    max_tangential_force: Scalar
-    max_moment: Scalar
-    time_of_max_penetration: Scalar
-    time_of_max_sinking: Scalar
-    time_of_max_normal_force: Scalar
-    time_of_max_tangential_force: Scalar
-    time_of_max_moment: Scalar
-    duration: Scalar
-    rotation: Scalar
-    normal_velocity: Scalar
-    tangential_velocity: Scalar
-    angular_velocity: Scalar
-    energy: EnergyLedger | None
-    outcome_code: Scalar
-    steps: Scalar
     scene: Scene
     accuracy: Accuracy = eqx.field(static=True)
     history: History | None = None
@@ -402,8 +378,8 @@ def simulate(
     laws = laws or Laws()
     scene = Scene(block, soil, impact)
     check_scene(scene)
-    numbers = solve_scene(scene, setting, laws, ledger=True)
-    result = ImpactResult(**numbers._asdict(), scene=scene, accuracy=setting)
+    numbers = solve_scene(scene, setting, laws)
+    result = ImpactResult(**vars(numbers), scene=scene, accuracy=setting)
     if not history:
         return result
     recorded = record_history(scene, setting, laws, damped=is_damped(soil))
