@@ -17,7 +17,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .accuracy import Accuracy, get_accuracy
+from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
 from .checks import check_scene
 from .compilation import compile_unfused
@@ -220,7 +220,7 @@ class Worker:
 def simulate_batch(
     scene: Scene,
     *,
-    accuracy: str | Accuracy = "balanced",
+    accuracy: str | Accuracy = DEFAULT_ACCURACY,
     laws: Laws | None = None,
     ledger: bool = False,
     progress: Callable[[int, int], None] | None = None,

@@ -5,7 +5,6 @@ One row here says how a column of a table, a key of a TOML file and a field of `
 """
 
 import dataclasses
-import difflib
 import math
 
 import numpy as np
@@ -232,13 +231,6 @@ SIGMA_PREFIX = "sigma_"
 """Before the name of a result column: the standard deviation of a measured value."""
 LABEL_COLUMNS = ("name", "id", "test", "source", "note", "comment")
 """Columns of free text, which identify a row and are carried along."""
-
-
-def nearest(name: str, known) -> str:
-    """The known name most like a given one."""
-    folded = {str(k).lower(): str(k) for k in known}
-    matches = difflib.get_close_matches(str(name).lower(), folded, n=1, cutoff=0.0)
-    return folded[matches[0]]
 
 
 def column_of_field(part: str, field: str) -> InputColumn:

@@ -1,5 +1,6 @@
 """The error of the package's edge: input that cannot be used."""
 
+import difflib
 import os
 
 
@@ -28,3 +29,10 @@ class InputError(ValueError):
         place = ", ".join(text.format(item) for item, text in where if item is not None)
         message = f"{place}: {problem}" if place else problem
         super().__init__(" ".join(message.split("\n")))
+
+
+def nearest(name: str, known) -> str:
+    """The known name most like a given one."""
+    folded = {str(k).lower(): str(k) for k in known}
+    matches = difflib.get_close_matches(str(name).lower(), folded, n=1, cutoff=0.0)
+    return folded[matches[0]]

@@ -1,15 +1,15 @@
 """One scene from a TOML file."""
 
-import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
 from .accuracy import PRESETS
 from .block import Block
-from .columns import INPUT_COLUMNS, InputColumn, nearest
-from .errors import InputError
+from .columns import INPUT_COLUMNS, InputColumn
+from .errors import InputError, nearest
 from .scene import Impact, Scene
 from .soil import Soil
+from .toml_values import load_toml, number
 
 TABLES = ("block", "soil", "impact")
 ACCURACY_KEY = "accuracy"
@@ -33,7 +33,7 @@ def read_scene(path: Path) -> SceneFile:
     Raises InputError, naming file and key, for whatever cannot be used.
     """
     path = Path(path)
-    content = _load(path)
+    content = load_toml(path)
     fields = {part: {} for part in TABLES}
     accuracy = None
     for key, value in content.items():
@@ -60,17 +60,6 @@ def read_scene(path: Path) -> SceneFile:
     return SceneFile(scene, accuracy)
 
 
-def _load(path: Path) -> dict:
-    try:
-        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
-    except UnicodeDecodeError as error:
-        raise InputError("is not text in UTF-8", file=path) from error
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"is not valid TOML: {error}", file=path) from error
-
-
 def _column(path: Path, name: str, table: str | None) -> InputColumn:
     """The column that a key stands for; `table` is the one it was found in."""
     if name not in INPUT_COLUMNS:
@@ -91,11 +80,7 @@ def _column(path: Path, name: str, table: str | None) -> InputColumn:
 
 
 def _si_value(path: Path, column: InputColumn, value) -> float:
-    # A TOML boolean is a Python integer.
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(
-            f"must be a number, but is {value!r}", file=path, key=column.name
-        )
+    value = number(path, column.name, value)
     if not column.is_allowed(value):
         raise InputError(
             f"must be {column.requirement}, but is {value}", file=path, key=column.name

@@ -18,7 +18,7 @@ from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array, Float
 
 from . import provenance
-from .accuracy import Accuracy, get_accuracy
+from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
 from .checks import check_scene
 from .compilation import unfused_jit
@@ -346,7 +346,7 @@ def simulate(
     soil: Soil,
     impact: Impact,
     *,
-    accuracy: str | Accuracy = "balanced",
+    accuracy: str | Accuracy = DEFAULT_ACCURACY,
     history: bool = False,
     laws: Laws | None = None,
 ) -> ImpactResult:

@@ -22,9 +22,8 @@ from .columns import (
     OUTCOME_COLUMN,
     RESULT_COLUMNS,
     SIGMA_PREFIX,
-    nearest,
 )
-from .errors import InputError
+from .errors import InputError, nearest
 from .scene import Impact, Scene
 from .soil import Soil
 

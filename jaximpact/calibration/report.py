@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..cli.options import align
+from ..align import align
 from .study import StudyResult, VariantResult
 
 

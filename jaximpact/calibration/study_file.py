@@ -6,12 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..accuracy import PRESETS
-from ..columns import RESULT_COLUMNS, SIGMA_PREFIX, nearest
-from ..errors import InputError
+from ..accuracy import DEFAULT_ACCURACY, PRESETS
+from ..columns import RESULT_COLUMNS, SIGMA_PREFIX
+from ..errors import InputError, nearest
 from ..tables import Table, read_table
-from .fit import METHODS
-from .study_values import (
+from ..toml_values import (
     SOIL_COLUMNS,
     allowed,
     choice,
@@ -22,6 +21,7 @@ from .study_values import (
     unknown,
     whole,
 )
+from .fit import METHODS
 
 KEYS = (
     "title",
@@ -116,7 +116,7 @@ def read_study(path: Path) -> Study:
     _check_given_once(path, table, parameters, fixed, variants)
     targets = _targets(path, content, table)
     sigma, sigma_given = _sigma(path, content, table, targets)
-    accuracy = choice(path, content, "accuracy", "balanced", tuple(PRESETS))
+    accuracy = choice(path, content, "accuracy", DEFAULT_ACCURACY, tuple(PRESETS))
     return Study(
         path=path,
         title=typed(path, content, "title", str, path.parent.name),

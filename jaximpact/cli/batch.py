@@ -5,12 +5,12 @@ import os
 import sys
 from pathlib import Path
 
+from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
 from ..files import check_writable
 from . import options
 from .progress import Progress
 
-DEFAULT_ACCURACY = "balanced"
 DESCRIPTION = """\
 Compute every impact of a CSV of scenes and append the results to its rows.
 

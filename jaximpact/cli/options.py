@@ -3,6 +3,7 @@
 import argparse
 
 from ..accuracy import PRESETS
+from ..align import align
 from ..columns import (
     INPUT_COLUMNS,
     LABEL_COLUMNS,
@@ -46,15 +47,3 @@ def result_help() -> str:
     rows += [(c.name, c.unit, c.meaning) for c in RESULT_COLUMNS.values()]
     rows += [(OUTCOME_COLUMN, "-", OUTCOME_MEANING)]
     return f"Columns that are appended:\n{align(rows)}"
-
-
-def align(rows: list[tuple[str, ...]]) -> str:
-    """Rows of cells as text in columns, indented by two."""
-    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
-    return "\n".join(
-        "  "
-        + "  ".join(
-            cell.ljust(width) for cell, width in zip(row, widths, strict=True)
-        ).rstrip()
-        for row in rows
-    )

@@ -2,9 +2,9 @@
 
 import math
 
+from ..align import align
 from ..columns import OUTCOME_COLUMN, OUTCOME_MEANING, RESULT_COLUMNS, ResultColumn
 from ..simulation import ImpactResult
-from .options import align
 
 FURTHER_RESULTS = (
     ResultColumn("e_n_vijayakumar", "e_n_vijayakumar", "-", "e_n of a rigid body"),

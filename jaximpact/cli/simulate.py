@@ -4,11 +4,11 @@ import argparse
 import json
 from pathlib import Path
 
+from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
 from ..files import check_writable, replacing
 from . import options
 
-DEFAULT_ACCURACY = "balanced"
 PLOT_SUFFIXES = (".png", ".pdf", ".svg")
 DESCRIPTION = """\
 Compute one impact and print every result with its energy ledger.

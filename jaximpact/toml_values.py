@@ -1,13 +1,12 @@
 """Reading values of a TOML file: kinds, ranges and names, each error in one line."""
 
-import difflib
 import math
 import tomllib
 from pathlib import Path
 from typing import NoReturn
 
-from ..columns import INPUT_COLUMNS, InputColumn, nearest
-from ..errors import InputError
+from .columns import INPUT_COLUMNS, InputColumn
+from .errors import InputError, nearest
 
 SOIL_COLUMNS = {n: c for n, c in INPUT_COLUMNS.items() if c.part == "soil"}
 
@@ -60,10 +59,9 @@ def choice(path: Path, content: dict, key: str, default: str, known) -> str:
     """One of the known words."""
     value = typed(path, content, key, str, default)
     if value not in known:
-        near = difflib.get_close_matches(value, known, n=1, cutoff=0.0)[0]
         raise InputError(
             f"must be one of {', '.join(known)}, but is {value!r}; did you mean "
-            f"{near}?",
+            f"{nearest(value, known)}?",
             file=path,
             key=key,
         )
