@@ -95,16 +95,17 @@ def step_lanes(lanes: Lanes) -> Lanes:
     controller = step_size_controller()
 
     def control(time, until, before, after, problem, error, state):
-        return controller.adapt_step_size(
+        keep, time, until, _, state, _ = controller.adapt_step_size(
             time, until, before, after, problem, error, 5, state
         )
+        return keep, time, until, state
 
     after, error = advance(
         lanes.problem, lanes.course, lanes.time, lanes.until - lanes.time
     )
     errors = jax.tree.map(jnp.zeros_like, after)._replace(vector=error)
-    keep, time, until, _, state, _ = jax.lax.stop_gradient(
-        jax.vmap(control, in_axes=-1, out_axes=(-1, -1, -1, None, -1, None))(
+    keep, time, until, state = jax.lax.stop_gradient(
+        jax.vmap(control, in_axes=-1, out_axes=-1)(
             *jax.lax.stop_gradient(
                 (
                     lanes.time,
