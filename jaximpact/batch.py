@@ -26,8 +26,8 @@ from .laws import Laws
 from .precision import require_float64
 from .problem import Assembly
 from .scene import Impact, Scene
-from .simulation import ImpactResult, Numbers, has_dashpots, summarise_lanes
-from .soil import Soil
+from .simulation import ImpactResult, Numbers, summarise_lanes
+from .soil import Soil, has_dashpots
 
 WIDTH, SMALL_WIDTH = 512, 32
 """Impacts that a worker integrates side by side: fewer waste time on dispatch, more on

@@ -75,7 +75,7 @@ def plot_impact(result: "ImpactResult", path: str | Path | None = None) -> Figur
 
 
 def _history_of(result: "ImpactResult") -> History:
-    from .simulation import is_damped
+    from .soil import is_damped
 
     if result.history is not None:
         return result.history

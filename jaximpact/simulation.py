@@ -13,7 +13,6 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array, Float
 
@@ -33,7 +32,7 @@ from .problem import Assembly, Problem, pose
 from .restitution import defined_ratio, vijayakumar_coefficient
 from .safe import safe_sqrt
 from .scene import Impact, Scene
-from .soil import Soil
+from .soil import Soil, is_damped
 
 Scalar = Float[Array, ""]
 
@@ -299,21 +298,6 @@ def solve_scene(scene: Scene, accuracy: Accuracy, laws: Laws) -> Numbers:
     tolerance = jnp.asarray(accuracy.tolerance)
     floor = jnp.asarray(accuracy.floor)
     return _solve(assembly, structure, leaves, tolerance, floor)
-
-
-def is_damped(soil: Soil) -> bool:
-    """Whether the program needs dashpots: any damping ratio above zero, or unknown yet
-    because it is being differentiated or batched."""
-    ratios = (soil.eta_N, soil.eta_T, soil.eta_R)
-    if any(isinstance(ratio, jax.core.Tracer) for ratio in ratios):
-        return True
-    return bool(np.any(has_dashpots(soil)))
-
-
-def has_dashpots(soil: Soil) -> np.ndarray:
-    """Where any damping ratio is above zero."""
-    ratios = (soil.eta_N, soil.eta_T, soil.eta_R)
-    return functools.reduce(np.logical_or, [np.asarray(r) > 0.0 for r in ratios])
 
 
 class ImpactResult(Numbers):

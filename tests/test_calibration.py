@@ -10,8 +10,9 @@ from command_line import assert_one_line_error
 
 from jaximpact import Block, Impact, Soil, simulate
 from jaximpact.calibration.fit import Reason, fit, spread_starts
+from jaximpact.calibration.run import run_study
 from jaximpact.calibration.solver import Stepper, fresh_lanes
-from jaximpact.calibration.study import case_of, run_study
+from jaximpact.calibration.study import case_of
 from jaximpact.calibration.study_file import read_study
 from jaximpact.calibration.transforms import Bounds
 from jaximpact.calibration.uncertainty import estimate

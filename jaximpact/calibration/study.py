@@ -1,7 +1,6 @@
 """A whole study: read, fit every variant, judge, write."""
 
 import time
-from pathlib import Path
 from typing import NamedTuple
 
 import jax
@@ -13,15 +12,14 @@ from ..batch import broadcast_scene
 from ..columns import INPUT_COLUMNS
 from ..errors import InputError
 from ..laws import Laws
-from ..precision import require_float64
+from ..problem import Assembly
 from ..scene import Scene
-from ..simulation import Assembly, is_damped
-from ..soil import Soil
+from ..soil import Soil, is_damped
 from .fit import FINE, ROUGH, Fits, Progress, fit, spread_starts
 from .likelihood_profile import LikelihoodProfile, profile_all
 from .residuals import Case, Program
 from .solver import Stepper, take
-from .study_file import Study, Variant, read_study
+from .study_file import Study, Variant
 from .transforms import Bounds
 from .uncertainty import USELESS_ERROR, Uncertainty, estimate, jacobian_in_errors
 from .verdict import Verdict, directions, judge_all, weakest_first
@@ -67,30 +65,6 @@ class StudyResult(NamedTuple):
     variants: list[VariantResult]
     seconds: float
     """Wall time of all fits, compilation included."""
-
-
-def run_study(
-    study_path: Path, out_dir: Path, *, progress: Progress | None = None
-) -> StudyResult:
-    """Fit a study, and write report.txt, fit.json, fitted.csv and fit.png.
-
-    Args:
-        study_path: the TOML file; the table it names lies relative to it.
-        out_dir: made if need be; files of the same names are replaced, each once it is
-            whole.
-        progress: called with lines of text.
-
-    Raises InputError for a study that cannot be used, RuntimeError if JAX is set to
-    float32.
-    """
-    from .output import make_directory, write_all
-
-    require_float64()
-    study = read_study(study_path)
-    make_directory(Path(out_dir))
-    result = fit_study(study, progress=progress or (lambda text: None))
-    write_all(result, Path(out_dir))
-    return result
 
 
 def fit_study(study: Study, *, progress: Progress = lambda text: None) -> StudyResult:

@@ -59,7 +59,7 @@ def add_parser(commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Fit."""
     from ..calibration.report import as_text
-    from ..calibration.study import run_study
+    from ..calibration.run import run_study
 
     with Lines() as say:
         result = run_study(arguments.study, arguments.out, progress=say)
