@@ -31,8 +31,8 @@ as zero."""
 SMALLEST_WIDTH = 1e-15
 """Of a step, as a part of the time reached; a few roundings."""
 PATIENCE = 40
-"""Tries to land after which the impact is given up: no step leads on from there. Seen
-with dashpots only, whose equations can lose their solution; else ten are enough."""
+"""Tries to land after which the step is taken as it is; with dashpots the impact is
+given up: their equations can lose the solution, and then no step leads on."""
 SHORTEST_PART = 0.01
 """Part to which a step is cut at most in one try to land."""
 
@@ -131,8 +131,10 @@ class LandingController(diffrax.AbstractStepSizeController):
         width = t1 - t0
         passed, part = first_landing(args, before, after, width)
         smallest = SMALLEST_WIDTH * t0
-        beyond = keep & passed & (width > smallest)
-        given_up = beyond & (tries >= PATIENCE)
+        spent = tries >= PATIENCE
+        # Springs alone have a solution on either side: the step is taken as it is.
+        beyond = keep & passed & (width > smallest) & (args.damped | ~spent)
+        given_up = beyond & spent
         state = jax.tree.map(
             lambda old, new: jnp.where(beyond, old, new), before_state, state
         )

@@ -1,0 +1,74 @@
+"""Many impacts: lanes that change places give what each scene gives by itself."""
+
+import itertools
+
+import jax
+import numpy as np
+import pytest
+
+from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate, simulate_batch
+from jaximpact.batch import WIDTH
+
+
+def mixed_scenes(count, seed=0):
+    """Short and long contacts, some that are none, in no order."""
+    draw = np.random.default_rng(seed).uniform
+    return Scene(
+        Block(mass=draw(1.0, 500.0, count), aspect_ratio=draw(0.6, 3.0, count)),
+        Soil(gamma_v=draw(1.0, 10.0, count)),
+        Impact(
+            speed=draw(2.0, 30.0, count),
+            angle=draw(-1.2, 1.2, count),
+            orientation=draw(0.0, np.pi, count),
+            angular_velocity=draw(-100.0, 100.0, count),
+        ),
+    )
+
+
+def chosen(scenes, places):
+    return jax.tree.map(
+        lambda leaf: np.asarray(leaf)[places] if np.ndim(leaf) else leaf, scenes
+    )
+
+
+@pytest.fixture(scope="module")
+def batch():
+    # More than two workers hold at once, and no multiple of what they hold.
+    scenes = mixed_scenes(4 * WIDTH + 123)
+    seen = []
+    result = simulate_batch(
+        scenes, accuracy="fast", progress=lambda done, of: seen.append((done, of))
+    )
+    return scenes, result, seen
+
+
+def test_every_scene_has_its_result(batch):
+    _, result, seen = batch
+    codes = set(result.outcome_code.astype(int))
+    assert {Outcome.toppled, Outcome.detached, Outcome.separating} <= codes
+    assert Outcome.failed not in codes
+    assert np.all(np.isfinite(result.e_bar))
+    assert seen[-1] == (len(result.e_n), len(result.e_n))
+    assert all(a < b for (a, _), (b, _) in itertools.pairwise(seen))
+
+
+def test_order_changes_nothing(batch):
+    scenes, result, _ = batch
+    places = np.random.default_rng(1).permutation(len(result.e_n))
+    other = simulate_batch(chosen(scenes, places), accuracy="fast")
+    for name in ("e_n", "e_bar", "max_moment", "duration", "steps", "outcome_code"):
+        # To the last bit: a lane's arithmetic does not depend on its neighbours.
+        np.testing.assert_array_equal(
+            getattr(other, name), getattr(result, name)[places]
+        )
+
+
+def test_as_one_by_one(batch):
+    scenes, result, _ = batch
+    for place in (0, 7, 1000, 2100):
+        scene = chosen(scenes, place)
+        alone = simulate(scene.block, scene.soil, scene.impact, accuracy="fast")
+        assert int(alone.outcome_code) == int(result.outcome_code[place])
+        # Rounding differs, and with it the steps at the onset: equal to the error of
+        # "fast", whose largest in e_n is some 1e-4.
+        assert float(alone.e_bar) == pytest.approx(result.e_bar[place], abs=5e-4)
