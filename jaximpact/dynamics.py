@@ -30,8 +30,6 @@ from jaxtyping import Array, Float
 from .block import SemiAxes
 from .foundation import Foundation, foundation, support_radius
 from .laws import BearingFactors, Branch, FlowRate, Laws, Load, Stiffness
-from .rosenbrock import factorise, jacobian_columns, substitute
-from .safe import TINY
 from .scene import GRAVITY, Scene
 from .soil import Soil
 
@@ -45,8 +43,6 @@ SMALLEST_FOUNDATION = 1e-6
 """Sizes of the foundation are not taken below this part of R, so that the laws stay
 finite where the solver probes a state out of contact; at the least sinking of a
 contact, 0.5e-6 R, the foundation is a thousand times larger."""
-GAP_TOLERANCE = 1e-12
-"""Relative gap at which the forces of springs and dashpots at touch are settled."""
 
 
 class Motion(NamedTuple):
@@ -69,6 +65,13 @@ class Forces(NamedTuple):
     normal: Scalar  # N [N], never negative
     tangential: Scalar  # T [N]
     moment: Scalar  # M [N m]
+
+
+FORCE_RELAXATION = Forces(normal=1e-10, tangential=1e-10, moment=1e-8)
+"""Relaxation times of forces with dashpots, as parts of the time in which the block
+moves by its size. Smaller ones are lost in the rounding of time where forces jump;
+larger ones are seen in the results. With a moment as quick as the other two, forces
+swing more often, with no stable state to go to."""
 
 
 class Work(NamedTuple):
@@ -260,87 +263,37 @@ def contact(
     )
 
 
-def force_gap(ground: Ground, laws: Laws, now: Contact) -> Forces:
-    """What springs and dashpots carry, less the forces that the contact was given.
+def force_rate(
+    ground: Ground, laws: Laws, now: Contact, passing_time: Scalar
+) -> Forces:
+    r"""Rates at which forces follow what springs and dashpots carry.
 
-    Zero where the forces are those of the model: flow and slip, and with them the rates
-    of the springs and the dashpots' forces, depend on the forces themselves.
+    $$ \tau \dot F = k u^{ed} + c \dot u^{ed} - F $$
+
+    Flow and slip, and with them the rates of the springs and the dashpots' forces,
+    depend on the forces themselves. As $\tau \to 0$ that is an equation for the forces
+    which may have several solutions, and may lose the one the impact is on: flow is not
+    associated. With $\tau > 0$ they go over to another one that is stable.
+
+    Args:
+        passing_time: time in which the block moves by its size [s]; the relaxation
+            times are `FORCE_RELAXATION` of it.
     """
     dashpots = laws.dashpots(now.stiffness, ground.mass, ground.inertia, ground.soil)
-    carried = [
-        spring + coefficient * rate
-        for spring, coefficient, rate in zip(
-            now.elastic_forces, dashpots, now.elastic_rates, strict=True
-        )
-    ]
+    forces = now.forces._replace(normal=now.normal_force_before_cut)
     return Forces(
-        carried[0] - now.normal_force_before_cut,
-        carried[1] - now.forces.tangential,
-        carried[2] - now.forces.moment,
-    )
-
-
-def forces_at_touch(ground: Ground, laws: Laws, motion: Motion) -> Forces:
-    """Forces of springs and dashpots that fulfil the model at a state.
-
-    Newton's method from the forces that there would be without any yielding. A step
-    that makes the gap larger is halved, a few times at most: on a kink the gap has to
-    grow before it falls. The derivative is that of the implicit function; a last step,
-    nil in value, carries it.
-    """
-    unforced = contact(ground, laws, motion)
-    dashpots = laws.dashpots(
-        unforced.stiffness, ground.mass, ground.inertia, ground.soil
-    )
-    unyielding = [
-        spring + coefficient * rate
-        for spring, coefficient, rate in zip(
-            unforced.elastic_forces, dashpots, unforced.approach, strict=True
+        *(
+            (spring + coefficient * rate - force) / (part * passing_time)
+            for spring, coefficient, rate, force, part in zip(
+                now.elastic_forces,
+                dashpots,
+                now.elastic_rates,
+                forces,
+                FORCE_RELAXATION,
+                strict=True,
+            )
         )
-    ]
-    radius = ground.axes.minor
-    scale = unyielding[0] + jnp.abs(unyielding[1]) + jnp.abs(unyielding[2]) / radius
-
-    def gap(values):
-        now = contact(ground, laws, motion, Forces(*values))
-        return list(force_gap(ground, laws, now))
-
-    def newton_step(values):
-        columns = jacobian_columns(gap, values)
-        rows = [{j: -columns[j][i] for j in range(3)} for i in range(3)]
-        errors = gap(values)
-        relative = jnp.sqrt(
-            errors[0] ** 2 + errors[1] ** 2 + (errors[2] / radius) ** 2
-        ) / (scale + TINY)
-        return substitute(*factorise(rows), errors), relative
-
-    def unsolved(carry):
-        _, _, _, relative, tries = carry
-        return jnp.any(relative > GAP_TOLERANCE) & (tries < 100)
-
-    def improve(carry):
-        values, step, factor, relative, tries = carry
-        tried = [v + factor * s for v, s in zip(values, step, strict=True)]
-        next_step, error = newton_step(tried)
-        taken = (error < relative) | (factor < 0.1)
-
-        def choose(new, old):
-            return [jnp.where(taken, n, o) for n, o in zip(new, old, strict=True)]
-
-        return (
-            choose(tried, values),
-            choose(next_step, step),
-            jnp.where(taken, 1.0, 0.5 * factor),
-            jnp.where(taken, error, relative),
-            tries + 1,
-        )
-
-    step, relative = newton_step(unyielding)
-    start = (unyielding, step, jnp.ones_like(relative), relative, 0)
-    values = jax.lax.while_loop(unsolved, improve, jax.lax.stop_gradient(start))[0]
-    values = jax.lax.stop_gradient(values)
-    step, _ = newton_step(values)
-    return Forces(*(v + s for v, s in zip(values, step, strict=True)))
+    )
 
 
 def motion_rate(ground: Ground, motion: Motion, now: Contact) -> Motion:

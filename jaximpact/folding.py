@@ -33,6 +33,9 @@ class Fold(NamedTuple):
     watched: Watched
     watched_rate: Watched
     """On the branch that led here."""
+    rates: Float[Array, " n"]
+    """Of the unknowns, as the last step has them. With dashpots the errors of forces
+    are so large beside what relaxes that the equations give no rates for them."""
     turned: Scalar
     """1 where the next step takes another branch, on which the rates are others; else
     0. They are the same at the switch itself; but slip relaxes in a microsecond, so
@@ -63,6 +66,7 @@ def start_fold(problem: Problem, vector) -> Fold:
         work=Work(*[zero] * len(Work._fields)),
         watched=Watched(nothing, zero + INITIAL_MARGIN, watched.switches),
         watched_rate=Watched(nothing, zero, still),
+        rates=jnp.zeros_like(vector),
         turned=zero,
     )
 
@@ -72,12 +76,15 @@ def fold_step(
 ) -> Fold:
     """What is gathered, one accepted step later."""
     width = step.t1 - step.t0
-    watched, rate = problem.watch_with_rate(step.y1, fold.peaks.normal_force, branch)
+    rates = step.rate_at_end()
+    watched, watched_rate = problem.watch_with_rate(
+        step.y1, rates, fold.peaks.normal_force, branch
+    )
     peaks, times = [], []
     for name in Observed._fields:
         start, start_rate, end, end_rate = (
             getattr(of.observed, name)
-            for of in (fold.watched, fold.watched_rate, watched, rate)
+            for of in (fold.watched, fold.watched_rate, watched, watched_rate)
         )
         start_rate = fold.rate_at_start(start, start_rate, end, end_rate, width)
         ends = start, start_rate, end, end_rate
@@ -115,6 +122,7 @@ def fold_step(
         peak_times=Observed(*times),
         work=work,
         watched=watched,
-        watched_rate=rate,
+        watched_rate=watched_rate,
+        rates=rates,
         turned=jnp.where(turned, 1.0, 0.0),
     )

@@ -18,7 +18,7 @@ from .folding import Fold, fold_step, start_fold
 from .kinks import branch_of
 from .landing import LANDING, LandingController
 from .outcomes import TIME_LIMIT, Margins
-from .problem import ALGEBRAIC, JACOBIAN_PATTERN, Observed, Problem
+from .problem import JACOBIAN_PATTERN, Observed, Problem
 from .rosenbrock import DenseOutput, dense_output, rodas5p_step
 
 Scalar = Float[Array, ""]
@@ -37,14 +37,11 @@ def advance(problem: Problem, course: Course, time: Scalar, width: Scalar):
     keeps diffrax from tracing it four times over.)"""
     branch = branch_of(course.fold.watched.switches)
     vector, error, stages = rodas5p_step(
-        lambda rows: problem.equations(rows, branch),
+        lambda rows: problem.rates(rows, branch),
         course.vector,
         width,
         JACOBIAN_PATTERN[problem.damped],
-        ALGEBRAIC[problem.damped],
     )
-    if problem.damped:
-        vector = jnp.stack(problem.settle(list(vector), branch))
     size = jnp.maximum(jnp.abs(course.vector), jnp.abs(vector))
     allowed = problem.allowed_error(size, course.fold.peaks.normal_force)
     step = DenseOutput(
@@ -107,8 +104,7 @@ class End(NamedTuple):
 
 def first_width(problem: Problem) -> Scalar:
     """Width of the first step [s]: 1e-12 of the time in which the block moves by R."""
-    radius, speed = problem.scale[0], problem.scale[2]
-    return 1e-12 * radius / speed
+    return 1e-12 * problem.passing_time
 
 
 def step_size_controller() -> LandingController:
@@ -172,11 +168,10 @@ def end_of(
     problem: Problem, course: Course, time, event, finished, accepted, rejected
 ) -> End:
     """The end of an impact from the last state of its integration."""
-    rate = jnp.stack(problem.rate(list(course.vector)))
     margin, slope = course.fold.watched.margin, course.fold.watched_rate.margin
     falls = event & (slope < 0.0)
     correction = jnp.where(falls, margin / jnp.where(falls, slope, 1.0), 0.0)
-    vector = course.vector - correction * rate
+    vector = course.vector - correction * course.fold.rates
     return End(
         vector=vector,
         time=jax.lax.stop_gradient(time) - correction,

@@ -31,8 +31,8 @@ as zero."""
 SMALLEST_WIDTH = 1e-15
 """Of a step, as a part of the time reached; a few roundings."""
 PATIENCE = 40
-"""Tries to land after which the step is taken as it is; with dashpots the impact is
-given up: their equations can lose the solution, and then no step leads on."""
+"""Tries to land after which as many steps are taken as they are. Forces with dashpots
+may swing about a switch where they have no stable state, and land without end."""
 SHORTEST_PART = 0.01
 """Part to which a step is cut at most in one try to land."""
 
@@ -97,7 +97,8 @@ class LandingState(NamedTuple):
     rejected: Scalar
     """1 if the last step was too long for the error control, else 0."""
     tries: Scalar
-    """How often the step has been cut to land."""
+    """How often steps have been cut to land since one that met no switch; beyond
+    `PATIENCE` also how many met one and were not cut."""
     resumed: Scalar
     """Width of the step that was cut short to land [s]; 0 if none was."""
 
@@ -131,14 +132,13 @@ class LandingController(diffrax.AbstractStepSizeController):
         width = t1 - t0
         passed, part = first_landing(args, before, after, width)
         smallest = SMALLEST_WIDTH * t0
-        spent = tries >= PATIENCE
-        # Springs alone have a solution on either side: the step is taken as it is.
-        beyond = keep & passed & (width > smallest) & (args.damped | ~spent)
-        given_up = beyond & spent
+        passing = tries >= PATIENCE
+        beyond = keep & passed & (width > smallest) & ~passing
         state = jax.tree.map(
             lambda old, new: jnp.where(beyond, old, new), before_state, state
         )
         landed = keep & ~beyond
+        settled = landed & ((after.turned == 0.0) | (tries >= 2 * PATIENCE))
         # What has just been found too long is not tried again at once.
         next_t1 = jnp.where(
             keep & (rejected > 0.0), jnp.minimum(next_t1, next_t0 + width), next_t1
@@ -156,13 +156,13 @@ class LandingController(diffrax.AbstractStepSizeController):
         return (
             landed,
             jnp.where(beyond, t0, next_t0),
-            jnp.where(given_up, t0, jnp.where(beyond, cut_t1, next_t1)),
+            jnp.where(beyond, cut_t1, next_t1),
             made_jump,
             LandingState(
                 state,
                 jnp.where(keep, 0.0, 1.0),
-                jnp.where(landed, 0.0, tries + beyond),
+                jnp.where(settled, 0.0, tries + (beyond | (landed & passing))),
                 resumed,
             ),
-            diffrax.RESULTS.where(given_up, diffrax.RESULTS.dt_min_reached, result),
+            result,
         )

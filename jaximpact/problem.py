@@ -19,8 +19,7 @@ from .dynamics import (
     Motion,
     Work,
     contact,
-    force_gap,
-    forces_at_touch,
+    force_rate,
     initial_motion,
     kinetic_energy,
     motion_rate,
@@ -30,7 +29,6 @@ from .dynamics import (
 from .kinks import Switches, switches
 from .laws import Branch, Laws
 from .outcomes import Margins, end_margins
-from .rosenbrock import factorise, jacobian_columns, substitute
 from .scene import Scene
 
 Scalar = Float[Array, ""]
@@ -46,8 +44,7 @@ class Assembly(NamedTuple):
 
 
 # Which rate (row) may depend on which unknown (column), in the order of Motion. Without
-# dashpots the springs give the forces; with them the forces are unknowns as well, each
-# with an equation that has no rate.
+# dashpots the springs give the forces; with them the forces are unknowns as well.
 _UNDAMPED = """
     penetration         . . n . . . . . .
     rotation            . . . . w . . . .
@@ -83,11 +80,9 @@ def _pattern(text: str) -> tuple[tuple[bool, ...], ...]:
 JACOBIAN_PATTERN = {False: _pattern(_UNDAMPED), True: _pattern(_DAMPED)}
 """Where the Jacobian may differ from zero, with dashpots (True) and without."""
 MOTIONS = len(Motion._fields)
-ALGEBRAIC = {False: (), True: tuple(range(MOTIONS, MOTIONS + len(Forces._fields)))}
-"""Unknowns whose equation has no rate."""
 LOADS = (
     *(i for i, name in enumerate(Motion._fields) if name.startswith("elastic")),
-    *ALGEBRAIC[True],
+    *range(MOTIONS, MOTIONS + len(Forces._fields)),
 )
 """Unknowns that carry the load."""
 
@@ -147,61 +142,25 @@ class Problem(eqx.Module):
             ]
         )
 
+    @property
+    def passing_time(self) -> Scalar:
+        """Time in which the block moves by its semi-axis R [s]."""
+        radius, _, speed, *_ = self.scale
+        return radius / speed
+
     def contact(self, rows, branch: Branch | None = None) -> tuple[Motion, Contact]:
         """Named state and contact, from the rows of the state vector."""
         motion = Motion(*(rows[i] for i in range(MOTIONS)))
-        forces = Forces(*(rows[i] for i in ALGEBRAIC[True])) if self.damped else None
+        forces = Forces(*rows[MOTIONS:]) if self.damped else None
         return motion, contact(self.ground, self.laws, motion, forces, branch)
 
-    def equations(self, rows, branch: Branch | None = None) -> list[Scalar]:
-        """Right-hand sides, rows to rows: rates, then what has to be zero."""
+    def rates(self, rows, branch: Branch | None = None) -> list[Scalar]:
+        """Rates of all unknowns, rows to rows."""
         motion, now = self.contact(rows, branch)
         rates = list(motion_rate(self.ground, motion, now))
         if self.damped:
-            rates += force_gap(self.ground, self.laws, now)
+            rates += force_rate(self.ground, self.laws, now, self.passing_time)
         return rates
-
-    def rate(self, rows, branch: Branch | None = None) -> list[Scalar]:
-        """Rates of all unknowns; those of the forces by the implicit function."""
-        rates = self.equations(rows, branch)[:MOTIONS]
-        if not self.damped:
-            return rates
-
-        _, change = jax.jvp(
-            lambda motion: self._gap(motion, rows[MOTIONS:], branch),
-            (rows[:MOTIONS],),
-            (rates,),
-        )
-        return rates + self._forces_that_close(rows, change, branch)
-
-    def settle(self, rows, branch: Branch) -> list[Scalar]:
-        """The state with forces that fulfil their equations on a branch, from ones that
-        do so to the error of a step.
-
-        Where slip ends, an error left in the forces would grow by the ratio of the
-        slopes, and could carry them back over the switch.
-        """
-
-        def newton(_, forces):
-            now = [*rows[:MOTIONS], *forces]
-            gap = self._gap(rows[:MOTIONS], list(forces), branch)
-            steps = self._forces_that_close(now, gap, branch)
-            return tuple(f + s for f, s in zip(forces, steps, strict=True))
-
-        forces = jax.lax.fori_loop(0, 2, newton, tuple(rows[MOTIONS:]))
-        return [*rows[:MOTIONS], *forces]
-
-    def _gap(self, motion, forces, branch) -> list[Scalar]:
-        return self.equations([*motion, *forces], branch)[MOTIONS:]
-
-    def _forces_that_close(self, rows, gap, branch) -> list[Scalar]:
-        """Change of the forces that closes a gap of their equations."""
-        columns = jacobian_columns(
-            lambda forces: self._gap(rows[:MOTIONS], forces, branch), rows[MOTIONS:]
-        )
-        order = range(len(columns))
-        factors = factorise([{j: -columns[j][i] for j in order} for i in order])
-        return substitute(*factors, gap)
 
     def watch(self, rows, largest_force, branch: Branch | None = None) -> Watched:
         """Quantities whose peaks are wanted, margin and switches, by the largest normal
@@ -222,14 +181,14 @@ class Problem(eqx.Module):
         )
 
     def watch_with_rate(
-        self, vector, largest_force, branch: Branch
+        self, vector, rates, largest_force, branch: Branch
     ) -> tuple[Watched, Watched]:
-        """Watched quantities and their rates of change along the motion on a branch."""
-        rows = list(vector)
+        """Watched quantities and their rates of change, on a branch, by the rates of
+        the unknowns."""
         return jax.jvp(
             lambda rows: self.watch(rows, largest_force, branch),
-            (rows,),
-            (self.rate(rows, branch),),
+            (list(vector),),
+            (list(rates),),
         )
 
     def power(self, vector, branch: Branch) -> Work:
@@ -277,7 +236,7 @@ def pose(
     start = list(motion)
     if assembly.damped:
         scale += [force_scale, force_scale, force_scale * radius]
-        start += forces_at_touch(ground, laws, motion)
+        start += contact(ground, laws, motion).forces
     problem = Problem(
         ground=ground,
         scale=jax.lax.stop_gradient(jnp.stack(scale)),

@@ -18,9 +18,6 @@ Three things matter for speed and for gradients:
   when the program is built: pass `pattern`, True where J may differ from zero.
 * Only autonomous systems: f must not depend on t.
 
-Equations without a rate, $0 = f_i(y)$, may stand among the others (index 1): their rows
-of the matrix are $-J_i$ and of the right-hand side $f_i$ alone.
-
 Coefficients: Steinebach (2023), BIT Numer. Math. 63:27,
 https://doi.org/10.1007/s10543-023-00967-x, in the form of Hairer and Wanner.
 """
@@ -156,6 +153,12 @@ class DenseOutput(diffrax.AbstractLocalInterpolation):
         bend = self.k[0] + s * (self.k[1] + s * self.k[2])
         return (1.0 - s) * self.y0 + s * (self.y1 + (1.0 - s) * bend)
 
+    def rate_at_end(self) -> Float[Array, " n"]:
+        """Rate of change at t1; 0 for a step of no width."""
+        width = self.t1 - self.t0
+        change = self.y1 - self.y0 - jnp.sum(self.k, axis=0)
+        return jnp.where(width == 0.0, 0.0, change / jnp.where(width == 0, 1, width))
+
 
 def factorise(rows: list[dict[int, Array]]) -> tuple[list[dict[int, Array]], list]:
     """LU factors without pivoting, by rows; entries that are absent are zero.
@@ -214,9 +217,7 @@ def jacobian_columns(f, y: list[Array]) -> list[list[Array]]:
     return columns
 
 
-def rodas5p_step(
-    f, y0: Array, step_size: Array, pattern, algebraic: tuple[int, ...] = ()
-):
+def rodas5p_step(f, y0: Array, step_size: Array, pattern):
     """One step.
 
     Args:
@@ -225,7 +226,6 @@ def rodas5p_step(
         y0: state `(n, ...)`.
         step_size: h, shape `(...)`; 0 leaves the state as it is.
         pattern: `pattern[i][j]` is True where df_i/dy_j may differ from zero.
-        algebraic: rows i where the equation is `0 = f_i`, to be solved for y_i.
 
     Returns:
         `y1`, the error estimate, and the eight stage increments `(8, n, ...)`.
@@ -234,11 +234,7 @@ def rodas5p_step(
     rows = list(y0)
     columns = jacobian_columns(f, rows)
 
-    # A row without a rate has nothing but its Jacobian, and is not scaled by h, so that
-    # the matrix stays regular at h = 0.
     def entry(i, j):
-        if i in algebraic:
-            return -columns[j][i]
         return (1.0 if i == j else 0.0) - scaled * columns[j][i]
 
     order = range(len(rows))
@@ -251,10 +247,7 @@ def rodas5p_step(
     def stage(i, stages):
         y = y0 + jnp.tensordot(jnp.asarray(STAGE_MATRIX)[i], stages, 1)
         coupled = jnp.tensordot(jnp.asarray(COUPLING_MATRIX)[i], stages, 1)
-        right = [
-            rate if row in algebraic else scaled * rate + coupled[row]
-            for row, rate in enumerate(f(list(y)))
-        ]
+        right = [scaled * rate + c for rate, c in zip(f(list(y)), coupled, strict=True)]
         return stages.at[i].set(jnp.stack(substitute(*factors, right)))
 
     stages = jnp.zeros((len(COUPLING), *y0.shape), y0.dtype)

@@ -320,7 +320,7 @@ def states_and_jacobians(scene: Scene):
     vectors = solution.ys.vector[:200]
 
     def jacobian(vector):
-        return jax.jacfwd(lambda y: jnp.stack(problem.equations(list(y))))(vector)
+        return jax.jacfwd(lambda y: jnp.stack(problem.rates(list(y))))(vector)
 
     return jax.vmap(jacobian)(vectors), solution.stats["num_accepted_steps"]
 

@@ -78,7 +78,7 @@ def fit_study(study: Study, *, progress: Progress = lambda text: None) -> StudyR
         fitted,
         study.targets,
     )
-    progress(f"compiling {'with dashpots, which takes minutes' if damped else 'once'}")
+    progress("compiling once")
     results = []
     for variant in study.variants:
         start = f"{variant.name}: " if len(study.variants) > 1 else ""

@@ -44,23 +44,21 @@ def loading_surface(xi: Scalar, h: Scalar, m: Scalar, beta: Scalar) -> Load:
     load times gradient is $\rho^* \ge 0$.
 
     Args:
-        xi: $N/V_M$ [-]; at or below zero the load is 0 and the gradient that of pure
-            normal load.
+        xi: $N/V_M$ [-]; below a millionth of the other two together it counts as that.
         h: $T/(\mu V_M)$ [-].
         m: $M/(\psi B_t V_M)$ [-].
         beta: exponent $\beta$ [-], in (0, 2).
 
-    Smooth for `xi > 0` but for a jump of the second derivative at $w = 0.95$; at
-    h = m = 0 the gradient is continuous for beta below 2.
+    Continuous also as xi goes to zero and below. Smooth for `xi > 0` but for a jump of
+    the second derivative at $w = 0.95$; at h = m = 0 the gradient is continuous for
+    beta below 2.
 
     Source: a reading; Nova and Montrasio (1991), radial size measure after
     di Prisco and Vecchiotti (2006).
     """
-    positive = xi > 0.0
     least = (jnp.abs(h) + jnp.abs(m)) / LARGEST_RATIO
-    divisor = jnp.where(positive, jnp.maximum(xi, least), 1.0)
-    h_ratio = jnp.where(positive, h / divisor, 0.0)
-    m_ratio = jnp.where(positive, m / divisor, 0.0)
+    divisor = jnp.maximum(jnp.maximum(xi, least), TINY)
+    h_ratio, m_ratio = h / divisor, m / divisor
     square = h_ratio**2 + m_ratio**2
     root = jnp.sqrt(square + VERTEX_ROUNDING**2)
     # eta = root - e, without cancellation; TINY keeps the power's gradient finite at 0
@@ -72,7 +70,7 @@ def loading_surface(xi: Scalar, h: Scalar, m: Scalar, beta: Scalar) -> Load:
     # dF/d(ratio) / ratio: F'(w) w'(eta) / root
     common = slope * (w / (beta * eta)) / root
     return Load(
-        size=jnp.where(positive, divisor, 0.0) * factor,
+        size=divisor * factor,
         normal=factor - common * square,
         tangential=common * h_ratio,
         rotational=common * m_ratio,
