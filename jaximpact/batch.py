@@ -166,9 +166,11 @@ class Worker:
                     return
                 if np.sum(ended) < width // 8:
                     continue
-                waiting, fresh, parts = self._next(parts)
-                if waiting is None:
+                places = next(parts, None)
+                if places is None:
                     continue
+                waiting = self.start(places)
+                fresh = waiting.places >= 0
             leave, enter = np.flatnonzero(ended), np.flatnonzero(fresh)
             count = min(len(leave), len(enter))
             if count:
@@ -180,40 +182,19 @@ class Worker:
                 yield self.finish(waiting)
                 waiting = None
 
-    def _next(self, parts):
-        places = next(parts, None)
-        if places is None:
-            return None, None, parts
-        part = self.start(places)
-        return part, part.places >= 0, parts
-
     def _swap(self, going: Part, waiting: Part, leave, enter) -> tuple[Part, Part]:
         width = self.programs.width
         order = np.arange(2 * width)
         order[leave], order[width + enter] = width + enter, leave
         lanes = self.programs.exchange(going.lanes, waiting.lanes, order)
 
-        def exchanged(a, b):
-            both = np.concatenate([a, b])[order]
-            return both[:width], both[width:]
-
-        places = exchanged(going.places, waiting.places)
-        leaves = [
-            exchanged(a, b)
-            for a, b in zip(
-                jax.tree.leaves(going.scenes),
-                jax.tree.leaves(waiting.scenes),
-                strict=True,
-            )
-        ]
-        structure = jax.tree.structure(going.scenes)
+        both = jax.tree.map(
+            lambda a, b: np.concatenate([a, b])[order], going[:2], waiting[:2]
+        )
+        halves = slice(width), slice(width, None)
         return tuple(
-            Part(
-                places[i],
-                jax.tree.unflatten(structure, [leaf[i] for leaf in leaves]),
-                lanes[i],
-            )
-            for i in (0, 1)
+            Part(*jax.tree.map(lambda x, half=half: x[half], both), of_half)
+            for half, of_half in zip(halves, lanes, strict=True)
         )
 
 
@@ -270,14 +251,14 @@ def simulate_batch(
                 progress(done, count)
 
     effort = order_by_effort(scene)
-    damped = has_dashpots(scene.soil)[effort]
-    for is_damped in (False, True):
-        chosen = effort[damped == is_damped]
+    dashpots = has_dashpots(scene.soil)[effort]
+    for damped in (False, True):
+        chosen = effort[dashpots == damped]
         if not len(chosen):
             continue
         begin = time.perf_counter()
         width = SMALL_WIDTH if len(chosen) <= SMALL_WIDTH * CORES else WIDTH
-        programs = compile_programs(Assembly(laws, is_damped, ledger), width)
+        programs = compile_programs(Assembly(laws, damped, ledger), width)
         started = time.perf_counter()
         _run_on_every_core(Worker(programs, scene, setting), chosen, keep)
         timing["compile_s"] += started - begin

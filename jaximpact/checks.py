@@ -6,9 +6,7 @@ import jax
 import numpy as np
 
 from .columns import column_of_field
-from .scene import Scene
-
-PARTS = ("block", "soil", "impact")
+from .scene import PARTS, Scene
 
 
 def check_scene(scene: Scene, *, batched: bool = False) -> None:

@@ -31,9 +31,16 @@ class Course(NamedTuple):
     fold: Fold
 
 
+ORDER = 5
+TERMS = diffrax.ODETerm(lambda t, y, args: y)
+"""What diffrax wants for a vector field; `advance` takes the problem's own."""
+
+
 @jax.jit
-def advance(problem: Problem, course: Course, time: Scalar, width: Scalar):
-    """One step: the course after it, and the error in units of what is allowed. (`jit`
+def advance(
+    problem: Problem, course: Course, time: Scalar, width: Scalar
+) -> tuple[Course, Course]:
+    """One step: the course after it, and its errors in units of what is allowed. (`jit`
     keeps diffrax from tracing it four times over.)"""
     branch = branch_of(course.fold.watched.switches)
     vector, error, stages = rodas5p_step(
@@ -52,7 +59,8 @@ def advance(problem: Problem, course: Course, time: Scalar, width: Scalar):
     after = Course(vector, fold_step(problem, course.fold, time, step, branch))
     # Where a step ran out of the numbers it is too long, by much.
     error = jax.lax.stop_gradient(error / allowed)
-    return after, jnp.where(jnp.isfinite(error), error, 1e6)
+    errors = jax.tree.map(jnp.zeros_like, after)
+    return after, errors._replace(vector=jnp.where(jnp.isfinite(error), error, 1e6))
 
 
 class FoldingSolver(diffrax.AbstractAdaptiveSolver):
@@ -67,7 +75,7 @@ class FoldingSolver(diffrax.AbstractAdaptiveSolver):
     interpolation_cls: ClassVar = diffrax.LocalLinearInterpolation
 
     def order(self, terms):
-        return 5
+        return ORDER
 
     def init(self, terms, t0, t1, y0, args):
         return None
@@ -76,8 +84,7 @@ class FoldingSolver(diffrax.AbstractAdaptiveSolver):
         return terms.vf(t0, y0, args)
 
     def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
-        after, error = advance(args, y0, t0, terms.contr(t0, t1))
-        errors = jax.tree.map(jnp.zeros_like, after)._replace(vector=error)
+        after, errors = advance(args, y0, t0, terms.contr(t0, t1))
         info = dict(y0=y0, y1=after)
         return after, errors, info, solver_state, diffrax.RESULTS.successful
 
@@ -119,7 +126,7 @@ def step_size_controller() -> LandingController:
 def diffrax_arguments(problem: Problem, vector: Float[Array, " n"]) -> dict:
     """What `diffrax.diffeqsolve` is called with, but for what it saves."""
     return dict(
-        terms=diffrax.ODETerm(lambda t, y, args: y),
+        terms=TERMS,
         solver=FoldingSolver(),
         t0=0.0,
         t1=TIME_LIMIT,

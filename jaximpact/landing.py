@@ -23,8 +23,6 @@ Scalar = Float[Array, ""]
 
 LANDING = 1e-10
 """A margin within this counts as zero."""
-
-
 ON_SWITCH = 1e-7, 1e-2
 """A switching function within the first, or within this part of the tolerance, counts
 as zero."""

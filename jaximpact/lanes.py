@@ -9,7 +9,6 @@ columns there.
 
 from typing import NamedTuple
 
-import diffrax
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
@@ -17,6 +16,8 @@ from jaxtyping import Array, Bool, Float, Int
 from .dynamics import initial_motion
 from .folding import start_fold
 from .integration import (
+    ORDER,
+    TERMS,
     Course,
     End,
     advance,
@@ -65,14 +66,14 @@ def start_lanes(assembly, scenes, tolerance, floor) -> Lanes:
         course = Course(vector, start_fold(problem, vector))
         width = first_width(problem)
         until, control = step_size_controller().init(
-            diffrax.ODETerm(lambda t, y, args: y),
+            TERMS,
             jnp.zeros_like(width),
             TIME_LIMIT,
             course,
             width,
             problem,
             None,
-            5,
+            ORDER,
         )
         still = jnp.zeros((), int)
         return Lanes(
@@ -94,16 +95,15 @@ def step_lanes(lanes: Lanes) -> Lanes:
     going = lanes.going
     controller = step_size_controller()
 
-    def control(time, until, before, after, problem, error, state):
+    def control(time, until, before, after, problem, errors, state):
         keep, time, until, _, state, _ = controller.adapt_step_size(
-            time, until, before, after, problem, error, 5, state
+            time, until, before, after, problem, errors, ORDER, state
         )
         return keep, time, until, state
 
-    after, error = advance(
+    after, errors = advance(
         lanes.problem, lanes.course, lanes.time, lanes.until - lanes.time
     )
-    errors = jax.tree.map(jnp.zeros_like, after)._replace(vector=error)
     keep, time, until, state = jax.lax.stop_gradient(
         jax.vmap(control, in_axes=-1, out_axes=-1)(
             *jax.lax.stop_gradient(

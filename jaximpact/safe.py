@@ -30,12 +30,3 @@ def safe_power(x: Scalar, exponent: Scalar) -> Scalar:
     positive = x > 0
     log = jnp.log(jnp.where(positive, x, 1.0))
     return jnp.where(positive, jnp.exp(exponent * log), 0.0)
-
-
-def safe_ratio(numerator: Scalar, denominator: Scalar) -> Scalar:
-    """`numerator / denominator` for a denominator that should be positive.
-
-    A denominator below `TINY` counts as `TINY`, with gradient 0 through it, so that
-    0/0 is 0.
-    """
-    return numerator / jnp.maximum(denominator, TINY)

@@ -1,5 +1,7 @@
 """How a block arrives, and the scene: block, soil and impact together."""
 
+import dataclasses
+
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -48,3 +50,6 @@ class Scene(eqx.Module):
     block: Block
     soil: Soil
     impact: Impact
+
+
+PARTS = tuple(field.name for field in dataclasses.fields(Scene))

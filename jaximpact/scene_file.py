@@ -7,11 +7,10 @@ from .accuracy import PRESETS
 from .block import Block
 from .columns import INPUT_COLUMNS, InputColumn
 from .errors import InputError, nearest
-from .scene import Impact, Scene
+from .scene import PARTS, Impact, Scene
 from .soil import Soil
-from .toml_values import load_toml, number
+from .toml_values import allowed, load_toml
 
-TABLES = ("block", "soil", "impact")
 ACCURACY_KEY = "accuracy"
 
 
@@ -34,12 +33,12 @@ def read_scene(path: Path) -> SceneFile:
     """
     path = Path(path)
     content = load_toml(path)
-    fields = {part: {} for part in TABLES}
+    fields = {part: {} for part in PARTS}
     accuracy = None
     for key, value in content.items():
         if key == ACCURACY_KEY:
             accuracy = _accuracy(path, value)
-        elif key in TABLES:
+        elif key in PARTS:
             if not isinstance(value, dict):
                 raise InputError("must be a table", file=path, key=key)
             for name, number in value.items():
@@ -63,7 +62,7 @@ def read_scene(path: Path) -> SceneFile:
 def _column(path: Path, name: str, table: str | None) -> InputColumn:
     """The column that a key stands for; `table` is the one it was found in."""
     if name not in INPUT_COLUMNS:
-        top = () if table else (*TABLES, ACCURACY_KEY)
+        top = () if table else (*PARTS, ACCURACY_KEY)
         raise InputError(
             f"is unknown; did you mean {nearest(name, (*INPUT_COLUMNS, *top))}?",
             file=path,
@@ -80,12 +79,7 @@ def _column(path: Path, name: str, table: str | None) -> InputColumn:
 
 
 def _si_value(path: Path, column: InputColumn, value) -> float:
-    value = number(path, column.name, value)
-    if not column.is_allowed(value):
-        raise InputError(
-            f"must be {column.requirement}, but is {value}", file=path, key=column.name
-        )
-    return column.factor * value
+    return column.factor * allowed(path, column.name, column, value)
 
 
 def _accuracy(path: Path, value) -> str:

@@ -82,7 +82,7 @@ def allowed(path: Path, key: str, column: InputColumn, value) -> float:
     checked = number(path, key, value)
     if not column.is_allowed(checked):
         raise InputError(
-            f"must be {column.requirement}, but is {checked:g}", file=path, key=key
+            f"must be {column.requirement}, but is {value}", file=path, key=key
         )
     return checked
 

@@ -177,3 +177,24 @@ def test_accuracy_can_be_set_by_hand():
     custom = simulate(Block(), Soil(), Impact(), accuracy=Accuracy("mine", 1e-6, 1e-2))
     preset = simulate(Block(), Soil(), Impact(), accuracy="reference")
     assert custom.e_n == pytest.approx(float(preset.e_n), abs=1e-5)
+
+
+def test_derivative_through_dashpots_is_that_of_differences():
+    def outputs(log_eta, tolerance):
+        soil = Soil(eta_N=jnp.exp(log_eta), eta_T=0.1, eta_R=0.1)
+        numbers = compute(
+            Assembly(Laws(), True, False),
+            Scene(Block(aspect_ratio=2.0), soil, Impact(angle=0.7, orientation=0.5)),
+            tolerance,
+            1e-2,
+        )
+        return jnp.stack([getattr(numbers, name) for name in OUTPUTS])
+
+    point, step, tolerance = jnp.log(0.15), 1e-3, 1e-9
+    value = unfused_jit(outputs)
+    slope = unfused_jit(jax.jacfwd(outputs))(point, tolerance)
+    above, below = (value(point + side, tolerance) for side in (step, -step))
+    expected = (above - below) / (2.0 * step)
+    # The differences err by the square of the step, and by the tolerance over it.
+    slope, expected, size = map(np.asarray, (slope, expected, jnp.abs(above)))
+    np.testing.assert_allclose(slope / size, expected / size, rtol=1e-4, atol=1e-5)

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaximpact.safe import TINY, safe_power, safe_ratio, safe_sqrt
+from jaximpact.safe import safe_power, safe_sqrt
 
 # Rounding of one or two elementary functions.
 ROUNDING = 1e-14
@@ -52,23 +52,3 @@ def test_power_is_differentiable_in_its_exponent():
     assert slope(0.0, 0.4) == 0.0
     expected = np.log(0.3) * 0.3**0.4
     np.testing.assert_allclose(slope(0.3, 0.4), expected, rtol=ROUNDING)
-
-
-def test_ratio_of_zeros_is_zero_with_finite_gradient():
-    value, slopes = jax.value_and_grad(safe_ratio, argnums=(0, 1))(0.0, 0.0)
-    assert value == 0.0
-    assert np.all(np.isfinite(slopes))
-    assert slopes[1] == 0.0
-
-
-def test_ratio_batched_over_a_zero_denominator():
-    top = jnp.asarray([0.0, 1.0, 3.0, 3.0])
-    bottom = jnp.asarray([0.0, 0.0, 2.0, -2.0])
-    value, slopes = jax.vmap(jax.value_and_grad(safe_ratio, argnums=(0, 1)))(
-        top, bottom
-    )
-    expected = [0.0, 1.0 / TINY, 1.5, 3.0 / TINY]
-    np.testing.assert_allclose(value, expected, rtol=ROUNDING)
-    # Below TINY the denominator is a constant.
-    np.testing.assert_allclose(slopes[1], [0.0, 0.0, -0.75, 0.0], rtol=ROUNDING)
-    np.testing.assert_allclose(slopes[0][2], 0.5, rtol=ROUNDING)

@@ -9,12 +9,12 @@ import numpy as np
 
 from ..accuracy import PRESETS
 from ..batch import broadcast_scene
-from ..columns import INPUT_COLUMNS
 from ..errors import InputError
 from ..laws import Laws
 from ..problem import Assembly
 from ..scene import Scene
 from ..soil import Soil, is_damped
+from ..toml_values import SOIL_COLUMNS
 from .fit import FINE, ROUGH, Fits, Progress, fit, spread_starts
 from .likelihood_profile import LikelihoodProfile, profile_all
 from .residuals import Case, Program
@@ -96,11 +96,10 @@ def fit_study(study: Study, *, progress: Progress = lambda text: None) -> StudyR
 def soil_of(study: Study, variant: Variant) -> Soil:
     """The fixed soil: the table's columns, else the study's values, else Table 1."""
     values = dict(study.table.numbers) | study.soil | variant.soil
-    soil_columns = {n: c for n, c in INPUT_COLUMNS.items() if c.part == "soil"}
     return Soil(
         **{
             column.field: column.factor * values[name]
-            for name, column in soil_columns.items()
+            for name, column in SOIL_COLUMNS.items()
             if name in values
         }
     )

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from ..errors import InputError
 from ..provenance import version_of
 from . import batch, calibrate, simulate
+from .progress import say
 
 USER_ERROR = 2
 SYSTEM_ERROR = 1
@@ -73,5 +74,5 @@ def _use_float64() -> None:
 
 
 def _report(message: str, code: int) -> int:
-    print(f"jaximpact: {message}", file=sys.stderr)
+    say(message)
     return code

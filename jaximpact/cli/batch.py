@@ -2,14 +2,13 @@
 
 import argparse
 import os
-import sys
 from pathlib import Path
 
 from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
 from ..files import check_writable
 from . import options
-from .progress import Progress
+from .progress import Progress, say
 
 DESCRIPTION = """\
 Compute every impact of a CSV of scenes and append the results to its rows.
@@ -75,16 +74,12 @@ def run(arguments: argparse.Namespace) -> None:
     results.write_results(out, table, result)
     if arguments.timing:
         rate = len(table.rows) / timing["run_s"]
-        _say(
+        say(
             f"{timing['compile_s']:.2f} s compiling, {timing['run_s']:.2f} s running, "
             f"{rate:.0f} impacts/s"
         )
     counts = results.count_outcomes(result).items()
-    _say(
+    say(
         f"{len(table.rows)} impacts: "
         + ", ".join(f"{count} {outcome}" for outcome, count in counts)
     )
-
-
-def _say(text: str) -> None:
-    print(f"jaximpact: {text}", file=sys.stderr)

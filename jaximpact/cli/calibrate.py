@@ -5,6 +5,8 @@ import sys
 import time
 from pathlib import Path
 
+from .progress import say
+
 DESCRIPTION = """\
 Fit soil parameters to a table of measured impacts, and say what the data do not
 determine.
@@ -61,10 +63,10 @@ def run(arguments: argparse.Namespace) -> None:
     from ..calibration.report import as_text
     from ..calibration.run import run_study
 
-    with Lines() as say:
-        result = run_study(arguments.study, arguments.out, progress=say)
+    with Lines() as progress:
+        result = run_study(arguments.study, arguments.out, progress=progress)
     print(as_text(result), end="")
-    print(f"jaximpact: {result.seconds:.0f} s in all", file=sys.stderr)
+    say(f"{result.seconds:.0f} s in all")
 
 
 class Lines:

@@ -2,6 +2,12 @@
 
 import sys
 
+
+def say(text: str) -> None:
+    """A line on stderr that tells whose it is."""
+    print(f"jaximpact: {text}", file=sys.stderr)
+
+
 PARTS = 10
 """Lines of progress in all where stderr is not a terminal."""
 
