@@ -4,6 +4,7 @@ from .accuracy import PRESETS, Accuracy
 from .batch import simulate_batch
 from .block import Block
 from .laws import Laws
+from .model import select_model
 from .outcomes import Outcome
 from .restitution import energetic_coefficient, vijayakumar_coefficient
 from .scene import Impact, Scene
@@ -22,6 +23,7 @@ __all__ = [
     "Scene",
     "Soil",
     "energetic_coefficient",
+    "select_model",
     "simulate",
     "simulate_batch",
     "vijayakumar_coefficient",

@@ -23,11 +23,12 @@ from .checks import check_scene
 from .compilation import compile_unfused
 from .lanes import Lanes, march, start_lanes
 from .laws import Laws
+from .model import MODELS, model_places
 from .precision import require_float64
 from .problem import Assembly
 from .scene import Impact, Scene
 from .simulation import ImpactResult, Numbers, summarise_lanes
-from .soil import Soil, has_dashpots
+from .soil import Soil
 
 WIDTH, SMALL_WIDTH = 512, 32
 """Impacts that a worker integrates side by side: fewer waste time on dispatch, more on
@@ -251,14 +252,14 @@ def simulate_batch(
                 progress(done, count)
 
     effort = order_by_effort(scene)
-    dashpots = has_dashpots(scene.soil)[effort]
-    for damped in (False, True):
-        chosen = effort[dashpots == damped]
+    places = model_places(scene)[effort]
+    for place, model in enumerate(MODELS):
+        chosen = effort[places == place]
         if not len(chosen):
             continue
         begin = time.perf_counter()
         width = SMALL_WIDTH if len(chosen) <= SMALL_WIDTH * CORES else WIDTH
-        programs = compile_programs(Assembly(laws, damped, ledger), width)
+        programs = compile_programs(Assembly(laws, model, ledger), width)
         started = time.perf_counter()
         _run_on_every_core(Worker(programs, scene, setting), chosen, keep)
         timing["compile_s"] += started - begin

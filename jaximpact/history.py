@@ -13,6 +13,7 @@ from .compilation import is_inside_jit, unfused_jit
 from .dynamics import elastic_energy, kinetic_energy
 from .integration import diffrax_arguments
 from .laws import Laws
+from .model import select_model
 from .problem import Assembly, Problem, pose
 from .scene import Scene
 
@@ -75,8 +76,8 @@ def _row(problem: Problem, time, vector, work) -> History:
     )
 
 
-def _record(laws, damped, scene, tolerance, floor):
-    problem, vector = pose(scene, Assembly(laws, damped, ledger=True), tolerance, floor)
+def _record(assembly, scene, tolerance, floor):
+    problem, vector = pose(scene, assembly, tolerance, floor)
     solution = diffrax.diffeqsolve(
         **diffrax_arguments(problem, vector),
         saveat=diffrax.SaveAt(t0=True, steps=True),
@@ -87,12 +88,10 @@ def _record(laws, damped, scene, tolerance, floor):
     return rows, solution.stats["num_accepted_steps"]
 
 
-_record_compiled = unfused_jit(_record, static_argnums=(0, 1))
+_record_compiled = unfused_jit(_record, static_argnums=(0,))
 
 
-def record_history(
-    scene: Scene, accuracy: Accuracy, laws: Laws, *, damped: bool
-) -> History:
+def record_history(scene: Scene, accuracy: Accuracy, laws: Laws) -> History:
     """Course of one impact as NumPy arrays, one entry for the start and each step.
 
     Raises ValueError under a JAX transformation: the number of steps is not known
@@ -106,8 +105,9 @@ def record_history(
             "batch simulate without it"
         )
     rows, steps = _record_compiled(
-        laws,
-        damped,
+        Assembly(
+            laws, select_model(scene.block, scene.soil, scene.impact), ledger=True
+        ),
         scene,
         jnp.asarray(accuracy.tolerance),
         jnp.asarray(accuracy.floor),

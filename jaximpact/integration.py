@@ -18,7 +18,7 @@ from .folding import Fold, fold_step, start_fold
 from .kinks import branch_of
 from .landing import LANDING, LandingController
 from .outcomes import TIME_LIMIT, Margins
-from .problem import JACOBIAN_PATTERN, Observed, Problem
+from .problem import Observed, Problem, jacobian_pattern
 from .rosenbrock import DenseOutput, dense_output, rodas5p_step
 
 Scalar = Float[Array, ""]
@@ -47,7 +47,7 @@ def advance(
         lambda rows: problem.rates(rows, branch),
         course.vector,
         width,
-        JACOBIAN_PATTERN[problem.damped],
+        jacobian_pattern(problem.model),
     )
     size = jnp.maximum(jnp.abs(course.vector), jnp.abs(vector))
     allowed = problem.allowed_error(size, course.fold.peaks.normal_force)
@@ -109,11 +109,6 @@ class End(NamedTuple):
     rejected: Scalar
 
 
-def first_width(problem: Problem) -> Scalar:
-    """Width of the first step [s]: 1e-12 of the time in which the block moves by R."""
-    return 1e-12 * problem.passing_time
-
-
 def step_size_controller() -> LandingController:
     """Of the errors that `advance` gives."""
     return LandingController(
@@ -130,7 +125,8 @@ def diffrax_arguments(problem: Problem, vector: Float[Array, " n"]) -> dict:
         solver=FoldingSolver(),
         t0=0.0,
         t1=TIME_LIMIT,
-        dt0=first_width(problem),
+        # Given here, it would be checked in a callback to the host.
+        dt0=None,
         y0=Course(vector, start_fold(problem, vector)),
         args=problem,
         stepsize_controller=step_size_controller(),

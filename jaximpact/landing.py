@@ -88,6 +88,11 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width):
     return passed, jnp.maximum(part, SHORTEST_PART)
 
 
+def first_width(problem: Problem) -> Scalar:
+    """Width of the first step [s]: 1e-12 of the time in which the block moves by R."""
+    return 1e-12 * problem.passing_time
+
+
 class LandingState(NamedTuple):
     """State of `LandingController`."""
 
@@ -115,6 +120,8 @@ class LandingController(diffrax.AbstractStepSizeController):
         return LandingController(self.inner.wrap(direction))
 
     def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
+        if dt0 is None:
+            dt0 = first_width(args)
         t1, inner = self.inner.init(terms, t0, t1, y0, dt0, args, func, error_order)
         zero = jnp.zeros_like(t1)
         return t1, LandingState(inner, zero, zero, zero)

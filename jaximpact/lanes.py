@@ -22,10 +22,9 @@ from .integration import (
     End,
     advance,
     end_of,
-    first_width,
     step_size_controller,
 )
-from .landing import LANDING, LandingState
+from .landing import LANDING, LandingState, first_width
 from .outcomes import TIME_LIMIT, closing_velocity
 from .problem import Problem, pose
 

@@ -51,8 +51,8 @@ class Margins(NamedTuple):
 
     force: Scalar
     """Normal force, by its largest value so far; or, if larger, the sinking velocity by
-    the speed: at N = 0 nothing yields, so the force can come down to zero only while
-    the block rises, and a force that is zero to rounding at the onset is no end."""
+    the speed: a block that sinks goes on pressing, and a force that is zero to rounding
+    at the onset is no end."""
     sinking: Scalar
     """Sinking above 0.5e-6 R, by R."""
     toppling: Scalar

@@ -75,13 +75,9 @@ def plot_impact(result: "ImpactResult", path: str | Path | None = None) -> Figur
 
 
 def _history_of(result: "ImpactResult") -> History:
-    from .soil import is_damped
-
     if result.history is not None:
         return result.history
-    scene = result.scene
-    damped = is_damped(scene.soil)
-    return record_history(scene, result.accuracy, Laws(), damped=damped)
+    return record_history(result.scene, result.accuracy, Laws())
 
 
 def _finite_part(history: History) -> History:

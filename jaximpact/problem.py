@@ -1,9 +1,10 @@
 """The initial value problem of one impact: unknowns, equations, what is watched.
 
-The unknowns are one vector: the fields of `Motion`, and with dashpots those of
-`Forces`.
+The unknowns are one vector, named by the model: fields of `Motion`, and with dashpots
+those of `Forces`.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
@@ -27,7 +28,9 @@ from .dynamics import (
     work_rate,
 )
 from .kinks import Switches, switches
+from .known import leave_out_known
 from .laws import Branch, Laws
+from .model import FORCES, Model
 from .outcomes import Margins, end_margins
 from .scene import Scene
 
@@ -38,13 +41,13 @@ class Assembly(NamedTuple):
     """Choices that change the program; the numbers are in the scene."""
 
     laws: Laws
-    damped: bool
+    model: Model
     ledger: bool
     max_steps: int = MAX_STEPS
 
 
-# Which rate (row) may depend on which unknown (column), in the order of Motion. Without
-# dashpots the springs give the forces; with them the forces are unknowns as well.
+# Which rate (row) may depend on which unknown (column), in the order of the rows.
+# Without dashpots the springs give the forces; with them they are unknowns as well.
 _UNDAMPED = """
     penetration         . . n . . . . . .
     rotation            . . . . w . . . .
@@ -72,18 +75,18 @@ _DAMPED = """
 """
 
 
-def _pattern(text: str) -> tuple[tuple[bool, ...], ...]:
-    lines = text.strip().split("\n")
-    return tuple(tuple(mark != "." for mark in line.split()[1:]) for line in lines)
+def jacobian_pattern(model: Model) -> tuple[tuple[bool, ...], ...]:
+    """Where the Jacobian may differ from zero."""
+    text = _DAMPED if model.damped else _UNDAMPED
+    marks = {name: row for name, *row in map(str.split, text.strip().split("\n"))}
+    place = {name: i for i, name in enumerate(marks)}
+    return tuple(
+        tuple(marks[row][place[column]] != "." for column in model.unknowns)
+        for row in model.unknowns
+    )
 
 
-JACOBIAN_PATTERN = {False: _pattern(_UNDAMPED), True: _pattern(_DAMPED)}
-"""Where the Jacobian may differ from zero, with dashpots (True) and without."""
-MOTIONS = len(Motion._fields)
-LOADS = (
-    *(i for i, name in enumerate(Motion._fields) if name.startswith("elastic")),
-    *range(MOTIONS, MOTIONS + len(Forces._fields)),
-)
+LOADS = ("elastic_normal", "elastic_tangential", "elastic_rotation", *FORCES)
 """Unknowns that carry the load."""
 
 
@@ -119,7 +122,7 @@ class Problem(eqx.Module):
     floor: Scalar
     """Of the error control; see `Accuracy`."""
     laws: Laws = eqx.field(static=True)
-    damped: bool = eqx.field(static=True)
+    model: Model = eqx.field(static=True)
     ledger: bool = eqx.field(static=True)
     max_steps: int = eqx.field(static=True)
 
@@ -137,48 +140,73 @@ class Problem(eqx.Module):
         return jnp.stack(
             [
                 self.tolerance * size[row]
-                + (load_share if row in LOADS else share) * self.scale[row]
-                for row in range(len(self.scale))
+                + (load_share if name in LOADS else share) * self.scale[row]
+                for row, name in enumerate(self.model.unknowns)
             ]
         )
 
     @property
+    def speed_scale(self) -> Scalar:
+        """Impact speed [m/s]."""
+        return self.scale[self.model.unknowns.index("normal_velocity")]
+
+    @property
     def passing_time(self) -> Scalar:
         """Time in which the block moves by its semi-axis R [s]."""
-        radius, _, speed, *_ = self.scale
-        return radius / speed
+        return self.ground.axes.minor / self.speed_scale
 
     def contact(self, rows, branch: Branch | None = None) -> tuple[Motion, Contact]:
         """Named state and contact, from the rows of the state vector."""
-        motion = Motion(*(rows[i] for i in range(MOTIONS)))
-        forces = Forces(*rows[MOTIONS:]) if self.damped else None
-        return motion, contact(self.ground, self.laws, motion, forces, branch)
+        return self._with_contact(lambda *state: state, rows, branch)
+
+    def _with_contact(self, function: Callable, rows, branch: Branch | None):
+        """A function of state and contact, without the arithmetic on what the model
+        leaves at zero."""
+        model, motions = self.model, len(Motion._fields)
+
+        def of_all(*values):
+            motion = Motion(*values[:motions])
+            forces = Forces(*values[motions:]) if model.damped else None
+            return function(
+                motion, contact(self.ground, self.laws, motion, forces, branch)
+            )
+
+        names = (*Motion._fields, *(FORCES if model.damped else ()))
+        absent = [place for place, n in enumerate(names) if n not in model.unknowns]
+        return leave_out_known(of_all, dict.fromkeys(absent, 0.0))(*rows)
 
     def rates(self, rows, branch: Branch | None = None) -> list[Scalar]:
         """Rates of all unknowns, rows to rows."""
-        motion, now = self.contact(rows, branch)
-        rates = list(motion_rate(self.ground, motion, now))
-        if self.damped:
-            rates += force_rate(self.ground, self.laws, now, self.passing_time)
-        return rates
+
+        def of_contact(motion, now):
+            rates = motion_rate(self.ground, motion, now)._asdict()
+            if self.model.damped:
+                forces = force_rate(self.ground, self.laws, now, self.passing_time)
+                rates |= zip(FORCES, forces, strict=True)
+            return [rates[name] for name in self.model.unknowns]
+
+        return self._with_contact(of_contact, rows, branch)
 
     def watch(self, rows, largest_force, branch: Branch | None = None) -> Watched:
         """Quantities whose peaks are wanted, margin and switches, by the largest normal
         force up to now."""
-        motion, now = self.contact(rows, branch)
-        observed = Observed(
-            motion.penetration,
-            now.foundation.sinking,
-            now.forces.normal,
-            now.forces.tangential,
-            now.forces.moment,
-        )
-        force_scale = self._force_scale(now, largest_force)
-        return Watched(
-            observed,
-            jnp.min(jnp.stack(self._margins(motion, now, force_scale)), axis=0),
-            switches(self.ground, motion, now, force_scale),
-        )
+
+        def of_contact(motion, now):
+            observed = Observed(
+                motion.penetration,
+                now.foundation.sinking,
+                now.forces.normal,
+                now.forces.tangential,
+                now.forces.moment,
+            )
+            force_scale = self._force_scale(now, largest_force)
+            return Watched(
+                observed,
+                jnp.min(jnp.stack(self._margins(motion, now, force_scale)), axis=0),
+                switches(self.ground, motion, now, force_scale),
+            )
+
+        return self._with_contact(of_contact, rows, branch)
 
     def watch_with_rate(
         self, vector, rates, largest_force, branch: Branch
@@ -207,7 +235,12 @@ class Problem(eqx.Module):
 
     def _margins(self, motion, now, force_scale) -> Margins:
         return end_margins(
-            self.ground, motion, now, force_scale, self.scale[2], self.incoming_energy
+            self.ground,
+            motion,
+            now,
+            force_scale,
+            self.speed_scale,
+            self.incoming_energy,
         )
 
 
@@ -230,20 +263,29 @@ def pose(
     )
     elastic = speed * jnp.sqrt(ground.mass / stiffness.normal)
     one = jnp.ones_like(radius)
-    spin = speed / radius
-    scale = [radius, one, speed, speed, spin, elastic, elastic, elastic / radius, one]
     force_scale = stiffness.normal * elastic
-    start = list(motion)
-    if assembly.damped:
-        scale += [force_scale, force_scale, force_scale * radius]
-        start += contact(ground, laws, motion).forces
+    scale = Motion(
+        penetration=radius,
+        rotation=one,
+        normal_velocity=speed,
+        tangential_velocity=speed,
+        angular_velocity=speed / radius,
+        elastic_normal=elastic,
+        elastic_tangential=elastic,
+        elastic_rotation=elastic / radius,
+        hardening=one,
+    )._asdict()
+    scale |= zip(FORCES, (force_scale, force_scale, force_scale * radius), strict=True)
+    forces = contact(ground, laws, motion).forces
+    start = motion._asdict() | dict(zip(FORCES, forces, strict=True))
+    unknowns = assembly.model.unknowns
     problem = Problem(
         ground=ground,
-        scale=jax.lax.stop_gradient(jnp.stack(scale)),
+        scale=jax.lax.stop_gradient(jnp.stack([scale[name] for name in unknowns])),
         force_scale=jax.lax.stop_gradient(force_scale),
         incoming_energy=kinetic_energy(ground, motion),
         tolerance=jnp.asarray(tolerance, float),
         floor=jnp.asarray(floor, float),
         **assembly._asdict(),
     )
-    return problem, jnp.stack(start)
+    return problem, jnp.stack([start[name] for name in unknowns])

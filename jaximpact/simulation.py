@@ -26,13 +26,14 @@ from .history import History, record_history
 from .integration import End, integrate
 from .lanes import Lanes, end_lanes, march, start_lanes
 from .laws import Laws
+from .model import select_model
 from .outcomes import OUTCOME_OF_MARGIN, Outcome, closing_velocity
 from .precision import require_float64
 from .problem import Assembly, Problem, pose
 from .restitution import defined_ratio, vijayakumar_coefficient
 from .safe import safe_sqrt
 from .scene import Impact, Scene
-from .soil import Soil, is_damped
+from .soil import Soil
 
 Scalar = Float[Array, ""]
 
@@ -294,7 +295,8 @@ def _by_leaf(columns, count):
 def solve_scene(scene: Scene, accuracy: Accuracy, laws: Laws) -> Numbers:
     """Numbers of one scene, compiled, differentiable in both modes."""
     leaves, structure = jax.tree.flatten(scene)
-    assembly = Assembly(laws, is_damped(scene.soil), ledger=True)
+    model = select_model(scene.block, scene.soil, scene.impact)
+    assembly = Assembly(laws, model, ledger=True)
     tolerance = jnp.asarray(accuracy.tolerance)
     floor = jnp.asarray(accuracy.floor)
     return _solve(assembly, structure, leaves, tolerance, floor)
@@ -366,7 +368,7 @@ def simulate(
     result = ImpactResult(**vars(numbers), scene=scene, accuracy=setting)
     if not history:
         return result
-    recorded = record_history(scene, setting, laws, damped=is_damped(soil))
+    recorded = record_history(scene, setting, laws)
     return eqx.tree_at(
         lambda r: r.history, result, recorded, is_leaf=lambda x: x is None
     )

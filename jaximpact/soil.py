@@ -1,10 +1,8 @@
 """The ground: the parameters of the macro-element as array leaves."""
 
-import functools
 import math
 
 import equinox as eqx
-import jax
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -53,16 +51,9 @@ class Soil(eqx.Module):
     dilatancy: Float[Array, ""] = _parameter(0.0)  # heave admitted, 0 to 1 [-]
 
 
-def is_damped(soil: Soil) -> bool:
-    """Whether the program needs dashpots: any damping ratio above zero, or unknown yet
-    because it is being differentiated or batched."""
-    ratios = (soil.eta_N, soil.eta_T, soil.eta_R)
-    if any(isinstance(ratio, jax.core.Tracer) for ratio in ratios):
-        return True
-    return bool(np.any(has_dashpots(soil)))
+DAMPING_RATIOS = ("eta_N", "eta_T", "eta_R")
 
 
-def has_dashpots(soil: Soil) -> np.ndarray:
-    """Where any damping ratio is above zero."""
-    ratios = (soil.eta_N, soil.eta_T, soil.eta_R)
-    return functools.reduce(np.logical_or, [np.asarray(r) > 0.0 for r in ratios])
+def is_above_zero(ratio) -> np.ndarray:
+    """Where a damping ratio is above zero, or NaN: not known."""
+    return ~(np.asarray(ratio) <= 0.0)

@@ -55,11 +55,12 @@ def stepper_of(path):
     """The compiled step of a study, which all tests share."""
     from jaximpact.calibration.residuals import Program
     from jaximpact.laws import Laws
+    from jaximpact.model import PLANAR
     from jaximpact.simulation import Assembly
 
     study = read_study(path)
     names = tuple(parameter.name for parameter in study.parameters)
-    program = Program(Assembly(Laws(), False, ledger=False), names, study.targets)
+    program = Program(Assembly(Laws(), PLANAR, ledger=False), names, study.targets)
     case = case_of(study, study.variants[0])
     return study, Stepper(program, case, study.starts)
 

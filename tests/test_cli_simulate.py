@@ -3,6 +3,8 @@
 import dataclasses
 import json
 import os
+import subprocess
+import sys
 
 import pytest
 from command_line import assert_one_line_error
@@ -105,3 +107,29 @@ def test_a_bad_scene_is_one_line(folder, capsys):
         capsys, "error: scene.toml, key mass_kg: must be above 0"
     )
     assert err.count("\n") == 1
+
+
+def test_compiled_program_is_kept_for_the_next_time(folder):
+    (folder / "scene.toml").write_text("angle_deg = 20\n")
+    subprocess.run(
+        [sys.executable, "-m", "jaximpact", "simulate", "scene.toml", "--json"],
+        env=os.environ | {"XDG_CACHE_HOME": str(folder)},
+        stdout=subprocess.DEVNULL,
+        check=True,
+    )
+    # A program that calls back to the host could not be kept.
+    kept = [path.name for path in (folder / "jaximpact").rglob("*") if path.is_file()]
+    assert any("compute" in name for name in kept)
+
+
+def test_home_that_cannot_be_written_to_is_no_error(folder):
+    (folder / "scene.toml").write_text("")
+    (folder / "file").write_text("")
+    done = subprocess.run(
+        [sys.executable, "-m", "jaximpact", "simulate", "scene.toml", "--json"],
+        env=os.environ | {"XDG_CACHE_HOME": str(folder / "file")},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stderr == ""

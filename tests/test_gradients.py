@@ -10,6 +10,7 @@ import pytest
 
 from jaximpact import Accuracy, Block, Impact, Laws, Scene, Soil, simulate
 from jaximpact.compilation import unfused_jit
+from jaximpact.model import PLANAR, PLANAR_DAMPED
 from jaximpact.simulation import Assembly, compute
 
 DEGREE = math.pi / 180.0
@@ -52,7 +53,7 @@ def outputs_of_logs(logs, scene, tolerance):
     values = dict(zip(PARAMETERS, jnp.exp(logs), strict=True))
     soil = {f: getattr(scene.soil, f) for f in Soil.__dataclass_fields__} | values
     numbers = compute(
-        Assembly(Laws(), False, False),
+        Assembly(Laws(), PLANAR, False),
         Scene(scene.block, Soil(**soil), scene.impact),
         tolerance,
         1e-2,
@@ -183,7 +184,7 @@ def test_derivative_through_dashpots_is_that_of_differences():
     def outputs(log_eta, tolerance):
         soil = Soil(eta_N=jnp.exp(log_eta), eta_T=0.1, eta_R=0.1)
         numbers = compute(
-            Assembly(Laws(), True, False),
+            Assembly(Laws(), PLANAR_DAMPED, False),
             Scene(Block(aspect_ratio=2.0), soil, Impact(angle=0.7, orientation=0.5)),
             tolerance,
             1e-2,

@@ -13,7 +13,8 @@ from jaximpact.compilation import unfused_jit
 from jaximpact.dynamics import Motion
 from jaximpact.integration import diffrax_arguments
 from jaximpact.laws import Laws
-from jaximpact.problem import JACOBIAN_PATTERN, Assembly, Problem, pose
+from jaximpact.model import MODELS, PLANAR
+from jaximpact.problem import Assembly, Problem, jacobian_pattern, pose
 from jaximpact.rosenbrock import (
     DenseOutput,
     Rodas5P,
@@ -312,7 +313,7 @@ def states_and_jacobians(scene: Scene):
     """Scaled Jacobians at the end of every step of an impact."""
     setting = Accuracy("", PRESETS["fast"].tolerance, PRESETS["fast"].floor)
     problem, vector = pose(
-        scene, Assembly(Laws(), False, False), setting.tolerance, setting.floor
+        scene, Assembly(Laws(), PLANAR, False), setting.tolerance, setting.floor
     )
     solution = diffrax.diffeqsolve(
         **diffrax_arguments(problem, vector), saveat=diffrax.SaveAt(steps=True)
@@ -326,7 +327,7 @@ def states_and_jacobians(scene: Scene):
 
 
 def test_pattern_covers_the_jacobian_and_no_more():
-    pattern = np.array(JACOBIAN_PATTERN[False])
+    pattern = np.array(jacobian_pattern(PLANAR))
     assert len(pattern) == len(Motion._fields)
     reached = np.zeros_like(pattern)
     for scene in STRUCTURE_SCENES.values():
@@ -339,10 +340,10 @@ def test_pattern_covers_the_jacobian_and_no_more():
 
 
 def test_problem_is_posed_with_the_pattern_s_size():
-    for damped in (False, True):
+    for model in MODELS:
         setting = PRESETS["fast"]
         scene = STRUCTURE_SCENES["inclined ellipsoid"]
-        assembly = Assembly(Laws(), damped, False)
+        assembly = Assembly(Laws(), model, False)
         problem, vector = pose(scene, assembly, setting.tolerance, setting.floor)
         assert isinstance(problem, Problem)
-        assert np.shape(JACOBIAN_PATTERN[damped]) == (vector.size, vector.size)
+        assert np.shape(jacobian_pattern(model)) == (vector.size, vector.size)

@@ -11,9 +11,10 @@ from ..accuracy import PRESETS
 from ..batch import broadcast_scene
 from ..errors import InputError
 from ..laws import Laws
+from ..model import PLANAR, PLANAR_DAMPED
 from ..problem import Assembly
 from ..scene import Scene
-from ..soil import Soil, is_damped
+from ..soil import DAMPING_RATIOS, Soil
 from ..toml_values import SOIL_COLUMNS
 from .fit import FINE, ROUGH, Fits, Progress, fit, spread_starts
 from .likelihood_profile import LikelihoodProfile, profile_all
@@ -72,9 +73,15 @@ def fit_study(study: Study, *, progress: Progress = lambda text: None) -> StudyR
     begin = time.perf_counter()
     soils = [soil_of(study, variant) for variant in study.variants]
     fitted = tuple(parameter.name for parameter in study.parameters)
-    damped = any(map(is_damped, soils)) or any(n.startswith("eta_") for n in fitted)
+    ratios = [getattr(soil, name) for soil in soils for name in DAMPING_RATIOS]
+    damped = any(ratio > 0.0 for ratio in ratios) or set(fitted) & {*DAMPING_RATIOS}
     program = Program(
-        Assembly(Laws(), damped, ledger=False, max_steps=MAX_STEPS),
+        Assembly(
+            Laws(),
+            PLANAR_DAMPED if damped else PLANAR,
+            ledger=False,
+            max_steps=MAX_STEPS,
+        ),
         fitted,
         study.targets,
     )

@@ -5,9 +5,12 @@ What needs JAX is imported by `run`.
 """
 
 import argparse
+import contextlib
 import os
+import platform
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from ..errors import InputError
 from ..provenance import version_of
@@ -32,11 +35,12 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     0: done. 1: the system refused, for example a full disk. 2: wrong arguments or
     input. 130: interrupted from the keyboard. Whatever went wrong is one line on
-    stderr. Sets JAX to float64.
+    stderr. Sets JAX to float64, and to keep compiled programs in the user's cache if
+    `JAX_COMPILATION_CACHE_DIR` does not say where.
     """
     try:
         arguments = _parser().parse_args(argv)
-        _use_float64()
+        _set_up_jax()
         arguments.run(arguments)
         sys.stdout.flush()
     except InputError as error:
@@ -67,10 +71,24 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _use_float64() -> None:
+def _set_up_jax() -> None:
     import jax
 
     jax.config.update("jax_enable_x64", True)
+    if jax.config.jax_compilation_cache_dir is not None:
+        return
+    # A home that cannot be written to is no reason to complain: it costs time only.
+    with contextlib.suppress(OSError):
+        directory = _cache_directory()
+        directory.mkdir(parents=True, exist_ok=True)
+        jax.config.update("jax_compilation_cache_dir", str(directory))
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)
+
+
+def _cache_directory() -> Path:
+    """Where compiled programs are kept, by machine: they suit its processor alone."""
+    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(home) / "jaximpact" / (platform.node() or "machine")
 
 
 def _report(message: str, code: int) -> int:

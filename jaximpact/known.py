@@ -1,0 +1,132 @@
+"""Leaving out what is known when a program is built.
+
+A model with fewer unknowns is the same equations with zeros put in. XLA keeps the
+arithmetic on them, because 0 times x is not 0 for every float; here it is left out.
+"""
+
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.extend import core
+
+_ZERO_TIMES = {"mul": (0, 1), "div": (0,)}
+"""Operations that give zero if one of these operands is, the others being finite."""
+_NEUTRAL = {
+    "add": ((0, 0.0), (1, 0.0)),
+    "sub": ((1, 0.0),),
+    "mul": ((0, 1.0), (1, 1.0)),
+    "div": ((1, 1.0),),
+}
+"""Operands, and the value of each that leaves the other as it is."""
+_ELEMENTWISE = """
+    abs add and convert_element_type cos div eq exp ge gt integer_pow le log lt max min
+    mul ne neg not or pow select_n sign sin sqrt square sub
+"""
+"""Operations worked out at once where all operands are known."""
+
+
+class _Known:
+    """A scalar known when the program is built, standing for an array of it."""
+
+    def __init__(self, value, aval):
+        self.value, self.aval = np.asarray(value, aval.dtype), aval
+
+    def array(self):
+        return jnp.full(self.aval.shape, self.value)
+
+
+def leave_out_known(function: Callable, known: dict[int, float]) -> Callable:
+    """The function with some of its arguments fixed.
+
+    Args:
+        function: of arrays, to a pytree of arrays.
+        known: place of an argument -> its value. It takes the shape and type of the
+            first argument that is not known.
+
+    Returns:
+        A function of all arguments but those known. It gives what `function` does, as
+        long as everything in between is finite. Differentiable as `function` is, but
+        that a `custom_jvp` that meets known values is differentiated as it is written.
+    """
+
+    if not known:
+        return function
+
+    def with_known(*arguments):
+        shapes = [jax.ShapeDtypeStruct(x.shape, x.dtype) for x in arguments]
+        rest = iter(shapes)
+        count = len(arguments) + len(known)
+        all_shapes = [
+            shapes[0] if place in known else next(rest) for place in range(count)
+        ]
+        closed, out = jax.make_jaxpr(function, return_shape=True)(*all_shapes)
+        rest = iter(arguments)
+        values = [
+            _Known(known[place], variable.aval) if place in known else next(rest)
+            for place, variable in enumerate(closed.jaxpr.invars)
+        ]
+        results = [_as_array(x) for x in _evaluate(closed, values)]
+        return jax.tree.unflatten(jax.tree.structure(out), results)
+
+    return with_known
+
+
+def _as_array(value):
+    return value.array() if isinstance(value, _Known) else value
+
+
+def _evaluate(closed, arguments) -> list:
+    values = {}
+
+    def read(atom):
+        if isinstance(atom, core.Literal):
+            return _Known(atom.val, atom.aval) if np.ndim(atom.val) == 0 else atom.val
+        return values[atom]
+
+    jaxpr = closed.jaxpr
+    values.update(zip(jaxpr.constvars, closed.consts, strict=True))
+    values.update(zip(jaxpr.invars, arguments, strict=True))
+    for equation in jaxpr.eqns:
+        operands = [read(atom) for atom in equation.invars]
+        results = _apply(equation, operands)
+        values.update(zip(equation.outvars, results, strict=True))
+    return [read(atom) for atom in jaxpr.outvars]
+
+
+def _apply(equation, operands) -> list:
+    """Results of one operation, known as far as they can be."""
+    primitive, name = equation.primitive, equation.primitive.name
+    inner = equation.params.get("jaxpr", equation.params.get("call_jaxpr"))
+    if not any(isinstance(x, _Known) for x in operands) and name != "pjit":
+        return _bind(equation, operands)
+    if inner is not None and name in ("pjit", "jit", "custom_jvp_call"):
+        return _evaluate(inner, operands)
+    aval = equation.outvars[0].aval
+    if all(isinstance(x, _Known) for x in operands):
+        if name in ("broadcast_in_dim", "reshape"):
+            return [_Known(operands[0].value, aval)]
+        if name in _ELEMENTWISE.split():
+            with jax.ensure_compile_time_eval():
+                scalars = [jnp.asarray(x.value) for x in operands]
+                return [_Known(primitive.bind(*scalars, **equation.params), aval)]
+    if any(_is(operands[i], 0.0) for i in _ZERO_TIMES.get(name, ())):
+        return [_Known(0.0, aval)]
+    for place, neutral in _NEUTRAL.get(name, ()):
+        if _is(operands[place], neutral):
+            return [jnp.broadcast_to(operands[1 - place], aval.shape)]
+    if name == "select_n" and isinstance(operands[0], _Known):
+        chosen = operands[1 + int(operands[0].value)]
+        return [chosen]
+    return _bind(equation, [_as_array(x) for x in operands])
+
+
+def _is(operand, value: float) -> bool:
+    return isinstance(operand, _Known) and operand.value == value
+
+
+def _bind(equation, operands) -> list:
+    primitive = equation.primitive
+    results = primitive.bind(*operands, **primitive.get_bind_params(equation.params))
+    return results if primitive.multiple_results else [results]

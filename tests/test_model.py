@@ -1,0 +1,121 @@
+"""The ladder of models: the cheap ones are exact where they are taken."""
+
+import dataclasses
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaximpact import (
+    Block,
+    Impact,
+    Laws,
+    Scene,
+    Soil,
+    select_model,
+    simulate,
+    simulate_batch,
+)
+from jaximpact.compilation import unfused_jit
+from jaximpact.model import PLANAR, PLANAR_DAMPED, VERTICAL, VERTICAL_DAMPED
+from jaximpact.problem import Assembly
+from jaximpact.simulation import compute_lanes
+
+TALL = Block(aspect_ratio=2.0)
+
+
+@pytest.mark.parametrize(
+    ("block", "soil", "impact", "model"),
+    [
+        (Block(), Soil(), Impact(), VERTICAL),
+        (Block(), Soil(), Impact(orientation=0.4), VERTICAL),
+        (TALL, Soil(), Impact(), VERTICAL),
+        (TALL, Soil(), Impact(orientation=math.radians(90)), VERTICAL),
+        (TALL, Soil(), Impact(orientation=math.radians(-270)), VERTICAL),
+        (TALL, Soil(), Impact(orientation=math.radians(89.9)), PLANAR),
+        (Block(), Soil(), Impact(angle=1e-9), PLANAR),
+        (Block(), Soil(), Impact(angular_velocity=-1.0), PLANAR),
+        (Block(), Soil(), Impact(slope=0.1), PLANAR),
+        (Block(), Soil(eta_T=0.1, eta_R=0.1), Impact(), VERTICAL),
+        (Block(), Soil(eta_N=0.1), Impact(), VERTICAL_DAMPED),
+        (Block(), Soil(eta_R=0.1), Impact(slope=0.1), PLANAR_DAMPED),
+    ],
+)
+def test_cheapest_exact_model_is_taken(block, soil, impact, model):
+    assert select_model(block, soil, impact) == model
+
+
+def vertical_scenes(count, *, damped):
+    draw = np.random.default_rng(4).uniform
+
+    def log(low, high):
+        return np.exp(draw(np.log(low), np.log(high), count))
+
+    scene = Scene(
+        Block(mass=log(0.1, 1e4), aspect_ratio=log(0.5, 4), out_of_plane_ratio=2.0),
+        Soil(
+            gamma_v=log(0.3, 30),
+            c_v=log(0.1, 3),
+            k_E=log(100, 4000),
+            alpha_vR=1.0,
+            dilatancy=draw(0, 1, count),
+            eta_N=draw(0.01, 0.5, count) if damped else 0.0,
+        ),
+        Impact(
+            speed=draw(1, 40, count), orientation=np.pi / 2 * (draw(size=count) < 0.5)
+        ),
+    )
+    return jax.tree.map(lambda x: jnp.broadcast_to(jnp.asarray(x), (count,)), scene)
+
+
+@pytest.mark.parametrize("damped", [False, True])
+def test_vertical_model_is_the_planar_one(damped):
+    scene = vertical_scenes(48, damped=damped)
+    pair = (VERTICAL_DAMPED, PLANAR_DAMPED) if damped else (VERTICAL, PLANAR)
+    cheap, whole = (
+        unfused_jit(compute_lanes, static_argnums=(0,))(
+            Assembly(Laws(), model, ledger=False), scene, 1e-8, 1e-2
+        )
+        for model in pair
+    )
+    np.testing.assert_array_equal(cheap.outcome_code, whole.outcome_code)
+    for name in ("e_n", "e_bar", "max_penetration", "max_normal_force", "duration"):
+        # Both err by the tolerance over some hundred steps; where the forces of
+        # springs and dashpots jump, by more.
+        np.testing.assert_allclose(
+            getattr(cheap, name),
+            getattr(whole, name),
+            rtol=1e-3 if damped else 1e-5,
+            err_msg=name,
+        )
+    assert np.all(np.asarray(cheap.rotation) == 0.0)
+    assert np.all(np.asarray(cheap.max_moment) == 0.0)
+
+
+def test_batch_of_all_models_is_the_impacts_one_by_one():
+    scene = Scene(
+        Block(aspect_ratio=np.array([1.0, 2.0, 1.0, 2.0])),
+        Soil(eta_N=np.array([0.0, 0.0, 0.1, 0.1])),
+        Impact(angle=np.array([0.0, 0.5, 0.0, 0.5])),
+    )
+    together = simulate_batch(scene)
+    for place in range(4):
+        one = jax.tree.map(
+            lambda x, place=place: float(np.broadcast_to(x, (4,))[place]), scene
+        )
+        alone = simulate(one.block, one.soil, one.impact)
+        for name in ("e_n", "max_sinking", "duration"):
+            assert getattr(together, name)[place] == pytest.approx(
+                float(getattr(alone, name)), rel=1e-9
+            )
+
+
+def test_derivative_out_of_the_symmetry_is_taken_with_the_whole_model():
+    def tangential_velocity(angle):
+        impact = dataclasses.replace(Impact(), angle=angle)
+        return simulate(Block(), Soil(), impact, accuracy="fast").tangential_velocity
+
+    # A sphere keeps part of the tangential velocity that it has.
+    assert 1.0 < float(jax.grad(tangential_velocity)(0.0)) < 14.0
