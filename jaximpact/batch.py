@@ -23,7 +23,7 @@ from .checks import check_scene
 from .compilation import compile_unfused
 from .lanes import Lanes, march, start_lanes
 from .laws import Laws
-from .model import MODELS, model_places
+from .model import MODELS, Model, model_places
 from .precision import require_float64
 from .problem import Assembly
 from .scene import Impact, Scene
@@ -86,7 +86,7 @@ def compile_programs(assembly: Assembly, width: int) -> Programs:
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
     """The scene with every field as an array of one length, and the length.
 
-    Raises ValueError if the fields do not broadcast to one axis.
+    Raises ValueError if the fields do not broadcast to one axis, or there are none.
     """
     shapes = [np.shape(leaf) for leaf in jax.tree.leaves(scene)]
     shape = np.broadcast_shapes(*shapes)
@@ -96,6 +96,8 @@ def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
             f"{shape}; flatten them first"
         )
     count = shape[0] if shape else 1
+    if count == 0:
+        raise ValueError("simulate_batch needs at least one scene, but got none")
     return jax.tree.map(
         lambda leaf: np.broadcast_to(np.asarray(leaf), (count,)), scene
     ), count
@@ -232,7 +234,6 @@ def simulate_batch(
     check_scene(scene, batched=True)
     scene, count = broadcast_scene(scene)
     timing = {} if timing is None else timing
-    timing |= {"compile_s": 0.0, "run_s": 0.0}
 
     columns: Numbers | None = None
     done = 0
@@ -253,17 +254,27 @@ def simulate_batch(
 
     effort = order_by_effort(scene)
     places = model_places(scene)[effort]
-    for place, model in enumerate(MODELS):
-        chosen = effort[places == place]
-        if not len(chosen):
-            continue
-        begin = time.perf_counter()
+    groups = [
+        (model, effort[places == place])
+        for place, model in enumerate(MODELS)
+        if np.any(places == place)
+    ]
+
+    def compiled(group: tuple[Model, np.ndarray]) -> Programs:
+        model, chosen = group
         width = SMALL_WIDTH if len(chosen) <= SMALL_WIDTH * CORES else WIDTH
-        programs = compile_programs(Assembly(laws, model, ledger), width)
-        started = time.perf_counter()
-        _run_on_every_core(Worker(programs, scene, setting), chosen, keep)
-        timing["compile_s"] += started - begin
-        timing["run_s"] += time.perf_counter() - started
+        return compile_programs(Assembly(laws, model, ledger), width)
+
+    begin = time.perf_counter()
+    with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
+        programs = list(pool.map(compiled, groups))
+    started = time.perf_counter()
+    for (_, chosen), of_group in zip(groups, programs, strict=True):
+        _run_on_every_core(Worker(of_group, scene, setting), chosen, keep)
+    timing |= {
+        "compile_s": started - begin,
+        "run_s": time.perf_counter() - started,
+    }
     return ImpactResult(**vars(columns), scene=scene, accuracy=setting)
 
 

@@ -72,3 +72,9 @@ def test_as_one_by_one(batch):
         # Rounding differs, and with it the steps at the onset: equal to the error of
         # "fast", whose largest in e_n is some 1e-4.
         assert float(alone.e_bar) == pytest.approx(result.e_bar[place], abs=5e-4)
+
+
+def test_no_scenes_are_refused():
+    scene = Scene(Block(mass=np.ones(0)), Soil(), Impact())
+    with pytest.raises(ValueError, match="at least one scene"):
+        simulate_batch(scene)
