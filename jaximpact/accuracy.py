@@ -23,7 +23,7 @@ class Accuracy:
     |---|---|---|---|---|---|
     | fast | 98 | 6e-6 | 3e-5 | 1e-4 | 4e-3 |
     | balanced | 170 | 1.4e-7 | 8e-7 | 3e-6 | 7e-5 |
-    | reference | 560 | 1.5e-10 | 5e-10 | 2e-8 | 6e-7 |
+    | reference | 560 | 1.5e-10 | 5e-10 | 3e-8 | 7e-7 |
     """
 
     name: str
