@@ -254,11 +254,7 @@ def simulate_batch(
 
     effort = order_by_effort(scene)
     places = model_places(scene)[effort]
-    groups = [
-        (model, effort[places == place])
-        for place, model in enumerate(MODELS)
-        if np.any(places == place)
-    ]
+    groups = [(MODELS[place], effort[places == place]) for place in np.unique(places)]
 
     def compiled(group: tuple[Model, np.ndarray]) -> Programs:
         model, chosen = group

@@ -15,7 +15,7 @@ from .dynamics import Work
 from .kinks import SWITCHED_OFF, Switches, branch_of
 from .laws import Branch
 from .problem import Observed, Problem, Watched
-from .rosenbrock import DenseOutput
+from .rosenbrock import DenseOutput, per_width
 
 Scalar = Float[Array, ""]
 
@@ -44,9 +44,7 @@ class Fold(NamedTuple):
     def rate_at_start(self, start, start_rate, end, end_rate, width):
         """Rate at the start of the next step, on its branch: the one known, or after a
         switch that of the parabola through what is known."""
-        rise = jnp.where(
-            width > 0.0, (end - start) / jnp.where(width > 0.0, width, 1.0), 0.0
-        )
+        rise = per_width(end - start, width)
         return jnp.where(self.turned > 0.0, 2.0 * rise - end_rate, start_rate)
 
 

@@ -13,8 +13,7 @@ from .compilation import is_inside_jit, unfused_jit
 from .dynamics import elastic_energy, kinetic_energy
 from .integration import diffrax_arguments
 from .laws import Laws
-from .model import select_model
-from .problem import Assembly, Problem, pose
+from .problem import Problem, assemble, pose
 from .scene import Scene
 
 Series = Float[Array, " steps"]
@@ -105,9 +104,7 @@ def record_history(scene: Scene, accuracy: Accuracy, laws: Laws) -> History:
             "batch simulate without it"
         )
     rows, steps = _record_compiled(
-        Assembly(
-            laws, select_model(scene.block, scene.soil, scene.impact), ledger=True
-        ),
+        assemble(scene, laws),
         scene,
         jnp.asarray(accuracy.tolerance),
         jnp.asarray(accuracy.floor),

@@ -19,7 +19,7 @@ from .kinks import branch_of
 from .landing import LANDING, LandingController
 from .outcomes import TIME_LIMIT, Margins
 from .problem import Observed, Problem, jacobian_pattern
-from .rosenbrock import DenseOutput, dense_output, rodas5p_step
+from .rosenbrock import ORDER, DenseOutput, dense_output, rodas5p_step
 
 Scalar = Float[Array, ""]
 
@@ -31,7 +31,6 @@ class Course(NamedTuple):
     fold: Fold
 
 
-ORDER = 5
 TERMS = diffrax.ODETerm(lambda t, y, args: y)
 """What diffrax wants for a vector field; `advance` takes the problem's own."""
 

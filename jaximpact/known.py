@@ -55,18 +55,14 @@ def leave_out_known(function: Callable, known: dict[int, float]) -> Callable:
         return function
 
     def with_known(*arguments):
-        shapes = [jax.ShapeDtypeStruct(x.shape, x.dtype) for x in arguments]
-        rest = iter(shapes)
-        count = len(arguments) + len(known)
-        all_shapes = [
-            shapes[0] if place in known else next(rest) for place in range(count)
-        ]
-        closed, out = jax.make_jaxpr(function, return_shape=True)(*all_shapes)
         rest = iter(arguments)
         values = [
-            _Known(known[place], variable.aval) if place in known else next(rest)
-            for place, variable in enumerate(closed.jaxpr.invars)
+            _Known(known[place], arguments[0].aval) if place in known else next(rest)
+            for place in range(len(arguments) + len(known))
         ]
+        closed, out = jax.make_jaxpr(function, return_shape=True)(
+            *map(_as_array, values)
+        )
         results = [_as_array(x) for x in _evaluate(closed, values)]
         return jax.tree.unflatten(jax.tree.structure(out), results)
 
@@ -99,7 +95,7 @@ def _apply(equation, operands) -> list:
     """Results of one operation, known as far as they can be."""
     primitive, name = equation.primitive, equation.primitive.name
     inner = equation.params.get("jaxpr", equation.params.get("call_jaxpr"))
-    if not any(isinstance(x, _Known) for x in operands) and name != "pjit":
+    if not any(isinstance(x, _Known) for x in operands):
         return _bind(equation, operands)
     if inner is not None and name in ("pjit", "jit", "custom_jvp_call"):
         return _evaluate(inner, operands)
@@ -117,8 +113,7 @@ def _apply(equation, operands) -> list:
         if _is(operands[place], neutral):
             return [jnp.broadcast_to(operands[1 - place], aval.shape)]
     if name == "select_n" and isinstance(operands[0], _Known):
-        chosen = operands[1 + int(operands[0].value)]
-        return [chosen]
+        return [operands[1 + int(operands[0].value)]]
     return _bind(equation, [_as_array(x) for x in operands])
 
 

@@ -16,7 +16,6 @@ from jaxtyping import Array, Bool, Float, Int
 from .dynamics import initial_motion
 from .folding import start_fold
 from .integration import (
-    ORDER,
     TERMS,
     Course,
     End,
@@ -24,9 +23,10 @@ from .integration import (
     end_of,
     step_size_controller,
 )
-from .landing import LANDING, LandingState, first_width
+from .landing import LANDING, LandingState
 from .outcomes import TIME_LIMIT, closing_velocity
 from .problem import Problem, pose
+from .rosenbrock import ORDER
 
 LaneScalars = Float[Array, " lanes"]
 
@@ -63,22 +63,15 @@ def start_lanes(assembly, scenes, tolerance, floor) -> Lanes:
     def of_scene(scene):
         problem, vector = pose(scene, assembly, tolerance, floor)
         course = Course(vector, start_fold(problem, vector))
-        width = first_width(problem)
+        start = jnp.zeros_like(problem.force_scale)
         until, control = step_size_controller().init(
-            TERMS,
-            jnp.zeros_like(width),
-            TIME_LIMIT,
-            course,
-            width,
-            problem,
-            None,
-            ORDER,
+            TERMS, start, TIME_LIMIT, course, None, problem, None, ORDER
         )
         still = jnp.zeros((), int)
         return Lanes(
             problem,
             course,
-            jnp.zeros_like(width),
+            start,
             until,
             control,
             closing_velocity(problem.ground, initial_motion(scene)) <= 0.0,

@@ -12,7 +12,7 @@ import numpy as np
 from .block import Block
 from .dynamics import Motion
 from .scene import Impact, Scene
-from .soil import Soil, is_above_zero
+from .soil import Soil, has_dashpots, is_above_zero
 
 FORCES = ("normal_force", "tangential_force", "moment")
 """The forces as unknowns, in the order of `Forces`."""
@@ -77,6 +77,4 @@ def model_places(scene: Scene) -> np.ndarray:
         & (np.asarray(impact.slope) == 0.0)
         & (upright | (np.asarray(block.aspect_ratio) == 1.0))
     )
-    normal = is_above_zero(soil.eta_N)
-    others = is_above_zero(soil.eta_T) | is_above_zero(soil.eta_R)
-    return np.where(vertical, 0 + normal, 2 + (normal | others))
+    return np.where(vertical, 0 + is_above_zero(soil.eta_N), 2 + has_dashpots(soil))

@@ -30,7 +30,7 @@ from .dynamics import (
 from .kinks import Switches, switches
 from .known import leave_out_known
 from .laws import Branch, Laws
-from .model import FORCES, Model
+from .model import FORCES, PLANAR, PLANAR_DAMPED, Model, select_model
 from .outcomes import Margins, end_margins
 from .scene import Scene
 
@@ -44,6 +44,13 @@ class Assembly(NamedTuple):
     model: Model
     ledger: bool
     max_steps: int = MAX_STEPS
+
+
+def assemble(scene: Scene, laws: Laws) -> Assembly:
+    """What a single impact is computed with: the cheapest model that is exact, and the
+    ledger."""
+    model = select_model(scene.block, scene.soil, scene.impact)
+    return Assembly(laws, model, ledger=True)
 
 
 # Which rate (row) may depend on which unknown (column), in the order of the rows.
@@ -163,6 +170,7 @@ class Problem(eqx.Module):
         """A function of state and contact, without the arithmetic on what the model
         leaves at zero."""
         model, motions = self.model, len(Motion._fields)
+        names = (PLANAR_DAMPED if model.damped else PLANAR).unknowns
 
         def of_all(*values):
             motion = Motion(*values[:motions])
@@ -171,7 +179,6 @@ class Problem(eqx.Module):
                 motion, contact(self.ground, self.laws, motion, forces, branch)
             )
 
-        names = (*Motion._fields, *(FORCES if model.damped else ()))
         absent = [place for place, n in enumerate(names) if n not in model.unknowns]
         return leave_out_known(of_all, dict.fromkeys(absent, 0.0))(*rows)
 
@@ -276,8 +283,9 @@ def pose(
         hardening=one,
     )._asdict()
     scale |= zip(FORCES, (force_scale, force_scale, force_scale * radius), strict=True)
-    forces = contact(ground, laws, motion).forces
-    start = motion._asdict() | dict(zip(FORCES, forces, strict=True))
+    start = motion._asdict()
+    if assembly.model.damped:
+        start |= zip(FORCES, contact(ground, laws, motion).forces, strict=True)
     unknowns = assembly.model.unknowns
     problem = Problem(
         ground=ground,

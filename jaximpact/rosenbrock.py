@@ -32,6 +32,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+ORDER = 5
 GAMMA = 0.21193756319429014
 # Rows i = 2..6 of a_ij; stages 7 and 8 start from stage 6 plus u_6, and plus u_7.
 STAGE_WEIGHTS = (
@@ -128,6 +129,11 @@ STAGE_MATRIX = _matrix(
 COUPLING_MATRIX = GAMMA * _matrix(COUPLING)
 
 
+def per_width(change: Array, width: Array) -> Array:
+    """A change over a step, by its width; 0 for a step of no width."""
+    return jnp.where(width == 0.0, 0.0, change / jnp.where(width == 0.0, 1.0, width))
+
+
 class DenseOutput(diffrax.AbstractLocalInterpolation):
     r"""Interpolant of order 4 over one step.
 
@@ -145,19 +151,15 @@ class DenseOutput(diffrax.AbstractLocalInterpolation):
         del left
         if t1 is not None:
             return self.evaluate(t1) - self.evaluate(t0)
-        width = self.t1 - self.t0
         # A finished lane has a step of no width; it is read at its start.
-        s = jnp.where(
-            width == 0.0, 0.0, (t0 - self.t0) / jnp.where(width == 0, 1, width)
-        )
+        s = per_width(t0 - self.t0, self.t1 - self.t0)
         bend = self.k[0] + s * (self.k[1] + s * self.k[2])
         return (1.0 - s) * self.y0 + s * (self.y1 + (1.0 - s) * bend)
 
     def rate_at_end(self) -> Float[Array, " n"]:
         """Rate of change at t1; 0 for a step of no width."""
-        width = self.t1 - self.t0
         change = self.y1 - self.y0 - jnp.sum(self.k, axis=0)
-        return jnp.where(width == 0.0, 0.0, change / jnp.where(width == 0, 1, width))
+        return per_width(change, self.t1 - self.t0)
 
 
 def factorise(rows: list[dict[int, Array]]) -> tuple[list[dict[int, Array]], list]:
@@ -275,7 +277,7 @@ class Rodas5P(diffrax.AbstractAdaptiveSolver):
 
     def order(self, terms):
         del terms
-        return 5
+        return ORDER
 
     def init(self, terms, t0, t1, y0, args):
         del terms, t0, t1, y0, args

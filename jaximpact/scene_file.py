@@ -6,10 +6,10 @@ from typing import NamedTuple
 from .accuracy import PRESETS
 from .block import Block
 from .columns import INPUT_COLUMNS, InputColumn
-from .errors import InputError, nearest
+from .errors import InputError
 from .scene import PARTS, Impact, Scene
 from .soil import Soil
-from .toml_values import allowed, load_toml
+from .toml_values import allowed, load_toml, unknown
 
 ACCURACY_KEY = "accuracy"
 
@@ -63,11 +63,8 @@ def _column(path: Path, name: str, table: str | None) -> InputColumn:
     """The column that a key stands for; `table` is the one it was found in."""
     if name not in INPUT_COLUMNS:
         top = () if table else (*PARTS, ACCURACY_KEY)
-        raise InputError(
-            f"is unknown; did you mean {nearest(name, (*INPUT_COLUMNS, *top))}?",
-            file=path,
-            key=f"{table}.{name}" if table else name,
-        )
+        key = f"{table}.{name}" if table else name
+        unknown(path, key, name, (*INPUT_COLUMNS, *top))
     column = INPUT_COLUMNS[name]
     if table not in (None, column.part):
         raise InputError(

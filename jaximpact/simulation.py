@@ -26,10 +26,9 @@ from .history import History, record_history
 from .integration import End, integrate
 from .lanes import Lanes, end_lanes, march, start_lanes
 from .laws import Laws
-from .model import select_model
 from .outcomes import OUTCOME_OF_MARGIN, Outcome, closing_velocity
 from .precision import require_float64
-from .problem import Assembly, Problem, pose
+from .problem import Assembly, Problem, assemble, pose
 from .restitution import defined_ratio, vijayakumar_coefficient
 from .safe import safe_sqrt
 from .scene import Impact, Scene
@@ -295,11 +294,9 @@ def _by_leaf(columns, count):
 def solve_scene(scene: Scene, accuracy: Accuracy, laws: Laws) -> Numbers:
     """Numbers of one scene, compiled, differentiable in both modes."""
     leaves, structure = jax.tree.flatten(scene)
-    model = select_model(scene.block, scene.soil, scene.impact)
-    assembly = Assembly(laws, model, ledger=True)
     tolerance = jnp.asarray(accuracy.tolerance)
     floor = jnp.asarray(accuracy.floor)
-    return _solve(assembly, structure, leaves, tolerance, floor)
+    return _solve(assemble(scene, laws), structure, leaves, tolerance, floor)
 
 
 class ImpactResult(Numbers):

@@ -1,5 +1,6 @@
 """The ground: the parameters of the macro-element as array leaves."""
 
+import functools
 import math
 
 import equinox as eqx
@@ -57,3 +58,9 @@ DAMPING_RATIOS = ("eta_N", "eta_T", "eta_R")
 def is_above_zero(ratio) -> np.ndarray:
     """Where a damping ratio is above zero, or NaN: not known."""
     return ~(np.asarray(ratio) <= 0.0)
+
+
+def has_dashpots(soil: Soil) -> np.ndarray:
+    """Where any damping ratio is above zero, or not known."""
+    ratios = [is_above_zero(getattr(soil, name)) for name in DAMPING_RATIOS]
+    return functools.reduce(np.logical_or, ratios)

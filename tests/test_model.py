@@ -4,7 +4,6 @@ import dataclasses
 import math
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -18,6 +17,7 @@ from jaximpact import (
     simulate,
     simulate_batch,
 )
+from jaximpact.batch import broadcast_scene
 from jaximpact.compilation import unfused_jit
 from jaximpact.model import PLANAR, PLANAR_DAMPED, VERTICAL, VERTICAL_DAMPED
 from jaximpact.problem import Assembly
@@ -67,7 +67,7 @@ def vertical_scenes(count, *, damped):
             speed=draw(1, 40, count), orientation=np.pi / 2 * (draw(size=count) < 0.5)
         ),
     )
-    return jax.tree.map(lambda x: jnp.broadcast_to(jnp.asarray(x), (count,)), scene)
+    return broadcast_scene(scene)[0]
 
 
 @pytest.mark.parametrize("damped", [False, True])

@@ -14,7 +14,7 @@ from ..laws import Laws
 from ..model import PLANAR, PLANAR_DAMPED
 from ..problem import Assembly
 from ..scene import Scene
-from ..soil import DAMPING_RATIOS, Soil
+from ..soil import DAMPING_RATIOS, Soil, has_dashpots
 from ..toml_values import SOIL_COLUMNS
 from .fit import FINE, ROUGH, Fits, Progress, fit, spread_starts
 from .likelihood_profile import LikelihoodProfile, profile_all
@@ -73,8 +73,7 @@ def fit_study(study: Study, *, progress: Progress = lambda text: None) -> StudyR
     begin = time.perf_counter()
     soils = [soil_of(study, variant) for variant in study.variants]
     fitted = tuple(parameter.name for parameter in study.parameters)
-    ratios = [getattr(soil, name) for soil in soils for name in DAMPING_RATIOS]
-    damped = any(ratio > 0.0 for ratio in ratios) or set(fitted) & {*DAMPING_RATIOS}
+    damped = any(map(has_dashpots, soils)) or set(fitted) & {*DAMPING_RATIOS}
     program = Program(
         Assembly(
             Laws(),

@@ -2,14 +2,13 @@
 
 import sys
 
+PARTS = 10
+"""Lines of progress in all where stderr is not a terminal."""
+
 
 def say(text: str) -> None:
     """A line on stderr that tells whose it is."""
     print(f"jaximpact: {text}", file=sys.stderr)
-
-
-PARTS = 10
-"""Lines of progress in all where stderr is not a terminal."""
 
 
 class Progress:
