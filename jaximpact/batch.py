@@ -28,7 +28,7 @@ from .compilation import compile_unfused
 from .journal import Journal
 from .lanes import Lanes, march, start_lanes
 from .laws import Laws
-from .model import MODELS, PLANAR, Model, model_places
+from .model import MODELS, model_places
 from .precision import require_float64
 from .problem import Assembly
 from .provenance import versions
@@ -223,6 +223,7 @@ def simulate_batch(
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     laws: Laws | None = None,
     ledger: bool = False,
+    model_tolerance: float = 0.0,
     journal: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
     timing: dict | None = None,
@@ -233,6 +234,9 @@ def simulate_batch(
         scene: fields that broadcast to one shape `(n,)`.
         accuracy, laws: as for `simulate`.
         ledger: also keep the energy ledger of each impact.
+        model_tolerance: error in `e_n` and `e_bar` for which a model that leaves
+            something out may be taken where it was measured to be within it; see
+            `select_model`. 0: only where it is exact.
         journal: file that takes the results as they come. If it is there from a run
             that was cut short, its results are taken over and only the others are
             computed. It is left behind; remove it once the results are safe.
@@ -268,6 +272,7 @@ def simulate_batch(
         kept = None
         if journal is not None:
             subject = _subject(scene, count, setting, laws)
+            subject["model_tolerance"] = model_tolerance
             kept = stack.enter_context(Journal(journal, subject, names))
             places, rows = kept.rows()
             numbers[:, places], missing[places] = rows.T, False
@@ -283,9 +288,14 @@ def simulate_batch(
                 if progress is not None:
                     progress(count - int(np.sum(missing)), count)
 
-        _run(
-            scene, missing.copy(), setting, Assembly(laws, PLANAR, ledger), keep, timing
-        )
+        wanted = order_by_effort(scene)
+        wanted = wanted[missing[wanted]]
+        places = model_places(scene, model_tolerance)[wanted]
+        groups = [
+            (Assembly(laws, MODELS[place], ledger), wanted[places == place])
+            for place in np.unique(places)
+        ]
+        _run(scene, groups, setting, keep, timing)
     columns = jax.tree.unflatten(structure, list(numbers))
     return ImpactResult(**vars(columns), scene=scene, accuracy=setting)
 
@@ -328,45 +338,32 @@ def _subject(scene: Scene, count: int, accuracy: Accuracy, laws: Laws) -> dict:
 
 def _run(
     scene: Scene,
-    wanted: np.ndarray,
+    groups: list[tuple[Assembly, np.ndarray]],
     accuracy: Accuracy,
-    assembly: Assembly,
     keep: Callable,
     timing: dict,
 ) -> None:
-    """Compute the scenes that are wanted, each with the cheapest model that is exact.
-
-    Args:
-        assembly: what else the programs are made of.
-    """
-    effort = order_by_effort(scene)
-    effort = effort[wanted[effort]]
-    places = model_places(scene)[effort]
-    groups = [(MODELS[place], effort[places == place]) for place in np.unique(places)]
+    """Compute groups of scenes, each with its assembly of the model."""
     devices = worker_devices()
-
-    def compiled(of_group: tuple[Model, int, jax.Device]) -> Programs:
-        model, width, device = of_group
-        return compile_programs(assembly._replace(model=model), width, device)
-
     tasks = [
-        (model, lanes_of_worker(len(chosen), devices), device)
-        for model, chosen in groups
+        (assembly, lanes_of_worker(len(chosen), devices), device)
+        for assembly, chosen in groups
         for device in dict.fromkeys(devices)
     ]
     begin = time.perf_counter()
     with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
-        programs = dict(zip(tasks, pool.map(compiled, tasks), strict=True))
+        compiled = pool.map(lambda task: compile_programs(*task), tasks)
+        programs = dict(zip(tasks, compiled, strict=True))
     started = time.perf_counter()
-    for model, chosen in groups:
+    for assembly, chosen in groups:
         width = lanes_of_worker(len(chosen), devices)
         workers = [
-            Worker(programs[model, width, device], scene, accuracy)
+            Worker(programs[assembly, width, device], scene, accuracy)
             for device in devices
         ]
         _run_side_by_side(workers, chosen, keep)
     timing |= {
-        "impacts": len(effort),
+        "impacts": sum(len(chosen) for _, chosen in groups),
         "compile_s": started - begin,
         "run_s": time.perf_counter() - started,
     }
