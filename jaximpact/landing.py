@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .cubic import root_of_cubic
+from .cubic import peak_of_cubic, root_of_cubic
 from .folding import Fold
 from .kinks import SWITCHED_OFF, in_force
 from .problem import Problem
@@ -43,8 +43,10 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width):
         passed by half of what counts as zero, so that the next step starts on the far
         side.
 
-    A switch that is passed there and back within one step is not seen: the error
-    control resolves what swings, so such an excursion is a small part of the swing.
+    The margin may go down to the end and rise again within one step: where its cubic
+    does, the step is taken as one to the cubic's lowest point. A switch that is passed
+    there and back within one step is not seen: the error control resolves what swings,
+    so such an excursion is a small part of the swing.
     """
     on = jnp.maximum(ON_SWITCH[0], ON_SWITCH[1] * problem.tolerance)
     side = [jnp.sign(value) for value in before.watched.switches]
@@ -62,6 +64,11 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width):
             after.watched_rate,
         )
     )
+    # The margin only up to its lowest point
+    rate = before.rate_at_start(start[0], start_rate[0], end[0], end_rate[0], width)
+    depth, place = peak_of_cubic(-start[0], -rate, -end[0], -end_rate[0], width)
+    end = end.at[0].set(-depth)
+    end_rate = end_rate.at[0].set(jnp.where(place < 1.0, 0.0, end_rate[0]))
     active = in_force(before.watched.switches, problem.ground.soil)
     counts = jnp.stack(active) & (start[1:] > SWITCHED_OFF)
     beyond = jnp.concatenate(
@@ -80,10 +87,12 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width):
     shift = jnp.where(first == 0, 0.0, 0.5 * on)
     start, end = of_first(start, 1.0) + shift, of_first(end, -1.0) + shift
     end_rate = of_first(end_rate, 0.0)
+    share = jnp.where(first == 0, place, 1.0)
+    width = share * width
     start_rate = before.rate_at_start(
         start, of_first(start_rate, 0.0), end, end_rate, width
     )
-    part = root_of_cubic(start, start_rate, end, end_rate, width)
+    part = share * root_of_cubic(start, start_rate, end, end_rate, width)
     # A step far too long has a cubic that says little.
     return passed, jnp.maximum(part, SHORTEST_PART)
 
