@@ -1,11 +1,14 @@
 """Many impacts: the same model over arrays of scenes, on every core.
 
-Each worker keeps so many lanes going. A lane that has ended changes places with one
-that waits at its start, so that no lane waits for the slowest; once all that waited
-have ended, their results are worked out together and the next scenes take their places.
+Each worker keeps so many lanes going, and a lane that has ended gives its place to the
+next scene, so that no lane waits for the slowest. With llvmlite on a CPU lanes run in
+machine code of our own (`native`). Otherwise XLA's programs march them some steps at a
+time; lanes that have ended change places with such as wait at their start, and once all
+that waited have ended their results are worked out together.
 """
 
 import concurrent.futures
+import contextlib
 import functools
 import os
 import threading
@@ -21,9 +24,10 @@ from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
 from .checks import check_scene
 from .compilation import compile_unfused
-from .lanes import Lanes, march, start_lanes
+from .lanes import Lanes, march, start_lanes, step_lanes
 from .laws import Laws
 from .model import MODELS, Model, model_places
+from .native import Kernel, compile_kernel, is_available
 from .precision import require_float64
 from .problem import Assembly
 from .scene import Impact, Scene
@@ -36,6 +40,8 @@ memory. Up to 32 impacts a core take the small program, whose steps are shorter.
 CORES = os.cpu_count() or 1
 STEPS = 16
 """Steps between two looks at which lanes have ended."""
+NATIVE_PART = 128
+"""Impacts that a worker takes at a time in machine code, some 10 ms of work."""
 
 
 class Programs(NamedTuple):
@@ -83,6 +89,29 @@ def compile_programs(assembly: Assembly, width: int) -> Programs:
     )
 
 
+@functools.lru_cache(maxsize=16)
+def compile_native(assembly: Assembly) -> Kernel:
+    """Machine code for an assembly of the model, from scenes, tolerance and floor.
+
+    Raises NotImplementedError if its laws do what has no native code.
+    """
+
+    def begin(inputs):
+        scenes, tolerance, floor = inputs
+        return start_lanes(assembly, scenes, tolerance[0], floor[0])
+
+    def step(lanes):
+        lanes = step_lanes(lanes)
+        return lanes, lanes.going
+
+    def finish(inputs, lanes):
+        return summarise_lanes(inputs[0], lanes)
+
+    one = jax.ShapeDtypeStruct((1,), float)
+    scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
+    return compile_kernel(begin, step, finish, (scenes, one, one))
+
+
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
     """The scene with every field as an array of one length, and the length.
 
@@ -124,11 +153,41 @@ class Part(NamedTuple):
     lanes: Lanes
 
 
+class NativeWorker:
+    """Integrates parts of a batch, as it gets them, in machine code."""
+
+    part = NATIVE_PART
+
+    def __init__(self, kernel: Kernel, scene: Scene, accuracy: Accuracy):
+        self.kernel = kernel
+        self.rows = [
+            *jax.tree.leaves(scene),
+            *(
+                np.broadcast_to(x, np.shape(scene.impact.speed))
+                for x in (accuracy.tolerance, accuracy.floor)
+            ),
+        ]
+
+    def run(
+        self, parts: Iterator[np.ndarray], stop: threading.Event
+    ) -> Iterator[tuple[np.ndarray, Numbers]]:
+        """Results of the parts, in the order in which lanes come to their ends."""
+        workspace, nothing = self.kernel.workspace(), np.zeros(0, int)
+        more = True
+        while more and not stop.is_set():
+            places = next(parts, nothing)
+            more = len(places) > 0
+            inputs = np.stack([row[places] for row in self.rows])
+            ended, results = workspace.run(places, inputs, wait=more)
+            yield ended, jax.tree.unflatten(self.kernel.structure, list(results))
+
+
 class Worker:
-    """Integrates parts of a batch, as it gets them, and hands over results."""
+    """Integrates parts of a batch, as it gets them, in XLA's programs."""
 
     def __init__(self, programs: Programs, scene: Scene, accuracy: Accuracy):
         self.programs, self.scene, self.accuracy = programs, scene, accuracy
+        self.part = programs.width
 
     def start(self, places: np.ndarray) -> Part:
         """A part at the start; filled up with copies of its scenes, which do not
@@ -256,17 +315,22 @@ def simulate_batch(
     places = model_places(scene)[effort]
     groups = [(MODELS[place], effort[places == place]) for place in np.unique(places)]
 
-    def compiled(group: tuple[Model, np.ndarray]) -> Programs:
+    def worker(group: tuple[Model, np.ndarray]) -> NativeWorker | Worker:
         model, chosen = group
+        assembly = Assembly(laws, model, ledger)
+        if is_available():
+            # Laws of the user's own may do anything.
+            with contextlib.suppress(NotImplementedError):
+                return NativeWorker(compile_native(assembly), scene, setting)
         width = SMALL_WIDTH if len(chosen) <= SMALL_WIDTH * CORES else WIDTH
-        return compile_programs(Assembly(laws, model, ledger), width)
+        return Worker(compile_programs(assembly, width), scene, setting)
 
     begin = time.perf_counter()
     with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
-        programs = list(pool.map(compiled, groups))
+        workers = list(pool.map(worker, groups))
     started = time.perf_counter()
-    for (_, chosen), of_group in zip(groups, programs, strict=True):
-        _run_on_every_core(Worker(of_group, scene, setting), chosen, keep)
+    for (_, chosen), of_group in zip(groups, workers, strict=True):
+        _run_on_every_core(of_group, chosen, keep)
     timing |= {
         "compile_s": started - begin,
         "run_s": time.perf_counter() - started,
@@ -274,10 +338,12 @@ def simulate_batch(
     return ImpactResult(**vars(columns), scene=scene, accuracy=setting)
 
 
-def _run_on_every_core(worker: Worker, chosen: np.ndarray, keep: Callable) -> None:
+def _run_on_every_core(
+    worker: NativeWorker | Worker, chosen: np.ndarray, keep: Callable
+) -> None:
     """Let several threads take parts of the chosen scenes until none are left."""
     # No larger parts than give every core one.
-    size = min(worker.programs.width, -(-len(chosen) // CORES))
+    size = min(worker.part, -(-len(chosen) // CORES))
     parts = iter([chosen[i : i + size] for i in range(0, len(chosen), size)])
     lock, stop = threading.Lock(), threading.Event()
 
