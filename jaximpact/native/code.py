@@ -124,9 +124,7 @@ class _Writer:
                 )
             if above == 1.0:
                 return inverses[id(below)]
-            return self.new(
-                f"fmul contract {FLOATS} {self.name(above)}, {inverses[id(below)]}"
-            )
+            return self.new(f"fmul {FLOATS} {self.name(above)}, {inverses[id(below)]}")
 
         for count, node in enumerate(nodes, 1):
             if count % BLOCK == 0:
@@ -161,8 +159,7 @@ def write_function(
     bit_type = f"i{PACK}"
     return "\n".join(
         [
-            f"define internal {bit_type} @{name}(ptr noalias %work, {bit_type} %columns)"
-            " #0 {",
+            f"define internal {bit_type} @{name}(ptr %work, {bit_type} %columns) #0 {{",
             *writer.lines,
             f"  ret {bit_type} {bits}",
             "}\n",

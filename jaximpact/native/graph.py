@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 FLOAT, INTEGER, TRUTH = "double", "i64", "i1"
 KINDS = {float: FLOAT, int: INTEGER, bool: TRUTH}
+PYTHON = {kind: python for python, kind in KINDS.items()}
 
 Number = float | int | bool
 
@@ -71,11 +72,12 @@ def _compare(fold: Callable, predicate: str, commutes: bool = False) -> Operatio
     return Operation(TRUTH, fold, f"fcmp {predicate} {{f}} {{0}}, {{1}}", commutes)
 
 
-# `contract` lets LLVM put a product and a sum into one instruction, which rounds once.
+# LLVM is not to put products and sums into one instruction, which rounds once: what is
+# zero by symmetry would become the rounding of a product, and the first steps noise.
 OPERATIONS = {
-    "add": Operation(FLOAT, operator.add, "fadd contract {f} {0}, {1}", True),
-    "subtract": Operation(FLOAT, operator.sub, "fsub contract {f} {0}, {1}"),
-    "multiply": Operation(FLOAT, operator.mul, "fmul contract {f} {0}, {1}", True),
+    "add": Operation(FLOAT, operator.add, "fadd {f} {0}, {1}", True),
+    "subtract": Operation(FLOAT, operator.sub, "fsub {f} {0}, {1}"),
+    "multiply": Operation(FLOAT, operator.mul, "fmul {f} {0}, {1}", True),
     "divide": Operation(FLOAT, _divided, "fdiv {f} {0}, {1}"),
     "negate": Operation(FLOAT, operator.neg, "fneg {f} {0}"),
     "magnitude": Operation(FLOAT, abs, "call {f} @llvm.fabs.v8f64({f} {0})"),
@@ -150,7 +152,7 @@ class Graph:
         """An operation of `OPERATIONS`, worked out at once where it can be."""
         operation = OPERATIONS[name]
         if not any(isinstance(a, Node) for a in arguments):
-            return KINDS_BACK[operation.kind](operation.fold(*arguments))
+            return PYTHON[operation.kind](operation.fold(*arguments))
         same = _simplified(name, arguments)
         if same is not None:
             return same
@@ -163,9 +165,6 @@ class Graph:
         """`yes` where the condition is true, else `no`."""
         name = {FLOAT: "float", INTEGER: "integer", TRUTH: "truth"}[kind_of(yes)]
         return self.apply(f"choose_{name}", condition, yes, no)
-
-
-KINDS_BACK = {kind: python for python, kind in KINDS.items()}
 
 
 def _is(value: Value, number: Number) -> bool:

@@ -7,6 +7,7 @@ lane's results do not depend, to the last bit, on what runs beside it.
 """
 
 import ctypes
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -15,8 +16,8 @@ import numpy as np
 
 from . import code
 from .code import PACK, Machine, Output, compile_text, write_driver, write_function
-from .graph import FLOAT, INTEGER, TRUTH, Graph, kind_of
-from .translation import Translator, Values
+from .graph import FLOAT, INTEGER, TRUTH, Graph, Node, kind_of
+from .translation import Translator
 
 KINDS = {"f": FLOAT, "i": INTEGER, "b": TRUTH}
 ALIGNMENT = 64
@@ -104,59 +105,54 @@ def compile_kernel(begin: Callable, step: Callable, finish: Callable, inputs) ->
 
     Raises NotImplementedError if a function does what has no native code.
     """
-    state = jax.eval_shape(begin, inputs)
-    results = jax.eval_shape(finish, inputs, state)
+    trace_begin, state = jax.make_jaxpr(begin, return_shape=True)(inputs)
+    trace_step = jax.make_jaxpr(step)(state)
+    trace_finish, results = jax.make_jaxpr(finish, return_shape=True)(inputs, state)
     input_rows, state_rows, result_rows = map(_count, (inputs, state, results))
-    row_of_results = input_rows + state_rows
-    functions = [
-        _translate("begin", begin, [(inputs, 0)], input_rows, masked=True),
-        _translate("step", step, [(state, input_rows)], input_rows),
-        _translate(
-            "finish", finish, [(inputs, 0), (state, input_rows)], row_of_results
-        ),
-        write_driver(input_rows, row_of_results, result_rows),
+    at_results = input_rows + state_rows
+    text = [
+        _written("begin", trace_begin, 0, input_rows, masked=True),
+        _written("step", trace_step, input_rows, input_rows, says=True),
+        _written("finish", trace_finish, 0, at_results),
+        write_driver(input_rows, at_results, result_rows),
     ]
     return Kernel(
-        compile_text("\n".join(functions)),
+        compile_text("\n".join(text)),
         input_rows,
         result_rows,
-        row_of_results + result_rows,
+        at_results + result_rows,
         jax.tree.structure(results),
     )
 
 
 def _count(tree) -> int:
-    return sum(int(np.prod(leaf.shape)) for leaf in jax.tree.leaves(tree))
+    """Rows of a tree."""
+    return sum(math.prod(leaf.shape) for leaf in jax.tree.leaves(tree))
 
 
-def _translate(
-    name: str, function: Callable, arguments: list, to: int, masked: bool = False
+def _written(
+    name: str, traced, start: int, to: int, masked: bool = False, says: bool = False
 ) -> str:
-    """A function of trees whose rows begin where it is said, written for LLVM; what it
-    gives goes to the rows from `to` on."""
+    """A traced function, written for LLVM. What it takes is in the rows from `start`
+    on, what it gives goes to those from `to` on, but for what it `says` at last."""
     graph = Graph()
-    inputs: list[Values] = []
-    for tree, row in arguments:
-        for leaf in jax.tree.leaves(tree):
-            kind = KINDS[np.dtype(leaf.dtype).kind]
-            values = np.empty(leaf.shape, object)
-            for place in np.ndindex(leaf.shape):
-                values[place] = graph.input(row, kind)
-                row += 1
-            inputs.append(values)
-    traced = jax.make_jaxpr(function)(*(tree for tree, _ in arguments))
+    row, inputs = start, []
+    for place in traced.in_avals:
+        values = np.empty(place.shape, object)
+        for index in np.ndindex(place.shape):
+            values[index] = graph.input(row, KINDS[place.dtype.kind])
+            row += 1
+        inputs.append(values)
     arrays = Translator(graph).run(traced.jaxpr, traced.consts, inputs)
-    truth = arrays.pop().item() if name == "step" else False
+    said = arrays.pop().item() if says else False
     values = [value for array in arrays for value in array.ravel()]
-    rows = [Output(to + i, x, kind_of(x)) for i, x in enumerate(values)]
-    return write_function(
-        name, [row for row in rows if not _is_there(row)], truth, masked
-    )
+    outputs = [Output(to + i, x, kind_of(x)) for i, x in enumerate(values)]
+    changed = [output for output in outputs if not _stays(output)]
+    return write_function(name, changed, said, masked)
 
 
-def _is_there(output: Output) -> bool:
-    """Whether a value is what is already in its row."""
-    node = output.value
-    return (
-        getattr(node, "operation", None) == "input" and node.arguments[0] == output.row
-    )
+def _stays(output: Output) -> bool:
+    """Whether a value is what is in its row already."""
+    value = output.value
+    is_input = isinstance(value, Node) and value.operation == "input"
+    return is_input and value.arguments == (output.row,)
