@@ -179,7 +179,8 @@ class NativeWorker:
             more = len(places) > 0
             inputs = np.stack([row[places] for row in self.rows])
             ended, results = workspace.run(places, inputs, wait=more)
-            yield ended, jax.tree.unflatten(self.kernel.structure, list(results))
+            if len(ended):
+                yield ended, jax.tree.unflatten(self.kernel.structure, list(results))
 
 
 class Worker:

@@ -1,21 +1,19 @@
 """From a graph to LLVM's language, and on to machine code."""
 
-import collections
 import importlib.resources
-import importlib.util
 import struct
 from collections.abc import Iterable
+from importlib import metadata
 from typing import Any, NamedTuple
 
 from .graph import FLOAT, INTEGER, OPERATIONS, TRUTH, Node, Value
 
 PACK = 8
 """Lanes in a vector: one register of AVX-512, two of AVX2, four of Neon."""
-BLOCK = 400
-"""Instructions in one basic block. LLVM takes time that grows faster than their
-number."""
 FLOATS, INTEGERS, TRUTHS = (f"<{PACK} x {kind}>" for kind in (FLOAT, INTEGER, TRUTH))
 VECTORS = {"f": FLOATS, "i": INTEGERS, "t": TRUTHS}
+OLDEST = 0, 45
+"""Version of llvmlite: the first whose LLVM reads `splat`."""
 DECLARATIONS = f"""
 declare {FLOATS} @llvm.fabs.v{PACK}f64({FLOATS})
 declare {FLOATS} @llvm.sqrt.v{PACK}f64({FLOATS})
@@ -108,38 +106,13 @@ class _Writer:
         self.lines.append(f"  store {FLOATS} {name}, ptr {row}, align 64")
 
     def write(self, nodes: list[Node]) -> None:
-        divisors = collections.Counter(
-            id(node.arguments[1]) for node in nodes if node.operation == "divide"
-        )
-        inverses: dict[int, str] = {}
-
-        def divide(node: Node) -> str:
-            """Several quotients by one divisor are products with its inverse."""
-            above, below = node.arguments
-            if not isinstance(below, Node) or divisors[id(below)] == 1:
-                return self.apply(node)
-            if id(below) not in inverses:
-                inverses[id(below)] = self.new(
-                    f"fdiv {FLOATS} {ONE}, {self.name(below)}"
-                )
-            if above == 1.0:
-                return inverses[id(below)]
-            return self.new(f"fmul {FLOATS} {self.name(above)}, {inverses[id(below)]}")
-
-        for count, node in enumerate(nodes, 1):
-            if count % BLOCK == 0:
-                self.lines.append(f"  br label %block{count}\nblock{count}:")
+        for node in nodes:
             if node.operation == "input":
                 name = self.load(node.arguments[0], node.kind)
-            elif node.operation == "divide":
-                name = divide(node)
             else:
-                name = self.apply(node)
+                text = OPERATIONS[node.operation].text
+                name = self.new(text.format(*map(self.name, node.arguments), **VECTORS))
             self.names[id(node)] = name
-
-    def apply(self, node: Node) -> str:
-        text = OPERATIONS[node.operation].text
-        return self.new(text.format(*map(self.name, node.arguments), **VECTORS))
 
 
 def write_function(
@@ -188,8 +161,12 @@ class Machine(NamedTuple):
 
 
 def is_available() -> bool:
-    """Whether llvmlite is installed."""
-    return importlib.util.find_spec("llvmlite") is not None
+    """Whether llvmlite is installed, new enough."""
+    try:
+        version = metadata.version("llvmlite")
+    except metadata.PackageNotFoundError:
+        return False
+    return tuple(map(int, version.split(".")[:2])) >= OLDEST
 
 
 def compile_text(text: str) -> Machine:

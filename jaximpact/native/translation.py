@@ -4,6 +4,7 @@ Arrays of the jaxpr are numpy arrays of values (`graph.Value`), one a lane. Loop
 known number of turns are written out.
 """
 
+import math
 from collections.abc import Callable
 from functools import reduce
 
@@ -78,7 +79,7 @@ class Translator:
         method = getattr(self, f"_{name}", None)
         if method is None:
             raise NotImplementedError(f"no native code for the primitive '{name}'")
-        return [method(params, *inputs)]
+        return [method(params, *inputs).reshape(equation.outvars[0].aval.shape)]
 
     def scan(self, params, inputs: list[Values]) -> list[Values]:
         inner, count, carried = (
@@ -201,34 +202,25 @@ class Translator:
         return place
 
     def _gather(self, params, operand: Values, indices: Values) -> Values:
-        numbers, mode = params["dimension_numbers"], params["mode"]
+        axes, mode = params["dimension_numbers"].start_index_map, params["mode"]
         modes = jax.lax.GatherScatterMode
-        form = (
-            tuple(map(int, numbers.collapsed_slice_dims)),
-            tuple(map(int, numbers.start_index_map)),
-            tuple(map(int, numbers.operand_batching_dims)),
-            tuple(params["slice_sizes"]),
-        )
-        at = self.graph.apply
-        # From the row of the lane, NaN outside; from a table, its ends outside.
-        if form == ((1,), (1,), (0,), (1, 1)) and mode == modes.FILL_OR_DROP:
-            row = operand[0]
-            start = {FLOAT: np.nan, INTEGER: -(2**63), TRUTH: True}[kind_of(row[0])]
-            chosen = "integer_equal"
-        elif form == ((), (0,), (), (1,)) and mode == modes.CLIP:
-            row = operand
-            start, chosen = row[0], "integer_at_most"
-        else:
+        if (
+            indices.size != 1
+            or len(axes) != 1
+            or operand.size != operand.shape[axes[0]]
+            or mode not in (modes.FILL_OR_DROP, modes.CLIP)
+        ):
             raise NotImplementedError("no native gather but of one entry of a row")
-
-        def pick(index: Value) -> Value:
-            result = start
-            for i, value in enumerate(row):
-                result = self.graph.choose(at(chosen, i, index), value, result)
-            return result
-
-        picked = _each(pick, indices[..., 0])
-        return picked.reshape(picked.shape + (1,) * len(numbers.offset_dims))
+        row, index = operand.ravel(), indices.item()
+        at, kind = self.graph.apply, kind_of(row[0])
+        if mode == modes.CLIP:  # beyond its ends a row goes on as it ends
+            result, chosen = row[0], "integer_at_most"
+        else:
+            outside = {FLOAT: math.nan, INTEGER: -(2**63), TRUTH: True}
+            result, chosen = outside[kind], "integer_equal"
+        for i, value in enumerate(row):
+            result = self.graph.choose(at(chosen, i, index), value, result)
+        return _each(lambda _: result, indices)
 
     def _scatter(self, params, operand: Values, indices: Values, updates: Values):
         numbers = params["dimension_numbers"]
