@@ -6,6 +6,7 @@ from .block import Block
 from .laws import Laws
 from .model import select_model
 from .outcomes import Outcome
+from .rebound import ConstantCoefficients, PfeifferBowen, Rebound, RigidEllipsoid
 from .restitution import energetic_coefficient, vijayakumar_coefficient
 from .scene import Impact, Scene
 from .simulation import EnergyLedger, ImpactResult, simulate
@@ -15,11 +16,15 @@ __all__ = [
     "PRESETS",
     "Accuracy",
     "Block",
+    "ConstantCoefficients",
     "EnergyLedger",
     "Impact",
     "ImpactResult",
     "Laws",
     "Outcome",
+    "PfeifferBowen",
+    "Rebound",
+    "RigidEllipsoid",
     "Scene",
     "Soil",
     "energetic_coefficient",

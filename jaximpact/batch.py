@@ -1,4 +1,4 @@
-"""Many impacts: the same model over arrays of scenes, on every core.
+"""Many impacts: the same model over arrays of scenes, on every core or device.
 
 Each worker keeps so many lanes going, and a lane that has ended gives its place to the
 next scene, so that no lane waits for the slowest. With llvmlite on a CPU lanes run in
@@ -9,11 +9,14 @@ that waited have ended their results are worked out together.
 
 import concurrent.futures
 import contextlib
+import dataclasses
 import functools
+import hashlib
 import os
 import threading
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import NamedTuple
 
 import jax
@@ -24,19 +27,23 @@ from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
 from .checks import check_scene
 from .compilation import compile_unfused
+from .journal import Journal
 from .lanes import Lanes, march, start_lanes, step_lanes
 from .laws import Laws
-from .model import MODELS, Model, model_places
+from .model import MODELS, model_places
 from .native import Kernel, compile_kernel, is_available
 from .precision import require_float64
 from .problem import Assembly
+from .provenance import versions
 from .scene import Impact, Scene
-from .simulation import ImpactResult, Numbers, summarise_lanes
+from .simulation import EnergyLedger, ImpactResult, Numbers, summarise_lanes
 from .soil import Soil
 
 WIDTH, SMALL_WIDTH = 512, 32
 """Impacts that a worker integrates side by side: fewer waste time on dispatch, more on
 memory. Up to 32 impacts a core take the small program, whose steps are shorter."""
+WIDTH_OF_ACCELERATOR = 32_768
+"""The same on a GPU, which has that many threads; not measured."""
 CORES = os.cpu_count() or 1
 STEPS = 16
 """Steps between two looks at which lanes have ended."""
@@ -56,9 +63,10 @@ class Programs(NamedTuple):
     finish: Callable[[Scene, Lanes], Numbers]
 
 
-@functools.lru_cache(maxsize=16)
-def compile_programs(assembly: Assembly, width: int) -> Programs:
+@functools.lru_cache(maxsize=64)
+def compile_programs(assembly: Assembly, width: int, device: jax.Device) -> Programs:
     """The programs of an assembly of the model."""
+    on_device = jax.sharding.SingleDeviceSharding(device)
 
     def start(scenes, tolerance, floor):
         return start_lanes(assembly, scenes, tolerance, floor)
@@ -74,12 +82,19 @@ def compile_programs(assembly: Assembly, width: int) -> Programs:
             jax.tree.map(lambda x: x[..., width:], both),
         )
 
-    scenes = jax.tree.map(
-        lambda _: jax.ShapeDtypeStruct((width,), float),
-        Scene(Block(), Soil(), Impact()),
+    def there(shapes):
+        return jax.tree.map(
+            lambda x: jax.ShapeDtypeStruct(x.shape, x.dtype, sharding=on_device), shapes
+        )
+
+    scenes = there(
+        jax.tree.map(
+            lambda _: jax.ShapeDtypeStruct((width,), float),
+            Scene(Block(), Soil(), Impact()),
+        )
     )
-    lanes = jax.eval_shape(start, scenes, 1.0, 1.0)
-    order = jax.ShapeDtypeStruct((2 * width,), int)
+    lanes = there(jax.eval_shape(start, scenes, 1.0, 1.0))
+    order = there(jax.ShapeDtypeStruct((2 * width,), int))
     return Programs(
         width,
         compile_unfused(start, scenes, 1.0, 1.0),
@@ -267,6 +282,8 @@ def simulate_batch(
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     laws: Laws | None = None,
     ledger: bool = False,
+    model_tolerance: float = 0.0,
+    journal: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
     timing: dict | None = None,
 ) -> ImpactResult:
@@ -276,17 +293,27 @@ def simulate_batch(
         scene: fields that broadcast to one shape `(n,)`.
         accuracy, laws: as for `simulate`.
         ledger: also keep the energy ledger of each impact.
+        model_tolerance: error in `e_n` and `e_bar` for which a model that leaves
+            something out may be taken where it was measured to be within it; see
+            `select_model`. 0: only where it is exact.
+        journal: file that takes the results as they come. If it is there from a run
+            that was cut short, its results are taken over and only the others are
+            computed. It is left behind; remove it once the results are safe.
         progress: called as `progress(done, n)` as results come in.
-        timing: a dictionary to be given `compile_s` and `run_s`.
+        timing: a dictionary to be given `compile_s`, `run_s` and `impacts`, how many
+            were computed.
 
     Returns:
         `ImpactResult` with arrays `(n,)` in the order given. A scene
         that cannot be integrated gets NaN and the outcome `failed`; the rest go on.
         Each result is what the scene gives by itself, to rounding, whatever its place.
 
-    Not differentiable; for derivatives use `jax.vmap` around `simulate`.
+    All cores are used, or all devices if JAX has several. Not differentiable; for
+    derivatives use `jax.vmap` around `simulate`.
 
-    Raises ValueError for a value out of its range, naming the scene.
+    Raises:
+        ValueError: a value out of its range, naming the scene.
+        InputError: a journal of other scenes, settings, laws or versions.
     """
     require_float64()
     setting = get_accuracy(accuracy)
@@ -294,57 +321,145 @@ def simulate_batch(
     check_scene(scene, batched=True)
     scene, count = broadcast_scene(scene)
     timing = {} if timing is None else timing
-
-    columns: Numbers | None = None
-    done = 0
+    template = _template(ledger)
+    names, structure = _columns(template)
+    numbers = np.empty((len(names), count))
+    missing = np.ones(count, bool)
     lock = threading.Lock()
 
-    def keep(places: np.ndarray, numbers: Numbers) -> None:
-        nonlocal columns, done
-        with lock:
-            if columns is None:
-                columns = jax.tree.map(lambda _: np.empty(count), numbers)
-            for column, values in zip(
-                jax.tree.leaves(columns), jax.tree.leaves(numbers), strict=True
-            ):
-                column[places] = values
-            done += len(places)
-            if progress is not None:
-                progress(done, count)
+    with contextlib.ExitStack() as stack:
+        kept = None
+        if journal is not None:
+            subject = _subject(scene, count, setting, laws)
+            subject["model_tolerance"] = model_tolerance
+            kept = stack.enter_context(Journal(journal, subject, names))
+            places, rows = kept.rows()
+            numbers[:, places], missing[places] = rows.T, False
+            if progress is not None and len(places):
+                progress(len(places), count)
 
-    effort = order_by_effort(scene)
-    places = model_places(scene)[effort]
-    groups = [(MODELS[place], effort[places == place]) for place in np.unique(places)]
+        def keep(places: np.ndarray, of_places: Numbers) -> None:
+            rows = np.stack(jax.tree.leaves(of_places), axis=-1)
+            with lock:
+                if kept is not None:
+                    kept.append(places, rows)
+                numbers[:, places], missing[places] = rows.T, False
+                if progress is not None:
+                    progress(count - int(np.sum(missing)), count)
 
-    def worker(group: tuple[Model, np.ndarray]) -> NativeWorker | Worker:
-        model, chosen = group
-        assembly = Assembly(laws, model, ledger)
-        if is_available():
-            # Laws of the user's own may do anything.
-            with contextlib.suppress(NotImplementedError):
-                return NativeWorker(compile_native(assembly), scene, setting)
-        width = SMALL_WIDTH if len(chosen) <= SMALL_WIDTH * CORES else WIDTH
-        return Worker(compile_programs(assembly, width), scene, setting)
-
-    begin = time.perf_counter()
-    with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
-        workers = list(pool.map(worker, groups))
-    started = time.perf_counter()
-    for (_, chosen), of_group in zip(groups, workers, strict=True):
-        _run_on_every_core(of_group, chosen, keep)
-    timing |= {
-        "compile_s": started - begin,
-        "run_s": time.perf_counter() - started,
-    }
+        wanted = order_by_effort(scene)
+        wanted = wanted[missing[wanted]]
+        places = model_places(scene, model_tolerance)[wanted]
+        groups = [
+            (Assembly(laws, MODELS[place], ledger), wanted[places == place])
+            for place in np.unique(places)
+        ]
+        _run(scene, groups, setting, keep, timing)
+    columns = jax.tree.unflatten(structure, list(numbers))
     return ImpactResult(**vars(columns), scene=scene, accuracy=setting)
 
 
-def _run_on_every_core(
-    worker: NativeWorker | Worker, chosen: np.ndarray, keep: Callable
+def _template(ledger: bool) -> Numbers:
+    """Numbers of no value, to tell their structure."""
+    energy = EnergyLedger(*[0.0] * len(EnergyLedger._fields)) if ledger else None
+    fields = dict.fromkeys((f.name for f in dataclasses.fields(Numbers)), 0.0)
+    return Numbers(**fields | {"energy": energy})
+
+
+def _columns(template: Numbers) -> tuple[list[str], jax.tree_util.PyTreeDef]:
+    """Names of the leaves, and the structure that they make up."""
+    leaves, structure = jax.tree_util.tree_flatten_with_path(template)
+    return [jax.tree_util.keystr(path)[1:] for path, _ in leaves], structure
+
+
+def _subject(scene: Scene, count: int, accuracy: Accuracy, laws: Laws) -> dict:
+    """What the results depend on, ready for JSON."""
+    digest = hashlib.sha256()
+    for leaf in jax.tree.leaves(scene):
+        digest.update(np.ascontiguousarray(leaf))
+    names = {
+        law: f"{function.__module__}.{getattr(function, '__qualname__', '<unnamed>')}"
+        for law, function in vars(laws).items()
+    }
+    for law, name in names.items():
+        if "<" in name:
+            raise ValueError(
+                f"a journal tells laws by their names, but {law} is {name}; make it a "
+                "function of a module"
+            )
+    return {
+        "scenes": {"count": count, "sha256": digest.hexdigest()},
+        "accuracy": dataclasses.asdict(accuracy),
+        "laws": names,
+        "versions": versions(),
+    }
+
+
+def _run(
+    scene: Scene,
+    groups: list[tuple[Assembly, np.ndarray]],
+    accuracy: Accuracy,
+    keep: Callable,
+    timing: dict,
 ) -> None:
-    """Let several threads take parts of the chosen scenes until none are left."""
-    # No larger parts than give every core one.
-    size = min(worker.part, -(-len(chosen) // CORES))
+    """Compute groups of scenes, each with its assembly of the model."""
+    begin = time.perf_counter()
+    with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
+        prepared = list(
+            pool.map(lambda group: _workers(scene, *group, accuracy), groups)
+        )
+    started = time.perf_counter()
+    for (_, chosen), workers in zip(groups, prepared, strict=True):
+        _run_side_by_side(workers, chosen, keep)
+    timing |= {
+        "impacts": sum(len(chosen) for _, chosen in groups),
+        "compile_s": started - begin,
+        "run_s": time.perf_counter() - started,
+    }
+
+
+def _workers(
+    scene: Scene, assembly: Assembly, chosen: np.ndarray, accuracy: Accuracy
+) -> list[NativeWorker] | list[Worker]:
+    """Workers for the chosen scenes, with what they run compiled."""
+    if is_available():
+        # Laws of the user's own may do anything.
+        with contextlib.suppress(NotImplementedError):
+            return [NativeWorker(compile_native(assembly), scene, accuracy)] * CORES
+    devices = worker_devices()
+    width = lanes_of_worker(len(chosen), devices)
+    different = list(dict.fromkeys(devices))
+    with concurrent.futures.ThreadPoolExecutor(len(different)) as pool:
+        compiled = pool.map(
+            lambda device: compile_programs(assembly, width, device), different
+        )
+        programs = dict(zip(different, compiled, strict=True))
+    return [Worker(programs[device], scene, accuracy) for device in devices]
+
+
+def worker_devices() -> list[jax.Device]:
+    """The device of each worker: a processor has one a core, of several devices each
+    has one."""
+    devices = jax.local_devices()
+    if len(devices) == 1 and devices[0].platform == "cpu":
+        return devices * CORES
+    return devices
+
+
+def lanes_of_worker(count: int, devices: list[jax.Device]) -> int:
+    """Lanes of each worker's programs, for so many scenes in all."""
+    small = count <= SMALL_WIDTH * len(devices)
+    wide = WIDTH if devices[0].platform == "cpu" else WIDTH_OF_ACCELERATOR
+    return SMALL_WIDTH if small else wide
+
+
+def _run_side_by_side(
+    workers: list[NativeWorker] | list[Worker], chosen: np.ndarray, keep: Callable
+) -> None:
+    """Let workers, each in its thread, take parts of the chosen scenes until none are
+    left."""
+    # No larger parts than give every worker one.
+    size = min(workers[0].part, -(-len(chosen) // len(workers)))
     parts = iter([chosen[i : i + size] for i in range(0, len(chosen), size)])
     lock, stop = threading.Lock(), threading.Event()
 
@@ -356,13 +471,13 @@ def _run_on_every_core(
                 return
             yield part
 
-    def work() -> None:
+    def work(worker: NativeWorker | Worker) -> None:
         for places, numbers in worker.run(take(), stop):
             keep(places, numbers)
 
-    with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
+    with concurrent.futures.ThreadPoolExecutor(len(workers)) as pool:
         try:
-            running = [pool.submit(work) for _ in range(CORES)]
+            running = [pool.submit(work, worker) for worker in workers]
             for future in concurrent.futures.as_completed(running):
                 future.result()
         except BaseException:

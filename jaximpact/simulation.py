@@ -172,7 +172,11 @@ def summarise(scene: Scene, problem: Problem, end: End) -> Numbers:
         )
     numbers = Numbers(
         e_n=-defined_ratio(normal, start.normal_velocity),
-        e_t=defined_ratio(tangential, start.tangential_velocity),
+        e_t=(
+            defined_ratio(tangential, start.tangential_velocity)
+            if "tangential_velocity" in problem.model.unknowns
+            else jnp.full_like(tangential, jnp.nan)
+        ),
         e_contact=e_contact,
         e_bar=safe_sqrt(kinetic_out / kinetic_in),
         R_r=0.5 * ground.inertia * spin**2 / kinetic_out,

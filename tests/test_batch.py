@@ -1,6 +1,10 @@
 """Many impacts: lanes that change places give what each scene gives by itself."""
 
 import itertools
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import jax
 import numpy as np
@@ -83,3 +87,31 @@ def test_no_scenes_are_refused():
     scene = Scene(Block(mass=np.ones(0)), Soil(), Impact())
     with pytest.raises(ValueError, match="at least one scene"):
         simulate_batch(scene)
+
+
+DEVICES = """
+import sys, jax, numpy as np
+jax.config.update("jax_enable_x64", True)
+assert jax.local_device_count() == int(sys.argv[1])
+from test_batch import mixed_scenes
+from jaximpact import simulate_batch
+from jaximpact.batch import worker_devices
+assert len(set(worker_devices())) == int(sys.argv[1])
+result = simulate_batch(mixed_scenes(60), accuracy="fast")
+np.save(sys.argv[2], [result.e_n, result.max_moment, result.steps])
+"""
+
+
+def test_several_devices_share_the_work(tmp_path):
+    numbers = []
+    for count in (1, 2):
+        out = tmp_path / f"{count}.npy"
+        flags = f"--xla_force_host_platform_device_count={count}"
+        subprocess.run(
+            [sys.executable, "-c", DEVICES, str(count), out],
+            env=os.environ | {"XLA_FLAGS": flags},
+            cwd=Path(__file__).parent,
+            check=True,
+        )
+        numbers.append(np.load(out))
+    np.testing.assert_array_equal(*numbers)

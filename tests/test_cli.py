@@ -5,6 +5,7 @@ import math
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,14 +36,15 @@ def fake_batch(monkeypatch):
     used = []
 
     def install(change=lambda result: None):
-        def simulate_batch(scene, *, accuracy, progress, timing):
+        def simulate_batch(scene, *, accuracy, journal, progress, timing):
             used.append(accuracy)
             result = FakeResult(scene, accuracy)
             change(result)
             count = len(result.outcome_code)
             for done in range(1, count + 1):
                 progress(done, count)
-            timing.update(compile_s=1.5, run_s=0.5)
+            timing.update(impacts=count, compile_s=1.5, run_s=0.5)
+            Path(journal).touch()
             return result
 
         monkeypatch.setattr("jaximpact.batch.simulate_batch", simulate_batch)
@@ -188,7 +190,7 @@ def test_a_bad_cell_ends_a_batch_before_it_starts(folder, fake_batch, capsys):
         (OSError(28, "No space left on device"), 1, "No space left on device"),
     ],
 )
-def test_a_batch_that_is_cut_short_leaves_nothing(
+def test_a_batch_that_is_cut_short_leaves_its_journal_alone(
     folder, fake_batch, monkeypatch, capsys, error, code, part
 ):
     fake_batch()
@@ -200,7 +202,7 @@ def test_a_batch_that_is_cut_short_leaves_nothing(
     monkeypatch.setattr("jaximpact.results._lines", cut_short)
     assert main(["batch", "scenes.csv", "--out", "results.csv"]) == code
     assert_one_line_error(capsys, part)
-    assert os.listdir(folder) == ["scenes.csv"]
+    assert sorted(os.listdir(folder)) == ["results.csv.journal", "scenes.csv"]
 
 
 def test_a_batch_gives_what_single_impacts_give(folder):

@@ -45,8 +45,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
     except InputError as error:
         return _report(f"error: {error}", USER_ERROR)
-    except KeyboardInterrupt:
-        return _report("interrupted", INTERRUPTED)
+    except KeyboardInterrupt as error:
+        return _report("; ".join(("interrupted", *error.args)), INTERRUPTED)
     except BrokenPipeError:
         # The reader of stdout has left (`| head`); Python must not write at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -15,7 +15,15 @@ Compute every impact of a CSV of scenes and append the results to its rows.
 
 A column that is missing takes its default. A scene that cannot be solved gets the
 outcome `failed` and nan, and the rest go on. A manifest with versions, accuracy and the
-checksum of the scenes is written beside the results."""
+checksum of the scenes is written beside the results.
+
+Results are kept in results.csv.journal as they come. After a run that was cut short, by
+Ctrl-C, kill or a power cut, the same command goes on where it stopped."""
+
+
+def journal_path(path: Path) -> Path:
+    """Where the journal of a table of results lies: beside it."""
+    return path.with_name(path.name + ".journal")
 
 
 def add_parser(commands) -> None:
@@ -63,17 +71,23 @@ def run(arguments: argparse.Namespace) -> None:
     check_writable(results.manifest_path(out), option="the manifest beside --out,")
     table = tables.read_table(scenes)
     timing = {}
-    with Progress("impacts") as progress:
-        progress(0, len(table.rows))
-        result = batch.simulate_batch(
-            table.scene(),
-            accuracy=arguments.accuracy or DEFAULT_ACCURACY,
-            progress=progress,
-            timing=timing,
-        )
-    results.write_results(out, table, result)
+    journal = journal_path(out)
+    try:
+        with Progress("impacts") as progress:
+            progress(0, len(table.rows))
+            result = batch.simulate_batch(
+                table.scene(),
+                accuracy=arguments.accuracy or DEFAULT_ACCURACY,
+                journal=journal,
+                progress=progress,
+                timing=timing,
+            )
+        results.write_results(out, table, result)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt("the same command goes on from here") from None
+    journal.unlink()
     if arguments.timing:
-        rate = len(table.rows) / timing["run_s"]
+        rate = timing["impacts"] / timing["run_s"]
         say(
             f"{timing['compile_s']:.2f} s compiling, {timing['run_s']:.2f} s running, "
             f"{rate:.0f} impacts/s"

@@ -1,0 +1,156 @@
+"""Runs that are cut short, and go on."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import jax
+import numpy as np
+import pytest
+from test_batch import mixed_scenes
+
+from jaximpact import Laws, simulate_batch
+from jaximpact.cli import main
+from jaximpact.errors import InputError
+from jaximpact.journal import Journal
+
+COLUMNS = ["a", "b", "c"]
+SUBJECT = {"of": "a test"}
+
+
+def fill(path, blocks=3):
+    """A journal of two rows a block, and where each block ends."""
+    ends = []
+    with Journal(path, SUBJECT, COLUMNS) as journal:
+        ends.append(path.stat().st_size)
+        for k in range(blocks):
+            places = np.array([2 * k, 2 * k + 1])
+            journal.append(places, places[:, None] + np.array([0.25, 0.5, np.nan]))
+            ends.append(path.stat().st_size)
+    return ends
+
+
+def read(path):
+    with Journal(path, SUBJECT, COLUMNS) as journal:
+        return journal.rows()
+
+
+def test_rows_come_back(tmp_path):
+    fill(tmp_path / "j")
+    places, numbers = read(tmp_path / "j")
+    np.testing.assert_array_equal(places, range(6))
+    np.testing.assert_array_equal(numbers[3], [3.25, 3.5, np.nan])
+
+
+def test_cut_anywhere_it_keeps_the_whole_blocks(tmp_path):
+    path = tmp_path / "j"
+    ends = fill(path)
+    data = path.read_bytes()
+    for length in range(len(data) + 1):
+        path.write_bytes(data[:length])
+        places, _ = read(path)
+        assert len(places) == 2 * sum(end <= length for end in ends[1:])
+        # and what is appended then is found again
+        with Journal(path, SUBJECT, COLUMNS) as journal:
+            journal.append(np.array([77]), np.zeros((1, 3)))
+        assert read(path)[0][-1] == 77
+
+
+def test_noise_at_the_end_is_left_out(tmp_path):
+    path = tmp_path / "j"
+    ends = fill(path)
+    data = bytearray(path.read_bytes())
+    data[ends[2] + 30] ^= 1
+    path.write_bytes(data)
+    assert len(read(path)[0]) == 4
+    # a head of noise must not ask for the memory that it names
+    path.write_bytes(bytes(data[: ends[2]]) + b"\xff" * 20)
+    assert len(read(path)[0]) == 4
+
+
+@pytest.mark.parametrize("content", [b"other\n", b'{"of": "another"}\n', b"x" * 5000])
+def test_another_file_is_refused_and_left_as_it_is(tmp_path, content):
+    path = tmp_path / "j"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="no journal of this run"):
+        Journal(path, SUBJECT, COLUMNS)
+    assert path.read_bytes() == content
+
+
+class Stop(Exception):
+    pass
+
+
+def test_a_batch_goes_on_with_the_same_numbers(tmp_path):
+    scenes = mixed_scenes(2500, seed=5)
+    whole = simulate_batch(scenes, accuracy="fast")
+    journal = tmp_path / "j"
+
+    def stop_half_way(done, count):
+        if done > count // 2:
+            raise Stop
+
+    with pytest.raises(Stop):
+        simulate_batch(scenes, accuracy="fast", journal=journal, progress=stop_half_way)
+    seen, timing = [], {}
+    resumed = simulate_batch(
+        scenes,
+        accuracy="fast",
+        journal=journal,
+        progress=lambda done, count: seen.append(done),
+        timing=timing,
+    )
+    # nothing lost, nothing repeated
+    assert timing["impacts"] == 2500 - seen[0] < 1300
+    for before, after in zip(
+        jax.tree.leaves(whole), jax.tree.leaves(resumed), strict=True
+    ):
+        np.testing.assert_array_equal(before, after)
+    again = {}
+    simulate_batch(scenes, accuracy="fast", journal=journal, timing=again)
+    assert again["impacts"] == 0
+    for changed in (dict(accuracy="balanced"), dict(accuracy="fast", ledger=True)):
+        with pytest.raises(InputError, match="no journal of this run"):
+            simulate_batch(scenes, journal=journal, **changed)
+
+
+def test_laws_without_a_name_are_refused(tmp_path):
+    laws = Laws(slider_friction=lambda *a: 0.5)
+    with pytest.raises(ValueError, match=r"slider_friction is test_journal.*lambda"):
+        simulate_batch(mixed_scenes(3), laws=laws, journal=tmp_path / "j")
+
+
+def test_a_killed_command_goes_on(tmp_path):
+    rows = np.random.default_rng(3).uniform([1, 5], [100, 30], (4000, 2)).tolist()
+    table = "mass_kg,speed_mps\n" + "".join(f"{m!r},{v!r}\n" for m, v in rows)
+    (tmp_path / "scenes.csv").write_text(table)
+    command = ["batch", "scenes.csv", "--accuracy", "fast", "--out"]
+    run = subprocess.Popen(
+        [sys.executable, "-m", "jaximpact", *command, "killed.csv"],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+    )
+    journal = tmp_path / "killed.csv.journal"
+    started = time.monotonic()
+    while not journal.exists() or journal.stat().st_size < 150_000:
+        assert run.poll() is None, run.stderr.read()
+        assert time.monotonic() - started < 300, "the journal does not grow"
+        time.sleep(0.01)
+    os.kill(run.pid, signal.SIGKILL)
+    run.communicate()
+    assert not (tmp_path / "killed.csv").exists()
+    kept = journal.stat().st_size
+    here = os.getcwd()
+    os.chdir(tmp_path)
+    try:
+        assert main([*command, "killed.csv"]) == 0
+        assert main([*command, "whole.csv"]) == 0
+    finally:
+        os.chdir(here)
+    assert kept > 150_000
+    assert not journal.exists()
+    assert (tmp_path / "killed.csv").read_bytes() == (
+        tmp_path / "whole.csv"
+    ).read_bytes()
