@@ -356,7 +356,12 @@ def simulate_batch(
         ]
         _run(scene, groups, setting, keep, timing)
     columns = jax.tree.unflatten(structure, list(numbers))
-    return ImpactResult(**vars(columns), scene=scene, accuracy=setting)
+    return ImpactResult(
+        **vars(columns),
+        scene=scene,
+        accuracy=setting,
+        model_tolerance=model_tolerance,
+    )
 
 
 def _template(ledger: bool) -> Numbers:

@@ -43,17 +43,22 @@ def scene_values(scene: "Scene") -> dict:
     return values
 
 
-def manifest(scene: "Scene", accuracy: Accuracy) -> dict:
+def manifest(scene: "Scene", accuracy: Accuracy, model_tolerance: float = 0.0) -> dict:
     """Parameters, versions and accuracy, ready for JSON."""
     return {
         "scene": scene_values(scene),
         "accuracy": dataclasses.asdict(accuracy),
+        "model_tolerance": model_tolerance,
         "versions": versions(),
     }
 
 
 def batch_manifest(
-    table: Path, sha256: str, accuracy: Accuracy, outcomes: dict[str, int]
+    table: Path,
+    sha256: str,
+    accuracy: Accuracy,
+    model_tolerance: float,
+    outcomes: dict[str, int],
 ) -> dict:
     """What a table of results was computed from and with, ready for JSON.
 
@@ -61,11 +66,13 @@ def batch_manifest(
         table: the file of scenes; only its name is kept.
         sha256: of that file.
         accuracy: the setting used.
+        model_tolerance: error for which a cheaper model was allowed.
         outcomes: how many impacts ended in which way.
     """
     return {
         "scenes": {"file": table.name, "sha256": sha256},
         "accuracy": dataclasses.asdict(accuracy),
+        "model_tolerance": model_tolerance,
         "outcomes": outcomes,
         "versions": versions(),
     }

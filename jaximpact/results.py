@@ -46,7 +46,11 @@ def write_results(path: Path, table: Table, result: ImpactResult) -> None:
     """
     path = Path(path)
     manifest = batch_manifest(
-        table.path, table.sha256, result.accuracy, count_outcomes(result)
+        table.path,
+        table.sha256,
+        result.accuracy,
+        result.model_tolerance,
+        count_outcomes(result),
     )
     with (
         replacing(manifest_path(path)) as manifest_temporary,

@@ -309,6 +309,8 @@ class ImpactResult(Numbers):
     scene: Scene
     accuracy: Accuracy = eqx.field(static=True)
     history: History | None = None
+    model_tolerance: float = eqx.field(default=0.0, static=True)
+    """Error for which a model that leaves something out was allowed."""
 
     @property
     def outcome(self) -> Outcome:
@@ -325,7 +327,7 @@ class ImpactResult(Numbers):
 
     def manifest(self) -> dict:
         """What is needed to compute this again: parameters, versions, accuracy."""
-        return provenance.manifest(self.scene, self.accuracy)
+        return provenance.manifest(self.scene, self.accuracy, self.model_tolerance)
 
 
 def simulate(

@@ -66,6 +66,7 @@ def test_simulate_prints_every_result_as_text(folder, capsys, impact_along_the_n
 def test_no_result_is_left_out_of_the_report():
     shown = {column.field for column in (*RESULT_COLUMNS.values(), *FURTHER_RESULTS)}
     other = {"energy", "outcome_code", "scene", "accuracy", "history"}
+    other |= {"model_tolerance"}
     fields = {field.name for field in dataclasses.fields(ImpactResult)}
     assert fields == shown | other
 

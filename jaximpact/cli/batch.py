@@ -1,6 +1,7 @@
 """`jaximpact batch`: many impacts from a table."""
 
 import argparse
+import math
 import os
 from pathlib import Path
 
@@ -53,11 +54,29 @@ def add_parser(commands) -> None:
     )
     options.add_accuracy(parser, otherwise=DEFAULT_ACCURACY)
     parser.add_argument(
+        "--model-tolerance",
+        type=_tolerance,
+        default=0.0,
+        metavar="ERROR",
+        help=(
+            "take cheaper models where they were measured to be within this error of "
+            "e_n and e_bar (default: 0, only where they are exact)"
+        ),
+    )
+    parser.add_argument(
         "--timing",
         action="store_true",
         help="print seconds of compilation and of running, and impacts per second",
     )
     parser.set_defaults(run=run)
+
+
+def _tolerance(text: str) -> float:
+    """A number that is not negative."""
+    value = float(text)
+    if not 0.0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"must be at least 0, but is {text}")
+    return value
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -78,6 +97,7 @@ def run(arguments: argparse.Namespace) -> None:
             result = batch.simulate_batch(
                 table.scene(),
                 accuracy=arguments.accuracy or DEFAULT_ACCURACY,
+                model_tolerance=arguments.model_tolerance,
                 journal=journal,
                 progress=progress,
                 timing=timing,
