@@ -149,6 +149,21 @@ def test_what_has_no_native_code_is_named():
         native(jax.scipy.special.erfinv, np.zeros(1))
 
 
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda x: jnp.maximum((x > 0.0).astype(int), 1),
+        lambda x: ((x > 0.0).astype(int)) ** 2,
+        lambda x: jax.lax.cond(x[0] > 0.0, jnp.sin, jnp.cos, x),
+        lambda x: jax.lax.while_loop(lambda x: x[0] > 1.0, lambda x: 0.5 * x, x),
+        lambda x: x**2.5 + jnp.power(2.0, x),
+    ],
+)
+def test_what_might_be_taken_for_something_else_is_refused(function):
+    with pytest.raises(NotImplementedError, match="no native"):
+        native(function, np.ones(1))
+
+
 @pytest.fixture(scope="module")
 def counter():
     """Lanes that add up the numbers from their input down to 1, one a step."""

@@ -115,6 +115,8 @@ class Translator:
         graph, exponent = self.graph, params["y"]
 
         def power(x: Value) -> Value:
+            if kind_of(x) != FLOAT:
+                raise NotImplementedError(f"no native powers of {kind_of(x)}")
             result, square, left = 1.0, x, abs(exponent)
             while left:
                 if left & 1:
@@ -185,6 +187,8 @@ class Translator:
         (axis,) = params["axes"]
         at = self.graph.apply
         rows = np.moveaxis(values, axis, 0)
+        if kind_of(values.flat[0]) != FLOAT:
+            raise NotImplementedError(f"no native argmin of {kind_of(values.flat[0])}")
         least, place = rows[0], _each(lambda _: 0, rows[0])
         for i, row in enumerate(rows[1:], 1):
             # The first NaN is least.
@@ -270,7 +274,7 @@ def _dynamic_slice(params, x: Values, *starts: Values) -> Values:
     ]
 
 
-SAME = {"stop_gradient", "copy", "copy_p", "reduce_precision", "name"}
+SAME = {"stop_gradient", "copy"}
 STRUCTURE = {
     "broadcast_in_dim": _broadcast,
     "reshape": lambda params, x: x.reshape(params["new_sizes"]),
@@ -292,6 +296,18 @@ def _plain(name: str, integer: str | None = None, truth: str | None = None) -> C
         if chosen is None:
             raise NotImplementedError(f"no native '{name}' of {kind_of(x[-1])}")
         return graph.apply(chosen, *x)
+
+    return apply
+
+
+def _only(kind: str, function: Callable) -> Callable:
+    """The function, of arguments of one kind alone."""
+
+    def apply(graph: Graph, *x: Value) -> Value:
+        others = {kind_of(value) for value in x} - {kind}
+        if others:
+            raise NotImplementedError(f"no native '{function.__name__}' of {others}")
+        return function(graph, *x)
 
     return apply
 
@@ -325,6 +341,25 @@ def _sign(graph: Graph, x: Value) -> Value:
     return graph.choose(at("less", 0.0, x), 1.0, negative)
 
 
+def _square(graph: Graph, x: Value) -> Value:
+    return graph.apply("multiply", x, x)
+
+
+def _is_finite(graph: Graph, x: Value) -> Value:
+    return graph.apply("less", graph.apply("magnitude", x), math.inf)
+
+
+def _not(graph: Graph, x: Value) -> Value:
+    return graph.apply("differ", x, True)
+
+
+def _select(graph: Graph, which: Value, *cases: Value) -> Value:
+    if kind_of(which) != TRUTH:
+        raise NotImplementedError("no native choice between cases by their number")
+    no, yes = cases
+    return graph.choose(which, yes, no)
+
+
 def _power(graph: Graph, x: Value, exponent: Value) -> Value:
     """Of numbers that are not negative, by an exponent that is no whole number."""
     if isinstance(exponent, Node) or float(exponent).is_integer():
@@ -353,15 +388,13 @@ ELEMENTWISE = {
     "ne": _plain("unlike", truth="differ"),
     "and": _plain("bits_and", "bits_and", "and"),
     "or": _plain("bits_or", "bits_or", "or"),
-    "not": lambda graph, x: graph.apply("differ", x, True),
-    "select_n": lambda graph, which, no, yes: graph.choose(which, yes, no),
-    "max": _maximum,
-    "min": _minimum,
-    "sign": _sign,
-    "square": lambda graph, x: graph.apply("multiply", x, x),
-    "is_finite": lambda graph, x: graph.apply(
-        "less", graph.apply("magnitude", x), np.inf
-    ),
+    "not": _only(TRUTH, _not),
+    "select_n": _select,
+    "max": _only(FLOAT, _maximum),
+    "min": _only(FLOAT, _minimum),
+    "sign": _only(FLOAT, _sign),
+    "square": _only(FLOAT, _square),
+    "is_finite": _is_finite,
     "exp": elementary.exp,
     "log": elementary.log,
     "sin": elementary.sin,
@@ -373,8 +406,8 @@ ELEMENTWISE = {
 }
 REDUCTIONS = {
     "reduce_sum": ELEMENTWISE["add"],
-    "reduce_min": _minimum,
-    "reduce_max": _maximum,
+    "reduce_min": ELEMENTWISE["min"],
+    "reduce_max": ELEMENTWISE["max"],
     "reduce_or": ELEMENTWISE["or"],
     "reduce_and": ELEMENTWISE["and"],
 }
