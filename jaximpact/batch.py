@@ -1,8 +1,10 @@
 """Many impacts: the same model over arrays of scenes, on every core or device.
 
-Each worker keeps so many lanes going. A lane that has ended changes places with one
-that waits at its start, so that no lane waits for the slowest; once all that waited
-have ended, their results are worked out together and the next scenes take their places.
+Each worker keeps so many lanes going, and a lane that has ended gives its place to the
+next scene, so that no lane waits for the slowest. With llvmlite on a CPU lanes run in
+machine code of our own (`native`). Otherwise XLA's programs march them some steps at a
+time; lanes that have ended change places with such as wait at their start, and once all
+that waited have ended their results are worked out together.
 """
 
 import concurrent.futures
@@ -26,9 +28,10 @@ from .block import Block
 from .checks import check_scene
 from .compilation import compile_unfused
 from .journal import Journal
-from .lanes import Lanes, march, start_lanes
+from .lanes import Lanes, march, start_lanes, step_lanes
 from .laws import Laws
 from .model import MODELS, model_places
+from .native import Kernel, compile_kernel, is_available
 from .precision import require_float64
 from .problem import Assembly
 from .provenance import versions
@@ -44,6 +47,8 @@ WIDTH_OF_ACCELERATOR = 32_768
 CORES = os.cpu_count() or 1
 STEPS = 16
 """Steps between two looks at which lanes have ended."""
+NATIVE_PART = 128
+"""Impacts that a worker takes at a time in machine code, some 10 ms of work."""
 
 
 class Programs(NamedTuple):
@@ -99,6 +104,29 @@ def compile_programs(assembly: Assembly, width: int, device: jax.Device) -> Prog
     )
 
 
+@functools.lru_cache(maxsize=16)
+def compile_native(assembly: Assembly) -> Kernel:
+    """Machine code for an assembly of the model, from scenes, tolerance and floor.
+
+    Raises NotImplementedError if its laws do what has no native code.
+    """
+
+    def begin(inputs):
+        scenes, tolerance, floor = inputs
+        return start_lanes(assembly, scenes, tolerance[0], floor[0])
+
+    def step(lanes):
+        lanes = step_lanes(lanes)
+        return lanes, lanes.going
+
+    def finish(inputs, lanes):
+        return summarise_lanes(inputs[0], lanes)
+
+    one = jax.ShapeDtypeStruct((1,), float)
+    scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
+    return compile_kernel(begin, step, finish, (scenes, one, one))
+
+
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
     """The scene with every field as an array of one length, and the length.
 
@@ -140,11 +168,42 @@ class Part(NamedTuple):
     lanes: Lanes
 
 
+class NativeWorker:
+    """Integrates parts of a batch, as it gets them, in machine code."""
+
+    part = NATIVE_PART
+
+    def __init__(self, kernel: Kernel, scene: Scene, accuracy: Accuracy):
+        self.kernel = kernel
+        self.rows = [
+            *jax.tree.leaves(scene),
+            *(
+                np.broadcast_to(x, np.shape(scene.impact.speed))
+                for x in (accuracy.tolerance, accuracy.floor)
+            ),
+        ]
+
+    def run(
+        self, parts: Iterator[np.ndarray], stop: threading.Event
+    ) -> Iterator[tuple[np.ndarray, Numbers]]:
+        """Results of the parts, in the order in which lanes come to their ends."""
+        workspace, nothing = self.kernel.workspace(), np.zeros(0, int)
+        more = True
+        while more and not stop.is_set():
+            places = next(parts, nothing)
+            more = len(places) > 0
+            inputs = np.stack([row[places] for row in self.rows])
+            ended, results = workspace.run(places, inputs, wait=more)
+            if len(ended):
+                yield ended, jax.tree.unflatten(self.kernel.structure, list(results))
+
+
 class Worker:
-    """Integrates parts of a batch, as it gets them, and hands over results."""
+    """Integrates parts of a batch, as it gets them, in XLA's programs."""
 
     def __init__(self, programs: Programs, scene: Scene, accuracy: Accuracy):
         self.programs, self.scene, self.accuracy = programs, scene, accuracy
+        self.part = programs.width
 
     def start(self, places: np.ndarray) -> Part:
         """A part at the start; filled up with copies of its scenes, which do not
@@ -349,29 +408,38 @@ def _run(
     timing: dict,
 ) -> None:
     """Compute groups of scenes, each with its assembly of the model."""
-    devices = worker_devices()
-    tasks = [
-        (assembly, lanes_of_worker(len(chosen), devices), device)
-        for assembly, chosen in groups
-        for device in dict.fromkeys(devices)
-    ]
     begin = time.perf_counter()
     with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
-        compiled = pool.map(lambda task: compile_programs(*task), tasks)
-        programs = dict(zip(tasks, compiled, strict=True))
+        prepared = list(
+            pool.map(lambda group: _workers(scene, *group, accuracy), groups)
+        )
     started = time.perf_counter()
-    for assembly, chosen in groups:
-        width = lanes_of_worker(len(chosen), devices)
-        workers = [
-            Worker(programs[assembly, width, device], scene, accuracy)
-            for device in devices
-        ]
+    for (_, chosen), workers in zip(groups, prepared, strict=True):
         _run_side_by_side(workers, chosen, keep)
     timing |= {
         "impacts": sum(len(chosen) for _, chosen in groups),
         "compile_s": started - begin,
         "run_s": time.perf_counter() - started,
     }
+
+
+def _workers(
+    scene: Scene, assembly: Assembly, chosen: np.ndarray, accuracy: Accuracy
+) -> list[NativeWorker] | list[Worker]:
+    """Workers for the chosen scenes, with what they run compiled."""
+    if is_available():
+        # Laws of the user's own may do anything.
+        with contextlib.suppress(NotImplementedError):
+            return [NativeWorker(compile_native(assembly), scene, accuracy)] * CORES
+    devices = worker_devices()
+    width = lanes_of_worker(len(chosen), devices)
+    different = list(dict.fromkeys(devices))
+    with concurrent.futures.ThreadPoolExecutor(len(different)) as pool:
+        compiled = pool.map(
+            lambda device: compile_programs(assembly, width, device), different
+        )
+        programs = dict(zip(different, compiled, strict=True))
+    return [Worker(programs[device], scene, accuracy) for device in devices]
 
 
 def worker_devices() -> list[jax.Device]:
@@ -391,13 +459,12 @@ def lanes_of_worker(count: int, devices: list[jax.Device]) -> int:
 
 
 def _run_side_by_side(
-    workers: list[Worker], chosen: np.ndarray, keep: Callable
+    workers: list[NativeWorker] | list[Worker], chosen: np.ndarray, keep: Callable
 ) -> None:
     """Let workers, each in its thread, take parts of the chosen scenes until none are
     left."""
     # No larger parts than give every worker one.
-    width = workers[0].programs.width
-    size = min(width, -(-len(chosen) // len(workers)))
+    size = min(workers[0].part, -(-len(chosen) // len(workers)))
     parts = iter([chosen[i : i + size] for i in range(0, len(chosen), size)])
     lock, stop = threading.Lock(), threading.Event()
 
@@ -409,7 +476,7 @@ def _run_side_by_side(
                 return
             yield part
 
-    def work(worker: Worker) -> None:
+    def work(worker: NativeWorker | Worker) -> None:
         for places, numbers in worker.run(take(), stop):
             keep(places, numbers)
 

@@ -14,7 +14,10 @@ from .columns import INPUT_COLUMNS
 if TYPE_CHECKING:  # the command line names the version without loading JAX
     from .scene import Scene
 
-PACKAGES = ("jaximpact", "jax", "jaxlib", "diffrax", "equinox", "optimistix", "optax")
+PACKAGES = (
+    *("jaximpact", "jax", "jaxlib", "diffrax", "equinox", "optimistix", "optax"),
+    "llvmlite",
+)
 
 
 def version_of(package: str) -> str:

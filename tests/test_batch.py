@@ -35,15 +35,20 @@ def chosen(scenes, places):
     )
 
 
-@pytest.fixture(scope="module")
-def batch():
+@pytest.fixture(scope="module", params=["native", "XLA"])
+def batch(request):
+    if request.param == "native":
+        pytest.importorskip("llvmlite", reason="machine code needs llvmlite")
+    patch = pytest.MonkeyPatch()
+    patch.setattr("jaximpact.batch.is_available", lambda: request.param == "native")
     # More than two workers hold at once, and no multiple of what they hold.
     scenes = mixed_scenes(4 * WIDTH + 123)
     seen = []
     result = simulate_batch(
         scenes, accuracy="fast", progress=lambda done, of: seen.append((done, of))
     )
-    return scenes, result, seen
+    yield scenes, result, seen
+    patch.undo()
 
 
 def test_every_scene_has_its_result(batch):

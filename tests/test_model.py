@@ -108,15 +108,17 @@ def test_batch_of_all_models_is_the_impacts_one_by_one():
         Soil(eta_N=np.array([0.0, 0.0, 0.1, 0.1])),
         Impact(angle=np.array([0.0, 0.5, 0.0, 0.5])),
     )
-    together = simulate_batch(scene)
+    together = simulate_batch(scene, accuracy="reference")
     for place in range(4):
         one = jax.tree.map(
             lambda x, place=place: float(np.broadcast_to(x, (4,))[place]), scene
         )
-        alone = simulate(one.block, one.soil, one.impact)
+        alone = simulate(one.block, one.soil, one.impact, accuracy="reference")
         for name in ("e_n", "max_sinking", "duration"):
+            # Rounding differs, and with it the steps: equal to the error of
+            # "reference".
             assert getattr(together, name)[place] == pytest.approx(
-                float(getattr(alone, name)), rel=1e-9
+                float(getattr(alone, name)), rel=1e-7
             )
 
 

@@ -1,0 +1,189 @@
+"""From a graph to LLVM's language, and on to machine code."""
+
+import importlib.resources
+import struct
+from collections.abc import Iterable
+from importlib import metadata
+from typing import Any, NamedTuple
+
+from .graph import FLOAT, INTEGER, OPERATIONS, TRUTH, Node, Value
+
+PACK = 8
+"""Lanes in a vector: one register of AVX-512, two of AVX2, four of Neon."""
+FLOATS, INTEGERS, TRUTHS = (f"<{PACK} x {kind}>" for kind in (FLOAT, INTEGER, TRUTH))
+VECTORS = {"f": FLOATS, "i": INTEGERS, "t": TRUTHS}
+OLDEST = 0, 45
+"""Version of llvmlite: the first whose LLVM reads `splat`."""
+DECLARATIONS = f"""
+declare {FLOATS} @llvm.fabs.v{PACK}f64({FLOATS})
+declare {FLOATS} @llvm.sqrt.v{PACK}f64({FLOATS})
+declare {FLOATS} @llvm.fma.v{PACK}f64({FLOATS}, {FLOATS}, {FLOATS})
+attributes #0 = {{ "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
+"""
+
+
+class Output(NamedTuple):
+    """A value that a function stores."""
+
+    row: int
+    value: Value
+    kind: str
+
+
+def in_order(roots: Iterable[Value]) -> list[Node]:
+    """All nodes that the roots need, each after its arguments."""
+    ordered: dict[int, Node] = {}
+    for root in roots:
+        stack = [root]
+        while stack:
+            node = stack[-1]
+            if not isinstance(node, Node) or id(node) in ordered:
+                stack.pop()
+                continue
+            missing = [
+                a
+                for a in node.arguments
+                if isinstance(a, Node) and id(a) not in ordered
+            ]
+            if missing:
+                stack.extend(reversed(missing))
+            else:
+                ordered[id(node)] = stack.pop()
+    return list(ordered.values())
+
+
+def _constant(number: float | int | bool) -> str:
+    if type(number) is bool:
+        return f"splat (i1 {str(number).lower()})"
+    if type(number) is int:
+        return f"splat (i64 {number})"
+    return f"splat (double 0x{struct.pack('>d', number).hex().upper()})"
+
+
+ONE, ZERO = _constant(1.0), _constant(0.0)
+
+
+class _Writer:
+    """Lines of one function on the rows of `%work`."""
+
+    def __init__(self):
+        self.lines: list[str] = []
+        self.names: dict[int, str] = {}
+
+    def name(self, value: Value) -> str:
+        return self.names[id(value)] if isinstance(value, Node) else _constant(value)
+
+    def new(self, text: str) -> str:
+        """The name of what an instruction gives."""
+        name = f"%v{len(self.lines)}"
+        self.lines.append(f"  {name} = {text}")
+        return name
+
+    def row(self, row: int) -> str:
+        return self.new(f"getelementptr double, ptr %work, i64 {row * PACK}")
+
+    def read(self, row: int) -> str:
+        return self.new(f"load {FLOATS}, ptr {self.row(row)}, align 64")
+
+    def load(self, row: int, kind: str) -> str:
+        read = self.read(row)
+        if kind == TRUTH:
+            return self.new(f"fcmp une {FLOATS} {read}, {ZERO}")
+        if kind == INTEGER:
+            return self.new(f"fptosi {FLOATS} {read} to {INTEGERS}")
+        return read
+
+    def store(self, output: Output, mask: str | None) -> None:
+        name = self.name(output.value)
+        if output.kind == TRUTH:
+            name = self.new(f"select {TRUTHS} {name}, {FLOATS} {ONE}, {FLOATS} {ZERO}")
+        if output.kind == INTEGER:
+            name = self.new(f"sitofp {INTEGERS} {name} to {FLOATS}")
+        if mask:
+            old = self.read(output.row)
+            name = self.new(f"select {TRUTHS} {mask}, {FLOATS} {name}, {FLOATS} {old}")
+        row = self.row(output.row)
+        self.lines.append(f"  store {FLOATS} {name}, ptr {row}, align 64")
+
+    def write(self, nodes: list[Node]) -> None:
+        for node in nodes:
+            if node.operation == "input":
+                name = self.load(node.arguments[0], node.kind)
+            else:
+                text = OPERATIONS[node.operation].text
+                name = self.new(text.format(*map(self.name, node.arguments), **VECTORS))
+            self.names[id(node)] = name
+
+
+def write_function(
+    name: str, outputs: list[Output], truth: Value, masked: bool = False
+) -> str:
+    """A function on the rows of the memory that it is called with.
+
+    It stores the outputs, if `masked` in the columns named by the bits of its second
+    argument alone, and returns the bits of a truth.
+    """
+    writer = _Writer()
+    writer.write(in_order([*(output.value for output in outputs), truth]))
+    mask = writer.new(f"bitcast i{PACK} %columns to {TRUTHS}") if masked else None
+    for output in outputs:
+        writer.store(output, mask)
+    bits = writer.new(f"bitcast {TRUTHS} {writer.name(truth)} to i{PACK}")
+    bit_type = f"i{PACK}"
+    return "\n".join(
+        [
+            f"define internal {bit_type} @{name}(ptr %work, {bit_type} %columns) #0 {{",
+            *writer.lines,
+            f"  ret {bit_type} {bits}",
+            "}\n",
+        ]
+    )
+
+
+def write_driver(inputs: int, results_row: int, results: int) -> str:
+    """The function `run`, which calls `begin`, `step` and `finish`."""
+    text = (importlib.resources.files(__package__) / "driver.ll").read_text()
+    for name, number in (
+        ("INPUT_ROWS", inputs),
+        ("RESULTS_AT", results_row * PACK),
+        ("RESULT_ROWS", results),
+    ):
+        text = text.replace(name, str(number))
+    return text
+
+
+class Machine(NamedTuple):
+    """Compiled code; it lives as long as `engine`."""
+
+    engine: Any
+    address: int
+    """Of the function `run`."""
+
+
+def is_available() -> bool:
+    """Whether llvmlite is installed, new enough."""
+    try:
+        version = metadata.version("llvmlite")
+    except metadata.PackageNotFoundError:
+        return False
+    return tuple(map(int, version.split(".")[:2])) >= OLDEST
+
+
+def compile_text(text: str) -> Machine:
+    """Machine code for this computer."""
+    # It may be missing, and takes its time to load.
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    target = llvm.Target.from_default_triple().create_target_machine(
+        cpu=llvm.get_host_cpu_name(),
+        features=llvm.get_host_cpu_features().flatten(),
+        opt=2,
+        codemodel="jitdefault",
+        jit=True,
+    )
+    module = llvm.parse_assembly(text + DECLARATIONS)
+    engine = llvm.create_mcjit_compiler(module, target)
+    engine.finalize_object()
+    return Machine(engine, engine.get_function_address("run"))
