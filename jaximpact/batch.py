@@ -1,10 +1,11 @@
 """Many impacts: the same model over arrays of scenes, on every core or device.
 
 Each worker keeps so many lanes going, and a lane that has ended gives its place to the
-next scene, so that no lane waits for the slowest. With llvmlite on a CPU lanes run in
-machine code of our own (`native`). Otherwise XLA's programs march them some steps at a
-time; lanes that have ended change places with such as wait at their start, and once all
-that waited have ended their results are worked out together.
+next scene, so that no lane waits for the slowest. On a CPU lanes run in machine code of
+our own (`native`). On other devices, and for laws that have no machine code, XLA's
+programs march them some steps at a time; lanes that have ended change places with such
+as wait at their start, and once all that waited have ended their results are worked out
+together.
 """
 
 import concurrent.futures
@@ -31,7 +32,7 @@ from .journal import Journal
 from .lanes import Lanes, march, start_lanes, step_lanes
 from .laws import Laws
 from .model import MODELS, model_places
-from .native import Kernel, compile_kernel, is_available
+from .native import Kernel, compile_kernel
 from .precision import require_float64
 from .problem import Assembly
 from .provenance import versions
@@ -171,6 +172,7 @@ class Part(NamedTuple):
 class NativeWorker:
     """Integrates parts of a batch, as it gets them, in machine code."""
 
+    engine = "machine code"
     part = NATIVE_PART
 
     def __init__(self, kernel: Kernel, scene: Scene, accuracy: Accuracy):
@@ -200,6 +202,8 @@ class NativeWorker:
 
 class Worker:
     """Integrates parts of a batch, as it gets them, in XLA's programs."""
+
+    engine = "XLA"
 
     def __init__(self, programs: Programs, scene: Scene, accuracy: Accuracy):
         self.programs, self.scene, self.accuracy = programs, scene, accuracy
@@ -300,8 +304,8 @@ def simulate_batch(
             that was cut short, its results are taken over and only the others are
             computed. It is left behind; remove it once the results are safe.
         progress: called as `progress(done, n)` as results come in.
-        timing: a dictionary to be given `compile_s`, `run_s` and `impacts`, how many
-            were computed.
+        timing: a dictionary to be given `compile_s`, `run_s`, `impacts`, how many were
+            computed, and `engine`, by what: "machine code" or "XLA".
 
     Returns:
         `ImpactResult` with arrays `(n,)` in the order given. A scene
@@ -416,7 +420,9 @@ def _run(
     started = time.perf_counter()
     for (_, chosen), workers in zip(groups, prepared, strict=True):
         _run_side_by_side(workers, chosen, keep)
+    engines = {workers[0].engine for workers in prepared}
     timing |= {
+        "engine": " and ".join(sorted(engines)),
         "impacts": sum(len(chosen) for _, chosen in groups),
         "compile_s": started - begin,
         "run_s": time.perf_counter() - started,
@@ -427,7 +433,7 @@ def _workers(
     scene: Scene, assembly: Assembly, chosen: np.ndarray, accuracy: Accuracy
 ) -> list[NativeWorker] | list[Worker]:
     """Workers for the chosen scenes, with what they run compiled."""
-    if is_available():
+    if computes_on_cpu():
         # Laws of the user's own may do anything.
         with contextlib.suppress(NotImplementedError):
             return [NativeWorker(compile_native(assembly), scene, accuracy)] * CORES
@@ -440,6 +446,11 @@ def _workers(
         )
         programs = dict(zip(different, compiled, strict=True))
     return [Worker(programs[device], scene, accuracy) for device in devices]
+
+
+def computes_on_cpu() -> bool:
+    """Whether machine code is for what JAX computes on."""
+    return jax.default_backend() == "cpu"
 
 
 def worker_devices() -> list[jax.Device]:

@@ -67,8 +67,9 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width):
     # The margin only up to its lowest point
     rate = before.rate_at_start(start[0], start_rate[0], end[0], end_rate[0], width)
     depth, place = peak_of_cubic(-start[0], -rate, -end[0], -end_rate[0], width)
-    end = end.at[0].set(-depth)
-    end_rate = end_rate.at[0].set(jnp.where(place < 1.0, 0.0, end_rate[0]))
+    lowest_rate = jnp.where(place < 1.0, 0.0, end_rate[0])
+    end = jnp.concatenate([-depth[None], end[1:]])
+    end_rate = jnp.concatenate([lowest_rate[None], end_rate[1:]])
     active = in_force(before.watched.switches, problem.ground.soil)
     counts = jnp.stack(active) & (start[1:] > SWITCHED_OFF)
     beyond = jnp.concatenate(

@@ -46,7 +46,7 @@ def fake_batch(monkeypatch):
             count = len(result.outcome_code)
             for done in range(1, count + 1):
                 progress(done, count)
-            timing.update(impacts=count, compile_s=1.5, run_s=0.5)
+            timing.update(engine="XLA", impacts=count, compile_s=1.5, run_s=0.5)
             Path(journal).touch()
             return result
 
@@ -173,7 +173,7 @@ def test_accuracy_and_timing(folder, fake_batch, capsys):
     assert main(["batch", "scenes.csv", "--out", "results.csv", *arguments]) == 0
     assert used == ["fast"]
     err = capsys.readouterr().err
-    assert "jaximpact: 1.50 s compiling, 0.50 s running, 6 impacts/s\n" in err
+    assert "jaximpact: 1.50 s compiling, 0.50 s running, 6 impacts/s in XLA\n" in err
 
 
 def test_a_bad_cell_ends_a_batch_before_it_starts(folder, fake_batch, capsys):

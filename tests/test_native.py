@@ -7,11 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-pytest.importorskip("llvmlite", reason="machine code needs llvmlite")
-
 from jaximpact import Block, Impact, Scene, Soil, batch, simulate_batch
 from jaximpact.laws import Laws
+from jaximpact.model import MODELS
 from jaximpact.native import compile_kernel
+from jaximpact.problem import Assembly
 
 ONE = jax.ShapeDtypeStruct((1,), float)
 
@@ -217,11 +217,20 @@ def oblique_scenes(count):
     )
 
 
+@pytest.mark.parametrize("ledger", [False, True])
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+def test_every_model_has_machine_code(model, ledger):
+    # A primitive without would be left to XLA, ten times slower, without a word.
+    assert batch.compile_native(Assembly(Laws(), model, ledger)).result_rows > 20
+
+
 def test_impacts_as_by_xla(monkeypatch):
     scenes = oblique_scenes(40)
     mine = simulate_batch(scenes, accuracy="reference", ledger=True)
-    monkeypatch.setattr(batch, "is_available", lambda: False)
-    theirs = simulate_batch(scenes, accuracy="reference", ledger=True)
+    monkeypatch.setattr(batch, "computes_on_cpu", lambda: False)
+    timing = {}
+    theirs = simulate_batch(scenes, accuracy="reference", ledger=True, timing=timing)
+    assert timing["engine"] == "XLA"
     np.testing.assert_array_equal(mine.outcome_code, theirs.outcome_code)
     # Rounding changes the steps at the onset, and results by less than the error of
     # "reference", 1e-7; the median is left with rounding.
@@ -246,7 +255,10 @@ def test_laws_without_native_code_run_by_xla():
 
     laws = dataclasses.replace(usual, bearing_factors=bearing_factors)
     scenes = oblique_scenes(4)
-    other = simulate_batch(scenes, accuracy="fast", laws=laws)
-    result = simulate_batch(scenes, accuracy="fast")
+    timing = {}
+    other = simulate_batch(scenes, accuracy="fast", laws=laws, timing=timing)
+    assert timing["engine"] == "XLA"
+    result = simulate_batch(scenes, accuracy="fast", timing=timing)
+    assert timing["engine"] == "machine code"
     # To the error of "fast".
     np.testing.assert_allclose(other.e_bar, result.e_bar, atol=5e-4)

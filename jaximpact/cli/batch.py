@@ -110,7 +110,7 @@ def run(arguments: argparse.Namespace) -> None:
         rate = timing["impacts"] / timing["run_s"]
         say(
             f"{timing['compile_s']:.2f} s compiling, {timing['run_s']:.2f} s running, "
-            f"{rate:.0f} impacts/s"
+            f"{rate:.0f} impacts/s in {timing['engine']}"
         )
     counts = results.count_outcomes(result).items()
     say(

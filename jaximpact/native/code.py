@@ -3,8 +3,9 @@
 import importlib.resources
 import struct
 from collections.abc import Iterable
-from importlib import metadata
 from typing import Any, NamedTuple
+
+import llvmlite.binding as llvm
 
 from .graph import FLOAT, INTEGER, OPERATIONS, TRUTH, Node, Value
 
@@ -12,8 +13,6 @@ PACK = 8
 """Lanes in a vector: one register of AVX-512, two of AVX2, four of Neon."""
 FLOATS, INTEGERS, TRUTHS = (f"<{PACK} x {kind}>" for kind in (FLOAT, INTEGER, TRUTH))
 VECTORS = {"f": FLOATS, "i": INTEGERS, "t": TRUTHS}
-OLDEST = 0, 45
-"""Version of llvmlite: the first whose LLVM reads `splat`."""
 DECLARATIONS = f"""
 declare {FLOATS} @llvm.fabs.v{PACK}f64({FLOATS})
 declare {FLOATS} @llvm.sqrt.v{PACK}f64({FLOATS})
@@ -160,20 +159,8 @@ class Machine(NamedTuple):
     """Of the function `run`."""
 
 
-def is_available() -> bool:
-    """Whether llvmlite is installed, new enough."""
-    try:
-        version = metadata.version("llvmlite")
-    except metadata.PackageNotFoundError:
-        return False
-    return tuple(map(int, version.split(".")[:2])) >= OLDEST
-
-
 def compile_text(text: str) -> Machine:
     """Machine code for this computer."""
-    # It may be missing, and takes its time to load.
-    import llvmlite.binding as llvm
-
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_default_triple().create_target_machine(

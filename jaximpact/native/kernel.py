@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from . import code
 from .code import PACK, Machine, Output, compile_text, write_driver, write_function
 from .graph import FLOAT, INTEGER, TRUTH, Graph, Node, kind_of
 from .translation import Translator
@@ -27,11 +26,6 @@ SIGNATURE = ctypes.CFUNCTYPE(
     *(ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p),
     *(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_bool),
 )
-
-
-def is_available() -> bool:
-    """Whether machine code can be made, and JAX computes on the CPU."""
-    return code.is_available() and jax.default_backend() == "cpu"
 
 
 class Kernel(NamedTuple):
