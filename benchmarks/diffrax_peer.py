@@ -1,7 +1,8 @@
 """diffrax's own solvers on jaximpact's equations.
 
 Set up as well as we know: one margin to the end, `Bisection(flip=True)`, PI control of
-the step, and a root finder that is not stricter than the step. Unknowns are scaled to
+the step, a root finder that is not stricter than the step, and the compiler's fusion
+switched off as for our own solver. Unknowns are scaled to
 one, so that the root finder's tolerances suit all of them.
 """
 
@@ -16,6 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
 
+from jaximpact.compilation import unfused_jit
 from jaximpact.laws import Laws
 from jaximpact.model import PLANAR
 from jaximpact.outcomes import TIME_LIMIT, closing_velocity
@@ -80,11 +82,11 @@ class Diffrax:
 
     @functools.cached_property
     def _single(self):
-        return jax.jit(self.e_n)
+        return unfused_jit(self.e_n)
 
     @functools.cached_property
     def _lanes(self):
-        return jax.jit(jax.vmap(self.e_n, in_axes=(0, None)))
+        return unfused_jit(jax.vmap(self.e_n, in_axes=(0, None)))
 
     def solve(self, scenes, tolerance: float, batch: bool) -> Answer:
         """Impacts in lanes, on a thread for each core; or one after another."""

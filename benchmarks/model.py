@@ -1,7 +1,7 @@
 """The undamped planar impact for compiled peers: a second implementation, in numba.
 
 It shares no code with `jaximpact`; its equations are those of docs/model.md, kinks left
-sharp, with a slider that relaxes in `SLIDER_TIME`. Unknowns, each divided by its
+sharp, with a slider that relaxes in `slider_time`. Unknowns, each divided by its
 magnitude over the impact so that one absolute tolerance suits all: u_n, theta, v_n,
 v_t, Omega, the elastic displacements u_n, u_t, theta, and rho_c. They are fewer than
 the paper's eleven, and let the error control see what the forces hang on; so peers are
@@ -17,7 +17,6 @@ GRAVITY = 9.81
 ATMOSPHERE = 1e5
 VERTEX = 0.01
 TANGENT_FROM = 0.95
-SLIDER_TIME = 1e-6
 TIME_LIMIT = 1.0
 STATES = 9
 
@@ -53,14 +52,17 @@ STATES = 9
     ENERGY,
     ELASTIC,
     FORCE,
-) = range(30)
-PARAMETERS = 30
+    SLIDER,
+) = range(31)
+PARAMETERS = 31
 
 compiled = njit(cache=True, nogil=True, error_model="numpy")
 
 
-def parameters_and_start(scenes) -> tuple[np.ndarray, np.ndarray]:
-    """Parameters `(n, 30)` and scaled states at the start `(n, 9)` of scenes."""
+def parameters_and_start(
+    scenes, slider_time: float = 1e-6
+) -> tuple[np.ndarray, np.ndarray]:
+    """Parameters `(n, 31)` and scaled states at the start `(n, 9)` of scenes."""
     block, soil, impact = scenes.block, scenes.soil, scenes.impact
     count = np.size(impact.speed)
 
@@ -92,10 +94,7 @@ def parameters_and_start(scenes) -> tuple[np.ndarray, np.ndarray]:
     p[:, GAMMA_N] = field(soil, "unit_weight") * np.cos(slope)
     p[:, NU] = field(soil, "poisson")
     p[:, MODULUS] = (
-        field(soil, "S_ef")
-        * field(soil, "k_E")
-        * ATMOSPHERE
-        / (2.0 * (1.0 + p[:, NU]))
+        field(soil, "S_ef") * field(soil, "k_E") * ATMOSPHERE / (2.0 * (1.0 + p[:, NU]))
     )
     for place, name in (
         (N_E, "n_E"),
@@ -113,6 +112,7 @@ def parameters_and_start(scenes) -> tuple[np.ndarray, np.ndarray]:
     p[:, TAN_B] = field(soil, "alpha_s") * np.tan(phi)
     v_n, v_t = speed * np.cos(angle), speed * np.sin(angle)
     p[:, SPEED] = speed
+    p[:, SLIDER] = slider_time
     p[:, ENERGY] = 0.5 * mass * speed**2 + 0.5 * p[:, INERTIA] * spin**2
     shear = p[:, MODULUS] * (p[:, GAMMA_N] * radius / ATMOSPHERE) ** p[:, N_E]
     stiffness = 4.0 * shear * radius / (1.0 - p[:, NU])
@@ -255,7 +255,7 @@ def rates(y, p, dy):
     slip = 0.0
     excess = abs(tangential) - normal * p[TAN_B]
     if excess > 0.0:
-        slip = math.copysign(excess / (k_t * SLIDER_TIME), tangential)
+        slip = math.copysign(excess / (k_t * p[SLIDER]), tangential)
     hardening = (
         max(flow_n, 0.0)
         + p[ALPHA_VT] * abs(flow_t)
@@ -308,9 +308,7 @@ def jacobian(y, p, matrix, work):
         state[i] = y[i]
     load = abs(y[5]) + abs(y[6]) + abs(y[7])
     for j in range(STATES):
-        if j == 0:
-            step = 1e-6 * max(abs(y[0]), 1e-9)
-        elif j == 1:
+        if j <= 1:
             step = 1e-6 * max(abs(y[0]), 1e-9)
         elif 5 <= j <= 7:
             step = 1e-6 * max(abs(y[j]), 1e-3 * load, 1e-13)

@@ -16,6 +16,7 @@ from numbalsoda import lsoda, lsoda_sig
 
 from . import model
 from .answer import Answer, answer
+from .compiled import Compiled
 
 WINDOW = 1.2
 """Length of a window, in times of R over the impact speed. Longer ones waste steps
@@ -84,7 +85,7 @@ def _integrate(address, start, p, tolerance, floor, window, points, first, last,
                 e_n[i] = -state[2] / start[i, 2]
 
 
-class Numbalsoda:
+class Numbalsoda(Compiled):
     """LSODA of numbalsoda."""
 
     name = "numbalsoda LSODA"
@@ -94,7 +95,7 @@ class Numbalsoda:
     def solve(self, scenes, tolerance: float, batch: bool) -> Answer:
         """Impacts on every core at once, or one after another on one."""
         cores = (os.cpu_count() or 1) if batch else 1
-        p, start = model.parameters_and_start(scenes)
+        p, start = model.parameters_and_start(scenes, self.slider_time)
         e_n = np.empty(len(p))
         points = math.ceil(POINTS * max(1.0, (1e-4 / tolerance) ** 0.25))
         # Twenty parts a core: the slow impacts are spread over the cores.

@@ -3,6 +3,7 @@
 import atexit
 import concurrent.futures
 import functools
+import itertools
 import multiprocessing
 import os
 import time
@@ -11,7 +12,6 @@ from collections.abc import Callable
 import numpy as np
 
 from .answer import Answer, answer
-from .model import parameters_and_start
 
 PARTS = 8
 """Parts of a batch for each core: the slow impacts are spread over the cores."""
@@ -27,7 +27,12 @@ def _pool() -> concurrent.futures.ProcessPoolExecutor:
 
 
 def solve_scenes(
-    one: Callable, scenes, tolerance: float, batch: bool, **options
+    one: Callable,
+    p: np.ndarray,
+    start: np.ndarray,
+    tolerance: float,
+    batch: bool,
+    **options,
 ) -> Answer:
     """Impacts by `one(p, start, tolerance, **options)`, which gives e_n or NaN.
 
@@ -35,7 +40,6 @@ def solve_scenes(
         one: a function of a module, so that it can be sent to other processes.
         batch: on every core, else one after another in this process.
     """
-    p, start = parameters_and_start(scenes)
     if not batch:
         begin = time.perf_counter()
         e_n = _solve_part(one, p, start, tolerance, options)
@@ -52,7 +56,7 @@ def solve_scenes(
     begin = time.perf_counter()
     parts = [
         pool.submit(_solve_part, one, p[a:b], start[a:b], tolerance, options)
-        for a, b in zip(edges[:-1], edges[1:], strict=True)
+        for a, b in itertools.pairwise(edges)
     ]
     e_n = np.concatenate([part.result() for part in parts])
     return answer(p, start, e_n, time.perf_counter() - begin)

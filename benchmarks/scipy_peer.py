@@ -8,10 +8,13 @@ from scipy.integrate import solve_ivp
 
 from . import model
 from .answer import Answer
+from .compiled import Compiled
 from .processes import solve_scenes
 
 FLOOR = 1e-2
 """Absolute over relative tolerance, for unknowns scaled to one."""
+MOST_EVALUATIONS = 200_000
+"""Evaluations of the right-hand side after which an impact is given up."""
 
 
 def _integrate(p, start, tolerance, method):
@@ -19,7 +22,13 @@ def _integrate(p, start, tolerance, method):
     matrix = np.empty((model.STATES, model.STATES))
     work = np.empty((3, model.STATES))
 
+    evaluations = 0
+
     def rates(t, y):
+        nonlocal evaluations
+        evaluations += 1
+        if evaluations > MOST_EVALUATIONS:
+            raise FloatingPointError
         model.rates(y, p, dy)
         return dy.copy()
 
@@ -46,7 +55,8 @@ def _integrate(p, start, tolerance, method):
                 # A hundredth of the time in which the block sinks as deep as it starts
                 first_step=1e-8 * p[model.R] / p[model.SPEED],
             )
-        except (ValueError, FloatingPointError):  # not finite inside LAPACK
+        # Given up, or a matrix that is not finite in LAPACK
+        except (ValueError, FloatingPointError):
             return math.nan
     if solution.status < 0:
         return math.nan
@@ -54,7 +64,7 @@ def _integrate(p, start, tolerance, method):
     return -y[2] / start[2]
 
 
-class Scipy:
+class Scipy(Compiled):
     """A method of `solve_ivp`."""
 
     family = "SciPy"
@@ -65,7 +75,8 @@ class Scipy:
 
     def solve(self, scenes, tolerance: float, batch: bool) -> Answer:
         """Impacts in as many processes as cores, or one after another here."""
-        return solve_scenes(_integrate, scenes, tolerance, batch, method=self.method)
+        p, start = model.parameters_and_start(scenes, self.slider_time)
+        return solve_scenes(_integrate, p, start, tolerance, batch, method=self.method)
 
 
 def methods() -> list[Scipy]:
