@@ -6,6 +6,7 @@ cost next to nothing; between two of them the end is found on a cubic.
 """
 
 import concurrent.futures
+import functools
 import math
 import os
 import time
@@ -28,13 +29,19 @@ FLOOR = 1e-2
 """Absolute over relative tolerance, for unknowns scaled to one."""
 
 
-@cfunc(lsoda_sig, cache=True)
-def _right_hand_side(t, y, dy, p):
-    model.rates(
-        carray(y, (model.STATES,)),
-        carray(p, (model.PARAMETERS,)),
-        carray(dy, (model.STATES,)),
-    )
+@functools.cache
+def _right_hand_side() -> int:
+    """Address of the compiled right-hand side."""
+
+    @cfunc(lsoda_sig, cache=True)
+    def right_hand_side(t, y, dy, p):
+        model.rates(
+            carray(y, (model.STATES,)),
+            carray(p, (model.PARAMETERS,)),
+            carray(dy, (model.STATES,)),
+        )
+
+    return right_hand_side.address
 
 
 @njit(nogil=True, error_model="numpy")
@@ -98,12 +105,13 @@ class Numbalsoda(Compiled):
         p, start = model.parameters_and_start(scenes, self.slider_time)
         e_n = np.empty(len(p))
         points = math.ceil(POINTS * max(1.0, (1e-4 / tolerance) ** 0.25))
+        address = _right_hand_side()
         # Twenty parts a core: the slow impacts are spread over the cores.
         edges = np.linspace(0, len(p), min(len(p), 20 * cores) + 1).astype(int)
 
         def part(k):
             _integrate(
-                _right_hand_side.address,
+                address,
                 start,
                 p,
                 tolerance,

@@ -21,9 +21,16 @@ PARTS = 8
 def _pool() -> concurrent.futures.ProcessPoolExecutor:
     # A fork of a process that has run JAX may hang.
     context = multiprocessing.get_context("spawn")
-    pool = concurrent.futures.ProcessPoolExecutor(os.cpu_count(), context)
+    pool = concurrent.futures.ProcessPoolExecutor(
+        os.cpu_count(), context, initializer=_be_quiet
+    )
     atexit.register(pool.shutdown, cancel_futures=True)
     return pool
+
+
+def _be_quiet() -> None:
+    """Libraries in C report every impact that they give up."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
 
 
 def solve_scenes(

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,8 @@ def measure(bench: Bench) -> list[Row]:
                 bench.say(f"{name}, {state}")
                 place = Path(cache) / name.replace(" ", "-")
                 seconds = _in_a_process(name, directory, place)
-                rows.append({"use": name, "cache": state, **seconds})
+                shown = f"{name}, without import" if directory else name
+                rows.append({"use": shown, "cache": state, **seconds})
     return rows
 
 
@@ -41,8 +43,9 @@ def _in_a_process(name: str, directory: str, cache: Path) -> dict[str, float]:
             [str(root), *filter(None, [os.environ.get("PYTHONPATH")])]
         ),
     }
+    started = repr(time.time())
     done = subprocess.run(
-        [sys.executable, "-m", f"{__package__}.first_use", name, directory],
+        [sys.executable, "-m", f"{__package__}.first_use", started, name, directory],
         env=environment,
         capture_output=True,
         text=True,
@@ -50,12 +53,7 @@ def _in_a_process(name: str, directory: str, cache: Path) -> dict[str, float]:
     if done.returncode:
         last = (done.stderr.strip() or "no message").splitlines()[-1]
         raise RuntimeError(f"the first use of {name} failed: {last}")
-    found = json.loads(done.stdout.splitlines()[-1])
-    return {
-        "import_s": found["import"],
-        "first_s": found["first"],
-        "second_s": found["second"],
-    }
+    return json.loads(done.stdout.splitlines()[-1])
 
 
 def draw(rows: list[Row]) -> Figure:

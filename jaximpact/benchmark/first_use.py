@@ -1,18 +1,17 @@
 """One first use in a process of its own: `python -m jaximpact.benchmark.first_use`.
 
-Prints JSON with the seconds from the start of Python to the end of the import, and of
-the first and the second use.
+Prints JSON with the seconds up to the end of the import, and of the first and the
+second use.
 """
 
 import json
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
-BEGIN = time.perf_counter()
 
-
-def uses() -> dict:
+def uses() -> dict[str, Callable]:
     """What can be used first, by name: functions of nothing that wait for results."""
     import jax
     import jax.numpy as jnp
@@ -43,7 +42,7 @@ def uses() -> dict:
     }
 
 
-def use_of_peer(name: str, directory: str):
+def use_of_peer(name: str, directory: str) -> Callable:
     """A batch of a few impacts by a peer."""
     from .methods import find_peers
     from .scenes import mixed_scenes
@@ -51,23 +50,31 @@ def use_of_peer(name: str, directory: str):
     peers = find_peers(Path(directory), lambda text: None)
     peer = next(peer for peer in peers if peer.name == name)
     tolerance = peer.tolerances[len(peer.tolerances) // 2]
-    return lambda: peer.solve(mixed_scenes(4, 1), tolerance, batch=True)
+    scenes = mixed_scenes(4, 1)
+    return lambda: peer.solve(scenes, tolerance, batch=True)
 
 
-def main(name: str, directory: str) -> None:
-    """Use and report."""
+def main(started: str, name: str, directory: str) -> None:
+    """Use and report.
+
+    Args:
+        started: `time.time()` when the process was started.
+        name: of the use, or of a peer.
+        directory: of the peers; empty for a use of our own. The import of a peer is not
+            counted: it holds that of JAX, for the scenes.
+    """
     import jax
 
-    import jaximpact  # noqa: F401
-
     jax.config.update("jax_enable_x64", True)
+    imported = 0.0 if directory else time.time() - float(started)
     use = use_of_peer(name, directory) if directory else uses()[name]
-    times = [time.perf_counter()]
+    seconds = []
     for _ in range(2):
+        begin = time.perf_counter()
         use()
-        times.append(time.perf_counter())
-    seconds = [after - before for before, after in zip([BEGIN, *times], times)]  # noqa: B905
-    print(json.dumps(dict(zip(("import", "first", "second"), seconds, strict=True))))
+        seconds.append(time.perf_counter() - begin)
+    first, second = seconds
+    print(json.dumps({"import_s": imported, "first_s": first, "second_s": second}))
 
 
 if __name__ == "__main__":

@@ -28,8 +28,7 @@ class Section(NamedTuple):
 
     name: str
     measure: Callable[[Bench], list[Row]]
-    """Rows of the CSV, all with the same keys; none if the methods it needs are not
-    there."""
+    """Rows of the CSV; all with the same keys."""
     draw: Callable[[list[Row]], Figure]
     """From the rows as they are read back."""
     table: Callable[[list[Row]], list[tuple[str, ...]]]

@@ -23,7 +23,7 @@ class Settings:
     steps: tuple[float, ...] = (0.1, 0.03, 0.01, 0.001)
     """Steps of differences in the logarithm of a parameter, of which peers get the
     best."""
-    ladder_scenes: int = 128
+    ladder_scenes: int = 64
     """Impacts of each parametric set."""
     batch_sizes: tuple[int, ...] = (1, 10, 100, 1_000, 10_000, 100_000)
     batch_limit_s: float = 30.0
@@ -46,9 +46,6 @@ class Settings:
     sweep_points: int = 9
     slider_times: tuple[float, ...] = (1e-8, 1e-7, 1e-5, 1e-4)
     """tau_s [s], beside 1e-6."""
-    explicit_points: int = 7
-    finest_explicit_step: float = 3e-8
-    """[s]"""
     target_scenes: int = 20_000
     target_tuning_scenes: int = 1_000
     target_repeats: int = 3

@@ -28,7 +28,9 @@ def coarsest_within(bench: Bench, method: Method, scenes, exact) -> float | None
         error = error_figures(answer.e_n, exact)["error_95"]
         # A margin: other scenes may be a little harder than these.
         if error <= 0.9 * bench.settings.target_error:
-            found[tolerance] = method.solve(scenes, tolerance, batch=True).seconds
+            found[tolerance] = min(
+                method.solve(scenes, tolerance, batch=True).seconds for _ in range(2)
+            )
     return min(found, key=found.get, default=None)
 
 
