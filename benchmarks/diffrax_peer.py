@@ -27,7 +27,7 @@ from .answer import Answer
 
 FLOOR = 1e-2
 """Absolute over relative tolerance, for unknowns scaled to one."""
-LANES = 64
+LANES = 32
 """Impacts side by side: fewer waste time on dispatch, more wait for the slowest."""
 ASSEMBLY = Assembly(Laws(), PLANAR, ledger=False)
 
@@ -119,13 +119,13 @@ def methods() -> list[Diffrax]:
             "Kvaerno3",
             diffrax.Kvaerno3(root_finder=root_finder),
             (1e-3, 1e-4, 1e-5),
-            20_000,
+            5_000,
         ),
         Diffrax(
             "Kvaerno5",
             diffrax.Kvaerno5(root_finder=root_finder),
             (1e-3, 1e-4, 1e-5, 1e-6),
-            20_000,
+            5_000,
         ),
-        Diffrax("Tsit5", diffrax.Tsit5(), (1e-3, 1e-5), 100_000),
+        Diffrax("Tsit5", diffrax.Tsit5(), (1e-3, 1e-5), 50_000),
     ]

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from ..accuracy import PRESETS
 from ..compilation import unfused_jit
-from ..lanes import Lanes, start_lanes, step_lanes
+from ..lanes import start_lanes, step_lanes
 from ..laws import Laws
 from ..model import PLANAR
 from ..plotting import BLUE, GREEN, VERMILION
@@ -45,12 +45,15 @@ class Course(NamedTuple):
     """Steps that the integration took itself, `(lanes,)`."""
 
 
-def fastest_rates(lanes: Lanes) -> np.ndarray:
-    """Largest eigenvalue of each lane's Jacobian, by absolute value [1/s]."""
-    scale = np.asarray(lanes.problem.scale)  # (unknowns, lanes)
-    jacobian = np.asarray(_jacobians(lanes.problem, lanes.course.vector))
-    # In units of the scales the eigenvalues are the same, and better conditioned.
-    scaled = jacobian * scale.T[:, None, :] / scale.T[:, :, None]
+def fastest_rates(jacobians: np.ndarray, scales: np.ndarray) -> np.ndarray:
+    """Largest eigenvalue of each Jacobian, by absolute value, `(lanes,)` [1/s].
+
+    Args:
+        jacobians: `(lanes, n, n)`; entries that are not finite count as zero.
+        scales: of the unknowns, `(lanes, n)`. In units of them the eigenvalues are the
+            same, and better conditioned.
+    """
+    scaled = jacobians * scales[:, None, :] / scales[:, :, None]
     scaled = np.where(np.isfinite(scaled), scaled, 0.0)
     return np.max(np.abs(np.linalg.eigvals(scaled)), axis=-1)
 
@@ -74,7 +77,8 @@ def follow(scenes: Scene) -> Course:
     while np.any(lanes.going):
         lanes = _step(lanes)
         times.append(np.asarray(lanes.time))
-        rates.append(fastest_rates(lanes))
+        jacobians = np.asarray(_jacobians(lanes.problem, lanes.course.vector))
+        rates.append(fastest_rates(jacobians, np.asarray(lanes.problem.scale).T))
     steps = np.asarray(lanes.accepted + lanes.rejected)
     return Course(np.stack(times), np.stack(rates), steps)
 

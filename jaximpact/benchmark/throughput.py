@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from ..accuracy import PRESETS
 from .measuring import interleaved_minima
-from .methods import Method, Ours
+from .methods import Method
 from .scenes import choose, mixed_scenes
 from .section import Bench, Row, Section
 from .style import colour_of, legend_of, log_axes, markers_of, method_handles
@@ -18,8 +18,9 @@ def measure(bench: Bench) -> list[Row]:
     """Rows for each method and size, smaller sizes first."""
     settings = bench.settings
     largest = mixed_scenes(max(settings.batch_sizes), settings.seed)
+    own = bench.methods[0]
     lines: list[tuple[Method, str, float]] = [
-        (Ours(), f"jaximpact, {name}", PRESETS[name].tolerance)
+        (own, f"{own.name}, {name}", PRESETS[name].tolerance)
         for name in ("fast", "balanced")
     ]
     for family in COMPARED:
