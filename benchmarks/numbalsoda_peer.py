@@ -18,6 +18,7 @@ from numbalsoda import lsoda, lsoda_sig
 from . import model
 from .answer import Answer, answer
 from .compiled import Compiled
+from .quiet import quiet_stderr
 
 WINDOW = 1.2
 """Length of a window, in times of R over the impact speed. Longer ones waste steps
@@ -124,7 +125,7 @@ class Numbalsoda(Compiled):
             )
 
         begin = time.perf_counter()
-        with concurrent.futures.ThreadPoolExecutor(cores) as pool:
+        with quiet_stderr(), concurrent.futures.ThreadPoolExecutor(cores) as pool:
             list(pool.map(part, range(len(edges) - 1)))
         seconds = time.perf_counter() - begin
         return answer(p, start, e_n, seconds)

@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .answer import Answer, answer
+from .quiet import quiet_stderr
 
 PARTS = 8
 """Parts of a batch for each core: the slow impacts are spread over the cores."""
@@ -21,16 +22,9 @@ PARTS = 8
 def _pool() -> concurrent.futures.ProcessPoolExecutor:
     # A fork of a process that has run JAX may hang.
     context = multiprocessing.get_context("spawn")
-    pool = concurrent.futures.ProcessPoolExecutor(
-        os.cpu_count(), context, initializer=_be_quiet
-    )
+    pool = concurrent.futures.ProcessPoolExecutor(os.cpu_count(), context)
     atexit.register(pool.shutdown, cancel_futures=True)
     return pool
-
-
-def _be_quiet() -> None:
-    """Libraries in C report every impact that they give up."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
 
 
 def solve_scenes(
@@ -70,6 +64,6 @@ def solve_scenes(
 
 
 def _solve_part(one, p, start, tolerance, options) -> np.ndarray:
-    return np.array(
-        [one(p[i], start[i], tolerance, **options) for i in range(len(p))], float
-    )
+    with quiet_stderr():
+        e_n = [one(p[i], start[i], tolerance, **options) for i in range(len(p))]
+    return np.array(e_n, float)

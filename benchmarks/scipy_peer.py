@@ -13,7 +13,7 @@ from .processes import solve_scenes
 
 FLOOR = 1e-2
 """Absolute over relative tolerance, for unknowns scaled to one."""
-MOST_EVALUATIONS = 200_000
+MOST_EVALUATIONS = 50_000
 """Evaluations of the right-hand side after which an impact is given up."""
 
 

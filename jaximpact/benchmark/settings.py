@@ -26,7 +26,7 @@ class Settings:
     ladder_scenes: int = 64
     """Impacts of each parametric set."""
     batch_sizes: tuple[int, ...] = (1, 10, 100, 1_000, 10_000, 100_000)
-    batch_limit_s: float = 30.0
+    batch_limit_s: float = 60.0
     """Larger batches are left out where they would take longer than that."""
     first_uses: tuple[str, ...] = (
         "import",

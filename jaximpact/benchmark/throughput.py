@@ -1,9 +1,13 @@
 """Impacts a second against the size of the batch."""
 
+import functools
+import itertools
+
 import numpy as np
 from matplotlib.figure import Figure
 
 from ..accuracy import PRESETS
+from ..scene import Scene
 from .measuring import interleaved_minima
 from .methods import Method
 from .scenes import choose, mixed_scenes
@@ -12,6 +16,10 @@ from .style import colour_of, legend_of, log_axes, markers_of, method_handles
 
 COMPARED = ("numbalsoda", "CVODE", "diffrax")
 """Families of peers, the first method of each."""
+ENOUGH = 2_000
+"""Impacts for which the programs of all larger batches are compiled."""
+LONG_S = 3.0
+"""What takes longer than that is measured once."""
 
 
 def measure(bench: Bench) -> list[Row]:
@@ -30,30 +38,29 @@ def measure(bench: Bench) -> list[Row]:
             lines.append((method, f"{method.name}, {tolerance:g}", tolerance))
     rows, tasks = [], []
     for method, name, tolerance in lines:
-        for size in settings.batch_sizes:
+        sizes = sorted(settings.batch_sizes)
+        for size, next_size in itertools.pairwise([*sizes, 0]):
             scenes = choose(largest, np.arange(size))
             bench.say(f"{name}, {size} impacts")
-            method.solve(scenes, tolerance, batch=True)  # compiles
-            seconds = method.solve(scenes, tolerance, batch=True).seconds
+            few = choose(largest, np.arange(min(size, ENOUGH)))
+            method.solve(few, tolerance, batch=True)  # compiles
+            task = functools.partial(_seconds, method, scenes, tolerance)
+            seconds = task()
             rows.append({"method": name, "family": method.family, "impacts": size})
-            tasks.append(
-                lambda method=method, scenes=scenes, tolerance=tolerance: (
-                    method.solve(scenes, tolerance, batch=True).seconds
-                )
-            )
-            step = max(settings.batch_sizes) / size
-            next_size = min(
-                (s for s in settings.batch_sizes if s > size), default=size * step
-            )
+            # A long one is not measured again: this was its time.
+            long = seconds > LONG_S
+            tasks.append(functools.partial(float, seconds) if long else task)
             if seconds * next_size / size > settings.batch_limit_s:
                 break
-    seconds = interleaved_minima(
-        tasks, settings.repeats, settings.batch_limit_s / 10.0, bench.say
-    )
+    seconds = interleaved_minima(tasks, settings.repeats, LONG_S, bench.say)
     return [
         row | {"impacts_per_s": row["impacts"] / shortest}
         for row, shortest in zip(rows, seconds, strict=True)
     ]
+
+
+def _seconds(method: Method, scenes: Scene, tolerance: float) -> float:
+    return method.solve(scenes, tolerance, batch=True).seconds
 
 
 def draw(rows: list[Row]) -> Figure:
