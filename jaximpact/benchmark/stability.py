@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import NullFormatter
 
 from ..accuracy import PRESETS
 from ..block import Block
@@ -227,6 +228,9 @@ def draw(rows: list[Row]) -> Figure:
         _paint(axes, x, np.arange(len(labels)), grid, log_y=False)
         axes.set(xscale="log", xlabel=name.replace("tau_s", r"$\tau_s$"))
         axes.set_yticks(range(len(labels)), labels, fontsize="small")
+        if x[-1] < 1e2 * x[0]:  # too few powers of ten to read it by
+            axes.set_xticks(x, [f"{value:.2g}" for value in x])
+            axes.xaxis.set_minor_formatter(NullFormatter())
     bottom.axes[0].invert_yaxis()  # and the others, which share the axis
     figure.legend(
         handles=[

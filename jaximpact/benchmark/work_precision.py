@@ -127,6 +127,7 @@ def draw(rows: list[Row], quantity: str) -> Figure:
     for axes, mode, title in zip(panels, MODES, titles, strict=True):
         log_axes(axes, "time per impact [s]", "")
         axes.set_title(title)
+        axes.margins(x=0.12)
         for name, marker in markers.items():
             own = [r for r in rows if r["method"] == name and r["mode"] == mode]
             if own:
@@ -141,7 +142,6 @@ def draw(rows: list[Row], quantity: str) -> Figure:
             va="bottom",
         )
     panels[0].set_ylabel(f"error of {quantity} [-]: median, and 95 % dashed")
-    panels[0].set_ylim(top=3.0)
     legend_of(figure, method_handles(rows))
     return figure
 
@@ -160,10 +160,9 @@ def _draw_method(axes, own: Iterable[Row], marker: str) -> None:
             axes.annotate(
                 row["preset"],
                 (row["seconds_per_impact"], row["error_median"]),
-                xytext=(-7, -3),
+                xytext=(9, 0),
                 textcoords="offset points",
-                ha="right",
-                va="top",
+                va="center",
                 color=colour,
             )
 
