@@ -20,8 +20,9 @@ from .answer import Answer, answer
 from .compiled import Compiled
 from .quiet import quiet_stderr
 
-WINDOW = 1.2
-"""Length of a window, in times of R over the impact speed. Longer ones waste steps
+WINDOW = 1.3
+"""Length of a window, in times of R over the sum of the impact speed and the speed of
+a fall from R/2, which is what slow blocks come to. Longer ones waste steps
 beyond the end, shorter ones start LSODA anew more often."""
 POINTS = 48
 """Points of a window at tolerances of 1e-4 and more; the error of the cubic goes with
@@ -52,7 +53,9 @@ def _integrate(address, start, p, tolerance, floor, window, points, first, last,
     y = np.empty(model.STATES)
     for i in range(first, last):
         begin, state = 0.0, start[i].copy()
-        width = window * p[i, model.R] / p[i, model.SPEED]
+        fall = math.sqrt(model.GRAVITY * p[i, model.R])
+        full = window * p[i, model.R] / (p[i, model.SPEED] + fall)
+        width = full
         e_n[i] = math.nan
         while begin < model.TIME_LIMIT:
             end = min(begin + width, model.TIME_LIMIT)
@@ -61,7 +64,11 @@ def _integrate(address, start, p, tolerance, floor, window, points, first, last,
                 address, state, times, p[i], tolerance, tolerance * floor, 20_000
             )
             if not success or not np.all(np.isfinite(course)):
-                break
+                # It may have failed beyond the end: come nearer first.
+                width *= 0.25
+                if width < 1e-3 * full:
+                    break
+                continue
             beyond = 0
             for j in range(1, points):
                 if model.margin(course[j], p[i]) <= 0.0:

@@ -127,11 +127,12 @@ def draw(rows: list[Row], quantity: str) -> Figure:
     for axes, mode, title in zip(panels, MODES, titles, strict=True):
         log_axes(axes, "time per impact [s]", "")
         axes.set_title(title)
-        axes.margins(x=0.12)
         for name, marker in markers.items():
             own = [r for r in rows if r["method"] == name and r["mode"] == mode]
             if own:
                 _draw_method(axes, own, marker)
+        left, right = axes.get_xlim()
+        axes.set_xlim(left, 3.0 * right)  # room for the names of presets
         axes.axhline(1e-3, color="black", lw=0.8, ls=":")
         axes.text(
             0.99,
