@@ -120,6 +120,7 @@ def draw(rows: list[Row]) -> Figure:
                 label=model,
             )
         axes.axhline(1e-3, color="black", lw=0.8, ls=":")
+    figure.suptitle(f"each line from {' to '.join(SHOWN)}")
     legend_of(figure, list(handles.values()))
     return figure
 
