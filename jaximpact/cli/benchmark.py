@@ -1,0 +1,75 @@
+"""`jaximpact benchmark`: speed against accuracy, charted."""
+
+import argparse
+from pathlib import Path
+
+from .calibrate import Lines
+from .progress import say
+
+DESCRIPTION = """\
+Measure speed and accuracy of this solver and of others on the same impacts, and draw
+the charts.
+
+Sections, each NAME.png with its data NAME.csv and its figures NAME.md:
+  work-precision  error of e_n against time, one impact at a time and in batches
+  gradient        the same for derivatives by k_E, gamma_v and c_v
+  target          impacts a second at 95 % of errors within 1e-3, against numbalsoda
+  ladder          error against cost of each model on each parametric set
+  throughput      impacts a second against the size of the batch
+  compile-time    first uses, each in a process of its own
+  stability       which methods finish, lie and fail, at the extremes
+  explicit-step   the largest step at which an explicit method is right
+
+manifest.json says what they were measured with. A section that was measured before with
+the same settings is drawn again and not measured again, so that an interrupted
+benchmark goes on; remove its CSV to measure it anew. The machine should be idle.
+
+Other solvers are the modules *_peer.py of the directory benchmarks, and need
+`pip install jaximpact[peers]`; one whose packages are missing is left out."""
+
+
+def add_parser(commands) -> None:
+    """Add the command to the command line."""
+    parser = commands.add_parser(
+        "benchmark",
+        help="speed against accuracy, charted",
+        description=DESCRIPTION,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="directory for charts and data; made if need be",
+    )
+    parser.add_argument(
+        "--only",
+        nargs="+",
+        default=(),
+        metavar="NAME",
+        help="sections to measure (default: all)",
+    )
+    parser.add_argument(
+        "--peers",
+        type=Path,
+        metavar="DIR",
+        help="directory of other solvers (default: benchmarks, where it is run)",
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Measure and draw."""
+    from ..benchmark import run_benchmark
+
+    with Lines() as progress:
+        text = run_benchmark(
+            arguments.out,
+            only=arguments.only,
+            peers=arguments.peers,
+            progress=progress,
+            say=say,
+        )
+    print(text, end="")
