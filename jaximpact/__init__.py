@@ -9,8 +9,9 @@ from .outcomes import Outcome
 from .rebound import ConstantCoefficients, PfeifferBowen, Rebound, RigidEllipsoid
 from .restitution import energetic_coefficient, vijayakumar_coefficient
 from .scene import Impact, Scene
-from .simulation import EnergyLedger, ImpactResult, simulate
+from .simulation import ImpactResult, simulate
 from .soil import Soil
+from .summary import EnergyLedger
 
 __all__ = [
     "PRESETS",

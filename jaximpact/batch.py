@@ -29,16 +29,18 @@ from .block import Block
 from .checks import check_scene
 from .compilation import compile_unfused
 from .journal import Journal
-from .lanes import Lanes, march, start_lanes, step_lanes
+from .lanes import Lanes, march, start_lanes
 from .laws import Laws
+from .machine import compile_native, computes_on_cpu, kernel_inputs
 from .model import MODELS, model_places
-from .native import Kernel, compile_kernel
+from .native import Kernel
 from .precision import require_float64
 from .problem import Assembly
 from .provenance import versions
 from .scene import Impact, Scene
-from .simulation import EnergyLedger, ImpactResult, Numbers, summarise_lanes
+from .simulation import ImpactResult
 from .soil import Soil
+from .summary import EnergyLedger, Numbers, summarise_lanes
 
 WIDTH, SMALL_WIDTH = 512, 32
 """Impacts that a worker integrates side by side: fewer waste time on dispatch, more on
@@ -105,29 +107,6 @@ def compile_programs(assembly: Assembly, width: int, device: jax.Device) -> Prog
     )
 
 
-@functools.lru_cache(maxsize=16)
-def compile_native(assembly: Assembly) -> Kernel:
-    """Machine code for an assembly of the model, from scenes, tolerance and floor.
-
-    Raises NotImplementedError if its laws do what has no native code.
-    """
-
-    def begin(inputs):
-        scenes, tolerance, floor = inputs
-        return start_lanes(assembly, scenes, tolerance[0], floor[0])
-
-    def step(lanes):
-        lanes = step_lanes(lanes)
-        return lanes, lanes.going
-
-    def finish(inputs, lanes):
-        return summarise_lanes(inputs[0], lanes)
-
-    one = jax.ShapeDtypeStruct((1,), float)
-    scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
-    return compile_kernel(begin, step, finish, (scenes, one, one))
-
-
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
     """The scene with every field as an array of one length, and the length.
 
@@ -177,13 +156,7 @@ class NativeWorker:
 
     def __init__(self, kernel: Kernel, scene: Scene, accuracy: Accuracy):
         self.kernel = kernel
-        self.rows = [
-            *jax.tree.leaves(scene),
-            *(
-                np.broadcast_to(x, np.shape(scene.impact.speed))
-                for x in (accuracy.tolerance, accuracy.floor)
-            ),
-        ]
+        self.rows = kernel_inputs(scene, accuracy)
 
     def run(
         self, parts: Iterator[np.ndarray], stop: threading.Event
@@ -446,11 +419,6 @@ def _workers(
         )
         programs = dict(zip(different, compiled, strict=True))
     return [Worker(programs[device], scene, accuracy) for device in devices]
-
-
-def computes_on_cpu() -> bool:
-    """Whether machine code is for what JAX computes on."""
-    return jax.default_backend() == "cpu"
 
 
 def worker_devices() -> list[jax.Device]:

@@ -9,6 +9,7 @@ import pytest
 
 from jaximpact import Block, Impact, Scene, Soil, batch, simulate_batch
 from jaximpact.laws import Laws
+from jaximpact.machine import compile_native
 from jaximpact.model import MODELS
 from jaximpact.native import compile_kernel
 from jaximpact.problem import Assembly
@@ -221,7 +222,7 @@ def oblique_scenes(count):
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
 def test_every_model_has_machine_code(model, ledger):
     # A primitive without would be left to XLA, ten times slower, without a word.
-    assert batch.compile_native(Assembly(Laws(), model, ledger)).result_rows > 20
+    assert compile_native(Assembly(Laws(), model, ledger)).result_rows > 20
 
 
 def test_impacts_as_by_xla(monkeypatch):

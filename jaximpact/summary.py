@@ -1,0 +1,204 @@
+"""Every number of an impact, from its end."""
+
+import dataclasses
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from .dynamics import elastic_energy, initial_motion, kinetic_energy
+from .integration import End
+from .lanes import Lanes, end_lanes
+from .outcomes import OUTCOME_OF_MARGIN, Outcome, closing_velocity
+from .problem import Problem
+from .restitution import defined_ratio, vijayakumar_coefficient
+from .safe import safe_sqrt
+from .scene import Scene
+
+Scalar = Float[Array, ""]
+
+
+class EnergyLedger(NamedTuple):
+    """Where the energy went [J].
+
+    `kinetic_in + gravity + arm + stiffness
+    = kinetic_out + elastic + viscoplastic + slider + dashpot`,
+    to the accuracy of the integration. Items of either sign on the left are work on the
+    block; those on the right are what is left and what is dissipated (never negative).
+
+    `arm` and `stiffness` belong to the model as the paper prints it, and are no
+    dissipation: the normal force acts at the centre of the foundation while sinking is
+    measured at the deepest point, and the springs' stiffness follows the foundation's
+    size. `arm` is not small in eccentric impacts: a limit of the model.
+    """
+
+    kinetic_in: Scalar
+    kinetic_out: Scalar
+    gravity: Scalar
+    elastic: Scalar
+    viscoplastic: Scalar
+    slider: Scalar
+    dashpot: Scalar
+    arm: Scalar
+    stiffness: Scalar
+
+    @property
+    def residual(self) -> Scalar:
+        """What the ledger fails to account for [J]."""
+        return (
+            self.kinetic_in
+            + self.gravity
+            + self.arm
+            + self.stiffness
+            - self.kinetic_out
+            - self.elastic
+            - self.viscoplastic
+            - self.slider
+            - self.dashpot
+        )
+
+
+class Numbers(eqx.Module):
+    """The numbers of an impact. Lengths in m, forces in N, moments in N m, times in s,
+    angles in rad; n into the ground, t down-slope, rotation clockwise.
+
+    Coefficients: `e_n` and `e_t` are apparent (centre of mass; `e_t` is NaN where the
+    block came in along the normal and it has no meaning), `e_contact` is at the contact
+    point, `e_bar` is energetic, `R_r` the final ratio of rotational to total kinetic
+    energy, `e_n_vijayakumar` the rigid-body estimate with this `e_contact`.
+    """
+
+    e_n: Scalar
+    e_t: Scalar
+    e_contact: Scalar
+    e_bar: Scalar
+    R_r: Scalar
+    e_n_vijayakumar: Scalar
+    max_penetration: Scalar
+    max_sinking: Scalar
+    max_normal_force: Scalar
+    max_tangential_force: Scalar
+    max_moment: Scalar
+    time_of_max_penetration: Scalar
+    time_of_max_sinking: Scalar
+    time_of_max_normal_force: Scalar
+    time_of_max_tangential_force: Scalar
+    time_of_max_moment: Scalar
+    duration: Scalar
+    rotation: Scalar
+    normal_velocity: Scalar
+    tangential_velocity: Scalar
+    angular_velocity: Scalar
+    energy: EnergyLedger | None
+    outcome_code: Scalar
+    steps: Scalar
+
+
+DETACHED_WITHIN = 1e-9
+"""A force margin within this counts as zero when the end is named. At N = 0 without a
+moment the resultant reaches the edge at the same instant: that block has detached."""
+
+
+def outcome_code(end: End, separating: Scalar) -> Scalar:
+    """The outcome as a float, so that it can pass through differentiation."""
+    margins = jnp.stack(end.margins)
+    fired = jnp.argmin(margins)
+    fired = jnp.where(margins[0] <= DETACHED_WITHIN, 0, fired)
+    codes = jnp.asarray([float(outcome) for outcome in OUTCOME_OF_MARGIN])
+    code = jnp.where(end.event, codes[fired], float(Outcome.in_contact))
+    code = jnp.where(end.finished, code, float(Outcome.failed))
+    code = jnp.where(separating, float(Outcome.separating), code)
+    return jax.lax.stop_gradient(code)
+
+
+def summarise(scene: Scene, problem: Problem, end: End) -> Numbers:
+    """Every result of an impact from its end."""
+    ground, impact = problem.ground, scene.impact
+    start = initial_motion(scene)
+    final, now = problem.contact(end.vector)
+    kinetic_in = kinetic_energy(ground, start)
+    kinetic_out = kinetic_energy(ground, final)
+    closing = closing_velocity(ground, start)
+    opening = (
+        final.normal_velocity + now.foundation.tangential_arm * final.angular_velocity
+    )
+    separating = closing <= 0.0
+
+    # Where nothing happens the block leaves as it came.
+    def unless_separating(value, otherwise):
+        return jnp.where(separating, otherwise, value)
+
+    normal = unless_separating(final.normal_velocity, start.normal_velocity)
+    tangential = unless_separating(final.tangential_velocity, start.tangential_velocity)
+    spin = unless_separating(final.angular_velocity, start.angular_velocity)
+    kinetic_out = unless_separating(kinetic_out, kinetic_in)
+    e_contact = -unless_separating(opening, closing) / jnp.where(
+        closing == 0.0, 1.0, closing
+    )
+    e_contact = jnp.where(closing == 0.0, -1.0, e_contact)
+    peaks = [unless_separating(peak, 0.0) for peak in end.fold.peaks]
+    times = [unless_separating(time, 0.0) for time in end.fold.peak_times]
+    energy = None
+    if problem.ledger:
+        work = {
+            name: unless_separating(item, 0.0)
+            for name, item in end.fold.work._asdict().items()
+        }
+        gained = elastic_energy(final, now.stiffness)
+        energy = EnergyLedger(
+            kinetic_in=kinetic_in,
+            kinetic_out=kinetic_out,
+            elastic=unless_separating(gained, 0.0),
+            **work,
+        )
+    numbers = Numbers(
+        e_n=-defined_ratio(normal, start.normal_velocity),
+        e_t=(
+            defined_ratio(tangential, start.tangential_velocity)
+            if "tangential_velocity" in problem.model.unknowns
+            else jnp.full_like(tangential, jnp.nan)
+        ),
+        e_contact=e_contact,
+        e_bar=safe_sqrt(kinetic_out / kinetic_in),
+        R_r=0.5 * ground.inertia * spin**2 / kinetic_out,
+        e_n_vijayakumar=vijayakumar_coefficient(
+            scene.block,
+            impact.orientation,
+            e_contact,
+            start.normal_velocity,
+            start.angular_velocity,
+        ),
+        max_penetration=peaks[0],
+        max_sinking=peaks[1],
+        max_normal_force=peaks[2],
+        max_tangential_force=peaks[3],
+        max_moment=peaks[4],
+        time_of_max_penetration=times[0],
+        time_of_max_sinking=times[1],
+        time_of_max_normal_force=times[2],
+        time_of_max_tangential_force=times[3],
+        time_of_max_moment=times[4],
+        duration=unless_separating(end.time, 0.0),
+        rotation=unless_separating(final.rotation, 0.0),
+        normal_velocity=normal,
+        tangential_velocity=tangential,
+        angular_velocity=spin,
+        energy=energy,
+        outcome_code=jnp.zeros(()),
+        steps=jnp.zeros(()),
+    )
+    known = end.finished | separating
+    numbers = jax.tree.map(lambda x: jnp.where(known, x, jnp.nan), numbers)
+    return dataclasses.replace(
+        numbers,
+        outcome_code=outcome_code(end, separating),
+        steps=jax.lax.stop_gradient((end.steps + end.rejected).astype(float)),
+    )
+
+
+def summarise_lanes(scenes: Scene, lanes: Lanes) -> Numbers:
+    """Every result of lanes none of which is going."""
+    summary = jax.vmap(summarise, in_axes=(0, -1, 0))
+    return summary(scenes, lanes.problem, end_lanes(lanes))
