@@ -40,7 +40,7 @@ from .provenance import versions
 from .scene import Impact, Scene
 from .simulation import ImpactResult
 from .soil import Soil
-from .summary import EnergyLedger, Numbers, summarise_lanes
+from .summary import Numbers, numbers_of_no_value, summarise_lanes
 
 WIDTH, SMALL_WIDTH = 512, 32
 """Impacts that a worker integrates side by side: fewer waste time on dispatch, more on
@@ -298,7 +298,7 @@ def simulate_batch(
     check_scene(scene, batched=True)
     scene, count = broadcast_scene(scene)
     timing = {} if timing is None else timing
-    template = _template(ledger)
+    template = numbers_of_no_value(ledger)
     names, structure = _columns(template)
     numbers = np.empty((len(names), count))
     missing = np.ones(count, bool)
@@ -339,13 +339,6 @@ def simulate_batch(
         accuracy=setting,
         model_tolerance=model_tolerance,
     )
-
-
-def _template(ledger: bool) -> Numbers:
-    """Numbers of no value, to tell their structure."""
-    energy = EnergyLedger(*[0.0] * len(EnergyLedger._fields)) if ledger else None
-    fields = dict.fromkeys((f.name for f in dataclasses.fields(Numbers)), 0.0)
-    return Numbers(**fields | {"energy": energy})
 
 
 def _columns(template: Numbers) -> tuple[list[str], jax.tree_util.PyTreeDef]:

@@ -1,6 +1,8 @@
 """The model in machine code, for lanes on a CPU."""
 
 import functools
+import hashlib
+from pathlib import Path
 
 import jax
 import numpy as np
@@ -8,11 +10,13 @@ import numpy as np
 from .accuracy import Accuracy
 from .block import Block
 from .lanes import start_lanes, step_lanes
-from .native import Kernel, compile_kernel
+from .laws import Laws
+from .native import Code, Kernel, compile_code, host, kept
 from .problem import Assembly
+from .provenance import versions
 from .scene import Impact, Scene
 from .soil import Soil
-from .summary import Numbers, summarise_lanes
+from .summary import Numbers, numbers_of_no_value, summarise_lanes
 
 
 def computes_on_cpu() -> bool:
@@ -26,7 +30,24 @@ def compile_native(assembly: Assembly) -> Kernel:
 
     Raises NotImplementedError if its laws do what has no native code.
     """
+    structure = jax.tree.structure(numbers_of_no_value(assembly.ledger))
+    if assembly.laws != Laws():
+        # Functions of the user's own have no key.
+        return Kernel(_compile(assembly), structure)
+    return Kernel(kept(_key(assembly), lambda: _compile(assembly)), structure)
 
+
+def _key(assembly: Assembly) -> str:
+    """Names all that the code of an assembly of the usual laws depends on."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.rglob("*")):
+        if path.suffix in (".py", ".ll"):
+            digest.update(path.read_bytes())
+    choices = assembly._replace(laws=None)
+    return repr((choices, host(), versions(), digest.hexdigest()))
+
+
+def _compile(assembly: Assembly) -> Code:
     def begin(inputs):
         scenes, tolerance, floor = inputs
         return start_lanes(assembly, scenes, tolerance[0], floor[0])
@@ -40,7 +61,7 @@ def compile_native(assembly: Assembly) -> Kernel:
 
     one = jax.ShapeDtypeStruct((1,), float)
     scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
-    return compile_kernel(begin, step, finish, (scenes, one, one))
+    return compile_code(begin, step, finish, (scenes, one, one))
 
 
 def kernel_inputs(scene: Scene, accuracy: Accuracy) -> list[np.ndarray]:

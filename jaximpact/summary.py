@@ -96,6 +96,13 @@ class Numbers(eqx.Module):
     steps: Scalar
 
 
+def numbers_of_no_value(ledger: bool) -> Numbers:
+    """Zeros, to tell the structure."""
+    energy = EnergyLedger(*[0.0] * len(EnergyLedger._fields)) if ledger else None
+    fields = dict.fromkeys((f.name for f in dataclasses.fields(Numbers)), 0.0)
+    return Numbers(**fields | {"energy": energy})
+
+
 DETACHED_WITHIN = 1e-9
 """A force margin within this counts as zero when the end is named. At N = 0 without a
 moment the resultant reaches the edge at the same instant: that block has detached."""

@@ -11,7 +11,7 @@ from jaximpact import Block, Impact, Scene, Soil, batch, simulate_batch
 from jaximpact.laws import Laws
 from jaximpact.machine import compile_native
 from jaximpact.model import MODELS
-from jaximpact.native import compile_kernel
+from jaximpact.native import Code, compile_kernel, kept
 from jaximpact.problem import Assembly
 
 ONE = jax.ShapeDtypeStruct((1,), float)
@@ -218,11 +218,63 @@ def oblique_scenes(count):
     )
 
 
+@pytest.fixture
+def cache(tmp_path):
+    """JAX's directory of compiled programs, an empty one."""
+    before = jax.config.jax_compilation_cache_dir
+    jax.config.update("jax_compilation_cache_dir", str(tmp_path))
+    yield tmp_path
+    jax.config.update("jax_compilation_cache_dir", before)
+
+
+def test_code_is_kept(cache):
+    def make():
+        made.append(0)
+        return Code(b"\n{code}\n", 1, 2, 3)
+
+    made = []
+    code = kept("one", make)
+    assert kept("one", make) == code == make()
+    assert len(made) == 2
+    kept("other", make)
+    assert len(made) == 3
+    assert len(list(cache.iterdir())) == 2
+
+
+def test_kept_code_that_is_not_whole_is_made_again(cache):
+    code = Code(bytes(range(256)) * 9, 1, 2, 3)
+    kept("one", lambda: code)
+    (path,) = cache.iterdir()
+    data = path.read_bytes()
+    for broken in (b"", data[:20], data[:-1], data[:-9] + b"123456789", b"[]\n", b"1"):
+        path.write_bytes(broken)
+        assert kept("one", lambda: code) == code
+        assert path.read_bytes() == data
+
+
+def test_directory_that_cannot_be_written_to_is_no_error(cache):
+    jax.config.update("jax_compilation_cache_dir", str(cache / "none" / "there"))
+    code = Code(b"1", 1, 2, 3)
+    assert kept("one", lambda: code) == code
+
+
+def test_kept_machine_code_runs(cache, monkeypatch):
+    compile_native.cache_clear()
+    scenes = oblique_scenes(20)
+    made = simulate_batch(scenes, accuracy="fast")
+    compile_native.cache_clear()
+    monkeypatch.setattr("jaximpact.machine.compile_code", None)
+    found = simulate_batch(scenes, accuracy="fast")
+    for a, b in zip(jax.tree.leaves(made), jax.tree.leaves(found), strict=True):
+        np.testing.assert_array_equal(a, b)
+    compile_native.cache_clear()
+
+
 @pytest.mark.parametrize("ledger", [False, True])
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
 def test_every_model_has_machine_code(model, ledger):
     # A primitive without would be left to XLA, ten times slower, without a word.
-    assert compile_native(Assembly(Laws(), model, ledger)).result_rows > 20
+    assert compile_native(Assembly(Laws(), model, ledger)).code.result_rows > 20
 
 
 def test_impacts_as_by_xla(monkeypatch):

@@ -1,5 +1,15 @@
 """Machine code for many lanes, by LLVM, from the functions of the model in JAX."""
 
-from .kernel import Kernel, Workspace, compile_kernel
+from .code import host
+from .kept import kept
+from .kernel import Code, Kernel, Workspace, compile_code, compile_kernel
 
-__all__ = ["Kernel", "Workspace", "compile_kernel"]
+__all__ = [
+    "Code",
+    "Kernel",
+    "Workspace",
+    "compile_code",
+    "compile_kernel",
+    "host",
+    "kept",
+]

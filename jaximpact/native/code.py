@@ -152,25 +152,35 @@ def write_driver(inputs: int, results_row: int, results: int) -> str:
 
 
 class Machine(NamedTuple):
-    """Compiled code; it lives as long as `engine`."""
+    """Code that is ready to run; it lives as long as `engine`."""
 
     engine: Any
     address: int
     """Of the function `run`."""
 
 
-def compile_text(text: str) -> Machine:
-    """Machine code for this computer."""
+def host() -> tuple[str, str]:
+    """The processor that code is made for, and what it can do."""
+    return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
+def _target() -> llvm.TargetMachine:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    target = llvm.Target.from_default_triple().create_target_machine(
-        cpu=llvm.get_host_cpu_name(),
-        features=llvm.get_host_cpu_features().flatten(),
-        opt=2,
-        codemodel="jitdefault",
-        jit=True,
+    name, features = host()
+    return llvm.Target.from_default_triple().create_target_machine(
+        cpu=name, features=features, opt=2, codemodel="jitdefault", jit=True
     )
-    module = llvm.parse_assembly(text + DECLARATIONS)
-    engine = llvm.create_mcjit_compiler(module, target)
+
+
+def compile_text(text: str) -> bytes:
+    """Machine code for this computer, as an object file."""
+    return _target().emit_object(llvm.parse_assembly(text + DECLARATIONS))
+
+
+def load(object_file: bytes) -> Machine:
+    """Machine code, put to where it can run."""
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target())
+    engine.add_object_file(llvm.ObjectFileRef.from_data(object_file))
     engine.finalize_object()
     return Machine(engine, engine.get_function_address("run"))

@@ -9,12 +9,12 @@ lane's results do not depend, to the last bit, on what runs beside it.
 import ctypes
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import numpy as np
 
-from .code import PACK, Machine, Output, compile_text, write_driver, write_function
+from .code import PACK, Output, compile_text, load, write_driver, write_function
 from .graph import FLOAT, INTEGER, TRUTH, Graph, Node, kind_of
 from .translation import Translator
 
@@ -28,16 +28,27 @@ SIGNATURE = ctypes.CFUNCTYPE(
 )
 
 
-class Kernel(NamedTuple):
-    """Compiled code for lanes."""
+class Code(NamedTuple):
+    """What lanes do, compiled."""
 
-    machine: Machine
+    object_file: bytes
     input_rows: int
     result_rows: int
     rows: int
     """Of inputs, state and results together."""
-    structure: Any
-    """Of the results, a tree with a row for each leaf."""
+
+
+class Kernel:
+    """Compiled code that is ready to run.
+
+    Args:
+        code: what lanes do.
+        structure: of the results, a tree with a row for each leaf.
+    """
+
+    def __init__(self, code: Code, structure):
+        self.code, self.structure = code, structure
+        self.machine = load(code.object_file)
 
     def workspace(self) -> "Workspace":
         return Workspace(self)
@@ -47,9 +58,10 @@ class Workspace:
     """Eight columns in which one thread works with a kernel."""
 
     def __init__(self, kernel: Kernel):
-        self._kernel = kernel
+        # The code must live as long as this.
+        self._kernel, self._code = kernel, kernel.code
         self._run = SIGNATURE(kernel.machine.address)
-        space = np.zeros(kernel.rows * PACK * 8 + ALIGNMENT, np.uint8)
+        space = np.zeros(kernel.code.rows * PACK * 8 + ALIGNMENT, np.uint8)
         start = -space.ctypes.data % ALIGNMENT
         self._work = space[start:]
         self._lanes = np.full(PACK, -1, np.int64)
@@ -68,16 +80,16 @@ class Workspace:
             Names of the lanes that have ended, and their results
             `(result_rows, ended)`.
         """
-        kernel = self._kernel
+        code = self._code
         names = np.ascontiguousarray(names, np.int64)
         inputs = np.ascontiguousarray(inputs, float)
-        if inputs.shape != (kernel.input_rows, len(names)):
+        if inputs.shape != (code.input_rows, len(names)):
             raise ValueError(
                 f"got inputs of shape {inputs.shape}, need "
-                f"{(kernel.input_rows, len(names))}, a row for each and a column a lane"
+                f"{(code.input_rows, len(names))}, a row for each and a column a lane"
             )
         room = len(names) + PACK
-        results = np.empty((kernel.result_rows, room))
+        results = np.empty((code.result_rows, room))
         ended = np.empty(room, np.int64)
         count = self._run(
             *(inputs.ctypes.data, len(names), names.ctypes.data),
@@ -88,6 +100,14 @@ class Workspace:
 
 
 def compile_kernel(begin: Callable, step: Callable, finish: Callable, inputs) -> Kernel:
+    """Compile what lanes do, ready to run; see `compile_code`."""
+    code = compile_code(begin, step, finish, inputs)
+    state = jax.eval_shape(begin, inputs)
+    results = jax.eval_shape(finish, inputs, state)
+    return Kernel(code, jax.tree.structure(results))
+
+
+def compile_code(begin: Callable, step: Callable, finish: Callable, inputs) -> Code:
     """Compile what lanes do.
 
     Args:
@@ -110,12 +130,8 @@ def compile_kernel(begin: Callable, step: Callable, finish: Callable, inputs) ->
         _written("finish", trace_finish, 0, at_results),
         write_driver(input_rows, at_results, result_rows),
     ]
-    return Kernel(
-        compile_text("\n".join(text)),
-        input_rows,
-        result_rows,
-        at_results + result_rows,
-        jax.tree.structure(results),
+    return Code(
+        compile_text("\n".join(text)), input_rows, result_rows, at_results + result_rows
     )
 
 
