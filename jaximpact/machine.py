@@ -2,14 +2,19 @@
 
 import functools
 import hashlib
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Bool
 
 from .accuracy import Accuracy
 from .block import Block
-from .lanes import start_lanes, step_lanes
+from .dependence import depends
+from .lanes import Lanes, start_lanes, step_lanes
 from .laws import Laws
 from .native import Code, Kernel, compile_code, host, kept
 from .problem import Assembly
@@ -24,44 +29,150 @@ def computes_on_cpu() -> bool:
     return jax.default_backend() == "cpu"
 
 
-@functools.lru_cache(maxsize=16)
-def compile_native(assembly: Assembly) -> Kernel:
+@functools.lru_cache(maxsize=32)
+def compile_native(assembly: Assembly, varied: tuple[int, ...] | None = None) -> Kernel:
     """Machine code for an assembly of the model, from scenes, tolerance and floor.
+
+    Args:
+        varied: leaves of the scene by which to differentiate, if any. Results are then
+            a pair: numbers, and numbers of arrays with an entry for each of them.
 
     Raises NotImplementedError if its laws do what has no native code.
     """
-    structure = jax.tree.structure(numbers_of_no_value(assembly.ledger))
+    of_lane = numbers_of_no_value(assembly.ledger)
+    if varied is not None:
+        of_lane = of_lane, jax.tree.map(lambda x: [x] * len(varied), of_lane)
+    structure = jax.tree.structure(of_lane)
+
+    def compile_lanes() -> Code:
+        one = jax.ShapeDtypeStruct((1,), float)
+        scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
+        inputs = scenes, one, one
+        of_lanes = _Lanes(assembly)
+        if varied is not None:
+            of_lanes = _Varied(assembly, varied, inputs)
+        return compile_code(of_lanes.begin, of_lanes.step, of_lanes.finish, inputs)
+
     if assembly.laws != Laws():
         # Functions of the user's own have no key.
-        return Kernel(_compile(assembly), structure)
-    return Kernel(kept(_key(assembly), lambda: _compile(assembly)), structure)
+        return Kernel(compile_lanes(), structure)
+    return Kernel(kept(_key(assembly, varied), compile_lanes), structure)
 
 
-def _key(assembly: Assembly) -> str:
+def _key(assembly: Assembly, varied: tuple[int, ...] | None) -> str:
     """Names all that the code of an assembly of the usual laws depends on."""
     digest = hashlib.sha256()
     for path in sorted(Path(__file__).parent.rglob("*")):
         if path.suffix in (".py", ".ll"):
             digest.update(path.read_bytes())
-    choices = assembly._replace(laws=None)
+    choices = assembly._replace(laws=None), varied
     return repr((choices, host(), versions(), digest.hexdigest()))
 
 
-def _compile(assembly: Assembly) -> Code:
-    def begin(inputs):
-        scenes, tolerance, floor = inputs
-        return start_lanes(assembly, scenes, tolerance[0], floor[0])
+class _Lanes(NamedTuple):
+    """What lanes do."""
 
-    def step(lanes):
+    assembly: Assembly
+
+    def begin(self, inputs) -> Lanes:
+        scenes, tolerance, floor = inputs
+        return start_lanes(self.assembly, scenes, tolerance[0], floor[0])
+
+    def step(self, lanes: Lanes) -> tuple[Lanes, Bool[Array, " lanes"]]:
         lanes = step_lanes(lanes)
         return lanes, lanes.going
 
-    def finish(inputs, lanes):
+    def finish(self, inputs, lanes: Lanes) -> Numbers:
         return summarise_lanes(inputs[0], lanes)
 
-    one = jax.ShapeDtypeStruct((1,), float)
-    scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
-    return compile_code(begin, step, finish, (scenes, one, one))
+
+class _Varied:
+    """What lanes do, and the derivatives of what they have come to.
+
+    Of the state, course and constants of the problem are differentiated; widths of
+    steps, and with them the time, are not. Derivatives are kept for one varied leaf
+    after another, as lists of those leaves of the lanes that change with it.
+    """
+
+    def __init__(self, assembly: Assembly, varied: tuple[int, ...], inputs):
+        self.lanes, self.varied = _Lanes(assembly), varied
+        traced, lanes = jax.make_jaxpr(self.lanes.begin, return_shape=True)(inputs)
+        self.changing = [_changing(traced, lanes, place) for place in varied]
+
+    def begin(self, inputs):
+        slopes = []
+        for place, changing in zip(self.varied, self.changing, strict=True):
+
+            def of_leaf(value, place=place, changing=changing):
+                lanes = self.lanes.begin(_with_leaves(inputs, [place], [value]))
+                return _leaves(lanes, changing)
+
+            slopes.append(_slope(of_leaf, _leaves(inputs, [place]), [jnp.ones(1)]))
+        return self.lanes.begin(inputs), slopes
+
+    def step(self, state):
+        lanes, slopes = state
+        after, going = self.lanes.step(lanes)
+        slopes_after = []
+        for slope, changing in zip(slopes, self.changing, strict=True):
+
+            def of_changing(*values, changing=changing):
+                after, _ = self.lanes.step(_with_leaves(lanes, changing, values))
+                return _leaves(after, changing)
+
+            slopes_after.append(_slope(of_changing, _leaves(lanes, changing), slope))
+        return (after, slopes_after), going
+
+    def finish(self, inputs, state):
+        lanes, slopes = state
+        columns = []
+        for place, changing, slope in zip(
+            self.varied, self.changing, slopes, strict=True
+        ):
+
+            def of_both(value, *values, place=place, changing=changing):
+                return self.lanes.finish(
+                    _with_leaves(inputs, [place], [value]),
+                    _with_leaves(lanes, changing, values),
+                )
+
+            both = _leaves(inputs, [place]) + _leaves(lanes, changing)
+            columns.append(_slope(of_both, both, [jnp.ones(1), *slope]))
+        numbers = self.lanes.finish(inputs, lanes)
+        return numbers, jax.tree.map(lambda *entries: list(entries), *columns)
+
+
+def _changing(traced, lanes: Lanes, place: int) -> list[int]:
+    """Leaves of lanes that change with a leaf of their inputs, in their course or, as
+    constants, from the start."""
+    varied = [i == place for i in range(len(traced.in_avals))]
+    from_start = depends(traced.jaxpr, varied)
+    course = {id(leaf) for leaf in jax.tree.leaves(lanes.course)}
+    constants = {id(leaf) for leaf in jax.tree.leaves(lanes.problem)}
+    return [
+        i
+        for i, leaf in enumerate(jax.tree.leaves(lanes))
+        if jnp.issubdtype(leaf.dtype, jnp.inexact)
+        and (id(leaf) in course or (id(leaf) in constants and from_start[i]))
+    ]
+
+
+def _leaves(tree, places: list[int]) -> list[Array]:
+    leaves = jax.tree.leaves(tree)
+    return [leaves[place] for place in places]
+
+
+def _with_leaves(tree, places: list[int], values):
+    """The tree with other values of some leaves."""
+    leaves, structure = jax.tree.flatten(tree)
+    for place, value in zip(places, values, strict=True):
+        leaves[place] = value
+    return jax.tree.unflatten(structure, leaves)
+
+
+def _slope(function: Callable, values: list[Array], slopes: list[Array]):
+    """Derivative of a function along the slopes of its arguments."""
+    return jax.jvp(function, values, slopes)[1]
 
 
 def kernel_inputs(scene: Scene, accuracy: Accuracy) -> list[np.ndarray]:
@@ -71,12 +182,17 @@ def kernel_inputs(scene: Scene, accuracy: Accuracy) -> list[np.ndarray]:
     return [*jax.tree.leaves(scene), *setting]
 
 
-def solve_alone(assembly: Assembly, scene: Scene, accuracy: Accuracy) -> Numbers:
-    """Numbers of one impact.
+def solve_alone(
+    assembly: Assembly, inputs: list, varied: tuple[int, ...] | None = None
+):
+    """Numbers of one impact; with `varied` a pair, see `compile_native`.
+
+    Args:
+        inputs: leaves of the scene, tolerance and floor: scalars.
 
     Raises NotImplementedError if the laws do what has no machine code.
     """
-    kernel = compile_native(assembly)
-    inputs = np.stack(kernel_inputs(scene, accuracy))[:, None]
-    _, results = kernel.workspace().run(np.zeros(1, int), inputs, wait=False)
+    kernel = compile_native(assembly, varied)
+    column = np.array(inputs, float)[:, None]
+    _, results = kernel.workspace().run(np.zeros(1, int), column, wait=False)
     return jax.tree.unflatten(kernel.structure, list(results[:, 0]))

@@ -4,7 +4,7 @@
 integration, for those inputs only that are being differentiated (`jax.custom_jvp` with
 symbolic zeros), and what remains is linear, so JAX can transpose it: `jax.grad` costs
 as much as `jax.jacfwd` does, in proportion to the number of scene parameters that vary.
-Where nothing is being differentiated or batched, the impact runs in machine code.
+What is not inside `jit` or `vmap` runs in machine code on a CPU.
 """
 
 import contextlib
@@ -76,6 +76,9 @@ _compiled_with_columns = unfused_jit(_compute_with_columns, static_argnums=(0, 1
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
 def _solve(assembly, structure, leaves, tolerance, floor):
+    found = _in_machine_code(assembly, leaves, tolerance, floor)
+    if found is not None:
+        return found
     return _compiled(assembly, structure, leaves, tolerance, floor)
 
 
@@ -87,15 +90,43 @@ def _solve_jvp(assembly, structure, primals, tangents):
         for place, tangent in enumerate(tangents[0])
         if not isinstance(tangent, SymbolicZero)
     )
-    numbers, columns = _compiled_with_columns(
-        assembly, structure, varied, leaves, tolerance, floor
-    )
+    found = _in_machine_code(assembly, leaves, tolerance, floor, varied)
+    if found is None:
+        found = _compiled_with_columns(
+            assembly, structure, varied, leaves, tolerance, floor
+        )
+    numbers, columns = found
     steps = [tangents[0][place] for place in varied]
+    return numbers, _along(_by_leaf(columns, len(varied)), steps)
 
-    def along(*derivatives):
+
+@jax.jit
+def _along(columns: list[Numbers], steps: list) -> Numbers:
+    """Change of the numbers, by steps of the leaves. (`jit`: one operation in place of
+    hundreds where it is called outside.)"""
+
+    def of_result(*derivatives):
         return sum(d * step for d, step in zip(derivatives, steps, strict=True))
 
-    return numbers, jax.tree.map(along, *_by_leaf(columns, len(varied)))
+    return jax.tree.map(of_result, *columns)
+
+
+MOST_VARIED = 4
+"""Leaves by which machine code differentiates; it is made for each choice of them, and
+takes some seconds for each leaf."""
+
+
+def _in_machine_code(assembly, leaves, tolerance, floor, varied=None):
+    """Numbers, with `varied` also their derivatives by these leaves. None where there
+    is no machine code: for another device, for laws that have none, while something is
+    being traced, and for many leaves."""
+    inputs = [*leaves, tolerance, floor]
+    traced = any(isinstance(x, jax.core.Tracer) for x in inputs)
+    if traced or not computes_on_cpu() or len(varied or ()) > MOST_VARIED:
+        return None
+    with contextlib.suppress(NotImplementedError):
+        return jax.device_put(solve_alone(assembly, inputs, varied))
+    return None
 
 
 def _by_leaf(columns, count):
@@ -109,17 +140,10 @@ def _by_leaf(columns, count):
 
 def solve_scene(scene: Scene, accuracy: Accuracy, laws: Laws) -> Numbers:
     """Numbers of one scene, compiled, differentiable in both modes."""
-    assembly = assemble(scene, laws)
     leaves, structure = jax.tree.flatten(scene)
-    varies = any(isinstance(leaf, jax.core.Tracer) for leaf in leaves)
-    if computes_on_cpu() and not varies:
-        # Laws of the user's own may do anything.
-        with contextlib.suppress(NotImplementedError):
-            numbers = solve_alone(assembly, scene, accuracy)
-            return jax.tree.map(jnp.asarray, numbers)
     tolerance = jnp.asarray(accuracy.tolerance)
     floor = jnp.asarray(accuracy.floor)
-    return _solve(assembly, structure, leaves, tolerance, floor)
+    return _solve(assemble(scene, laws), structure, leaves, tolerance, floor)
 
 
 class ImpactResult(Numbers):

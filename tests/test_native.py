@@ -7,7 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaximpact import Block, Impact, Scene, Soil, batch, simulate_batch
+from jaximpact import Block, Impact, Scene, Soil, batch, simulate, simulate_batch
+from jaximpact.dependence import depends
 from jaximpact.laws import Laws
 from jaximpact.machine import compile_native
 from jaximpact.model import MODELS
@@ -315,3 +316,41 @@ def test_laws_without_native_code_run_by_xla():
     assert timing["engine"] == "machine code"
     # To the error of "fast".
     np.testing.assert_allclose(other.e_bar, result.e_bar, atol=5e-4)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.2])
+def test_derivatives_as_by_xla(damping, monkeypatch):
+    block = Block(aspect_ratio=2.0)
+    impact = Impact(angle=0.5, orientation=0.3, angular_velocity=-5.0)
+
+    def results(parameters):
+        gamma_v, speed = parameters
+        moved = dataclasses.replace(impact, speed=speed)
+        result = simulate(block, Soil(gamma_v=gamma_v, eta_N=damping), moved)
+        return jnp.stack([result.e_n, result.max_moment, result.duration])
+
+    at = jnp.array([8.7, 14.0])
+    mine, along = jax.jacfwd(results)(at), jax.jvp(results, (at,), (at,))[1]
+    back = jax.vjp(results, at)[1](jnp.ones(3))[0]
+    # linear in both modes, to rounding
+    np.testing.assert_allclose(along, mine @ at, rtol=1e-12)
+    np.testing.assert_allclose(back, mine.sum(axis=0), rtol=1e-12)
+    monkeypatch.setattr("jaximpact.simulation.computes_on_cpu", lambda: False)
+    theirs = jax.jacfwd(results)(at)
+    # Rounding changes the steps: equal to the error of derivatives at "balanced".
+    np.testing.assert_allclose(mine, theirs, rtol=1e-3)
+
+
+def test_dependence_is_seen_through_calls():
+    @jax.jit
+    def inner(a, b):
+        return 2.0 * a, a + b
+
+    def function(a, b, c):
+        first, second = inner(a, b)
+        return first, second, c, jax.lax.stop_gradient(b) + c
+
+    traced = jax.make_jaxpr(function)(1.0, 2.0, 3.0).jaxpr
+    assert depends(traced, [True, False, False]) == [True, True, False, False]
+    assert depends(traced, [False, True, False]) == [False, True, False, False]
+    assert depends(traced, [False, False, True]) == [False, False, True, True]
