@@ -2,109 +2,41 @@
 
 Each worker keeps so many lanes going, and a lane that has ended gives its place to the
 next scene, so that no lane waits for the slowest. On a CPU lanes run in machine code of
-our own (`native`). On other devices, and for laws that have no machine code, XLA's
-programs march them some steps at a time; lanes that have ended change places with such
-as wait at their start, and once all that waited have ended their results are worked out
-together.
+our own (`machine`); on other devices, and for laws that have none, in XLA's programs
+(`marching`).
 """
 
 import concurrent.futures
 import contextlib
 import dataclasses
-import functools
 import hashlib
-import os
 import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from .block import Block
 from .checks import check_scene
-from .compilation import compile_unfused
 from .journal import Journal
-from .lanes import Lanes, march, start_lanes
 from .laws import Laws
-from .machine import compile_native, computes_on_cpu, kernel_inputs
+from .machine import NativeWorker, compile_native, computes_on_cpu
+from .marching import (
+    CORES,
+    MarchingWorker,
+    compile_programs,
+    lanes_of_worker,
+    worker_devices,
+)
 from .model import MODELS, model_places
-from .native import Kernel
 from .precision import require_float64
 from .problem import Assembly
 from .provenance import versions
-from .scene import Impact, Scene
+from .scene import Scene
 from .simulation import ImpactResult
-from .soil import Soil
-from .summary import Numbers, numbers_of_no_value, summarise_lanes
-
-WIDTH, SMALL_WIDTH = 512, 32
-"""Impacts that a worker integrates side by side: fewer waste time on dispatch, more on
-memory. Up to 32 impacts a core take the small program, whose steps are shorter."""
-WIDTH_OF_ACCELERATOR = 32_768
-"""The same on a GPU, which has that many threads; not measured."""
-CORES = os.cpu_count() or 1
-STEPS = 16
-"""Steps between two looks at which lanes have ended."""
-NATIVE_PART = 128
-"""Impacts that a worker takes at a time in machine code, some 10 ms of work."""
-
-
-class Programs(NamedTuple):
-    """What a worker runs, compiled for one width."""
-
-    width: int
-    start: Callable[..., Lanes]
-    """From scenes, tolerance and floor."""
-    march: Callable[[Lanes], Lanes]
-    exchange: Callable[..., tuple[Lanes, Lanes]]
-    """Permutes the lanes of two sets: `(going, waiting, order)`."""
-    finish: Callable[[Scene, Lanes], Numbers]
-
-
-@functools.lru_cache(maxsize=64)
-def compile_programs(assembly: Assembly, width: int, device: jax.Device) -> Programs:
-    """The programs of an assembly of the model."""
-    on_device = jax.sharding.SingleDeviceSharding(device)
-
-    def start(scenes, tolerance, floor):
-        return start_lanes(assembly, scenes, tolerance, floor)
-
-    def exchange(going, waiting, order):
-        both = jax.tree.map(
-            lambda a, b: jnp.take(jnp.concatenate([a, b], -1), order, -1),
-            going,
-            waiting,
-        )
-        return (
-            jax.tree.map(lambda x: x[..., :width], both),
-            jax.tree.map(lambda x: x[..., width:], both),
-        )
-
-    def there(shapes):
-        return jax.tree.map(
-            lambda x: jax.ShapeDtypeStruct(x.shape, x.dtype, sharding=on_device), shapes
-        )
-
-    scenes = there(
-        jax.tree.map(
-            lambda _: jax.ShapeDtypeStruct((width,), float),
-            Scene(Block(), Soil(), Impact()),
-        )
-    )
-    lanes = there(jax.eval_shape(start, scenes, 1.0, 1.0))
-    order = there(jax.ShapeDtypeStruct((2 * width,), int))
-    return Programs(
-        width,
-        compile_unfused(start, scenes, 1.0, 1.0),
-        compile_unfused(lambda lanes: march(lanes, STEPS), lanes),
-        compile_unfused(exchange, lanes, lanes, order),
-        compile_unfused(summarise_lanes, scenes, lanes),
-    )
+from .summary import Numbers, numbers_of_no_value
 
 
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
@@ -137,120 +69,6 @@ def order_by_effort(scene: Scene) -> np.ndarray:
     speed = np.asarray(scene.impact.speed) * np.cos(np.asarray(scene.impact.angle))
     size = np.cbrt(np.asarray(scene.block.mass) / np.asarray(scene.block.density))
     return np.argsort(speed / np.sqrt(size), kind="stable")
-
-
-class Part(NamedTuple):
-    """Scenes that wait to be integrated, or have been, with the lanes they took."""
-
-    places: np.ndarray
-    """Where each belongs in the batch; -1 for a lane that only fills up."""
-    scenes: Scene
-    lanes: Lanes
-
-
-class NativeWorker:
-    """Integrates parts of a batch, as it gets them, in machine code."""
-
-    engine = "machine code"
-    part = NATIVE_PART
-
-    def __init__(self, kernel: Kernel, scene: Scene, accuracy: Accuracy):
-        self.kernel = kernel
-        self.rows = kernel_inputs(scene, accuracy)
-
-    def run(
-        self, parts: Iterator[np.ndarray], stop: threading.Event
-    ) -> Iterator[tuple[np.ndarray, Numbers]]:
-        """Results of the parts, in the order in which lanes come to their ends."""
-        workspace, nothing = self.kernel.workspace(), np.zeros(0, int)
-        more = True
-        while more and not stop.is_set():
-            places = next(parts, nothing)
-            more = len(places) > 0
-            inputs = np.stack([row[places] for row in self.rows])
-            ended, results = workspace.run(places, inputs, wait=more)
-            if len(ended):
-                yield ended, jax.tree.unflatten(self.kernel.structure, list(results))
-
-
-class Worker:
-    """Integrates parts of a batch, as it gets them, in XLA's programs."""
-
-    engine = "XLA"
-
-    def __init__(self, programs: Programs, scene: Scene, accuracy: Accuracy):
-        self.programs, self.scene, self.accuracy = programs, scene, accuracy
-        self.part = programs.width
-
-    def start(self, places: np.ndarray) -> Part:
-        """A part at the start; filled up with copies of its scenes, which do not
-        count."""
-        width = self.programs.width
-        filled = np.resize(places, width)
-        scenes = jax.tree.map(lambda leaf: np.asarray(leaf[filled]), self.scene)
-        setting = self.accuracy
-        lanes = self.programs.start(scenes, setting.tolerance, setting.floor)
-        counted = np.where(np.arange(width) < len(places), filled, -1)
-        return Part(counted, scenes, lanes)
-
-    def finish(self, part: Part) -> tuple[np.ndarray, Numbers]:
-        """Places and results of a part none of whose lanes is going."""
-        numbers = self.programs.finish(part.scenes, part.lanes)
-        counted = part.places >= 0
-        return part.places[counted], jax.tree.map(
-            lambda x: np.asarray(x)[counted], numbers
-        )
-
-    def run(
-        self, parts: Iterator[np.ndarray], stop: threading.Event
-    ) -> Iterator[tuple[np.ndarray, Numbers]]:
-        """Results of the parts, in the order in which lanes come to their ends."""
-        first = next(parts, None)
-        if first is None:
-            return
-        going, waiting = self.start(first), None
-        width = self.programs.width
-        fresh = np.zeros(width, bool)  # lanes of `waiting` that are still to be run
-        while not stop.is_set():
-            lanes = self.programs.march(going.lanes)
-            going = going._replace(lanes=lanes)
-            ended = ~np.asarray(lanes.going)
-            if waiting is None:
-                if np.all(ended):
-                    yield self.finish(going)
-                    return
-                if np.sum(ended) < width // 8:
-                    continue
-                places = next(parts, None)
-                if places is None:
-                    continue
-                waiting = self.start(places)
-                fresh = waiting.places >= 0
-            leave, enter = np.flatnonzero(ended), np.flatnonzero(fresh)
-            count = min(len(leave), len(enter))
-            if count:
-                going, waiting = self._swap(
-                    going, waiting, leave[:count], enter[:count]
-                )
-                fresh[enter[:count]] = False
-            if not np.any(fresh):
-                yield self.finish(waiting)
-                waiting = None
-
-    def _swap(self, going: Part, waiting: Part, leave, enter) -> tuple[Part, Part]:
-        width = self.programs.width
-        order = np.arange(2 * width)
-        order[leave], order[width + enter] = width + enter, leave
-        lanes = self.programs.exchange(going.lanes, waiting.lanes, order)
-
-        both = jax.tree.map(
-            lambda a, b: np.concatenate([a, b])[order], going[:2], waiting[:2]
-        )
-        halves = slice(width), slice(width, None)
-        return tuple(
-            Part(*jax.tree.map(lambda x, half=half: x[half], both), of_half)
-            for half, of_half in zip(halves, lanes, strict=True)
-        )
 
 
 def simulate_batch(
@@ -397,7 +215,7 @@ def _run(
 
 def _workers(
     scene: Scene, assembly: Assembly, chosen: np.ndarray, accuracy: Accuracy
-) -> list[NativeWorker] | list[Worker]:
+) -> list[NativeWorker] | list[MarchingWorker]:
     """Workers for the chosen scenes, with what they run compiled."""
     if computes_on_cpu():
         # Laws of the user's own may do anything.
@@ -411,27 +229,13 @@ def _workers(
             lambda device: compile_programs(assembly, width, device), different
         )
         programs = dict(zip(different, compiled, strict=True))
-    return [Worker(programs[device], scene, accuracy) for device in devices]
-
-
-def worker_devices() -> list[jax.Device]:
-    """The device of each worker: a processor has one a core, of several devices each
-    has one."""
-    devices = jax.local_devices()
-    if len(devices) == 1 and devices[0].platform == "cpu":
-        return devices * CORES
-    return devices
-
-
-def lanes_of_worker(count: int, devices: list[jax.Device]) -> int:
-    """Lanes of each worker's programs, for so many scenes in all."""
-    small = count <= SMALL_WIDTH * len(devices)
-    wide = WIDTH if devices[0].platform == "cpu" else WIDTH_OF_ACCELERATOR
-    return SMALL_WIDTH if small else wide
+    return [MarchingWorker(programs[device], scene, accuracy) for device in devices]
 
 
 def _run_side_by_side(
-    workers: list[NativeWorker] | list[Worker], chosen: np.ndarray, keep: Callable
+    workers: list[NativeWorker] | list[MarchingWorker],
+    chosen: np.ndarray,
+    keep: Callable,
 ) -> None:
     """Let workers, each in its thread, take parts of the chosen scenes until none are
     left."""
@@ -448,7 +252,7 @@ def _run_side_by_side(
                 return
             yield part
 
-    def work(worker: NativeWorker | Worker) -> None:
+    def work(worker: NativeWorker | MarchingWorker) -> None:
         for places, numbers in worker.run(take(), stop):
             keep(places, numbers)
 

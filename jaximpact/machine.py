@@ -2,7 +2,8 @@
 
 import functools
 import hashlib
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,6 +23,9 @@ from .provenance import versions
 from .scene import Impact, Scene
 from .soil import Soil
 from .summary import Numbers, numbers_of_no_value, summarise_lanes
+
+NATIVE_PART = 128
+"""Impacts that a worker takes at a time in machine code, some 10 ms of work."""
 
 
 def computes_on_cpu() -> bool:
@@ -196,3 +200,28 @@ def solve_alone(
     column = np.array(inputs, float)[:, None]
     _, results = kernel.workspace().run(np.zeros(1, int), column, wait=False)
     return jax.tree.unflatten(kernel.structure, list(results[:, 0]))
+
+
+class NativeWorker:
+    """Integrates parts of a batch, as it gets them, in machine code."""
+
+    engine = "machine code"
+    part = NATIVE_PART
+
+    def __init__(self, kernel: Kernel, scene: Scene, accuracy: Accuracy):
+        self.kernel = kernel
+        self.rows = kernel_inputs(scene, accuracy)
+
+    def run(
+        self, parts: Iterator[np.ndarray], stop: threading.Event
+    ) -> Iterator[tuple[np.ndarray, Numbers]]:
+        """Results of the parts, in the order in which lanes come to their ends."""
+        workspace, nothing = self.kernel.workspace(), np.zeros(0, int)
+        more = True
+        while more and not stop.is_set():
+            places = next(parts, nothing)
+            more = len(places) > 0
+            inputs = np.stack([row[places] for row in self.rows])
+            ended, results = workspace.run(places, inputs, wait=more)
+            if len(ended):
+                yield ended, jax.tree.unflatten(self.kernel.structure, list(results))

@@ -97,6 +97,10 @@ LOADS = ("elastic_normal", "elastic_tangential", "elastic_rotation", *FORCES)
 """Unknowns that carry the load."""
 
 
+EARLY, EARLY_TOLERANCE = 0.1, 0.03
+"""Penetration by R up to which errors count less, and the most that may be allowed."""
+
+
 class Observed(NamedTuple):
     """Quantities whose largest value over the impact is wanted."""
 
@@ -134,17 +138,29 @@ class Problem(eqx.Module):
     max_steps: int = eqx.field(static=True)
 
     def allowed_error(self, size, largest_force) -> Float[Array, " n"]:
-        """Error of each unknown that a step may make: `tolerance (size + floor scale)`.
+        """Error of each unknown that a step may make: `tolerance (size + floor scale)`,
+        and more at the onset.
 
         What carries the load grows from a billionth of its scale. Were its errors at
         the onset measured by what it comes to, moment and shear would be noise there,
         and the load so far outside the surface that no step finds back; so the part of
         the scale is at most a tenth of what the normal force has come to.
+
+        What is wrong early is small beside what comes later. So the tolerance is that
+        given times sqrt(u / u_n) up to a penetration u, the lesser of 0.1 R and of what
+        an elastic impact comes to, though no more than 3 percent. It saves one step in
+        six.
         """
+        penetration = size[self.model.unknowns.index("penetration")]
+        elastic = self.scale[self.model.unknowns.index("elastic_normal")]
+        late = jnp.minimum(EARLY * self.ground.axes.minor, elastic)
+        most = jnp.maximum(1.0, EARLY_TOLERANCE / self.tolerance)
+        early = jnp.sqrt(late / jnp.maximum(penetration, 1e-30))
+        early = jnp.clip(early, 1.0, most)
         share = self.tolerance * self.floor
         reached = jax.lax.stop_gradient(largest_force / self.force_scale)
         load_share = jnp.minimum(share, 0.1 * reached)
-        return jnp.stack(
+        return early * jnp.stack(
             [
                 self.tolerance * size[row]
                 + (load_share if name in LOADS else share) * self.scale[row]

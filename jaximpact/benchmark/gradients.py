@@ -9,9 +9,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..batch import CORES
 from ..compilation import unfused_jit
 from ..laws import Laws
+from ..marching import CORES
 from ..model import MODELS, Model, model_places
 from ..problem import Assembly
 from ..scene import Scene
