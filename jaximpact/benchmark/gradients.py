@@ -2,26 +2,25 @@
 
 import concurrent.futures
 import dataclasses
-import functools
 import time
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..compilation import unfused_jit
+from ..accuracy import Accuracy
+from ..block import Block
 from ..laws import Laws
+from ..machine import compile_native, solve_side_by_side
 from ..marching import CORES
-from ..model import MODELS, Model, model_places
+from ..model import MODELS, model_places
 from ..problem import Assembly
-from ..scene import Scene
-from ..simulation import compute_lanes
+from ..scene import Impact, Scene
+from ..soil import Soil
 from .methods import EXACT, FLOOR, Method, count_of
 from .scenes import choose
 
 PARAMETERS = ("k_E", "gamma_v", "c_v")
-LANES = 32
-"""Impacts differentiated side by side."""
 
 
 def shifted(scenes: Scene, shift) -> Scene:
@@ -34,18 +33,6 @@ def shifted(scenes: Scene, shift) -> Scene:
     return Scene(scenes.block, soil, scenes.impact)
 
 
-@functools.cache
-def _compiled(model: Model):
-    assembly = Assembly(Laws(), model, ledger=False)
-
-    def e_n(shift, scenes, tolerance):
-        value = compute_lanes(assembly, shifted(scenes, shift), tolerance, FLOOR).e_n
-        return value, value
-
-    # The shift is common to all lanes, so each lane's derivative is its own.
-    return unfused_jit(jax.jacfwd(e_n, has_aux=True))
-
-
 def forward_gradient(
     scenes: Scene, batch: bool, tolerance: float
 ) -> tuple[np.ndarray, float]:
@@ -53,29 +40,38 @@ def forward_gradient(
 
     Each scene with the cheapest model that is exact, as in `simulate`.
     """
-    size = LANES if batch else 1
+    accuracy = Accuracy("measured", tolerance, FLOOR)
+    varied = tuple(_leaf_places().index(name) for name in PARAMETERS)
     places = model_places(scenes)
-    parts = []
+    kernels, parts = {}, []
     for place in np.unique(places):
+        assembly = Assembly(Laws(), MODELS[place], ledger=False)
+        kernels[place] = compile_native(assembly, varied)
         own = np.flatnonzero(places == place)
-        function = _compiled(MODELS[int(place)])
-        for first in range(0, len(own), size):
-            parts.append((function, own[first : first + size]))
+        pieces = CORES if batch else len(own)
+        parts += [(place, piece) for piece in np.array_split(own, pieces) if len(piece)]
 
-    def compute(part):
-        function, own = part
-        here = choose(scenes, np.resize(own, size))
-        derivative, _ = function(jnp.zeros(len(PARAMETERS)), here, tolerance)
-        return np.asarray(derivative)[: len(own)]
+    def compute(part) -> np.ndarray:
+        place, own = part
+        here = choose(scenes, own)
+        _, columns = solve_side_by_side(kernels[place], here, accuracy)
+        # By the parameter's logarithm
+        values = [getattr(here.soil, name) for name in PARAMETERS]
+        return np.stack(columns.e_n, axis=1) * np.stack(values, axis=1)
 
-    for function in {part[0] for part in parts}:
-        compute((function, parts[0][1]))  # compiles
     found = np.empty((count_of(scenes), len(PARAMETERS)))
     begin = time.perf_counter()
     with concurrent.futures.ThreadPoolExecutor(CORES if batch else 1) as pool:
         for (_, own), values in zip(parts, pool.map(compute, parts), strict=True):
             found[own] = values
     return found, time.perf_counter() - begin
+
+
+def _leaf_places() -> list[str]:
+    """Names of the scene's leaves, in their order."""
+    scene = Scene(Block(), Soil(), Impact())
+    paths, _ = zip(*jax.tree_util.tree_flatten_with_path(scene)[0], strict=True)
+    return [path[-1].name for path in paths]
 
 
 def difference_gradient(

@@ -6,33 +6,30 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..accuracy import PRESETS
-from ..compilation import unfused_jit
+from ..accuracy import PRESETS, Accuracy
 from ..laws import Laws
+from ..machine import compile_native, solve_side_by_side
 from ..model import MODELS, PLANAR, Model
 from ..plotting import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from ..problem import Assembly
 from ..scene import Scene
-from ..simulation import compute_lanes
 from .measuring import error_figures, interleaved_minima
-from .scenes import SETS, choose, parametric_scenes
+from .methods import EXACT
+from .scenes import SETS, parametric_scenes
 from .section import Bench, Row, Section
 from .style import legend_of, log_axes
 
-LANES = 64
-"""Impacts side by side; all wait for the slowest."""
 SHOWN = ("fast", "balanced")
 COLOURS = (SKY, GREEN, BLUE, VERMILION, ORANGE, PURPLE)
 
-Rung = Callable[[Scene, float, float], np.ndarray]
-"""e_n of scenes `(lanes,)`, from scenes, tolerance and floor."""
+Rung = Callable[[Scene, Accuracy], np.ndarray]
+"""e_n of scenes `(lanes,)`."""
 
 
 def rung_of(model: Model) -> Rung:
     """A model by the unknowns that it integrates."""
-    assembly = Assembly(Laws(), model, ledger=False)
-    compiled = unfused_jit(lambda *given: compute_lanes(assembly, *given).e_n)
-    return lambda *given: np.asarray(compiled(*given))
+    kernel = compile_native(Assembly(Laws(), model, ledger=False))
+    return lambda *given: solve_side_by_side(kernel, *given).e_n
 
 
 def ladder() -> dict[str, Rung]:
@@ -53,12 +50,12 @@ def measure(bench: Bench) -> list[Row]:
         scenes = parametric_scenes(
             np.full(settings.ladder_scenes, place), settings.seed + place
         )
-        exact = in_lanes(rungs[PLANAR.name], scenes, 1e-10, 1e-2)
+        exact = rungs[PLANAR.name](scenes, EXACT)
         for model, rung in rungs.items():
             for preset in map(PRESETS.get, SHOWN):
                 bench.say(f"set {name}, {model}, {preset.name}")
-                arguments = (rung, scenes, preset.tolerance, preset.floor)
-                values = in_lanes(*arguments)
+                arguments = rung, scenes, preset
+                values = rung(scenes, preset)
                 rows.append(
                     {
                         "set": name,
@@ -76,21 +73,10 @@ def measure(bench: Bench) -> list[Row]:
     ]
 
 
-def in_lanes(rung: Rung, scenes: Scene, tolerance: float, floor: float) -> np.ndarray:
-    """e_n of any number of scenes, filled up to full lanes with copies."""
-    count = np.size(scenes.impact.speed)
-    filled = np.resize(np.arange(count), -(-count // LANES) * LANES)
-    parts = [
-        rung(choose(scenes, part), tolerance, floor)
-        for part in filled.reshape(-1, LANES)
-    ]
-    return np.concatenate(parts)[:count]
-
-
-def timed(rung: Rung, scenes: Scene, tolerance: float, floor: float) -> float:
-    """Seconds of `in_lanes`."""
+def timed(rung: Rung, scenes: Scene, accuracy: Accuracy) -> float:
+    """Seconds that a rung takes."""
     begin = time.perf_counter()
-    in_lanes(rung, scenes, tolerance, floor)
+    rung(scenes, accuracy)
     return time.perf_counter() - begin
 
 
