@@ -116,31 +116,33 @@ def simulate_batch(
     check_scene(scene, batched=True)
     scene, count = broadcast_scene(scene)
     timing = {} if timing is None else timing
-    template = numbers_of_no_value(ledger)
-    names, structure = _columns(template)
+    names, structure = _columns(numbers_of_no_value(ledger))
     numbers = np.empty((len(names), count))
     missing = np.ones(count, bool)
+    done = 0
     lock = threading.Lock()
 
     with contextlib.ExitStack() as stack:
         kept = None
         if journal is not None:
-            subject = _subject(scene, count, setting, laws)
-            subject["model_tolerance"] = model_tolerance
+            subject = _subject(scene, count, setting, laws, model_tolerance)
             kept = stack.enter_context(Journal(journal, subject, names))
             places, rows = kept.rows()
             numbers[:, places], missing[places] = rows.T, False
-            if progress is not None and len(places):
-                progress(len(places), count)
+            done = len(places)
+            if progress is not None and done:
+                progress(done, count)
 
         def keep(places: np.ndarray, of_places: Numbers) -> None:
+            nonlocal done
             rows = np.stack(jax.tree.leaves(of_places), axis=-1)
             with lock:
                 if kept is not None:
                     kept.append(places, rows)
-                numbers[:, places], missing[places] = rows.T, False
+                numbers[:, places] = rows.T
+                done += len(places)
                 if progress is not None:
-                    progress(count - int(np.sum(missing)), count)
+                    progress(done, count)
 
         wanted = order_by_effort(scene)
         wanted = wanted[missing[wanted]]
@@ -165,7 +167,9 @@ def _columns(template: Numbers) -> tuple[list[str], jax.tree_util.PyTreeDef]:
     return [jax.tree_util.keystr(path)[1:] for path, _ in leaves], structure
 
 
-def _subject(scene: Scene, count: int, accuracy: Accuracy, laws: Laws) -> dict:
+def _subject(
+    scene: Scene, count: int, accuracy: Accuracy, laws: Laws, model_tolerance: float
+) -> dict:
     """What the results depend on, ready for JSON."""
     digest = hashlib.sha256()
     for leaf in jax.tree.leaves(scene):
@@ -184,6 +188,7 @@ def _subject(scene: Scene, count: int, accuracy: Accuracy, laws: Laws) -> dict:
         "scenes": {"count": count, "sha256": digest.hexdigest()},
         "accuracy": dataclasses.asdict(accuracy),
         "laws": names,
+        "model_tolerance": model_tolerance,
         "versions": versions(),
     }
 
@@ -217,10 +222,9 @@ def _workers(
     scene: Scene, assembly: Assembly, chosen: np.ndarray, accuracy: Accuracy
 ) -> list[NativeWorker] | list[MarchingWorker]:
     """Workers for the chosen scenes, with what they run compiled."""
-    if computes_on_cpu():
-        # Laws of the user's own may do anything.
-        with contextlib.suppress(NotImplementedError):
-            return [NativeWorker(compile_native(assembly), scene, accuracy)] * CORES
+    kernel = compile_native(assembly) if computes_on_cpu() else None
+    if kernel is not None:
+        return [NativeWorker(kernel, scene, accuracy)] * CORES
     devices = worker_devices()
     width = lanes_of_worker(len(chosen), devices)
     different = list(dict.fromkeys(devices))

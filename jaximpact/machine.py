@@ -34,14 +34,15 @@ def computes_on_cpu() -> bool:
 
 
 @functools.lru_cache(maxsize=32)
-def compile_native(assembly: Assembly, varied: tuple[int, ...] | None = None) -> Kernel:
-    """Machine code for an assembly of the model, from scenes, tolerance and floor.
+def compile_native(
+    assembly: Assembly, varied: tuple[int, ...] | None = None
+) -> Kernel | None:
+    """Machine code for an assembly of the model, from scenes, tolerance and floor. None
+    if its laws, which may be the user's own, do what has no machine code.
 
     Args:
         varied: leaves of the scene by which to differentiate, if any. Results are then
             a pair: numbers, and numbers of arrays with an entry for each of them.
-
-    Raises NotImplementedError if its laws do what has no native code.
     """
     of_lane = numbers_of_no_value(assembly.ledger)
     if varied is not None:
@@ -57,20 +58,31 @@ def compile_native(assembly: Assembly, varied: tuple[int, ...] | None = None) ->
             of_lanes = _Varied(assembly, varied, inputs)
         return compile_code(of_lanes.begin, of_lanes.step, of_lanes.finish, inputs)
 
-    if assembly.laws != Laws():
-        # Functions of the user's own have no key.
-        return Kernel(compile_lanes(), structure)
-    return Kernel(kept(_key(assembly, varied), compile_lanes), structure)
+    try:
+        if assembly.laws == Laws():
+            code = kept(_key(assembly, varied), compile_lanes)
+        else:
+            # Functions of the user's own have no key.
+            code = compile_lanes()
+    except NotImplementedError:
+        return None
+    return Kernel(code, structure)
 
 
 def _key(assembly: Assembly, varied: tuple[int, ...] | None) -> str:
     """Names all that the code of an assembly of the usual laws depends on."""
+    choices = assembly._replace(laws=None), varied
+    return repr((choices, host(), *_installed()))
+
+
+@functools.cache
+def _installed() -> tuple[dict[str, str], str]:
+    """Versions, and a digest of this package's source."""
     digest = hashlib.sha256()
     for path in sorted(Path(__file__).parent.rglob("*")):
         if path.suffix in (".py", ".ll"):
             digest.update(path.read_bytes())
-    choices = assembly._replace(laws=None), varied
-    return repr((choices, host(), versions(), digest.hexdigest()))
+    return versions(), digest.hexdigest()
 
 
 class _Lanes(NamedTuple):
@@ -186,17 +198,12 @@ def kernel_inputs(scene: Scene, accuracy: Accuracy) -> list[np.ndarray]:
     return [*jax.tree.leaves(scene), *setting]
 
 
-def solve_alone(
-    assembly: Assembly, inputs: list, varied: tuple[int, ...] | None = None
-):
-    """Numbers of one impact; with `varied` a pair, see `compile_native`.
+def solve_alone(kernel: Kernel, inputs: list):
+    """Results of one impact.
 
     Args:
         inputs: leaves of the scene, tolerance and floor: scalars.
-
-    Raises NotImplementedError if the laws do what has no machine code.
     """
-    kernel = compile_native(assembly, varied)
     column = np.array(inputs, float)[:, None]
     _, results = kernel.workspace().run(np.zeros(1, int), column, wait=False)
     return jax.tree.unflatten(kernel.structure, list(results[:, 0]))

@@ -7,7 +7,6 @@ as much as `jax.jacfwd` does, in proportion to the number of scene parameters th
 What is not inside `jit` or `vmap` runs in machine code on a CPU.
 """
 
-import contextlib
 import functools
 
 import equinox as eqx
@@ -24,7 +23,7 @@ from .history import History, record_history
 from .integration import integrate
 from .lanes import march, start_lanes
 from .laws import Laws
-from .machine import computes_on_cpu, solve_alone
+from .machine import compile_native, computes_on_cpu, solve_alone
 from .outcomes import Outcome
 from .precision import require_float64
 from .problem import Assembly, assemble, pose
@@ -124,9 +123,8 @@ def _in_machine_code(assembly, leaves, tolerance, floor, varied=None):
     traced = any(isinstance(x, jax.core.Tracer) for x in inputs)
     if traced or not computes_on_cpu() or len(varied or ()) > MOST_VARIED:
         return None
-    with contextlib.suppress(NotImplementedError):
-        return jax.device_put(solve_alone(assembly, inputs, varied))
-    return None
+    kernel = compile_native(assembly, varied)
+    return None if kernel is None else jax.device_put(solve_alone(kernel, inputs))
 
 
 def _by_leaf(columns, count):

@@ -41,7 +41,7 @@ def forward_gradient(
     Each scene with the cheapest model that is exact, as in `simulate`.
     """
     accuracy = Accuracy("measured", tolerance, FLOOR)
-    varied = tuple(_leaf_places().index(name) for name in PARAMETERS)
+    varied = tuple(_leaf_names().index(name) for name in PARAMETERS)
     places = model_places(scenes)
     kernels, parts = {}, []
     for place in np.unique(places):
@@ -67,7 +67,7 @@ def forward_gradient(
     return found, time.perf_counter() - begin
 
 
-def _leaf_places() -> list[str]:
+def _leaf_names() -> list[str]:
     """Names of the scene's leaves, in their order."""
     scene = Scene(Block(), Soil(), Impact())
     paths, _ = zip(*jax.tree_util.tree_flatten_with_path(scene)[0], strict=True)
