@@ -5,13 +5,16 @@ from .batch import simulate_batch
 from .block import Block
 from .laws import Laws
 from .model import select_model
+from .netcdf import read_netcdf, write_netcdf
 from .outcomes import Outcome
+from .parametric_sets import parametric_set
 from .rebound import ConstantCoefficients, PfeifferBowen, Rebound, RigidEllipsoid
 from .restitution import energetic_coefficient, vijayakumar_coefficient
 from .scene import Impact, Scene
 from .simulation import ImpactResult, simulate
 from .soil import Soil
 from .summary import EnergyLedger
+from .sweep import repeat_sweep, sweep
 
 __all__ = [
     "PRESETS",
@@ -29,8 +32,13 @@ __all__ = [
     "Scene",
     "Soil",
     "energetic_coefficient",
+    "parametric_set",
+    "read_netcdf",
+    "repeat_sweep",
     "select_model",
     "simulate",
     "simulate_batch",
+    "sweep",
     "vijayakumar_coefficient",
+    "write_netcdf",
 ]

@@ -33,7 +33,7 @@ from .marching import (
 from .model import MODELS, model_places
 from .precision import require_float64
 from .problem import Assembly
-from .provenance import versions
+from .provenance import law_names, versions
 from .scene import Scene
 from .simulation import ImpactResult
 from .summary import Numbers, numbers_of_no_value
@@ -174,10 +174,7 @@ def _subject(
     digest = hashlib.sha256()
     for leaf in jax.tree.leaves(scene):
         digest.update(np.ascontiguousarray(leaf))
-    names = {
-        law: f"{function.__module__}.{getattr(function, '__qualname__', '<unnamed>')}"
-        for law, function in vars(laws).items()
-    }
+    names = law_names(laws)
     for law, name in names.items():
         if "<" in name:
             raise ValueError(

@@ -223,6 +223,36 @@ RESULT_COLUMNS: dict[str, ResultColumn] = {
         ResultColumn("omega_radps", "angular_velocity", "rad/s", "final spin"),
     )
 }
+FURTHER_COLUMNS: dict[str, ResultColumn] = {
+    column.name: column
+    for column in (
+        ResultColumn("e_n_vijayakumar", "e_n_vijayakumar", "-", "e_n of a rigid body"),
+        ResultColumn(
+            "max_tangential_force_N", "max_tangential_force", "N", "largest |T|"
+        ),
+        ResultColumn(
+            "time_of_max_penetration_s",
+            "time_of_max_penetration",
+            "s",
+            "when u_n is largest",
+        ),
+        ResultColumn(
+            "time_of_max_sinking_s", "time_of_max_sinking", "s", "when u_D is"
+        ),
+        ResultColumn(
+            "time_of_max_normal_force_s", "time_of_max_normal_force", "s", "when N is"
+        ),
+        ResultColumn(
+            "time_of_max_tangential_force_s",
+            "time_of_max_tangential_force",
+            "s",
+            "when |T| is",
+        ),
+        ResultColumn("time_of_max_moment_s", "time_of_max_moment", "s", "when |M| is"),
+        ResultColumn("steps", "steps", "-", "steps of the integration"),
+    )
+}
+"""Results that a table of results does not hold."""
 OUTCOME_COLUMN = "outcome"
 OUTCOME_MEANING = (
     "how it ended: detached, toppled, arrested, in contact, separating or failed"

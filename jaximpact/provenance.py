@@ -12,6 +12,7 @@ from .accuracy import Accuracy
 from .columns import INPUT_COLUMNS
 
 if TYPE_CHECKING:  # the command line names the version without loading JAX
+    from .laws import Laws
     from .scene import Scene
 
 PACKAGES = (
@@ -32,6 +33,14 @@ def versions() -> dict[str, str]:
     """Versions of Python and of the packages that a result depends on."""
     found = {"python": platform.python_version()}
     return found | {package: version_of(package) for package in PACKAGES}
+
+
+def law_names(laws: "Laws") -> dict[str, str]:
+    """Where the constitutive functions are defined: law -> module and name."""
+    return {
+        law: f"{function.__module__}.{getattr(function, '__qualname__', '<unnamed>')}"
+        for law, function in vars(laws).items()
+    }
 
 
 def scene_values(scene: "Scene") -> dict:

@@ -45,11 +45,12 @@ class Impact(eqx.Module):
 
 
 class Scene(eqx.Module):
-    """One impact to compute: which block, on which soil, arriving how."""
+    """One impact to compute: which block, on which soil, arriving how; or many, if
+    fields are arrays. What is not given has its default."""
 
-    block: Block
-    soil: Soil
-    impact: Impact
+    block: Block = eqx.field(default_factory=Block)
+    soil: Soil = eqx.field(default_factory=Soil)
+    impact: Impact = eqx.field(default_factory=Impact)
 
 
 PARTS = tuple(field.name for field in dataclasses.fields(Scene))

@@ -3,32 +3,14 @@
 import math
 
 from ..align import align
-from ..columns import OUTCOME_COLUMN, OUTCOME_MEANING, RESULT_COLUMNS, ResultColumn
+from ..columns import (
+    FURTHER_COLUMNS,
+    OUTCOME_COLUMN,
+    OUTCOME_MEANING,
+    RESULT_COLUMNS,
+)
 from ..simulation import ImpactResult
 
-FURTHER_RESULTS = (
-    ResultColumn("e_n_vijayakumar", "e_n_vijayakumar", "-", "e_n of a rigid body"),
-    ResultColumn("max_tangential_force_N", "max_tangential_force", "N", "largest |T|"),
-    ResultColumn(
-        "time_of_max_penetration_s",
-        "time_of_max_penetration",
-        "s",
-        "when u_n is largest",
-    ),
-    ResultColumn("time_of_max_sinking_s", "time_of_max_sinking", "s", "when u_D is"),
-    ResultColumn(
-        "time_of_max_normal_force_s", "time_of_max_normal_force", "s", "when N is"
-    ),
-    ResultColumn(
-        "time_of_max_tangential_force_s",
-        "time_of_max_tangential_force",
-        "s",
-        "when |T| is",
-    ),
-    ResultColumn("time_of_max_moment_s", "time_of_max_moment", "s", "when |M| is"),
-    ResultColumn("steps", "steps", "-", "steps of the integration"),
-)
-"""Results that a table of results does not hold."""
 ENERGY_ITEMS = {
     "kinetic_in": "kinetic energy at impact",
     "gravity": "work of gravity",
@@ -45,7 +27,7 @@ ENERGY_ITEMS = {
 
 def as_text(result: ImpactResult) -> str:
     """Every result and the energy ledger, as a table with units and meanings."""
-    columns = (*RESULT_COLUMNS.values(), *FURTHER_RESULTS)
+    columns = (*RESULT_COLUMNS.values(), *FURTHER_COLUMNS.values())
     rows = [(OUTCOME_COLUMN, str(result.outcome), "", OUTCOME_MEANING)]
     rows += [
         (c.name, f"{_number(result, c.field):.6g}", c.unit, c.meaning) for c in columns
@@ -59,7 +41,7 @@ def as_text(result: ImpactResult) -> str:
 
 def as_json(result: ImpactResult) -> dict:
     """The same as a tree of plain values, None for NaN, with the manifest."""
-    columns = (*RESULT_COLUMNS.values(), *FURTHER_RESULTS)
+    columns = (*RESULT_COLUMNS.values(), *FURTHER_COLUMNS.values())
     results = {c.name: _number_or_none(result, c.field) for c in columns}
     energy = {name: _number_or_none(result.energy, name) for name in ENERGY_ITEMS}
     return {

@@ -1,0 +1,314 @@
+"""Parametric sweeps: impacts over any quantities of the scene, with names and units."""
+
+import dataclasses
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
+from .batch import simulate_batch
+from .block import Block
+from .checks import check_scene
+from .columns import (
+    FURTHER_COLUMNS,
+    INPUT_COLUMNS,
+    OUTCOME_COLUMN,
+    OUTCOME_MEANING,
+    RESULT_COLUMNS,
+)
+from .errors import InputError, nearest
+from .laws import Laws
+from .outcomes import Outcome
+from .provenance import law_names, scene_values, versions
+from .results import count_outcomes
+from .scene import PARTS, Impact, Scene
+from .simulation import ImpactResult
+from .soil import Soil
+
+LABELS = "name"
+"""Key of a group of quantities that gives the labels along its dimension."""
+OUTPUT_COLUMNS = {
+    name: column
+    for name, column in (RESULT_COLUMNS | FURTHER_COLUMNS).items()
+    if name != "steps"
+}
+"""The numbers that a sweep holds."""
+
+Axes = Mapping[str, ArrayLike | Mapping[str, ArrayLike]]
+
+
+class _Axis(NamedTuple):
+    """One dimension of a sweep."""
+
+    name: str
+    values: dict[str, np.ndarray]
+    """Quantities that vary along it, in the units of their columns."""
+    labels: np.ndarray | None
+    length: int
+
+
+def sweep(
+    base: Scene,
+    axes: Axes,
+    *,
+    accuracy: str | Accuracy = DEFAULT_ACCURACY,
+    laws: Laws | None = None,
+    model_tolerance: float = 0.0,
+    journal: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Impacts at every combination of the values along the axes.
+
+    Args:
+        base: the scene, scalars only, in SI units; what no axis says is as here.
+        axes: dimension -> values, in its order. A dimension named as an input column
+            (`"angle_deg"`) takes a list of that quantity, in the unit of its name. Any
+            other name stands for quantities that vary together: a mapping from input
+            columns to lists of one length, and from `"name"` to labels, if wanted.
+        accuracy, laws, model_tolerance, journal, progress: as for `simulate_batch`.
+
+    Returns:
+        A dataset with a variable for each number of an impact, named and in units as in
+        the tables, and `outcome` in words. Coordinates are the quantities of the axes.
+        Points that fail are NaN with the outcome `failed`; counts of outcomes, the
+        base, accuracy, laws and versions stand in the attributes, enough for
+        `repeat_sweep`.
+
+    Raises:
+        InputError: an unknown quantity, a value out of its range, lists that do not
+            match, naming the axis.
+        ValueError: a base that is no single scene.
+    """
+    check_scene(base)
+    setting, laws = get_accuracy(accuracy), laws or Laws()
+    grid = _read_axes(axes)
+    shape = tuple(axis.length for axis in grid)
+    scene = _spread(base, grid, shape)
+    result = simulate_batch(
+        scene,
+        accuracy=setting,
+        laws=laws,
+        model_tolerance=model_tolerance,
+        journal=journal,
+        progress=progress,
+    )
+    return _dataset(base, grid, shape, result, laws)
+
+
+def repeat_sweep(dataset: xr.Dataset, *, laws: Laws | None = None, **how) -> xr.Dataset:
+    """Compute a sweep again, from nothing but what the dataset says about itself.
+
+    Args:
+        dataset: from `sweep`, whole or a selection that keeps its dimensions.
+        laws: needed again if they were not the default ones.
+        how: `journal` and `progress` of `sweep`.
+
+    Raises InputError if the dataset is no sweep, or was made with other laws.
+    """
+    try:
+        values = json.loads(dataset.attrs["base"])
+        accuracy = Accuracy(**json.loads(dataset.attrs["accuracy"]))
+        stored_laws = json.loads(dataset.attrs["laws"])
+        model_tolerance = float(dataset.attrs["model_tolerance"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"the dataset does not say what it was computed from ({error!r}); "
+            "a dataset from sweep is needed"
+        ) from None
+    laws = laws or Laws()
+    for law, name in law_names(laws).items():
+        if stored_laws.get(law) != name:
+            raise InputError(
+                f"the dataset was computed with {law} {stored_laws.get(law)}, but is "
+                f"to be repeated with {name}; give the same laws"
+            )
+    return sweep(
+        scene_of_values(values),
+        axes_of(dataset),
+        accuracy=accuracy,
+        laws=laws,
+        model_tolerance=model_tolerance,
+        **how,
+    )
+
+
+def axes_of(dataset: xr.Dataset) -> dict[str, ArrayLike | dict[str, ArrayLike]]:
+    """The axes of a sweep, as `sweep` takes them."""
+    axes = {}
+    for dimension in dataset[OUTCOME_COLUMN].dims:
+        along = {
+            name: coordinate.values
+            for name, coordinate in dataset.coords.items()
+            if coordinate.dims == (dimension,)
+        }
+        if dimension in INPUT_COLUMNS:
+            axes[dimension] = along[dimension]
+        else:
+            # Labels are the dimension's own coordinate.
+            axes[dimension] = {
+                LABELS if name == dimension else name: values
+                for name, values in along.items()
+            }
+    return axes
+
+
+def scene_of_values(values: Mapping[str, ArrayLike]) -> Scene:
+    """A scene from quantities in the units of their columns; what is not given has its
+    default."""
+    fields = {part: {} for part in PARTS}
+    for name, value in values.items():
+        column = INPUT_COLUMNS[name]
+        fields[column.part][column.field] = column.factor * np.asarray(value, float)
+    return Scene(
+        Block(**fields["block"]), Soil(**fields["soil"]), Impact(**fields["impact"])
+    )
+
+
+def _read_axes(axes: Axes) -> list[_Axis]:
+    """The axes, checked."""
+    if not axes:
+        raise InputError("a sweep needs at least one axis, but got none")
+    grid, seen = [], {}
+    for name, given in axes.items():
+        axis = _read_group(name, given) if _is_group(given) else _read_one(name, given)
+        for quantity in axis.values:
+            if quantity in seen:
+                raise InputError(
+                    f"axis {name}: {quantity} already varies along {seen[quantity]}"
+                )
+            seen[quantity] = name
+        grid.append(axis)
+    return grid
+
+
+def _is_group(given) -> bool:
+    return isinstance(given, Mapping)
+
+
+def _read_one(name: str, given: ArrayLike) -> _Axis:
+    if name not in INPUT_COLUMNS:
+        raise InputError(
+            f"axis {name} is unknown; did you mean {nearest(name, INPUT_COLUMNS)}?"
+        )
+    values = _numbers(name, name, given)
+    return _Axis(name, {name: values}, None, len(values))
+
+
+def _read_group(name: str, given: Mapping[str, ArrayLike]) -> _Axis:
+    taken = {*INPUT_COLUMNS, *OUTPUT_COLUMNS, OUTCOME_COLUMN}
+    if name in taken:
+        raise InputError(
+            f"axis {name} varies several quantities together and needs a name of its "
+            f"own, but {name} is a quantity"
+        )
+    labels, values = None, {}
+    for quantity, numbers in given.items():
+        if quantity == LABELS:
+            labels = np.asarray(numbers, str)
+        elif quantity not in INPUT_COLUMNS:
+            known = (*INPUT_COLUMNS, LABELS)
+            raise InputError(
+                f"axis {name}: {quantity} is unknown; did you mean "
+                f"{nearest(quantity, known)}?"
+            )
+        else:
+            values[quantity] = _numbers(name, quantity, numbers)
+    if not values:
+        raise InputError(f"axis {name} varies no quantity; give at least one")
+    lengths = {quantity: len(numbers) for quantity, numbers in values.items()}
+    if labels is not None:
+        lengths[LABELS] = len(labels)
+    if len(set(lengths.values())) > 1:
+        counts = ", ".join(f"{key} {count}" for key, count in lengths.items())
+        raise InputError(
+            f"axis {name} varies quantities together, which takes lists of one length, "
+            f"but they have {counts}"
+        )
+    return _Axis(name, values, labels, next(iter(lengths.values())))
+
+
+def _numbers(axis: str, quantity: str, given: ArrayLike) -> np.ndarray:
+    """Values of a quantity, checked."""
+    where = f"axis {axis}" if axis == quantity else f"axis {axis}: {quantity}"
+    try:
+        values = np.asarray(given, float)
+    except (TypeError, ValueError):
+        raise InputError(f"{where} must be numbers, but is {given!r}") from None
+    if values.ndim != 1 or values.size == 0:
+        raise InputError(
+            f"{where} must be a list of at least one number, but has shape "
+            f"{values.shape}"
+        )
+    column = INPUT_COLUMNS[quantity]
+    bad = ~column.is_allowed(values)
+    if np.any(bad):
+        raise InputError(
+            f"{where} must be {column.requirement}, but holds {values[bad][0]:g}"
+        )
+    return values
+
+
+def _spread(base: Scene, grid: list[_Axis], shape: tuple[int, ...]) -> Scene:
+    """The scenes of all points, one after another, the last axis fastest."""
+    parts = {part: getattr(base, part) for part in PARTS}
+    for place, axis in enumerate(grid):
+        lie = [-1 if i == place else 1 for i in range(len(grid))]
+        for name, values in axis.values.items():
+            column = INPUT_COLUMNS[name]
+            field = np.broadcast_to(column.factor * values.reshape(lie), shape).ravel()
+            parts[column.part] = dataclasses.replace(
+                parts[column.part], **{column.field: jnp.asarray(field)}
+            )
+    return Scene(**parts)
+
+
+def _dataset(
+    base: Scene,
+    grid: list[_Axis],
+    shape: tuple[int, ...],
+    result: ImpactResult,
+    laws: Laws,
+) -> xr.Dataset:
+    dimensions = [axis.name for axis in grid]
+    variables = {
+        name: (
+            dimensions,
+            np.asarray(getattr(result, column.field)).reshape(shape),
+            {"units": column.unit, "long_name": column.meaning},
+        )
+        for name, column in OUTPUT_COLUMNS.items()
+    }
+    names = np.array([str(outcome) for outcome in Outcome])
+    codes = np.asarray(result.outcome_code).astype(int)
+    variables[OUTCOME_COLUMN] = (
+        dimensions,
+        names[codes].reshape(shape),
+        {"long_name": OUTCOME_MEANING},
+    )
+    coordinates = {}
+    for axis in grid:
+        if axis.labels is not None:
+            coordinates[axis.name] = (axis.name, axis.labels)
+        for name, values in axis.values.items():
+            column = INPUT_COLUMNS[name]
+            attributes = {"units": column.unit, "long_name": column.meaning}
+            coordinates[name] = (axis.name, values, attributes)
+    return xr.Dataset(
+        variables,
+        coordinates,
+        attrs={
+            "title": "jaximpact: impacts of rock blocks on deformable ground",
+            "base": json.dumps(scene_values(base)),
+            "accuracy": json.dumps(dataclasses.asdict(result.accuracy)),
+            "model_tolerance": result.model_tolerance,
+            "laws": json.dumps(law_names(laws)),
+            "versions": json.dumps(versions()),
+            "outcomes": json.dumps(count_outcomes(result)),
+        },
+    )
