@@ -32,17 +32,32 @@ def read_scene(path: Path) -> SceneFile:
     Raises InputError, naming file and key, for whatever cannot be used.
     """
     path = Path(path)
-    content = load_toml(path)
+    return scene_from(path, load_toml(path))
+
+
+def scene_from(path: Path, content: dict, others: tuple[str, ...] = ()) -> SceneFile:
+    """The scene that part of a file describes, by the keys of `read_scene`.
+
+    Args:
+        path: the file, named in errors.
+        content: its content as parsed.
+        others: keys of the file that are not of the scene; passed over where they
+            stand in `content`, and known when an unknown key is told the nearest.
+
+    Raises InputError, naming file and key, for whatever cannot be used.
+    """
     fields = {part: {} for part in PARTS}
     accuracy = None
     for key, value in content.items():
+        if key in others:
+            continue
         if key == ACCURACY_KEY:
             accuracy = _accuracy(path, value)
         elif key in PARTS:
             if not isinstance(value, dict):
                 raise InputError("must be a table", file=path, key=key)
             for name, number in value.items():
-                column = _column(path, name, key)
+                column = _column(path, name, key, ())
                 if name in content:
                     raise InputError(
                         f"stands in [{key}] and before all tables; remove one",
@@ -51,7 +66,7 @@ def read_scene(path: Path) -> SceneFile:
                     )
                 fields[column.part][column.field] = _si_value(path, column, number)
         else:
-            column = _column(path, key, None)
+            column = _column(path, key, None, others)
             fields[column.part][column.field] = _si_value(path, column, value)
     scene = Scene(
         Block(**fields["block"]), Soil(**fields["soil"]), Impact(**fields["impact"])
@@ -59,10 +74,12 @@ def read_scene(path: Path) -> SceneFile:
     return SceneFile(scene, accuracy)
 
 
-def _column(path: Path, name: str, table: str | None) -> InputColumn:
+def _column(
+    path: Path, name: str, table: str | None, others: tuple[str, ...]
+) -> InputColumn:
     """The column that a key stands for; `table` is the one it was found in."""
     if name not in INPUT_COLUMNS:
-        top = () if table else (*PARTS, ACCURACY_KEY)
+        top = () if table else (*PARTS, ACCURACY_KEY, *others)
         key = f"{table}.{name}" if table else name
         unknown(path, key, name, (*INPUT_COLUMNS, *top))
     column = INPUT_COLUMNS[name]

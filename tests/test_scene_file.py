@@ -1,13 +1,14 @@
 """One scene from TOML: what is read and what is refused."""
 
 import math
+from pathlib import Path
 
 import jax
 import pytest
 
 from jaximpact import Block, Impact, Scene, Soil
 from jaximpact.errors import InputError
-from jaximpact.scene_file import read_scene
+from jaximpact.scene_file import read_scene, scene_from
 
 
 @pytest.fixture
@@ -82,3 +83,12 @@ def test_a_scene_that_cannot_be_read_is_refused(tmp_path):
         read_scene(tmp_path / "none.toml")
     with pytest.raises(InputError, match="cannot be read: Is a directory"):
         read_scene(tmp_path)
+
+
+def test_a_scene_may_be_part_of_a_file():
+    path = Path("study.toml")
+    content = {"mass_kg": 3, "axes": {"angle_deg": [0, 1]}}
+    scene, _ = scene_from(path, content, others=("axes",))
+    assert float(scene.block.mass) == 3.0
+    with pytest.raises(InputError, match="key axis: is unknown; did you mean axes"):
+        scene_from(path, {"axis": {}}, others=("axes",))
