@@ -87,7 +87,7 @@ def sweep(
     """
     check_scene(base)
     setting, laws = get_accuracy(accuracy), laws or Laws()
-    grid = _read_axes(axes)
+    grid = check_axes(axes)
     shape = tuple(axis.length for axis in grid)
     scene = _spread(base, grid, shape)
     result = simulate_batch(
@@ -170,8 +170,8 @@ def scene_of_values(values: Mapping[str, ArrayLike]) -> Scene:
     )
 
 
-def _read_axes(axes: Axes) -> list[_Axis]:
-    """The axes, checked."""
+def check_axes(axes: Axes) -> list[_Axis]:
+    """The axes, checked. Raises InputError as `sweep` does."""
     if not axes:
         raise InputError("a sweep needs at least one axis, but got none")
     grid, seen = [], {}

@@ -1,0 +1,124 @@
+"""`jaximpact sweep`: impacts over a grid of quantities."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..accuracy import DEFAULT_ACCURACY
+from ..align import align
+from ..columns import RESULT_COLUMNS
+from ..errors import InputError
+from ..files import check_writable
+from . import options
+from .batch import journal_path
+from .progress import Progress, say
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SUFFIX = ".nc"
+DESCRIPTION = """\
+Compute impacts over a grid of quantities and write them to a NetCDF file.
+
+The study is a TOML file: a scene, as `jaximpact simulate` takes it, and a table [axes]
+with a list or a range for each quantity that varies. Every combination is computed;
+quantities that are to vary together stand in a table of their own inside [axes].
+
+    [impact]
+    speed_mps = 14
+
+    [axes]
+    angle_deg = { from = 10, to = 80, count = 15 }
+    k_E = { from = 1e2, to = 1e4, count = 5, spacing = "logarithmic" }
+
+    [axes.ground]
+    name = ["dense", "loose"]
+    c_v = [1.0, 0.5]
+    gamma_v = [8.7, 1.7]
+
+Points that fail are nan with the outcome `failed`, and are counted. After a run that
+was cut short the same command goes on where it stopped."""
+
+
+def add_parser(commands) -> None:
+    """Add the command to the command line."""
+    parser = commands.add_parser(
+        "sweep",
+        help="impacts over a grid of quantities",
+        description=DESCRIPTION,
+        epilog=options.input_help("Quantities:"),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument(
+        "study", type=Path, nargs="?", metavar="study.toml", help="scene and axes"
+    )
+    what.add_argument(
+        "--set",
+        metavar="NAME",
+        help="one of the paper's parametric sets: I, II, III, IV or fig13",
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="file.nc",
+        help="NetCDF file (default: named as the study or set, in this directory); an "
+        "existing one is replaced once the new one is whole",
+    )
+    options.add_accuracy(parser, otherwise=f"the study's, else {DEFAULT_ACCURACY}")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Compute the sweep."""
+    from ..netcdf import write_netcdf
+    from ..parametric_sets import parametric_set
+    from ..sweep import sweep
+    from ..sweep_study import read_sweep_study
+
+    if arguments.set is not None:
+        (base, axes), accuracy = parametric_set(arguments.set), None
+        name = f"set_{arguments.set}"
+    else:
+        base, axes, accuracy = read_sweep_study(arguments.study)
+        name = arguments.study.stem
+    out = arguments.out or Path(name + SUFFIX)
+    if out.suffix != SUFFIX:
+        raise InputError(f"--out must end in {SUFFIX}, but is {out}")
+    check_writable(out, option="--out")
+    journal = journal_path(out)
+    try:
+        with Progress("impacts") as progress:
+            dataset = sweep(
+                base,
+                axes,
+                accuracy=arguments.accuracy or accuracy or DEFAULT_ACCURACY,
+                journal=journal,
+                progress=progress,
+            )
+        write_netcdf(out, dataset)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt("the same command goes on from here") from None
+    journal.unlink()
+    print(in_words(dataset))
+    say(f"{dataset.e_n.size} impacts written to {out}")
+
+
+def in_words(dataset: "xr.Dataset") -> str:
+    """Dimensions, outcomes, and the range of each result."""
+    import numpy as np
+
+    sizes = [f"{name} {size}" for name, size in dataset.sizes.items()]
+    names, counts = np.unique(dataset.outcome, return_counts=True)
+    ends = [f"{c} {n}" for n, c in zip(names, counts, strict=True)]
+    rows = [("result", "unit", "least", "median", "largest")]
+    for name, column in RESULT_COLUMNS.items():
+        values = dataset[name].values
+        values = values[np.isfinite(values)]
+        if values.size:
+            of_values = (values.min(), np.median(values), values.max())
+            rows.append((name, column.unit, *(f"{v:.4g}" for v in of_values)))
+        else:
+            rows.append((name, column.unit, "-", "-", "-"))
+    return f"axes: {', '.join(sizes)}\noutcomes: {', '.join(ends)}\n{align(rows)}"
