@@ -14,7 +14,7 @@ from .scene import Impact, Scene
 from .simulation import ImpactResult, simulate
 from .soil import Soil
 from .summary import EnergyLedger
-from .sweep import repeat_sweep, sweep
+from .sweeping import repeat_sweep, sweep
 
 __all__ = [
     "PRESETS",

@@ -8,7 +8,7 @@ import numpy as np
 
 from .errors import InputError, nearest
 from .scene import Scene
-from .sweep import Axes, scene_of_values
+from .sweeping import Axes, scene_of_values
 
 TABLE_1 = "Table 1"
 GROUNDS = (TABLE_1, "c_v 0.5, gamma_v 1.70", "c_v 0.5, gamma_v 0.85")

@@ -9,7 +9,7 @@ from .columns import INPUT_COLUMNS
 from .errors import InputError
 from .scene import Scene
 from .scene_file import scene_from
-from .sweep import Axes, check_axes
+from .sweeping import Axes, check_axes
 from .toml_values import choice, load_toml, number, typed, unknown, whole
 
 AXES_KEY = "axes"

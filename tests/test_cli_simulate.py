@@ -11,8 +11,8 @@ from command_line import assert_one_line_error
 
 from jaximpact import Block, Impact, ImpactResult, Soil, simulate
 from jaximpact.cli import main
-from jaximpact.cli.report import ENERGY_ITEMS, FURTHER_RESULTS
-from jaximpact.columns import RESULT_COLUMNS
+from jaximpact.cli.report import ENERGY_ITEMS
+from jaximpact.columns import FURTHER_COLUMNS, RESULT_COLUMNS
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def test_simulate_prints_every_result_as_json(folder, capsys, impact_along_the_n
     result = impact_along_the_normal
     assert shown["e_t"] is None
     assert shown["outcome"] == str(result.outcome)
-    for column in (*RESULT_COLUMNS.values(), *FURTHER_RESULTS):
+    for column in (*RESULT_COLUMNS.values(), *FURTHER_COLUMNS.values()):
         if column.name != "e_t":
             assert shown[column.name] == float(getattr(result, column.field))
     for name in ENERGY_ITEMS:
@@ -53,7 +53,7 @@ def test_simulate_prints_every_result_as_text(folder, capsys, impact_along_the_n
     shown = {line[0]: line[1:3] for line in lines if line[0] != "energy"}
     energy = {line[1]: line[2:4] for line in lines if line[0] == "energy"}
     result = impact_along_the_normal
-    for column in (*RESULT_COLUMNS.values(), *FURTHER_RESULTS):
+    for column in (*RESULT_COLUMNS.values(), *FURTHER_COLUMNS.values()):
         value, unit = shown[column.name]
         assert float(value) == pytest.approx(
             float(getattr(result, column.field)), rel=1e-5, nan_ok=True
@@ -64,7 +64,9 @@ def test_simulate_prints_every_result_as_text(folder, capsys, impact_along_the_n
 
 
 def test_no_result_is_left_out_of_the_report():
-    shown = {column.field for column in (*RESULT_COLUMNS.values(), *FURTHER_RESULTS)}
+    shown = {
+        column.field for column in (*RESULT_COLUMNS.values(), *FURTHER_COLUMNS.values())
+    }
     other = {"energy", "outcome_code", "scene", "accuracy", "history"}
     other |= {"model_tolerance"}
     fields = {field.name for field in dataclasses.fields(ImpactResult)}

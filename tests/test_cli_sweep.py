@@ -68,6 +68,6 @@ def test_interruption_says_how_to_go_on(study, capsys, monkeypatch):
     def interrupted(*arguments, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("jaximpact.sweep.simulate_batch", interrupted)
+    monkeypatch.setattr("jaximpact.sweeping.simulate_batch", interrupted)
     assert main(["sweep", "angles.toml"]) == 130
     assert_one_line_error(capsys, "the same command goes on from here")

@@ -74,8 +74,8 @@ def run(arguments: argparse.Namespace) -> None:
     """Compute the sweep."""
     from ..netcdf import write_netcdf
     from ..parametric_sets import parametric_set
-    from ..sweep import sweep
     from ..sweep_study import read_sweep_study
+    from ..sweeping import sweep
 
     if arguments.set is not None:
         (base, axes), accuracy = parametric_set(arguments.set), None
