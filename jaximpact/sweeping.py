@@ -33,11 +33,7 @@ from .soil import Soil
 
 LABELS = "name"
 """Key of a group of quantities that gives the labels along its dimension."""
-OUTPUT_COLUMNS = {
-    name: column
-    for name, column in (RESULT_COLUMNS | FURTHER_COLUMNS).items()
-    if name != "steps"
-}
+OUTPUT_COLUMNS = RESULT_COLUMNS | FURTHER_COLUMNS
 """The numbers that a sweep holds."""
 
 Axes = Mapping[str, ArrayLike | Mapping[str, ArrayLike]]
