@@ -8,7 +8,14 @@ from .model import select_model
 from .netcdf import read_netcdf, write_netcdf
 from .outcomes import Outcome
 from .parametric_sets import parametric_set
-from .rebound import ConstantCoefficients, PfeifferBowen, Rebound, RigidEllipsoid
+from .rebound import (
+    BozzoloPamini,
+    ConstantCoefficients,
+    FrictionalEllipsoid,
+    PfeifferBowen,
+    Rebound,
+    RigidEllipsoid,
+)
 from .restitution import energetic_coefficient, vijayakumar_coefficient
 from .scene import Impact, Scene
 from .simulation import ImpactResult, simulate
@@ -20,8 +27,10 @@ __all__ = [
     "PRESETS",
     "Accuracy",
     "Block",
+    "BozzoloPamini",
     "ConstantCoefficients",
     "EnergyLedger",
+    "FrictionalEllipsoid",
     "Impact",
     "ImpactResult",
     "Laws",

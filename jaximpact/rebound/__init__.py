@@ -1,0 +1,25 @@
+r"""Rebound by laws in closed form, which know no time and no soil.
+
+The first rung of the ladder, and what today's rockfall programs use.
+
+Each is a module whose parameters are its leaves; called with a block and an impact it
+gives the velocities after. Pure `jnp`, differentiable, for scalars or arrays that
+broadcast. n into the ground, t down-slope, rotation clockwise: a block that rolls
+down-slope without slip has $v_t = \Omega R$.
+"""
+
+from .bozzolo_pamini import BozzoloPamini
+from .constant_coefficients import ConstantCoefficients
+from .frictional_ellipsoid import FrictionalEllipsoid
+from .pfeiffer_bowen import PfeifferBowen
+from .rigid_ellipsoid import RigidEllipsoid
+from .velocities import Rebound
+
+__all__ = [
+    "BozzoloPamini",
+    "ConstantCoefficients",
+    "FrictionalEllipsoid",
+    "PfeifferBowen",
+    "Rebound",
+    "RigidEllipsoid",
+]

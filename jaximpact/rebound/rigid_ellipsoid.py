@@ -1,0 +1,40 @@
+"""A rigid ellipse and an impulse along the normal."""
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..block import Block
+from ..precision import float64_leaf
+from ..scene import Impact
+from .contact_point import contact_point, rebound_of_impulse
+from .velocities import Rebound
+
+Scalar = Float[Array, ""]
+
+
+class RigidEllipsoid(eqx.Module):
+    r"""An instantaneous impulse along the normal, at the deepest point of a rigid
+    ellipse, after Vijayakumar et al. (2012).
+
+    $$ N = (1 + e^\ast)\,\frac{m I}{I + m r_t^2}\,(v_n + r_t\Omega), \qquad
+       v_n' = v_n - \frac{N}{m}, \qquad \Omega' = \Omega - \frac{N r_t}{I} $$
+
+    with $r_t$ the arm of the deepest point; $v_t$ stays as it is: no friction. The
+    velocity of approach at the contact is turned round and multiplied by $e^\ast$. A
+    contact point that moves away gets no impulse; a kink between the two.
+    """
+
+    e_contact: Scalar = eqx.field(converter=float64_leaf)
+    """$e^*$ [-]"""
+
+    def __call__(self, block: Block, impact: Impact) -> Rebound:
+        """Velocities after."""
+        point = contact_point(block, impact)
+        arm, mass, inertia = point.tangential_arm, block.mass, block.inertia
+        normal = (
+            (1.0 + self.e_contact)
+            * (mass * inertia / (inertia + mass * arm**2))
+            * jnp.maximum(point.normal_velocity, 0.0)
+        )
+        return rebound_of_impulse(block, impact, point, normal)
