@@ -56,7 +56,7 @@ def test_deviation_is_the_length_of_the_difference_over_that_of_the_law():
         (0.1001, Verdict.partly),
         (0.2999, Verdict.partly),
         (0.3001, Verdict.fails),
-        (np.nan, Verdict.not_known),
+        (np.nan, Verdict.not_computed),
     ],
 )
 def test_verdicts_have_limits(deviation, verdict):
@@ -68,7 +68,7 @@ def test_a_failed_impact_leaves_the_verdict_open():
         *("name", "e_n [-]", ("a", "b"), (1.0, 2.0), (1.0, np.nan)),
         *("over", "source", "note", (), "figure", lambda: None),
     )
-    assert row.verdict is Verdict.not_known
+    assert row.verdict is Verdict.not_computed
 
 
 def test_log_slope_of_powers():
@@ -156,7 +156,7 @@ def test_rows_are_whole(rows):
     assert len(rows) == 15
     for row in rows.values():
         assert len(row.law) == len(row.model) == len(row.places)
-        assert row.verdict is not Verdict.not_known
+        assert row.verdict is not Verdict.not_computed
         assert row.over
         assert row.source
         assert row.note

@@ -21,7 +21,7 @@ class Verdict(enum.StrEnum):
     holds = "holds"
     partly = "partly"
     fails = "fails"
-    not_known = "not known"
+    not_computed = "not computed"
     """An impact that it takes did not finish: nothing is averaged over failures."""
 
 
@@ -32,9 +32,9 @@ def relative_deviation(model, law) -> np.ndarray:
 
 
 def verdict_of(deviation: float) -> Verdict:
-    """The verdict on a relative deviation; NaN is not known."""
+    """The verdict on a relative deviation; NaN is not computed."""
     if not np.isfinite(deviation):
-        return Verdict.not_known
+        return Verdict.not_computed
     if deviation <= HOLDS_WITHIN:
         return Verdict.holds
     return Verdict.partly if deviation <= PARTLY_WITHIN else Verdict.fails
