@@ -14,7 +14,7 @@ from ..simulation import ImpactResult
 from ..soil import Soil
 from .comparison import Change, relative_deviation
 
-VALUES = 15
+VALUES = 11
 """Values tried of each parameter."""
 
 
