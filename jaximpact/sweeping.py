@@ -85,7 +85,7 @@ def sweep(
     setting, laws = get_accuracy(accuracy), laws or Laws()
     grid = check_axes(axes)
     shape = tuple(axis.length for axis in grid)
-    scene = _spread(base, grid, shape)
+    scene = spread(base, grid, shape)
     result = simulate_batch(
         scene,
         accuracy=setting,
@@ -250,7 +250,7 @@ def _numbers(axis: str, quantity: str, given: ArrayLike) -> np.ndarray:
     return values
 
 
-def _spread(base: Scene, grid: list[_Axis], shape: tuple[int, ...]) -> Scene:
+def spread(base: Scene, grid: list[_Axis], shape: tuple[int, ...]) -> Scene:
     """The scenes of all points, one after another, the last axis fastest."""
     parts = {part: getattr(base, part) for part in PARTS}
     for place, axis in enumerate(grid):
@@ -287,17 +287,9 @@ def _dataset(
         names[codes].reshape(shape),
         {"long_name": OUTCOME_MEANING},
     )
-    coordinates = {}
-    for axis in grid:
-        if axis.labels is not None:
-            coordinates[axis.name] = (axis.name, axis.labels)
-        for name, values in axis.values.items():
-            column = INPUT_COLUMNS[name]
-            attributes = {"units": column.unit, "long_name": column.meaning}
-            coordinates[name] = (axis.name, values, attributes)
     return xr.Dataset(
         variables,
-        coordinates,
+        coordinates_of(grid),
         attrs={
             "title": "jaximpact: impacts of rock blocks on deformable ground",
             "base": json.dumps(scene_values(base)),
@@ -308,3 +300,16 @@ def _dataset(
             "outcomes": json.dumps(count_outcomes(result)),
         },
     )
+
+
+def coordinates_of(grid: list[_Axis]) -> dict:
+    """The quantities of the axes as coordinates of a dataset."""
+    coordinates = {}
+    for axis in grid:
+        if axis.labels is not None:
+            coordinates[axis.name] = (axis.name, axis.labels)
+        for name, values in axis.values.items():
+            column = INPUT_COLUMNS[name]
+            attributes = {"units": column.unit, "long_name": column.meaning}
+            coordinates[name] = (axis.name, values, attributes)
+    return coordinates
