@@ -1,0 +1,82 @@
+"""Results of many impacts and their derivatives by one parameter, in machine code."""
+
+import concurrent.futures
+from collections.abc import Callable
+
+import jax
+import numpy as np
+
+from ..accuracy import Accuracy
+from ..columns import InputColumn
+from ..laws import Laws
+from ..machine import compile_native, solve_side_by_side
+from ..marching import CORES
+from ..model import MODELS, model_places
+from ..problem import Assembly
+from ..scene import Scene
+from ..summary import Numbers, numbers_of_no_value
+from .names import leaf_of
+
+PART = 256
+"""Impacts that a core takes at a time; the last of a part leave lanes empty."""
+
+
+def derivatives(
+    scene: Scene,
+    column: InputColumn,
+    accuracy: Accuracy,
+    done: Callable[[int], None],
+) -> tuple[Numbers, Numbers]:
+    """Results, and their derivatives by one parameter in SI units.
+
+    One parameter at a time: a program takes some 4 s to make for each parameter, in
+    whatever company, and what was made for one serves every later choice that holds it.
+
+    Args:
+        scene: fields `(n,)`.
+        column: the parameter.
+        done: told how many impacts more are computed.
+
+    Returns:
+        Numbers with fields `(n,)` and the derivatives of each; NaN where the
+        integration failed.
+    """
+    leaf = leaf_of(column)
+    leaves, structure = jax.tree.flatten(scene)
+    leaves = [np.asarray(x) for x in leaves]
+    # A derivative leaves the symmetry that a cheaper model rests on.
+    unknown = [
+        np.full_like(x, np.nan) if i == leaf else x for i, x in enumerate(leaves)
+    ]
+    models = model_places(jax.tree.unflatten(structure, unknown), 0.0)
+    count = len(leaves[0])
+    rows = len(jax.tree.leaves(numbers_of_no_value(ledger=False)))
+    values, slopes = np.empty((rows, count)), np.empty((rows, count))
+    jobs = []
+    for model in np.unique(models):
+        kernel = compile_native(Assembly(Laws(), MODELS[model], False), (leaf,))
+        chosen = np.flatnonzero(models == model)
+        jobs += [
+            (kernel, chosen[start : start + PART])
+            for start in range(0, len(chosen), PART)
+        ]
+
+    def solve(job) -> None:
+        kernel, places = job
+        part = jax.tree.unflatten(structure, [x[places] for x in leaves])
+        numbers, columns = solve_side_by_side(kernel, part, accuracy)
+        values[:, places] = jax.tree.leaves(numbers)
+        slopes[:, places] = jax.tree.leaves(columns)  # lists of one
+        done(len(places))
+
+    pool = concurrent.futures.ThreadPoolExecutor(CORES)
+    try:
+        for _ in pool.map(solve, jobs):
+            pass
+    finally:
+        pool.shutdown(cancel_futures=True)
+    of_numbers = jax.tree.structure(numbers_of_no_value(ledger=False))
+    return (
+        jax.tree.unflatten(of_numbers, list(values)),
+        jax.tree.unflatten(of_numbers, list(slopes)),
+    )

@@ -1,0 +1,76 @@
+"""What is varied and what is watched, by the names of the tables."""
+
+import dataclasses
+from collections.abc import Iterable, Mapping
+
+import jax
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..columns import (
+    INPUT_COLUMNS,
+    RESULT_COLUMNS,
+    InputColumn,
+    ResultColumn,
+    column_of_field,
+)
+from ..errors import InputError, nearest
+from ..scene import PARTS, Scene
+from ..sweeping import OUTPUT_COLUMNS
+
+DEFAULT_PARAMETERS = ("c_v", "gamma_v", "k_E")
+DEFAULT_OUTPUTS = tuple(RESULT_COLUMNS)
+
+
+def parameter_columns(names: Iterable[str]) -> tuple[InputColumn, ...]:
+    """The columns of parameters. Raises InputError for a name that is unknown or stands
+    twice, and for none."""
+    return _columns("parameter", names, INPUT_COLUMNS)
+
+
+def output_columns(names: Iterable[str]) -> tuple[ResultColumn, ...]:
+    """The columns of outputs. Raises InputError as `parameter_columns` does."""
+    return _columns("output", names, OUTPUT_COLUMNS)
+
+
+def _columns(kind: str, names: Iterable[str], known: Mapping) -> tuple:
+    if isinstance(names, str):
+        raise InputError(f"{kind}s must be a list of names, but is {names!r}")
+    names = tuple(names)
+    if not names:
+        raise InputError(f"at least one {kind} is needed, but none is given")
+    for name in names:
+        if name not in known:
+            raise InputError(
+                f"{kind} {name} is unknown; did you mean {nearest(name, known)}?"
+            )
+        if names.count(name) > 1:
+            raise InputError(f"{kind} {name} stands twice; remove one")
+    return tuple(known[name] for name in names)
+
+
+def value_of(scene: Scene, column: InputColumn) -> np.ndarray:
+    """The parameter of a scene, in the unit of its column."""
+    return np.asarray(getattr(getattr(scene, column.part), column.field)) / (
+        column.factor
+    )
+
+
+def scene_with(scene: Scene, values: Mapping[str, ArrayLike]) -> Scene:
+    """The scene with other values of some parameters, in the units of their columns."""
+    parts = {part: getattr(scene, part) for part in PARTS}
+    for name, value in values.items():
+        column = INPUT_COLUMNS[name]
+        changed = {column.field: column.factor * np.asarray(value, float)}
+        parts[column.part] = dataclasses.replace(parts[column.part], **changed)
+    return Scene(**parts)
+
+
+def leaf_of(column: InputColumn) -> int:
+    """Place of a parameter among the leaves of a scene."""
+    paths = jax.tree_util.tree_flatten_with_path(Scene())[0]
+    places = [
+        column_of_field(*(key.name for key in path)).name == column.name
+        for path, _ in paths
+    ]
+    return places.index(True)
