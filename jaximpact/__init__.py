@@ -18,6 +18,7 @@ from .rebound import (
 )
 from .restitution import energetic_coefficient, vijayakumar_coefficient
 from .scene import Impact, Scene
+from .sensitivity import Range, elasticities, morris, sobol
 from .simulation import ImpactResult, simulate
 from .soil import Soil
 from .summary import EnergyLedger
@@ -36,17 +37,21 @@ __all__ = [
     "Laws",
     "Outcome",
     "PfeifferBowen",
+    "Range",
     "Rebound",
     "RigidEllipsoid",
     "Scene",
     "Soil",
+    "elasticities",
     "energetic_coefficient",
+    "morris",
     "parametric_set",
     "read_netcdf",
     "repeat_sweep",
     "select_model",
     "simulate",
     "simulate_batch",
+    "sobol",
     "sweep",
     "vijayakumar_coefficient",
     "write_netcdf",

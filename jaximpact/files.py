@@ -28,6 +28,15 @@ def replacing(path: Path) -> Iterator[Path]:
         raise
 
 
+def make_directory(path: Path, *, option: str) -> None:
+    """Make a directory if it is not there; InputError, naming the option, where that
+    cannot be."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{option} {path} cannot be made: {error.strerror}") from error
+
+
 def check_writable(path: Path, *, option: str) -> None:
     """Raise InputError, naming the option, unless `replacing(path)` will work.
 

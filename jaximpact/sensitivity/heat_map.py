@@ -9,14 +9,6 @@ from matplotlib.figure import Figure
 from .figures import check_dimensions, save
 from .verdicts import Check, State
 
-SHORT = {
-    State.parameter_is_zero: "x = 0",
-    State.output_is_zero: "y = 0",
-    State.output_has_no_value: "none",
-    State.impact_failed: "failed",
-    State.derivative_is_not_finite: "lost",
-}
-"""Why there is no elasticity, as it fits in a cell."""
 FULL_COLOUR = 1.0
 """Value of the strongest colour, the same in all drawings: they can be compared."""
 
@@ -88,6 +80,6 @@ def _cell(
     of_cell = dataset[["state", "check"]].isel(place)
     state = State(int(of_cell.state))
     if state is not State.defined:
-        return SHORT[state]
+        return state.short
     doubtful = int(of_cell.check) in (Check.differs, Check.undecided)
     return f"{value:.2g}" + ("?" if doubtful else "")

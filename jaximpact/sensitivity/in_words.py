@@ -11,23 +11,16 @@ from .verdicts import Check, State
 
 MARKS = {Check.differs: "!", Check.undecided: "?"}
 MARK_MEANINGS = {
-    Check.differs: "! differences of neighbouring impacts give something else: not to "
+    Check.differs: "differences of neighbouring impacts give something else: not to "
     "be trusted",
-    Check.undecided: "? a jump or a kink lies within the steps of the differences",
-}
-STATE_MARKS = {
-    State.parameter_is_zero: "x=0",
-    State.output_is_zero: "y=0",
-    State.output_has_no_value: "none",
-    State.impact_failed: "failed",
-    State.derivative_is_not_finite: "lost",
+    Check.undecided: "a jump or a kink lies within the steps of the differences",
 }
 STATE_MEANINGS = {
-    State.parameter_is_zero: "x=0: the parameter is zero, and has no relative change",
-    State.output_is_zero: "y=0: the output is zero, and has no relative change",
-    State.output_has_no_value: "none: the output has no value here",
-    State.impact_failed: "failed: the integration did not finish",
-    State.derivative_is_not_finite: "lost: the derivative is not finite",
+    State.parameter_is_zero: "the parameter is zero, and has no relative change",
+    State.output_is_zero: "the output is zero, and has no relative change",
+    State.output_has_no_value: "the output has no value here",
+    State.impact_failed: "the integration did not finish",
+    State.derivative_is_not_finite: "the derivative is not finite",
 }
 
 
@@ -68,11 +61,12 @@ def _elasticities(dataset: xr.Dataset) -> str:
         "per cent of the output for one per cent of the parameter",
         align(rows),
     ]
-    for codes, meanings in (
-        (dataset.state, STATE_MEANINGS),
-        (dataset.check, MARK_MEANINGS),
-    ):
-        lines += [f"  {words}" for code, words in meanings.items() if code in codes]
+    for state, words in STATE_MEANINGS.items():
+        if state in dataset.state:
+            lines.append(f"  {state.short}: {words}")
+    for check, words in MARK_MEANINGS.items():
+        if check in dataset.check:
+            lines.append(f"  {MARKS[check]} {words}")
     lines.append(f"  {_check_in_words(dataset)}")
     return "\n".join(lines)
 
@@ -80,7 +74,7 @@ def _elasticities(dataset: xr.Dataset) -> str:
 def _cell(entry: xr.Dataset) -> str:
     state = State(int(entry.state))
     if state is not State.defined:
-        return STATE_MARKS[state]
+        return state.short
     return f"{float(entry.elasticity):.3g}{MARKS.get(Check(int(entry.check)), '')}"
 
 

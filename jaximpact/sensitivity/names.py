@@ -20,6 +20,8 @@ from ..sweeping import OUTPUT_COLUMNS
 
 DEFAULT_PARAMETERS = ("c_v", "gamma_v", "k_E")
 DEFAULT_OUTPUTS = tuple(RESULT_COLUMNS)
+WATCHED = {name: c for name, c in OUTPUT_COLUMNS.items() if name != "steps"}
+"""The numbers that belong to the impact, not to how it was computed."""
 
 
 def parameter_columns(names: Iterable[str]) -> tuple[InputColumn, ...]:
@@ -30,7 +32,7 @@ def parameter_columns(names: Iterable[str]) -> tuple[InputColumn, ...]:
 
 def output_columns(names: Iterable[str]) -> tuple[ResultColumn, ...]:
     """The columns of outputs. Raises InputError as `parameter_columns` does."""
-    return _columns("output", names, OUTPUT_COLUMNS)
+    return _columns("output", names, WATCHED)
 
 
 def _columns(kind: str, names: Iterable[str], known: Mapping) -> tuple:
@@ -40,7 +42,7 @@ def _columns(kind: str, names: Iterable[str], known: Mapping) -> tuple:
     if not names:
         raise InputError(f"at least one {kind} is needed, but none is given")
     for name in names:
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             raise InputError(
                 f"{kind} {name} is unknown; did you mean {nearest(name, known)}?"
             )

@@ -58,7 +58,7 @@ def _draw(axes: Axes, of_output: xr.Dataset) -> None:
         number = elasticity[place]
         labels.append(parameters[place])
         if not np.isfinite(number):
-            words = str(State(of_output.state.values[place]))
+            words = State(of_output.state.values[place]).short
             axes.text(0.0, rank, f" {words}", va="center", fontsize="small")
             continue
         doubtful = of_output.check.values[place] in (Check.differs, Check.undecided)

@@ -23,6 +23,11 @@ class State(enum.IntEnum):
     def __str__(self) -> str:
         return self.name.replace("_", " ")
 
+    @property
+    def short(self) -> str:
+        """As it fits in a cell of a table, x being the parameter and y the output."""
+        return ("defined", "x=0", "y=0", "none", "failed", "lost")[self]
+
 
 class Check(enum.IntEnum):
     """What differences of neighbouring impacts say of a derivative."""
