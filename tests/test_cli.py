@@ -69,7 +69,7 @@ def folder(tmp_path, monkeypatch):
 
 def test_help_explains_every_command_option_and_column(capsys):
     for command, words in (
-        ([], ["simulate", "batch", "calibrate", "--version"]),
+        ([], ["simulate", "batch", "calibrate", "sensitivity", "--version"]),
         (["batch"], ["--out", "--timing", "--accuracy", *INPUT_COLUMNS]),
         (["batch"], [*RESULT_COLUMNS, "outcome"]),
         (["simulate"], ["--json", "--plot", "--accuracy", *INPUT_COLUMNS]),
