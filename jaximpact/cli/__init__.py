@@ -14,7 +14,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..provenance import version_of
-from . import batch, benchmark, calibrate, sensitivity, simulate, sweep
+from . import batch, benchmark, calibrate, figures, sensitivity, simulate, sweep
 from .progress import say
 
 USER_ERROR = 2
@@ -66,7 +66,15 @@ def _parser() -> argparse.ArgumentParser:
         "--version", action="version", version=f"%(prog)s {version_of('jaximpact')}"
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (simulate, batch, sweep, sensitivity, calibrate, benchmark):
+    for command in (
+        simulate,
+        batch,
+        sweep,
+        figures,
+        sensitivity,
+        calibrate,
+        benchmark,
+    ):
         command.add_parser(commands)
     return parser
 

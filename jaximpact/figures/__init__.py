@@ -1,0 +1,11 @@
+"""Figures 4 to 9 and 13 of the paper, computed again.
+
+A figure is a table, computed from the paper's parametric sets, and a drawing of that
+table alone. Source: Dattola et al. (2023), section 3 and Fig. 13.
+"""
+
+from .paper_figure import PaperFigure
+from .run import PAPER_FIGURES, write_figures
+from .study import Study
+
+__all__ = ["PAPER_FIGURES", "PaperFigure", "Study", "write_figures"]

@@ -1,0 +1,218 @@
+"""One look for the paper's figures: a colour for each aspect ratio, a marker for each
+outcome, curves that are not drawn through their jumps."""
+
+import io
+import itertools
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator, MultipleLocator
+from PIL import Image
+
+from ..columns import DEGREE, OUTCOME_COLUMN
+from ..outcomes import Outcome
+from .jumps import BRANCH
+
+ASPECT_RATIO = "aspect_ratio"
+ANGLE, ORIENTATION = "angle_deg", "orientation_deg"
+MAJOR, MINOR = "major axis", "minor axis"
+"""Along which a block strikes, in legends."""
+
+AXES = {
+    ASPECT_RATIO: ("aspect ratio $A_r$ [-]", 1.0),
+    ANGLE: (r"impact angle $\theta^{in}$ [°]", 1.0),
+    ORIENTATION: (r"initial orientation $\theta_0$ [°]", 1.0),
+    "time_s": ("time [ms]", 1e-3),
+    "penetration_m": ("displacement $u_n$ [m]", 1.0),
+    "normal_force_N": ("normal force $N$ [kN]", 1e3),
+    "rotation_rad": (r"rotation $\theta - \theta_0$ [°]", DEGREE),
+    "R_r": ("energy ratio $R_r$ [-]", 1.0),
+    "max_penetration_m": ("max $u_n$ [m]", 1.0),
+    "max_normal_force_N": ("max $N$ [kN]", 1e3),
+    "max_moment_Nm": ("max $|M|$ [kN m]", 1e3),
+    "max_R_r": ("max $R_r$ [-]", 1.0),
+    "e_n": ("normal restitution $e_n$ [-]", 1.0),
+    "e_t": ("tangential restitution $e_t$ [-]", 1.0),
+    "e_contact": ("contact restitution $e_n^*$ [-]", 1.0),
+    "e_bar": (r"energetic restitution $\bar{e}$ [-]", 1.0),
+    "e_n_vijayakumar": ("rigid-body $e_n$ [-]", 1.0),
+}
+"""Column -> label of its axis, and what counts as 1 there."""
+
+DARK_TO_LIGHT = matplotlib.colormaps["viridis"]
+"""Lightness alone tells its colours apart, in print without colour too."""
+LIGHTEST = 0.92
+"""Part of the sequence that can be seen on white."""
+MARKERS = {
+    Outcome.detached: "o",
+    Outcome.toppled: "^",
+    Outcome.arrested: "s",
+    Outcome.in_contact: "D",
+    Outcome.separating: "P",
+    Outcome.failed: "X",
+}
+SQUARES = {"color": "black", "marker": "s", "markersize": 5, "lw": 0.9}
+DPI = 200
+COLOURS = 128
+"""Colours of a drawing in a file, a third of the size that it has with all of them."""
+LABEL_SIZE = 9
+"""[pt]"""
+
+
+def panels(rows: int, columns: int, **how) -> tuple[Figure, list[Axes]]:
+    """A figure with lettered panels, row by row."""
+    figure = Figure(figsize=(7.2, 0.5 + 2.5 * rows), layout="constrained")
+    axes = list(figure.subplots(rows, columns, **how).flat)
+    for letter, each in zip("abcdef", axes, strict=False):
+        each.set_title(letter, loc="left", fontweight="bold")
+        each.grid(alpha=0.25)
+        each.tick_params(labelleft=True, labelbottom=True, labelsize=LABEL_SIZE)
+    return figure, axes
+
+
+def label_axes(axes: Axes, x: str, y: str) -> None:
+    """Labels with units, round ticks for angles, and a line at zero where values lie on
+    both sides of it."""
+    axes.set_xlabel(AXES[x][0], fontsize=LABEL_SIZE)
+    axes.set_ylabel(AXES[y][0], fontsize=LABEL_SIZE)
+    if x in (ANGLE, ORIENTATION):
+        axes.xaxis.set_major_locator(MultipleLocator(30 if x == ORIENTATION else 10))
+    if x == "time_s":
+        axes.set_xlim(left=0.0)
+    axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
+    if axes.dataLim.y0 < 0.0 < axes.dataLim.y1:
+        axes.axhline(0.0, color="0.4", lw=0.7, zorder=1)
+
+
+def save_png(figure: Figure, path: Path) -> None:
+    """Write the figure with few colours, which lines do not miss."""
+    memory = io.BytesIO()
+    figure.savefig(memory, dpi=DPI, format="png")
+    image = Image.open(memory).convert("RGB")
+    few = image.quantize(COLOURS, dither=Image.Dither.NONE)
+    few.save(path, dpi=(DPI, DPI), optimize=True)
+
+
+def colours_of(values: Iterable[float]) -> dict[float, tuple]:
+    """Colours from dark to light for numbers in ascending order."""
+    known = np.unique(list(values))
+    shades = np.linspace(0.0, LIGHTEST, len(known)) if len(known) > 1 else [0.0]
+    return {
+        value: DARK_TO_LIGHT(shade) for value, shade in zip(known, shades, strict=True)
+    }
+
+
+def draw_curves(axes: Axes, table: pd.DataFrame, x: str, y: str, **style) -> None:
+    """A curve for each aspect ratio; a jump is dotted."""
+    for value, colour in colours_of(table[ASPECT_RATIO]).items():
+        curve = table[table[ASPECT_RATIO] == value]
+        draw_curve(axes, curve, x, y, **{"color": colour, **style})
+    label_axes(axes, x, y)
+
+
+def draw_curve(axes: Axes, curve: pd.DataFrame, x: str, y: str, **style) -> None:
+    """One curve in its pieces, if it has any."""
+    pieces = [curve]
+    if BRANCH in curve:
+        pieces = [piece for _, piece in curve.groupby(BRANCH)]
+    for piece in pieces:
+        axes.plot(*_scaled(piece, x, y), **{"lw": 1.4, **style})
+    for left, right in itertools.pairwise(pieces):
+        over = pd.concat([left.tail(1), right.head(1)])
+        style = {**style, "ls": ":", "marker": "", "lw": 0.9}
+        axes.plot(*_scaled(over, x, y), **style)
+
+
+def draw_courses(axes: Axes, table: pd.DataFrame, y: str) -> None:
+    """A course for each aspect ratio up to its end, which the outcome marks."""
+    for value, colour in colours_of(table[ASPECT_RATIO]).items():
+        course = table[table[ASPECT_RATIO] == value]
+        draw_curve(axes, course, "time_s", y, color=colour)
+        last = course.tail(1)
+        (outcome,) = last[OUTCOME_COLUMN]
+        axes.plot(
+            *_scaled(last, "time_s", y),
+            color=colour,
+            marker=_marker(outcome),
+            markersize=5,
+            zorder=4,
+            clip_on=False,
+        )
+    label_axes(axes, "time_s", y)
+
+
+def draw_squares(axes: Axes, table: pd.DataFrame, y: str) -> None:
+    """Against the aspect ratio: filled squares for blocks that strike along the major
+    axis, empty ones for the minor."""
+    for orientation, fill in ((0.0, "black"), (90.0, "white")):
+        chosen = table.loc[table[ORIENTATION] == orientation, [ASPECT_RATIO, y]]
+        draw_curve(axes, chosen, ASPECT_RATIO, y, mfc=fill, **SQUARES)
+    label_axes(axes, ASPECT_RATIO, y)
+
+
+def square_handles() -> list[Line2D]:
+    """Entries of a legend for `draw_squares`."""
+    return [
+        Line2D([], [], mfc=fill, label=label, **SQUARES)
+        for fill, label in (("black", MAJOR), ("white", MINOR))
+    ]
+
+
+def aspect_ratio_legend(
+    figure: Figure, table: pd.DataFrame, *, outcomes: bool = False, **style
+) -> None:
+    """Legends over all panels: the aspect ratios and, if wanted, the outcomes."""
+    handles = [Line2D([], [], ls="", label="$A_r$ ="), *_handles(table, style)]
+    legend_over(figure, handles)
+    if outcomes:
+        known = [str(outcome) for outcome in Outcome]
+        ends = sorted(table[OUTCOME_COLUMN].unique(), key=known.index)
+        handles = [
+            Line2D([], [], color="0.3", ls="", marker=_marker(end), label=end)
+            for end in ends
+        ]
+        handles.insert(0, Line2D([], [], ls="", label="end of the contact:"))
+        figure.legend(
+            handles=handles,
+            loc="outside lower center",
+            ncols=len(handles),
+            frameon=False,
+            handlelength=1.0,
+            handletextpad=0.2,
+            columnspacing=0.6,
+        )
+
+
+def _handles(table: pd.DataFrame, style: dict) -> list[Line2D]:
+    return [
+        Line2D([], [], color=colour, label=f"{value:g}", **{"lw": 1.8, **style})
+        for value, colour in colours_of(table[ASPECT_RATIO]).items()
+    ]
+
+
+def legend_over(figure: Figure, handles: Sequence[Line2D]) -> None:
+    """A legend in one row over all panels."""
+    figure.legend(
+        handles=handles,
+        loc="outside upper center",
+        ncols=len(handles),
+        frameon=False,
+        handlelength=1.4,
+        handletextpad=0.4,
+        columnspacing=1.2,
+    )
+
+
+def _marker(outcome: str) -> str:
+    return next(marker for known, marker in MARKERS.items() if str(known) == outcome)
+
+
+def _scaled(table: pd.DataFrame, *columns: str) -> list[np.ndarray]:
+    """Columns in the units of their axes."""
+    return [table[name].to_numpy() / AXES[name][1] for name in columns]

@@ -1,0 +1,151 @@
+"""The figures to their files.
+
+Each is figure-N.png, drawn from figure-N.csv, with figure-N.csv.manifest.json, which
+says what it was computed from.
+"""
+
+import dataclasses
+import json
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from ..accuracy import get_accuracy
+from ..columns import OUTCOME_COLUMN
+from ..errors import InputError, nearest
+from ..files import replacing
+from ..laws import Laws
+from ..outcomes import Outcome
+from ..precision import require_float64
+from ..provenance import law_names, scene_values, versions
+from ..results import manifest_path
+from .drawing import save_png
+from .figure_4 import FIGURE_4
+from .figure_5 import FIGURE_5
+from .figure_6 import FIGURE_6
+from .figure_7 import FIGURE_7
+from .figure_8 import FIGURE_8
+from .figure_9 import FIGURE_9
+from .figure_13 import FIGURE_13
+from .paper_figure import PaperFigure
+from .study import Study
+
+PAPER_FIGURES = {
+    figure.number: figure
+    for figure in (
+        FIGURE_4,
+        FIGURE_5,
+        FIGURE_6,
+        FIGURE_7,
+        FIGURE_8,
+        FIGURE_9,
+        FIGURE_13,
+    )
+}
+"""By number in the paper."""
+
+
+def choose_figures(numbers: Sequence[str]) -> list[PaperFigure]:
+    """The figures of these numbers, in the paper's order; all for none.
+
+    Raises InputError for a number that is not known, with the nearest known.
+    """
+    for number in numbers:
+        if number not in PAPER_FIGURES:
+            raise InputError(
+                f"--only takes {', '.join(PAPER_FIGURES)}, but got {number!r}; did you "
+                f"mean {nearest(number, PAPER_FIGURES)!r}?"
+            )
+    return [f for n, f in PAPER_FIGURES.items() if not numbers or n in numbers]
+
+
+def write_figures(
+    out: Path,
+    *,
+    only: Sequence[str] = (),
+    study: Study | None = None,
+    say: Callable[[str], None] | None = None,
+) -> None:
+    """Compute, draw and write.
+
+    Args:
+        out: directory, made if need be. Files of the same names are replaced, each
+            figure's together.
+        only: numbers of figures; all for none.
+        study: ground and accuracy; Table 1 at `reference` if not given.
+        say: called with a line for each figure written.
+
+    Raises InputError for unknown figures or a directory that cannot be made,
+    RuntimeError if JAX is set to float32, OSError where the file system refuses.
+    """
+    require_float64()
+    figures = choose_figures(only)
+    study = study or Study()
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"--out {out} cannot be made: {error.strerror}") from error
+    for figure in figures:
+        begin = time.perf_counter()
+        table = figure.compute(_naming(study, figure))
+        _write(out, figure, study, table)
+        if say is not None:
+            seconds = time.perf_counter() - begin
+            failed = int((table[OUTCOME_COLUMN] == str(Outcome.failed)).sum())
+            say(
+                f"{out / figure.name}.png: {figure.title} ({seconds:.1f} s)"
+                + (f"; {failed} of {len(table)} rows failed" if failed else "")
+            )
+
+
+def _naming(study: Study, figure: PaperFigure) -> Study:
+    """The study, with the figure's name in its lines of progress."""
+    return dataclasses.replace(
+        study, progress=lambda text: study.progress(f"{figure.name}: {text}")
+    )
+
+
+def _write(out: Path, figure: PaperFigure, study: Study, table: pd.DataFrame) -> None:
+    """The three files of a figure, whole or not at all."""
+    data = out / f"{figure.name}.csv"
+    with (
+        replacing(manifest_path(data)) as manifest_temporary,
+        replacing(out / f"{figure.name}.png") as drawing_temporary,
+        replacing(data) as data_temporary,
+    ):
+        write_table(data_temporary, table)
+        save_png(figure.draw(table), drawing_temporary)
+        text = json.dumps(_manifest(figure, study, table), indent=2)
+        manifest_temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def write_table(path: Path, table: pd.DataFrame) -> None:
+    """Write a figure's table as CSV, every number with the digits that it takes to read
+    the same number back, `nan` where there is none."""
+    table.to_csv(path, index=False, na_rep="nan", lineterminator="\n")
+
+
+def read_table(path: Path) -> pd.DataFrame:
+    """Read what `write_table` wrote."""
+    return pd.read_csv(path, float_precision="round_trip")
+
+
+def _manifest(figure: PaperFigure, study: Study, table: pd.DataFrame) -> dict:
+    """What the figure was computed from and with; what varies is in its table."""
+    return {
+        "figure": figure.number,
+        "title": figure.title,
+        "ground": study.ground,
+        "sets": {
+            name: scene_values(study.parametric_set(name)[0]) for name in figure.sets
+        },
+        "rows": {
+            outcome: int(count)
+            for outcome, count in table[OUTCOME_COLUMN].value_counts().items()
+        },
+        "accuracy": dataclasses.asdict(get_accuracy(study.accuracy)),
+        "laws": law_names(Laws()),
+        "versions": versions(),
+    }
