@@ -24,26 +24,31 @@ ANGLE, ORIENTATION = "angle_deg", "orientation_deg"
 MAJOR, MINOR = "major axis", "minor axis"
 """Along which a block strikes, in legends."""
 
-AXES = {
-    ASPECT_RATIO: ("aspect ratio $A_r$ [-]", 1.0),
-    ANGLE: (r"impact angle $\theta^{in}$ [°]", 1.0),
-    ORIENTATION: (r"initial orientation $\theta_0$ [°]", 1.0),
-    "time_s": ("time [ms]", 1e-3),
-    "penetration_m": ("displacement $u_n$ [m]", 1.0),
-    "normal_force_N": ("normal force $N$ [kN]", 1e3),
-    "rotation_rad": (r"rotation $\theta - \theta_0$ [°]", DEGREE),
-    "R_r": ("energy ratio $R_r$ [-]", 1.0),
-    "max_penetration_m": ("max $u_n$ [m]", 1.0),
-    "max_normal_force_N": ("max $N$ [kN]", 1e3),
-    "max_moment_Nm": ("max $|M|$ [kN m]", 1e3),
-    "max_R_r": ("max $R_r$ [-]", 1.0),
-    "e_n": ("normal restitution $e_n$ [-]", 1.0),
-    "e_t": ("tangential restitution $e_t$ [-]", 1.0),
-    "e_contact": ("contact restitution $e_n^*$ [-]", 1.0),
-    "e_bar": (r"energetic restitution $\bar{e}$ [-]", 1.0),
-    "e_n_vijayakumar": ("rigid-body $e_n$ [-]", 1.0),
+LABELS = {
+    ASPECT_RATIO: "aspect ratio $A_r$ [-]",
+    ANGLE: r"impact angle $\theta^{in}$ [°]",
+    ORIENTATION: r"initial orientation $\theta_0$ [°]",
+    "time_s": "time [ms]",
+    "penetration_m": "displacement $u_n$ [m]",
+    "normal_force_N": "normal force $N$ [kN]",
+    "rotation_rad": r"rotation $\theta - \theta_0$ [°]",
+    "R_r": "energy ratio $R_r$ [-]",
+    "max_penetration_m": "max $u_n$ [m]",
+    "max_normal_force_N": "max $N$ [kN]",
+    "max_moment_Nm": "max $|M|$ [kN m]",
+    "max_R_r": "max $R_r$ [-]",
+    "e_n": "normal restitution $e_n$ [-]",
+    "e_t": "tangential restitution $e_t$ [-]",
 }
-"""Column -> label of its axis, and what counts as 1 there."""
+"""Column -> label of its axis."""
+UNITS = {
+    "time_s": 1e-3,
+    "normal_force_N": 1e3,
+    "rotation_rad": DEGREE,
+    "max_normal_force_N": 1e3,
+    "max_moment_Nm": 1e3,
+}
+"""Column -> what counts as 1 on its axis, where it is not the column's own unit."""
 
 DARK_TO_LIGHT = matplotlib.colormaps["viridis"]
 """Lightness alone tells its colours apart, in print without colour too."""
@@ -79,8 +84,8 @@ def panels(rows: int, columns: int, **how) -> tuple[Figure, list[Axes]]:
 def label_axes(axes: Axes, x: str, y: str) -> None:
     """Labels with units, round ticks for angles, and a line at zero where values lie on
     both sides of it."""
-    axes.set_xlabel(AXES[x][0], fontsize=LABEL_SIZE)
-    axes.set_ylabel(AXES[y][0], fontsize=LABEL_SIZE)
+    axes.set_xlabel(LABELS[x], fontsize=LABEL_SIZE)
+    axes.set_ylabel(LABELS[y], fontsize=LABEL_SIZE)
     if x in (ANGLE, ORIENTATION):
         axes.xaxis.set_major_locator(MultipleLocator(30 if x == ORIENTATION else 10))
     if x == "time_s":
@@ -215,4 +220,4 @@ def _marker(outcome: str) -> str:
 
 def _scaled(table: pd.DataFrame, *columns: str) -> list[np.ndarray]:
     """Columns in the units of their axes."""
-    return [table[name].to_numpy() / AXES[name][1] for name in columns]
+    return [table[name].to_numpy() / UNITS.get(name, 1.0) for name in columns]

@@ -127,11 +127,6 @@ def write_table(path: Path, table: pd.DataFrame) -> None:
     table.to_csv(path, index=False, na_rep="nan", lineterminator="\n")
 
 
-def read_table(path: Path) -> pd.DataFrame:
-    """Read what `write_table` wrote."""
-    return pd.read_csv(path, float_precision="round_trip")
-
-
 def _manifest(figure: PaperFigure, study: Study, table: pd.DataFrame) -> dict:
     """What the figure was computed from and with; what varies is in its table."""
     return {
