@@ -32,7 +32,14 @@ class Load(NamedTuple):
     """Derivative of rho* by m."""
 
 
-def loading_surface(xi: Scalar, h: Scalar, m: Scalar, beta: Scalar) -> Load:
+def loading_surface(
+    xi: Scalar,
+    h: Scalar,
+    m: Scalar,
+    beta: Scalar,
+    *,
+    rounding: float = VERTEX_ROUNDING,
+) -> Load:
     r"""Size of the surface through the load (xi, h, m), and its gradient.
 
     $$ \eta = \sqrt{(h^2 + m^2)/\xi^2 + e^2} - e, \quad w = \eta^{1/\beta}, \quad
@@ -48,6 +55,7 @@ def loading_surface(xi: Scalar, h: Scalar, m: Scalar, beta: Scalar) -> Load:
         h: $T/(\mu V_M)$ [-].
         m: $M/(\psi B_t V_M)$ [-].
         beta: exponent $\beta$ [-], in (0, 2).
+        rounding: $e$ [-], positive.
 
     Continuous also as xi goes to zero and below. Smooth for `xi > 0` but for a jump of
     the second derivative at $w = 0.95$; at h = m = 0 the gradient is continuous for
@@ -60,9 +68,9 @@ def loading_surface(xi: Scalar, h: Scalar, m: Scalar, beta: Scalar) -> Load:
     divisor = jnp.maximum(jnp.maximum(xi, least), TINY)
     h_ratio, m_ratio = h / divisor, m / divisor
     square = h_ratio**2 + m_ratio**2
-    root = jnp.sqrt(square + VERTEX_ROUNDING**2)
+    root = jnp.sqrt(square + rounding**2)
     # eta = root - e, without cancellation; TINY keeps the power's gradient finite at 0
-    eta = square / (root + VERTEX_ROUNDING) + TINY
+    eta = square / (root + rounding) + TINY
     w = safe_power(eta, 1.0 / beta)
     inside = jnp.minimum(w, TANGENT_FROM)
     slope = 1.0 / (1.0 - inside) ** 2

@@ -24,20 +24,25 @@ class Judgement:
 
     verdict: Verdict
     evidence: str
-    """The numbers that decide, with units, in a line."""
+    """What decides, in a line, numbers with their units."""
     numbers: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    """The same for programs; each name ends in its unit where it has one."""
-    parts: int = 0
-    """How many parts the criterion names."""
-    parts_that_hold: int = 0
+    """The numbers of the evidence; names end in the unit where there is one."""
+    held: int = 0
+    asked: int = 0
+    """Of the checks that the criterion asks for, how many there are and how many hold:
+    steps of trends, places of conditions."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """A claim, from where, how it is judged, and the judgement."""
+    """A claim, where it stands, how it is judged, and the judgement."""
 
     id: str
     where: str
     claim: str
     criterion: str
     judgement: Judgement
+
+
+class NotComputed(Exception):
+    """What a claim is judged by could not be computed; the message says why."""

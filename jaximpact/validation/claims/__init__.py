@@ -1,0 +1,53 @@
+"""The paper's claims: what each says (claims.csv), and a function that judges it.
+
+One module for each figure. A function takes datasets by name (`Study`) and gives a
+`Judgement`; what it asks for stands as the criterion in claims.csv, which was written
+down before anything was computed.
+"""
+
+import csv
+from collections.abc import Callable
+from importlib import resources
+from typing import NamedTuple
+
+from ..verdict import Judgement
+from . import (
+    energy,
+    figure_4,
+    figure_5,
+    figure_6,
+    figure_7,
+    figure_8,
+    figure_9,
+    figure_13,
+    sphericity,
+    supplement,
+)
+
+
+class Claim(NamedTuple):
+    """A row of claims.csv."""
+
+    id: str
+    where: str
+    claim: str
+    criterion: str
+
+
+def read_claims() -> dict[str, Claim]:
+    """Every claim by its id."""
+    text = resources.files(__package__).joinpath("claims.csv").read_text("utf-8")
+    rows = csv.DictReader(text.splitlines())
+    return {row["id"]: Claim(**row) for row in rows}
+
+
+JUDGES: dict[str, Callable[..., Judgement]] = (
+    supplement.OF_SETS
+    | energy.CLAIMS
+    | figure_13.CLAIMS
+    | sphericity.CLAIMS
+    | supplement.CLAIMS
+)
+"""Functions by the id of the claim that they judge."""
+
+__all__ = ["JUDGES", "Claim", "read_claims"]

@@ -1,0 +1,182 @@
+"""The datasets that claims are judged by, computed as they are asked for."""
+
+import concurrent.futures
+import itertools
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import xarray as xr
+
+from ..accuracy import DEFAULT_ACCURACY, get_accuracy
+from ..batch import simulate_batch
+from ..history import record_history
+from ..marching import CORES
+from ..outcomes import Outcome
+from ..parametric_sets import GROUNDS, PARAMETRIC_SETS, TABLE_1, parametric_set
+from ..provenance import scene_values
+from ..scene import Scene
+from ..sweep import scene_of_values, sweep
+from .contact_point import with_contact_at
+from .readings import AS_IT_IS, Reading
+from .verdict import NotComputed
+
+Datasets = Mapping[str, xr.Dataset]
+"""Datasets by name: the parametric sets on one ground, `courses`, and the random
+impacts (`RANDOM_SETS`)."""
+
+ACCURACY = DEFAULT_ACCURACY
+COURSES = "courses"
+COURSE_ANGLES_DEG = np.arange(10.0, 81.0, 10.0)
+RANDOM_IMPACTS = 10_000
+SEED = 13
+_SPINS_DEGPS = {"random, level": 2e3, "random, fast spin": 2e4, "random, on slopes": 2e3}
+RANDOM_SETS = tuple(_SPINS_DEGPS)
+"""Random impacts: on level ground with the spins of Fig. 13 and with those of the
+paper's runs, and on slopes."""
+
+
+class Study(Datasets):
+    """Datasets of one ground under one reading of the model, each computed once.
+
+    A set with an impact that failed raises NotComputed; random impacts that failed are
+    NaN.
+    """
+
+    def __init__(
+        self,
+        ground: str = TABLE_1,
+        reading: Reading = AS_IT_IS,
+        say: Callable[[str], None] | None = None,
+    ):
+        self.ground, self.reading = ground, reading
+        self.say = say or (lambda text: None)
+        self._known: dict[str, xr.Dataset] = {}
+        self._others: dict[str, Study] = {ground: self}
+
+    def on(self, ground: str) -> "Study":
+        """The same on another ground."""
+        if ground not in self._others:
+            self._others[ground] = Study(ground, self.reading, self.say)
+        return self._others[ground]
+
+    def __getitem__(self, name: str) -> xr.Dataset:
+        if name not in self._known:
+            self.say(f"{self.reading.name}, {self.ground}: {name}")
+            self._known[name] = self._compute(name)
+        return self._known[name]
+
+    def __iter__(self):
+        return iter((*PARAMETRIC_SETS, COURSES, *RANDOM_SETS))
+
+    def __len__(self):
+        return len(list(iter(self)))
+
+    def _compute(self, name: str) -> xr.Dataset:
+        if name == COURSES:
+            return self._courses()
+        if name in RANDOM_SETS:
+            return self._random(name)
+        base, axes = parametric_set(name)
+        dataset = self._sweep(base, {k: v for k, v in axes.items() if k != "ground"})
+        failed = int((dataset.outcome == "failed").sum())
+        if failed:
+            raise NotComputed(
+                f"{failed} of {dataset.outcome.size} impacts of set {name} failed"
+            )
+        if name == "fig13":
+            dataset = with_contact_at(dataset, self._base(base), self.reading.contact)
+        return dataset
+
+    def _base(self, base: Scene) -> Scene:
+        """A scene on this ground, as the reading has it."""
+        pairs = parametric_set("I")[1]["ground"]
+        place = GROUNDS.index(self.ground)
+        own = {name: pairs[name][place] for name in ("c_v", "gamma_v")}
+        return scene_of_values(scene_values(base) | own | self.reading.values)
+
+    def _sweep(self, base: Scene, axes: Mapping) -> xr.Dataset:
+        return sweep(
+            self._base(base), axes, accuracy=ACCURACY, laws=self.reading.laws
+        )
+
+    def _random(self, name: str) -> xr.Dataset:
+        """Energetic coefficient, outcome and gravity's work over the incoming energy
+        of random impacts."""
+        values = scene_values(self._base(Scene())) | random_quantities(name)
+        result = simulate_batch(
+            scene_of_values(values),
+            accuracy=ACCURACY,
+            laws=self.reading.laws,
+            ledger=True,
+        )
+        names = np.array([str(outcome) for outcome in Outcome])
+        variables = {
+            "e_bar": result.e_bar,
+            "gravity_share": result.energy.gravity / result.energy.kinetic_in,
+            "outcome": names[np.asarray(result.outcome_code).astype(int)],
+        }
+        return xr.Dataset({key: ("impact", value) for key, value in variables.items()})
+
+    def _courses(self) -> xr.Dataset:
+        """The course of inclined impacts along the major axis, step by step and then as
+        it ended: rotation and ratio of energies."""
+        base, axes = parametric_set("III")
+        grid = {
+            "angle_deg": COURSE_ANGLES_DEG,
+            "aspect_ratio": np.asarray(axes["aspect_ratio"]),
+        }
+        values = scene_values(self._base(base)) | {"orientation_deg": 0.0}
+
+        def record(point):
+            scene = scene_of_values(values | dict(zip(grid, point, strict=True)))
+            return record_history(scene, get_accuracy(ACCURACY), self.reading.laws)
+
+        first, *rest = itertools.product(*grid.values())
+        # What the first compiles the others share.
+        histories = [record(first)]
+        with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
+            histories += pool.map(record, rest)
+        longest = max(len(history.time) for history in histories)
+        shape = *map(len, grid.values()), longest
+
+        def padded(name: str) -> np.ndarray:
+            series = [getattr(history, name) for history in histories]
+            if not all(np.all(np.isfinite(row)) for row in series):
+                raise NotComputed("the course of an impact of set III failed")
+            rows = [np.pad(row, (0, longest - len(row)), "edge") for row in series]
+            return np.reshape(rows, shape)
+
+        dimensions = (*grid, "step")
+        return xr.Dataset(
+            {
+                "time_s": (dimensions, padded("time")),
+                "rotation_rad": (dimensions, padded("rotation")),
+                "R_r": (dimensions, padded("rotational_ratio")),
+            },
+            grid,
+        )
+
+
+def random_quantities(name: str) -> dict[str, np.ndarray]:
+    """Quantities of random impacts, in the units of their columns."""
+    random = np.random.default_rng(SEED + RANDOM_SETS.index(name))
+    count, spin = RANDOM_IMPACTS, _SPINS_DEGPS[name]
+    return {
+        "mass_kg": np.exp(random.uniform(np.log(10.0), np.log(1e4), count)),
+        "aspect_ratio": random.uniform(1.0, 4.0, count),
+        "speed_mps": random.uniform(5.0, 30.0, count),
+        "angle_deg": random.uniform(0.0, 85.0, count),
+        "orientation_deg": random.uniform(0.0, 180.0, count),
+        "angular_velocity_degps": random.uniform(-spin, spin, count),
+        "slope_deg": random.uniform(0.0, 45.0, count) * (name == "random, on slopes"),
+    }
+
+
+def along_major_axis(sets: Datasets) -> xr.Dataset:
+    """Set III along the major axis: over the angle and A_r."""
+    return sets["III"].sel(orientation_deg=0.0, drop=True)
+
+
+def along_minor_axis(sets: Datasets) -> xr.Dataset:
+    """Set III along the minor axis: over the angle and A_r."""
+    return sets["III"].sel(orientation_deg=90.0, drop=True)
