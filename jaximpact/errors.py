@@ -1,4 +1,5 @@
-"""The error of the package's edge: input that cannot be used."""
+"""The errors of the package's edge: input that cannot be used, and results that could
+not be had."""
 
 import difflib
 import os
@@ -29,6 +30,11 @@ class InputError(ValueError):
         place = ", ".join(text.format(item) for item, text in where if item is not None)
         message = f"{place}: {problem}" if place else problem
         super().__init__(" ".join(message.split("\n")))
+
+
+class IncompleteError(Exception):
+    """Something that a command was asked for could not be computed; the rest was. The
+    message is one line."""
 
 
 def nearest(name: str, known) -> str:

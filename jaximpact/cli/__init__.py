@@ -12,9 +12,18 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..errors import InputError
+from ..errors import IncompleteError, InputError
 from ..provenance import version_of
-from . import batch, benchmark, calibrate, figures, sensitivity, simulate, sweep
+from . import (
+    batch,
+    benchmark,
+    calibrate,
+    figures,
+    sensitivity,
+    simulate,
+    sweep,
+    validate,
+)
 from .progress import say
 
 USER_ERROR = 2
@@ -33,10 +42,10 @@ class _Parser(argparse.ArgumentParser):
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code.
 
-    0: done. 1: the system refused, for example a full disk. 2: wrong arguments or
-    input. 130: interrupted from the keyboard. Whatever went wrong is one line on
-    stderr. Sets JAX to float64, and to keep compiled programs in the user's cache if
-    `JAX_COMPILATION_CACHE_DIR` does not say where.
+    0: done. 1: the system refused, for example a full disk, or something could not be
+    computed. 2: wrong arguments or input. 130: interrupted from the keyboard. Whatever
+    went wrong is one line on stderr. Sets JAX to float64, and to keep compiled programs
+    in the user's cache if `JAX_COMPILATION_CACHE_DIR` does not say where.
     """
     try:
         arguments = _parser().parse_args(argv)
@@ -51,7 +60,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         # The reader of stdout has left (`| head`); Python must not write at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
-    except OSError as error:
+    except (OSError, IncompleteError) as error:
         return _report(f"error: {error}", SYSTEM_ERROR)
     return 0
 
@@ -73,6 +82,7 @@ def _parser() -> argparse.ArgumentParser:
         figures,
         sensitivity,
         calibrate,
+        validate,
         benchmark,
     ):
         command.add_parser(commands)

@@ -1,28 +1,19 @@
 """What a comparison of the model with somebody's law comes to."""
 
 import dataclasses
-import enum
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from .verdict import Verdict
+
 HOLDS_WITHIN = 0.10
 PARTLY_WITHIN = 0.30
 """Largest relative deviations of a law that holds, and of one that holds partly. Laws
 fitted to tests on soil carry exponents rounded to a tenth and scatter by some tens of
 percent."""
-
-
-class Verdict(enum.StrEnum):
-    """Whether the model does as the law says."""
-
-    holds = "holds"
-    partly = "partly"
-    fails = "fails"
-    not_computed = "not computed"
-    """An impact that it takes did not finish: nothing is averaged over failures."""
 
 
 def relative_deviation(model, law) -> np.ndarray:

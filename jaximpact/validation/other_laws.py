@@ -100,9 +100,7 @@ flow_from_harder = _flow_from(0.1)
 """Flow with ten times the hardening at the start."""
 
 
-def hardening_per_metre(
-    hardening, flow, length, width, soil, *, branch=None
-) -> Scalar:
+def hardening_per_metre(hardening, flow, length, width, soil, *, branch=None) -> Scalar:
     r"""Hardening by the path in metres, not by its part of the foundation's size."""
     rate = hardening_rate(hardening, flow, length, width, soil, branch=branch)
     return rate * jnp.sqrt(length * width)

@@ -20,7 +20,7 @@ class Reading:
     name: str
     values: Mapping[str, float] = dataclasses.field(default_factory=dict)
     """Input columns and their values."""
-    laws: Laws = Laws()
+    laws: Laws = dataclasses.field(default_factory=Laws)
     contact: ContactPoint = ContactPoint.foundation
 
 

@@ -15,7 +15,7 @@ from ..outcomes import Outcome
 from ..parametric_sets import GROUNDS, PARAMETRIC_SETS, TABLE_1, parametric_set
 from ..provenance import scene_values
 from ..scene import Scene
-from ..sweep import scene_of_values, sweep
+from ..sweeping import scene_of_values, sweep
 from .contact_point import with_contact_at
 from .readings import AS_IT_IS, Reading
 from .verdict import NotComputed
@@ -29,7 +29,11 @@ COURSES = "courses"
 COURSE_ANGLES_DEG = np.arange(10.0, 81.0, 10.0)
 RANDOM_IMPACTS = 10_000
 SEED = 13
-_SPINS_DEGPS = {"random, level": 2e3, "random, fast spin": 2e4, "random, on slopes": 2e3}
+_SPINS_DEGPS = {
+    "random, level": 2e3,
+    "random, fast spin": 2e4,
+    "random, on slopes": 2e3,
+}
 RANDOM_SETS = tuple(_SPINS_DEGPS)
 """Random impacts: on level ground with the spins of Fig. 13 and with those of the
 paper's runs, and on slopes."""
@@ -95,9 +99,7 @@ class Study(Datasets):
         return scene_of_values(scene_values(base) | own | self.reading.values)
 
     def _sweep(self, base: Scene, axes: Mapping) -> xr.Dataset:
-        return sweep(
-            self._base(base), axes, accuracy=ACCURACY, laws=self.reading.laws
-        )
+        return sweep(self._base(base), axes, accuracy=ACCURACY, laws=self.reading.laws)
 
     def _random(self, name: str) -> xr.Dataset:
         """Energetic coefficient, outcome and gravity's work over the incoming energy

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 
 class Verdict(enum.StrEnum):
-    """Whether the model bears a claim out."""
+    """Whether the model bears a claim out, or does as a law says."""
 
     holds = "holds"
     """In all the parts that its criterion names."""

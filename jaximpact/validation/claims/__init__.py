@@ -11,18 +11,7 @@ from importlib import resources
 from typing import NamedTuple
 
 from ..verdict import Judgement
-from . import (
-    energy,
-    figure_4,
-    figure_5,
-    figure_6,
-    figure_7,
-    figure_8,
-    figure_9,
-    figure_13,
-    sphericity,
-    supplement,
-)
+from . import energy, figure_13, sphericity, supplement
 
 
 class Claim(NamedTuple):

@@ -24,23 +24,23 @@ def apparent_is_negative(sets: Datasets) -> Judgement:
     """e_n is negative over a wide range, the contact and energetic ones are not."""
     data = sets["fig13"]
     share = (data.e_n < 0.0).mean("orientation_deg")
-    least_contact = data.e_contact.min("orientation_deg")
-    least_energetic = data.e_bar.min("orientation_deg")
+    contact = data.e_contact.min("orientation_deg")
+    energetic = data.e_bar.min("orientation_deg")
     below = int((data.e_contact <= 0.0).sum())
     return judge(
         f"e_n negative at {between(100.0 * share, '%')} of orientations, down to "
-        f"{float(data.e_n.min()):.3g}; contact one from {float(least_contact.min()):.3g}"
-        f", not above zero at {below} of {data.e_contact.size} points; energetic one "
-        f"from {float(least_energetic.min()):.3g}",
+        f"{float(data.e_n.min()):.3g}; contact one down to {float(contact.min()):.3g}, "
+        f"not above zero at {below} of {data.e_contact.size} points; energetic one "
+        f"down to {float(energetic.min()):.3g}",
         [
             conditions(share >= WIDE, "apparent one negative over a third"),
-            conditions(least_contact > 0.0, "contact one positive"),
-            conditions(least_energetic > 0.0, "energetic one positive"),
+            conditions(contact > 0.0, "contact one positive"),
+            conditions(energetic > 0.0, "energetic one positive"),
         ],
         {
             "least_share_percent": 100.0 * share.min(),
-            "least_contact": least_contact.min(),
-            "least_energetic": least_energetic.min(),
+            "least_contact": contact.min(),
+            "least_energetic": energetic.min(),
         },
     )
 
@@ -51,7 +51,8 @@ def asymmetry_grows_with_spin(sets: Datasets) -> Judgement:
     parts, words, numbers = [], [], {}
     for name, kind in COEFFICIENTS.items():
         apart = np.sqrt((less_mirrored(data[name]) ** 2).mean("orientation_deg"))
-        parts.append(condition(float(asymmetry(data[name].sel({_SPIN: 0.0}))) <= MARGIN))
+        still = asymmetry(data[name].sel({_SPIN: 0.0}))
+        parts.append(condition(float(still) <= MARGIN))
         parts.append(trend(apart, RISES))
         words.append(f"{kind} {', '.join(f'{float(x):.2g}' for x in apart)}")
         numbers[f"{name}_at_largest_spin"] = apart[-1]

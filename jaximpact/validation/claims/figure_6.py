@@ -35,7 +35,9 @@ def rotational_ratio_peaks(sets: Datasets) -> Judgement:
     largest = ratio.max("step")
     last = ratio.isel(step=-1)
     fall = (largest - last) / largest
-    dip = xr.apply_ufunc(_deepest_dip, ratio, input_core_dims=[["step"]], vectorize=True)
+    dip = xr.apply_ufunc(
+        _deepest_dip, ratio, input_core_dims=[["step"]], vectorize=True
+    )
     short, long = fall.isel(aspect_ratio=[0]), fall.isel(aspect_ratio=[-1])
     percent = 100.0 * fall
     return judge(

@@ -107,9 +107,9 @@ def rotation(sets: Datasets) -> Judgement:
     )
     top = size.max("orientation_deg")
     return judge(
-        f"peak at A_r {between(peaks)} (median {float(peaks.median()):g}); over all "
-        f"orientations largest at A_r {float(top.idxmax()):g}, {float(top.max()):.3g}°, "
-        f"at A_r 4 {float(top[-1]):.3g}°",
+        f"peak at A_r {between(peaks)}, median {float(peaks.median()):g}; largest over "
+        f"all orientations {float(top.max()):.3g}° at A_r {float(top.idxmax()):g}, "
+        f"{float(top[-1]):.3g}° at A_r 4",
         [
             symmetric(turn, -1.0),
             conditions(near & single, "rises to a peak near A_r 2.5 and falls"),

@@ -1,0 +1,214 @@
+"""Findings as text, Markdown and CSV."""
+
+import csv
+import io
+import textwrap
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from .readings import AS_IT_IS
+from .verdict import Finding, Judgement, Verdict
+
+if TYPE_CHECKING:
+    from .run import ByReading, Validation
+
+WIDTH = 100
+LETTERS = {
+    Verdict.holds: "H",
+    Verdict.partly: "P",
+    Verdict.fails: "F",
+    Verdict.not_computed: "?",
+}
+RANKS = {Verdict.holds: 2, Verdict.partly: 1, Verdict.fails: 0}
+SAME = "·"
+
+
+def as_text(validation: "Validation") -> str:
+    """The findings one below another, what they say and what decides, then counts."""
+    parts = []
+    for findings, of in ((validation.claims, "claims"), (validation.laws, "laws")):
+        if findings:
+            parts += [_lines(finding) for finding in findings]
+            parts.append(f"{len(findings)} {of}: {counts(findings)}\n")
+    if validation.readings:
+        parts.append(_matrix_text(validation.readings))
+    return "\n".join(parts)
+
+
+def _lines(finding: Finding) -> str:
+    head = f"{finding.id}  {finding.judgement.verdict:<12}  "
+    body = textwrap.wrap(finding.claim, WIDTH - len(head))
+    body += textwrap.wrap(finding.judgement.evidence, WIDTH - len(head) - 2)
+    count = len(textwrap.wrap(finding.claim, WIDTH - len(head)))
+    lines = [
+        " " * len(head) + ("  " if place >= count else "") + text
+        for place, text in enumerate(body)
+    ]
+    lines[0] = head + body[0]
+    return "\n".join(lines) + "\n"
+
+
+def counts(findings: Iterable[Finding]) -> str:
+    """How many have which verdict, in words."""
+    found = Counter(finding.judgement.verdict for finding in findings)
+    words = {
+        Verdict.holds: "hold",
+        Verdict.partly: "hold partly",
+        Verdict.fails: "fail",
+        Verdict.not_computed: "not computed",
+    }
+    return ", ".join(
+        f"{found[verdict]} {word}" for verdict, word in words.items() if found[verdict]
+    )
+
+
+def as_csv(findings: Iterable[Finding]) -> str:
+    """A row for each finding."""
+    return _csv(
+        ("id", "where", "claim", "criterion", *_JUDGEMENT),
+        ((f.id, f.where, f.claim, f.criterion, *_cells(f.judgement)) for f in findings),
+    )
+
+
+def readings_csv(readings: "ByReading") -> str:
+    """A row for each reading and claim."""
+    return _csv(
+        ("reading", "id", *_JUDGEMENT),
+        (
+            (reading, name, *_cells(judgement))
+            for reading, judgements in readings.items()
+            for name, judgement in judgements.items()
+        ),
+    )
+
+
+_JUDGEMENT = ("verdict", "held", "asked", "evidence")
+
+
+def _cells(judgement: Judgement) -> tuple:
+    return judgement.verdict, judgement.held, judgement.asked, judgement.evidence
+
+
+def _csv(header: tuple[str, ...], rows: Iterable[tuple]) -> str:
+    file = io.StringIO()
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(rows)
+    return file.getvalue()
+
+
+def as_markdown(validation: "Validation") -> str:
+    """The findings in tables, and what the readings change."""
+    parts = []
+    for findings, of in ((validation.claims, "claims"), (validation.laws, "laws")):
+        if findings:
+            parts.append(
+                markdown_table(
+                    ("", "where", "claim", "verdict", "what decides"),
+                    (
+                        (
+                            f.id,
+                            f.where,
+                            f.claim,
+                            _marked(f.judgement.verdict),
+                            f.judgement.evidence,
+                        )
+                        for f in findings
+                    ),
+                )
+            )
+            parts.append(f"{len(findings)} {of}: {counts(findings)}.\n")
+    if validation.readings:
+        parts += [matrix_markdown(validation.readings), moves(validation.readings)]
+    return "\n".join(parts)
+
+
+def _marked(verdict: Verdict) -> str:
+    return f"**{verdict}**" if verdict is Verdict.fails else str(verdict)
+
+
+def markdown_table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    """A table in Markdown; bars in cells are escaped."""
+    lines = [header, ("---",) * len(header), *rows]
+    return "".join(
+        "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
+        for cells in lines
+    )
+
+
+def _matrix(readings: "ByReading") -> tuple[list[str], list[list[str]]]:
+    """Readings but the first, and for each claim its letters: under the first, then
+    under each of the others where it is another one."""
+    as_it_is, others = _split(readings)
+    rows = []
+    for name, judgement in as_it_is.items():
+        letter = LETTERS[judgement.verdict]
+        changed = (LETTERS[found[name].verdict] for found in others.values())
+        rows.append([name, letter, *(SAME if x == letter else x for x in changed)])
+    return list(others), rows
+
+
+def _split(readings: "ByReading") -> tuple[Mapping[str, Judgement], "ByReading"]:
+    others = {name: found for name, found in readings.items() if name != AS_IT_IS.name}
+    return readings[AS_IT_IS.name], others
+
+
+def _matrix_text(readings: "ByReading") -> str:
+    names, rows = _matrix(readings)
+    header = ["", "", *(str(number) for number in range(1, len(names) + 1))]
+    lines = [
+        f"{cells[0]:<5}{cells[1]:<3}" + "".join(f"{cell:>3}" for cell in cells[2:])
+        for cells in (header, *rows)
+    ]
+    legend = [f"  {number:>2}  {name}" for number, name in enumerate(names, start=1)]
+    return (
+        "verdicts under other readings (H holds, P partly, F fails; "
+        f"{SAME} as it is):\n\n" + "\n".join(lines) + "\n\n" + "\n".join(legend) + "\n"
+    )
+
+
+def matrix_markdown(readings: "ByReading") -> str:
+    """Verdicts by claim and reading, letters where they differ from the first."""
+    names, rows = _matrix(readings)
+    numbers = [str(number) for number in range(1, len(names) + 1)]
+    legend = "\n".join(f"{number}. {name}" for number, name in enumerate(names, 1))
+    return legend + "\n\n" + markdown_table(("", "as it is", *numbers), rows)
+
+
+def moves(readings: "ByReading") -> str:
+    """For each claim that does not hold: which readings move it, and how far."""
+    as_it_is, others = _split(readings)
+    rows = []
+    for name, judgement in as_it_is.items():
+        rank = RANKS.get(judgement.verdict)
+        if rank is None or rank == RANKS[Verdict.holds]:
+            continue
+        moved = {
+            reading: RANKS.get(found[name].verdict, rank)
+            for reading, found in others.items()
+        }
+        better = [reading for reading, to in moved.items() if to > rank]
+        worse = [reading for reading, to in moved.items() if to < rank]
+        nearest = max(others, key=lambda r: (moved[r], _share(others[r][name])))
+        best = others[nearest][name]
+        gains = moved[nearest] > rank or _share(best) > _share(judgement)
+        rows.append(
+            (
+                name,
+                f"{judgement.verdict}, {judgement.held} of {judgement.asked}",
+                ", ".join(better) or "none",
+                ", ".join(worse) or "none",
+                f"{nearest}: {best.verdict}, {best.held} of {best.asked}: "
+                f"{best.evidence}"
+                if gains
+                else "none",
+            )
+        )
+    return markdown_table(
+        ("", "as it is", "better with", "worse with", "nearest"), rows
+    )
+
+
+def _share(judgement: Judgement) -> float:
+    return judgement.held / max(judgement.asked, 1)
