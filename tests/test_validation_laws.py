@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from validation_page import assert_page_shows
 
 from jaximpact import Block, Impact, Outcome, Soil, simulate
 from jaximpact.columns import INPUT_COLUMNS
@@ -19,6 +20,7 @@ from jaximpact.validation.comparison import (
     relative_deviation,
     verdict_of,
 )
+from jaximpact.validation.law_findings import as_findings
 from jaximpact.validation.laws import STUDIES, compare_with_laws
 from jaximpact.validation.one_at_a_time import (
     TRIED,
@@ -246,3 +248,7 @@ def test_figures_have_axes_with_units_and_finite_lines(rows, tmp_path):
         path = tmp_path / f"{name}.png"
         figure.savefig(path)
         assert path.stat().st_size > 10_000
+
+
+def test_the_page_shows_the_comparisons(rows):
+    assert_page_shows(as_findings(list(rows.values())), "L")

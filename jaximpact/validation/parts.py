@@ -160,9 +160,9 @@ def ranges(values: Sequence[float], chosen: Sequence[bool]) -> str:
 def from_to(values: ArrayLike, unit: str = "") -> str:
     """First and last value of a line, in words."""
     values = np.asarray(values, float)
-    first, last = (0.0 if abs(x) < NOTHING else x for x in values[[0, -1]])
+    ends = [f"{0.0 if abs(x) < NOTHING else x:.3g}" for x in values[[0, -1]]]
     space = "" if unit == "°" or not unit else " "
-    return f"{first:.3g} to {last:.3g}{space}{unit}"
+    return f"{' to '.join(dict.fromkeys(ends))}{space}{unit}"
 
 
 def between(values: ArrayLike, unit: str = "") -> str:

@@ -38,15 +38,15 @@ def as_text(validation: "Validation") -> str:
 
 def _lines(finding: Finding) -> str:
     head = f"{finding.id}  {finding.judgement.verdict:<12}  "
-    body = textwrap.wrap(finding.claim, WIDTH - len(head))
-    body += textwrap.wrap(finding.judgement.evidence, WIDTH - len(head) - 2)
-    count = len(textwrap.wrap(finding.claim, WIDTH - len(head)))
-    lines = [
-        " " * len(head) + ("  " if place >= count else "") + text
-        for place, text in enumerate(body)
-    ]
-    lines[0] = head + body[0]
-    return "\n".join(lines) + "\n"
+    margin = " " * len(head)
+    claim = textwrap.fill(
+        finding.claim, WIDTH, initial_indent=head, subsequent_indent=margin
+    )
+    evidence = textwrap.indent(
+        textwrap.fill(finding.judgement.evidence, WIDTH - len(margin) - 2),
+        margin + "  ",
+    )
+    return f"{claim}\n{evidence}\n"
 
 
 def counts(findings: Iterable[Finding]) -> str:
@@ -119,6 +119,12 @@ def as_markdown(validation: "Validation") -> str:
                 )
             )
             parts.append(f"{len(findings)} {of}: {counts(findings)}.\n")
+    parts.append(
+        markdown_table(
+            ("", "criterion"),
+            ((f.id, f.criterion) for f in validation.claims if f.judgement.asked),
+        )
+    )
     if validation.readings:
         parts += [matrix_markdown(validation.readings), moves(validation.readings)]
     return "\n".join(parts)
@@ -146,7 +152,11 @@ def _matrix(readings: "ByReading") -> tuple[list[str], list[list[str]]]:
         letter = LETTERS[judgement.verdict]
         changed = (LETTERS[found[name].verdict] for found in others.values())
         rows.append([name, letter, *(SAME if x == letter else x for x in changed)])
-    return list(others), rows
+    holding = [
+        str(sum(found.verdict is Verdict.holds for found in judgements.values()))
+        for judgements in readings.values()
+    ]
+    return list(others), [*rows, ["hold", *holding]]
 
 
 def _split(readings: "ByReading") -> tuple[Mapping[str, Judgement], "ByReading"]:

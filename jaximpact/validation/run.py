@@ -7,6 +7,7 @@ interrupted run goes on. What the laws are compared by is drawn.
 
 import csv
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -100,7 +101,12 @@ def validate(
     if readings:
         ids = [name for name in JUDGES if name in chosen and name != SUPPLEMENT]
         by_reading = {AS_IT_IS.name: {f.id: f.judgement for f in found if f.id in ids}}
-        by_reading |= _judge_readings(ids, out, progress, say)
+        try:
+            by_reading |= _judge_readings(ids, out, progress, say)
+        except KeyboardInterrupt:
+            if out is None:
+                raise
+            raise KeyboardInterrupt("the same command goes on from here") from None
     validation = Validation(found, as_findings(comparisons), by_reading)
     if out is not None:
         _write_all(out, validation, comparisons)
@@ -227,7 +233,7 @@ def _finding_json(finding: Finding) -> dict:
         "asked": judgement.asked,
         "evidence": judgement.evidence,
         "numbers": {
-            name: value if value == value else None
+            name: value if math.isfinite(value) else None
             for name, value in judgement.numbers.items()
         },
     }

@@ -60,7 +60,9 @@ class Study(Datasets):
     def on(self, ground: str) -> "Study":
         """The same on another ground."""
         if ground not in self._others:
-            self._others[ground] = Study(ground, self.reading, self.say)
+            other = Study(ground, self.reading, self.say)
+            other._others = self._others
+            self._others[ground] = other
         return self._others[ground]
 
     def __getitem__(self, name: str) -> xr.Dataset:

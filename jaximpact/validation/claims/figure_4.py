@@ -1,6 +1,6 @@
 """Fig. 4: vertical impacts along the major axis (set I)."""
 
-from ..parts import FALLS, RISES, from_to, judge, steps_that_go, trend
+from ..parts import FALLS, RISES, between, from_to, judge, steps_that_go, trend
 from ..study import Datasets
 from ..verdict import Judgement, Verdict
 
@@ -51,20 +51,22 @@ def short_blocks_stop(sets: Datasets) -> Judgement:
     e_n = data.e_n.values
     detaches = (data.outcome.values == "detached") & (e_n > RISE)
     stops = data.outcome.isin(["arrested", "in contact"]).values | (abs(e_n) < RISE)
-    first = int(detaches.argmax()) if detaches.any() else len(detaches)
-    if not (stops.any() and detaches.any()):
+    mixed = stops.any() and detaches.any()
+    first = int(detaches.argmax()) if mixed else 0
+    divided = int(stops[:first].sum() + detaches[first:].sum()) if mixed else 0
+    if not mixed:
         verdict = Verdict.fails
-    elif stops[:first].all() and detaches[first:].all() and first > 0:
+    elif first > 0 and divided == len(e_n):
         verdict = Verdict.holds
     else:
         verdict = Verdict.partly
     return Judgement(
         verdict,
         f"{stops.sum()} stop and {detaches.sum()} detach of {len(e_n)}, "
-        f"e_n {e_n.min():.3g} to {e_n.max():.3g}",
+        f"e_n {between(e_n)}",
         {"stop": float(stops.sum()), "detach": float(detaches.sum())},
-        int(stops[:first].sum()),
-        first,
+        divided,
+        len(e_n),
     )
 
 

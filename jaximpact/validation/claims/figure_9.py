@@ -46,8 +46,12 @@ def e_n_is_negative(sets: Datasets) -> Judgement:
     low = e_n.sel(angle_deg=e_n.angle_deg <= NEGATIVE_TO_DEG)
     negative = e_n < 0.0
     found = ", ".join(
-        f"A_r {float(line.aspect_ratio):g} from {float(e_n.angle_deg[line].min()):g}°"
-        for line in negative.T
+        f"A_r {a_r:g} from {e_n.angle_deg.values[line][0]:g}°"
+        for a_r, line in zip(
+            e_n.aspect_ratio.values,
+            negative.transpose("aspect_ratio", "angle_deg").values,
+            strict=True,
+        )
         if line.any()
     )
     return judge(
