@@ -8,13 +8,14 @@ import numpy as np
 
 from .errors import InputError, nearest
 from .scene import Scene
-from .sweeping import Axes, scene_of_values
+from .sweeping import LABELS, Axes, scene_of_values
 
 TABLE_1 = "Table 1"
 GROUNDS = (TABLE_1, "c_v 0.5, gamma_v 1.70", "c_v 0.5, gamma_v 0.85")
 """Labels along the dimension `ground`: Table 1 has c_v 1.0 and gamma_v 8.7."""
+GROUND = "ground"
 _GROUND = {
-    "ground": {"name": GROUNDS, "c_v": [1.0, 0.5, 0.5], "gamma_v": [8.7, 1.70, 0.85]}
+    GROUND: {LABELS: GROUNDS, "c_v": [1.0, 0.5, 0.5], "gamma_v": [8.7, 1.70, 0.85]}
 }
 _ASPECT_RATIOS = {"aspect_ratio": np.linspace(1.0, 4.0, 7)}
 _SPINS = {"angular_velocity_degps": [0.0, 500.0, 1500.0, 2000.0]}
@@ -44,15 +45,35 @@ PARAMETRIC_SETS = tuple(_SETS)
 either; IV: vertical, at all orientations; fig13: the same with initial spin."""
 
 
-def parametric_set(name: str) -> tuple[Scene, Axes]:
-    """Base and axes of a set, for `sweep`: blocks of 100 kg at 14 m/s, on the ground of
-    Table 1 and of both supplementary pairs of c_v and gamma_v.
+def parametric_set(name: str, ground: str | None = None) -> tuple[Scene, Axes]:
+    """Base and axes of a set, for `sweep`: blocks of 100 kg at 14 m/s.
 
-    Raises InputError for an unknown name.
+    Args:
+        name: one of `PARAMETRIC_SETS`.
+        ground: one of `GROUNDS`, which is then part of the base. Without it the three
+            of them lie along the dimension `ground`.
+
+    Raises InputError for unknown names, with the nearest known.
     """
     if name not in _SETS:
         raise InputError(
             f"{name} is no parametric set; did you mean {nearest(name, _SETS)}?"
         )
     values, axes = _SETS[name]
-    return scene_of_values(values), axes
+    if ground is None:
+        return scene_of_values(values), axes
+    check_ground(ground)
+    place = GROUNDS.index(ground)
+    own = {quantity: numbers[place] for quantity, numbers in axes[GROUND].items()}
+    del own[LABELS]
+    others = {axis: numbers for axis, numbers in axes.items() if axis != GROUND}
+    return scene_of_values(values | own), others
+
+
+def check_ground(ground: str) -> None:
+    """Raise InputError unless it is one of `GROUNDS`."""
+    if ground not in GROUNDS:
+        raise InputError(
+            f"the ground must be one of {', '.join(map(repr, GROUNDS))}, but is "
+            f"{ground!r}; did you mean {nearest(ground, GROUNDS)!r}?"
+        )

@@ -12,10 +12,10 @@ from ..batch import simulate_batch
 from ..history import record_history
 from ..marching import CORES
 from ..outcomes import Outcome
-from ..parametric_sets import GROUNDS, PARAMETRIC_SETS, TABLE_1, parametric_set
+from ..parametric_sets import PARAMETRIC_SETS, TABLE_1, parametric_set
 from ..provenance import scene_values
 from ..scene import Scene
-from ..sweeping import scene_of_values, sweep
+from ..sweeping import Axes, scene_of_values, sweep
 from .contact_point import with_contact_at
 from .readings import AS_IT_IS, Reading
 from .verdict import NotComputed
@@ -82,31 +82,27 @@ class Study(Datasets):
             return self._courses()
         if name in RANDOM_SETS:
             return self._random(name)
-        base, axes = parametric_set(name)
-        dataset = self._sweep(base, {k: v for k, v in axes.items() if k != "ground"})
+        base, axes = self._parametric_set(name)
+        dataset = sweep(base, axes, accuracy=ACCURACY, laws=self.reading.laws)
         failed = int((dataset.outcome == "failed").sum())
         if failed:
             raise NotComputed(
                 f"{failed} of {dataset.outcome.size} impacts of set {name} failed"
             )
         if name == "fig13":
-            dataset = with_contact_at(dataset, self._base(base), self.reading.contact)
+            dataset = with_contact_at(dataset, base, self.reading.contact)
         return dataset
 
-    def _base(self, base: Scene) -> Scene:
-        """A scene on this ground, as the reading has it."""
-        pairs = parametric_set("I")[1]["ground"]
-        place = GROUNDS.index(self.ground)
-        own = {name: pairs[name][place] for name in ("c_v", "gamma_v")}
-        return scene_of_values(scene_values(base) | own | self.reading.values)
-
-    def _sweep(self, base: Scene, axes: Mapping) -> xr.Dataset:
-        return sweep(self._base(base), axes, accuracy=ACCURACY, laws=self.reading.laws)
+    def _parametric_set(self, name: str) -> tuple[Scene, Axes]:
+        """Base and axes of a set on this ground, as the reading has it."""
+        base, axes = parametric_set(name, self.ground)
+        return scene_of_values(scene_values(base) | self.reading.values), axes
 
     def _random(self, name: str) -> xr.Dataset:
         """Energetic coefficient, outcome and gravity's work over the incoming energy
         of random impacts."""
-        values = scene_values(self._base(Scene())) | random_quantities(name)
+        base, _ = self._parametric_set("I")
+        values = scene_values(base) | random_quantities(name)
         result = simulate_batch(
             scene_of_values(values),
             accuracy=ACCURACY,
@@ -124,12 +120,12 @@ class Study(Datasets):
     def _courses(self) -> xr.Dataset:
         """The course of inclined impacts along the major axis, step by step and then as
         it ended: rotation and ratio of energies."""
-        base, axes = parametric_set("III")
+        base, axes = self._parametric_set("III")
         grid = {
             "angle_deg": COURSE_ANGLES_DEG,
             "aspect_ratio": np.asarray(axes["aspect_ratio"]),
         }
-        values = scene_values(self._base(base)) | {"orientation_deg": 0.0}
+        values = scene_values(base) | {"orientation_deg": 0.0}
 
         def record(point):
             scene = scene_of_values(values | dict(zip(grid, point, strict=True)))
