@@ -5,13 +5,10 @@ import io
 import textwrap
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
 
+from .findings import ByReading, Validation
 from .readings import AS_IT_IS
 from .verdict import Finding, Judgement, Verdict
-
-if TYPE_CHECKING:
-    from .run import ByReading, Validation
 
 WIDTH = 100
 LETTERS = {

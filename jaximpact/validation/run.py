@@ -10,7 +10,6 @@ import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 from ..accuracy import get_accuracy
 from ..errors import InputError, nearest
@@ -19,6 +18,7 @@ from ..precision import require_float64
 from ..provenance import versions
 from .claims import JUDGES, read_claims
 from .comparison import Comparison
+from .findings import ByReading, Validation
 from .law_findings import as_findings
 from .laws import compare_with_laws
 from .readings import AS_IT_IS, READINGS
@@ -30,27 +30,6 @@ LAWS = "laws"
 SUPPLEMENT = "C38"
 """The claim about other grounds, which is not asked again under every reading."""
 Say = Callable[[str], None]
-ByReading = dict[str, dict[str, Judgement]]
-"""Reading -> claim -> judgement."""
-
-
-class Validation(NamedTuple):
-    """All findings."""
-
-    claims: list[Finding]
-    laws: list[Finding]
-    readings: ByReading
-    """Empty if they were not asked for."""
-
-    @property
-    def missing(self) -> list[str]:
-        """Ids of what should have been computed and was not."""
-        return [
-            finding.id
-            for finding in (*self.claims, *self.laws)
-            if finding.judgement.verdict is Verdict.not_computed
-            and (finding.id in JUDGES or finding in self.laws)
-        ]
 
 
 def validate(
