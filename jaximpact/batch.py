@@ -151,7 +151,7 @@ def simulate_batch(
             (Assembly(laws, MODELS[place], ledger), wanted[places == place])
             for place in np.unique(places)
         ]
-        _run(scene, groups, setting, keep, timing)
+        run_groups(scene, groups, setting, keep, timing)
     columns = jax.tree.unflatten(structure, list(numbers))
     return ImpactResult(
         **vars(columns),
@@ -190,14 +190,21 @@ def _subject(
     }
 
 
-def _run(
+def run_groups(
     scene: Scene,
     groups: list[tuple[Assembly, np.ndarray]],
     accuracy: Accuracy,
     keep: Callable,
     timing: dict,
 ) -> None:
-    """Compute groups of scenes, each with its assembly of the model."""
+    """Compute groups of scenes, each with its assembly of the model.
+
+    Args:
+        scene: every field an array of one length; not checked.
+        groups: assemblies, and places of the scenes that each is for.
+        keep: called as `keep(places, numbers)`, from any thread, as results come.
+        timing: is given what `simulate_batch` says.
+    """
     begin = time.perf_counter()
     with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
         prepared = list(

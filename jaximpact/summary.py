@@ -68,6 +68,9 @@ class Numbers(eqx.Module):
     block came in along the normal and it has no meaning), `e_contact` is at the contact
     point, `e_bar` is energetic, `R_r` the final ratio of rotational to total kinetic
     energy, `e_n_vijayakumar` the rigid-body estimate with this `e_contact`.
+
+    `final_penetration` and `final_sinking` say how deep the block still sits as the
+    contact ends: a block that leaves, or rolls on, has to climb out of that.
     """
 
     e_n: Scalar
@@ -86,6 +89,8 @@ class Numbers(eqx.Module):
     time_of_max_normal_force: Scalar
     time_of_max_tangential_force: Scalar
     time_of_max_moment: Scalar
+    final_penetration: Scalar
+    final_sinking: Scalar
     duration: Scalar
     rotation: Scalar
     normal_velocity: Scalar
@@ -187,6 +192,8 @@ def summarise(scene: Scene, problem: Problem, end: End) -> Numbers:
         time_of_max_normal_force=times[2],
         time_of_max_tangential_force=times[3],
         time_of_max_moment=times[4],
+        final_penetration=unless_separating(final.penetration, 0.0),
+        final_sinking=unless_separating(now.foundation.sinking, 0.0),
         duration=unless_separating(end.time, 0.0),
         rotation=unless_separating(final.rotation, 0.0),
         normal_velocity=normal,

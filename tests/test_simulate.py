@@ -332,3 +332,27 @@ def test_refusals_say_what_is_needed(wrong, said):
 def test_float32_is_refused():
     with jax.enable_x64(False), pytest.raises(RuntimeError, match="jax_enable_x64"):
         Block()
+
+
+@pytest.mark.parametrize(
+    "values",
+    [{"angle_deg": 40.0}, {"orientation_deg": 30.0}, {"angle_deg": -60.0}],
+)
+def test_the_block_ends_where_its_centre_and_its_rotation_say(values):
+    """The final sinking is that of the ellipse as it has turned."""
+    block = Block(aspect_ratio=2.0)
+    scene = impact(**values)
+    result = simulate(block, Soil(), scene)
+    major, minor, _ = block.semi_axes
+
+    def height(orientation):
+        return np.hypot(major * np.cos(orientation), minor * np.sin(orientation))
+
+    start = float(scene.orientation)
+    centre = height(start) - float(result.final_penetration)
+    expected = height(start + float(result.rotation)) - centre
+    # To rounding; the block is placed with a sinking of 1e-6 R at the start, which is
+    # counted as penetration.
+    assert float(result.final_sinking) == pytest.approx(expected, abs=1e-12)
+    assert 0.0 < float(result.final_sinking) <= float(result.max_sinking)
+    assert float(result.final_penetration) <= float(result.max_penetration)
