@@ -1,0 +1,76 @@
+"""A block in flight, and the frame of a plane that it may touch.
+
+x to the right, y up, rotation clockwise. A plane that descends at an angle w has
+t = (cos w, -sin w) along it and N = (sin w, cos w) out of it; the impact's n is -N.
+The orientation phi of a block is the angle from the vertical, clockwise, to its major
+axis; seen from the plane it is Theta = phi - w.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..scene import GRAVITY
+
+Scalar = Float[Array, " lanes"]
+
+
+class Body(NamedTuple):
+    """Where a block is and how it moves."""
+
+    x: Scalar
+    """Of the centre [m]."""
+    y: Scalar
+    v_x: Scalar
+    """Of the centre [m/s]."""
+    v_y: Scalar
+    orientation: Scalar
+    """phi [rad]."""
+    angular_velocity: Scalar
+    """Omega [rad/s]."""
+
+
+class Outline(NamedTuple):
+    """The block's section in the plane of motion, an ellipse: semi-axes [m]."""
+
+    major: Scalar
+    minor: Scalar
+
+    @property
+    def largest(self) -> Scalar:
+        """Larger semi-axis; the other one for a block with an aspect ratio below 1."""
+        return jnp.maximum(self.major, self.minor)
+
+    @property
+    def smallest(self) -> Scalar:
+        """Smaller semi-axis."""
+        return jnp.minimum(self.major, self.minor)
+
+
+def fly(body: Body, time: Scalar) -> Body:
+    """The block after a time of free flight [s], with constant spin: exact."""
+    return Body(
+        x=body.x + body.v_x * time,
+        y=body.y + (body.v_y - 0.5 * GRAVITY * time) * time,
+        v_x=body.v_x,
+        v_y=body.v_y - GRAVITY * time,
+        orientation=body.orientation + body.angular_velocity * time,
+        angular_velocity=body.angular_velocity,
+    )
+
+
+class Support(NamedTuple):
+    """The ellipse from a direction N."""
+
+    radius: Scalar
+    """r_y [m], how far it reaches against N."""
+    arm: Scalar
+    """T = dr_y/dTheta [m], where it reaches farthest, along t from the centre."""
+
+
+def support(outline: Outline, sin: Scalar, cos: Scalar) -> Support:
+    """How far the ellipse reaches, by sine and cosine of Theta; see `foundation.py`."""
+    radius = jnp.sqrt((outline.major * cos) ** 2 + (outline.minor * sin) ** 2)
+    difference = outline.major**2 - outline.minor**2
+    return Support(radius, -difference * sin * cos / radius)

@@ -1,0 +1,212 @@
+"""The slope: a polyline, and what its ground is made of."""
+
+import csv
+import dataclasses
+import io
+import math
+from pathlib import Path
+
+import jax
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..columns import DEGREE, INPUT_COLUMNS
+from ..errors import InputError, nearest
+from ..soil import Soil
+
+ROLLING_FRICTION_ANGLE = math.radians(20.0)
+"""Default [rad]: an assumption, as the paper gives none."""
+ROLLING_COLUMN = "rolling_friction_angle_deg"
+POINT_COLUMNS = ("x_m", "y_m")
+
+
+@dataclasses.dataclass(frozen=True)
+class Profile:
+    """A polyline of points from left to right, ground below it, air above.
+
+    Args:
+        x, y: coordinates of the points [m], shape `(points,)`; x strictly increasing.
+        soil: ground of the segments; fields that broadcast to `(points - 1,)`.
+        rolling_friction_angle: of the segments [rad], likewise, in [0, pi/2).
+
+    Segments descend at an angle w, negative where they rise to the right. Their frame
+    is t = (cos w, -sin w), along the segment to the right, and n = -(sin w, cos w),
+    into the ground.
+
+    Raises ValueError, in one sentence, for what is no such polyline.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    soil: Soil = dataclasses.field(default_factory=Soil)
+    rolling_friction_angle: ArrayLike = ROLLING_FRICTION_ANGLE
+
+    def __post_init__(self):
+        x, y = (np.array(values, float) for values in (self.x, self.y))
+        problem = _problem_with_points(x, y)
+        if problem:
+            raise ValueError(f"a profile {problem}")
+        segments = (len(x) - 1,)
+
+        def of_segments(name: str, values) -> np.ndarray:
+            try:
+                return np.array(np.broadcast_to(np.asarray(values, float), segments))
+            except ValueError:
+                raise ValueError(
+                    f"a profile of {segments[0]} segments takes one {name} or as many, "
+                    f"but got shape {np.shape(values)}"
+                ) from None
+
+        rolling = of_segments("rolling_friction_angle", self.rolling_friction_angle)
+        if not np.all((rolling >= 0.0) & (rolling < 0.5 * np.pi)):
+            raise ValueError(
+                "a profile's rolling_friction_angle must be in [0, pi/2), but holds "
+                f"{rolling[~((rolling >= 0.0) & (rolling < 0.5 * np.pi))][0]:g}"
+            )
+        soil = {}
+        for field in dataclasses.fields(Soil):
+            soil[field.name] = of_segments(
+                f"Soil.{field.name}", getattr(self.soil, field.name)
+            )
+            _check_soil(field.name, soil[field.name])
+        object.__setattr__(self, "x", x)
+        object.__setattr__(self, "y", y)
+        object.__setattr__(self, "rolling_friction_angle", rolling)
+        object.__setattr__(self, "soil", Soil(**soil))
+
+    @property
+    def segments(self) -> int:
+        """How many there are."""
+        return len(self.x) - 1
+
+    @property
+    def slope(self) -> np.ndarray:
+        """Angles w at which the segments descend to the right [rad], `(segments,)`."""
+        return -np.arctan2(np.diff(self.y), np.diff(self.x))
+
+    @property
+    def length(self) -> np.ndarray:
+        """Lengths of the segments [m], `(segments,)`."""
+        return np.hypot(np.diff(self.x), np.diff(self.y))
+
+    def height(self, x: ArrayLike) -> np.ndarray:
+        """Height of the ground at x [m]; beyond the ends that of the end points."""
+        return np.interp(x, self.x, self.y)
+
+    def soil_of(self, segments: np.ndarray) -> Soil:
+        """The soil of some segments, fields of the shape of their indices."""
+        return jax.tree.map(lambda leaf: np.asarray(leaf)[segments], self.soil)
+
+
+def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
+    """What keeps points from being a profile, to follow "a profile"."""
+    if x.ndim != 1 or x.shape != y.shape:
+        return f"needs as many y as x, but got shapes {x.shape} and {y.shape}"
+    if len(x) < 2:
+        return f"needs at least two points, but got {len(x)}"
+    bad = ~(np.isfinite(x) & np.isfinite(y))
+    if np.any(bad):
+        return f"needs finite coordinates, but point {np.argmax(bad) + 1} has none"
+    back = np.diff(x) <= 0.0
+    if np.any(back):
+        i = int(np.argmax(back))
+        return (
+            f"needs x that increases from point to point, but x goes from {x[i]:g} to "
+            f"{x[i + 1]:g} at point {i + 2}"
+        )
+    return None
+
+
+def _check_soil(field: str, values: np.ndarray) -> None:
+    column = next(c for c in INPUT_COLUMNS.values() if (c.part, c.field) == ("soil", field))
+    bad = ~column.is_allowed(values / column.factor)
+    if np.any(bad):
+        i = int(np.argmax(bad))
+        raise ValueError(
+            f"a profile's {column.name} must be {column.requirement}, but is "
+            f"{values[i] / column.factor:g} on segment {i + 1}"
+        )
+
+
+def read_profile(path: Path, soil: Soil | None = None) -> Profile:
+    """Read a profile from a CSV file.
+
+    The first row names the columns: `x_m` and `y_m`, and if wanted any quantity of the
+    soil as in a table of scenes, and `rolling_friction_angle_deg`. A row is a point;
+    what it says of the ground holds from there to the next point, so that the last
+    row's is not used.
+
+    Args:
+        path: the file, UTF-8, separated by commas.
+        soil: what the file does not say, scalars.
+
+    Raises InputError, naming file and row, for whatever cannot be used.
+    """
+    path = Path(path)
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
+    except UnicodeDecodeError:
+        raise InputError("is not text in UTF-8", file=path) from None
+    reader = csv.reader(io.StringIO(text, newline=""))
+    rows = [(reader.line_num, cells) for cells in reader if any(map(str.strip, cells))]
+    if not rows:
+        raise InputError("is empty; a header and points are needed", file=path)
+    (line, header), *rows = rows
+    names = [name.strip() for name in header]
+    _check_header(path, line, names)
+    columns = {name: np.empty(len(rows)) for name in names}
+    for i, (line, cells) in enumerate(rows):
+        if len(cells) != len(names):
+            raise InputError(
+                f"has {len(cells)} cells, but the header has {len(names)}",
+                file=path,
+                row=line,
+            )
+        for name, cell in zip(names, cells, strict=True):
+            columns[name][i] = _number(path, line, name, cell)
+    fields = {f.name: getattr(soil or Soil(), f.name) for f in dataclasses.fields(Soil)}
+    for name, values in columns.items():
+        if name in INPUT_COLUMNS:
+            column = INPUT_COLUMNS[name]
+            fields[column.field] = column.factor * values[:-1]
+    rolling = ROLLING_FRICTION_ANGLE
+    if ROLLING_COLUMN in columns:
+        rolling = DEGREE * columns[ROLLING_COLUMN][:-1]
+    try:
+        return Profile(columns["x_m"], columns["y_m"], Soil(**fields), rolling)
+    except ValueError as error:
+        raise InputError(str(error), file=path) from None
+
+
+def _check_header(path: Path, line: int, names: list[str]) -> None:
+    of_soil = tuple(c.name for c in INPUT_COLUMNS.values() if c.part == "soil")
+    known = (*POINT_COLUMNS, *of_soil, ROLLING_COLUMN)
+    for place, name in enumerate(names):
+        if name not in known:
+            raise InputError(
+                f"is unknown; did you mean {nearest(name, known)}?",
+                file=path,
+                row=line,
+                column=name or str(place + 1),
+            )
+        if name in names[:place]:
+            raise InputError(
+                "stands twice in the header", file=path, row=line, column=name
+            )
+    for name in POINT_COLUMNS:
+        if name not in names:
+            raise InputError(f"needs a column {name}", file=path, row=line)
+
+
+def _number(path: Path, line: int, name: str, cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        raise InputError(
+            f"must be a number, but is {cell.strip()!r}",
+            file=path,
+            row=line,
+            column=name,
+        ) from None

@@ -1,0 +1,87 @@
+"""Functions of one lane in JAX, run over many lanes in machine code.
+
+What a run-out asks of a block is worked out lane by lane: no lane waits for the
+slowest, nothing is compiled again for another number of lanes, and a lane's result does
+not depend, to the last bit, on what runs beside it. The functions themselves are plain
+`jnp` and can be differentiated.
+"""
+
+import concurrent.futures
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..marching import CORES
+from ..native import Kernel, compile_kernel
+
+LANES_OF_A_THREAD = 256
+"""Lanes that are worth a thread of their own."""
+
+
+class Program:
+    """What lanes do: begin, take steps until one says that it was the last, finish.
+
+    Args:
+        begin: from inputs to the state at the start.
+        step: from a state to the next, and whether the lane goes on.
+        finish: from the last state to results, a tree.
+
+    Called with trees of arrays that broadcast to `(lanes,)`, a program gives the
+    results as arrays of floats `(lanes,)`. It is compiled, in some tenths of a second,
+    when it is first called with trees of a structure.
+    """
+
+    def __init__(self, begin: Callable, step: Callable, finish: Callable):
+        self.functions = begin, step, finish
+        self._kernels = {}
+
+    def __call__(self, *inputs):
+        leaves, structure = jax.tree.flatten(inputs)
+        if structure not in self._kernels:
+            self._kernels[structure] = self._compile(inputs)
+        kernel = self._kernels[structure]
+        lanes = max(np.size(leaf) for leaf in leaves)
+        rows = np.empty((len(leaves), lanes))
+        for row, leaf in zip(rows, leaves, strict=True):
+            row[:] = leaf
+        results = np.empty((kernel.code.result_rows, lanes))
+
+        def work(places: np.ndarray) -> None:
+            ended, of_ended = kernel.workspace().run(
+                places, rows[:, places], wait=False
+            )
+            results[:, ended] = of_ended
+
+        threads = max(1, min(CORES, lanes // LANES_OF_A_THREAD))
+        parts = [np.arange(i, lanes, threads) for i in range(threads)]
+        if threads == 1:
+            work(parts[0])
+        else:
+            with concurrent.futures.ThreadPoolExecutor(threads) as pool:
+                list(pool.map(work, parts))
+        return jax.tree.unflatten(kernel.structure, list(results))
+
+    def _compile(self, inputs) -> Kernel:
+        begin, step, finish = self.functions
+        one = jax.ShapeDtypeStruct((1,), float)
+        return compile_kernel(
+            lambda inputs: begin(*inputs),
+            step,
+            lambda _, state: finish(state),
+            jax.tree.map(lambda _: one, inputs),
+        )
+
+
+def closed_form(function: Callable) -> Program:
+    """The program of a function that has its result at once."""
+    return Program(function, _no_more, _as_it_is)
+
+
+def _no_more(state):
+    return state, jnp.zeros((1,), bool)
+
+
+def _as_it_is(state):
+    return state

@@ -1,0 +1,171 @@
+r"""How long a block in flight surely touches nothing.
+
+The ground is the union of columns, one under each segment. A direction N that parts the
+ellipse from a column, with the column's corner p farthest along N, has a gap
+
+$$ g(t) = N\cdot(c(t) - p) - r_y(\varphi(t) - w), \qquad
+   \ddot g = -g_0 N_y - \Omega^2 r_y'' \ge -K, $$
+
+since $r_y'' \le \max(H^2/R - R,\; R^2/H - H)$. So the gap stays open for as long as
+$g + \dot g\tau - K\tau^2/2$ does: that much time is certain, and as it comes closer the
+steps are Newton's and better, at any spin.
+
+Directions tried: the segment's normal, and at each of its ends the normal of the
+ellipse's enlarged copy through it, or the horizontal if that points down. If the
+ellipse does not touch the column one of the three has an open gap. (A line cuts an
+ellipse and its enlarged copies in chords with one midpoint. Where the line of the
+segment, or a wall of the column, cuts the ellipse, the end in question is an end of the
+copy's chord, so its normal leans to the side of the ellipse.)
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+
+from ..scene import GRAVITY
+from .motion import Body, Outline, Scalar, support
+
+NEVER = 1e30
+"""A time that does not come [s]."""
+
+
+class Piece(NamedTuple):
+    """Ends of a segment [m]."""
+
+    left_x: Scalar
+    left_y: Scalar
+    right_x: Scalar
+    right_y: Scalar
+
+
+class Gap(NamedTuple):
+    """Between an ellipse and a column, in a direction that may part them."""
+
+    width: Scalar
+    """g [m]; negative where the direction does not part them."""
+    opening: Scalar
+    """dg/dt [m/s]."""
+    normal_x: Scalar
+    normal_y: Scalar
+
+
+def largest_bending(outline: Outline) -> Scalar:
+    r"""Bound of $r_y''$ [m]."""
+    major, minor = outline
+    return jnp.maximum(major**2 / minor - minor, minor**2 / major - major)
+
+
+def gap_along(body: Body, outline: Outline, axis, normal, point) -> Gap:
+    """The gap in a direction from a point of the ground.
+
+    Args:
+        axis: sine and cosine of the orientation.
+        normal, point: x and y.
+    """
+    sin_phi, cos_phi = axis
+    n_x, n_y = normal
+    reach, arm = support(
+        outline, sin_phi * n_y - cos_phi * n_x, cos_phi * n_y + sin_phi * n_x
+    )
+    height = n_x * (body.x - point[0]) + n_y * (body.y - point[1])
+    speed = n_x * body.v_x + n_y * body.v_y
+    return Gap(height - reach, speed - arm * body.angular_velocity, n_x, n_y)
+
+
+def gaps(body: Body, outline: Outline, axis, piece: Piece) -> list[Gap]:
+    """Gaps in the directions tried; a width of -inf where a direction is no good."""
+    width, rise = piece.right_x - piece.left_x, piece.right_y - piece.left_y
+    length = jnp.sqrt(width**2 + rise**2)
+    t_x, t_y = width / length, rise / length
+    left, right = (piece.left_x, piece.left_y), (piece.right_x, piece.right_y)
+    found = [gap_along(body, outline, axis, (-t_y, t_x), left)]
+    for side, point in ((-1.0, left), (1.0, right)):
+        n_x, n_y = _normal_through(body, outline, axis, point)
+        down = n_y < 0.0
+        n_x, n_y = jnp.where(down, side, n_x), jnp.where(down, 0.0, n_y)
+        gap = gap_along(body, outline, axis, (n_x, n_y), point)
+        holds = side * (n_x * t_x + n_y * t_y) >= 0.0
+        found.append(gap._replace(width=jnp.where(holds, gap.width, -jnp.inf)))
+    return found
+
+
+def _normal_through(body: Body, outline: Outline, axis, point):
+    """Inward normal, at a point, of the copy of the ellipse that passes through it."""
+    sin_phi, cos_phi = axis
+    x, y = body.x - point[0], body.y - point[1]
+    along = (x * sin_phi + y * cos_phi) / outline.major**2
+    across = (x * cos_phi - y * sin_phi) / outline.minor**2
+    n_x = along * sin_phi + across * cos_phi
+    n_y = along * cos_phi - across * sin_phi
+    size = jnp.sqrt(n_x**2 + n_y**2)
+    # An ellipse centred on the point is far from parted from it.
+    size = jnp.where(size > 0.0, size, 1.0)
+    return n_x / size, n_y / size
+
+
+def widest(candidates: list[Gap]) -> Gap:
+    """The gap that is open most."""
+    best = candidates[0]
+    for gap in candidates[1:]:
+        wider = gap.width > best.width
+        best = Gap(*(jnp.where(wider, a, b) for a, b in zip(gap, best, strict=True)))
+    return best
+
+
+def time_open(width: Scalar, opening: Scalar, closing_acceleration: Scalar) -> Scalar:
+    r"""Positive root of $g + \dot g\tau - K\tau^2/2$, without cancellation."""
+    bound = jnp.maximum(closing_acceleration, 1e-12)
+    root = jnp.sqrt(opening**2 + 2.0 * bound * width)
+    return jnp.where(
+        opening > 0.0,
+        (opening + root) / bound,
+        2.0 * width / jnp.maximum(root - opening, 1e-300),
+    )
+
+
+def sure_time(
+    body: Body,
+    outline: Outline,
+    piece: Piece,
+    candidates: list[Gap],
+    depth: Scalar,
+    slack: Scalar,
+) -> Scalar:
+    """Time for which the block surely does not touch a column [s].
+
+    Args:
+        body, outline, piece: at this moment.
+        candidates: gaps of the block to this column.
+        depth: by how much the column is taken to lie deeper than it does [m].
+        slack: the block may sink in so far [m], so that it can start where it touches.
+    """
+    spin = body.angular_velocity**2 * largest_bending(outline)
+    times = []
+    for gap in candidates:
+        width = gap.width + depth + slack
+        parts = width > -slack  # but for rounding
+        width = jnp.maximum(width, 0.01 * slack)
+        time = time_open(width, gap.opening, GRAVITY * gap.normal_y + spin)
+        times.append(jnp.where(parts, time, 0.0))
+    # However it turns, the ellipse stays inside its largest circle.
+    line, largest = candidates[0], outline.largest
+    speed = line.normal_x * body.v_x + line.normal_y * body.v_y
+    height = line.normal_x * (body.x - piece.left_x) + line.normal_y * (
+        body.y - piece.left_y
+    )
+    clear = time_open(
+        jnp.maximum(height - largest, 0.0), speed, GRAVITY * line.normal_y
+    )
+    times.append(jnp.where(height > largest, clear, 0.0))
+    for distance, towards in (
+        (piece.left_x - largest - body.x, body.v_x),
+        (body.x - piece.right_x - largest, -body.v_x),
+    ):
+        arrival = jnp.where(
+            towards > 0.0, distance / jnp.where(towards > 0.0, towards, 1.0), NEVER
+        )
+        times.append(jnp.where(distance > 0.0, arrival, 0.0))
+    longest = times[0]
+    for time in times[1:]:
+        longest = jnp.maximum(longest, time)
+    return longest
