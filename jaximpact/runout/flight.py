@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from .contact_search import search
-from .motion import Body, Outline, fly
+from .motion import Body, Outline, fly, take
 from .profile import Profile
 from .reach import earliest, pieces_needed, reach
 
@@ -31,11 +31,6 @@ class FlightEnds:
     """Out of the ground at the contact, x and y, `(2, lanes)`."""
     gap: np.ndarray
     """At the contact [m]; negative where the block was in the ground from the start."""
-
-
-def take(tree: tuple, chosen: np.ndarray) -> tuple:
-    """Some lanes of a named tuple of arrays."""
-    return type(tree)(*(np.asarray(value)[chosen] for value in tree))
 
 
 def follow_flights(

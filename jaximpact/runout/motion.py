@@ -9,6 +9,7 @@ axis; seen from the plane it is Theta = phi - w.
 from typing import NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from ..scene import GRAVITY
@@ -74,3 +75,8 @@ def support(outline: Outline, sin: Scalar, cos: Scalar) -> Support:
     radius = jnp.sqrt((outline.major * cos) ** 2 + (outline.minor * sin) ** 2)
     difference = outline.major**2 - outline.minor**2
     return Support(radius, -difference * sin * cos / radius)
+
+
+def take(tree: tuple, chosen: np.ndarray) -> tuple:
+    """Some lanes of a named tuple of arrays."""
+    return type(tree)(*(np.asarray(value)[chosen] for value in tree))

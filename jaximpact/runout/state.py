@@ -1,0 +1,110 @@
+"""Blocks under way."""
+
+import dataclasses
+import enum
+
+import jax
+import numpy as np
+
+from .contact import Matter
+from .motion import Body, Outline
+from .profile import Profile
+from .record import ContactRecord, Growing, Pieces
+from .release import Release
+from .rolling import mean_radius
+
+
+class Phase(enum.IntEnum):
+    """What a block is about to do."""
+
+    airborne = 0
+    grounded = 1
+    """To go along a segment."""
+    at_edge = 2
+    """To cross a convex break, or an end of the profile."""
+    touching = 3
+    """To be struck."""
+    ended = 4
+
+
+@dataclasses.dataclass
+class State:
+    """All blocks of a run; arrays `(blocks,)` that change as it goes on."""
+
+    profile: Profile
+    release: Release
+    outline: Outline
+    matter: Matter
+    radius: np.ndarray
+    """Of the round block that rolls [m]."""
+    slope: np.ndarray
+    """Of the profile's segments [rad]."""
+    length: np.ndarray
+    """Of the profile's segments [m]."""
+    phase: np.ndarray
+    ending: np.ndarray
+    time: np.ndarray
+    events: np.ndarray
+    body: Body
+    """At `time`; on the ground its velocities are those of the last flight."""
+    segment: np.ndarray
+    """On which the block goes, or which it touches."""
+    rolls: np.ndarray
+    """True if it rolls, False if it slides."""
+    way: np.ndarray
+    """1 to the right, -1 to the left."""
+    speed_squared: np.ndarray
+    """Along the ground [m2/s2]."""
+    edge: np.ndarray
+    """The point of the profile that it is about to cross."""
+    plane: np.ndarray
+    """Angle of the plane on which it stands at the edge [rad]."""
+    normal: np.ndarray
+    """Of the plane that it touches, `(2, blocks)`."""
+    gap: np.ndarray
+    """To that plane [m]."""
+    contacts: Growing
+    pieces: Growing
+
+    @classmethod
+    def at_release(cls, profile: Profile, release: Release) -> "State":
+        n = release.count
+        outline = release.outline
+        return cls(
+            profile=profile,
+            release=release,
+            outline=outline,
+            matter=release.matter,
+            radius=np.asarray(mean_radius(outline)),
+            slope=profile.slope,
+            length=profile.length,
+            phase=np.full(n, Phase.airborne),
+            ending=np.full(n, -1),
+            time=np.zeros(n),
+            events=np.zeros(n, int),
+            body=Body(*(value.copy() for value in release.body)),
+            segment=np.full(n, -1),
+            rolls=np.zeros(n, bool),
+            way=np.ones(n),
+            speed_squared=np.zeros(n),
+            edge=np.full(n, -1),
+            plane=np.zeros(n),
+            normal=np.zeros((2, n)),
+            gap=np.zeros(n),
+            contacts=Growing(ContactRecord),
+            pieces=Growing(Pieces),
+        )
+
+    def of(self, lanes: np.ndarray, tree):
+        """Some lanes of a tree of arrays."""
+        return jax.tree.map(lambda leaf: leaf[lanes], tree)
+
+    def end(self, lanes: np.ndarray, ending: int) -> None:
+        """Trajectories end."""
+        self.phase[lanes] = Phase.ended
+        self.ending[lanes] = ending
+
+    def place(self, lanes: np.ndarray, **values) -> None:
+        """Set numbers of the body."""
+        for name, value in values.items():
+            getattr(self.body, name)[lanes] = value
