@@ -122,14 +122,13 @@ def _settle(
     kinetic = 0.5 * (matter.mass * (v_n**2 + v_t**2) + matter.inertia * spin**2)
     climb = matter.mass * GRAVITY * jnp.cos(touch.slope) * (blow.sinking - gap)
     left = kinetic - climb
-    share = jnp.sqrt(
-        jnp.maximum(left, 0.0) / jnp.where(kinetic > 0.0, kinetic, 1.0)
-    )
+    share = jnp.sqrt(jnp.maximum(left, 0.0) / jnp.where(kinetic > 0.0, kinetic, 1.0))
     v_n, v_t, spin = share * v_n, share * v_t, share * spin
     return Settled(
         orientation=theta,
         rise=radius - before - gap,
-        travel=0.5 * (touch.tangential_velocity + blow.tangential_velocity)
+        travel=0.5
+        * (touch.tangential_velocity + blow.tangential_velocity)
         * blow.duration,
         normal_velocity=v_n,
         tangential_velocity=v_t,

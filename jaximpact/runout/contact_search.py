@@ -66,7 +66,11 @@ class Sighting(NamedTuple):
 
 
 def begin(
-    body: Body, outline: Outline, pieces: tuple[Piece, ...], scale: Scalar, until: Scalar
+    body: Body,
+    outline: Outline,
+    pieces: tuple[Piece, ...],
+    scale: Scalar,
+    until: Scalar,
 ) -> Watch:
     """A search at its start.
 

@@ -57,6 +57,7 @@ def follow_flights(
         normal=np.zeros((2, lanes)),
         gap=np.zeros(lanes),
     )
+    largest = np.maximum(outline.major, outline.minor)
     leaving = _time_to_leave(body, profile)
     limit = np.minimum(leaving, time_limit)
     going = np.arange(lanes)
@@ -64,17 +65,21 @@ def follow_flights(
         if not len(going):
             break
         now = fly(take(body, going), ends.time[going])
-        times = earliest(now, np.asarray(outline.largest)[going], profile)
+        times = earliest(now, largest[going], profile)
         needed = pieces_needed(times)
         for count in np.unique(needed):
             chosen = needed == count
             _search(
-                ends, going[chosen], take(now, chosen), outline, profile,
-                times[chosen], count, limit,
+                ends,
+                going[chosen],
+                take(now, chosen),
+                outline,
+                profile,
+                times[chosen],
+                count,
+                limit,
             )
-        going = going[
-            ~(ends.touched | ends.failed)[going] & (ends.time < limit)[going]
-        ]
+        going = going[~(ends.touched | ends.failed)[going] & (ends.time < limit)[going]]
     ends.failed[going] = True
     free = ~(ends.touched | ends.failed)
     ends.left = free & (leaving <= time_limit)

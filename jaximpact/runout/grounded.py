@@ -4,19 +4,22 @@ import numpy as np
 
 from ..scene import GRAVITY
 from .breaks import cross
+from .motion import support_of as support
 from .record import Way
 from .rolling import barrier_of, go, leg
 from .runs import Ending
 from .state import Phase, State
 
-SMALL_RISE = 1e-3
+SMALL_RISE = 1e-2
 """Energies that would lift a block by less than this part of its smaller semi-axis
-count as none: hops so low are not followed, and touches so slow are no impacts."""
+count as none: hops so low are not followed, and touches so slow are no impacts. They
+take less time than a contact does; with a tenth of it a sphere that has come to rolling
+goes on in hundreds of hops of 0.2 mm."""
 
 
-def small_speed(outline, slope) -> np.ndarray:
+def small_speed(state: State, lanes: np.ndarray, slope: np.ndarray) -> np.ndarray:
     """Speed out of a plane, or into it, below which there is no hop or impact [m/s]."""
-    rise = SMALL_RISE * np.asarray(outline.smallest)
+    rise = SMALL_RISE * state.smallest[lanes]
     return np.sqrt(2.0 * GRAVITY * np.cos(slope) * rise)
 
 
@@ -43,7 +46,7 @@ def stand(
         outline,
         matter,
         plane,
-        np.tan(state.profile.rolling_friction_angle[segment]),
+        state.rolling_friction[segment],
         height,
         tangential_velocity,
         angular_velocity,
@@ -53,7 +56,7 @@ def stand(
     state.way[lanes] = going.way
     state.speed_squared[lanes] = going.speed_squared
     state.plane[lanes] = plane
-    over = np.where(rolls, state.radius[lanes], outline.smallest) - height
+    over = np.where(rolls, state.radius[lanes], state.smallest[lanes]) - height
     state.body.x[lanes] += over * np.sin(plane)
     state.body.y[lanes] += over * np.cos(plane)
     lie_down(state, lanes[~rolls], plane[~rolls])
@@ -73,7 +76,7 @@ def go_along(state: State, lanes: np.ndarray, time_limit: float) -> None:
     slope, length = state.slope[segment], state.length[segment]
     outline, matter = state.of(lanes, state.outline), state.of(lanes, state.matter)
     rolls, way = state.rolls[lanes], state.way[lanes]
-    radius = np.where(rolls, state.radius[lanes], outline.smallest)
+    radius = np.where(rolls, state.radius[lanes], state.smallest[lanes])
     foot = foot_on(state, lanes, segment)
     foot = _down_to_mean_height(state, lanes, foot, slope, matter, radius)
     way = state.way[lanes]
@@ -85,10 +88,8 @@ def go_along(state: State, lanes: np.ndarray, time_limit: float) -> None:
     corner = turn > 0.0
     distance = np.where(way > 0.0, length - foot, foot)
     distance = distance - np.where(corner, radius * np.tan(0.5 * turn), 0.0)
-    rolling = np.tan(profile.rolling_friction_angle[segment])
-    soil = profile.soil_of(segment)
-    sliding = soil.alpha_s * np.tan(soil.friction_angle)
-    friction = np.where(rolls, rolling, sliding)
+    rolling = state.rolling_friction[segment]
+    friction = np.where(rolls, rolling, state.sliding_friction[segment])
     ratio = np.where(rolls, matter.inertia / (matter.mass * radius**2), 0.0)
     needed = np.where(rolls, barrier_of(outline, matter, slope, rolling), 0.0)
     least = np.sqrt(2.0 * needed / (matter.mass * (1.0 + ratio)))
@@ -113,9 +114,9 @@ def go_along(state: State, lanes: np.ndarray, time_limit: float) -> None:
 def foot_on(state: State, lanes: np.ndarray, segment: np.ndarray) -> np.ndarray:
     """Where the centre stands along a segment, from its left end [m]."""
     slope, profile = state.slope[segment], state.profile
-    return np.cos(slope) * (state.body.x[lanes] - profile.x[segment]) - np.sin(slope) * (
-        state.body.y[lanes] - profile.y[segment]
-    )
+    return np.cos(slope) * (state.body.x[lanes] - profile.x[segment]) - np.sin(
+        slope
+    ) * (state.body.y[lanes] - profile.y[segment])
 
 
 def _down_to_mean_height(state, lanes, foot, slope, matter, radius) -> np.ndarray:
@@ -157,7 +158,7 @@ def _slow_down(state, lanes, slope, friction, needed, chosen) -> None:
     down-slope or stop."""
     slope, friction, needed = slope[chosen], friction[chosen], needed[chosen]
     sinks = state.rolls[lanes] & (needed > 0.0)
-    down = state.radius[lanes] - np.asarray(state.outline.smallest)[lanes]
+    down = state.radius[lanes] - state.smallest[lanes]
     down = np.where(sinks, down, 0.0)
     state.body.x[lanes] -= down * np.sin(slope)
     state.body.y[lanes] -= down * np.cos(slope)
@@ -175,7 +176,7 @@ def _meet_corner(state, lanes, beyond, turn, after, rolling) -> None:
     outline, way = state.of(lanes, state.outline), state.way[lanes]
     speed = np.sqrt(state.speed_squared[lanes])
     here = state.slope[state.segment[lanes]]
-    radius = np.where(state.rolls[lanes], state.radius[lanes], outline.smallest)
+    radius = np.where(state.rolls[lanes], state.radius[lanes], state.smallest[lanes])
     spin = np.where(state.rolls[lanes], way * speed / radius, 0.0)
     state.place(
         lanes,
@@ -188,14 +189,21 @@ def _meet_corner(state, lanes, beyond, turn, after, rolling) -> None:
     over = sin * (state.body.x[lanes] - state.profile.x[beyond]) + cos * (
         state.body.y[lanes] - state.profile.y[beyond]
     )
+    closing = speed * np.sin(turn)
+    slow = closing < small_speed(state, lanes, after)
     theta = state.body.orientation[lanes] - after
-    reach = np.hypot(outline.major * np.cos(theta), outline.minor * np.sin(theta))
+    _, arm = support(outline, theta)
+    # The round block strikes; where the ellipse in its place would turn away from the
+    # plane, it does so along its nearest axis.
+    turns_away = closing + arm * spin < small_speed(state, lanes, after)
+    upright = np.round(theta / (0.5 * np.pi)) * (0.5 * np.pi)
+    theta = np.where(turns_away & ~slow, upright, theta)
+    state.body.orientation[lanes] = theta + after
     state.phase[lanes] = Phase.touching
     state.normal[:, lanes] = sin, cos
-    state.gap[lanes] = over - reach
-    slow = speed * np.sin(turn) < small_speed(outline, after)
+    state.gap[lanes] = over - support(outline, theta).radius
     rises = np.sin(way * after) < rolling * np.cos(after)
-    weak = speed < small_speed(outline, after)
+    weak = speed < small_speed(state, lanes, after)
     goes = slow & ~(weak & rises)
     state.phase[lanes[goes]] = Phase.grounded
     stand(
@@ -217,13 +225,15 @@ def cross_edges(state: State, lanes: np.ndarray) -> None:
     )
     outline, matter = state.of(lanes, state.outline), state.of(lanes, state.matter)
     rolls = state.rolls[lanes]
-    radius = np.where(rolls, state.radius[lanes], outline.smallest)
+    radius = np.where(rolls, state.radius[lanes], state.smallest[lanes])
     ratio = np.where(rolls, matter.inertia / (matter.mass * radius**2), 0.0)
     # The block is brought over the edge, which costs or gives energy.
     rise = profile.y[edge] + radius * np.cos(plane) - state.body.y[lanes]
     squared = state.speed_squared[lanes] - 2.0 * GRAVITY * rise / (1.0 + ratio)
     # Rounding of the place must not turn back a block that stands at the edge.
-    squared = np.where(np.abs(rise) < 1e-9 * radius, state.speed_squared[lanes], squared)
+    squared = np.where(
+        np.abs(rise) < 1e-9 * radius, state.speed_squared[lanes], squared
+    )
     after = state.slope[beyond]
     crossing = cross(
         outline, matter, squared, way * plane, np.maximum(way * after, way * plane),
@@ -253,9 +263,7 @@ def _fly_off(state, lanes, crossing, chosen, edge, radius) -> None:
     sin, cos = np.sin(slope), np.cos(slope)
     theta = state.body.orientation[lanes] - slope
     outline = state.of(lanes, state.outline)
-    reach = np.hypot(outline.major * np.cos(theta), outline.minor * np.sin(theta))
-    difference = outline.major**2 - outline.minor**2
-    arm = -difference * np.sin(theta) * np.cos(theta) / reach
+    reach, arm = support(outline, theta)
     arm = np.where(state.rolls[lanes], arm, 0.0)
     v_n = crossing.normal_velocity[chosen]
     v_t = way * crossing.tangential_velocity[chosen]
@@ -273,9 +281,7 @@ def _fly_off(state, lanes, crossing, chosen, edge, radius) -> None:
 def _come_to(state, lanes, segment, edge, speed, radius) -> None:
     """Blocks begin the next segment at an edge."""
     slope, way, rolls = state.slope[segment], state.way[lanes], state.rolls[lanes]
-    radius = np.where(
-        rolls, state.radius[lanes], np.asarray(state.outline.smallest)[lanes]
-    )
+    radius = np.where(rolls, state.radius[lanes], state.smallest[lanes])
     state.segment[lanes] = segment
     state.phase[lanes] = Phase.grounded
     state.place(

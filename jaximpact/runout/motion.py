@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..scene import GRAVITY
+from .programs import closed_form
 
 Scalar = Float[Array, " lanes"]
 
@@ -75,6 +76,14 @@ def support(outline: Outline, sin: Scalar, cos: Scalar) -> Support:
     radius = jnp.sqrt((outline.major * cos) ** 2 + (outline.minor * sin) ** 2)
     difference = outline.major**2 - outline.minor**2
     return Support(radius, -difference * sin * cos / radius)
+
+
+def _support_of(outline: Outline, theta: Scalar) -> Support:
+    return support(outline, jnp.sin(theta), jnp.cos(theta))
+
+
+support_of = closed_form(_support_of)
+"""`support` by the angle Theta itself, for arrays."""
 
 
 def take(tree: tuple, chosen: np.ndarray) -> tuple:

@@ -72,7 +72,8 @@ class Profile:
         object.__setattr__(self, "x", x)
         object.__setattr__(self, "y", y)
         object.__setattr__(self, "rolling_friction_angle", rolling)
-        object.__setattr__(self, "soil", Soil(**soil))
+        # Arrays of NumPy, as the rest: they are looked up lane by lane.
+        object.__setattr__(self, "soil", jax.tree.map(np.asarray, Soil(**soil)))
 
     @property
     def segments(self) -> int:
@@ -95,7 +96,7 @@ class Profile:
 
     def soil_of(self, segments: np.ndarray) -> Soil:
         """The soil of some segments, fields of the shape of their indices."""
-        return jax.tree.map(lambda leaf: np.asarray(leaf)[segments], self.soil)
+        return jax.tree.map(lambda leaf: leaf[segments], self.soil)
 
 
 def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
@@ -118,7 +119,9 @@ def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
 
 
 def _check_soil(field: str, values: np.ndarray) -> None:
-    column = next(c for c in INPUT_COLUMNS.values() if (c.part, c.field) == ("soil", field))
+    column = next(
+        c for c in INPUT_COLUMNS.values() if (c.part, c.field) == ("soil", field)
+    )
     bad = ~column.is_allowed(values / column.factor)
     if np.any(bad):
         i = int(np.argmax(bad))

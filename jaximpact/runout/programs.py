@@ -16,8 +16,10 @@ import numpy as np
 from ..marching import CORES
 from ..native import Kernel, compile_kernel
 
-LANES_OF_A_THREAD = 256
-"""Lanes that are worth a thread of their own."""
+LANES_OF_A_THREAD = 512
+"""Lanes of many steps that are worth a thread of their own."""
+LANES_OF_ONE_STEP = 16_384
+"""The same of functions that have their result at once."""
 
 
 class Program:
@@ -27,14 +29,22 @@ class Program:
         begin: from inputs to the state at the start.
         step: from a state to the next, and whether the lane goes on.
         finish: from the last state to results, a tree.
+        lanes_of_a_thread: so many lanes are worth a thread.
 
     Called with trees of arrays that broadcast to `(lanes,)`, a program gives the
     results as arrays of floats `(lanes,)`. It is compiled, in some tenths of a second,
     when it is first called with trees of a structure.
     """
 
-    def __init__(self, begin: Callable, step: Callable, finish: Callable):
+    def __init__(
+        self,
+        begin: Callable,
+        step: Callable,
+        finish: Callable,
+        lanes_of_a_thread: int = LANES_OF_A_THREAD,
+    ):
         self.functions = begin, step, finish
+        self.lanes_of_a_thread = lanes_of_a_thread
         self._kernels = {}
 
     def __call__(self, *inputs):
@@ -54,11 +64,11 @@ class Program:
             )
             results[:, ended] = of_ended
 
-        threads = max(1, min(CORES, lanes // LANES_OF_A_THREAD))
-        parts = [np.arange(i, lanes, threads) for i in range(threads)]
+        threads = max(1, min(CORES, lanes // self.lanes_of_a_thread))
         if threads == 1:
-            work(parts[0])
+            work(np.arange(lanes))
         else:
+            parts = [np.arange(i, lanes, threads) for i in range(threads)]
             with concurrent.futures.ThreadPoolExecutor(threads) as pool:
                 list(pool.map(work, parts))
         return jax.tree.unflatten(kernel.structure, list(results))
@@ -76,7 +86,7 @@ class Program:
 
 def closed_form(function: Callable) -> Program:
     """The program of a function that has its result at once."""
-    return Program(function, _no_more, _as_it_is)
+    return Program(function, _no_more, _as_it_is, LANES_OF_ONE_STEP)
 
 
 def _no_more(state):

@@ -1,5 +1,4 @@
-"""What happens at a contact: the full model, or a law in closed form, behind one face.
-"""
+"""What happens at a contact: the full model, or a law in closed form, behind one face."""
 
 import dataclasses
 from collections.abc import Callable

@@ -11,8 +11,8 @@ from ..scene import Scene
 from .contact import Matter
 from .contact_search import begin
 from .motion import Body, Outline
-from .programs import closed_form
 from .profile import Profile
+from .programs import closed_form
 from .reach import earliest, pieces_needed, reach
 
 NUMBERS = ("x", "y", "v_x", "v_y", "orientation", "angular_velocity")
@@ -84,20 +84,28 @@ class Release:
     @property
     def outline(self) -> Outline:
         """Their sections."""
-        axes = self.block.semi_axes
-        return Outline(np.asarray(axes.major), np.asarray(axes.minor))
+        return _outline(self.block)
 
     @property
     def matter(self) -> Matter:
         """Their mass and inertia."""
-        return Matter(np.asarray(self.block.mass), np.asarray(self.block.inertia))
+        return _matter(self.block)
 
 
-def _depth(*inputs):
+@closed_form
+def _outline(block: Block) -> Outline:
+    axes = block.semi_axes
+    return Outline(axes.major, axes.minor)
+
+
+@closed_form
+def _matter(block: Block) -> Matter:
+    return Matter(block.mass, block.inertia)
+
+
+@closed_form
+def _depths(*inputs):
     return list(begin(*inputs).depths)
-
-
-_depths = closed_form(_depth)
 
 
 def check_release(release: Release, profile: Profile) -> None:
@@ -111,7 +119,7 @@ def check_release(release: Release, profile: Profile) -> None:
             f"{profile.x[0]:g} to {profile.x[-1]:g}"
         )
     body, outline = release.body, release.outline
-    times = earliest(body, outline.largest, profile)
+    times = earliest(body, np.maximum(*outline), profile)
     depth = np.zeros(release.count)
     needed = pieces_needed(times)
     for count in np.unique(needed):
@@ -125,7 +133,7 @@ def check_release(release: Release, profile: Profile) -> None:
             0.0,
         )
         depth[chosen] = np.max(found, axis=0)
-    buried = depth > BURIED * np.asarray(outline.smallest)
+    buried = depth > BURIED * np.minimum(*outline)
     if np.any(buried):
         i = int(np.argmax(buried))
         raise ValueError(

@@ -165,6 +165,7 @@ def _leg(
     )
 
 
+mean_radius_of = closed_form(mean_radius)
 barrier_of = closed_form(barrier)
 go = closed_form(_go)
 leg = closed_form(_leg)

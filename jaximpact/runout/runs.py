@@ -59,9 +59,7 @@ class Runs:
         """Kinetic and potential energy at the start of each piece [J], with the height
         measured from y = 0."""
         pieces = self.pieces
-        mass, inertia = (
-            value[pieces.trajectory] for value in self.release.matter
-        )
+        mass, inertia = (value[pieces.trajectory] for value in self.release.matter)
         return (
             0.5 * mass * (pieces.v_x**2 + pieces.v_y**2)
             + 0.5 * inertia * pieces.angular_velocity**2

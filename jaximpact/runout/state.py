@@ -11,7 +11,7 @@ from .motion import Body, Outline
 from .profile import Profile
 from .record import ContactRecord, Growing, Pieces
 from .release import Release
-from .rolling import mean_radius
+from .rolling import mean_radius_of
 
 
 class Phase(enum.IntEnum):
@@ -37,10 +37,16 @@ class State:
     matter: Matter
     radius: np.ndarray
     """Of the round block that rolls [m]."""
+    smallest: np.ndarray
+    """The smaller semi-axis [m]."""
     slope: np.ndarray
     """Of the profile's segments [rad]."""
     length: np.ndarray
     """Of the profile's segments [m]."""
+    rolling_friction: np.ndarray
+    """Tangents of its segments' angles of rolling friction."""
+    sliding_friction: np.ndarray
+    """And of the ground's friction on the block."""
     phase: np.ndarray
     ending: np.ndarray
     time: np.ndarray
@@ -75,9 +81,13 @@ class State:
             release=release,
             outline=outline,
             matter=release.matter,
-            radius=np.asarray(mean_radius(outline)),
+            radius=mean_radius_of(outline),
+            smallest=np.minimum(outline.major, outline.minor),
             slope=profile.slope,
             length=profile.length,
+            rolling_friction=np.tan(profile.rolling_friction_angle),
+            sliding_friction=np.asarray(profile.soil.alpha_s)
+            * np.tan(np.asarray(profile.soil.friction_angle)),
             phase=np.full(n, Phase.airborne),
             ending=np.full(n, -1),
             time=np.zeros(n),

@@ -5,6 +5,7 @@ import numpy as np
 from ..outcomes import Outcome
 from .contact import Blow, impact_of, settle, touch
 from .grounded import small_speed, stand
+from .motion import support_of as support
 from .motion import take
 from .rebounds import Contacts
 from .record import Way
@@ -23,7 +24,7 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     body, gap = state.of(lanes, state.body), state.gap[lanes]
     segment = state.segment[lanes]
     touched = touch(body, outline, *state.normal[:, lanes])
-    is_impact = touched.closing >= small_speed(outline, touched.slope)
+    is_impact = touched.closing >= small_speed(state, lanes, touched.slope)
     still = np.zeros(len(lanes))
     blow = Blow(
         touched.normal_velocity.copy(),
@@ -65,7 +66,7 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     state.time[lanes] += np.where(takes_time, blow.duration, 0.0)
     failed = outcome == Outcome.failed
     stops = ~failed & ((outcome == Outcome.arrested) | (settled.climbs == 0.0))
-    leaves = settled.leaving >= small_speed(outline, touched.slope)
+    leaves = settled.leaving >= small_speed(state, lanes, touched.slope)
     state.phase[lanes] = Phase.airborne
     state.end(lanes[failed], Ending.failed)
     state.end(lanes[stops], Ending.stopped)
@@ -95,7 +96,7 @@ def _stand_on(state, lanes, touched, settled) -> None:
     edge = np.where(between < 0.0, segment, segment + 1)
     theta = settled.orientation
     outline = state.of(lanes, state.outline)
-    height = np.hypot(outline.major * np.cos(theta), outline.minor * np.sin(theta))
+    height = support(outline, theta).radius
     state.phase[lanes] = np.where(on_segment, Phase.grounded, Phase.at_edge)
     state.edge[lanes] = np.where(on_segment, -1, edge)
     stand(
