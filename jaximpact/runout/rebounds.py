@@ -1,4 +1,4 @@
-"""What happens at a contact: the full model, or a law in closed form, behind one face."""
+"""What a contact does: the full model, or a law in closed form, behind one face."""
 
 import dataclasses
 from collections.abc import Callable

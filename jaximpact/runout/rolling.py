@@ -10,10 +10,11 @@ along the way that it goes, up to the end of the segment or to rest. What the bl
 corners do to it meanwhile, hops included, is not followed.
 
 **Where it cannot roll.** On its way the block has to get over its long axis, higher by
-$r_{max} - r$ than the mean. On slopes with $\tan w > (H^2 - R^2)/(2 H R) + \tan\varphi_r$
-it falls over it by itself: $r_y'/r_y$ is nowhere larger than that fraction. Elsewhere a
+$r_{max} - r$ than the mean. Where $\tan w > (H^2 - R^2)/(2 H R) + \tan\varphi_r$ it
+falls over it by itself: $r_y'/r_y$ is nowhere larger than that fraction. Elsewhere a
 block whose kinetic energy is less than $m g \cos w\,(r_{max} - r)$ lies down on its
-flat side and slides, with the ground's friction $\tan\varphi_b = \alpha_s\tan\varphi'$.
+flat side and slides, with the ground's friction, $\tan\varphi_b =
+\alpha_s\tan\varphi'$.
 """
 
 from typing import NamedTuple

@@ -53,7 +53,7 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
         *touched[1:5], *settled[3:6], x, y, blow.duration, blow.sinking, outcome,
     )  # fmt: skip
     takes_time = blow.duration > 0.0
-    _write(state, lanes, takes_time, body, (x, y), blow)
+    _write(state, lanes, takes_time, body, x, y, blow)
     state.place(
         lanes,
         x=x,
@@ -74,14 +74,13 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     _stand_on(state, lanes[stands], take(touched, stands), take(settled, stands))
 
 
-def _write(state, lanes, chosen, body, place, blow) -> None:
+def _write(state, lanes, chosen, body, x, y, blow) -> None:
     """Record the contacts that take time, as ways at constant velocity."""
     lanes, body, blow = lanes[chosen], take(body, chosen), take(blow, chosen)
-    duration = blow.duration
+    x, y, duration = x[chosen], y[chosen], blow.duration
     state.pieces.add(
         lanes, Way.contact, state.time[lanes], duration,
-        *(body.x, body.y),
-        *((place[0][chosen] - body.x) / duration, (place[1][chosen] - body.y) / duration),
+        *(body.x, body.y, (x - body.x) / duration, (y - body.y) / duration),
         *(0.0, 0.0, body.orientation, blow.rotation / duration, 0.0),
     )  # fmt: skip
 
