@@ -56,7 +56,8 @@ def _cross(
     orientation: Scalar,
     rolls: Scalar,
 ) -> Crossing:
-    """A block at a convex break.
+    """A block at a convex break. (At a concave one, where a block may come to stand
+    that was in the ground, it goes on without an impact.)
 
     A block that flies has its ellipse over the edge, turning about it without slip, and
     the energy of the round block as it left.
@@ -64,7 +65,8 @@ def _cross(
     Args:
         speed_squared: along the way, with the centre over the edge [m2/s2]; negative
             if its energy does not suffice for that place.
-        before, after: descents of the segments [rad]; `after` is larger.
+        before, after: descents of the plane on which it stands and of the next
+            segment [rad].
         orientation: from the vertical to the major axis, positive towards the way.
         rolls: 1 if it rolls, 0 if it slides.
     """
@@ -73,7 +75,8 @@ def _cross(
     radius = jnp.where(rolling, mean_radius(outline), outline.smallest)
     ratio = jnp.where(rolling, inertia / (mass * radius**2), 0.0)
     whole = 1.0 + ratio
-    top = jnp.clip(0.0, before, after)
+    least, most = jnp.minimum(before, after), jnp.maximum(before, after)
+    top = jnp.clip(0.0, least, most)
     gain = 2.0 * GRAVITY * radius / whole
     crest = gain * (jnp.cos(top) - jnp.cos(before))
     end_squared = speed_squared + gain * (jnp.cos(before) - jnp.cos(after))

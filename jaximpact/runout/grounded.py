@@ -56,7 +56,10 @@ def stand(
     state.way[lanes] = going.way
     state.speed_squared[lanes] = going.speed_squared
     state.plane[lanes] = plane
+    stays = going.stays > 0.0
+    state.end(lanes[stays], Ending.stopped)
     over = np.where(rolls, state.radius[lanes], state.smallest[lanes]) - height
+    over = np.where(stays, 0.0, over)
     state.body.x[lanes] += over * np.sin(plane)
     state.body.y[lanes] += over * np.cos(plane)
     lie_down(state, lanes[~rolls], plane[~rolls])
@@ -236,7 +239,7 @@ def cross_edges(state: State, lanes: np.ndarray) -> None:
     )
     after = state.slope[beyond]
     crossing = cross(
-        outline, matter, squared, way * plane, np.maximum(way * after, way * plane),
+        outline, matter, squared, way * plane, way * after,
         way * state.body.orientation[lanes], rolls.astype(float),
     )  # fmt: skip
     flies, back = crossing.flies > 0.0, crossing.goes_back > 0.0

@@ -67,6 +67,8 @@ class Going(NamedTuple):
     speed_squared: Scalar
     """[m2/s2]; negative where the slope turns a block over that lies so low that it
     has to go down first."""
+    stays: Scalar
+    """1 where the block lies too deep to come up."""
 
 
 def _go(
@@ -96,10 +98,13 @@ def _go(
     lift = mass * GRAVITY * jnp.cos(slope) * (radius - height)
     energy = 0.5 * whole * spin**2 - lift
     needed = barrier(outline, matter, slope, rolling_friction)
-    # A round block rolls, whatever rounding makes of an energy of zero.
-    is_round = turning_slope(outline) == 0.0
-    rolls = is_round | (needed <= 0.0) | (energy >= needed)
-    energy = jnp.where(is_round, jnp.maximum(energy, 0.0), energy)
+    rolls = (needed <= 0.0) | (energy >= needed)
+    steep = jnp.abs(jnp.tan(slope)) > turning_slope(outline) + rolling_friction
+    rounding = 1e-9 * mass * GRAVITY * radius
+    energy = jnp.where(jnp.abs(energy) < rounding, jnp.maximum(energy, 0.0), energy)
+    # One that lies down gives its height to the ground, but does not get it for nothing.
+    rise = jnp.maximum(outline.smallest - height, 0.0)
+    sliding = tangential_velocity**2 - 2.0 * GRAVITY * jnp.cos(slope) * rise
     along = jnp.where(rolls, spin, tangential_velocity)
     # A block at rest starts down-slope.
     way = jnp.where(along == 0.0, slope, along)
@@ -107,8 +112,11 @@ def _go(
         rolls=rolls.astype(float),
         way=jnp.where(way >= 0.0, 1.0, -1.0),
         speed_squared=jnp.where(
-            rolls, 2.0 * radius**2 * energy / whole, tangential_velocity**2
+            rolls, 2.0 * radius**2 * energy / whole, jnp.maximum(sliding, 0.0)
         ),
+        stays=jnp.where(
+            rolls, (energy < 0.0) & ~steep, sliding < -1e-9 * GRAVITY * radius
+        ).astype(float),
     )
 
 
