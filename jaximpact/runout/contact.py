@@ -126,7 +126,8 @@ def _settle(
     v_n, v_t, spin = share * v_n, share * v_t, share * spin
     return Settled(
         orientation=theta,
-        rise=radius - before - gap,
+        # One that cannot climb stays as deep as it is.
+        rise=radius - before - jnp.where(left > 0.0, gap, blow.sinking),
         travel=0.5
         * (touch.tangential_velocity + blow.tangential_velocity)
         * blow.duration,

@@ -66,7 +66,7 @@ def follow_flights(
             break
         now = fly(take(body, going), ends.time[going])
         times = earliest(now, largest[going], profile)
-        needed = pieces_needed(times)
+        needed = pieces_needed(now, largest[going], times)
         for count in np.unique(needed):
             chosen = needed == count
             _search(

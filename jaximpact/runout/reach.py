@@ -18,6 +18,8 @@ FAR = Piece(1e9, 0.0, 2e9, 0.0)
 """A piece that is never reached, where there are fewer than are watched."""
 FEWEST = 2
 """Pieces watched at the least: those at both sides of a break."""
+AHEAD = 0.5
+"""By how much of its size a block gets on before it has to watch others."""
 
 
 class Reach(NamedTuple):
@@ -64,14 +66,17 @@ def earliest(body: Body, largest: np.ndarray, profile: Profile) -> np.ndarray:
     return np.where(reached, np.maximum(times * (1.0 - 1e-12) - 1e-12, 0.0), NEVER)
 
 
-def pieces_needed(times: np.ndarray) -> np.ndarray:
-    """How many pieces each lane has to watch to get on: a power of two, so that few
-    programs are compiled, more than those that are in reach at once.
+def pieces_needed(body: Body, largest: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """How many pieces each lane has to watch to get on by a good part of its size: a
+    power of two, so that few programs are compiled.
 
     Args:
-        times: from `earliest`, `(lanes, segments)`.
+        body, largest: as for `earliest`.
+        times: from it, `(lanes, segments)`.
     """
-    in_reach = np.count_nonzero(times <= 0.0, axis=1)
+    speed = np.abs(body.v_x) + np.abs(body.v_y) + np.sqrt(GRAVITY * largest)
+    horizon = AHEAD * largest / speed
+    in_reach = np.count_nonzero(times <= horizon[:, None], axis=1)
     needed = np.full(len(times), FEWEST)
     while np.any(short := needed <= in_reach):
         needed[short] *= 2

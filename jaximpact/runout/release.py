@@ -119,9 +119,10 @@ def check_release(release: Release, profile: Profile) -> None:
             f"{profile.x[0]:g} to {profile.x[-1]:g}"
         )
     body, outline = release.body, release.outline
-    times = earliest(body, np.maximum(*outline), profile)
+    largest = np.maximum(*outline)
+    times = earliest(body, largest, profile)
     depth = np.zeros(release.count)
-    needed = pieces_needed(times)
+    needed = pieces_needed(body, largest, times)
     for count in np.unique(needed):
         chosen = needed == count
         watched = reach(times[chosen], count, profile)

@@ -102,7 +102,7 @@ def _go(
     steep = jnp.abs(jnp.tan(slope)) > turning_slope(outline) + rolling_friction
     rounding = 1e-9 * mass * GRAVITY * radius
     energy = jnp.where(jnp.abs(energy) < rounding, jnp.maximum(energy, 0.0), energy)
-    # One that lies down gives its height to the ground, but does not get it for nothing.
+    # One that lies down loses its height, but does not gain any for nothing.
     rise = jnp.maximum(outline.smallest - height, 0.0)
     sliding = tangential_velocity**2 - 2.0 * GRAVITY * jnp.cos(slope) * rise
     along = jnp.where(rolls, spin, tangential_velocity)
