@@ -32,8 +32,8 @@ class Watch(NamedTuple):
     outline: Outline
     pieces: tuple[Piece, ...]
     depths: tuple[Scalar, ...]
-    """How deep the block sat in each piece at the start [m]: it is followed as if the
-    piece lay deeper by that."""
+    """How deep the block sits in each piece [m]: it is followed as if the piece lay
+    deeper by that. More than 0 only where it started in the ground."""
     slack: Scalar
     until: Scalar
     """Time for which the pieces suffice [s]."""
@@ -104,11 +104,17 @@ def step(watch: Watch) -> tuple[Watch, Bool[Array, " lanes"]]:
     axis = jnp.sin(body.orientation), jnp.cos(body.orientation)
     advance = jnp.full_like(watch.time, NEVER)
     touched, place, met = watch.touched, watch.piece, watch.gap
+    depths = []
     for number, (piece, depth) in enumerate(
         zip(watch.pieces, watch.depths, strict=True)
     ):
         candidates = gaps(body, watch.outline, axis, piece)
         gap = widest(candidates)
+        # Where a block in the ground comes out of it one way it may go in another.
+        opens = gap.opening >= -APPROACHING
+        deeper = opens & (gap.width + depth < -watch.slack)
+        depth = jnp.where(deeper, -gap.width, depth)
+        depths.append(depth)
         touches = (gap.width + depth <= watch.slack) & (gap.opening < -APPROACHING)
         first = touches & ~touched
         touched |= touches
@@ -119,6 +125,7 @@ def step(watch: Watch) -> tuple[Watch, Bool[Array, " lanes"]]:
     time = jnp.minimum(watch.time + advance, watch.until)
     steps = watch.steps + 1.0
     after = watch._replace(
+        depths=tuple(depths),
         time=jnp.where(touched, watch.time, time),
         steps=steps,
         touched=touched,
