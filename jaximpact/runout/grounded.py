@@ -247,16 +247,33 @@ def cross_edges(state: State, lanes: np.ndarray) -> None:
     _fly_off(state, lanes[flies], crossing, flies, edge[flies], radius[flies])
     over = ~(flies | back | stays)
     state.end(lanes[stays], Ending.stopped)
-    _come_to(state, lanes[over], beyond[over], edge[over], crossing.speed[over], radius)
-    # What does not get over a crest goes back the way it came.
-    state.way[lanes[back]] *= -1.0
-    state.speed_squared[lanes[back]] = crossing.speed[back] ** 2
-    sin, cos = np.sin(plane[back]), np.cos(plane[back])
-    state.place(
-        lanes[back],
-        x=profile.x[edge[back]] + radius[back] * sin,
-        y=profile.y[edge[back]] + radius[back] * cos,
-    )
+    _come_to(state, lanes[over], beyond[over], edge[over], crossing.speed[over])
+    lanes, edge, plane = lanes[back], edge[back], plane[back]
+    drop = radius[back] * np.cos(plane), 2.0 * GRAVITY / (1.0 + ratio[back])
+    _go_back(state, lanes, edge, crossing.speed[back], *drop)
+
+
+def _go_back(state, lanes, edge, speed, height, rate) -> None:
+    """Blocks that do not get over a crest come to the segment on this side of it, or
+    stop where that takes more than they have.
+
+    Args:
+        height: of their centres over the edge [m].
+        rate: loss of squared speed with height [m/s2].
+    """
+    state.way[lanes] *= -1.0
+    segment = np.where(state.way[lanes] > 0.0, edge, edge - 1)
+    there_is = (segment >= 0) & (segment < state.profile.segments)
+    state.end(lanes[~there_is], Ending.left_profile)
+    rolls, smallest = state.rolls[lanes], state.smallest[lanes]
+    radius = np.where(rolls, state.radius[lanes], smallest)
+    slope = state.slope[np.clip(segment, 0, state.profile.segments - 1)]
+    squared = speed**2 - rate * (radius * np.cos(slope) - height)
+    # Rounding, where it came from that segment.
+    squared = np.where(np.abs(squared) < 1e-9 * rate * radius, 0.0, squared)
+    state.end(lanes[there_is & (squared < 0.0)], Ending.stopped)
+    goes = there_is & (squared >= 0.0)
+    _come_to(state, lanes[goes], segment[goes], edge[goes], np.sqrt(squared[goes]))
 
 
 def _fly_off(state, lanes, crossing, chosen, edge, radius) -> None:
@@ -281,7 +298,7 @@ def _fly_off(state, lanes, crossing, chosen, edge, radius) -> None:
     state.phase[lanes] = Phase.airborne
 
 
-def _come_to(state, lanes, segment, edge, speed, radius) -> None:
+def _come_to(state, lanes, segment, edge, speed) -> None:
     """Blocks begin the next segment at an edge."""
     slope, way, rolls = state.slope[segment], state.way[lanes], state.rolls[lanes]
     radius = np.where(rolls, state.radius[lanes], state.smallest[lanes])
