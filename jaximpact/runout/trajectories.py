@@ -12,7 +12,8 @@ import numpy as np
 
 from ..precision import require_float64
 from .airborne import fly_on
-from .grounded import cross_edges, go_along
+from .edges import cross_edges
+from .grounded import go_along
 from .profile import Profile
 from .rebounds import Contacts, FullModel
 from .release import Release, check_release
