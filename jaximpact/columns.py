@@ -259,7 +259,7 @@ OUTCOME_MEANING = (
 )
 SIGMA_PREFIX = "sigma_"
 """Before the name of a result column: the standard deviation of a measured value."""
-LABEL_COLUMNS = ("name", "id", "test", "source", "note", "comment")
+LABEL_COLUMNS = ("name", "id", "test", "campaign", "source", "note", "comment")
 """Columns of free text, which identify a row and are carried along."""
 
 

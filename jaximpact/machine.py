@@ -58,20 +58,54 @@ def compile_native(
             of_lanes = _Varied(assembly, varied, inputs)
         return compile_code(of_lanes.begin, of_lanes.step, of_lanes.finish, inputs)
 
+    code = _kept_or_compiled(assembly, varied, compile_lanes)
+    return None if code is None else Kernel(code, structure)
+
+
+@functools.lru_cache(maxsize=32)
+def compile_native_along(assembly: Assembly, varied: tuple[int, ...]) -> Kernel | None:
+    """Machine code for an assembly of the model, from scenes, tolerance and floor, and
+    a direction. None as for `compile_native`.
+
+    One derivative is taken whatever the number of leaves, so that the code is soon
+    compiled; for several derivatives it is run as often.
+
+    Args:
+        varied: leaves of the scene that may change along the direction; inputs end with
+            a row for each, its derivative along it. Results are a pair: numbers, and
+            their derivatives along the direction.
+    """
+    of_lane = numbers_of_no_value(assembly.ledger)
+
+    def compile_lanes() -> Code:
+        one = jax.ShapeDtypeStruct((1,), float)
+        scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
+        inputs = scenes, one, one
+        of_lanes = _Along(assembly, varied, inputs)
+        both = inputs, [one] * len(varied)
+        return compile_code(of_lanes.begin, of_lanes.step, of_lanes.finish, both)
+
+    code = _kept_or_compiled(assembly, ("along", *varied), compile_lanes)
+    structure = jax.tree.structure((of_lane, of_lane))
+    return None if code is None else Kernel(code, structure)
+
+
+def _kept_or_compiled(
+    assembly: Assembly, choice, compile_lanes: Callable[[], Code]
+) -> Code | None:
+    """The code of an assembly, from the disk if it is there; None if there is none."""
     try:
         if assembly.laws == Laws():
-            code = kept(_key(assembly, varied), compile_lanes)
-        else:
-            # Functions of the user's own have no key.
-            code = compile_lanes()
+            return kept(_key(assembly, choice), compile_lanes)
+        # Functions of the user's own have no key.
+        return compile_lanes()
     except NotImplementedError:
         return None
-    return Kernel(code, structure)
 
 
-def _key(assembly: Assembly, varied: tuple[int, ...] | None) -> str:
+def _key(assembly: Assembly, choice) -> str:
     """Names all that the code of an assembly of the usual laws depends on."""
-    choices = assembly._replace(laws=None), varied
+    choices = assembly._replace(laws=None), choice
     return repr((choices, host(), *_installed()))
 
 
@@ -158,6 +192,54 @@ class _Varied:
         return numbers, jax.tree.map(lambda *entries: list(entries), *columns)
 
 
+class _Along:
+    """What lanes do, and the derivative along a direction of what they have come to.
+
+    As for `_Varied`, with one derivative, of the leaves that change with any varied.
+    """
+
+    def __init__(self, assembly: Assembly, varied: tuple[int, ...], inputs):
+        self.lanes, self.varied = _Lanes(assembly), list(varied)
+        traced, lanes = jax.make_jaxpr(self.lanes.begin, return_shape=True)(inputs)
+        places = (_changing(traced, lanes, place) for place in varied)
+        self.changing = sorted(set().union(*places))
+
+    def begin(self, both):
+        inputs, direction = both
+
+        def of_leaves(*values):
+            lanes = self.lanes.begin(_with_leaves(inputs, self.varied, values))
+            return _leaves(lanes, self.changing)
+
+        slope = _slope(of_leaves, _leaves(inputs, self.varied), list(direction))
+        return self.lanes.begin(inputs), slope
+
+    def step(self, state):
+        lanes, slope = state
+        after, going = self.lanes.step(lanes)
+
+        def of_changing(*values):
+            after, _ = self.lanes.step(_with_leaves(lanes, self.changing, values))
+            return _leaves(after, self.changing)
+
+        slope = _slope(of_changing, _leaves(lanes, self.changing), slope)
+        return (after, slope), going
+
+    def finish(self, both, state):
+        (inputs, direction), (lanes, slope) = both, state
+        count = len(self.varied)
+
+        def of_both(*values):
+            return self.lanes.finish(
+                _with_leaves(inputs, self.varied, values[:count]),
+                _with_leaves(lanes, self.changing, values[count:]),
+            )
+
+        values = _leaves(inputs, self.varied) + _leaves(lanes, self.changing)
+        derivative = _slope(of_both, values, [*direction, *slope])
+        return self.lanes.finish(inputs, lanes), derivative
+
+
 def _changing(traced, lanes: Lanes, place: int) -> list[int]:
     """Leaves of lanes that change with a leaf of their inputs, in their course or, as
     constants, from the start."""
@@ -211,7 +293,11 @@ def solve_alone(kernel: Kernel, inputs: list):
 
 def solve_side_by_side(kernel: Kernel, scene: Scene, accuracy: Accuracy):
     """Results of scenes `(lanes,)`, in their order, by one core."""
-    inputs = np.stack(kernel_inputs(scene, accuracy))
+    return solve_rows(kernel, np.stack(kernel_inputs(scene, accuracy)))
+
+
+def solve_rows(kernel: Kernel, inputs: np.ndarray):
+    """Results of inputs `(rows, lanes)`, in their order, by one core."""
     names = np.arange(inputs.shape[1])
     ended, results = kernel.workspace().run(names, inputs, wait=False)
     ordered = np.empty_like(results)

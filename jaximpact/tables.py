@@ -44,7 +44,15 @@ class Table:
     rows: list[str]
     """The rows likewise; blank lines are left out."""
     numbers: dict[str, np.ndarray]
-    """Each column of numbers, in the unit of its name."""
+    """Each column of numbers, in the unit of its name; NaN where a table of tests has
+    an empty cell."""
+    lines: np.ndarray
+    """Line of the file at which each row begins."""
+    censored: dict[str, np.ndarray]
+    """Of a table of tests, for each measured column: 1 in rows where the true value is
+    said to be above the number (`>0.3`), -1 where below (`<0.1`), else 0."""
+    labels: dict[str, list[str]]
+    """Of a table of tests, each column of free text."""
 
     def scene(self) -> Scene:
         """All rows as one scene, in SI; the default stands for a missing column.
@@ -73,8 +81,9 @@ def read_table(path: Path, *, measured: bool = False) -> Table:
     Args:
         path: the file; read once, so a pipe will do.
         measured: allow result columns too, with `sigma_` columns (above zero) and the
-            outcome, as a table of tests has them. Without it they are refused, as they
-            would stand twice in the output.
+            outcome, as a table of tests has them. Their cells may be empty, and those
+            of results limits like `>0.3` or `<0.1`. Without it they are refused, as
+            they would stand twice in the output.
 
     Raises InputError, naming file, row and column, for whatever cannot be used. Of
     several bad cells the one in the leftmost column is named.
@@ -94,12 +103,24 @@ def read_table(path: Path, *, measured: bool = False) -> Table:
     names = [cell.strip() for cell in cells]
     _check_header(path, header_line, names, measured)
     rows, parts = [], {name: [] for name in names if _holds_numbers(name)}
+    starts: list[np.ndarray] = []
+    limits = {name: [] for name in names if name in RESULT_COLUMNS}
+    labels = {name: [] for name in names if name in LABEL_COLUMNS and measured}
     while piece := list(itertools.islice(records, SLICE_ROWS)):
         lines, texts, cells_of_rows = zip(*piece, strict=True)
         _check_lengths(path, lines, cells_of_rows, len(names))
         rows += texts
+        starts.append(np.array(lines))
         for name, cells in zip(names, zip(*cells_of_rows, strict=True), strict=True):
-            if name in parts:
+            if name in labels:
+                labels[name] += [cell.strip() for cell in cells]
+            elif name in limits:
+                values, signs = _measured(path, lines, name, cells)
+                parts[name].append(values)
+                limits[name].append(signs)
+            elif name in SIGMA_COLUMNS:
+                parts[name].append(_present(path, lines, name, cells))
+            elif name in parts:
                 parts[name].append(_numbers(path, lines, name, cells))
     if not rows:
         raise InputError("has a header but no rows", file=path)
@@ -109,6 +130,9 @@ def read_table(path: Path, *, measured: bool = False) -> Table:
         header=header,
         rows=rows,
         numbers={name: np.concatenate(pieces) for name, pieces in parts.items()},
+        lines=np.concatenate(starts),
+        censored={name: np.concatenate(pieces) for name, pieces in limits.items()},
+        labels=labels,
     )
 
 
@@ -194,6 +218,32 @@ def _check_lengths(path: Path, lines, cells_of_rows, count: int) -> None:
                 file=path,
                 row=line,
             )
+
+
+LIMITS = {">": 1, "<": -1}
+
+
+def _measured(path: Path, lines, name: str, cells) -> tuple[np.ndarray, np.ndarray]:
+    """A column of measured values, and of which only a limit is known."""
+    stripped = [cell.strip() for cell in cells]
+    signs = np.array([LIMITS.get(cell[:1], 0) for cell in stripped])
+    if ">" in stripped or "<" in stripped:
+        row = next(line for line, c in zip(lines, stripped, strict=True) if c in LIMITS)
+        raise InputError("has a sign without a number", file=path, row=row, column=name)
+    plain = [c[1:] if sign else c for c, sign in zip(stripped, signs, strict=True)]
+    return _present(path, lines, name, plain), signs
+
+
+def _present(path: Path, lines, name: str, cells) -> np.ndarray:
+    """A column's cells as checked numbers, NaN for the empty ones."""
+    values = np.full(len(cells), np.nan)
+    filled = [place for place, cell in enumerate(cells) if cell.strip()]
+    if filled:
+        lines, cells = (
+            [column[place] for place in filled] for column in (lines, cells)
+        )
+        values[filled] = _numbers(path, lines, name, cells)
+    return values
 
 
 def _numbers(path: Path, lines, name: str, cells) -> np.ndarray:

@@ -192,7 +192,10 @@ def test_measured_values_are_read_with_their_uncertainty(table_of):
     ("content", "needed"),
     [
         ("e_n\n0.5\nnan\n", "row 3, column e_n: must be finite, but is nan"),
-        ('e_n\n0.5\n""\n', "row 3, column e_n: is empty"),
+        ("e_n\n0.5\n>\n", "row 3, column e_n: has a sign without a number"),
+        ("e_n\n0.5\n>=0.3\n", "row 3, column e_n: must be a number, but is '=0.3'"),
+        ("sigma_e_n\n>0.1\n", "row 2, column sigma_e_n: must be a number"),
+        ('mass_kg,e_n\n1,0.5\n"",0.5\n', "row 3, column mass_kg: is empty"),
         ("sigma_e_n\n0\n", "row 2, column sigma_e_n: must be above 0"),
         ("e_nn\n0.5\n", "row 1, column e_nn: is unknown; did you mean e_n?"),
     ],

@@ -1,17 +1,29 @@
 """Profiles: the best cost with one parameter held, the others fitted again."""
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
 
-from .fit import ROUGH, Progress, fit
-from .solver import Stepper
-from .transforms import logit
+from .fit import fit, rough_of
+from .least_squares import Progress
+from .objective import Objective
+from .stopping import ROUGH
+from .uncertainty import Uncertainty
 
-PARTS = (0.02, 0.2, 0.4, 0.6, 0.8, 0.98)
+PARTS = (0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0)
 """Where in its range a parameter is held."""
+NEAR = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)
+"""And where about the best fit, in standard errors."""
 ONE_SIGMA = 1.0
-"""Rise of the sum of squares, over its variance, at one standard deviation."""
+"""Rise of twice the cost, over the inflation, at one standard deviation."""
+
+
+PASSES = 3
+"""Each after the first starts points from their neighbours where those found less."""
+LOWER = 1e-2
+"""Fall of the cost, in s^2, that counts as one."""
+ALL_HELD = -1
 
 
 class LikelihoodProfile(NamedTuple):
@@ -21,110 +33,131 @@ class LikelihoodProfile(NamedTuple):
     values: np.ndarray
     """Where it was held, and its value at the best fit."""
     rise: np.ndarray
-    """Of the sum of squared residuals over s^2, from its least; 1 is one standard
+    """Of twice the cost over the inflation, from its least; 1 is one standard
     deviation."""
     low: float | None
     high: float | None
-    """Between these the rise stays below one standard deviation, interpolated; None
-    where it does so down, or up, to the end of the range."""
+    """Beyond these the rise stays above one standard deviation, interpolated; None
+    where it does not, down, or up, to the end of the range."""
+    low_95: float | None
+    high_95: float | None
+    """Likewise for the interval of 95 %."""
     best_cost: float
     """At the best fit, to the accuracy of the profile."""
     lowest_cost: float
     """Least cost found with the parameter held."""
-    lowest_z: np.ndarray
+    lowest_x: np.ndarray
     """Where it was found."""
 
 
 def profile_all(
-    stepper: Stepper,
-    chosen: list[int],
-    best_z,
-    variance: float,
-    progress: Progress,
+    objective: Objective, best: np.ndarray, uncertainty: Uncertainty, progress: Progress
 ) -> list[LikelihoodProfile]:
-    """Profiles of the parameters at the places chosen, all points side by side.
+    """Profiles of the soil's parameters, all points side by side.
 
-    Every point starts with the other parameters at the best fit; the last one, with all
-    of them held there, gives its cost to the accuracy of the others.
+    Every point starts with the other unknowns at the best fit, x `(unknowns,)`; the
+    last one, with all of them held there, gives its cost to the accuracy of the others.
     """
-    best_z = np.asarray(best_z)
-    anchor = np.repeat(best_z[None], len(chosen) * len(PARTS) + 1, axis=0)
-    free = np.ones_like(anchor)
-    free[-1] = 0.0
-    for k, place in enumerate(chosen):
-        rows = slice(k * len(PARTS), (k + 1) * len(PARTS))
-        anchor[rows, place] = logit(np.asarray(PARTS))
-        free[rows, place] = 0.0
-    fits = fit(
-        stepper,
-        anchor,
-        free,
-        anchor,
-        patience=ROUGH,
-        progress=lambda text: progress(f"profiles, {text}"),
-    )
-    reached = np.where(free > 0, fits.lanes.z, anchor)
-    profiles = []
-    for k, place in enumerate(chosen):
-        rows = slice(k * len(PARTS), (k + 1) * len(PARTS))
-        profiles.append(
-            _of_parameter(
-                stepper,
-                place,
-                best_z,
-                np.append(fits.cost[rows], fits.cost[-1]),
-                reached[rows],
-                variance,
-            )
+    rough = rough_of(objective)
+    bounds, names = objective.bounds, objective.study.parameters
+    starts, held = [], []
+    for place in range(len(names)):
+        error = uncertainty.standard_errors[place]
+        near = best[place] + np.array(NEAR) * error
+        wide = bounds.at_part(np.array(PARTS)[:, None])[:, place]
+        low, high = bounds.low[place], bounds.high[place]
+        near = near[(near > low) & (near < high)]
+        for value in np.unique(np.concatenate([near, wide])):
+            starts.append(np.where(np.arange(len(best)) == place, value, best))
+            held.append(place)
+    x, held = np.array([*starts, best]), np.array([*held, ALL_HELD])
+    free = np.arange(len(best)) != held[:, None]
+    free[-1] = False
+    cost = np.full(len(x), np.inf)
+    wanted, begin = np.arange(len(x)), x
+    for number in range(1, PASSES + 1):
+        fits = fit(
+            rough,
+            begin,
+            free[wanted],
+            patience=ROUGH,
+            progress=lambda text, number=number: progress(
+                f"profiles, pass {number}, {text}"
+            ),
         )
-    return profiles
+        lower = fits.points.cost < cost[wanted] - LOWER * rough.unit(fits.points.cost)
+        x[wanted[lower]], cost[wanted[lower]] = (
+            fits.points.x[lower],
+            fits.points.cost[lower],
+        )
+        wanted, begin = _from_neighbours(x, cost, held, wanted[lower])
+        if not len(wanted):
+            break
+    return [
+        _profile(objective, place, x, cost, held, uncertainty)
+        for place in range(len(names))
+    ]
 
 
-def _of_parameter(
-    stepper: Stepper, place: int, best_z, costs, reached, variance: float
+def _from_neighbours(x, cost, held, changed) -> tuple[np.ndarray, np.ndarray]:
+    """Points to be fitted again, and from where: from a neighbour on the profile that
+    was just changed and costs less."""
+    wanted, begin = [], []
+    for place in np.unique(held[held != ALL_HELD]):
+        rows = np.flatnonzero(held == place)
+        rows = rows[np.argsort(x[rows, place])]
+        for one, other in (*itertools.pairwise(rows), *itertools.pairwise(rows[::-1])):
+            if other in changed and cost[other] < cost[one]:
+                wanted.append(one)
+                begin.append(np.where(np.arange(x.shape[1]) == place, x[one], x[other]))
+    return np.array(wanted, int), np.array(begin)
+
+
+def _profile(
+    objective: Objective, place: int, x, cost, held, uncertainty: Uncertainty
 ) -> LikelihoodProfile:
-    """Profile from the costs of its points, that of the best fit last."""
-    bounds = stepper.case.bounds
-    best = np.asarray(bounds.parameter(best_z))
-    best_part = np.asarray(bounds.part(best))
+    """Of one parameter, from the points at which it was held and the best fit, the
+    last."""
+    bounds = objective.bounds
+    rows = np.flatnonzero(held == place)
+    lowest = rows[np.argmin(cost[rows])]
+    # At a bound the best fit is one of the points.
+    along, first = np.unique(np.append(x[rows, place], x[-1, place]), return_index=True)
+    costs = np.append(cost[rows], cost[-1])[first]
+    rise = 2.0 * (costs - np.min(costs)) / uncertainty.inflation
+    one, most = ONE_SIGMA, uncertainty.quantile**2
+    ends = *_within(along, rise, one), *_within(along, rise, most)
 
-    def value_at(part: float | None) -> float | None:
-        if part is None:
+    def value(at: float | None) -> float | None:
+        if at is None:
             return None
-        parts = best_part.copy()
-        parts[place] = part
-        return float(bounds.at_part(parts)[place])
+        return float(bounds.parameter(np.full(x.shape[1], at))[place])
 
-    parts = np.append(PARTS, best_part[place])
-    order = np.argsort(parts, kind="stable")
-    rise = 2.0 * (costs - np.min(costs))[order] / variance
-    low, high = _within(parts[order], rise)
-    lowest = int(np.argmin(costs[:-1]))
     return LikelihoodProfile(
-        name=stepper.program.fitted[place],
-        values=np.array([value_at(part) for part in parts[order]]),
-        rise=rise,
-        low=value_at(low),
-        high=value_at(high),
-        best_cost=float(costs[-1]),
-        lowest_cost=float(costs[lowest]),
-        lowest_z=reached[lowest],
+        objective.study.parameters[place].name,
+        np.array([value(at) for at in along]),
+        rise,
+        *(value(end) for end in ends),
+        best_cost=float(cost[-1]),
+        lowest_cost=float(cost[lowest]),
+        lowest_x=x[lowest],
     )
 
 
-def _within(part: np.ndarray, rise: np.ndarray) -> tuple[float | None, float | None]:
-    """Ends of the stretch about the least rise in which it stays below one sigma."""
-    least = int(np.argmin(rise))
+def _within(x: np.ndarray, rise: np.ndarray, limit: float):
+    """Ends of the stretch outside of which the rise stays above a limit.
 
-    def crossing(places) -> float | None:
-        inside = least
-        for place in places:
-            if not rise[place] < ONE_SIGMA:
-                share = (ONE_SIGMA - rise[inside]) / (rise[place] - rise[inside])
-                if not np.isfinite(share):
-                    share = 0.0
-                return float(part[inside] + share * (part[place] - part[inside]))
-            inside = place
-        return None
+    Between points the root of the rise is taken to be straight, as that of a parabola
+    is.
+    """
+    inside = np.flatnonzero(rise <= limit)
+    first, last = int(inside[0]), int(inside[-1])
 
-    return crossing(range(least - 1, -1, -1)), crossing(range(least + 1, len(part)))
+    def crossing(place: int, beyond: int) -> float:
+        low, high = np.sqrt(rise[place]), np.sqrt(rise[beyond])
+        share = (np.sqrt(limit) - low) / (high - low)
+        return float(x[place] + share * (x[beyond] - x[place]))
+
+    low = crossing(first, first - 1) if first > 0 else None
+    high = crossing(last, last + 1) if last < len(x) - 1 else None
+    return low, high

@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..files import replacing
 from ..provenance import versions
 from .plot import plot_study
-from .report import as_text, fit_of_target, standard_error
+from .report import as_text, fit_of_target, interval, standard_error
 from .study import StudyResult, VariantResult
 
 
@@ -42,20 +42,28 @@ def write_all(result: StudyResult, out: Path) -> None:
 
 
 def as_csv(result: StudyResult) -> str:
-    """Fitted against measured, a line for each variant, test and target.
+    """Fitted against measured, a line for each variant, test and target that holds a
+    measurement.
 
-    `row` counts the tests from 1.
+    `row` counts the tests from 1, over all files; `limit` is `>` or `<` where only a
+    limit is known.
     """
     study = result.study
-    lines = ["variant,row,target,measured,sigma,fitted,residual"]
+    lines = ["variant,row,file,target,limit,measured,sigma,fitted,residual"]
     for variant in result.variants:
-        name = '"' + variant.variant.name.replace('"', '""') + '"'
-        for (row, place), measured in np.ndenumerate(study.measured):
-            fitted = variant.predicted[row, place]
-            numbers = (measured, study.sigma[row, place], fitted, fitted - measured)
-            cells = (name, str(row + 1), study.targets[place])
+        name = _quoted(variant.variant.name)
+        for row, place in zip(*np.nonzero(study.known), strict=True):
+            fitted, measured = variant.predicted[row, place], study.measured[row, place]
+            limit = {1: ">", -1: "<", 0: ""}[int(study.censored[row, place])]
+            numbers = (measured, variant.sigma[row, place], fitted, fitted - measured)
+            file = _quoted(study.tests.place(row)[0].name)
+            cells = (name, str(row + 1), file, study.targets[place], limit)
             lines.append(",".join((*cells, *(f"{float(x):.9g}" for x in numbers))))
     return "\n".join(lines) + "\n"
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace('"', '""') + '"'
 
 
 def as_json(result: StudyResult) -> dict:
@@ -65,21 +73,34 @@ def as_json(result: StudyResult) -> dict:
         "title": study.title,
         "source": study.source,
         "notes": study.notes,
-        "sigma_given": study.sigma_given,
+        "sigma_given": dict(
+            zip(study.targets, map(bool, study.sigma_given), strict=True)
+        ),
         "variants": [_variant(result, variant) for variant in result.variants],
         "manifest": {
             "study": study.path.name,
-            "data": {"file": study.table.path.name, "sha256": study.table.sha256},
+            "data": [
+                {"file": table.path.name, "sha256": table.sha256}
+                for table in study.tests.files
+            ],
             "soil": study.soil,
             "parameters": {
                 p.name: {"start": p.start, "lower": p.lower, "upper": p.upper}
+                | ({"prior": dataclasses.asdict(p.prior)} if p.prior else {})
                 for p in study.parameters
             },
+            "nuisances": {
+                n.name: {"by": n.by, "prior": dataclasses.asdict(n.prior)}
+                for n in study.nuisances
+            },
             "targets": list(study.targets),
+            "weights": dict(zip(study.targets, _plain(study.weights), strict=True)),
+            "loss": study.loss,
             "starts": study.starts,
             "seed": study.seed,
             "method": study.method,
             "accuracy": dataclasses.asdict(PRESETS[study.accuracy]),
+            "engine": result.engine,
             "versions": versions(),
         },
     }
@@ -89,15 +110,25 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
     uncertainty = variant.uncertainty
     parameters = {}
     for place, verdict in enumerate(variant.verdicts):
-        error = standard_error(variant, place) if verdict.determined else None
+        shown = verdict.determined
         parameters[verdict.name] = {
             "value": float(variant.parameters[place]),
-            "determined": verdict.determined,
-            "standard_error": error,
+            "determined": shown,
+            "standard_error": standard_error(variant, place) if shown else None,
+            "interval_95": list(interval(variant, place)) if shown else None,
             "reason": verdict.reason or None,
         }
+    count = len(variant.verdicts)
+    nuisances = {
+        variant.names[place]: {
+            "value": float(variant.parameters[place]),
+            "standard_error": standard_error(variant, place),
+        }
+        for place in range(count, len(variant.names))
+    }
     fit = {
         name: fit_of_target(result, variant, place)
+        | {"sigma": _plain(np.median(variant.sigma[:, place]))}
         for place, name in enumerate(result.study.targets)
     }
     order = np.argsort(variant.start_costs, kind="stable")
@@ -105,7 +136,10 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
         "name": variant.variant.name,
         "soil": variant.variant.soil,
         "parameters": parameters,
-        "correlation": _plain(uncertainty.correlation),
+        "nuisances": nuisances,
+        "unknowns": variant.names,
+        "covariance_of_logarithms_or_half_ranges": _plain(uncertainty.covariance),
+        "correlation": _plain(uncertainty.correlation[:count, :count]),
         "eigenvalues": _plain(uncertainty.eigenvalues),
         "eigenvectors": _plain(uncertainty.eigenvectors.T),
         "directions": variant.directions,
@@ -115,6 +149,8 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
                 "rise": _plain(found.rise),
                 "low": found.low,
                 "high": found.high,
+                "low_95": found.low_95,
+                "high_95": found.high_95,
             }
             for name, found in variant.profiles.items()
         },
@@ -122,14 +158,17 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
         "cost": variant.cost,
         "degrees_of_freedom": uncertainty.degrees_of_freedom,
         "reduced_chi_square": _plain(uncertainty.reduced_chi_square),
+        "inflation": uncertainty.inflation,
         "failed_predictions": variant.failed,
-        "stopped": variant.reason,
+        "stopped": variant.reason.words,
         "starts": [
             {
-                "parameters": _plain(variant.start_parameters[i]),
+                "start": _plain(variant.start_parameters[i]),
+                "end": _plain(variant.end_parameters[i]),
                 "cost": _plain(variant.start_costs[i]),
                 "steps": int(variant.start_steps[i]),
-                "stopped": variant.start_reasons[i],
+                "found_best": bool(variant.reached[i]),
+                "stopped": variant.start_reasons[i].words,
             }
             for i in order
         ],

@@ -4,13 +4,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..columns import INPUT_COLUMNS
 from ..plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from .study import StudyResult
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 MARKERS = "os^Dv<"
 COLUMNS = 3
+LEAST_COST = 1e-12
+"""Drawn in place of less."""
 
 
 def plot_study(result: StudyResult) -> Figure:
@@ -37,8 +38,7 @@ def plot_study(result: StudyResult) -> Figure:
 
 
 def _inputs(result: StudyResult) -> dict[str, np.ndarray]:
-    numbers = result.study.table.numbers
-    return {name: v for name, v in numbers.items() if name in INPUT_COLUMNS}
+    return result.study.tests.inputs
 
 
 def _style(place: int) -> dict:
@@ -47,25 +47,37 @@ def _style(place: int) -> dict:
     )
 
 
-def _draw_against_angle(axes: Axes, result: StudyResult, place: int) -> None:
+def _draw_measured(axes: Axes, result: StudyResult, place: int, x) -> None:
+    """What was measured, against x: crosses, and arrows from limits."""
     study = result.study
-    angle = study.table.numbers["angle_deg"]
-    order = np.argsort(angle, kind="stable")
-    error = study.sigma[order, place] if study.sigma_given else None
+    measured, censored = study.measured[:, place], study.censored[:, place]
+    exact = censored == 0
     axes.errorbar(
-        angle[order],
-        study.measured[order, place],
-        yerr=error,
+        x[exact],
+        measured[exact],
+        yerr=study.sigma[exact, place] if study.sigma_given[place] else None,
         color="black",
         marker="x",
         linestyle="none",
         label="measured",
     )
+    for sign, marker in ((1, "^"), (-1, "v")):
+        limits = censored == sign
+        if np.any(limits):
+            style = dict(color="black", marker=marker, linestyle="none")
+            word = "above" if sign > 0 else "below"
+            axes.plot(x[limits], measured[limits], label=f"{word} this", **style)
+
+
+def _draw_against_angle(axes: Axes, result: StudyResult, place: int) -> None:
+    study = result.study
+    angle = study.tests.inputs["angle_deg"]
+    order = np.argsort(angle, kind="stable")
+    _draw_measured(axes, result, place, angle)
     for number, variant in enumerate(result.variants):
-        fitted = variant.predicted[order, place]
         axes.plot(
             angle[order],
-            fitted,
+            variant.predicted[order, place],
             label=variant.variant.name,
             markersize=4,
             **_style(number),
@@ -77,17 +89,24 @@ def _draw_against_angle(axes: Axes, result: StudyResult, place: int) -> None:
 
 def _draw_against_measured(axes: Axes, result: StudyResult, place: int) -> None:
     study = result.study
-    measured = study.measured[:, place]
-    error = study.sigma[:, place] if study.sigma_given else None
+    measured, censored = study.measured[:, place], study.censored[:, place]
+    exact = (censored == 0) & study.known[:, place]
+    limits = (censored != 0) & study.known[:, place]
     for number, variant in enumerate(result.variants):
+        fitted, style = variant.predicted[:, place], _style(number)
         axes.errorbar(
-            measured,
-            variant.predicted[:, place],
-            xerr=error,
+            measured[exact],
+            fitted[exact],
+            xerr=study.sigma[exact, place] if study.sigma_given[place] else None,
             linestyle="none",
             label=variant.variant.name,
-            **_style(number),
+            **style,
         )
+        if np.any(limits):
+            # Hollow: only a limit of the measured value is known.
+            axes.plot(
+                measured[limits], fitted[limits], linestyle="none", mfc="none", **style
+            )
     low, high = axes.get_xlim()
     axes.axline((low, low), (high, high), color=GREY, linewidth=1)
     axes.set_xlabel(f"{study.targets[place]}, measured")
@@ -97,13 +116,31 @@ def _draw_against_measured(axes: Axes, result: StudyResult, place: int) -> None:
 
 
 def _draw_waterfall(axes: Axes, result: StudyResult) -> None:
+    """Costs of the starts; hollow those that are not at a minimum or above the best."""
     for number, variant in enumerate(result.variants):
-        costs = np.sort(variant.start_costs)
+        order = np.argsort(variant.start_costs, kind="stable")
+        costs = np.maximum(variant.start_costs[order], LEAST_COST)
         rank = np.arange(1, len(costs) + 1)
-        style = _style(number)
-        axes.plot(rank, costs, label=variant.variant.name, markersize=4, **style)
+        style, reached = _style(number), variant.reached[order]
+        axes.plot(rank, costs, color=style["color"], linewidth=0.8)
+        axes.plot(
+            rank[reached],
+            costs[reached],
+            linestyle="none",
+            label=variant.variant.name,
+            markersize=4,
+            **style,
+        )
+        axes.plot(
+            rank[~reached],
+            costs[~reached],
+            linestyle="none",
+            mfc="white",
+            markersize=4,
+            **style,
+        )
     axes.set_yscale("log")
-    axes.set_xlabel("start, best first")
+    axes.set_xlabel("start, best first (hollow: stuck)")
     axes.set_ylabel("cost at the end")
     if len(result.variants) > 1:
         axes.legend()

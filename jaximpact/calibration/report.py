@@ -4,19 +4,26 @@ import numpy as np
 
 from ..align import align
 from .study import StudyResult, VariantResult
+from .study_file import Study
+
+ONE_ROW = 1e-3
+"""Relative difference of costs within which starts share a row."""
 
 
 def as_text(result: StudyResult) -> str:
     """The report: for each variant values, errors, verdicts, directions and fit."""
     study = result.study
     accuracy = f"accuracy {study.accuracy}, {study.starts} starts, seed {study.seed}"
+    files = ", ".join(table.path.name for table in study.tests.files)
+    loss = "" if study.loss == "gaussian" else f", {study.loss} loss"
     lines = [study.title, "=" * len(study.title), ""]
     lines += [f"Source: {study.source}"] if study.source else []
     lines += [study.notes] if study.notes else []
     lines += [
-        f"{len(study.table.rows)} tests from {study.table.path.name}; fitted to "
-        f"{', '.join(study.targets)}; {study.method}, {accuracy}.",
-        _about_sigma(result),
+        f"{len(study.tests)} tests from {files}; fitted to "
+        f"{', '.join(study.targets)}; {study.method}{loss}, {accuracy}.",
+        *_about_cells(study),
+        _about_sigma(study),
     ]
     if len(result.variants) > 1:
         lines += ["", "Variants", *_side_by_side(result)]
@@ -25,25 +32,46 @@ def as_text(result: StudyResult) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _about_sigma(result: StudyResult) -> str:
-    if result.study.sigma_given:
+def _about_cells(study: Study) -> list[str]:
+    """What is missing, and what is censored."""
+    missing = int(np.sum(~study.known))
+    censored = int(np.sum(study.known & (study.censored != 0)))
+    parts = [f"{missing} cells are empty"] if missing else []
+    parts += [f"of {censored} only a limit is known"] if censored else []
+    return [f"Of {study.known.size} measurements {', '.join(parts)}."] if parts else []
+
+
+def _about_sigma(study: Study) -> str:
+    if np.all(study.sigma_given):
         return "Standard errors follow from the sigmas given."
-    return (
-        "No sigma is given: standard errors follow from the scatter about the fit, as "
-        "if it were random."
+    names = [
+        name
+        for name, given in zip(study.targets, study.sigma_given, strict=True)
+        if not given
+    ]
+    which = (
+        "No sigma is given"
+        if len(names) == len(study.targets)
+        else (f"No sigma is given for {', '.join(names)}")
     )
+    return f"{which}: it is estimated from the scatter about the fit, as if random."
 
 
 def fit_of_target(result: StudyResult, variant: VariantResult, place: int) -> dict:
-    """Root mean square, largest and mean of predicted less measured."""
-    difference = variant.predicted[:, place] - result.study.measured[:, place]
-    known = difference[np.isfinite(difference)]
+    """Root mean square, largest and mean of predicted less measured, of what is
+    measured and not a limit; and how many limits the prediction breaks."""
+    study = result.study
+    difference = variant.predicted[:, place] - study.measured[:, place]
+    censored = study.censored[:, place]
+    broken = int(np.sum((censored != 0) & (difference * censored < 0.0)))
+    known = difference[np.isfinite(difference) & (censored == 0)]
     if not len(known):
-        return {"rms": None, "max": None, "bias": None}
+        return {"rms": None, "max": None, "bias": None, "limits_broken": broken}
     return {
         "rms": float(np.sqrt(np.mean(known**2))),
         "max": float(np.max(np.abs(known))),
         "bias": float(np.mean(known)),
+        "limits_broken": broken,
     }
 
 
@@ -53,8 +81,9 @@ def _side_by_side(result: StudyResult) -> list[str]:
     rows = [("variant", *names, *(f"rms {t}" for t in study.targets), "cost")]
     for variant in result.variants:
         cells = [
-            f"{value:.4g}" + ("" if verdict.determined else " (not determined)")
-            for value, verdict in zip(variant.parameters, variant.verdicts, strict=True)
+            f"{variant.parameters[place]:.4g}"
+            + ("" if verdict.determined else " (not determined)")
+            for place, verdict in enumerate(variant.verdicts)
         ]
         errors = [
             _number(fit_of_target(result, variant, place)["rms"])
@@ -79,6 +108,8 @@ def _variant(result: StudyResult, variant: VariantResult) -> list[str]:
         lines.append(
             f"The errors of {rest} hold near this fit only: they move with {held}."
         )
+    if len(variant.names) > len(variant.verdicts):
+        lines += ["", "Nuisances, under their priors", _nuisances(result, variant)]
     lines += [
         "",
         "Directions, best known first",
@@ -92,21 +123,23 @@ def _variant(result: StudyResult, variant: VariantResult) -> list[str]:
             _profile(found),
         ]
     lines += ["", "Fit (predicted less measured)", _targets(result, variant)]
-    lines += ["", *_statistics(variant), "", "Starts, best first", _waterfall(variant)]
+    lines += ["", *_statistics(result, variant), "", *_starts(variant)]
     return lines
 
 
 def _parameters(variant: VariantResult) -> str:
-    rows = [("parameter", "value", "standard error", "lower", "upper")]
+    rows = [("parameter", "value", "standard error", "95 %", "lower", "upper")]
     for place, verdict in enumerate(variant.verdicts):
-        error = "not determined"
+        error, within = "not determined", _at_95(variant, verdict.name)
         if verdict.determined:
             error = standard_error_text(variant, place)
+            within = "{:.4g} to {:.4g}".format(*interval(variant, place))
         rows.append(
             (
                 verdict.name,
                 f"{variant.parameters[place]:.5g}",
                 error,
+                within,
                 f"{variant.bounds.lower[place]:g}",
                 f"{variant.bounds.upper[place]:g}",
             )
@@ -115,12 +148,20 @@ def _parameters(variant: VariantResult) -> str:
 
 
 def standard_error(variant: VariantResult, place: int) -> float:
-    """In the unit of the parameter."""
-    error = variant.uncertainty.standard_errors[place]
-    bounds = variant.bounds
-    if bounds.logarithmic[place]:
-        return float(error * variant.parameters[place])
-    return float(error * (bounds.upper[place] - bounds.lower[place]) / 2.0)
+    """In the unit of the unknown."""
+    x = variant.bounds.coordinate(variant.parameters)
+    slope = variant.bounds.slope(x)[place]
+    return float(variant.uncertainty.standard_errors[place] * slope)
+
+
+def interval(variant: VariantResult, place: int) -> tuple[float, float]:
+    """The interval of 95 %: symmetric in x, and cut at the bounds."""
+    bounds, uncertainty = variant.bounds, variant.uncertainty
+    x = bounds.coordinate(variant.parameters)
+    reach = uncertainty.quantile * uncertainty.standard_errors
+    low = bounds.parameter(np.maximum(x - reach, bounds.low))
+    high = bounds.parameter(np.minimum(x + reach, bounds.high))
+    return float(low[place]), float(high[place])
 
 
 def standard_error_text(variant: VariantResult, place: int) -> str:
@@ -131,10 +172,40 @@ def standard_error_text(variant: VariantResult, place: int) -> str:
     return text
 
 
+def _at_95(variant: VariantResult, name: str) -> str:
+    """What a profile leaves of an undetermined parameter's range."""
+    found = variant.profiles[name]
+    if found.low_95 is None and found.high_95 is None:
+        return "anything"
+    if found.low_95 is None:
+        return f"below {found.high_95:.3g}"
+    if found.high_95 is None:
+        return f"above {found.low_95:.3g}"
+    return f"{found.low_95:.3g} to {found.high_95:.3g}"
+
+
+def _nuisances(result: StudyResult, variant: VariantResult) -> str:
+    rows = [("nuisance", "value", "standard error", "prior")]
+    first = len(variant.verdicts)
+    priors = [n.prior for n in result.study.nuisances for _ in n.groups]
+    for place, prior in enumerate(priors, first):
+        rows.append(
+            (
+                variant.names[place],
+                f"{variant.parameters[place]:.4g}",
+                f"{standard_error(variant, place):.3g}",
+                f"{prior.mean:g} +- {prior.sd:g}",
+            )
+        )
+    return align(rows)
+
+
 def _correlation(variant: VariantResult) -> str:
     names = [verdict.name for verdict in variant.verdicts]
+    count = len(names)
     rows = [("", *names)]
-    for name, line in zip(names, variant.uncertainty.correlation, strict=True):
+    correlation = variant.uncertainty.correlation[:count, :count]
+    for name, line in zip(names, correlation, strict=True):
         rows.append((name, *(f"{value:+.3f}" for value in line)))
     return align(rows)
 
@@ -147,42 +218,70 @@ def _profile(found) -> str:
 
 
 def _targets(result: StudyResult, variant: VariantResult) -> str:
-    rows = [("target", "rms", "max", "bias")]
-    for place, name in enumerate(result.study.targets):
+    study = result.study
+    limits = bool(np.any(study.known & (study.censored != 0)))
+    rows = [("target", "rms", "max", "bias", "sigma")]
+    rows[0] += ("limits broken",) if limits else ()
+    for place, name in enumerate(study.targets):
         values = fit_of_target(result, variant, place)
-        rows.append((name, *(_number(values[key]) for key in ("rms", "max", "bias"))))
+        sigma = variant.sigma[study.known[:, place], place]
+        given = study.sigma_given[place]
+        text = f"{np.median(sigma):.3g} ({'given' if given else 'estimated'})"
+        row = (name, *(_number(values[key]) for key in ("rms", "max", "bias")), text)
+        rows.append((*row, str(values["limits_broken"])) if limits else row)
     return align(rows)
 
 
-def _statistics(variant: VariantResult) -> list[str]:
+def _statistics(result: StudyResult, variant: VariantResult) -> list[str]:
     uncertainty = variant.uncertainty
     lines = [
-        f"Cost {variant.cost:.6g}, {uncertainty.degrees_of_freedom} degrees of "
-        f"freedom, stopped: {variant.reason}."
+        f"Cost {variant.cost:.6g}, {uncertainty.degrees_of_freedom:.3g} degrees of "
+        f"freedom. {variant.reason.words[0].upper()}{variant.reason.words[1:]}."
     ]
-    if uncertainty.variance_estimated:
-        scale = np.sqrt(uncertainty.variance)
-        lines.append(f"Scatter about the fit: {scale:.3g} nominal sigmas.")
-    elif uncertainty.degrees_of_freedom > 0:
+    if np.all(result.study.sigma_given) and np.isfinite(uncertainty.reduced_chi_square):
         lines.append(f"Reduced chi-square {uncertainty.reduced_chi_square:.3g}.")
+    if uncertainty.inflation > 1.0:
+        lines.append(
+            "The misfit is larger than the sigmas given allow: standard errors are "
+            f"multiplied by {np.sqrt(uncertainty.inflation):.3g}."
+        )
+    if not np.all(result.study.sigma_given) and uncertainty.degrees_of_freedom < 1.0:
+        lines.append(
+            "Too few measurements to estimate their errors: standard errors follow "
+            "from the nominal sigmas, a guess."
+        )
     if variant.failed:
         lines.append(f"{variant.failed} predictions could not be computed.")
     return lines
 
 
-def _waterfall(variant: VariantResult) -> str:
-    rows = [("start", "cost", "steps", "stopped")]
-    for place in np.argsort(variant.start_costs, kind="stable"):
-        label = "1 (given)" if place == 0 else str(place + 1)
+def _starts(variant: VariantResult) -> list[str]:
+    """The waterfall: starts of one cost and one reason in a row."""
+    costs, reasons = variant.start_costs, variant.start_reasons
+    total, found = len(costs), int(np.sum(variant.reached))
+    names = [verdict.name for verdict in variant.verdicts]
+    groups: list[list[int]] = []
+    for place in np.argsort(costs, kind="stable"):
+        last = groups[-1][-1] if groups else None
+        same = last is not None and reasons[last] == reasons[place]
+        if same and costs[place] <= costs[groups[-1][0]] * (1.0 + ONE_ROW) + 1e-9:
+            groups[-1].append(place)
+        else:
+            groups.append([place])
+    rows = [("starts", "cost", *names, "steps", "stopped")]
+    for group in groups:
+        first = group[0]
+        values = variant.end_parameters[first, : len(names)]
         rows.append(
             (
-                label,
-                f"{variant.start_costs[place]:.6g}",
-                str(variant.start_steps[place]),
-                variant.start_reasons[place],
+                str(len(group)) + (" (with the given)" if 0 in group else ""),
+                f"{costs[first]:.6g}",
+                *(f"{value:.4g}" for value in values),
+                f"{np.mean(variant.start_steps[group]):.3g}",
+                reasons[first].words,
             )
         )
-    return align(rows)
+    return [f"{found} of {total} starts found the best fit", align(rows)]
 
 
 def _number(value: float | None) -> str:

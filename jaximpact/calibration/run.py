@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ..precision import require_float64
-from .fit import Progress
+from .least_squares import Progress
 from .output import make_directory, write_all
 from .study import StudyResult, fit_study
 from .study_file import read_study

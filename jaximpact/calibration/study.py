@@ -1,36 +1,26 @@
-"""A whole study: read, fit every variant, judge, write."""
+"""A whole study: fit every variant, and judge."""
 
 import time
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
-from ..accuracy import PRESETS
-from ..batch import broadcast_scene
 from ..errors import InputError
 from ..laws import Laws
-from ..model import PLANAR, PLANAR_DAMPED
-from ..problem import Assembly
-from ..scene import Scene
-from ..soil import DAMPING_RATIOS, Soil, has_dashpots
-from ..toml_values import SOIL_COLUMNS
-from .fit import FINE, ROUGH, Fits, Progress, fit, spread_starts
+from .fit import fit, fit_starts, go_on, spread_starts, told_apart
+from .least_squares import Fits, Progress
 from .likelihood_profile import LikelihoodProfile, profile_all
-from .residuals import Case, Program
-from .solver import Stepper, take
+from .objective import Objective, engine_of, names_of, start_of
+from .scatter import settle
+from .stopping import Reason
 from .study_file import Study, Variant
 from .transforms import Bounds
-from .uncertainty import USELESS_ERROR, Uncertainty, estimate, jacobian_in_errors
-from .verdict import Verdict, directions, judge_all, weakest_first
-
-MAX_STEPS = 1000
-"""Steps after which an impact of a fit counts as failed: all starts wait for the
-slowest, and a soil on which an impact takes more is not the one looked for."""
+from .uncertainty import Uncertainty, estimate
+from .verdict import Verdict, directions, judge_all
 
 LOWER_BY = 1e-3
-"""A profile that finds a cost lower by more than this part starts the fit again."""
+"""A profile that finds a cost lower by more than this part of it and of s^2 starts the
+fit again."""
 
 
 class VariantResult(NamedTuple):
@@ -38,25 +28,39 @@ class VariantResult(NamedTuple):
 
     variant: Variant
     bounds: Bounds
+    names: list[str]
+    """Of the unknowns: the soil's parameters, then the nuisances."""
     parameters: np.ndarray
-    """At the best fit."""
+    """At the best fit, `(unknowns,)`."""
     cost: float
     predicted: np.ndarray
     """`(tests, targets)`; NaN where there is no prediction."""
+    sigma: np.ndarray
+    """Likewise: as given, or estimated."""
+    outcomes: np.ndarray
+    """Codes, `(tests,)`."""
     failed: int
-    """How many predictions there are not."""
+    """How many measurements have no prediction."""
     uncertainty: Uncertainty
     verdicts: list[Verdict]
+    """On the soil's parameters."""
     directions: list[str]
     profiles: dict[str, LikelihoodProfile]
     start_parameters: np.ndarray
-    """Of every start, the given one first."""
-    start_costs: np.ndarray
+    """Of every start, the given one first, `(starts, unknowns)`."""
+    end_parameters: np.ndarray
     """Where every start ended."""
-    start_reasons: list[str]
+    start_costs: np.ndarray
+    """There."""
+    start_reasons: list[Reason]
     start_steps: np.ndarray
-    reason: str
+    reason: Reason
     """Why the fit that is reported stopped."""
+
+    @property
+    def reached(self) -> np.ndarray:
+        """Which starts found the best fit."""
+        return np.array([reason.at_minimum for reason in self.start_reasons])
 
 
 class StudyResult(NamedTuple):
@@ -66,168 +70,109 @@ class StudyResult(NamedTuple):
     variants: list[VariantResult]
     seconds: float
     """Wall time of all fits, compilation included."""
+    engine: str
+    """What computed the impacts."""
 
 
-def fit_study(study: Study, *, progress: Progress = lambda text: None) -> StudyResult:
-    """Fit every variant of a study."""
+def fit_study(
+    study: Study,
+    *,
+    laws: Laws | None = None,
+    progress: Progress = lambda text: None,
+) -> StudyResult:
+    """Fit every variant of a study.
+
+    Args:
+        study: from `read_study`.
+        laws: of the ground, instead of the usual ones.
+        progress: called with lines of text.
+    """
     begin = time.perf_counter()
-    soils = [soil_of(study, variant) for variant in study.variants]
-    fitted = tuple(parameter.name for parameter in study.parameters)
-    damped = any(map(has_dashpots, soils)) or set(fitted) & {*DAMPING_RATIOS}
-    program = Program(
-        Assembly(
-            Laws(),
-            PLANAR_DAMPED if damped else PLANAR,
-            ledger=False,
-            max_steps=MAX_STEPS,
-        ),
-        fitted,
-        study.targets,
-    )
     progress("compiling once")
+    engine = engine_of(study, laws)
     results = []
     for variant in study.variants:
         start = f"{variant.name}: " if len(study.variants) > 1 else ""
         results.append(
             _fit_variant(
-                study,
-                program,
+                Objective(study, variant, engine),
                 variant,
                 lambda text, start=start: progress(start + text),
             )
         )
-    return StudyResult(study, results, time.perf_counter() - begin)
-
-
-def soil_of(study: Study, variant: Variant) -> Soil:
-    """The fixed soil: the table's columns, else the study's values, else Table 1."""
-    values = dict(study.table.numbers) | study.soil | variant.soil
-    return Soil(
-        **{
-            column.field: column.factor * values[name]
-            for name, column in SOIL_COLUMNS.items()
-            if name in values
-        }
-    )
-
-
-def case_of(study: Study, variant: Variant) -> Case:
-    """The numbers of a variant's fit."""
-    table = study.table.scene()
-    scene = Scene(table.block, soil_of(study, variant), table.impact)
-    scene, _ = broadcast_scene(scene)
-    accuracy = PRESETS[study.accuracy]
-    return Case(
-        scene=jax.tree.map(jnp.asarray, scene),
-        measured=jnp.asarray(study.measured),
-        sigma=jnp.asarray(study.sigma),
-        bounds=bounds_of(study),
-        tolerance=jnp.asarray(accuracy.tolerance),
-        floor=jnp.asarray(accuracy.floor),
-    )
-
-
-def bounds_of(study: Study) -> Bounds:
-    """Ranges of the study's parameters."""
-    return Bounds(
-        lower=jnp.asarray([p.lower for p in study.parameters]),
-        upper=jnp.asarray([p.upper for p in study.parameters]),
-        logarithmic=jnp.asarray([p.logarithmic for p in study.parameters]),
-    )
+    return StudyResult(study, results, time.perf_counter() - begin, engine.name)
 
 
 def _fit_variant(
-    study: Study, program: Program, variant: Variant, progress: Progress
+    objective: Objective, variant: Variant, progress: Progress
 ) -> VariantResult:
-    case = case_of(study, variant)
-    bounds = case.bounds
-    stepper = Stepper(program, case, study.starts)
-    given = [parameter.start for parameter in study.parameters]
-    starts = spread_starts(bounds, given, study.starts, study.seed)
-    # Starts and profiles need no more accuracy than tells costs apart.
-    fast = jnp.maximum(case.tolerance, PRESETS["fast"].tolerance)
-    rough = Stepper(program, case._replace(tolerance=fast), study.starts)
-    screened = fit(
-        rough,
-        starts,
-        method=study.method,
-        patience=ROUGH,
-        progress=progress,
+    study = objective.study
+    starts = spread_starts(
+        objective.bounds,
+        start_of(study),
+        objective.prior_mean,
+        objective.prior_sd,
+        study.starts,
+        study.seed,
     )
-    if not np.any(np.isfinite(screened.cost)):
-        raise InputError("no start gives a finite cost", file=study.path)
+    ends = fit_starts(objective, starts, study.method, progress)
+    if not np.any(np.isfinite(ends.points.predicted[:, study.known])):
+        raise InputError("no start gives a prediction", file=study.path)
+    objective, best = settle(objective, _one(ends, ends.best), fit, progress)
+    if not np.all(study.sigma_given):
+        # What was the best depends on the sigmas.
+        ends = Fits(objective.reweigh(ends.points), ends.reasons, ends.steps)
+        ends = go_on(objective, ends, progress)
+        if ends.points.cost[ends.best] < best.points.cost[0]:
+            objective, best = settle(objective, _one(ends, ends.best), fit, progress)
+    uncertainty = estimate(objective, best.points)
 
-    def refine(z) -> Fits:
-        return fit(
-            stepper,
-            np.asarray(z)[None],
-            patience=FINE,
+    def profiled(best: Fits) -> list[LikelihoodProfile]:
+        return profile_all(objective, best.points.x[0], uncertainty, progress)
+
+    profiles = profiled(best)
+    lowest = min(profiles, key=lambda found: found.lowest_cost)
+    margin = LOWER_BY * (lowest.best_cost + objective.unit(lowest.best_cost))
+    if lowest.lowest_cost < lowest.best_cost - margin:
+        again = fit(
+            objective,
+            lowest.lowest_x[None],
             progress=lambda text: progress(f"refining, {text}"),
         )
-
-    best = refine(screened.lanes.z[screened.best])
-    uncertainty = _uncertainty(study, bounds, best)
-    profiles: dict[str, LikelihoodProfile] = {}
-    for found in profile_all(
-        rough,
-        _to_be_profiled(bounds, best, uncertainty),
-        best.lanes.z[0],
-        uncertainty.variance,
-        progress,
-    ):
-        profiles[found.name] = found
-    lowest = min(profiles.values(), key=lambda found: found.lowest_cost)
-    if lowest.lowest_cost < (1.0 - LOWER_BY) * lowest.best_cost:
-        best = refine(lowest.lowest_z)
-        uncertainty = _uncertainty(study, bounds, best)
-    lane = take(best.lanes, 0)
-    parameters = np.asarray(bounds.parameter(jnp.asarray(lane.z)))
-    predicted = study.measured + study.sigma * lane.residuals.reshape(
-        study.measured.shape
-    )
-    predicted = np.where(lane.failed.reshape(predicted.shape) > 0.0, np.nan, predicted)
+        if again.points.cost[0] < best.points.cost[0]:
+            objective, best = settle(objective, again, fit, progress)
+            uncertainty = estimate(objective, best.points)
+            profiles = profiled(best)
+    # Sigmas may have changed since the starts ended.
+    ends = Fits(objective.reweigh(ends.points), ends.reasons, ends.steps)
+    reasons = told_apart(objective, ends, float(best.points.cost[0]))
+    ends = Fits(ends.points, reasons, ends.steps)
+    by_name = {profile.name: profile for profile in profiles}
+    soil = [parameter.name for parameter in study.parameters]
+    point = best.points
     return VariantResult(
         variant=variant,
-        bounds=bounds,
-        parameters=parameters,
-        cost=float(best.cost[0]),
-        predicted=predicted,
-        failed=int(np.sum(lane.failed)),
+        bounds=objective.bounds,
+        names=names_of(study),
+        parameters=objective.bounds.parameter(point.x[0]),
+        cost=float(point.cost[0]),
+        predicted=point.predicted[0],
+        sigma=objective.sigma,
+        outcomes=point.outcomes[0],
+        failed=int(np.sum(objective.failed(point.predicted[0]))),
         uncertainty=uncertainty,
-        verdicts=judge_all(program.fitted, parameters, bounds, uncertainty, profiles),
-        directions=directions(program.fitted, bounds, uncertainty),
-        profiles=profiles,
-        start_parameters=np.asarray(jax.vmap(bounds.parameter)(jnp.asarray(starts))),
-        start_costs=screened.cost,
-        start_reasons=[reason.value for reason in screened.reasons],
-        start_steps=screened.steps,
-        reason=best.reasons[0].value,
+        verdicts=judge_all(objective, best, uncertainty, by_name, ends),
+        directions=directions(soil, objective.bounds, uncertainty),
+        profiles=by_name,
+        start_parameters=objective.bounds.parameter(starts),
+        end_parameters=objective.bounds.parameter(ends.points.x),
+        start_costs=ends.points.cost,
+        start_reasons=reasons,
+        start_steps=ends.steps,
+        reason=best.reasons[0],
     )
 
 
-def _uncertainty(study: Study, bounds: Bounds, best: Fits) -> Uncertainty:
-    lane = take(best.lanes, 0)
-    return estimate(
-        lane.residuals,
-        lane.failed,
-        jacobian_in_errors(bounds, lane.z, lane.jacobian),
-        sigma_given=study.sigma_given,
-    )
-
-
-DOUBTFUL_ERROR = 0.3 * USELESS_ERROR
-"""A standard error above this is looked into by a profile."""
-
-
-def _to_be_profiled(bounds: Bounds, best: Fits, uncertainty: Uncertainty) -> list[int]:
-    """The weakest parameter, and all others that may not be determined."""
-    parameters = bounds.parameter(jnp.asarray(best.lanes.z[0]))
-    order = weakest_first(bounds, parameters, uncertainty)
-    reached = bounds.bound_reached(parameters)
-    return [
-        place
-        for rank, place in enumerate(order)
-        if rank == 0
-        or reached[place]
-        or uncertainty.standard_errors[place] > DOUBTFUL_ERROR
-    ]
+def _one(fits: Fits, lane: int) -> Fits:
+    """One of the fits."""
+    return Fits(fits.points.take([lane]), [fits.reasons[lane]], fits.steps[[lane]])

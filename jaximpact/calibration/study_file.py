@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from ..accuracy import DEFAULT_ACCURACY, PRESETS
-from ..columns import RESULT_COLUMNS, SIGMA_PREFIX
+from ..columns import RESULT_COLUMNS
 from ..errors import InputError, nearest
-from ..tables import Table, read_table
 from ..toml_values import (
     SOIL_COLUMNS,
     allowed,
@@ -21,7 +20,9 @@ from ..toml_values import (
     unknown,
     whole,
 )
-from .fit import METHODS
+from .campaigns import Measurements, read_tests
+from .losses import LOSSES
+from .nuisance import Nuisance, Prior, read_nuisances, read_prior
 
 KEYS = (
     "title",
@@ -33,11 +34,16 @@ KEYS = (
     "seed",
     "accuracy",
     "method",
+    "loss",
     "parameters",
+    "nuisance",
     "soil",
     "default_sigma",
+    "weights",
     "variants",
 )
+METHODS = ("levenberg-marquardt", "adam", "l-bfgs")
+STARTS = 64
 DEFAULT_BOUNDS = {
     "c_v": (0.01, 10.0),
     "gamma_v": (0.05, 500.0),
@@ -45,8 +51,8 @@ DEFAULT_BOUNDS = {
 }
 """Of the parameters that are fitted unless a study says otherwise."""
 NOMINAL_SIGMA = 0.05
-"""Part of a target's root mean square that stands for a sigma that is not given: it
-weighs targets of different units, and the variance is then estimated."""
+"""Part of a target's root mean square that stands at first for a sigma that is not
+given."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -57,6 +63,7 @@ class Parameter:
     start: float
     lower: float
     upper: float
+    prior: Prior | None = None
 
     @property
     def logarithmic(self) -> bool:
@@ -80,18 +87,32 @@ class Study:
     title: str
     source: str
     notes: str
-    table: Table
+    tests: Measurements
     parameters: tuple[Parameter, ...]
+    nuisances: tuple[Nuisance, ...]
     soil: dict[str, float]
     targets: tuple[str, ...]
     measured: np.ndarray
+    """`(tests, targets)`; NaN where nothing was measured."""
+    censored: np.ndarray
+    """Likewise: 1 where the true value is above, -1 where it is below, else 0."""
     sigma: np.ndarray
-    sigma_given: bool
+    """Likewise; for a target without sigmas a nominal one, the same for all tests."""
+    sigma_given: np.ndarray
+    """`(targets,)`"""
+    weights: np.ndarray
+    """`(targets,)`, on the losses."""
+    loss: str
     starts: int
     seed: int
     accuracy: str
     method: str
     variants: tuple[Variant, ...]
+
+    @property
+    def known(self) -> np.ndarray:
+        """Which cells hold a measurement or a limit, `(tests, targets)`."""
+        return np.isfinite(self.measured)
 
 
 def read_study(path: Path) -> Study:
@@ -105,36 +126,56 @@ def read_study(path: Path) -> Study:
     for key in content:
         if key not in KEYS:
             unknown(path, key, key, KEYS)
-    if "data" not in content:
-        raise InputError(
-            "is missing; it names the table of tests", file=path, key="data"
-        )
-    table = read_table(path.parent / typed(path, content, "data", str), measured=True)
+    tests = read_tests(_data(path, content))
     parameters = _parameters(path, content)
     fixed = soil_values(path, typed(path, content, "soil", dict, {}), "soil")
     variants = _variants(path, content)
-    _check_given_once(path, table, parameters, fixed, variants)
-    targets = _targets(path, content, table)
-    sigma, sigma_given = _sigma(path, content, table, targets)
-    accuracy = choice(path, content, "accuracy", DEFAULT_ACCURACY, tuple(PRESETS))
+    nuisances = read_nuisances(path, content, tests, fixed)
+    _check_given_once(path, tests, parameters, nuisances, fixed, variants)
+    targets = _targets(path, content, tests, nuisances)
+    sigma, sigma_given = _sigma(path, content, tests, targets)
     return Study(
         path=path,
         title=typed(path, content, "title", str, path.parent.name),
         source=typed(path, content, "source", str, ""),
         notes=typed(path, content, "notes", str, ""),
-        table=table,
+        tests=tests,
         parameters=parameters,
+        nuisances=nuisances,
         soil=fixed,
         targets=targets,
-        measured=np.stack([table.numbers[name] for name in targets], axis=1),
+        measured=np.stack([tests.measured[name] for name in targets], axis=1),
+        censored=np.stack([tests.censored[name] for name in targets], axis=1),
         sigma=sigma,
         sigma_given=sigma_given,
-        starts=whole(path, content, "starts", 16, 1),
+        weights=_weights(path, content, targets),
+        loss=choice(path, content, "loss", LOSSES[0], LOSSES),
+        starts=whole(path, content, "starts", STARTS, 1),
         seed=whole(path, content, "seed", 0, 0),
-        accuracy=accuracy,
+        accuracy=choice(path, content, "accuracy", DEFAULT_ACCURACY, tuple(PRESETS)),
         method=choice(path, content, "method", METHODS[0], METHODS),
         variants=variants,
     )
+
+
+def _data(path: Path, content: dict) -> list[Path]:
+    """The tables that a study names."""
+    if "data" not in content:
+        raise InputError(
+            "is missing; it names the table of tests", file=path, key="data"
+        )
+    names = content["data"]
+    names = names if isinstance(names, list) else [names]
+    if not names or not all(isinstance(name, str) for name in names):
+        raise InputError(
+            f"must be a file or a list of files, but is {content['data']!r}",
+            file=path,
+            key="data",
+        )
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"{name} stands twice", file=path, key="data")
+    return [path.parent / name for name in names]
 
 
 def _parameters(path: Path, content: dict) -> tuple[Parameter, ...]:
@@ -157,13 +198,17 @@ def _parameter(path: Path, name: str, entry) -> Parameter:
             file=path,
             key=key,
         )
-    known = ("start", "lower", "upper")
+    known = ("start", "lower", "upper", "prior")
     for inner in entry:
         if inner not in known:
             unknown(path, f"{key}.{inner}", inner, known)
     column = SOIL_COLUMNS[name]
     lower, upper = DEFAULT_BOUNDS.get(name, (None, None))
+    prior = (
+        read_prior(path, f"{key}.prior", entry["prior"]) if "prior" in entry else None
+    )
     values = {"start": column.default, "lower": lower, "upper": upper} | entry
+    values.pop("prior", None)
     for inner, value in values.items():
         if value is None:
             raise InputError(
@@ -185,7 +230,7 @@ def _parameter(path: Path, name: str, entry) -> Parameter:
             file=path,
             key=f"{key}.start",
         )
-    return Parameter(name, **values)
+    return Parameter(name, **values, prior=prior)
 
 
 def _variants(path: Path, content: dict) -> tuple[Variant, ...]:
@@ -213,40 +258,47 @@ def _variants(path: Path, content: dict) -> tuple[Variant, ...]:
     return tuple(variants)
 
 
-def _check_given_once(path, table, parameters, fixed, variants) -> None:
+def _check_given_once(path, tests, parameters, nuisances, fixed, variants) -> None:
     """Raise InputError for a soil value that stands in two places."""
+    data = " or ".join(table.path.name for table in tests.files)
+    toml = (
+        ("soil", fixed),
+        *((f"variants[{i}]", v.soil) for i, v in enumerate(variants, 1)),
+    )
     for parameter in parameters:
-        for place, values in (
-            ("soil", fixed),
-            *((f"variants[{i}]", v.soil) for i, v in enumerate(variants, 1)),
-            (table.path.name, table.numbers),
-        ):
+        for place, values in (*toml, (data, tests.inputs)):
             if parameter.name in values:
                 raise InputError(
                     f"is fitted, but stands in {place} too; remove one",
                     file=path,
                     key=f"parameters.{parameter.name}",
                 )
-    for where, values in (
-        ("soil", fixed),
-        *((f"variants[{i}]", v.soil) for i, v in enumerate(variants, 1)),
-    ):
+    fitted = {parameter.name for parameter in parameters}
+    for nuisance in nuisances:
+        if nuisance.name in fitted:
+            raise InputError(
+                "stands under parameters too; remove one",
+                file=path,
+                key=f"nuisance.{nuisance.name}",
+            )
+    for where, values in toml:
         for name in values:
-            if name in table.numbers:
+            if name in tests.inputs:
                 raise InputError(
-                    f"stands in {table.path.name} too; remove one",
+                    f"stands in {data} too; remove one",
                     file=path,
                     key=f"{where}.{name}",
                 )
 
 
-def _targets(path: Path, content: dict, table: Table) -> tuple[str, ...]:
-    present = [name for name in RESULT_COLUMNS if name in table.numbers]
+def _targets(path: Path, content: dict, tests: Measurements, nuisances):
+    first = tests.files[0].path
+    present = list(tests.measured)
     if not present:
         raise InputError(
             "has no measured result to fit; add a column like e_n, or any of "
             f"{', '.join(list(RESULT_COLUMNS)[1:])}",
-            file=table.path,
+            file=first,
         )
     targets = typed(path, content, "targets", list, present)
     if not targets:
@@ -260,42 +312,66 @@ def _targets(path: Path, content: dict, table: Table) -> tuple[str, ...]:
             )
         if name not in present:
             raise InputError(
-                f"{name} is no column of {table.path.name}", file=path, key="targets"
+                f"{name} is no column of {first.name}", file=path, key="targets"
             )
         if targets.count(name) > 1:
             raise InputError(f"{name} stands twice", file=path, key="targets")
-    angles = table.numbers.get("angle_deg", np.zeros(len(table.rows)))
-    if "e_t" in targets and np.any(angles == 0.0):
-        raise InputError(
-            "e_t has no meaning at angle_deg 0; remove such tests or the target",
-            file=table.path,
-            column="e_t",
-        )
+        if not np.any(np.isfinite(tests.measured[name])):
+            raise InputError("holds no measurement", file=first, column=name)
+    angles = tests.inputs.get("angle_deg", np.zeros(len(tests)))
+    moved = any(nuisance.name == "angle_deg" for nuisance in nuisances)
+    if "e_t" in targets and not moved:
+        along_normal = np.isfinite(tests.measured["e_t"]) & (angles == 0.0)
+        for test in np.flatnonzero(along_normal)[:1]:
+            file, row = tests.place(test)
+            raise InputError(
+                "e_t has no meaning at angle_deg 0; leave the cell empty",
+                file=file,
+                row=row,
+                column="e_t",
+            )
     return tuple(targets)
 
 
-def _sigma(path, content, table, targets) -> tuple[np.ndarray, bool]:
-    """Sigma of every test and target, and whether they were given."""
-    defaults = typed(path, content, "default_sigma", dict, {})
-    for name, value in defaults.items():
-        key = f"default_sigma.{name}"
+def _of_targets(path: Path, content: dict, key: str) -> dict[str, float]:
+    """A table of positive numbers for results."""
+    values = typed(path, content, key, dict, {})
+    for name, value in values.items():
+        where = f"{key}.{name}"
         if name not in RESULT_COLUMNS:
-            unknown(path, key, name, RESULT_COLUMNS)
-        if not number(path, key, value) > 0.0:
-            raise InputError(f"must be above 0, but is {value}", file=path, key=key)
-    given = [n for n in targets if SIGMA_PREFIX + n in table.numbers or n in defaults]
-    if given and len(given) < len(targets):
-        missing = next(name for name in targets if name not in given)
-        raise InputError(
-            f"{missing} has no sigma, but {given[0]} has; give both or none",
-            file=path,
-            key="default_sigma",
-        )
-    columns = []
+            unknown(path, where, name, RESULT_COLUMNS)
+        if not number(path, where, value) > 0.0:
+            raise InputError(f"must be above 0, but is {value}", file=path, key=where)
+    return values
+
+
+def _weights(path: Path, content: dict, targets) -> np.ndarray:
+    weights = _of_targets(path, content, "weights")
+    return np.array([float(weights.get(name, 1.0)) for name in targets])
+
+
+def _sigma(path, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
+    """Sigma of every test and target, and of which targets they were given."""
+    defaults = _of_targets(path, content, "default_sigma")
+    columns, given = [], []
     for name in targets:
-        measured = table.numbers[name]
-        scale = math.sqrt(np.mean(measured**2)) or 1.0
-        default = defaults.get(name, NOMINAL_SIGMA * scale)
-        fallback = np.full(len(measured), float(default))
-        columns.append(table.numbers.get(SIGMA_PREFIX + name, fallback))
-    return np.stack(columns, axis=1), bool(given)
+        measured = tests.measured[name]
+        sigma = tests.sigmas.get(name, np.full(len(tests), np.nan))
+        if name in defaults:
+            sigma = np.where(np.isfinite(sigma), sigma, float(defaults[name]))
+        stated = bool(np.any(np.isfinite(sigma)))
+        if not stated:
+            scale = math.sqrt(np.nanmean(measured**2)) or 1.0
+            sigma = np.full(len(tests), NOMINAL_SIGMA * scale)
+        for test in np.flatnonzero(np.isfinite(measured) & ~np.isfinite(sigma))[:1]:
+            file, row = tests.place(test)
+            raise InputError(
+                f"has no sigma_{name}, but other rows have; give all, or "
+                f"default_sigma.{name} in {path.name}",
+                file=file,
+                row=row,
+                column=name,
+            )
+        columns.append(sigma)
+        given.append(stated)
+    return np.stack(columns, axis=1), np.array(given)

@@ -1,83 +1,73 @@
-r"""Bounded parameters as smooth images of the real line.
+r"""The coordinates in which parameters are fitted, each between two bounds.
 
-The optimiser works on z, any real number. A parameter p in (lower, upper) is
+The optimiser works on x, and errors are stated in it:
 
-$$ q(p) = q_l + (q_u - q_l) / (1 + e^{-z}), $$
+$$ x = \ln p \quad\text{or}\quad x = p / h, $$
 
-with q = ln p for a positive parameter and q = p for one that may be 0 or negative.
+the first for a parameter that is always positive, so that differences in x are relative
+ones; h is half the range, so that a standard error of 1 is useless in both.
 """
 
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
 
 NEAR_BOUND = 0.01
-"""A parameter within this part of its range from a bound, measured in q, is at it."""
-
-Parameters = Float[Array, " parameters"]
+"""A parameter within this part of its range from a bound, measured in x, is at it."""
 
 
 class Bounds(NamedTuple):
-    """Ranges of the fitted parameters, in the units of their columns."""
+    """Ranges of the unknowns `(unknowns,)`, in the units of their columns."""
 
-    lower: Parameters
-    upper: Parameters
-    logarithmic: Bool[Array, " parameters"]
-    """Whether q is the logarithm; both bounds are positive then."""
+    lower: np.ndarray
+    upper: np.ndarray
+    logarithmic: np.ndarray
+    """Whether x is the logarithm; both bounds are positive then."""
 
-    def parameter(self, z: Parameters) -> Parameters:
-        """p of z, in the closed range; smooth, finite gradient for every z."""
-        low, high = _natural(self, self.lower), _natural(self, self.upper)
-        # From the nearer bound, so that neither end loses its digits.
-        near = jax.nn.sigmoid(-jnp.abs(z)) * (high - low)
-        q = jnp.where(z < 0.0, low + near, high - near)
-        exponential = jnp.exp(jnp.where(self.logarithmic, q, 0.0))
-        return jnp.where(self.logarithmic, exponential, q)
+    @property
+    def half(self) -> np.ndarray:
+        """Half the range."""
+        return (self.upper - self.lower) / 2.0
 
-    def real(self, p) -> np.ndarray:
-        """z of p, for p strictly inside."""
-        return logit(self.part(p))
+    def coordinate(self, p) -> np.ndarray:
+        """x of p, `(..., unknowns)`."""
+        p = np.asarray(p, float)
+        logarithm = np.log(np.where(self.logarithmic, p, 1.0))
+        return np.where(self.logarithmic, logarithm, p / self.half)
 
-    def part(self, p) -> np.ndarray:
-        """Where p lies between its bounds, in q: 0 at the lower, 1 at the upper."""
-        low, high = _natural(self, self.lower), _natural(self, self.upper)
-        return np.asarray((_natural(self, p) - low) / (high - low))
+    def parameter(self, x) -> np.ndarray:
+        """p of x."""
+        x = np.asarray(x, float)
+        exponential = np.exp(np.where(self.logarithmic, x, 0.0))
+        return np.where(self.logarithmic, exponential, x * self.half)
+
+    def slope(self, x) -> np.ndarray:
+        """Derivative of p by x."""
+        x = np.asarray(x, float)
+        return np.where(self.logarithmic, self.parameter(x), self.half)
+
+    @property
+    def low(self) -> np.ndarray:
+        """Lower bounds in x."""
+        return self.coordinate(self.lower)
+
+    @property
+    def high(self) -> np.ndarray:
+        """Upper bounds in x."""
+        return self.coordinate(self.upper)
 
     def at_part(self, part) -> np.ndarray:
-        """p at a part of its range; the inverse of `part`."""
-        low, high = _natural(self, self.lower), _natural(self, self.upper)
-        q = np.asarray(low + np.asarray(part) * (high - low))
-        return np.where(self.logarithmic, np.exp(np.where(self.logarithmic, q, 0)), q)
+        """x at a part of the range: 0 at the lower bound, 1 at the upper."""
+        return self.low + np.asarray(part) * (self.high - self.low)
 
-    def range(self) -> np.ndarray:
-        """Width of the range in the coordinate of the errors: the logarithm, or p in
-        units of half its range, so that a standard error of 1 is useless in both."""
-        low, high = _natural(self, self.lower), _natural(self, self.upper)
-        return np.where(self.logarithmic, high - low, 2.0)
+    def part(self, x) -> np.ndarray:
+        """Where x lies in its range; the inverse of `at_part`."""
+        return (np.asarray(x) - self.low) / (self.high - self.low)
 
-    def slope(self, z) -> np.ndarray:
-        """Derivative of the coordinate of the errors by z, positive."""
-        near = np.asarray(jax.nn.sigmoid(-jnp.abs(jnp.asarray(z))))
-        return self.range() * near * (1.0 - near)
-
-    def bound_reached(self, p) -> list[str | None]:
+    def bound_reached(self, x) -> list[str | None]:
         """For each parameter "lower", "upper" or None."""
-        part = np.asarray(self.part(p))
-        near = np.where(
-            part < NEAR_BOUND, "lower", np.where(part > 1 - NEAR_BOUND, "upper", "")
-        )
-        return [str(word) or None for word in near]
-
-
-def logit(part) -> np.ndarray:
-    """z of a part of the range, strictly between 0 and 1."""
-    return np.log(part) - np.log1p(-np.asarray(part))
-
-
-def _natural(bounds: Bounds, p):
-    """q of p."""
-    logarithm = jnp.log(jnp.where(bounds.logarithmic, p, 1.0))
-    return jnp.where(bounds.logarithmic, logarithm, p)
+        words = []
+        for part in np.asarray(self.part(x)):
+            near = "upper" if part > 1 - NEAR_BOUND else None
+            words.append("lower" if part < NEAR_BOUND else near)
+        return words

@@ -1,79 +1,180 @@
-r"""How well the data determine the parameters, from the Jacobian at the best fit.
+r"""How well the data determine the unknowns, at the best fit.
 
-With J the Jacobian of the residuals by the coordinates of the errors (the logarithm of
-a positive parameter; otherwise the parameter over half its range) and s^2 the variance
-of the residuals, the Fisher matrix is F = J^T J / s^2, the covariance its inverse.
+With J the Jacobian by x of the predictions over sigma, w the targets' weights and P the
+priors' information, the curvature of the objective and the variance of its gradient are
+
+$$ H = \sum_i w_i h_i J_i^T J_i + P, \qquad V = \sum_i w_i^2 v_i J_i^T J_i + P, $$
+
+h and v those of the loss: 1 for Gaussian scatter, the loss's curvature for a limit; for
+a robust loss the mean of its second derivative, and of its slope squared over (n - p) /
+n (Huber 1981, section 7.6). The covariance is H^-1 V H^-1, and its inverse the Fisher
+matrix. Where sigmas are given and the misfit is larger than they allow, the covariance
+is multiplied by the reduced chi-square.
 """
 
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import chi2, norm, t
 
-from .transforms import Bounds
+from .losses import losses, true_curvature
+from .objective import Objective, Points
 
 USELESS_ERROR = 1.0
-"""A standard error above this, relative, says that the data do not determine it."""
+"""A standard error above this, in x, says that the data do not determine it."""
 LEAST_EIGENVALUE = 1e-12
 """Part of the largest eigenvalue below which one counts as nothing: rounding."""
 NO_INFORMATION = 1e30
 """Variance along a direction of which the data say nothing."""
+CONFIDENCE = 0.95
+IMPROBABLE = 0.01
+"""Chance of a larger chi-square below which the sigmas given are held to be too
+small."""
 
 
 class Uncertainty(NamedTuple):
-    """Errors in the coordinates of the errors: relative for positive parameters."""
+    """Errors in x: relative for positive parameters."""
 
-    variance: float
-    """s^2: 1 where sigmas are given, else estimated from the residuals."""
-    variance_estimated: bool
+    inflation: float
+    """By which the covariance is multiplied; 1 where the sigmas can be true."""
     reduced_chi_square: float
-    """Sum of squared residuals over the degrees of freedom; NaN without any."""
-    degrees_of_freedom: int
+    """Of the exact measurements, over the degrees of freedom; NaN without any."""
+    degrees_of_freedom: float
+    """Exact measurements less what the fit takes up."""
+    quantile: float
+    """Standard errors to either side that make an interval of 95 %: of Student's
+    distribution where the scatter was estimated."""
+    covariance: np.ndarray
     standard_errors: np.ndarray
     correlation: np.ndarray
     eigenvalues: np.ndarray
-    """Of the Fisher matrix, ascending."""
+    """Of the Fisher matrix of the soil's parameters, the nuisances left free;
+    ascending."""
     eigenvectors: np.ndarray
     """One a column."""
 
 
-def jacobian_in_errors(bounds: Bounds, z, jacobian) -> np.ndarray:
-    """The Jacobian by z turned into that by the coordinates of the errors."""
-    return np.asarray(jacobian) / bounds.slope(z)
+def estimate(objective: Objective, points: Points) -> Uncertainty:
+    """Uncertainty at a fit (points of one lane).
 
-
-def estimate(residuals, failed, jacobian, *, sigma_given: bool) -> Uncertainty:
-    """Uncertainty of a fit.
-
-    Args:
-        residuals, failed: flat, at the fit; failed ones say nothing.
-        jacobian: `(residuals, parameters)` in the coordinates of the errors.
-        sigma_given: whether the residuals are in units of known sigmas.
-
-    A parameter without any influence gets a very large standard error, not NaN.
+    An unknown without any influence gets a very large standard error, not NaN.
     """
-    known = np.asarray(failed) == 0.0
-    residuals, jacobian = np.asarray(residuals)[known], np.asarray(jacobian)[known]
-    size = jacobian.shape[1]
-    freedom = len(residuals) - size
-    squares = float(np.sum(residuals**2))
-    reduced = squares / freedom if freedom > 0 else float("nan")
-    # Without a degree of freedom, or with a perfect fit, scatter cannot be estimated.
-    variance = 1.0 if sigma_given or not reduced > 0.0 else reduced
-    fisher = jacobian.T @ jacobian / variance
-    values, vectors = np.linalg.eigh(fisher)
-    empty = values <= LEAST_EIGENVALUE * max(values[-1], 0.0)
-    inverse = np.where(empty, NO_INFORMATION, 1.0 / np.where(empty, 1.0, values))
-    # Rounding in such a direction must not reach the other parameters.
-    clean = np.where(empty & (np.abs(vectors) < 1e-6), 0.0, vectors)
-    covariance = (clean * inverse) @ clean.T
+    study = objective.study
+    rows, used, u = _rows(objective, points)
+    exact = used & (study.censored.ravel() == 0)
+    soil = len(study.parameters)
+    prior = objective.prior_information(points.x[0])
+    taken = leverages(objective, points).ravel()
+    freedom = float(np.sum(exact) - np.sum(taken[exact]))
+    h, v = _of_loss(objective, u, exact, freedom)
+    weights = np.where(used, _weights(objective), 0.0)
+    curvature = (rows.T * (weights * h)) @ rows + np.diag(prior)
+    variance = (rows.T * (weights**2 * v)) @ rows + np.diag(prior)
+    covariance = _sandwich(curvature, variance)
+    squares = float(np.sum(u[exact] ** 2))
+    reduced = squares / freedom if freedom > 0.5 else float("nan")
+    inflation = 1.0
+    given = np.all(study.sigma_given)
+    if given and freedom > 0.5 and chi2.sf(squares, freedom) < IMPROBABLE:
+        inflation = reduced
+    covariance = covariance * inflation
+    scattered = not given or inflation > 1.0
+    half = 0.5 + CONFIDENCE / 2.0
+    quantile = t.ppf(half, max(freedom, 1.0)) if scattered else norm.ppf(half)
     errors = np.sqrt(np.diag(covariance))
+    values, vectors = np.linalg.eigh(_inverse(covariance[:soil, :soil]))
     return Uncertainty(
-        variance=variance,
-        variance_estimated=not sigma_given,
+        inflation=inflation,
         reduced_chi_square=reduced,
         degrees_of_freedom=freedom,
+        quantile=float(quantile),
+        covariance=covariance,
         standard_errors=errors,
         correlation=covariance / np.outer(errors, errors),
-        eigenvalues=values,
+        eigenvalues=np.maximum(values, 0.0),
         eigenvectors=vectors,
     )
+
+
+def leverages(objective: Objective, points: Points) -> np.ndarray:
+    """Degrees of freedom that the fit takes up of each cell, `(tests, targets)`."""
+    study = objective.study
+    rows, used, u = _rows(objective, points)
+    censored = study.censored.ravel()
+    curved = np.where(used, losses(u, censored).curvature, 0.0)
+    curved = curved * _weights(objective)
+    matrix = (rows.T * curved) @ rows
+    matrix += np.diag(objective.prior_information(points.x[0]))
+    # At a bound an unknown is held, and takes up nothing.
+    held = _held(objective, points)
+    matrix[held, :] = matrix[:, held] = 0.0
+    inverse = _pseudo_inverse(matrix)
+    return (curved * np.einsum("rp,pq,rq->r", rows, inverse, rows)).reshape(
+        study.known.shape
+    )
+
+
+def _weights(objective: Objective) -> np.ndarray:
+    """Of every cell."""
+    study = objective.study
+    return np.broadcast_to(study.weights, study.known.shape).ravel()
+
+
+def _held(objective: Objective, points: Points) -> np.ndarray:
+    bounds, x = objective.bounds, points.x[0]
+    return (x <= bounds.low) | (x >= bounds.high)
+
+
+def _rows(objective: Objective, points: Points):
+    """Jacobian `(cells, unknowns)`, which cells are used, and their residuals."""
+    study = objective.study
+    predicted = points.predicted[0]
+    used = (study.known & np.isfinite(predicted)).ravel()
+    jacobian = points.jacobian[0] / objective.sigma[..., None]
+    rows = np.where(used[:, None], jacobian.reshape(len(used), -1), 0.0)
+    u = ((predicted - study.measured) / objective.sigma).ravel()
+    return rows, used, np.where(used, u, 0.0)
+
+
+def _of_loss(objective, u, exact, freedom):
+    """h and v of every cell."""
+    study = objective.study
+    of = losses(u, study.censored.ravel(), study.loss)
+    mean_curvature = mean_square = 1.0
+    if study.loss != "gaussian" and np.any(exact):
+        count = np.sum(exact)
+        mean_curvature = np.mean(true_curvature(u[exact], study.loss))
+        mean_square = np.sum(of.slope[exact] ** 2) / max(freedom, 1.0)
+        # All residuals far out: as if each told a tenth of what it should.
+        mean_curvature = max(mean_curvature, 0.1 * np.sum(of.curvature[exact]) / count)
+    return (
+        np.where(exact, mean_curvature, of.curvature),
+        np.where(exact, mean_square, of.curvature),
+    )
+
+
+def _sandwich(curvature: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    """H^-1 V H^-1, with a very large variance where H says nothing."""
+    values, vectors = np.linalg.eigh(curvature)
+    empty = values <= LEAST_EIGENVALUE * max(values[-1], 0.0)
+    # Rounding in such a direction must not reach the other unknowns.
+    clean = np.where(empty & (np.abs(vectors) < 1e-6), 0.0, vectors)
+    inverse = np.where(empty, 0.0, 1.0 / np.where(empty, 1.0, values))
+    half = clean * inverse
+    covariance = half @ (clean.T @ variance @ clean) @ half.T
+    return covariance + (clean * np.where(empty, NO_INFORMATION, 0.0)) @ clean.T
+
+
+def _inverse(matrix: np.ndarray) -> np.ndarray:
+    """Inverse of a covariance."""
+    values, vectors = np.linalg.eigh(matrix)
+    inverse = 1.0 / np.maximum(values, 1e-300)
+    return (vectors * inverse) @ vectors.T
+
+
+def _pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
+    """Inverse without the directions of which it says nothing."""
+    values, vectors = np.linalg.eigh(matrix)
+    empty = values <= LEAST_EIGENVALUE * max(values[-1], 0.0)
+    inverse = np.where(empty, 0.0, 1.0 / np.where(empty, 1.0, values))
+    return (vectors * inverse) @ vectors.T

@@ -1,0 +1,146 @@
+"""Predictions of all tests for many soils at once, with derivatives.
+
+On a CPU in machine code (`machine.compile_native_along`): one derivative a run, along a
+direction of the scene, and as many runs as derivatives are wanted. What has no machine
+code, laws of the user's own or another device, is computed by XLA, in programs for a
+fixed number of impacts.
+"""
+
+import concurrent.futures
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..accuracy import Accuracy
+from ..block import Block
+from ..columns import INPUT_COLUMNS, RESULT_COLUMNS
+from ..compilation import unfused_jit
+from ..machine import compile_native_along, computes_on_cpu, solve_rows
+from ..marching import CORES
+from ..problem import Assembly
+from ..scene import Impact, Scene
+from ..simulation import compute_lanes
+from ..soil import Soil
+
+AT_ONCE = 512
+"""Impacts that a thread takes at a time in machine code."""
+XLA_AT_ONCE = 256
+"""Impacts in a program of XLA: fewer waste time on dispatch, more on waiting for the
+slowest."""
+USUAL = ("c_v", "gamma_v", "k_E")
+"""Columns that most studies fit; code for these alone is smaller. Other choices share
+code for a direction of all the leaves."""
+OUTCOME = "outcome_code"
+
+_FIELDS = [
+    (part.__name__.lower(), field.name)
+    for part in (Block, Soil, Impact)
+    for field in dataclasses.fields(part)
+]
+LEAVES = {
+    name: _FIELDS.index((column.part, column.field))
+    for name, column in INPUT_COLUMNS.items()
+}
+"""Place of each column among the leaves of a scene."""
+
+
+class Engine:
+    """Computes impacts and their derivatives by columns of the scene.
+
+    Args:
+        assembly: of the model.
+        columns: by which derivatives will be wanted.
+        targets: result columns that are wanted.
+    """
+
+    def __init__(
+        self, assembly: Assembly, columns: tuple[str, ...], targets: tuple[str, ...]
+    ):
+        usual = set(columns) <= set(USUAL)
+        chosen = (
+            sorted(LEAVES[name] for name in USUAL) if usual else range(len(_FIELDS))
+        )
+        self.assembly, self.varied = assembly, tuple(chosen)
+        self.fields = (*(RESULT_COLUMNS[name].field for name in targets), OUTCOME)
+        kernel = None
+        if computes_on_cpu():
+            kernel = compile_native_along(assembly, self.varied)
+        self.kernel = kernel
+        self.name = "XLA" if kernel is None else "machine code"
+
+    def run(
+        self, leaves: np.ndarray, directions: np.ndarray, accuracy: Accuracy
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Results of impacts, and how they change along a direction.
+
+        Args:
+            leaves: of the scenes, `(leaves, impacts)`.
+            directions: derivative of the leaves along the direction, likewise.
+            accuracy: of the integration.
+
+        Returns:
+            Targets and their derivatives `(impacts, targets)`, NaN where there is no
+            result, and codes of the outcomes `(impacts,)`.
+        """
+        count = leaves.shape[1]
+        if self.kernel is None:
+            size = XLA_AT_ONCE
+            parts = [np.arange(i, min(i + size, count)) for i in range(0, count, size)]
+            found = [self._in_xla(leaves, directions, p, accuracy) for p in parts]
+        else:
+            size = max(1, min(AT_ONCE, -(-count // CORES)))
+            parts = [slice(i, i + size) for i in range(0, count, size)]
+
+            def work(part):
+                return self._in_machine_code(
+                    leaves[:, part], directions[:, part], accuracy
+                )
+
+            if len(parts) == 1:
+                found = [work(parts[0])]
+            else:
+                with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
+                    found = list(pool.map(work, parts))
+        values, derivatives = (
+            np.concatenate(rows, axis=1) for rows in zip(*found, strict=True)
+        )
+        return values[:-1].T, derivatives[:-1].T, values[-1]
+
+    def _in_machine_code(self, leaves, directions, accuracy):
+        lanes = leaves.shape[1]
+        setting = [np.full(lanes, x) for x in (accuracy.tolerance, accuracy.floor)]
+        rows = np.concatenate([leaves, setting, directions[list(self.varied)]])
+        numbers, derivatives = solve_rows(self.kernel, rows)
+        return self._chosen(numbers), self._chosen(derivatives)
+
+    def _in_xla(self, leaves, directions, places, accuracy):
+        filled = np.resize(places, XLA_AT_ONCE)  # repeats impacts to fill the program
+        numbers, derivatives = _in_xla(
+            self.assembly,
+            jnp.asarray(leaves[:, filled]),
+            jnp.asarray(directions[:, filled]),
+            jnp.asarray(accuracy.tolerance),
+            jnp.asarray(accuracy.floor),
+        )
+        count = len(places)
+        chosen = self._chosen(numbers), self._chosen(derivatives)
+        return tuple(rows[:, :count] for rows in chosen)
+
+    def _chosen(self, numbers) -> np.ndarray:
+        """The wanted results, a row each."""
+        return np.stack([np.asarray(getattr(numbers, name)) for name in self.fields])
+
+
+def _along(assembly, leaves, directions, tolerance, floor):
+    structure = jax.tree.structure(Scene(Block(), Soil(), Impact()))
+
+    def of_leaves(rows):
+        scene = jax.tree.unflatten(structure, list(rows))
+        return compute_lanes(assembly, scene, tolerance, floor)
+
+    return jax.jvp(of_leaves, (leaves,), (directions,))
+
+
+_in_xla = unfused_jit(_along, static_argnums=(0,))

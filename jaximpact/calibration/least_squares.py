@@ -1,0 +1,219 @@
+"""Levenberg and Marquardt's method, for many fits side by side, between bounds."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from .objective import Objective, Points
+from .stopping import FEW_REJECTED, FLAT_STEPS, Patience, Reason
+
+Progress = Callable[[str], None]
+
+DAMPING = 1e-3
+"""At the start, in units of the largest entry of the Hessian's diagonal."""
+LEAST_DAMPING, MOST_DAMPING = 1e-12, 1e12
+LEAST_FALL = 1e-4
+"""Part of the promised fall that a step must bring to be taken."""
+LONGEST = 2.0
+"""Most that a step changes an unknown by, in x: a factor of seven, or the whole
+range."""
+SWEEPS = 20
+"""Over the unknowns, where a step meets a bound."""
+REGULAR = 1e-12
+"""Part of the Hessian's largest diagonal entry that stands for none."""
+
+
+class Fits(NamedTuple):
+    """Fits at their ends."""
+
+    points: Points
+    reasons: list[Reason]
+    steps: np.ndarray
+
+    @property
+    def best(self) -> int:
+        """The fit of least cost; the first of equals."""
+        return int(np.argmin(self.points.cost))
+
+
+def levenberg_marquardt(
+    objective: Objective,
+    x: np.ndarray,
+    free: np.ndarray | None,
+    patience: Patience,
+    progress: Progress,
+) -> Fits:
+    r"""Fit from every x `(lanes, unknowns)` until each has a reason to stop.
+
+    A step solves, in the unknowns that are free and not held by a bound,
+
+    $$ (H + \lambda d) \, \delta = -g, $$
+
+    d the largest entry of the diagonal of H, or the least of the same quadratic model
+    between the bounds. The damping follows from the fall of the cost over the one
+    promised (Nielsen 1999).
+    """
+    low, high = objective.bounds.low, objective.bounds.high
+    x = np.clip(x, low, high)
+    free = np.ones(x.shape, bool) if free is None else free
+    points = objective(x, free)
+    state = _State(len(x))
+    for number in range(patience.steps + 1):
+        going = np.flatnonzero(state.going)
+        here = points.take(going)
+        room = here, free[going], low - here.x, high - here.x
+        _, promise = bounded_step(*room, np.zeros(len(going)))
+        variance = objective.variance(here.cost)
+        for at, lane in enumerate(going):
+            state.reasons[lane] = _reason(
+                state,
+                lane,
+                here.cost[at],
+                variance[at],
+                promise[at],
+                bool(np.any(objective.failed(here.predicted[at]))),
+                patience,
+            )
+        progress(_line(number, points.cost, int(np.sum(state.going))))
+        if number == patience.steps or not np.any(state.going):
+            break
+        on = state.going[going]
+        going, here = going[on], here.take(on)
+        room = here, free[going], low - here.x, high - here.x
+        step, promise = bounded_step(*room, state.damping[going])
+        tried = objective.glance(np.clip(here.x + step, low, high), free[going])
+        fall = here.cost - tried.cost
+        taken = fall > LEAST_FALL * promise
+        if np.any(taken):
+            whole = objective.complete(tried.take(taken), free[going[taken]])
+            points = points.put(going[taken], whole)
+        state.update(going, taken, fall, promise, here, tried)
+    reasons = [reason or Reason.step_limit for reason in state.reasons]
+    return Fits(points, reasons, state.steps)
+
+
+class _State:
+    """How each fit is getting on."""
+
+    def __init__(self, lanes: int):
+        self.reasons: list[Reason | None] = [None] * lanes
+        self.steps = np.zeros(lanes, int)
+        self.damping = np.full(lanes, DAMPING)
+        self.factor = np.full(lanes, 2.0)
+        self.rejected = np.zeros(lanes, int)
+        self.since_jump = np.full(lanes, 10**6)
+        """Steps since one was refused in which an outcome changed."""
+        self.falls: list[list[float]] = [[] for _ in range(lanes)]
+        """Of the cost, in the steps taken."""
+
+    @property
+    def going(self) -> np.ndarray:
+        return np.array([reason is None for reason in self.reasons])
+
+    def update(self, lanes, taken, fall, promise, here: Points, tried: Points):
+        """After a step of these lanes."""
+        self.steps[lanes] += 1
+        ratio = fall / np.where(promise > 0.0, promise, 1.0)
+        good = np.maximum(1.0 / 3.0, 1.0 - (2.0 * ratio - 1.0) ** 3)
+        factor = np.where(taken, good, self.factor[lanes])
+        damping = np.clip(self.damping[lanes] * factor, LEAST_DAMPING, MOST_DAMPING)
+        self.damping[lanes] = damping
+        self.factor[lanes] = np.where(taken, 2.0, 2.0 * self.factor[lanes])
+        self.rejected[lanes] = np.where(taken, 0, self.rejected[lanes] + 1)
+        changed = np.any(here.outcomes != tried.outcomes, axis=1)
+        jumped = ~taken & changed
+        self.since_jump[lanes] = np.where(jumped, 0, self.since_jump[lanes] + 1)
+        for lane, was_taken, by in zip(lanes, taken, fall, strict=True):
+            if was_taken:
+                self.falls[lane].append(by)
+
+
+def bounded_step(
+    points: Points, free: np.ndarray, down: np.ndarray, up: np.ndarray, damping
+) -> tuple[np.ndarray, np.ndarray]:
+    """A damped Gauss-Newton step that keeps to the bounds, and the fall it promises.
+
+    Args:
+        free: which unknowns may move, `(lanes, unknowns)`.
+        down, up: how far to the bounds, not positive and not negative.
+        damping: `(lanes,)`.
+    """
+    gradient, hessian = points.gradient, points.hessian
+    size = gradient.shape[1]
+    diagonal = np.einsum("lpp->lp", hessian)
+    largest = np.max(np.where(free, diagonal, 0.0), axis=1)
+    scale = np.where(largest > 0.0, largest, 1.0)
+    shift = scale * (np.asarray(damping) + REGULAR)
+    damped = hessian + shift[:, None, None] * np.eye(size)
+    least = np.maximum(down, -LONGEST)
+    most = np.minimum(up, LONGEST)
+    at_bound = ((down >= 0.0) & (gradient > 0.0)) | ((up <= 0.0) & (gradient < 0.0))
+    moving = free & ~at_bound
+    system = np.where(moving[:, :, None] & moving[:, None, :], damped, 0.0)
+    system = system + np.where(moving, 0.0, scale[:, None])[..., None] * np.eye(size)
+    right = np.where(moving, -gradient, 0.0)
+    step = np.linalg.solve(system, right[..., None])[..., 0]
+    beyond = np.any((step < least) | (step > most), axis=1)
+    least, most = np.where(free, least, 0.0), np.where(free, most, 0.0)
+    step = np.clip(step, least, most)
+    if np.any(beyond):
+        step[beyond] = _swept(
+            step[beyond], gradient[beyond], damped[beyond], least[beyond], most[beyond]
+        )
+    linear = np.einsum("lp,lp->l", gradient, step)
+    square = np.einsum("lp,lpq,lq->l", step, hessian, step)
+    return step, -(linear + 0.5 * square)
+
+
+def _swept(step, gradient, hessian, least, most) -> np.ndarray:
+    """Steps improved one unknown after another, each to the least of the quadratic
+    model that lies between its limits."""
+    slope = gradient + np.einsum("lpq,lq->lp", hessian, step)
+    for _ in range(SWEEPS):
+        for place in range(step.shape[1]):
+            wanted = step[:, place] - slope[:, place] / hessian[:, place, place]
+            moved = np.clip(wanted, least[:, place], most[:, place]) - step[:, place]
+            step[:, place] += moved
+            slope += hessian[:, :, place] * moved[:, None]
+    return step
+
+
+def _reason(
+    state: _State,
+    lane: int,
+    cost: float,
+    variance: float,
+    promise: float,
+    failed: bool,
+    patience: Patience,
+) -> Reason | None:
+    """Why to stop a fit; None to go on.
+
+    Args:
+        variance: s^2 at this cost.
+        promise: fall of the cost by a full step.
+        failed: whether a prediction is missing.
+    """
+    rejected, falls = state.rejected[lane], state.falls[lane]
+    if promise <= max(patience.promise, patience.part * variance):
+        return Reason.failed if failed else Reason.converged
+    promise = promise / max(1.0, variance)
+    if rejected >= FEW_REJECTED and promise <= patience.lost:
+        return Reason.noise
+    at_jump = state.since_jump[lane] <= FLAT_STEPS
+    if rejected >= patience.rejected:
+        if promise <= patience.blurred:
+            return Reason.noise
+        return Reason.failed if failed else Reason.jump if at_jump else Reason.stuck
+    enough = len(falls) >= FLAT_STEPS and rejected == 0
+    if enough and sum(falls[-FLAT_STEPS:]) <= patience.flat * cost:
+        return Reason.jump if at_jump else Reason.flat
+    return None
+
+
+def _line(number: int, cost: np.ndarray, going: int) -> str:
+    return (
+        f"step {number}: {going} of {len(cost)} fits go on, lowest cost "
+        f"{np.min(cost):.6g}"
+    )

@@ -1,0 +1,147 @@
+"""Quantities that nobody measured, or not well: fitted along, under a prior.
+
+A nuisance has a value for each group of tests: a slope for each campaign, an
+orientation for each test. Where the tables hold the column, it is added to what they
+say; where they do not, it is the value itself.
+"""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+
+from ..columns import INPUT_COLUMNS, LABEL_COLUMNS
+from ..errors import InputError
+from ..toml_values import choice, number, typed, unknown
+from .campaigns import Measurements
+
+EACH_TEST = "row"
+"""Word for groups of one test each."""
+REACH = 5.0
+"""Standard deviations of the prior within which it is looked for."""
+EDGE = 1e-6
+"""Part of that range which is kept from the end of what the column may hold."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Prior:
+    """A normal distribution, in the unit of the column."""
+
+    mean: float
+    sd: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Nuisance:
+    """One column, with a value for each group."""
+
+    name: str
+    by: str
+    groups: tuple[str, ...]
+    group: np.ndarray
+    """Place of each test's group, `(tests,)`."""
+    prior: Prior
+    base: np.ndarray
+    """What is added to, `(tests,)`: the column of the tables, or zero."""
+    lower: np.ndarray
+    """`(groups,)`"""
+    upper: np.ndarray
+
+    def label(self, group: int) -> str:
+        """What a group's value is called."""
+        return f"{self.name}[{self.groups[group]}]"
+
+
+def read_prior(path: Path, key: str, entry, mean: float | None = None) -> Prior:
+    """A prior, as `{ mean = 30.0, sd = 5.0 }`.
+
+    Args:
+        mean: if none is given; without it one is needed.
+    """
+    if not isinstance(entry, dict):
+        raise InputError(
+            f"must be a table like {{ mean = 30.0, sd = 5.0 }}, but is {entry!r}",
+            file=path,
+            key=key,
+        )
+    for name in entry:
+        if name not in ("mean", "sd"):
+            unknown(path, f"{key}.{name}", name, ("mean", "sd"))
+    values = {"mean": mean} | entry
+    for name in ("mean", "sd"):
+        if values.get(name) is None:
+            raise InputError("is missing", file=path, key=f"{key}.{name}")
+        values[name] = number(path, f"{key}.{name}", values[name])
+    if not values["sd"] > 0.0:
+        raise InputError(
+            f"must be above 0, but is {values['sd']:g}", file=path, key=f"{key}.sd"
+        )
+    return Prior(**values)
+
+
+def read_nuisances(
+    path: Path, content: dict, tests: Measurements, soil: dict[str, float]
+) -> tuple[Nuisance, ...]:
+    """The table `nuisance` of a study."""
+    entries = typed(path, content, "nuisance", dict, {})
+    return tuple(_nuisance(path, n, e, tests, soil) for n, e in entries.items())
+
+
+def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisance:
+    key = f"nuisance.{name}"
+    if name not in INPUT_COLUMNS:
+        unknown(path, key, name, INPUT_COLUMNS)
+    if not isinstance(entry, dict):
+        raise InputError(
+            'must be a table like { by = "campaign", prior = { mean = 30.0, sd = 5.0 } '
+            f"}}, but is {entry!r}",
+            file=path,
+            key=key,
+        )
+    for inner in entry:
+        if inner not in ("by", "prior"):
+            unknown(path, f"{key}.{inner}", inner, ("by", "prior"))
+    by = choice(path, entry, "by", "campaign", (*LABEL_COLUMNS, EACH_TEST))
+    if "prior" not in entry:
+        raise InputError(
+            "is missing, like { mean = 30.0, sd = 5.0 }", file=path, key=f"{key}.prior"
+        )
+    in_tables = name in tests.inputs
+    known = 0.0 if in_tables else soil.get(name)
+    prior = read_prior(path, f"{key}.prior", entry["prior"], known)
+    base = tests.inputs.get(name, np.zeros(len(tests)))
+    groups, group = _groups(path, key, by, tests)
+    column = INPUT_COLUMNS[name]
+    lower = np.full(len(groups), prior.mean - REACH * prior.sd)
+    upper = np.full(len(groups), prior.mean + REACH * prior.sd)
+    room = EDGE * 2.0 * REACH * prior.sd
+    np.maximum.at(lower, group, column.lower - base + room)
+    np.minimum.at(upper, group, column.upper - base - room)
+    if not np.all((lower < prior.mean) & (prior.mean < upper)):
+        raise InputError(
+            f"{name} must be {column.requirement}; the prior's mean puts it outside",
+            file=path,
+            key=f"{key}.prior.mean",
+        )
+    return Nuisance(name, by, groups, group, prior, base, lower, upper)
+
+
+def _groups(path: Path, key: str, by: str, tests: Measurements):
+    """Names of the groups in the order in which they come, and each test's place."""
+    if by == EACH_TEST:
+        names = [tests.name(test) for test in range(len(tests))]
+        return tuple(names), np.arange(len(tests))
+    if by not in tests.labels:
+        raise InputError(
+            f"{by!r} is no column of {tests.files[0].path.name}",
+            file=path,
+            key=f"{key}.by",
+        )
+    labels = tests.labels[by]
+    if "" in labels:
+        file, row = tests.place(labels.index(""))
+        raise InputError(
+            "is empty, but groups the tests", file=file, row=row, column=by
+        )
+    groups = tuple(dict.fromkeys(labels))
+    return groups, np.array([groups.index(label) for label in labels])

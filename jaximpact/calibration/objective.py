@@ -1,0 +1,296 @@
+"""What is made small: the losses of all measurements, and of the priors.
+
+The unknowns x are the coordinates of the soil's parameters, then of the nuisances,
+group by group. Many x are taken at once; each is a lane.
+"""
+
+import copy
+from typing import NamedTuple
+
+import jax
+import numpy as np
+
+from ..accuracy import PRESETS, Accuracy
+from ..columns import INPUT_COLUMNS
+from ..laws import Laws
+from ..model import PLANAR, PLANAR_DAMPED
+from ..problem import Assembly
+from ..soil import DAMPING_RATIOS, has_dashpots
+from .engine import LEAVES, Engine
+from .losses import losses
+from .study_file import Study, Variant
+from .transforms import Bounds
+
+FAILED_COST = 5e5
+"""Stands, with derivative zero, for the loss of a result that could not be computed:
+large, so that a fit keeps away, and finite, so that it does not spoil the rest."""
+MAX_STEPS = 4000
+"""Steps after which an impact of a fit counts as failed: the hardest that are of use
+take some thousand at the accuracy `reference`."""
+
+
+class Points(NamedTuple):
+    """The objective at x `(lanes, unknowns)`."""
+
+    x: np.ndarray
+    cost: np.ndarray
+    """`(lanes,)`: weighted losses, with half the squares of the priors' residuals."""
+    gradient: np.ndarray
+    """`(lanes, unknowns)`"""
+    hessian: np.ndarray
+    """`(lanes, unknowns, unknowns)`, by Gauss and Newton: never negative."""
+    predicted: np.ndarray
+    """`(lanes, tests, targets)`, NaN where there is no prediction."""
+    outcomes: np.ndarray
+    """Codes, `(lanes, tests)`."""
+    jacobian: np.ndarray
+    """Of the predictions by x, `(lanes, tests, targets, unknowns)`; 0 where there is no
+    prediction, and by what was not wanted."""
+
+    def take(self, chosen) -> "Points":
+        """Some of the lanes."""
+        return Points(*(part[chosen] for part in self))
+
+    def put(self, chosen, points: "Points") -> "Points":
+        """The lanes with some of them replaced."""
+        replaced = []
+        for old, new in zip(self, points, strict=True):
+            old = old.copy()
+            old[chosen] = new
+            replaced.append(old)
+        return Points(*replaced)
+
+
+class Objective:
+    """The objective of one variant of a study.
+
+    Args:
+        study, variant: what is fitted to what.
+        engine: of the study, see `engine_of`.
+        accuracy: of the impacts, instead of the study's.
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        variant: Variant,
+        engine: Engine,
+        accuracy: Accuracy | None = None,
+    ):
+        self.study, self.engine = study, engine
+        self.accuracy = accuracy or PRESETS[study.accuracy]
+        self.sigma, self.loss = study.sigma, study.loss
+        self.bounds = bounds_of(study)
+        self.scene = study.tests.scene(study.soil | variant.soil)
+        self._leaves = np.stack([np.asarray(x) for x in jax.tree.leaves(self.scene)])
+        self.prior_mean, self.prior_sd = _priors(study)
+        self._kinds = _kinds(study)
+
+    def at(self, accuracy: Accuracy) -> "Objective":
+        """The same, with impacts of another accuracy."""
+        return self._changed(accuracy=accuracy)
+
+    def with_sigma(self, sigma: np.ndarray) -> "Objective":
+        """The same, with other sigmas, `(tests, targets)`."""
+        return self._changed(sigma=sigma)
+
+    def _changed(self, **changed) -> "Objective":
+        other = copy.copy(self)
+        vars(other).update(changed)
+        return other
+
+    def __call__(self, x: np.ndarray, free: np.ndarray | None = None) -> Points:
+        """The objective at x.
+
+        Args:
+            x: `(lanes, unknowns)`, within the bounds.
+            free: by which unknowns derivatives are wanted, likewise; None for all.
+        """
+        x = np.asarray(x, float)
+        return self.weigh(x, *self._predict(x, self._wanted(x, free)))
+
+    def glance(self, x: np.ndarray, free: np.ndarray) -> Points:
+        """The objective at x, with no more derivatives than come with its value: one
+        run. To be made whole by `complete`."""
+        wanted = self._wanted(x, free)
+        first = np.cumsum(wanted, axis=0) == 1
+        return self.weigh(x, *self._predict(x, wanted & first))
+
+    def complete(self, points: Points, free: np.ndarray) -> Points:
+        """Points of `glance` with all their derivatives."""
+        wanted = self._wanted(points.x, free)
+        rest = wanted & (np.cumsum(wanted, axis=0) > 1)
+        if not np.any(rest):
+            return points
+        chosen = np.any(rest, axis=0)
+        _, _, more = self._predict(points.x[chosen], rest[:, chosen])
+        jacobian = points.jacobian.copy()
+        jacobian[chosen] += more
+        return self.reweigh(points._replace(jacobian=jacobian))
+
+    def _wanted(self, x, free) -> np.ndarray:
+        """Which kinds of unknowns are to be run, `(kinds, lanes)`: those of which one
+        is free, and for every lane one."""
+        if free is None:
+            return np.ones((len(self._kinds), len(x)), bool)
+        wanted = np.stack([np.any(free[:, k.unknown], axis=1) for k in self._kinds])
+        wanted[0] |= ~np.any(wanted, axis=0)
+        return wanted
+
+    def weigh(self, x, predicted, outcomes, jacobian) -> Points:
+        """The objective, of predictions that are there."""
+        study = self.study
+        known = study.known
+        computed = np.isfinite(predicted)
+        u = np.where(computed & known, (predicted - study.measured) / self.sigma, 0.0)
+        of = losses(u, np.broadcast_to(study.censored, u.shape), self.loss)
+        weights = np.where(known, study.weights, 0.0)
+        used = np.where(computed, weights, 0.0)
+        cost = np.sum(np.where(computed, of.value, FAILED_COST) * weights, axis=(1, 2))
+        rows = jacobian / self.sigma[..., None]
+        slope, curvature = used * of.slope, used * of.curvature
+        gradient = np.einsum("lrt,lrtp->lp", slope, rows)
+        hessian = np.einsum("lrtp,lrtq->lpq", rows * curvature[..., None], rows)
+        apart = (self.bounds.parameter(x) - self.prior_mean) / self.prior_sd
+        by_x = self.bounds.slope(x) / self.prior_sd
+        cost = cost + 0.5 * np.sum(apart**2, axis=1)
+        gradient = gradient + apart * by_x
+        places = np.arange(x.shape[1])
+        hessian[:, places, places] += by_x**2
+        return Points(x, cost, gradient, hessian, predicted, outcomes, jacobian)
+
+    def reweigh(self, points: Points) -> Points:
+        """Points of an objective that differs in its sigmas."""
+        return self.weigh(points.x, points.predicted, points.outcomes, points.jacobian)
+
+    def failed(self, predicted: np.ndarray) -> np.ndarray:
+        """Where a measurement has no prediction."""
+        return self.study.known & ~np.isfinite(predicted)
+
+    def variance(self, cost) -> np.ndarray:
+        """s^2, twice the cost over the degrees of freedom."""
+        study = self.study
+        freedom = np.sum(study.known & (study.censored == 0)) - len(study.parameters)
+        return 2.0 * np.asarray(cost) / max(int(freedom), 1)
+
+    def unit(self, cost) -> np.ndarray:
+        """s^2 and at least 1: in which differences of costs are told."""
+        return np.maximum(1.0, self.variance(cost))
+
+    def prior_information(self, x: np.ndarray) -> np.ndarray:
+        """What the priors say about each unknown, `(unknowns,)`, at one x."""
+        return (self.bounds.slope(x) / self.prior_sd) ** 2
+
+    def _predict(self, x, wanted):
+        """Predictions, outcomes and the Jacobian."""
+        study, bounds = self.study, self.bounds
+        lanes, tests, targets = len(x), len(study.tests), len(study.targets)
+        p, slope = bounds.parameter(x), bounds.slope(x)
+        leaves = np.repeat(self._leaves[:, None], lanes, axis=1)
+        for kind in self._kinds:
+            leaves[kind.leaf] = kind.factor * (kind.base + p[:, kind.unknown])
+        runs, of_lane = np.nonzero(wanted)
+        impacts = leaves[:, of_lane].reshape(len(leaves), -1)
+        directions = np.zeros((len(leaves), len(runs), tests))
+        for run, kind in enumerate(self._kinds):
+            directions[kind.leaf, runs == run] = kind.factor
+        values, derivatives, outcomes = self.engine.run(
+            impacts, directions.reshape(len(leaves), -1), self.accuracy
+        )
+        values = values.reshape(len(runs), tests, targets)
+        derivatives = derivatives.reshape(len(runs), tests, targets)
+        derivatives = np.where(np.isfinite(values), derivatives, 0.0)
+        predicted = np.empty((lanes, tests, targets))
+        predicted[of_lane] = values
+        codes = np.empty((lanes, tests))
+        codes[of_lane] = outcomes.reshape(len(runs), tests)
+        jacobian = np.zeros((lanes, tests, targets, x.shape[1]))
+        each = np.arange(tests)
+        for run, kind in enumerate(self._kinds):
+            here = of_lane[runs == run]
+            column = derivatives[runs == run] * slope[here][:, kind.unknown][..., None]
+            # Each test knows one group alone.
+            jacobian[here[:, None], each, :, kind.unknown] = column
+        return predicted, codes, jacobian
+
+
+class _Kind(NamedTuple):
+    """Unknowns that stand for one column of the scene."""
+
+    leaf: int
+    factor: float
+    base: np.ndarray
+    unknown: np.ndarray
+    """Place of each test's unknown, `(tests,)`."""
+
+
+def _kinds(study: Study) -> list[_Kind]:
+    tests = len(study.tests)
+    kinds = [
+        _Kind(
+            LEAVES[parameter.name],
+            INPUT_COLUMNS[parameter.name].factor,
+            np.zeros(tests),
+            np.full(tests, place),
+        )
+        for place, parameter in enumerate(study.parameters)
+    ]
+    first = len(kinds)
+    for nuisance in study.nuisances:
+        column = INPUT_COLUMNS[nuisance.name]
+        unknown = first + nuisance.group
+        kinds.append(
+            _Kind(LEAVES[nuisance.name], column.factor, nuisance.base, unknown)
+        )
+        first += len(nuisance.groups)
+    return kinds
+
+
+def _priors(study: Study) -> tuple[np.ndarray, np.ndarray]:
+    """Means and standard deviations of the priors, the latter infinite for none."""
+    mean = [p.prior.mean if p.prior else 0.0 for p in study.parameters]
+    sd = [p.prior.sd if p.prior else np.inf for p in study.parameters]
+    for nuisance in study.nuisances:
+        mean += [nuisance.prior.mean] * len(nuisance.groups)
+        sd += [nuisance.prior.sd] * len(nuisance.groups)
+    return np.array(mean), np.array(sd)
+
+
+def bounds_of(study: Study) -> Bounds:
+    """Ranges of a study's unknowns."""
+    soil, nuisances = study.parameters, study.nuisances
+    lower = [p.lower for p in soil], *(n.lower for n in nuisances)
+    upper = [p.upper for p in soil], *(n.upper for n in nuisances)
+    groups = sum(len(nuisance.groups) for nuisance in nuisances)
+    logarithmic = [p.logarithmic for p in soil] + [False] * groups
+    return Bounds(
+        np.concatenate(lower), np.concatenate(upper), np.array(logarithmic, bool)
+    )
+
+
+def start_of(study: Study) -> np.ndarray:
+    """The x that a study gives to start from."""
+    means = [[n.prior.mean] * len(n.groups) for n in study.nuisances]
+    given = np.concatenate([[p.start for p in study.parameters], *means])
+    return bounds_of(study).coordinate(given)
+
+
+def names_of(study: Study) -> list[str]:
+    """What the unknowns are called."""
+    names = [parameter.name for parameter in study.parameters]
+    for nuisance in study.nuisances:
+        names += [nuisance.label(place) for place in range(len(nuisance.groups))]
+    return names
+
+
+def engine_of(study: Study, laws: Laws | None = None) -> Engine:
+    """The engine for all variants of a study."""
+    soils = [
+        study.tests.scene(study.soil | variant.soil).soil for variant in study.variants
+    ]
+    columns = [p.name for p in study.parameters] + [n.name for n in study.nuisances]
+    damped = any(np.any(has_dashpots(soil)) for soil in soils)
+    damped |= bool({*columns} & {*DAMPING_RATIOS})
+    model = PLANAR_DAMPED if damped else PLANAR
+    assembly = Assembly(laws or Laws(), model, ledger=False, max_steps=MAX_STEPS)
+    return Engine(assembly, tuple(columns), study.targets)
