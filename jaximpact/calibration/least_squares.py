@@ -33,8 +33,9 @@ class Fits(NamedTuple):
 
     @property
     def best(self) -> int:
-        """The fit of least cost; the first of equals."""
-        return int(np.argmin(self.points.cost))
+        """The fit of least cost; of equals the first that has come there itself."""
+        joined = [reason is Reason.joined for reason in self.reasons]
+        return int(np.lexsort((joined, self.points.cost))[0])
 
 
 def levenberg_marquardt(

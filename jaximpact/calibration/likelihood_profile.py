@@ -19,8 +19,8 @@ ONE_SIGMA = 1.0
 """Rise of twice the cost, over the inflation, at one standard deviation."""
 
 
-PASSES = 3
-"""Each after the first starts points from their neighbours where those found less."""
+AGAIN = 2
+"""How often points are fitted again from their neighbours."""
 LOWER = 1e-2
 """Fall of the cost, in s^2, that counts as one."""
 ALL_HELD = -1
@@ -73,44 +73,55 @@ def profile_all(
     x, held = np.array([*starts, best]), np.array([*held, ALL_HELD])
     free = np.arange(len(best)) != held[:, None]
     free[-1] = False
-    cost = np.full(len(x), np.inf)
-    wanted, begin = np.arange(len(x)), x
-    for number in range(1, PASSES + 1):
-        fits = fit(
+    fits = fit(
+        rough,
+        x,
+        free,
+        patience=ROUGH,
+        progress=lambda text: progress(f"profiles, {text}"),
+    )
+    x, cost = fits.points.x, fits.points.cost
+    doubtful = np.array([not reason.at_minimum for reason in fits.reasons])
+    for number in range(1, AGAIN + 1):
+        lanes, begin = _from_neighbours(x, cost, held, doubtful)
+        if not len(lanes):
+            break
+        again = fit(
             rough,
             begin,
-            free[wanted],
+            free[lanes],
             patience=ROUGH,
             progress=lambda text, number=number: progress(
-                f"profiles, pass {number}, {text}"
+                f"profiles, again {number}, {text}"
             ),
         )
-        lower = fits.points.cost < cost[wanted] - LOWER * rough.unit(fits.points.cost)
-        x[wanted[lower]], cost[wanted[lower]] = (
-            fits.points.x[lower],
-            fits.points.cost[lower],
-        )
-        wanted, begin = _from_neighbours(x, cost, held, wanted[lower])
-        if not len(wanted):
-            break
+        doubtful[:] = False
+        for lane, at, found in zip(
+            lanes, again.points.x, again.points.cost, strict=True
+        ):
+            if found < cost[lane] - LOWER * rough.unit(found):
+                x[lane], cost[lane], doubtful[lane] = at, found, True
     return [
         _profile(objective, place, x, cost, held, uncertainty)
         for place in range(len(names))
     ]
 
 
-def _from_neighbours(x, cost, held, changed) -> tuple[np.ndarray, np.ndarray]:
+def _from_neighbours(x, cost, held, doubtful) -> tuple[np.ndarray, np.ndarray]:
     """Points to be fitted again, and from where: from a neighbour on the profile that
-    was just changed and costs less."""
-    wanted, begin = [], []
+    costs less, where it lies farther out, as it should not, or where one of the two is
+    doubtful."""
+    lanes, begin = [], []
     for place in np.unique(held[held != ALL_HELD]):
         rows = np.flatnonzero(held == place)
         rows = rows[np.argsort(x[rows, place])]
         for one, other in (*itertools.pairwise(rows), *itertools.pairwise(rows[::-1])):
-            if other in changed and cost[other] < cost[one]:
-                wanted.append(one)
+            apart = np.abs(x[[one, other], place] - x[-1, place])
+            farther = apart[1] > apart[0]
+            if cost[other] < cost[one] and (farther or np.any(doubtful[[one, other]])):
+                lanes.append(one)
                 begin.append(np.where(np.arange(x.shape[1]) == place, x[one], x[other]))
-    return np.array(wanted, int), np.array(begin)
+    return np.array(lanes, int), np.array(begin)
 
 
 def _profile(

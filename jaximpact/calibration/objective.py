@@ -24,9 +24,6 @@ from .transforms import Bounds
 FAILED_COST = 5e5
 """Stands, with derivative zero, for the loss of a result that could not be computed:
 large, so that a fit keeps away, and finite, so that it does not spoil the rest."""
-MAX_STEPS = 4000
-"""Steps after which an impact of a fit counts as failed: the hardest that are of use
-take some thousand at the accuracy `reference`."""
 
 
 class Points(NamedTuple):
@@ -292,5 +289,5 @@ def engine_of(study: Study, laws: Laws | None = None) -> Engine:
     damped = any(np.any(has_dashpots(soil)) for soil in soils)
     damped |= bool({*columns} & {*DAMPING_RATIOS})
     model = PLANAR_DAMPED if damped else PLANAR
-    assembly = Assembly(laws or Laws(), model, ledger=False, max_steps=MAX_STEPS)
+    assembly = Assembly(laws or Laws(), model, ledger=False)
     return Engine(assembly, tuple(columns), study.targets)

@@ -103,18 +103,17 @@ def fit_study(
     return StudyResult(study, results, time.perf_counter() - begin, engine.name)
 
 
-def _fit_variant(
-    objective: Objective, variant: Variant, progress: Progress
-) -> VariantResult:
+def best_fit(
+    objective: Objective, progress: Progress = lambda text: None
+) -> tuple[Objective, Fits, Fits]:
+    """Fit from all starts of a study.
+
+    Returns:
+        The objective with the sigmas that were estimated, the ends of all starts, and
+        the best fit alone.
+    """
     study = objective.study
-    starts = spread_starts(
-        objective.bounds,
-        start_of(study),
-        objective.prior_mean,
-        objective.prior_sd,
-        study.starts,
-        study.seed,
-    )
+    starts = starts_of(objective)
     ends = fit_starts(objective, starts, study.method, progress)
     if not np.any(np.isfinite(ends.points.predicted[:, study.known])):
         raise InputError("no start gives a prediction", file=study.path)
@@ -125,6 +124,27 @@ def _fit_variant(
         ends = go_on(objective, ends, progress)
         if ends.points.cost[ends.best] < best.points.cost[0]:
             objective, best = settle(objective, _one(ends, ends.best), fit, progress)
+    return objective, ends, best
+
+
+def starts_of(objective: Objective) -> np.ndarray:
+    """Where a study's fits start, `(starts, unknowns)` in x."""
+    study = objective.study
+    return spread_starts(
+        objective.bounds,
+        start_of(study),
+        objective.prior_mean,
+        objective.prior_sd,
+        study.starts,
+        study.seed,
+    )
+
+
+def _fit_variant(
+    objective: Objective, variant: Variant, progress: Progress
+) -> VariantResult:
+    study, starts = objective.study, starts_of(objective)
+    objective, ends, best = best_fit(objective, progress)
     uncertainty = estimate(objective, best.points)
 
     def profiled(best: Fits) -> list[LikelihoodProfile]:

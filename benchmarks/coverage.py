@@ -1,0 +1,91 @@
+"""How often intervals of 95 % cover the truth.
+
+    python -m benchmarks.coverage [--repeats 200] [--starts 4] [--twin NAME]
+
+Targets of the twins (`calibration/twins`) get noise of 2 %, again and again, and are
+fitted as `jaximpact calibrate` fits them, once with the sigmas stated and once with
+sigmas estimated from the scatter. An interval is right if it covers the truth in 95 %
+of the repeats, within the chance of so many repeats: 90 to 98 % of 200.
+"""
+
+import argparse
+import dataclasses
+import sys
+import time
+from pathlib import Path
+
+import jax
+import numpy as np
+
+FOLDER = Path(__file__).parent.parent / "calibration" / "twins"
+
+
+def main() -> None:
+    jax.config.update("jax_enable_x64", True)
+    sys.path.insert(0, str(FOLDER))
+    import make
+
+    from jaximpact.calibration.objective import engine_of
+    from jaximpact.calibration.study_file import read_study
+
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--repeats", type=int, default=200)
+    parser.add_argument("--starts", type=int, default=4)
+    parser.add_argument("--twin", choices=make.TWINS, help="one alone")
+    arguments = parser.parse_args()
+    print("twin        sigmas     parameter  covered  median error  median interval")
+    engine = None
+    chosen = [arguments.twin] if arguments.twin else make.TWINS
+    for name in chosen:
+        soil = make.TWINS[name]
+        study = read_study(FOLDER / name / "study.toml")
+        study = dataclasses.replace(study, starts=arguments.starts)
+        engine = engine or engine_of(study)
+        for stated in (True, False):
+            begin = time.perf_counter()
+            rows = [
+                _repeat(study, engine, make.noisy(study.measured, seed), stated)
+                for seed in range(1, arguments.repeats + 1)
+            ]
+            _print(name, soil, stated, rows, time.perf_counter() - begin)
+
+
+def _repeat(study, engine, measured, stated: bool):
+    """Fit and interval of one repeat, in x, and whether the fit is a minimum."""
+    from make import NOISE
+
+    from jaximpact.calibration.objective import Objective
+    from jaximpact.calibration.study import best_fit
+    from jaximpact.calibration.uncertainty import estimate
+
+    true = np.where(study.known, np.abs(study.measured), 1.0)
+    study = dataclasses.replace(study, measured=measured)
+    if stated:
+        given = np.full(len(study.targets), True)
+        study = dataclasses.replace(study, sigma=NOISE * true, sigma_given=given)
+    objective, _, best = best_fit(Objective(study, study.variants[0], engine))
+    found = estimate(objective, best.points)
+    x = best.points.x[0]
+    return x, found.quantile * found.standard_errors, best.reasons[0].at_minimum
+
+
+def _print(name, soil, stated, rows, seconds) -> None:
+    x, reach = (np.array([row[place] for row in rows]) for place in (0, 1))
+    good = np.array([row[2] for row in rows])
+    true = np.log(list(soil.values()))
+    covered = np.abs(x - true) <= reach
+    for place, parameter in enumerate(soil):
+        print(
+            f"{name:11} {'stated' if stated else 'estimated':10} {parameter:10} "
+            f"{100 * np.mean(covered[:, place]):5.1f} %  "
+            f"{100 * np.median(np.abs(x - true)[:, place]):8.2f} %  "
+            f"{100 * np.median(reach[:, place]):10.2f} %"
+        )
+    print(
+        f"  {len(rows)} repeats in {seconds:.0f} s, {np.sum(~good)} of them not at a "
+        "minimum"
+    )
+
+
+if __name__ == "__main__":
+    main()
