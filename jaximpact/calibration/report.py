@@ -3,6 +3,8 @@
 import numpy as np
 
 from ..align import align
+from .scatter import LEAST_FREEDOM
+from .stopping import Reason
 from .study import StudyResult, VariantResult
 from .study_file import Study
 
@@ -245,7 +247,10 @@ def _statistics(result: StudyResult, variant: VariantResult) -> list[str]:
             "The misfit is larger than the sigmas given allow: standard errors are "
             f"multiplied by {np.sqrt(uncertainty.inflation):.3g}."
         )
-    if not np.all(result.study.sigma_given) and uncertainty.degrees_of_freedom < 1.0:
+    if (
+        not np.all(result.study.sigma_given)
+        and uncertainty.degrees_of_freedom < LEAST_FREEDOM
+    ):
         lines.append(
             "Too few measurements to estimate their errors: standard errors follow "
             "from the nominal sigmas, a guess."
@@ -261,10 +266,10 @@ def _starts(variant: VariantResult) -> list[str]:
     total, found = len(costs), int(np.sum(variant.reached))
     names = [verdict.name for verdict in variant.verdicts]
     groups: list[list[int]] = []
-    for place in np.argsort(costs, kind="stable"):
-        last = groups[-1][-1] if groups else None
-        same = last is not None and reasons[last] == reasons[place]
-        if same and costs[place] <= costs[groups[-1][0]] * (1.0 + ONE_ROW) + 1e-9:
+    for place in np.lexsort(([r is Reason.joined for r in reasons], costs)):
+        last = groups[-1][0] if groups else place
+        alike = reasons[place] in (Reason.joined, reasons[last])
+        if groups and alike and costs[place] <= costs[last] * (1.0 + ONE_ROW) + 1e-9:
             groups[-1].append(place)
         else:
             groups.append([place])

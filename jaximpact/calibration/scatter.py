@@ -21,8 +21,8 @@ from .uncertainty import leverages
 LEAST_PART = 1e-3
 """Part of a target's root mean square below which no sigma is taken: nothing is
 measured better, and targets without noise would give 0."""
-LEAST_FREEDOM = 1.0
-"""Degrees of freedom that a target needs for a sigma of its own."""
+LEAST_FREEDOM = 0.99
+"""Degrees of freedom that a target needs for a sigma of its own: one, to rounding."""
 ROUNDS = 20
 SETTLED = 3e-3
 """Relative change of every sigma at which they have settled."""

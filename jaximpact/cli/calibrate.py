@@ -13,18 +13,28 @@ determine.
 
 The study is a TOML file:
   title, source, notes  free text
-  data                  the table of tests (CSV), relative to the study; its columns are
-                        those of `jaximpact batch`, in and out, and `sigma_` with the
-                        name of a result for the standard deviation of its measurement
-  targets               results to fit (default: all that the table holds)
-  starts, seed          how many fits, from where (default: 16, 0)
-  accuracy              fast, balanced or reference (default: balanced)
-  method                levenberg-marquardt or adam (default: the first)
+  data                  the table of tests (CSV), relative to the study, or a list of
+                        tables, one a campaign; columns are those of `jaximpact batch`,
+                        in and out, and `sigma_` with the name of a result for the
+                        standard deviation of its measurement. A cell of a result may
+                        be empty, or a limit like >0.3 or <0.1
+  targets               results to fit (default: all that the tables hold)
+  starts, seed          how many fits, from where (default: 64, 0)
+  accuracy              fast, balanced or reference (default: reference)
+  method                levenberg-marquardt, adam or l-bfgs (default: the first)
+  loss                  gaussian, soft-l1 or student (default: the first)
   [parameters]          what is fitted, for example
                         c_v = { start = 1.0, lower = 0.01, upper = 10.0 }
+                        with prior = { mean = 1.0, sd = 0.5 } if there is one
                         (default: c_v, gamma_v and k_E)
+  [nuisance.slope_deg]  a column that was not measured, or not well: fitted for each
+                        group, and added to the column where the tables hold it;
+                        by = "campaign" (or another column of text, or "row"),
+                        prior = { mean = 30.0, sd = 5.0 }
   [soil]                fixed values in place of the defaults
-  [default_sigma]       for each target, where the table has no column for it
+  [default_sigma]       for each target, where the tables have no column for it; where
+                        neither is there, sigma is estimated from the scatter
+  [weights]             for each target, on its losses (default: 1)
   [[variants]]          soil values to be changed; each is fitted by itself
 
 Written to DIR: report.txt (also printed), fit.json with a manifest, fitted.csv and

@@ -1,0 +1,61 @@
+"""The engine of the fits: by machine code and by XLA, the same numbers."""
+
+import numpy as np
+import pytest
+
+from jaximpact.calibration.engine import LEAVES, USUAL, Engine
+from jaximpact.calibration.objective import Objective, engine_of
+from jaximpact.calibration.study_file import read_study
+from jaximpact.columns import INPUT_COLUMNS
+
+STUDY = 'data = "tests.csv"\n'
+TABLE = """\
+mass_kg,aspect_ratio,speed_mps,angle_deg,orientation_deg,e_n,max_sinking_m
+500,2,15,40,30,0.1,0.2
+100,1,8,20,0,0.1,0.2
+"""
+SOILS = ([0.5, 1.7, 900.0], [2.0, 5.0, 300.0])
+
+
+@pytest.fixture
+def study(tmp_path):
+    (tmp_path / "tests.csv").write_text(TABLE)
+    (tmp_path / "study.toml").write_text(STUDY)
+    return read_study(tmp_path / "study.toml")
+
+
+def test_every_column_is_a_leaf_of_the_scene(study):
+    """What stands in a column's leaf is its value in SI."""
+    scene = study.tests.scene({})
+    objective = Objective(study, study.variants[0], None)
+    leaves = dict(zip(LEAVES, objective._leaves[list(LEAVES.values())], strict=True))
+    assert set(leaves) == set(INPUT_COLUMNS)
+    for name, column in INPUT_COLUMNS.items():
+        value = getattr(getattr(scene, column.part), column.field)
+        np.testing.assert_array_equal(leaves[name], value)
+
+
+def test_usual_parameters_have_code_of_their_own(study):
+    assert len(engine_of(study).varied) == len(USUAL)
+    other = Engine(engine_of(study).assembly, ("c_v", "slope_deg"), study.targets)
+    assert len(other.varied) == len(INPUT_COLUMNS)
+
+
+def test_both_codes_and_xla_agree(study, monkeypatch):
+    """Steps differ by rounding alone, so that results agree far beyond the tolerance
+    of 1e-8 with which both integrate; derivatives follow steps less closely."""
+    usual = Objective(study, study.variants[0], engine_of(study))
+    x = usual.bounds.coordinate(SOILS)
+    expected = usual(x)
+    of_all = Engine(usual.engine.assembly, ("slope_deg",), study.targets)
+    monkeypatch.setattr("jaximpact.calibration.engine.computes_on_cpu", lambda: False)
+    by_xla = engine_of(study)
+    assert (usual.engine.name, by_xla.name) == ("machine code", "XLA")
+    for engine in (of_all, by_xla):
+        received = Objective(study, study.variants[0], engine)(x)
+        np.testing.assert_allclose(received.predicted, expected.predicted, rtol=1e-6)
+        largest = np.max(np.abs(expected.jacobian), axis=(0, 1, 3), keepdims=True)
+        np.testing.assert_allclose(
+            received.jacobian / largest, expected.jacobian / largest, atol=1e-4
+        )
+        np.testing.assert_array_equal(received.outcomes, expected.outcomes)
