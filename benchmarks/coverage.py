@@ -1,6 +1,7 @@
 """How often intervals of 95 % cover the truth.
 
-    python -m benchmarks.coverage [--repeats 200] [--starts 4] [--twin NAME]
+    python -m benchmarks.coverage [--repeats 200] [--starts 2] [--twin NAME]
+        [--sigmas stated|estimated]
 
 Targets of the twins (`calibration/twins`) get noise of 2 %, again and again, and are
 fitted as `jaximpact calibrate` fits them, once with the sigmas stated and once with
@@ -30,8 +31,9 @@ def main() -> None:
 
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=200)
-    parser.add_argument("--starts", type=int, default=4)
+    parser.add_argument("--starts", type=int, default=2)
     parser.add_argument("--twin", choices=make.TWINS, help="one alone")
+    parser.add_argument("--sigmas", choices=("stated", "estimated"), help="one alone")
     arguments = parser.parse_args()
     print("twin        sigmas     parameter  covered  median error  median interval")
     engine = None
@@ -42,6 +44,8 @@ def main() -> None:
         study = dataclasses.replace(study, starts=arguments.starts)
         engine = engine or engine_of(study)
         for stated in (True, False):
+            if arguments.sigmas not in (None, "stated" if stated else "estimated"):
+                continue
             begin = time.perf_counter()
             rows = [
                 _repeat(study, engine, make.noisy(study.measured, seed), stated)
