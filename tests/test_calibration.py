@@ -291,6 +291,28 @@ def test_sigmas_that_are_too_small_are_not_believed(tmp_path):
     assert found.inflation == pytest.approx(11 * 100.0 / 9.0)
 
 
+def test_scatter_that_differs_from_test_to_test(tmp_path):
+    """Against the textbook's sandwich (White's, with leverages), for an estimated
+    sigma."""
+    place = np.linspace(0.0, 1.0, 60)
+    jacobian = np.stack([np.ones(60), place], axis=1)
+    noise = place * np.random.default_rng(0).normal(size=60)
+    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    noise -= jacobian @ inverse @ jacobian.T @ noise
+    # Targets of 0 have a nominal sigma of 0.05.
+    sigma = np.sqrt(np.sum(noise**2) / 58.0)
+    objective, point = by_hand(
+        linear_study(tmp_path, 60), jacobian * sigma / 0.05, noise
+    )
+    objective = objective.with_sigma(np.full((60, 1), sigma))
+    found = estimate(objective, objective.reweigh(point))
+    leverage = np.einsum("rp,pq,rq->r", jacobian, inverse, jacobian)
+    middle = (jacobian.T * (noise / sigma) ** 2 / (1.0 - leverage)) @ jacobian
+    expected = 0.05**2 * inverse @ middle @ inverse
+    scale = max(1.0, 1.0 / np.mean((noise / sigma) ** 2 / (1.0 - leverage)))
+    np.testing.assert_allclose(found.covariance, scale * expected, rtol=1e-9)
+
+
 def test_a_parameter_without_influence_leaves_the_others_their_errors(tmp_path):
     jacobian = np.stack([np.ones(11), np.zeros(11)], axis=1)
     objective, point = by_hand(

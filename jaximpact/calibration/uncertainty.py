@@ -10,6 +10,10 @@ a robust loss the mean of its second derivative, and of its slope squared over (
 n (Huber 1981, section 7.6). The covariance is H^-1 V H^-1, and its inverse the Fisher
 matrix. Where sigmas are given and the misfit is larger than they allow, the covariance
 is multiplied by the reduced chi-square.
+
+Where a target's sigma is estimated from many measurements, v is each one's own slope
+squared over 1 less its leverage, so that the scatter need not be the same for all
+(White 1980; MacKinnon and White 1985).
 """
 
 from typing import NamedTuple
@@ -27,6 +31,10 @@ LEAST_EIGENVALUE = 1e-12
 NO_INFORMATION = 1e30
 """Variance along a direction of which the data say nothing."""
 CONFIDENCE = 0.95
+MANY = 20.0
+"""Degrees of freedom from which measurements tell their scatter one by one."""
+LEAST_LEFT = 0.1
+"""Of 1 less a leverage: a measurement that alone rules the fit tells no scatter."""
 IMPROBABLE = 0.01
 """Chance of a larger chi-square below which the sigmas given are held to be too
 small."""
@@ -66,7 +74,7 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
     prior = objective.prior_information(points.x[0])
     taken = leverages(objective, points).ravel()
     freedom = float(np.sum(exact) - np.sum(taken[exact]))
-    h, v = _of_loss(objective, u, exact, freedom)
+    h, v = _of_loss(objective, u, exact, taken, freedom)
     weights = np.where(used, _weights(objective), 0.0)
     curvature = (rows.T * (weights * h)) @ rows + np.diag(prior)
     variance = (rows.T * (weights**2 * v)) @ rows + np.diag(prior)
@@ -136,7 +144,7 @@ def _rows(objective: Objective, points: Points):
     return rows, used, np.where(used, u, 0.0)
 
 
-def _of_loss(objective, u, exact, freedom):
+def _of_loss(objective, u, exact, taken, freedom):
     """h and v of every cell."""
     study = objective.study
     of = losses(u, study.censored.ravel(), study.loss)
@@ -147,10 +155,17 @@ def _of_loss(objective, u, exact, freedom):
         mean_square = np.sum(of.slope[exact] ** 2) / max(freedom, 1.0)
         # All residuals far out: as if each told a tenth of what it should.
         mean_curvature = max(mean_curvature, 0.1 * np.sum(of.curvature[exact]) / count)
-    return (
-        np.where(exact, mean_curvature, of.curvature),
-        np.where(exact, mean_square, of.curvature),
-    )
+    square = np.where(exact, mean_square, of.curvature)
+    if freedom >= MANY:
+        own = of.slope**2 / np.maximum(1.0 - taken, LEAST_LEFT)
+        for target in np.flatnonzero(~study.sigma_given):
+            cells = np.zeros(study.known.shape, bool)
+            cells[:, target] = True
+            cells = cells.ravel() & exact
+            # Less than the mean square only where sigma is the least that is believed.
+            mean = max(np.mean(own[cells]), 1e-300) if np.any(cells) else 1.0
+            square[cells] = own[cells] * max(1.0, mean_square / mean)
+    return np.where(exact, mean_curvature, of.curvature), square
 
 
 def _sandwich(curvature: np.ndarray, variance: np.ndarray) -> np.ndarray:
