@@ -209,20 +209,23 @@ class _Along:
 
         def of_leaves(*values):
             lanes = self.lanes.begin(_with_leaves(inputs, self.varied, values))
-            return _leaves(lanes, self.changing)
+            return _leaves(lanes, self.changing), lanes
 
-        slope = _slope(of_leaves, _leaves(inputs, self.varied), list(direction))
-        return self.lanes.begin(inputs), slope
+        _, slope, lanes = jax.jvp(
+            of_leaves, _leaves(inputs, self.varied), list(direction), has_aux=True
+        )
+        return lanes, slope
 
     def step(self, state):
         lanes, slope = state
-        after, going = self.lanes.step(lanes)
 
         def of_changing(*values):
-            after, _ = self.lanes.step(_with_leaves(lanes, self.changing, values))
-            return _leaves(after, self.changing)
+            after, going = self.lanes.step(_with_leaves(lanes, self.changing, values))
+            return _leaves(after, self.changing), (after, going)
 
-        slope = _slope(of_changing, _leaves(lanes, self.changing), slope)
+        _, slope, (after, going) = jax.jvp(
+            of_changing, _leaves(lanes, self.changing), slope, has_aux=True
+        )
         return (after, slope), going
 
     def finish(self, both, state):
@@ -236,8 +239,7 @@ class _Along:
             )
 
         values = _leaves(inputs, self.varied) + _leaves(lanes, self.changing)
-        derivative = _slope(of_both, values, [*direction, *slope])
-        return self.lanes.finish(inputs, lanes), derivative
+        return jax.jvp(of_both, values, [*direction, *slope])
 
 
 def _changing(traced, lanes: Lanes, place: int) -> list[int]:

@@ -5,19 +5,18 @@ from scipy.special import ndtri
 
 from ..accuracy import PRESETS
 from .first_order import adam, l_bfgs
-from .least_squares import Fits, Progress, levenberg_marquardt
+from .least_squares import Fits, Progress, is_near, levenberg_marquardt
 from .objective import Objective
 from .stopping import FINE, ROUGH, Patience, Reason
 from .transforms import Bounds
 
 SPREAD = 0.02
 """Starts keep this part of the range away from the bounds."""
-RUNNING = 1.1, 5.0
+RUNNING = 1.02, 0.5
 """Starts whose rough cost is below this times the best, and so many s^2 more, are
 fitted on."""
-ONE_MINIMUM, ONE_PLACE = 0.3, 0.3
-"""Fits that ended within so many standard errors of each other, and so near in x, are
-at one minimum."""
+ONE_PLACE = 0.3
+"""Ends of fits that are as near in x, and as good, are at one minimum."""
 SAME = 1e-3
 """Part of s^2, and of the cost, by which a fit may end above the best one and still
 have found it."""
@@ -120,23 +119,14 @@ def refit(objective: Objective, fits: Fits, lanes, progress: Progress) -> Fits:
 
 def _leaders(objective: Objective, fits: Fits, lanes: np.ndarray) -> np.ndarray:
     """For each of the lanes the one, of least cost, at whose minimum it is."""
-    points, leaders, found = fits.points, [], {}
-    for lane in lanes[np.argsort(points.cost[lanes], kind="stable")]:
-        found[lane] = lane
-        for leader in leaders:
-            apart = points.x[lane] - points.x[leader]
-            distance = apart @ points.hessian[leader] @ apart
-            near = objective.unit(points.cost[leader]) * ONE_MINIMUM**2
-            if (
-                fits.reasons[lane].at_minimum
-                and fits.reasons[leader].at_minimum
-                and np.max(np.abs(apart)) <= ONE_PLACE
-                and distance <= near
-                and points.cost[lane] - points.cost[leader] <= near
-            ):
-                found[lane] = leader
-                break
-        else:
+    leaders: list[int] = []
+    found = {}
+    at_minimum = np.array([reason.at_minimum for reason in fits.reasons])
+    for lane in lanes[np.argsort(fits.points.cost[lanes], kind="stable")]:
+        places = [place for place in leaders if at_minimum[place] and at_minimum[lane]]
+        near = is_near(objective, fits.points, lane, np.array(places, int), ONE_PLACE)
+        found[lane] = places[np.argmax(near)] if np.any(near) else lane
+        if found[lane] == lane:
             leaders.append(lane)
     return np.array([found[lane] for lane in lanes])
 

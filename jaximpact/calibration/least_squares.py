@@ -18,6 +18,10 @@ LEAST_FALL = 1e-4
 LONGEST = 2.0
 """Most that a step changes an unknown by, in x: a factor of seven, or the whole
 range."""
+ONE_MINIMUM = 0.3
+"""Standard errors within which fits count as being at one place."""
+ONE_PATH = 0.1
+"""And how near they must be in x where they are under way."""
 SWEEPS = 20
 """Over the unknowns, where a step meets a bound."""
 REGULAR = 1e-12
@@ -57,6 +61,7 @@ def levenberg_marquardt(
     """
     low, high = objective.bounds.low, objective.bounds.high
     x = np.clip(x, low, high)
+    all_free = free is None
     free = np.ones(x.shape, bool) if free is None else free
     points = objective(x, free)
     state = _State(len(x))
@@ -76,6 +81,8 @@ def levenberg_marquardt(
                 bool(np.any(objective.failed(here.predicted[at]))),
                 patience,
             )
+        if patience.joins and all_free:
+            _join(objective, points, state)
         progress(_line(number, points.cost, int(np.sum(state.going))))
         if number == patience.steps or not np.any(state.going):
             break
@@ -91,7 +98,7 @@ def levenberg_marquardt(
             points = points.put(going[taken], whole)
         state.update(going, taken, fall, promise, here, tried)
     reasons = [reason or Reason.step_limit for reason in state.reasons]
-    return Fits(points, reasons, state.steps)
+    return _with_leaders(Fits(points, reasons, state.steps), state.leader)
 
 
 class _State:
@@ -107,6 +114,8 @@ class _State:
         """Steps since one was refused in which an outcome changed."""
         self.falls: list[list[float]] = [[] for _ in range(lanes)]
         """Of the cost, in the steps taken."""
+        self.leader = np.arange(lanes)
+        """The fit that each has joined, or itself."""
 
     @property
     def going(self) -> np.ndarray:
@@ -165,6 +174,47 @@ def bounded_step(
     linear = np.einsum("lp,lp->l", gradient, step)
     square = np.einsum("lp,lpq,lq->l", step, hessian, step)
     return step, -(linear + 0.5 * square)
+
+
+def is_near(
+    objective: Objective, points: Points, lane: int, others: np.ndarray, place: float
+) -> np.ndarray:
+    """Which of the others, no dearer, are within `place` of a lane in x, and so near
+    that the difference in cost is less than the data can tell."""
+    apart = points.x[others] - points.x[lane]
+    distance = np.einsum("lp,lpq,lq->l", apart, points.hessian[others], apart)
+    least = objective.unit(points.cost[others]) * ONE_MINIMUM**2
+    dearer = points.cost[lane] - points.cost[others]
+    near = np.all(np.abs(apart) <= place, axis=1) & (distance <= least)
+    return near & (dearer >= 0.0) & (dearer <= least)
+
+
+def _join(objective: Objective, points: Points, state: _State) -> None:
+    """Let fits that have come to where another is go on as that one."""
+    ahead = [reason is None or reason.at_minimum for reason in state.reasons]
+    ahead = np.array(ahead) & (state.leader == np.arange(len(ahead)))
+    for lane in np.flatnonzero(state.going):
+        ahead[lane] = False
+        others = np.flatnonzero(ahead)
+        near = is_near(objective, points, lane, others, ONE_PATH)
+        if np.any(near):
+            state.leader[lane] = others[np.argmax(near)]
+            state.reasons[lane] = Reason.joined
+        else:
+            ahead[lane] = True
+
+
+def _with_leaders(fits: Fits, leader: np.ndarray) -> Fits:
+    """Fits of which those that joined another end where that one did."""
+    points, reasons = fits.points, list(fits.reasons)
+    for lane in np.flatnonzero(leader != np.arange(len(leader))):
+        last = leader[lane]
+        while leader[last] != last:
+            last = leader[last]
+        points = points.put([lane], points.take([last]))
+        found = fits.reasons[last]
+        reasons[lane] = Reason.joined if found.at_minimum else found
+    return Fits(points, reasons, fits.steps)
 
 
 def _swept(step, gradient, hessian, least, most) -> np.ndarray:

@@ -53,10 +53,12 @@ class Patience(NamedTuple):
     """Part of the cost; one that falls by less over `FLAT_STEPS` accepted steps has
     come to its end."""
     steps: int
+    joins: bool
+    """Whether fits that come to where another is go on as that one."""
 
 
 FLAT_STEPS, FEW_REJECTED = 5, 2
-ROUGH = Patience(1e-4, 1e-2, 1e-2, 1e-2, rejected=6, flat=1e-2, steps=30)
+ROUGH = Patience(1e-4, 1e-2, 1e-2, 1e-2, rejected=6, flat=1e-2, steps=30, joins=True)
 """For telling starts apart, and for profiles: some tenth of a standard error."""
-FINE = Patience(1e-10, 1e-6, 1e-8, 1e-4, rejected=10, flat=1e-6, steps=60)
+FINE = Patience(1e-10, 1e-6, 1e-8, 1e-4, rejected=10, flat=1e-6, steps=60, joins=False)
 """For what is reported: a thousandth of a standard error."""
