@@ -5,6 +5,7 @@ group by group. Many x are taken at once; each is a lane.
 """
 
 import copy
+import dataclasses
 from typing import NamedTuple
 
 import jax
@@ -90,6 +91,15 @@ class Objective:
     def with_sigma(self, sigma: np.ndarray) -> "Objective":
         """The same, with other sigmas, `(tests, targets)`."""
         return self._changed(sigma=sigma)
+
+    def without(self, tests: np.ndarray) -> "Objective":
+        """The same, the measurements of some tests left out; they are still predicted.
+
+        Args:
+            tests: which, `(tests,)`.
+        """
+        left = np.where(tests[:, None], np.nan, self.study.measured)
+        return self._changed(study=dataclasses.replace(self.study, measured=left))
 
     def _changed(self, **changed) -> "Objective":
         other = copy.copy(self)

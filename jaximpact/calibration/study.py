@@ -10,7 +10,7 @@ from ..laws import Laws
 from .fit import fit, fit_starts, go_on, spread_starts, told_apart
 from .least_squares import Fits, Progress
 from .likelihood_profile import LikelihoodProfile, profile_all
-from .objective import Objective, engine_of, names_of, start_of
+from .objective import Objective, Points, engine_of, names_of, start_of
 from .scatter import settle
 from .stopping import Reason
 from .study_file import Study, Variant
@@ -56,6 +56,10 @@ class VariantResult(NamedTuple):
     start_steps: np.ndarray
     reason: Reason
     """Why the fit that is reported stopped."""
+    objective: Objective
+    """With the sigmas that were estimated."""
+    points: Points
+    """The best fit, of one lane."""
 
     @property
     def reached(self) -> np.ndarray:
@@ -190,6 +194,8 @@ def _fit_variant(
         start_reasons=reasons,
         start_steps=ends.steps,
         reason=best.reasons[0],
+        objective=objective,
+        points=point,
     )
 
 

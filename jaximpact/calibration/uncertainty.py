@@ -68,18 +68,9 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
     An unknown without any influence gets a very large standard error, not NaN.
     """
     study = objective.study
-    rows, used, u = _rows(objective, points)
-    exact = used & (study.censored.ravel() == 0)
     soil = len(study.parameters)
-    prior = objective.prior_information(points.x[0])
-    taken = leverages(objective, points).ravel()
-    freedom = float(np.sum(exact) - np.sum(taken[exact]))
-    h, v = _of_loss(objective, u, exact, taken, freedom)
-    weights = np.where(used, _weights(objective), 0.0)
-    curvature = (rows.T * (weights * h)) @ rows + np.diag(prior)
-    variance = (rows.T * (weights**2 * v)) @ rows + np.diag(prior)
+    curvature, variance, squares, freedom = _parts(objective, points)
     covariance = _sandwich(curvature, variance)
-    squares = float(np.sum(u[exact] ** 2))
     reduced = squares / freedom if freedom > 0.5 else float("nan")
     inflation = 1.0
     given = np.all(study.sigma_given)
@@ -102,6 +93,31 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
         eigenvalues=np.maximum(values, 0.0),
         eigenvectors=vectors,
     )
+
+
+def regular_covariance(
+    objective: Objective, points: Points, inflation: float
+) -> np.ndarray:
+    """Covariance in x with the bounds as a weak prior, so that it is finite whatever
+    the data say.
+
+    An unknown without a prior gets the information of a uniform distribution over its
+    range, 12 / range^2.
+
+    Args:
+        points: a fit, of one lane.
+        inflation: by which the covariance of the data is multiplied.
+    """
+    curvature, variance, _, _ = _parts(objective, points)
+    extra = np.diag(bounds_information(objective))
+    half = np.linalg.inv(curvature / inflation + extra)
+    return half @ (variance / inflation + extra) @ half
+
+
+def bounds_information(objective: Objective) -> np.ndarray:
+    """Of a uniform distribution between the bounds, 0 for an unknown with a prior."""
+    width = objective.bounds.high - objective.bounds.low
+    return np.where(np.isinf(objective.prior_sd), 12.0 / width**2, 0.0)
 
 
 def leverages(objective: Objective, points: Points) -> np.ndarray:
@@ -142,6 +158,22 @@ def _rows(objective: Objective, points: Points):
     rows = np.where(used[:, None], jacobian.reshape(len(used), -1), 0.0)
     u = ((predicted - study.measured) / objective.sigma).ravel()
     return rows, used, np.where(used, u, 0.0)
+
+
+def _parts(objective: Objective, points: Points):
+    """H, V, the squares of the exact measurements' residuals, and the degrees of
+    freedom."""
+    study = objective.study
+    rows, used, u = _rows(objective, points)
+    exact = used & (study.censored.ravel() == 0)
+    prior = objective.prior_information(points.x[0])
+    taken = leverages(objective, points).ravel()
+    freedom = float(np.sum(exact) - np.sum(taken[exact]))
+    h, v = _of_loss(objective, u, exact, taken, freedom)
+    weights = np.where(used, _weights(objective), 0.0)
+    curvature = (rows.T * (weights * h)) @ rows + np.diag(prior)
+    variance = (rows.T * (weights**2 * v)) @ rows + np.diag(prior)
+    return curvature, variance, float(np.sum(u[exact] ** 2)), freedom
 
 
 def _of_loss(objective, u, exact, taken, freedom):
