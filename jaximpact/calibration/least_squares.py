@@ -22,8 +22,10 @@ ONE_MINIMUM = 0.3
 """Standard errors within which fits count as being at one place."""
 ONE_PATH = 0.1
 """And how near they must be in x where they are under way."""
-SWEEPS = 20
-"""Over the unknowns, where a step meets a bound."""
+ROUNDS = 10
+"""For each unknown, where a step meets a bound: a few are needed."""
+ROUNDING = 1e-12
+"""Part of the gradient below which none drives an unknown away from its bound."""
 REGULAR = 1e-12
 """Part of the Hessian's largest diagonal entry that stands for none."""
 
@@ -167,9 +169,9 @@ def bounded_step(
     beyond = np.any((step < least) | (step > most), axis=1)
     least, most = np.where(free, least, 0.0), np.where(free, most, 0.0)
     step = np.clip(step, least, most)
-    if np.any(beyond):
-        step[beyond] = _swept(
-            step[beyond], gradient[beyond], damped[beyond], least[beyond], most[beyond]
+    for lane in np.flatnonzero(beyond):
+        step[lane] = _least_between(
+            gradient[lane], damped[lane], least[lane], most[lane]
         )
     linear = np.einsum("lp,lp->l", gradient, step)
     square = np.einsum("lp,lpq,lq->l", step, hessian, step)
@@ -217,16 +219,36 @@ def _with_leaders(fits: Fits, leader: np.ndarray) -> Fits:
     return Fits(points, reasons, fits.steps)
 
 
-def _swept(step, gradient, hessian, least, most) -> np.ndarray:
-    """Steps improved one unknown after another, each to the least of the quadratic
-    model that lies between its limits."""
-    slope = gradient + np.einsum("lpq,lq->lp", hessian, step)
-    for _ in range(SWEEPS):
-        for place in range(step.shape[1]):
-            wanted = step[:, place] - slope[:, place] / hessian[:, place, place]
-            moved = np.clip(wanted, least[:, place], most[:, place]) - step[:, place]
-            step[:, place] += moved
-            slope += hessian[:, :, place] * moved[:, None]
+def _least_between(gradient, hessian, least, most) -> np.ndarray:
+    """The step of one fit to the least of the quadratic model between limits, by active
+    sets: never worse than none, however the unknowns are correlated."""
+    step = np.zeros_like(gradient)
+    open_ = least < most
+    moving = open_ & ~((least >= 0.0) & (gradient > 0.0))
+    moving &= ~((most <= 0.0) & (gradient < 0.0))
+    for _ in range(ROUNDS * len(step)):
+        places = np.flatnonzero(moving)
+        slope = gradient + hessian @ step
+        system = hessian[np.ix_(places, places)]
+        move = np.linalg.solve(system, -slope[places])
+        limit = np.where(move > 0.0, most[places], least[places])
+        room = limit - step[places]
+        beyond = np.abs(move) > np.abs(room)
+        if np.any(beyond):
+            share = np.full(len(places), np.inf)
+            share[beyond] = room[beyond] / move[beyond]
+            first = int(np.argmin(share))
+            step[places] += share[first] * move
+            step[places[first]] = limit[first]
+            moving[places[first]] = False
+            continue
+        step[places] += move
+        slope = gradient + hessian @ step
+        inward = np.where(step <= least, -slope, slope)
+        inward = np.where(open_ & ~moving, inward, 0.0) / np.sqrt(np.diag(hessian))
+        if np.max(inward) <= ROUNDING * np.max(np.abs(gradient)):
+            break
+        moving[np.argmax(inward)] = True
     return step
 
 

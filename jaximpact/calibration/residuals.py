@@ -54,9 +54,7 @@ class Residuals(NamedTuple):
         return norm.ppf(part), values
 
 
-def residuals_of(
-    objective: Objective, points: Points, inflation: float
-) -> Residuals:
+def residuals_of(objective: Objective, points: Points, inflation: float) -> Residuals:
     """Residuals at a fit (points of one lane)."""
     study = objective.study
     predicted = points.predicted[0]
