@@ -106,11 +106,11 @@ def _kept_or_compiled(
 def _key(assembly: Assembly, choice) -> str:
     """Names all that the code of an assembly of the usual laws depends on."""
     choices = assembly._replace(laws=None), choice
-    return repr((choices, host(), *_installed()))
+    return repr((choices, host(), *installed()))
 
 
 @functools.cache
-def _installed() -> tuple[dict[str, str], str]:
+def installed() -> tuple[dict[str, str], str]:
     """Versions, and a digest of this package's source."""
     digest = hashlib.sha256()
     for path in sorted(Path(__file__).parent.rglob("*")):

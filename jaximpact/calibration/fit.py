@@ -65,11 +65,17 @@ def fit(
 
     The same numbers, on the same machine, for the same arguments.
     """
-    if method == "adam":
-        return adam(objective, x, progress)
-    if method == "l-bfgs":
-        return l_bfgs(objective, x, progress)
-    return levenberg_marquardt(objective, x, free, patience, progress)
+
+    def make() -> Fits:
+        if method == "adam":
+            return adam(objective, x, progress)
+        if method == "l-bfgs":
+            return l_bfgs(objective, x, progress)
+        return levenberg_marquardt(objective, x, free, patience, progress)
+
+    if objective.memory is None:
+        return make()
+    return objective.memory.recall(objective, (x, free, method, patience), make)
 
 
 def rough_of(objective: Objective) -> Objective:

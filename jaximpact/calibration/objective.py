@@ -83,6 +83,16 @@ class Objective:
         self._leaves = np.stack([np.asarray(x) for x in jax.tree.leaves(self.scene)])
         self.prior_mean, self.prior_sd = _priors(study)
         self._kinds = _kinds(study)
+        self.memory = None
+        """Where fits of it are kept, a `Memory`, if anywhere."""
+
+    def depends_on(self) -> tuple:
+        """Numbers and names that its values depend on, beside the engine's laws."""
+        study = self.study
+        arrays = self._leaves, self.sigma, study.measured, study.censored
+        arrays += study.weights, self.prior_mean, self.prior_sd, *self.bounds
+        arrays += tuple(part for kind in self._kinds for part in kind)
+        return *arrays, study.targets, self.loss, self.accuracy
 
     def at(self, accuracy: Accuracy) -> "Objective":
         """The same, with impacts of another accuracy."""

@@ -10,6 +10,7 @@ from ..laws import Laws
 from .fit import fit, fit_starts, go_on, spread_starts, told_apart
 from .least_squares import Fits, Progress
 from .likelihood_profile import LikelihoodProfile, profile_all
+from .memory import Memory
 from .objective import Objective, Points, engine_of, names_of, start_of
 from .scatter import settle
 from .stopping import Reason
@@ -82,6 +83,7 @@ def fit_study(
     study: Study,
     *,
     laws: Laws | None = None,
+    memory: Memory | None = None,
     progress: Progress = lambda text: None,
 ) -> StudyResult:
     """Fit every variant of a study.
@@ -89,6 +91,8 @@ def fit_study(
     Args:
         study: from `read_study`.
         laws: of the ground, instead of the usual ones.
+        memory: where finished fits are kept and found; not used with other laws, whose
+            code has no name.
         progress: called with lines of text.
     """
     begin = time.perf_counter()
@@ -97,9 +101,11 @@ def fit_study(
     results = []
     for variant in study.variants:
         start = f"{variant.name}: " if len(study.variants) > 1 else ""
+        objective = Objective(study, variant, engine)
+        objective.memory = memory if laws is None else None
         results.append(
             _fit_variant(
-                Objective(study, variant, engine),
+                objective,
                 variant,
                 lambda text, start=start: progress(start + text),
             )

@@ -21,6 +21,7 @@ from ..toml_values import (
     whole,
 )
 from .campaigns import Measurements, read_tests
+from .candidates import Candidates, read_candidates
 from .losses import LOSSES
 from .nuisance import Nuisance, Prior, read_nuisances, read_prior
 
@@ -41,6 +42,7 @@ KEYS = (
     "default_sigma",
     "weights",
     "variants",
+    "further_tests",
 )
 METHODS = ("levenberg-marquardt", "adam", "l-bfgs")
 STARTS = 64
@@ -111,6 +113,8 @@ class Study:
     accuracy: str
     method: str
     variants: tuple[Variant, ...]
+    candidates: Candidates
+    """For further tests."""
 
     @property
     def known(self) -> np.ndarray:
@@ -158,6 +162,7 @@ def read_study(path: Path) -> Study:
         accuracy=choice(path, content, "accuracy", ACCURACY, tuple(PRESETS)),
         method=choice(path, content, "method", METHODS[0], METHODS),
         variants=variants,
+        candidates=read_candidates(path, content, tuple(p.name for p in parameters)),
     )
 
 

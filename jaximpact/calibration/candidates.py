@@ -1,0 +1,136 @@
+"""Which further tests could be made, and how well their results be measured."""
+
+import dataclasses
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..columns import INPUT_COLUMNS, RESULT_COLUMNS
+from ..errors import InputError, nearest
+from ..toml_values import choice, number, typed, unknown, whole
+from .design import CRITERIA
+
+COUNT = 3
+KEYS = ("candidates", "measure", "count", "criterion")
+
+
+class Sigma(NamedTuple):
+    """Standard deviation of a measurement: the root of the sum of both squares."""
+
+    absolute: float = 0.0
+    """In the unit of the result's column."""
+    relative: float = 0.0
+    """Part of the predicted value."""
+
+    def __str__(self) -> str:
+        parts = [f"{self.absolute:.3g}"] if self.absolute else []
+        parts += [f"{100 * self.relative:.3g} %"] if self.relative else []
+        return " and ".join(parts)
+
+
+@dataclasses.dataclass(frozen=True)
+class Candidates:
+    """What a study says of further tests."""
+
+    axes: dict[str, np.ndarray] | None = None
+    """Quantities of block and impact with their values; None for the usual ones."""
+    measure: dict[str, Sigma] | None = None
+    """Results that could be measured; None for the usual ones."""
+    count: int = COUNT
+    criterion: str = CRITERIA[0]
+
+
+def checked_axes(
+    candidates: Mapping[str, ArrayLike],
+    fitted: tuple[str, ...],
+    *,
+    key: str = "candidates",
+    file: Path | None = None,
+) -> dict[str, np.ndarray]:
+    """The values of each quantity. Raises InputError for one that is unknown, fitted,
+    or out of range.
+
+    Args:
+        fitted: names of the parameters that are fitted.
+        key, file: where the candidates stand.
+    """
+    axes = {}
+    for name, given in candidates.items():
+        place = {"file": file, "key": f"{key}.{name}"}
+        if name not in INPUT_COLUMNS:
+            raise InputError(
+                f"is unknown; did you mean {nearest(name, INPUT_COLUMNS)}?", **place
+            )
+        if name in fitted:
+            raise InputError("is fitted; a test cannot choose it", **place)
+        column = INPUT_COLUMNS[name]
+        try:
+            values = np.atleast_1d(np.asarray(given, float))
+        except (TypeError, ValueError):
+            values = np.empty(0)
+        if values.ndim != 1 or not values.size or not np.all(column.is_allowed(values)):
+            raise InputError(
+                f"must hold numbers {column.requirement}, but is {given!r}", **place
+            )
+        axes[name] = values
+    return axes
+
+
+def checked_measure(
+    measure: Mapping[str, float | Sigma], *, key: str = "measure", file=None
+) -> dict[str, Sigma]:
+    """The sigma of each result. Raises InputError for one that is unknown, or without a
+    sigma above 0."""
+    sigmas = {}
+    for name, given in measure.items():
+        place = {"file": file, "key": f"{key}.{name}"}
+        if name not in RESULT_COLUMNS:
+            raise InputError(
+                f"is unknown; did you mean {nearest(name, RESULT_COLUMNS)}?", **place
+            )
+        sigma = given if isinstance(given, Sigma) else Sigma(absolute=float(given))
+        if not (min(sigma) >= 0.0 and 0.0 < max(sigma) < np.inf):
+            raise InputError(f"needs a sigma above 0, but it is {given}", **place)
+        sigmas[name] = sigma
+    return sigmas
+
+
+def read_candidates(path: Path, content: dict, fitted: tuple[str, ...]) -> Candidates:
+    """The table `further_tests` of a study.
+
+    Args:
+        fitted: names of the parameters that are fitted.
+    """
+    where = "further_tests"
+    entries = typed(path, content, where, dict, {})
+    for key in entries:
+        if key not in KEYS:
+            unknown(path, f"{where}.{key}", key, KEYS)
+    key = f"{where}.candidates"
+    axes = checked_axes(
+        typed(path, entries, "candidates", dict, {}), fitted, key=key, file=path
+    )
+    key = f"{where}.measure"
+    sigmas = {
+        name: _sigma(path, f"{key}.{name}", entry)
+        for name, entry in typed(path, entries, "measure", dict, {}).items()
+    }
+    return Candidates(
+        axes or None,
+        checked_measure(sigmas, key=key, file=path) or None,
+        whole(path, entries, "count", COUNT, 1),
+        choice(path, entries, "criterion", CRITERIA[0], CRITERIA),
+    )
+
+
+def _sigma(path: Path, key: str, entry) -> Sigma:
+    """A number, or a table like { absolute = 0.01, relative = 0.1 }."""
+    if not isinstance(entry, dict):
+        return Sigma(absolute=number(path, key, entry))
+    for name in entry:
+        if name not in Sigma._fields:
+            unknown(path, f"{key}.{name}", name, Sigma._fields)
+    return Sigma(**{n: number(path, f"{key}.{n}", v) for n, v in entry.items()})

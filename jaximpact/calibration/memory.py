@@ -1,0 +1,86 @@
+"""Fits that are finished, kept in files, so that a study that was cut short goes on.
+
+The same fit, of the same numbers with the same versions, is not made again. A file is
+named by a digest of all that the fit depends on, so whatever is changed in between, in
+the study or in its data, is fitted anew.
+"""
+
+import contextlib
+import hashlib
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from ..files import replacing
+from ..machine import installed
+from .least_squares import Fits
+from .objective import Objective, Points
+from .stopping import Reason
+
+SUFFIX = ".npz"
+
+
+class Memory:
+    """Finished fits in a folder, which is made when there is one to keep.
+
+    Args:
+        folder: holds nothing else.
+    """
+
+    def __init__(self, folder: Path):
+        self.folder = Path(folder)
+        self.found = 0
+        """Fits that were there and needed not be made."""
+
+    def recall(
+        self, objective: Objective, details: tuple, make: Callable[[], Fits]
+    ) -> Fits:
+        """A fit from its file, or made and kept.
+
+        Args:
+            details: arrays, and what `repr` tells apart, that the fit depends on beside
+                the objective.
+        """
+        path = self.folder / (_digest(objective, details) + SUFFIX)
+        # What cannot be read is made anew.
+        with contextlib.suppress(OSError, KeyError, ValueError, zipfile.BadZipFile):
+            fits = _read(path)
+            self.found += 1
+            return fits
+        fits = make()
+        self.folder.mkdir(parents=True, exist_ok=True)
+        with replacing(path) as temporary:
+            np.savez(
+                temporary,
+                *fits.points,
+                reasons=np.array([reason.name for reason in fits.reasons]),
+                steps=fits.steps,
+            )
+        return fits
+
+    def forget(self) -> None:
+        """Remove the files, and the folder if that leaves it empty."""
+        for path in self.folder.glob("*" + SUFFIX):
+            path.unlink()
+        with contextlib.suppress(OSError):
+            self.folder.rmdir()
+
+
+def _read(path: Path) -> Fits:
+    with np.load(path) as stored:
+        points = Points(*(stored[f"arr_{i}"] for i in range(len(Points._fields))))
+        reasons = [Reason[str(name)] for name in stored["reasons"]]
+        return Fits(points, reasons, stored["steps"])
+
+
+def _digest(objective: Objective, details: tuple) -> str:
+    digest = hashlib.sha256(repr((installed(), objective.engine.name)).encode())
+    for part in (*objective.depends_on(), *details):
+        if isinstance(part, np.ndarray):
+            digest.update(repr((part.dtype.str, part.shape)).encode())
+            digest.update(np.ascontiguousarray(part).tobytes())
+        else:
+            digest.update(repr(part).encode())
+    return digest.hexdigest()
