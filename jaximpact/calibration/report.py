@@ -24,8 +24,8 @@ def as_text(result: StudyResult) -> str:
     lines += [
         f"{len(study.tests)} tests from {files}; fitted to "
         f"{', '.join(study.targets)}; {study.method}{loss}, {accuracy}.",
-        *_about_cells(study),
-        _about_sigma(study),
+        *about_cells(study),
+        about_sigma(study),
     ]
     if len(result.variants) > 1:
         lines += ["", "Variants", *_side_by_side(result)]
@@ -34,7 +34,7 @@ def as_text(result: StudyResult) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _about_cells(study: Study) -> list[str]:
+def about_cells(study: Study) -> list[str]:
     """What is missing, and what is censored."""
     missing = int(np.sum(~study.known))
     censored = int(np.sum(study.known & (study.censored != 0)))
@@ -43,7 +43,7 @@ def _about_cells(study: Study) -> list[str]:
     return [f"Of {study.known.size} measurements {', '.join(parts)}."] if parts else []
 
 
-def _about_sigma(study: Study) -> str:
+def about_sigma(study: Study) -> str:
     if np.all(study.sigma_given):
         return "Standard errors follow from the sigmas given."
     names = [
@@ -97,7 +97,7 @@ def _side_by_side(result: StudyResult) -> list[str]:
 
 def _variant(result: StudyResult, variant: VariantResult) -> list[str]:
     title = variant.variant.name if len(result.variants) > 1 else "Fit"
-    lines = [title, "-" * len(title), _parameters(variant)]
+    lines = [title, "-" * len(title), align(parameter_rows(variant))]
     undetermined = [v for v in variant.verdicts if not v.determined]
     lines.append("")
     if not undetermined:
@@ -111,28 +111,33 @@ def _variant(result: StudyResult, variant: VariantResult) -> list[str]:
             f"The errors of {rest} hold near this fit only: they move with {held}."
         )
     if len(variant.names) > len(variant.verdicts):
-        lines += ["", "Nuisances, under their priors", _nuisances(result, variant)]
+        lines += [
+            "",
+            "Nuisances, under their priors",
+            align(nuisance_rows(result, variant)),
+        ]
     lines += [
         "",
         "Directions, best known first",
         *(f"  {d}" for d in variant.directions),
     ]
-    lines += ["", "Correlation", _correlation(variant)]
+    lines += ["", "Correlation", align(correlation_rows(variant))]
     for found in variant.profiles.values():
         lines += [
             "",
             f"Profile of {found.name} (the others fitted again)",
             _profile(found),
         ]
-    lines += ["", "Fit (predicted less measured)", _targets(result, variant)]
-    lines += ["", *_statistics(result, variant), "", *_starts(variant)]
+    lines += ["", "Fit (predicted less measured)", align(target_rows(result, variant))]
+    lines += ["", *statistics(result, variant), ""]
+    lines += [starts_in_words(variant), align(start_rows(variant))]
     return lines
 
 
-def _parameters(variant: VariantResult) -> str:
+def parameter_rows(variant: VariantResult) -> list[tuple[str, ...]]:
     rows = [("parameter", "value", "standard error", "95 %", "lower", "upper")]
     for place, verdict in enumerate(variant.verdicts):
-        error, within = "not determined", _at_95(variant, verdict.name)
+        error, within = "not determined", allowed_at_95(variant, verdict.name)
         if verdict.determined:
             error = standard_error_text(variant, place)
             within = "{:.4g} to {:.4g}".format(*interval(variant, place))
@@ -146,7 +151,7 @@ def _parameters(variant: VariantResult) -> str:
                 f"{variant.bounds.upper[place]:g}",
             )
         )
-    return align(rows)
+    return rows
 
 
 def standard_error(variant: VariantResult, place: int) -> float:
@@ -174,7 +179,7 @@ def standard_error_text(variant: VariantResult, place: int) -> str:
     return text
 
 
-def _at_95(variant: VariantResult, name: str) -> str:
+def allowed_at_95(variant: VariantResult, name: str) -> str:
     """What a profile leaves of an undetermined parameter's range."""
     found = variant.profiles[name]
     if found.low_95 is None and found.high_95 is None:
@@ -186,7 +191,7 @@ def _at_95(variant: VariantResult, name: str) -> str:
     return f"{found.low_95:.3g} to {found.high_95:.3g}"
 
 
-def _nuisances(result: StudyResult, variant: VariantResult) -> str:
+def nuisance_rows(result: StudyResult, variant: VariantResult) -> list[tuple[str, ...]]:
     rows = [("nuisance", "value", "standard error", "prior")]
     first = len(variant.verdicts)
     priors = [n.prior for n in result.study.nuisances for _ in n.groups]
@@ -199,17 +204,17 @@ def _nuisances(result: StudyResult, variant: VariantResult) -> str:
                 f"{prior.mean:g} +- {prior.sd:g}",
             )
         )
-    return align(rows)
+    return rows
 
 
-def _correlation(variant: VariantResult) -> str:
+def correlation_rows(variant: VariantResult) -> list[tuple[str, ...]]:
     names = [verdict.name for verdict in variant.verdicts]
     count = len(names)
     rows = [("", *names)]
     correlation = variant.uncertainty.correlation[:count, :count]
     for name, line in zip(names, correlation, strict=True):
         rows.append((name, *(f"{value:+.3f}" for value in line)))
-    return align(rows)
+    return rows
 
 
 def _profile(found) -> str:
@@ -219,7 +224,7 @@ def _profile(found) -> str:
     return align(rows)
 
 
-def _targets(result: StudyResult, variant: VariantResult) -> str:
+def target_rows(result: StudyResult, variant: VariantResult) -> list[tuple[str, ...]]:
     study = result.study
     limits = bool(np.any(study.known & (study.censored != 0)))
     rows = [("target", "rms", "max", "bias", "sigma")]
@@ -231,10 +236,10 @@ def _targets(result: StudyResult, variant: VariantResult) -> str:
         text = f"{np.median(sigma):.3g} ({'given' if given else 'estimated'})"
         row = (name, *(_number(values[key]) for key in ("rms", "max", "bias")), text)
         rows.append((*row, str(values["limits_broken"])) if limits else row)
-    return align(rows)
+    return rows
 
 
-def _statistics(result: StudyResult, variant: VariantResult) -> list[str]:
+def statistics(result: StudyResult, variant: VariantResult) -> list[str]:
     uncertainty = variant.uncertainty
     lines = [
         f"Cost {variant.cost:.6g}, {uncertainty.degrees_of_freedom:.3g} degrees of "
@@ -260,10 +265,15 @@ def _statistics(result: StudyResult, variant: VariantResult) -> list[str]:
     return lines
 
 
-def _starts(variant: VariantResult) -> list[str]:
+def starts_in_words(variant: VariantResult) -> str:
+    """How many found the best fit."""
+    found, total = int(np.sum(variant.reached)), len(variant.start_costs)
+    return f"{found} of {total} starts found the best fit"
+
+
+def start_rows(variant: VariantResult) -> list[tuple[str, ...]]:
     """The waterfall: starts of one cost and one reason in a row."""
     costs, reasons = variant.start_costs, variant.start_reasons
-    total, found = len(costs), int(np.sum(variant.reached))
     names = [verdict.name for verdict in variant.verdicts]
     groups: list[list[int]] = []
     for place in np.lexsort(([r is Reason.joined for r in reasons], costs)):
@@ -286,7 +296,7 @@ def _starts(variant: VariantResult) -> list[str]:
                 reasons[first].words,
             )
         )
-    return [f"{found} of {total} starts found the best fit", align(rows)]
+    return rows
 
 
 def _number(value: float | None) -> str:
