@@ -28,7 +28,7 @@ def as_text(result: StudyResult) -> str:
         about_sigma(study),
     ]
     if len(result.variants) > 1:
-        lines += ["", "Variants", *_side_by_side(result)]
+        lines += ["", "Variants", align(variant_rows(result))]
     for variant in result.variants:
         lines += ["", *_variant(result, variant)]
     return "\n".join(lines) + "\n"
@@ -77,7 +77,8 @@ def fit_of_target(result: StudyResult, variant: VariantResult, place: int) -> di
     }
 
 
-def _side_by_side(result: StudyResult) -> list[str]:
+def variant_rows(result: StudyResult) -> list[tuple[str, ...]]:
+    """Variants side by side."""
     study = result.study
     names = [parameter.name for parameter in study.parameters]
     rows = [("variant", *names, *(f"rms {t}" for t in study.targets), "cost")]
@@ -92,7 +93,7 @@ def _side_by_side(result: StudyResult) -> list[str]:
             for place in range(len(study.targets))
         ]
         rows.append((variant.variant.name, *cells, *errors, f"{variant.cost:.4g}"))
-    return [align(rows)]
+    return rows
 
 
 def _variant(result: StudyResult, variant: VariantResult) -> list[str]:
