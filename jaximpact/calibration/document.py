@@ -2,6 +2,7 @@
 
 import base64
 import html
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ h3 { font-size: 1.05rem; margin-top: 1.75rem; }
 .warning { border-left: 4px solid #d55e00; background: #fdf4ee;
   padding: .5rem 1rem; }
 .verdict p, .warning p { margin: .4rem 0; }
+.verdict p:first-child { font-weight: 600; }
 .table { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .9rem; margin: .5rem 0;
   font-variant-numeric: tabular-nums; }
@@ -31,7 +33,8 @@ figure img { width: 100%; height: auto; }
 figcaption { font-size: .85rem; color: #444; }
 @media print { body { max-width: none; font-size: 10pt; margin: 0; }
   h2, h3 { break-after: avoid; } figure, tr { break-inside: avoid; }
-  .table { overflow: visible; } figure { flex-basis: 45%; } }
+  .table { overflow: visible; } td.number { white-space: normal; }
+  .figures { display: block; } figure { display: inline-block; width: 48%; } }
 """
 WORDY = 40
 """Characters beyond which a cell may be broken into lines."""
@@ -196,6 +199,5 @@ def _markdown(block: Block, folder: str) -> str:
 def _plain(text: str) -> str:
     """Text that Markdown shows as it stands."""
     text = " ".join(text.split("\n"))
-    for sign in "\\`*_[]<>|#":
-        text = text.replace(sign, "\\" + sign)
-    return text
+    # Underscores within words are shown as they are.
+    return re.sub(r"([\\`*\[\]<>|#])", r"\\\1", text)

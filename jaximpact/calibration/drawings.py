@@ -56,8 +56,10 @@ def label_of(name: str) -> str:
     column = INPUT_COLUMNS.get(name) or RESULT_COLUMNS.get(name)
     if column is None or column.unit == "-":
         return name
-    stem = name.rsplit("_", 1)[0] if "_" in name else name
-    return f"{stem} [{column.unit}]"
+    unit = column.unit.replace("/", "p").replace(" ", "")
+    # Names leave out the stroke: kgm3.
+    short = unit.replace("pm3", "m3")
+    return f"{name.removesuffix('_' + short)} [{column.unit}]"
 
 
 def only_varying(result: StudyResult) -> str | None:
@@ -204,16 +206,11 @@ def residual_inputs(variant: VariantResult) -> list[str]:
 
 
 def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
-    """How the misfit rises where a parameter is held, and the parabola that a standard
-    error stands for."""
+    """How the misfit rises where a parameter is held, and, where it is determined, how
+    its standard error says that it does."""
     figure, axes = _panel()
     place = variant.names.index(found.name)
     bounds, uncertainty = variant.bounds, variant.uncertainty
-    x = np.linspace(bounds.low[place], bounds.high[place], 400)
-    at = np.tile(variant.points.x[0], (len(x), 1))
-    at[:, place] = x
-    values = bounds.parameter(at)[:, place]
-    apart = np.abs(x - variant.points.x[0, place]) / uncertainty.standard_errors[place]
     axes.plot(
         found.values,
         np.sqrt(np.maximum(found.rise, 0.0)),
@@ -222,7 +219,18 @@ def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
         markersize=4,
         label="others fitted again",
     )
-    axes.plot(values, apart, "--", color=GREY, label="by the standard error")
+    if variant.verdicts[place].determined:
+        x = np.linspace(bounds.low[place], bounds.high[place], 400)
+        at = np.tile(variant.points.x[0], (len(x), 1))
+        at[:, place] = x
+        apart = np.abs(x - variant.points.x[0, place])
+        axes.plot(
+            bounds.parameter(at)[:, place],
+            apart / uncertainty.standard_errors[place],
+            "--",
+            color=GREY,
+            label="by the standard error",
+        )
     for level, words in ((1.0, "68 %"), (uncertainty.quantile, "95 %")):
         axes.axhline(level, color=VERMILION, linewidth=0.8)
         axes.annotate(
@@ -245,8 +253,8 @@ def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
 
 
 def draw_pair(variant: VariantResult, draws: Draws, first: int, second: int) -> Figure:
-    """Two parameters as the data leave them, and the ellipse of 95 % that the
-    covariance stands for."""
+    """Two parameters as the data leave them, and, where both are determined, the
+    ellipse of 95 % that the covariance stands for."""
     figure, axes = _panel()
     bounds, pair = variant.bounds, [first, second]
     random = np.random.default_rng(0)
@@ -254,7 +262,7 @@ def draw_pair(variant: VariantResult, draws: Draws, first: int, second: int) -> 
     values = bounds.parameter(draws.x[chosen])[:, pair]
     axes.plot(*values.T, "o", color=BLUE, markersize=3, alpha=0.3, mec="none")
     covariance = variant.uncertainty.covariance[np.ix_(pair, pair)]
-    if np.max(np.diag(covariance)) < 1e6:
+    if variant.verdicts[first].determined and variant.verdicts[second].determined:
         turn = np.linspace(0.0, 2.0 * np.pi, 200)
         # Of two normal deviations 95 % lie within 2.448 of the centre.
         circle = 2.448 * np.stack([np.cos(turn), np.sin(turn)], axis=1)

@@ -1,4 +1,5 @@
-"""The files of a study: report.txt, fit.json, fitted.csv and fit.png."""
+"""The files of a study: report.html, report.md, report.txt, fit.json, fitted.csv and
+fit.png."""
 
 import dataclasses
 import json
@@ -11,9 +12,20 @@ from ..accuracy import PRESETS
 from ..errors import InputError
 from ..files import replacing
 from ..provenance import versions
+from .examination import Examination
+from .further_tests import Suggestions
+from .left_out import LeftOut
 from .plot import plot_study
 from .report import as_text, fit_of_target, interval, standard_error
+from .report_files import write_report
 from .study import StudyResult, VariantResult
+from .study_file import Study
+
+CSV_COLUMNS = (
+    *("variant", "row", "file", "target", "limit", "measured", "sigma", "fitted"),
+    *("residual", "standardised", "model_low", "model_high", "low", "high"),
+    *("left_out", "left_out_deviation"),
+)
 
 
 def make_directory(path: Path) -> None:
@@ -24,41 +36,61 @@ def make_directory(path: Path) -> None:
         raise InputError(f"--out {path} cannot be made: {error.strerror}") from error
 
 
-def write_all(result: StudyResult, out: Path) -> None:
-    """Write the four files, each whole or not at all.
+def write_all(result: StudyResult, examined: list[Examination], out: Path) -> None:
+    """Write the files, each whole or not at all.
+
+    Args:
+        examined: of every variant.
 
     Raises OSError where the file system refuses.
     """
+    write_report(result, examined, out)
     with replacing(out / "report.txt") as temporary:
         temporary.write_text(as_text(result), encoding="utf-8")
     with replacing(out / "fit.json") as temporary:
-        text = json.dumps(as_json(result), indent=1, allow_nan=False)
+        text = json.dumps(as_json(result, examined), indent=1, allow_nan=False)
         temporary.write_text(text + "\n", encoding="utf-8")
     with replacing(out / "fitted.csv") as temporary:
-        temporary.write_text(as_csv(result), encoding="utf-8")
+        temporary.write_text(as_csv(result, examined), encoding="utf-8")
     figure = plot_study(result)
     with replacing(out / "fit.png") as temporary:
         figure.savefig(temporary, dpi=120)
 
 
-def as_csv(result: StudyResult) -> str:
+def as_csv(result: StudyResult, examined: list[Examination]) -> str:
     """Fitted against measured, a line for each variant, test and target that holds a
     measurement.
 
     `row` counts the tests from 1, over all files; `limit` is `>` or `<` where only a
-    limit is known.
+    limit is known. `model_low` and `model_high` hold 95 % of what the model gives for
+    the parameters that the data allow, `low` and `high` 95 % of such measurements.
+    `left_out` is predicted by the fit to the other tests, with a standard deviation.
     """
     study = result.study
-    lines = ["variant,row,file,target,limit,measured,sigma,fitted,residual"]
-    for variant in result.variants:
+    lines = [",".join(CSV_COLUMNS)]
+    for variant, looked in zip(result.variants, examined, strict=True):
         name = _quoted(variant.variant.name)
+        nothing = np.full(study.measured.shape, np.nan)
+        left, bands = looked.each, looked.bands
+        columns = (
+            study.measured,
+            variant.sigma,
+            variant.predicted,
+            variant.predicted - study.measured,
+            looked.residuals.values,
+            bands.low,
+            bands.high,
+            bands.measured_low,
+            bands.measured_high,
+            nothing if left is None else left.predicted,
+            nothing if left is None else left.deviation,
+        )
         for row, place in zip(*np.nonzero(study.known), strict=True):
-            fitted, measured = variant.predicted[row, place], study.measured[row, place]
             limit = {1: ">", -1: "<", 0: ""}[int(study.censored[row, place])]
-            numbers = (measured, variant.sigma[row, place], fitted, fitted - measured)
             file = _quoted(study.tests.place(row)[0].name)
             cells = (name, str(row + 1), file, study.targets[place], limit)
-            lines.append(",".join((*cells, *(f"{float(x):.9g}" for x in numbers))))
+            numbers = (f"{float(column[row, place]):.9g}" for column in columns)
+            lines.append(",".join((*cells, *numbers)))
     return "\n".join(lines) + "\n"
 
 
@@ -66,7 +98,7 @@ def _quoted(text: str) -> str:
     return '"' + text.replace('"', '""') + '"'
 
 
-def as_json(result: StudyResult) -> dict:
+def as_json(result: StudyResult, examined: list[Examination]) -> dict:
     """Everything, as a tree of plain values, None for what is not finite."""
     study = result.study
     return {
@@ -76,7 +108,10 @@ def as_json(result: StudyResult) -> dict:
         "sigma_given": dict(
             zip(study.targets, map(bool, study.sigma_given), strict=True)
         ),
-        "variants": [_variant(result, variant) for variant in result.variants],
+        "variants": [
+            _variant(result, variant) | _examination(result, looked)
+            for variant, looked in zip(result.variants, examined, strict=True)
+        ],
         "manifest": {
             "study": study.path.name,
             "data": [
@@ -172,6 +207,67 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
             }
             for i in order
         ],
+    }
+
+
+def _examination(result: StudyResult, looked: Examination) -> dict:
+    study = result.study
+    return {
+        "residuals_follow": [trend._asdict() for trend in looked.residuals.trends],
+        "draws": {
+            "count": len(looked.draws.x),
+            "effective_parts": _plain(looked.draws.effective_part),
+            "mean": _plain(looked.draws.mean()),
+            "covariance": _plain(looked.draws.covariance()),
+        },
+        "left_out": {
+            what: _left_out(study, left)
+            for what, left in (("test", looked.each), ("campaign", looked.campaigns))
+            if left is not None
+        },
+        "further_tests": {
+            "one_result_each": _further(looked.single),
+            "all_results": _further(looked.together),
+        },
+    }
+
+
+def _left_out(study: Study, left: LeftOut) -> list[dict]:
+    values = np.where(study.censored == 0, left.standardised(study.measured), np.nan)
+    rows = []
+    for number, name in enumerate(left.groups):
+        of_one = values[left.group == number]
+        rows.append(
+            {
+                "name": name,
+                "standardised": _plain(of_one),
+                "fit": _plain(left.x[number]),
+                "moved_in_standard_errors": _plain(left.moved[number]),
+                "stopped": left.reasons[number].words,
+            }
+        )
+    return rows
+
+
+def _further(found: Suggestions) -> dict:
+    return {
+        "criterion": found.criterion,
+        "measure": {name: sigma._asdict() for name, sigma in found.measure.items()},
+        "in_common": found.fixed,
+        "errors_now": dict(zip(found.names, _plain(found.now), strict=True)),
+        "errors_of_the_bounds": found.stood_in,
+        "chosen": [
+            {
+                "test": one.scene,
+                "measured": one.measured,
+                "expected": {n: _plain(v) for n, v in one.predicted.items()},
+                "errors": dict(zip(found.names, _plain(one.errors), strict=True)),
+                "divided_by": dict(zip(found.names, _plain(one.factors), strict=True)),
+                "mean_divided_by": one.volume,
+            }
+            for one in found.chosen
+        ],
+        "candidates_without_result": found.left_out,
     }
 
 

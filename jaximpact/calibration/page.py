@@ -17,7 +17,6 @@ from .report import (
     about_cells,
     about_sigma,
     correlation_rows,
-    fit_of_target,
     interval,
     nuisance_rows,
     parameter_rows,
@@ -104,10 +103,11 @@ def reservations(
             f"{uncertainty.degrees_of_freedom:.2g} degrees of freedom are left: there "
             "is next to nothing to tell how good the fit is."
         )
-    for trend in looked.residuals.trends[:2]:
+    for target in dict.fromkeys(trend.target for trend in looked.residuals.trends):
+        against = [t.against for t in looked.residuals.trends if t.target == target]
         lines.append(
-            f"The residuals of {trend.target} follow {trend.against}: the model misses "
-            "something, and the errors are too small."
+            f"The residuals of {target} follow {' and '.join(against)}: the model misses "
+            "something, and errors that take the misfit for random are too small."
         )
     for left, what in ((looked.each, "test"), (looked.campaigns, "campaign")):
         if left is not None:
@@ -128,11 +128,12 @@ def reservations(
 def _about(result: StudyResult) -> list[str]:
     study = result.study
     files = ", ".join(table.path.name for table in study.tests.files)
+    known = " ".join((*about_cells(study), about_sigma(study)))
     return [
         *([f"Source: {study.source}"] if study.source else []),
         *([study.notes] if study.notes else []),
         f"{len(study.tests)} tests from {files}, fitted to "
-        f"{', '.join(study.targets)}. {' '.join((*about_cells(study), about_sigma(study)))}",
+        f"{', '.join(study.targets)}. {known}",
     ]
 
 
@@ -188,14 +189,15 @@ def _parameters(result, variant, looked, prefix) -> list[Block]:
                         f"{prefix}pair-{variant.names[a]}-{variant.names[b]}.png",
                         drawings.draw_pair(variant, draws, a, b),
                         f"{variant.names[b]} over {variant.names[a]}",
-                        "Dots: what the data allow. Line: 95 % by the standard errors "
-                        "and their correlation. Cross: best fit.",
+                        "Dots: what the data allow. Cross: best fit. Line, where both "
+                        "are determined: 95 % by the standard errors.",
                     )
                     for a, b in pairs
                 ]
             ),
             Paragraph(
-                f"Of {len(draws.x)} draws about the best fit {100 * first:.0f} % count: "
+                f"Of {len(draws.x)} draws about the best fit {100 * first:.0f} % "
+                "count: "
                 + (
                     "the posterior is nearly normal, and standard errors tell it."
                     if nearly
@@ -437,7 +439,7 @@ def _origin(result: StudyResult) -> list[Block]:
         ("starts", f"{study.starts}, seed {study.seed}"),
         ("accuracy", ", ".join(f"{k} {v}" for k, v in accuracy.items())),
         ("impacts computed by", result.engine),
-        ("time of the fits", f"{result.seconds:.0f} s"),
+        ("time of the fits, in this run", f"{result.seconds:.0f} s"),
         *((name, version) for name, version in versions().items()),
     ]
     return [

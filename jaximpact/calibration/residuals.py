@@ -8,13 +8,13 @@ normal, of variance 1, and follow nothing.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import norm, spearmanr
+from scipy.stats import norm, rankdata, spearmanr
 
 from .objective import Objective, Points
 from .uncertainty import leverages
 
-FEWEST = 6
-"""Measurements that a trend is looked for in."""
+FEWEST = 8
+"""Different values of an input in which a trend is looked for."""
 IMPROBABLE = 0.05
 """Chance, over all trends looked for, that one is found where there is none."""
 LARGE = 3.0
@@ -30,8 +30,10 @@ class Trend(NamedTuple):
     against: str
     correlation: float
     """Spearman's."""
+    likeness: float
+    """Of neighbours: 1 - half of von Neumann's ratio of the ranks, 0 for none."""
     chance: float
-    """That it is as large where there is none."""
+    """That the more improbable of the two is as large where there is neither."""
 
 
 class Residuals(NamedTuple):
@@ -44,7 +46,7 @@ class Residuals(NamedTuple):
     trends: list[Trend]
     """That chance does not explain, the least probable first."""
     looked_for: int
-    """How many trends were looked for."""
+    """How many were looked for: two to a target and an input."""
 
     def ordered(self) -> tuple[np.ndarray, np.ndarray]:
         """Quantiles of the normal distribution, and the residuals in ascending order:
@@ -77,36 +79,46 @@ def varying_inputs(objective: Objective) -> dict[str, np.ndarray]:
 def _trends(objective: Objective, values, predicted) -> tuple[list[Trend], int]:
     study, found, count = objective.study, [], 0
     for place, target in enumerate(study.targets):
-        of_target = values[:, place]
-        there = np.isfinite(of_target)
-        if np.sum(there) < FEWEST:
-            continue
+        there = np.isfinite(values[:, place])
         against = varying_inputs(objective) | {"prediction": predicted[:, place]}
         for name, along in against.items():
-            if len(np.unique(along[there])) < 3:
+            x, back = np.unique(along[there], return_inverse=True)
+            if len(x) < FEWEST:
                 continue
-            count += 1
-            correlation, chance = spearmanr(along[there], of_target[there])
-            found.append(Trend(target, name, float(correlation), float(chance)))
+            # Those at one value have no order.
+            mean = np.bincount(back, values[there, place]) / np.bincount(back)
+            correlation, chance = spearmanr(x, mean)
+            likeness, other = _likeness(mean)
+            count += 2
+            trend = float(correlation), likeness, float(min(chance, other))
+            found.append(Trend(target, name, *trend))
     trends = [trend for trend in found if trend.chance * count < IMPROBABLE]
     return sorted(trends, key=lambda trend: trend.chance), count
+
+
+def _likeness(values: np.ndarray) -> tuple[float, float]:
+    """How alike neighbours are, and the chance of as much (Bartels 1982)."""
+    ranks = rankdata(values)
+    count = len(ranks)
+    ratio = np.sum(np.diff(ranks) ** 2) / np.sum((ranks - np.mean(ranks)) ** 2)
+    # Bartels's approximation of the ratio's distribution: normal, mean 2.
+    variance = 20.0 / (5.0 * count + 7.0)
+    return float(1.0 - 0.5 * ratio), float(norm.cdf((ratio - 2.0) / np.sqrt(variance)))
 
 
 def in_words(residuals: Residuals, objective: Objective) -> list[str]:
     """What stands out."""
     study, lines = objective.study, []
     for trend in residuals.trends:
-        way = "grow" if trend.correlation > 0.0 else "fall"
         lines.append(
-            f"The residuals of {trend.target} {way} with {trend.against} (Spearman's "
-            f"correlation {trend.correlation:+.2f}, chance {trend.chance:.1g}): the "
-            "model misses something, and errors that take the scatter for random are "
-            "too small."
+            f"The residuals of {trend.target} follow {trend.against}: rank correlation "
+            f"{trend.correlation:+.2f}, likeness of neighbours {trend.likeness:+.2f}, "
+            f"chance {trend.chance:.1g}. The model misses something, and errors that "
+            "take the misfit for random are too small."
         )
     if not residuals.trends and residuals.looked_for:
         lines.append(
-            f"None of {residuals.looked_for} trends looked for, against inputs and "
-            "prediction, is beyond chance."
+            "They follow neither prediction nor any input that differs, beyond chance."
         )
     large = np.abs(np.nan_to_num(residuals.values)) > LARGE
     for test, place in zip(*np.nonzero(large), strict=True):

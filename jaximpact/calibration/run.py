@@ -3,16 +3,24 @@
 from pathlib import Path
 
 from ..precision import require_float64
+from .examination import examine
 from .least_squares import Progress
+from .memory import Memory
 from .output import make_directory, write_all
 from .study import StudyResult, fit_study
 from .study_file import read_study
+
+UNFINISHED = "unfinished"
 
 
 def run_study(
     study_path: Path, out_dir: Path, *, progress: Progress | None = None
 ) -> StudyResult:
-    """Fit a study, and write report.txt, fit.json, fitted.csv and fit.png.
+    """Fit a study, examine the fit, and write report.html, report.md with its pictures
+    in report/, report.txt, fit.json, fitted.csv and fit.png.
+
+    Finished fits are kept in the directory's `unfinished` until the files are written:
+    a run that was cut short goes on there.
 
     Args:
         study_path: the TOML file; the table it names lies relative to it.
@@ -26,6 +34,11 @@ def run_study(
     require_float64()
     study = read_study(study_path)
     make_directory(Path(out_dir))
-    result = fit_study(study, progress=progress or (lambda text: None))
-    write_all(result, Path(out_dir))
+    progress = progress or (lambda text: None)
+    memory = Memory(Path(out_dir) / UNFINISHED)
+    result = fit_study(study, memory=memory, progress=progress)
+    examined = examine(result, progress)
+    progress("drawing")
+    write_all(result, examined, Path(out_dir))
+    memory.forget()
     return result

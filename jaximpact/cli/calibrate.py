@@ -36,9 +36,16 @@ The study is a TOML file:
                         neither is there, sigma is estimated from the scatter
   [weights]             for each target, on its losses (default: 1)
   [[variants]]          soil values to be changed; each is fitted by itself
+  [further_tests]       what could be measured next (default: usual impacts, and the
+                        targets, depth and force), for example
+                        candidates = { angle_deg = [0, 30, 60], speed_mps = [10, 20] }
+                        measure = { e_n = 0.05, max_penetration_m = { relative = 0.1 } }
+                        count = 3, criterion = "D" or "A"
 
-Written to DIR: report.txt (also printed), fit.json with a manifest, fitted.csv and
-fit.png."""
+Written to DIR: report.html, one page with all that was found, and the same as report.md
+with pictures in report/; report.txt (also printed), fit.json with a manifest,
+fitted.csv and fit.png. Finished fits are kept in DIR/unfinished until then: after
+Ctrl-C the same command goes on there."""
 SAY_EVERY = 5.0
 """Seconds between lines of progress where stderr is not a terminal."""
 
@@ -71,12 +78,21 @@ def add_parser(commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Fit."""
     from ..calibration.report import as_text
-    from ..calibration.run import run_study
+    from ..calibration.run import UNFINISHED, run_study
 
-    with Lines() as progress:
-        result = run_study(arguments.study, arguments.out, progress=progress)
+    begin = time.monotonic()
+    try:
+        with Lines() as progress:
+            result = run_study(arguments.study, arguments.out, progress=progress)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            f"finished fits are kept in {arguments.out / UNFINISHED}; the same command "
+            "goes on from there"
+        ) from None
     print(as_text(result), end="")
-    say(f"{result.seconds:.0f} s in all")
+    seconds = time.monotonic() - begin
+    say(f"{result.seconds:.0f} s for the fits, {seconds:.0f} s in all")
+    say(f"the report is {arguments.out / 'report.html'}")
 
 
 class Lines:
