@@ -10,6 +10,7 @@ from .further_tests import Suggestions, suggest_tests
 from .least_squares import Progress
 from .left_out import LeftOut, leave_out_campaigns, leave_out_each
 from .residuals import Residuals, residuals_of
+from .sampling import Samples, sample_posterior
 from .study import StudyResult, VariantResult
 
 
@@ -27,14 +28,20 @@ class Examination(NamedTuple):
     """Further tests that measure one result each."""
     together: Suggestions
     """Further tests that measure all."""
+    samples: Samples | None = None
+    """Of the posterior, where they were asked for."""
 
 
 def examine(
-    result: StudyResult, progress: Progress = lambda text: None
+    result: StudyResult,
+    *,
+    posterior: bool = False,
+    progress: Progress = lambda text: None,
 ) -> list[Examination]:
     """Examine every variant.
 
     Args:
+        posterior: whether to sample it too (`sampling`).
         progress: called with lines of text.
     """
     several = len(result.variants) > 1
@@ -42,6 +49,7 @@ def examine(
         _examine(
             result,
             variant,
+            posterior,
             lambda text, start=f"{variant.variant.name}: " if several else "": progress(
                 start + text
             ),
@@ -51,7 +59,7 @@ def examine(
 
 
 def _examine(
-    result: StudyResult, variant: VariantResult, progress: Progress
+    result: StudyResult, variant: VariantResult, posterior: bool, progress: Progress
 ) -> Examination:
     study, objective, points = result.study, variant.objective, variant.points
     uncertainty = variant.uncertainty
@@ -78,6 +86,11 @@ def _examine(
             criterion=wanted.criterion,
         )
 
+    samples = None
+    if posterior:
+        samples = sample_posterior(
+            variant, seed=study.seed, draws=draws, progress=progress
+        )
     return Examination(
         residuals=residuals_of(objective, points, inflation),
         draws=draws,
@@ -86,4 +99,5 @@ def _examine(
         campaigns=campaigns,
         single=suggested(False),
         together=suggested(True),
+        samples=samples,
     )

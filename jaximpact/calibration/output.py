@@ -18,6 +18,7 @@ from .left_out import LeftOut
 from .plot import plot_study
 from .report import as_text, fit_of_target, interval, standard_error
 from .report_files import write_report
+from .sampling import Samples, to_inference_data
 from .study import StudyResult, VariantResult
 from .study_file import Study
 
@@ -45,6 +46,13 @@ def write_all(result: StudyResult, examined: list[Examination], out: Path) -> No
     Raises OSError where the file system refuses.
     """
     write_report(result, examined, out)
+    for number, (variant, looked) in enumerate(
+        zip(result.variants, examined, strict=True), 1
+    ):
+        if looked.samples is not None:
+            several = f"-{number}" if len(examined) > 1 else ""
+            with replacing(out / f"posterior{several}.nc") as temporary:
+                to_inference_data(variant, looked.samples).to_netcdf(str(temporary))
     with replacing(out / "report.txt") as temporary:
         temporary.write_text(as_text(result), encoding="utf-8")
     with replacing(out / "fit.json") as temporary:
@@ -220,6 +228,7 @@ def _examination(result: StudyResult, looked: Examination) -> dict:
             "mean": _plain(looked.draws.mean()),
             "covariance": _plain(looked.draws.covariance()),
         },
+        "posterior": None if looked.samples is None else _samples(looked.samples),
         "left_out": {
             what: _left_out(study, left)
             for what, left in (("test", looked.each), ("campaign", looked.campaigns))
@@ -229,6 +238,20 @@ def _examination(result: StudyResult, looked: Examination) -> dict:
             "one_result_each": _further(looked.single),
             "all_results": _further(looked.together),
         },
+    }
+
+
+def _samples(samples: Samples) -> dict:
+    low, high = np.quantile(samples.values, (0.025, 0.975), axis=(0, 1))
+    return {
+        name: {
+            "mean": _plain(np.mean(samples.values[:, :, place])),
+            "standard_deviation": _plain(np.std(samples.values[:, :, place])),
+            "interval_95": [_plain(low[place]), _plain(high[place])],
+            "scale_reduction": _plain(samples.scale_reduction[place]),
+            "effective_draws": _plain(samples.effective[place]),
+        }
+        for place, name in enumerate(samples.names)
     }
 
 

@@ -26,11 +26,14 @@ from .report import (
     target_rows,
     variant_rows,
 )
+from .sampling import Samples
 from .study import StudyResult, VariantResult
 
 MOST_PAIRS = 3
 MOST_ROWS = 12
 """Tests listed of those left out: the worst predicted."""
+AGREE = 1.01
+"""R-hat up to which chains agree."""
 NEARLY_NORMAL = 0.7
 """Part of the draws that count above which the posterior passes for normal."""
 
@@ -106,8 +109,9 @@ def reservations(
     for target in dict.fromkeys(trend.target for trend in looked.residuals.trends):
         against = [t.against for t in looked.residuals.trends if t.target == target]
         lines.append(
-            f"The residuals of {target} follow {' and '.join(against)}: the model misses "
-            "something, and errors that take the misfit for random are too small."
+            f"The residuals of {target} follow {' and '.join(against)}: the model "
+            "misses something, and errors that take the misfit for random are too "
+            "small."
         )
     for left, what in ((looked.each, "test"), (looked.campaigns, "campaign")):
         if left is not None:
@@ -116,7 +120,7 @@ def reservations(
     if not looked.draws.trusted:
         lines.append(
             f"Of the draws fewer than {100 * FEWEST:g} % count: the bands are rough. "
-            "Sample the posterior (jaximpact.calibration.sampling) instead."
+            "Sample the posterior instead (--posterior)."
         )
     if np.sum(variant.reached) == 1 and len(variant.start_costs) > 1:
         lines.append("One start alone found the best fit: there may be a better one.")
@@ -211,12 +215,46 @@ def _parameters(result, variant, looked, prefix) -> list[Block]:
                 )
             ),
         ]
+    if looked.samples is not None:
+        blocks += _posterior(variant, looked.samples)
     if len(variant.names) > len(variant.verdicts):
         blocks += [
             Heading(3, "Nuisances, under their priors"),
             Table(nuisance_rows(result, variant)),
         ]
     return blocks
+
+
+def _posterior(variant: VariantResult, samples: Samples) -> list[Block]:
+    rows = [("parameter", "mean", "median", "95 %", "R-hat", "effective draws")]
+    for place in range(len(variant.verdicts)):
+        values = samples.values[:, :, place]
+        low, middle, high = np.quantile(values, (0.025, 0.5, 0.975))
+        rows.append(
+            (
+                samples.names[place],
+                f"{np.mean(values):.4g}",
+                f"{middle:.4g}",
+                f"{low:.4g} to {high:.4g}",
+                f"{samples.scale_reduction[place]:.3f}",
+                f"{samples.effective[place]:.0f}",
+            )
+        )
+    chains, count = samples.divergent.shape
+    words = (
+        f"{chains} chains of {count} draws by NUTS, uniform in the logarithm between "
+        "the bounds where no prior is given; the intervals of what the data do not "
+        "determine are those of the bounds."
+    )
+    divergent = int(np.sum(samples.divergent))
+    if divergent:
+        words += (
+            f" {divergent} draws diverged, as they do where an outcome changes: the "
+            "posterior beyond may be missed."
+        )
+    if np.max(samples.scale_reduction) > AGREE:
+        words += f" The chains do not agree (R-hat above {AGREE}): draw more."
+    return [Heading(3, "Posterior"), Table(rows), Paragraph(words)]
 
 
 def _with_profiles(variant: VariantResult) -> list[tuple[str, ...]]:

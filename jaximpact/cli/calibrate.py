@@ -72,6 +72,12 @@ def add_parser(commands) -> None:
         metavar="DIR",
         help="directory for report, fitted values and plot; made if need be",
     )
+    parser.add_argument(
+        "--posterior",
+        action="store_true",
+        help="sample the posterior too, by NUTS, some minutes for each variant, and "
+        "write posterior.nc for ArviZ; needs pip install 'jaximpact[bayes]'",
+    )
     parser.set_defaults(run=run)
 
 
@@ -83,7 +89,12 @@ def run(arguments: argparse.Namespace) -> None:
     begin = time.monotonic()
     try:
         with Lines() as progress:
-            result = run_study(arguments.study, arguments.out, progress=progress)
+            result = run_study(
+                arguments.study,
+                arguments.out,
+                posterior=arguments.posterior,
+                progress=progress,
+            )
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             f"finished fits are kept in {arguments.out / UNFINISHED}; the same command "
