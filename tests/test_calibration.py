@@ -438,6 +438,9 @@ def test_files_of_the_twin(twin):
         "fit.json",
         "fit.png",
         "fitted.csv",
+        "report",
+        "report.html",
+        "report.md",
         "report.txt",
     ]
     report = (out / "report.txt").read_text()

@@ -167,6 +167,10 @@ def bounded_step(
     right = np.where(moving, -gradient, 0.0)
     step = np.linalg.solve(system, right[..., None])[..., 0]
     beyond = np.any((step < least) | (step > most), axis=1)
+    # One that was held at its bound may have to leave it when the others have moved.
+    slope = gradient + np.einsum("lpq,lq->lp", damped, step)
+    inward = np.where(down >= 0.0, slope < 0.0, slope > 0.0)
+    beyond |= np.any(free & at_bound & inward, axis=1)
     least, most = np.where(free, least, 0.0), np.where(free, most, 0.0)
     step = np.clip(step, least, most)
     for lane in np.flatnonzero(beyond):

@@ -81,7 +81,9 @@ def leave_out_each(
     study = objective.study
     measured = np.flatnonzero(np.any(study.known, axis=1))
     if len(measured) > at_most:
-        steps = np.abs(linearised(objective, points, np.eye(len(study.tests), bool)))
+        steps = np.abs(
+            linearised(objective, points, np.eye(len(study.tests), dtype=bool))
+        )
         far = np.max(steps / uncertainty.standard_errors, axis=1)
         measured = np.sort(measured[np.argsort(-far[measured])[:at_most]])
     group = np.full(len(study.tests), -1)

@@ -69,7 +69,7 @@ class Memory:
 
 
 def _read(path: Path) -> Fits:
-    with np.load(path) as stored:
+    with open(path, "rb") as file, np.load(file) as stored:
         points = Points(*(stored[f"arr_{i}"] for i in range(len(Points._fields))))
         reasons = [Reason[str(name)] for name in stored["reasons"]]
         return Fits(points, reasons, stored["steps"])

@@ -11,7 +11,7 @@ import numpy as np
 from ..accuracy import PRESETS
 from ..errors import InputError
 from ..files import replacing
-from ..provenance import versions
+from ..provenance import version_of, versions
 from .examination import Examination
 from .further_tests import Suggestions
 from .left_out import LeftOut
@@ -243,7 +243,7 @@ def _examination(result: StudyResult, looked: Examination) -> dict:
 
 def _samples(samples: Samples) -> dict:
     low, high = np.quantile(samples.values, (0.025, 0.975), axis=(0, 1))
-    return {
+    return {"blackjax": version_of("blackjax")} | {
         name: {
             "mean": _plain(np.mean(samples.values[:, :, place])),
             "standard_deviation": _plain(np.std(samples.values[:, :, place])),

@@ -1,0 +1,711 @@
+"""What is to be known of a fit: left-out tests, bands, residuals, further tests, the
+report and going on after an interrupt. Linear models have exact answers."""
+
+import base64
+import dataclasses
+import html.parser
+import json
+import re
+
+import numpy as np
+import pytest
+from command_line import assert_one_line_error
+from scipy.optimize import lsq_linear
+
+from jaximpact.calibration import draws, memory, run
+from jaximpact.calibration.bands import bands_of
+from jaximpact.calibration.candidates import Sigma
+from jaximpact.calibration.design import choose, merit
+from jaximpact.calibration.document import Heading, Paragraph, as_html, as_markdown
+from jaximpact.calibration.draws import draw
+from jaximpact.calibration.fit import fit
+from jaximpact.calibration.further_tests import as_text, suggest_tests
+from jaximpact.calibration.least_squares import bounded_step
+from jaximpact.calibration.left_out import (
+    leave_out_campaigns,
+    leave_out_each,
+    linearised,
+)
+from jaximpact.calibration.memory import Memory
+from jaximpact.calibration.objective import Objective, Points, engine_of
+from jaximpact.calibration.residuals import residuals_of
+from jaximpact.calibration.sampling import sample_posterior, to_inference_data
+from jaximpact.calibration.study import fit_study
+from jaximpact.calibration.study_file import read_study
+from jaximpact.calibration.uncertainty import estimate, regular_covariance
+from jaximpact.cli import main
+from jaximpact.errors import InputError
+
+# --- A linear model in place of impacts: every answer is known. ---
+
+SIGMA = 0.05
+HALF_WIDTH = 0.5 * np.log(1e6)
+"""Of the range of each unknown, in x."""
+
+
+class Linear(Objective):
+    """Predictions that are linear in x: `matrix @ x`, one target."""
+
+    matrix = None
+
+    def _predict(self, x, wanted):
+        predicted = (x @ self.matrix.T)[:, :, None]
+        jacobian = np.where(wanted.T[:, None, None, :], self.matrix[:, None, :], 0.0)
+        return predicted, np.zeros((len(x), len(self.matrix))), jacobian
+
+
+def linear(tmp_path, matrix, measured, campaigns=None):
+    """A study of a linear model, its fit (points of one lane) and uncertainty."""
+    head, labels = "speed_mps,e_n", [""] * len(measured)
+    if campaigns is not None:
+        head, labels = head + ",campaign", [f",{name}" for name in campaigns]
+    rows = [
+        f"{place + 1.0},{value:.17g}{label}"
+        for place, (value, label) in enumerate(zip(measured, labels, strict=True))
+    ]
+    (tmp_path / "tests.csv").write_text("\n".join([head, *rows]) + "\n")
+    names = ("c_v", "gamma_v", "k_E")[: matrix.shape[1]]
+    bounds = "{ start = 1.0, lower = 1e-3, upper = 1e3 }"
+    text = 'data = "tests.csv"\n[parameters]\n'
+    text += "".join(f"{name} = {bounds}\n" for name in names)
+    (tmp_path / "study.toml").write_text(f"{text}[default_sigma]\ne_n = {SIGMA}\n")
+    study = read_study(tmp_path / "study.toml")
+    objective = Linear(study, study.variants[0], None)
+    objective.matrix = matrix
+    fits = fit(objective, np.zeros((1, matrix.shape[1])))
+    return objective, fits.points, estimate(objective, fits.points)
+
+
+def line(count, seed=0, campaigns=None):
+    """Matrix of a straight line, and measurements about 0.2 + 0.3 z."""
+    z = np.linspace(-1.0, 1.0, count)
+    matrix = np.stack([np.ones(count), z], axis=1)
+    noise = SIGMA * np.random.default_rng(seed).normal(size=count)
+    return matrix, 0.2 + 0.3 * z + noise
+
+
+def test_a_step_between_bounds_is_the_least():
+    """Against SciPy, with unknowns correlated up to 0.999999: sweeps over the unknowns
+    end far from the least there, and even above the start."""
+    random = np.random.default_rng(1)
+    for _ in range(100):
+        size = int(random.integers(2, 6))
+        scale = 10.0 ** random.uniform(-3, 0, size)
+        root = random.normal(size=(size + 1, size)) * scale
+        root = root @ (1.0 + 1e-3 * random.normal(size=(size, size)))
+        residual = random.normal(size=size + 1)
+        down = -random.random(size) * (random.random(size) < 0.7)
+        up = random.random(size)
+        points = Points(
+            *[np.zeros((1, 0))] * 2,
+            (root.T @ residual)[None],
+            (root.T @ root)[None],
+            *[np.zeros((1, 0))] * 3,
+        )
+        step, promise = bounded_step(
+            points, np.ones((1, size), bool), down[None], up[None], np.zeros(1)
+        )
+        assert np.all((step[0] >= down) & (step[0] <= up))
+        down = np.minimum(down, -1e-300)  # SciPy wants room
+        best = lsq_linear(root, -residual, (down, up), method="bvls", tol=1e-14)
+        fall = 0.5 * residual @ residual - best.cost
+        # Both add rounding; ours a part of 1e-12 to the curvature too.
+        assert promise[0] == pytest.approx(fall, rel=1e-4, abs=1e-9)
+
+
+def test_bounds_as_a_weak_prior(tmp_path):
+    """The second unknown has no influence: a uniform distribution over its range is
+    left. On the first the bounds have next to none."""
+    matrix = np.stack([np.ones(8), np.zeros(8)], axis=1)
+    objective, points, _ = linear(tmp_path, matrix, np.full(8, 0.1))
+    covariance = regular_covariance(objective, points, 1.0)
+    assert covariance[1, 1] == pytest.approx((2.0 * HALF_WIDTH) ** 2 / 12.0)
+    information = 8.0 / SIGMA**2 + 12.0 / (2.0 * HALF_WIDTH) ** 2
+    assert covariance[0, 0] == pytest.approx(1.0 / information)
+
+
+def test_draws_of_a_normal_posterior(tmp_path):
+    """Their moments are those of the fit; next to all of them count."""
+    objective, points, uncertainty = linear(tmp_path, *line(20))
+    found = draw(objective, points, 1.0, count=4000)
+    assert len(found.effective_part) == 1
+    # Student's distribution of 5 degrees of freedom for a normal one, 2 unknowns: 0.924.
+    assert found.effective_part[0] == pytest.approx(0.924, abs=0.03)
+    # 4 standard errors of the mean of 3700 draws.
+    error = uncertainty.standard_errors
+    assert np.all(np.abs(found.mean() - points.x[0]) < 4.0 * error / np.sqrt(3700))
+    apart = found.covariance() - uncertainty.covariance
+    # Errors of 2.3 % on variances: 4 of them.
+    assert np.all(np.abs(apart) < 0.1 * np.outer(error, error))
+
+
+def test_draws_that_do_not_count_are_drawn_again(tmp_path, monkeypatch):
+    """From a proposal ten times too narrow they find the posterior all the same."""
+    objective, points, uncertainty = linear(tmp_path, *line(20))
+    narrow = 0.01 * uncertainty.covariance
+    monkeypatch.setattr(draws, "regular_covariance", lambda *arguments: narrow)
+    found = draw(objective, points, 1.0, count=2000)
+    assert len(found.effective_part) > 1
+    assert found.effective_part[-1] > 0.5
+    deviation = np.sqrt(np.diag(found.covariance()))
+    np.testing.assert_allclose(deviation, uncertainty.standard_errors, rtol=0.15)
+
+
+def test_bands_of_a_line(tmp_path):
+    """Against the textbook, of the line and of a measurement."""
+    matrix, measured = line(20)
+    objective, points, uncertainty = linear(tmp_path, matrix, measured)
+    found = bands_of(objective, draw(objective, points, 1.0, count=4000), 1.0)
+    spread = np.sqrt(np.einsum("tp,pq,tq->t", matrix, uncertainty.covariance, matrix))
+    width = (found.high - found.low)[:, 0]
+    # Quantiles of some 3700 draws: 4 standard errors of 3 % each.
+    np.testing.assert_allclose(width, 2.0 * 1.96 * spread, rtol=0.12)
+    width = (found.measured_high - found.measured_low)[:, 0]
+    np.testing.assert_allclose(width, 2.0 * 1.96 * np.hypot(spread, SIGMA), rtol=0.03)
+    assert np.all(found.failed_part == 0.0)
+
+
+def test_bands_where_nothing_is_predicted(tmp_path):
+    objective, points, _ = linear(tmp_path, *line(6))
+    found = draw(objective, points, 1.0)
+    gone = found.predicted.copy()
+    gone[:, 2] = np.nan
+    bands = bands_of(objective, found._replace(predicted=gone), 1.0)
+    assert np.isnan(bands.low[2, 0])
+    assert bands.failed_part[2, 0] == 1.0
+    assert np.all(np.isfinite(np.delete(bands.low, 2, axis=0)))
+
+
+def test_left_out_of_a_line(tmp_path):
+    """In closed form: the residual over 1 - h, and sigma / sqrt(1 - h)."""
+    matrix, measured = line(12)
+    objective, points, uncertainty = linear(tmp_path, matrix, measured)
+    found = leave_out_each(objective, points, uncertainty)
+    hat = matrix @ np.linalg.inv(matrix.T @ matrix) @ matrix.T
+    left = 1.0 - np.diag(hat)
+    residual = measured - (hat @ measured)
+    # The fits end a hundredth of a standard error from their minima; the bounds, as a
+    # prior, add 1e-5.
+    apart = measured - found.predicted[:, 0]
+    np.testing.assert_allclose(apart, residual / left, rtol=1e-3, atol=1e-2 * SIGMA)
+    np.testing.assert_allclose(found.deviation[:, 0], SIGMA / np.sqrt(left), rtol=1e-3)
+    steps = linearised(objective, points, np.eye(12, dtype=bool))
+    exact = [
+        np.linalg.lstsq(np.delete(matrix, k, 0), np.delete(measured, k), rcond=None)[0]
+        for k in range(12)
+    ]
+    np.testing.assert_allclose(points.x[0] + steps, exact, rtol=0.0, atol=1e-8)
+    np.testing.assert_allclose(found.x, exact, rtol=0.0, atol=1e-2 * SIGMA)
+
+
+def test_only_the_most_telling_are_left_out_of_many(tmp_path):
+    matrix, measured = line(12)
+    measured[4] += 10.0 * SIGMA
+    objective, points, uncertainty = linear(tmp_path, matrix, measured)
+    found = leave_out_each(objective, points, uncertainty, at_most=3)
+    assert len(found.groups) == 3
+    assert found.group[4] >= 0
+    assert np.sum(np.isfinite(found.predicted)) == 3
+
+
+def test_campaigns_left_out(tmp_path):
+    """One campaign lies elsewhere: the others do not predict it, and that is said."""
+    matrix, measured = line(18)
+    names = np.repeat(["a", "b", "c"], 6)[np.random.default_rng(0).permutation(18)]
+    objective, points, uncertainty = linear(tmp_path, matrix, measured, names)
+    found = leave_out_campaigns(objective, points, uncertainty)
+    rest = names != "b"
+    exact = np.linalg.lstsq(matrix[rest], measured[rest], rcond=None)[0]
+    number = found.groups.index("b")
+    np.testing.assert_allclose(found.x[number], exact, rtol=0.0, atol=1e-2 * SIGMA)
+    assert np.mean(found.inside(measured[:, None])) > 0.8
+    shifted = measured + np.where(names == "b", 1.0, 0.0)
+    objective, points, uncertainty = linear(tmp_path, matrix, shifted, names)
+    found = leave_out_campaigns(objective, points, uncertainty._replace(inflation=1.0))
+    assert not np.any(found.inside(shifted[:, None])[names == "b"])
+    alone = linear(tmp_path, matrix, measured)
+    assert leave_out_campaigns(*alone) is None
+
+
+def test_without_the_only_test_that_tells(tmp_path):
+    """Left out, its prediction is as uncertain as the bounds are wide."""
+    matrix = np.stack([np.ones(6), [0, 0, 1, 0, 0, 0]], axis=1)
+    objective, points, uncertainty = linear(tmp_path, matrix, np.full(6, 0.1))
+    found = leave_out_each(objective, points, uncertainty)
+    assert found.deviation[2, 0] == pytest.approx(HALF_WIDTH / np.sqrt(3.0), rel=1e-3)
+    assert np.all(np.delete(found.deviation, 2) < 2.0 * SIGMA)
+
+
+def test_residuals_are_studentised(tmp_path):
+    """Of many repeats each has the variance 1, whatever its leverage."""
+    squares = []
+    for seed in range(200):
+        matrix, measured = line(5, seed)
+        objective, points, _ = linear(tmp_path, matrix, measured)
+        squares.append(residuals_of(objective, points, 1.0).values[:, 0] ** 2)
+    # Of 200 squares of normal numbers: 4 standard errors of 0.1.
+    np.testing.assert_allclose(np.mean(squares, axis=0), 1.0, atol=0.4)
+
+
+def test_what_residuals_follow_is_found(tmp_path):
+    """A line fitted to a parabola: no rank correlation, but neighbours are alike. Of
+    pure noise nothing is said, in 95 of 100 cases."""
+    z = np.linspace(-1.0, 1.0, 16)
+    matrix = np.stack([np.ones(16), z], axis=1)
+    objective, points, _ = linear(tmp_path, matrix, z**2)
+    found = residuals_of(objective, points, 1.0)
+    assert {trend.against for trend in found.trends} == {"speed_mps"}
+    assert abs(found.trends[0].correlation) < 0.1
+    assert found.trends[0].likeness > 0.6
+    said = 0
+    for seed in range(60):
+        objective, points, _ = linear(tmp_path, *line(16, seed))
+        said += bool(residuals_of(objective, points, 1.0).trends)
+    assert said <= 8  # 3 expected; more than 8 in one of 100
+
+
+# --- Design, of linear models whose best designs are known. ---
+
+
+def gains_of(rows):
+    return rows[:, :, None] * rows[:, None, :]
+
+
+def test_the_best_design_of_a_parabola():
+    """D-optimal is a third of the tests at each of -1, 0 and 1."""
+    z = np.linspace(-1.0, 1.0, 21)
+    rows = np.stack([np.ones(21), z, z**2], axis=1)
+    found = choose(1e-6 * np.eye(3), gains_of(rows), 30)
+    places, counts = np.unique(z[found.chosen].round(6), return_counts=True)
+    np.testing.assert_allclose(places, [-1.0, 0.0, 1.0], atol=1e-9)
+    np.testing.assert_array_equal(counts, 10)
+
+
+def test_the_best_design_of_a_line_through_the_origin():
+    """A-optimal with weights known: variances fall fastest at the end."""
+    z = np.linspace(0.1, 1.0, 10)
+    found = choose(np.eye(1), gains_of(z[:, None]), 4, "A")
+    assert found.chosen == [9] * 4
+    np.testing.assert_allclose(
+        found.covariances[:, 0, 0], [1, 1 / 2, 1 / 3, 1 / 4, 1 / 5]
+    )
+
+
+def test_a_and_d_differ_where_they_should():
+    """Two unknowns, one known ill: A looks after the ill-known one, D after whichever
+    can be improved by the larger factor."""
+    information = np.diag([1.0, 100.0])
+    gains = gains_of(np.array([[1.0, 0.0], [0.0, 20.0]]))
+    assert np.argmax(merit(information, gains, "A")) == 0
+    assert np.argmax(merit(information, gains, "D")) == 1
+    # By hand: determinant 2 and 5 times as large, over 4; trace from 1.01 to 0.51.
+    np.testing.assert_allclose(merit(information, gains, "D"), np.log([2.0, 5.0]) / 4.0)
+    expected = 0.5 * np.log(1.01 / 0.51)
+    assert merit(information, gains, "A")[0] == pytest.approx(expected)
+
+
+# --- Impacts. ---
+
+TESTS = ((100.0, 6.0), (500.0, 15.0), (50.0, 25.0), (2000.0, 10.0))
+TARGETS = ("e_n", "max_penetration_m")
+TRUE = (2.0, 5.0, 1500.0)
+STUDY = """\
+title = "A <twin> & more"
+data = "tests.csv"
+starts = 6
+accuracy = "balanced"
+[parameters]
+c_v = { start = 1.0, lower = 0.1, upper = 20.0 }
+gamma_v = { start = 10.0, lower = 0.5, upper = 100.0 }
+k_E = { start = 900.0, lower = 50.0, upper = 20000.0 }
+[default_sigma]
+e_n = 0.01
+max_penetration_m = 0.005
+"""
+BY_ONE = "[further_tests]\ncandidates = { speed_mps = [5, 20], angle_deg = [0, 40] }\n"
+
+
+def write_study(folder, measured=None, text=STUDY, tests=TESTS, campaigns=None):
+    measured = np.ones((len(tests), len(TARGETS))) if measured is None else measured
+    lines = [",".join(("mass_kg", "speed_mps", "campaign", *TARGETS))]
+    campaigns = campaigns or ["a"] * len(tests)
+    for test, name, values in zip(tests, campaigns, measured, strict=True):
+        cells = *(repr(float(v)) for v in test), name, *(f"{v:.17g}" for v in values)
+        lines.append(",".join(cells))
+    (folder / "tests.csv").write_text("\n".join(lines) + "\n")
+    (folder / "study.toml").write_text(text)
+    return folder / "study.toml"
+
+
+def model(folder, engine, tests):
+    """What the model gives at the true soil."""
+    study = read_study(write_study(folder, tests=tests))
+    objective = Objective(study, study.variants[0], engine)
+    return objective(objective.bounds.coordinate(TRUE)[None]).predicted[0]
+
+
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory):
+    """The machine code that all tests share."""
+    return engine_of(read_study(write_study(tmp_path_factory.mktemp("engine"))))
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory, engine):
+    """The fit of a twin without noise."""
+    folder = tmp_path_factory.mktemp("twin")
+    measured = model(folder, engine, TESTS)
+    return fit_study(read_study(write_study(folder, measured))).variants[0]
+
+
+def test_a_further_test_shrinks_errors_as_promised(tmp_path, engine, fitted):
+    """Against the fit of a study that has it."""
+    sigma = {"e_n": 0.01, "max_penetration_m": 0.005}
+    candidates = {"mass_kg": [50.0, 2000.0], "speed_mps": [4.0, 12.0, 30.0]}
+    found = suggest_tests(fitted, candidates, sigma, together=True, count=1)
+    best = found.chosen[0]
+    added = best.scene["mass_kg"], best.scene["speed_mps"]
+    tests = (*TESTS, added)
+    measured = model(tmp_path, engine, tests)
+    study = read_study(write_study(tmp_path, measured, tests=tests))
+    objective = Objective(study, study.variants[0], engine)
+    again = fit(objective, fitted.points.x)
+    errors = estimate(objective, again.points).standard_errors
+    # The bounds, as a prior, add 1e-3; derivatives are to 1e-3 at this accuracy.
+    np.testing.assert_allclose(best.errors, errors, rtol=1e-2)
+    for name, place in zip(TARGETS, range(2), strict=True):
+        assert best.predicted[name] == pytest.approx(measured[-1, place], rel=1e-3)
+    # No other candidate would have done better.
+    volumes = []
+    for other in zip(*found.candidates.values(), strict=True):
+        measured = model(tmp_path, engine, (*TESTS, other))
+        study = read_study(write_study(tmp_path, measured, tests=(*TESTS, other)))
+        objective = Objective(study, study.variants[0], engine)
+        covariance = estimate(objective, objective(fitted.points.x)).covariance
+        volumes.append(np.linalg.slogdet(covariance)[1])
+    places = list(zip(*found.candidates.values(), strict=True))
+    assert places[int(np.argmin(volumes))] == added
+
+
+def test_errors_are_those_of_repeated_noise(tmp_path, engine, fitted):
+    """Brute force: the scatter of refits to 60 noisy repeats, with the test that was
+    suggested, is what was promised."""
+    sigma = np.array([0.01, 0.005])
+    measure = dict(zip(TARGETS, sigma, strict=True))
+    candidates = {"mass_kg": [50.0, 2000.0], "speed_mps": [4.0, 12.0, 30.0]}
+    best = suggest_tests(fitted, candidates, measure, together=True, count=1).chosen[0]
+    tests = (*TESTS, (best.scene["mass_kg"], best.scene["speed_mps"]))
+    measured = model(tmp_path, engine, tests)
+    random = np.random.default_rng(0)
+    study = read_study(write_study(tmp_path, measured, tests=tests))
+    # A tenth of the noise, so that the model is linear over it.
+    study = dataclasses.replace(study, sigma=0.1 * study.sigma)
+    ends = []
+    for _ in range(60):
+        noisy = measured + 0.1 * sigma * random.normal(size=measured.shape)
+        repeat = dataclasses.replace(study, measured=noisy)
+        objective = Objective(repeat, repeat.variants[0], engine)
+        ends.append(fit(objective, fitted.points.x).points.x[0])
+    scatter = np.std(ends, axis=0, ddof=1)
+    # The standard deviation of 60 is known to 9 %: 3.5 of that.
+    np.testing.assert_allclose(scatter, 0.1 * best.errors, rtol=0.32)
+
+
+def test_further_tests_where_data_determine_nothing(tmp_path, engine):
+    """One vertical drop, one number: the bounds stand in for data, and it is said."""
+    tests = (TESTS[1],)
+    measured = model(tmp_path, engine, tests)
+    measured[:, 1] = np.nan
+    text = STUDY.replace("max_penetration_m = 0.005\n", "")
+    path = write_study(tmp_path, measured, text, tests)
+    path.with_name("tests.csv").write_text(
+        f"mass_kg,speed_mps,e_n\n500,15,{measured[0, 0]:.17g}\n"
+    )
+    variant = fit_study(read_study(path)).variants[0]
+    found = suggest_tests(variant, {"speed_mps": [5.0, 30.0]}, {"e_n": 0.01})
+    assert set(found.stood_in) >= {"c_v", "gamma_v"}
+    assert np.all(np.isfinite(found.now))
+    widest = 2.0 * np.max(variant.bounds.half) / np.sqrt(12.0)
+    assert np.all(found.now <= widest)
+    assert np.all(np.diff([c.volume for c in found.chosen]) >= 0.0)
+    text = as_text(found)
+    assert "the bounds stand in for data" in text
+    now = next(line for line in text.splitlines() if line.strip().startswith("now"))
+    assert now.count("not determined") == 3
+
+
+def test_candidates_without_a_result_are_counted(fitted):
+    """A block that moves away from the ground has no impact."""
+    sigma = {"e_n": 0.01}
+    found = suggest_tests(
+        fitted, {"slope_deg": [0.0], "angle_deg": [0.0, 30.0]}, sigma, count=1
+    )
+    assert found.left_out == 0
+    found = suggest_tests(fitted, {"angle_deg": [0.0, 30.0]}, {"e_t": 0.01}, count=1)
+    assert found.left_out == 1  # e_t has no meaning along the normal
+    assert found.volumes[0, 0] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (dict(candidates={"sped_mps": [1.0]}), "did you mean speed_mps"),
+        (dict(candidates={"k_E": [1.0]}), "is fitted"),
+        (dict(candidates={"speed_mps": [-1.0]}), "above 0 m/s"),
+        (dict(candidates={"speed_mps": "fast"}), "must hold numbers"),
+        (dict(measure={"en": 0.1}), "did you mean e_n"),
+        (dict(measure={"e_n": 0.0}), "sigma above 0"),
+        (dict(criterion="E"), "must be D or A"),
+        (dict(count=0), "at least 1"),
+    ],
+)
+def test_bad_candidates(fitted, arguments, words):
+    with pytest.raises(InputError, match=words):
+        suggest_tests(fitted, **arguments)
+
+
+BAD = {
+    "key": ("candidats = {}", ("further_tests.candidats", "candidates")),
+    "axis": ("candidates = { sped_mps = [1] }", ("candidates.sped_mps", "speed_mps")),
+    "value": ("candidates = { speed_mps = [0] }", ("candidates.speed_mps", "above 0")),
+    "fitted": ("candidates = { c_v = [1] }", ("candidates.c_v", "is fitted")),
+    "result": ("measure = { en = 0.1 }", ("measure.en", "e_n")),
+    "sigma": ("measure = { e_n = 0 }", ("measure.e_n", "above 0")),
+    "part": ("measure = { e_n = { rel = 1 } }", ("measure.e_n.rel", "relative")),
+    "count": ("count = 0", ("count", "at least 1")),
+    "criterion": ('criterion = "E"', ("criterion", "D, A")),
+}
+
+
+@pytest.mark.parametrize(("wrong", "parts"), BAD.values(), ids=BAD)
+def test_bad_further_tests_are_one_line(tmp_path, capsys, wrong, parts):
+    path = write_study(tmp_path, text=f"{STUDY}[further_tests]\n{wrong}\n")
+    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
+    assert_one_line_error(capsys, "study.toml", *parts)
+
+
+def test_a_sigma_in_words():
+    assert str(Sigma(0.01, 0.1)) == "0.01 and 10 %"
+    assert str(Sigma(relative=0.1)) == "10 %"
+
+
+# --- What is kept. ---
+
+
+def test_finished_fits_are_not_made_again(tmp_path, engine, monkeypatch):
+    study = read_study(write_study(tmp_path, np.full((4, 2), 0.2)))
+    objective = Objective(study, study.variants[0], engine)
+    objective.memory = Memory(tmp_path / "kept")
+    x = objective.bounds.coordinate(TRUE)[None]
+    first = fit(objective, x)
+    (path,) = (tmp_path / "kept").iterdir()
+
+    def fail(*arguments):
+        raise AssertionError("fitted again")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("jaximpact.calibration.fit.levenberg_marquardt", fail)
+        again = fit(objective, x)
+        with pytest.raises(AssertionError, match="fitted again"):
+            fit(objective, x + 0.1)
+        with pytest.raises(AssertionError, match="fitted again"):
+            fit(objective.with_sigma(2.0 * objective.sigma), x)
+    for one, other in zip(first.points, again.points, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert first.reasons == again.reasons
+    path.write_bytes(path.read_bytes()[:100])  # cut short: made anew
+    fit(objective, x)
+    assert objective.memory.found == 1
+    objective.memory.forget()
+    assert not (tmp_path / "kept").exists()
+
+
+# --- The report. ---
+
+
+class Page(html.parser.HTMLParser):
+    """What a page holds."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.images, self.texts, self.attributes = [], [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.attributes += [(tag, *pair) for pair in attrs]
+        if tag == "img":
+            self.images.append(dict(attrs))
+        elif tag != "meta":
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] != "style":
+            self.texts.append(data)
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory, engine):
+    """A noisy twin of two campaigns with a parameter that nothing depends on,
+    interrupted once, and its files."""
+    folder = tmp_path_factory.mktemp("report")
+    measured = model(folder, engine, TESTS)
+    measured = measured * (
+        1.0 + 0.02 * np.random.default_rng(3).normal(size=measured.shape)
+    )
+    text = STUDY.replace(
+        "k_E = {", "alpha_vR = { start = 1.0, lower = 0.1, upper = 9 }\nk_E = {"
+    )
+    path = write_study(folder, measured, text + BY_ONE, campaigns=["a", "b"] * 2)
+    out = folder / "out"
+    interrupted = []
+
+    def interrupt(*arguments, **named):
+        interrupted.append(len(list((out / run.UNFINISHED).iterdir())))
+        raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(run, "examine", interrupt)
+        code = main(["calibrate", str(path), "--out", str(out)])
+    assert code == 130
+    assert interrupted[0] >= 3  # starts, refinement, profiles
+    assert sorted(p.name for p in out.iterdir()) == [run.UNFINISHED]
+    made = []
+    real = memory.Memory.recall
+
+    def recall(self, objective, details, make):
+        return real(self, objective, details, lambda: made.append(1) or make())
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(memory.Memory, "recall", recall)
+        assert main(["calibrate", str(path), "--out", str(out)]) == 0
+    # Only the fits without each of 4 tests and of 2 campaigns were left to make.
+    assert len(made) == 6
+    return out
+
+
+def test_the_files_are_there(written):
+    assert sorted(p.name for p in written.iterdir()) == [
+        *("fit.json", "fit.png", "fitted.csv", "report", "report.html", "report.md"),
+        "report.txt",
+    ]
+
+
+def test_the_page_needs_nothing_else(written):
+    text = (written / "report.html").read_text()
+    page = Page(text)
+    assert page.open == []
+    assert len(page.images) > 8
+    for image in page.images:
+        kind, data = image["src"].split(",", 1)
+        assert kind == "data:image/png;base64"
+        assert base64.b64decode(data, validate=True).startswith(b"\x89PNG")
+        assert image["alt"]
+    names = {name for _, name, _ in page.attributes}
+    assert "href" not in names
+    assert "url(" not in text
+    assert "<script" not in text
+    assert 'name="viewport"' in text
+    assert "A <twin> & more" in "".join(page.texts)  # not taken for a tag
+
+
+def test_the_page_says_what_is_not_determined(written):
+    text = (written / "report.html").read_text()
+    verdict = text[text.index('class="verdict"') :]
+    verdict = verdict[: verdict.index("</div>")]
+    assert "Not alpha_vR" in verdict
+    rows = re.findall(r"<tr><td[^>]*>alpha_vR</td>(.*?)</tr>", text)
+    parameters, _ = rows  # and the correlation
+    assert "not determined" in parameters
+    assert "anything" in parameters
+    assert "%)" not in parameters
+    assert "alpha_vR" not in verdict.split("The tests determine")[1].split("</p>")[0]
+
+
+def test_markdown_is_the_same_and_its_pictures_are_there(written):
+    markdown = (written / "report.md").read_text()
+    pictures = re.findall(r"!\[[^]]*\]\(([^)]*)\)", markdown)
+    page = Page((written / "report.html").read_text())
+    assert len(pictures) == len(page.images)
+    for picture in pictures:
+        assert (written / picture).read_bytes().startswith(b"\x89PNG")
+    assert len(list((written / "report").iterdir())) == len(pictures)
+    heads = re.findall(r"<h\d>(.*?)</h\d>", (written / "report.html").read_text())
+    plain = [html.unescape(head) for head in heads]
+    lines = [x.lstrip("# ").replace("\\", "") for x in markdown.splitlines()]
+    assert [x for x in lines if x in plain] == plain
+
+
+def test_numbers_of_the_report(written):
+    content = json.loads((written / "fit.json").read_text())
+    (variant,) = content["variants"]
+    assert [x["name"] for x in variant["left_out"]["campaign"]] == ["a", "b"]
+    assert len(variant["left_out"]["test"]) == len(TESTS)
+    further = variant["further_tests"]["all_results"]
+    assert len(further["chosen"]) == 3
+    assert set(further["chosen"][0]["test"]) == {"speed_mps", "angle_deg"}
+    rows = [x.split(",") for x in (written / "fitted.csv").read_text().splitlines()]
+    head, first = rows[:2]
+    cells = dict(zip(head, first, strict=True))
+    assert float(cells["low"]) < float(cells["model_low"]) < float(cells["model_high"])
+    assert float(cells["left_out_deviation"]) >= float(cells["sigma"])
+    assert len(rows) == 1 + len(TESTS) * len(TARGETS)
+
+
+def test_signs_that_mean_something_elsewhere():
+    blocks = [Heading(1, "a < b"), Paragraph("c_v^2 * [x] | <b> # `d`")]
+    assert "a &lt; b" in as_html(blocks)
+    markdown = as_markdown(blocks, "report")
+    assert "# a \\< b\n" in markdown
+    assert "c_v^2 \\* \\[x\\] \\| \\<b\\> \\# \\`d\\`" in markdown
+
+
+# --- The posterior. ---
+
+
+def test_nuts_agrees_with_laplace(tmp_path, engine):
+    """A twin with 2 % of noise, where the posterior is near normal."""
+    pytest.importorskip("blackjax")
+    pytest.importorskip("arviz")
+    tests = ((100.0, 6.0), (500.0, 15.0), (50.0, 25.0))
+    measured = model(tmp_path, engine, tests)
+    random = np.random.default_rng(5)
+    noisy = measured * (1.0 + 0.02 * random.normal(size=measured.shape))
+    text = STUDY.replace("k_E = { start = 900.0, lower = 50.0, upper = 20000.0 }\n", "")
+    text = text.replace("e_n = 0.01", "e_n = 0.002") + "[soil]\nk_E = 1500.0\n"
+    study = read_study(write_study(tmp_path, noisy, text, tests))
+    variant = fit_study(study).variants[0]
+    samples = sample_posterior(variant, chains=4, warmup=50, count=150, seed=1)
+    assert not np.any(samples.divergent)
+    assert np.all(samples.scale_reduction < 1.05)
+    assert np.all(samples.effective > 150.0)
+    error = variant.uncertainty.standard_errors
+    mean = np.mean(samples.x, axis=(0, 1))
+    # 4 errors of the mean of 150 draws, and what the posterior is off normal.
+    assert np.all(np.abs(mean - variant.points.x[0]) < 0.4 * error)
+    np.testing.assert_allclose(np.std(samples.x, axis=(0, 1)), error, rtol=0.25)
+    flat = samples.x.reshape(-1, 2)
+    correlation = np.corrcoef(flat.T)[0, 1]
+    assert correlation == pytest.approx(variant.uncertainty.correlation[0, 1], abs=0.2)
+    data = to_inference_data(variant, samples)
+    np.testing.assert_array_equal(data.posterior.c_v.values, samples.values[:, :, 0])
+    assert data.log_likelihood.measured.shape == (4, 150, measured.size)
+    predicted = data.posterior_predictive.measured.values.mean((0, 1))
+    known = noisy.ravel()
+    sigma = np.tile([0.002, 0.005], len(tests))
+    assert np.all(np.abs(predicted - known) < 4.0 * sigma)
+
+
+def test_sampling_without_the_extra(tmp_path, capsys, monkeypatch):
+    real = __import__("importlib.util").util.find_spec
+    monkeypatch.setattr(
+        "importlib.util.find_spec",
+        lambda name, *rest: None if name == "blackjax" else real(name, *rest),
+    )
+    path = write_study(tmp_path)
+    code = main(["calibrate", str(path), "--out", str(tmp_path / "o"), "--posterior"])
+    assert code == 2
+    assert_one_line_error(capsys, "blackjax", "pip install 'jaximpact[bayes]'")
