@@ -29,6 +29,7 @@ MOST_NAMED = 12
 DRAWN = 400
 """Draws shown of the posterior."""
 LEAST_COST = 1e-12
+DECADE = 10.0
 
 
 def as_png(figure: Figure) -> bytes:
@@ -220,13 +221,12 @@ def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
         label="others fitted again",
     )
     if variant.verdicts[place].determined:
-        x = np.linspace(bounds.low[place], bounds.high[place], 400)
-        at = np.tile(variant.points.x[0], (len(x), 1))
-        at[:, place] = x
-        apart = np.abs(x - variant.points.x[0, place])
+        reach = MOST_DEVIATIONS * np.linspace(-1.0, 1.0, 61)
+        x = np.tile(variant.points.x[0], (len(reach), 1))
+        x[:, place] += reach * uncertainty.standard_errors[place]
         axes.plot(
-            bounds.parameter(at)[:, place],
-            apart / uncertainty.standard_errors[place],
+            bounds.parameter(x)[:, place],
+            np.abs(reach),
             "--",
             color=GREY,
             label="by the standard error",
@@ -242,14 +242,31 @@ def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
             color=VERMILION,
             fontsize="small",
         )
-    if bounds.logarithmic[place]:
-        axes.set_xscale("log")
-    axes.set_xlim(bounds.lower[place], bounds.upper[place])
+    low, high = _shown(found)
+    _scale(axes.set_xscale, low, high, bounds.logarithmic[place])
+    axes.set_xlim(low, high)
     axes.set_ylim(-0.1, MOST_DEVIATIONS)
     axes.set_xlabel(label_of(found.name))
     axes.set_ylabel("rise of the misfit [standard deviations]")
     axes.legend(fontsize="small", frameon=False)
     return figure
+
+
+def _shown(found: LikelihoodProfile) -> tuple[float, float]:
+    """The stretch of a profile that is drawn: to where the misfit leaves the panel."""
+    inside = np.flatnonzero(found.rise <= MOST_DEVIATIONS**2)
+    first, last = max(inside[0] - 1, 0), min(inside[-1] + 1, len(found.values) - 1)
+    # A point far out, where nothing is held between, would draw a needle.
+    low, high = found.values[inside[0]], found.values[inside[-1]]
+    reach = max(high - low, 1e-9 * abs(high))
+    low = max(found.values[first], low - 0.3 * reach)
+    return low, min(found.values[last], high + 0.3 * reach)
+
+
+def _scale(set_scale, low: float, high: float, logarithmic: bool) -> None:
+    """A logarithmic axis for more than a decade; less has no ticks to read."""
+    if logarithmic and high > DECADE * low:
+        set_scale("log")
 
 
 def draw_pair(variant: VariantResult, draws: Draws, first: int, second: int) -> Figure:
@@ -266,18 +283,19 @@ def draw_pair(variant: VariantResult, draws: Draws, first: int, second: int) -> 
         turn = np.linspace(0.0, 2.0 * np.pi, 200)
         # Of two normal deviations 95 % lie within 2.448 of the centre.
         circle = 2.448 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        values_, vectors = np.linalg.eigh(covariance)
-        root = vectors * np.sqrt(np.maximum(values_, 0.0))
+        squares, vectors = np.linalg.eigh(covariance)
+        root = vectors * np.sqrt(np.maximum(squares, 0.0))
         at = np.tile(variant.points.x[0], (len(turn), 1))
         at[:, pair] += circle @ root.T
         at = np.clip(at, bounds.low, bounds.high)
         axes.plot(*bounds.parameter(at)[:, pair].T, color=VERMILION, linewidth=1)
-    best = variant.parameters[pair]
-    axes.plot(*best, "x", color="black")
-    if bounds.logarithmic[first]:
-        axes.set_xscale("log")
-    if bounds.logarithmic[second]:
-        axes.set_yscale("log")
+    axes.plot(*variant.parameters[pair], "x", color="black")
+    for place, of_axis, set_scale in (
+        (first, values[:, 0], axes.set_xscale),
+        (second, values[:, 1], axes.set_yscale),
+    ):
+        ends = np.min(of_axis), np.max(of_axis)
+        _scale(set_scale, *ends, bounds.logarithmic[place])
     axes.set_xlabel(label_of(variant.names[first]))
     axes.set_ylabel(label_of(variant.names[second]))
     return figure

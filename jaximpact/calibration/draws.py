@@ -19,13 +19,13 @@ import numpy as np
 from .fit import rough_of
 from .least_squares import Progress
 from .objective import Objective, Points
-from .uncertainty import regular_covariance
+from .uncertainty import laplace_covariance
 
 COUNT = 512
 TAILS = 5.0
 """Degrees of freedom of the proposal: heavier tails than the posterior's."""
 ROUNDS = 5
-ENOUGH = 0.5
+ENOUGH = 0.3
 """Part of the draws that shall count; of the normal distribution itself 0.9 do."""
 FEWEST = 0.1
 """Part below which what the draws say is not to be trusted."""
@@ -86,7 +86,7 @@ def draw(
     random = np.random.default_rng(seed)
     rough = rough_of(objective)
     centre = points.x[0]
-    covariance = regular_covariance(objective, points, inflation)
+    covariance = laplace_covariance(objective, points, inflation)
     best, parts = None, []
     for number in range(1, ROUNDS + 1):
         progress(f"predictive bands: draws, round {number}")

@@ -10,7 +10,7 @@ from ..columns import RESULT_COLUMNS
 from ..provenance import versions
 from . import drawings, further_tests, left_out, residuals
 from .document import Block, Box, Heading, Paragraph, Picture, Pictures, Points, Table
-from .draws import FEWEST
+from .draws import FEWEST, Draws
 from .examination import Examination
 from .left_out import LeftOut
 from .report import (
@@ -184,8 +184,6 @@ def _parameters(result, variant, looked, prefix) -> list[Block]:
     ]
     pairs = _pairs(variant)
     if pairs:
-        first, last = draws.effective_part[0], draws.effective_part[-1]
-        nearly = first >= NEARLY_NORMAL
         blocks += [
             Pictures(
                 [
@@ -199,21 +197,7 @@ def _parameters(result, variant, looked, prefix) -> list[Block]:
                     for a, b in pairs
                 ]
             ),
-            Paragraph(
-                f"Of {len(draws.x)} draws about the best fit {100 * first:.0f} % "
-                "count: "
-                + (
-                    "the posterior is nearly normal, and standard errors tell it."
-                    if nearly
-                    else "the posterior is not normal, and the dots tell more than the "
-                    "standard errors."
-                )
-                + (
-                    f" Of those drawn anew {100 * last:.0f} %."
-                    if len(draws.effective_part) > 1
-                    else ""
-                )
-            ),
+            Paragraph(_about_draws(result, draws)),
         ]
     if looked.samples is not None:
         blocks += _posterior(variant, looked.samples)
@@ -223,6 +207,26 @@ def _parameters(result, variant, looked, prefix) -> list[Block]:
             Table(nuisance_rows(result, variant)),
         ]
     return blocks
+
+
+def _about_draws(result: StudyResult, draws: Draws) -> str:
+    first, last = draws.effective_part[0], draws.effective_part[-1]
+    words = f"Of {len(draws.x)} draws about the best fit {100 * first:.0f} % count: "
+    if first >= NEARLY_NORMAL:
+        words += "the posterior is nearly normal, and standard errors tell its shape."
+    else:
+        words += (
+            "the posterior is not normal, and the dots tell more than the standard "
+            "errors."
+        )
+    if len(draws.effective_part) > 1:
+        words += f" Of those drawn anew {100 * last:.0f} %."
+    if not np.all(result.study.sigma_given):
+        words += (
+            " The draws take the estimated scatter of a target for the same in all "
+            "tests; the standard errors, where measurements are many, do not."
+        )
+    return words
 
 
 def _posterior(variant: VariantResult, samples: Samples) -> list[Block]:

@@ -114,6 +114,15 @@ def regular_covariance(
     return half @ (variance / inflation + extra) @ half
 
 
+def laplace_covariance(
+    objective: Objective, points: Points, inflation: float
+) -> np.ndarray:
+    """Likewise, of the curvature alone: that of the posterior, which takes the sigmas
+    for true and the same for all measurements of a target."""
+    curvature = _parts(objective, points)[0] / inflation
+    return np.linalg.inv(curvature + np.diag(bounds_information(objective)))
+
+
 def bounds_information(objective: Objective) -> np.ndarray:
     """Of a uniform distribution between the bounds, 0 for an unknown with a prior."""
     width = objective.bounds.high - objective.bounds.low
