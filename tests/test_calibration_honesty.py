@@ -358,6 +358,21 @@ def fitted(tmp_path_factory, engine):
     return fit_study(read_study(write_study(folder, measured))).variants[0]
 
 
+def test_a_gap_among_given_sigmas(tmp_path, engine):
+    """A cell without a measurement has no sigma either; the gradient has none of it."""
+    path = write_study(tmp_path)
+    path.with_name("tests.csv").write_text(
+        "speed_mps,e_n,sigma_e_n,max_penetration_m,sigma_max_penetration_m\n"
+        "10,0.2,0.01,,\n20,0.2,0.02,0.1,0.01\n"
+    )
+    path.write_text(STUDY[: STUDY.index("[default_sigma]")])
+    study = read_study(path)
+    objective = Objective(study, study.variants[0], engine)
+    points = objective(objective.bounds.coordinate(TRUE)[None])
+    assert np.all(np.isfinite(points.gradient))
+    assert np.all(np.isfinite(points.hessian))
+
+
 def test_a_further_test_shrinks_errors_as_promised(tmp_path, engine, fitted):
     """Against the fit of a study that has it."""
     sigma = {"e_n": 0.01, "max_penetration_m": 0.005}

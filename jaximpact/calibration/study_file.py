@@ -380,6 +380,7 @@ def _sigma(path, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
                 row=row,
                 column=name,
             )
-        columns.append(sigma)
+        # Where nothing is measured any number will do, but not NaN.
+        columns.append(np.where(np.isfinite(sigma), sigma, np.nanmedian(sigma)))
         given.append(stated)
     return np.stack(columns, axis=1), np.array(given)
