@@ -24,8 +24,11 @@ from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 
 AT_MOST = 60
 """Fits that are made; of more tests those that move the fit most are left out."""
-LEFT_OUT = Patience(1e-4, 1e-4, 1e-3, 1e-2, rejected=8, flat=1e-3, steps=40)
-"""A hundredth of a standard error, which is less than the error of J C J^T."""
+LEFT_OUT = Patience(
+    1e-4, 1e-4, 1e-3, 1e-2, rejected=8, flat=1e-3, steps=40, joins=False
+)
+"""A hundredth of a standard error, which is less than the error of J C J^T. Each is a
+fit to other data, so that none joins another."""
 OTHER_STARTS = 4
 """Ends of other starts from which the rest of a campaign's tests is fitted too."""
 
