@@ -131,7 +131,11 @@ def _check_soil(field: str, values: np.ndarray) -> None:
         )
 
 
-def read_profile(path: Path, soil: Soil | None = None) -> Profile:
+def read_profile(
+    path: Path,
+    soil: Soil | None = None,
+    rolling_friction_angle: float = ROLLING_FRICTION_ANGLE,
+) -> Profile:
     """Read a profile from a CSV file.
 
     The first row names the columns: `x_m` and `y_m`, and if wanted any quantity of the
@@ -142,6 +146,7 @@ def read_profile(path: Path, soil: Soil | None = None) -> Profile:
     Args:
         path: the file, UTF-8, separated by commas.
         soil: what the file does not say, scalars.
+        rolling_friction_angle: likewise [rad].
 
     Raises InputError, naming file and row, for whatever cannot be used.
     """
@@ -174,7 +179,7 @@ def read_profile(path: Path, soil: Soil | None = None) -> Profile:
         if name in INPUT_COLUMNS:
             column = INPUT_COLUMNS[name]
             fields[column.field] = column.factor * values[:-1]
-    rolling = ROLLING_FRICTION_ANGLE
+    rolling = rolling_friction_angle
     if ROLLING_COLUMN in columns:
         rolling = DEGREE * columns[ROLLING_COLUMN][:-1]
     try:

@@ -1,0 +1,107 @@
+"""`jaximpact runout`: many blocks down a slope."""
+
+import argparse
+from pathlib import Path
+
+from . import options
+from .progress import Progress, say
+
+DESCRIPTION = """\
+Let many blocks down a slope, and say where they stop and what passes.
+
+The study is a TOML file. Lengths in m, angles in degrees; x to the right, y up.
+
+    collectors_m = [380, 450]      # places at which passages are recorded
+
+    [profile]                      # from left to right; or csv = "profile.csv"
+    points_m = [[0, 230], [400, 0], [1000, 0]]
+
+    [ground]                       # quantities of the soil, for all segments
+    rolling_friction_angle_deg = 20
+    [ground.segment.2]             # what is different on the second
+    c_v = 0.5
+
+    [block]
+    mass_kg = { mean = 100, sd = 30, least = 20 }
+
+    [release]
+    x_m = 2
+    clearance_m = 1                # how far it could be let down; or y_m, its centre
+    speed_mps = 20                 # with direction_deg; or v_x_mps and v_y_mps
+    direction_deg = { from = 0, to = 20 }
+    angular_velocity_degps = [0, 2500, 5000]
+
+    [contacts]                     # default: law = "full model"
+    law = "constant coefficients"
+    e_n = 0.35
+    e_t = 0.85
+
+A quantity of block or release is a number; { mean, sd }, a normal distribution, cut off
+at least and most if they are given; { from, to }, a uniform one; or a list. Lists make
+every combination, the last one fastest, and over again until there are enough blocks.
+direction_deg goes from the horizontal upwards; orientation_deg from the vertical,
+clockwise, to the major axis; clockwise is positive for angular_velocity_degps.
+
+Further keys, before all tables:
+  title          free text
+  count          blocks (default: 1000, or the combinations if nothing is random)
+  seed           of the draws (default: 0); block i gets the same numbers whatever the
+                 count
+  accuracy       of the full model, as --accuracy
+  bins           of x, for the envelopes (default: 50)
+  time_limit_s, event_limit
+                 where a block still under way is given up (defaults: 600 and 10000)
+
+Laws: full model; constant coefficients (e_n, e_t); Pfeiffer and Bowen
+(normal_coefficient, tangential_coefficient); rigid ellipsoid (e_contact); frictional
+ellipsoid (e_contact, friction_coefficient); Bozzolo and Pamini.
+
+Every block has an ending: stopped, left profile, time limit, event limit or failed. All
+are counted; those that failed are left out of percentiles and curves. Written to DIR:
+report.txt (also printed), manifest.json, blocks.nc, stops.csv, collectors.csv and
+drawings. After a run that was cut short the same command goes on from there."""
+
+
+def add_parser(commands) -> None:
+    """Add the command to the command line."""
+    parser = commands.add_parser(
+        "runout",
+        help="many blocks down a slope",
+        description=DESCRIPTION,
+        epilog=options.input_help("Quantities of ground and block, among others:"),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "study", type=Path, metavar="slope.toml", help="profile, blocks and releases"
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="directory for report, tables and drawings; made if need be",
+    )
+    options.add_accuracy(parser, otherwise="the study's, else balanced")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Compute the study."""
+    from ..files import make_directory
+    from ..runout.output import in_words, write_slope_study
+    from ..runout.slope_file import read_slope_study
+    from ..runout.study import run_slope_study
+
+    study = read_slope_study(arguments.study, arguments.accuracy)
+    make_directory(arguments.out, option="--out")
+    journal = arguments.out / "blocks.journal"
+    try:
+        with Progress("blocks") as progress:
+            dataset = run_slope_study(study, journal=journal, progress=progress)
+        write_slope_study(study, dataset, arguments.out)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt("the same command goes on from here") from None
+    journal.unlink()
+    print(in_words(dataset))
+    say(f"tables and drawings written to {arguments.out}")

@@ -1,0 +1,137 @@
+"""The files of a run-out study, and what it says in words."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from ..align import align
+from ..files import replacing
+from ..netcdf import write_netcdf
+from . import drawing
+from .runs import Ending
+from .slope_file import SlopeStudy
+from .study import PERCENTILES, simulate
+
+DRAWN = 50
+"""Trajectories drawn: the first ones, computed once more."""
+STOP_COLUMNS = (
+    *("block", "ending", "x_m", "y_m", "time_s", "impacts", "events"),
+    *("energy_at_release_J", "energy_at_end_J"),
+    *("max_height_m", "max_speed_mps", "max_energy_J"),
+)
+WHOLE = ("block", "impacts", "events")
+QUANTITIES = (
+    *("passage_speed_mps", "passage_energy_J", "passage_translational_energy_J"),
+    *("passage_rotational_energy_J", "passage_spin_radps"),
+    *("passage_centre_height_m", "passage_lowest_height_m"),
+)
+
+
+def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, out: Path) -> None:
+    """Write blocks.nc, stops.csv, collectors.csv, report.txt, manifest.json and the
+    drawings, each whole or not at all.
+
+    Raises OSError where the file system refuses.
+    """
+    write_netcdf(out / "blocks.nc", dataset)
+    _write(out / "stops.csv", _stops(dataset))
+    drawn = np.arange(min(DRAWN, study.release.count))
+    drawing.plot_trajectories(
+        simulate(study, drawn), study.collectors, study.title, out / "profile.png"
+    )
+    drawing.plot_envelopes(dataset, study.profile, out / "envelopes.png")
+    drawing.plot_stops(dataset, out / "stops.png")
+    if len(study.collectors):
+        _write(out / "collectors.csv", _collectors(dataset))
+        drawing.plot_collectors(dataset, out / "collectors.png")
+    _write(out / "report.txt", in_words(dataset) + "\n")
+    attributes = {k: json.loads(v) for k, v in dataset.attrs.items() if k != "title"}
+    manifest = {"title": dataset.title} | attributes
+    _write(out / "manifest.json", json.dumps(manifest, indent=1) + "\n")
+
+
+def in_words(dataset: xr.Dataset) -> str:
+    """Endings, where blocks stopped, and what passes the collectors."""
+    endings = json.loads(dataset.attrs["endings"])
+    blocks, failed = dataset.sizes["block"], endings.get(str(Ending.failed), 0)
+    law = json.loads(dataset.attrs["contacts"])
+    told = ", ".join(f"{name} {value}" for name, value in law.items())
+    lines = [
+        f"{dataset.title}: {blocks} blocks, contacts by {told.removeprefix('law ')}",
+        "endings: " + ", ".join(f"{count} {name}" for name, count in endings.items()),
+    ]
+    if failed:
+        lines.append(f"The {failed} that failed are in none of the numbers below.")
+    cut = sum(endings.get(str(e), 0) for e in (Ending.time_limit, Ending.event_limit))
+    if cut:
+        lines.append(
+            f"The {cut} cut off by a limit might have gone farther: the shares that "
+            "pass are lower bounds."
+        )
+    stopped = dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
+    if len(stopped):
+        values = np.percentile(stopped, (0, *PERCENTILES, 100))
+        names = ("least", *(f"{p} %" for p in PERCENTILES), "largest")
+        lines.append(
+            "stopped at x [m]: "
+            + ", ".join(f"{n} {v:.5g}" for n, v in zip(names, values, strict=True))
+        )
+    if dataset.sizes["collector"]:
+        lines += ["first passages of collectors, percentiles of the blocks that pass"]
+        lines.append(align(_passage_rows(dataset, blocks - failed)))
+    return "\n".join(lines)
+
+
+def _passage_rows(dataset: xr.Dataset, valid: int) -> list[tuple[str, ...]]:
+    names = {
+        "passage_speed_mps": ("speed", "m/s", 1.0),
+        "passage_energy_J": ("energy", "kJ", 1e-3),
+        "passage_centre_height_m": ("height", "m", 1.0),
+    }
+    rows = [("x [m]", "pass", "share", "", "unit", *(f"{p} %" for p in PERCENTILES))]
+    for place, x in enumerate(dataset.collector.values):
+        passing = int(dataset.blocks_passing.values[place])
+        share = f"{passing / valid:.1%}" if valid else "-"
+        where = (f"{x:g}", str(passing), share)
+        for name, (word, unit, factor) in names.items():
+            values = factor * dataset[f"{name}_percentiles"].values[:, place]
+            numbers = (f"{v:.4g}" if np.isfinite(v) else "-" for v in values)
+            rows.append((*where, word, unit, *numbers))
+            where = ("", "", "")
+    return rows
+
+
+def _stops(dataset: xr.Dataset) -> str:
+    columns = [dataset[name].values.tolist() for name in STOP_COLUMNS]
+    lines = [",".join(STOP_COLUMNS)]
+    for row in zip(*columns, strict=True):
+        cells = (
+            str(int(value)) if name in WHOLE else str(value)
+            for name, value in zip(STOP_COLUMNS, row, strict=True)
+        )
+        lines.append(",".join(cells))
+    return "\n".join(lines) + "\n"
+
+
+def _collectors(dataset: xr.Dataset) -> str:
+    heads = (
+        "collector_m",
+        "blocks_passing",
+        "quantity",
+        *(f"p{p}" for p in PERCENTILES),
+    )
+    lines = [",".join(heads)]
+    for place, x in enumerate(dataset.collector.values.tolist()):
+        for name in QUANTITIES:
+            values = dataset[f"{name}_percentiles"].values[:, place].tolist()
+            passing = int(dataset.blocks_passing.values[place])
+            cells = (x, passing, name.removeprefix("passage_"), *values)
+            lines.append(",".join(map(str, cells)))
+    return "\n".join(lines) + "\n"
+
+
+def _write(path: Path, text: str) -> None:
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")

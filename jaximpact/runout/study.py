@@ -1,0 +1,331 @@
+"""Many blocks on a slope: computed in portions, kept as they come, and summed up.
+
+Each block leaves one row of numbers, whatever the length of its way: how it ended, its
+first passage of each collector, and its largest height, speed and energy in each bin of
+x. Rows go to the journal; the pieces of the way are not kept.
+"""
+
+import contextlib
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import jax
+import numpy as np
+import xarray as xr
+
+from ..columns import DEGREE, column_of_field
+from ..journal import Journal
+from ..provenance import versions
+from .collectors import first_passages, passages
+from .envelopes import Maxima, maxima_along
+from .release import Release
+from .runs import Ending, Runs
+from .slope_file import SlopeStudy
+from .stretches import stretches_of
+from .trajectories import WIDTH, simulate_runout
+
+BLOCK_NUMBERS = {
+    "x_m": ("m", "where it ended: the centre"),
+    "y_m": ("m", "where it ended: the centre"),
+    "time_s": ("s", "when it ended, since release"),
+    "impacts": ("-", "impacts, without touches too slow to be one"),
+    "events": ("-", "contacts and legs along the ground"),
+    "energy_at_release_J": ("J", "kinetic energy at release"),
+    "energy_at_end_J": ("J", "kinetic energy at its end; 0 for a block that stopped"),
+}
+PASSAGE_NUMBERS = {
+    "passages": ("-", "how often the centre passes the collector"),
+    "passage_time_s": ("s", "first passage, since release"),
+    "passage_v_x_mps": ("m/s", "velocity at first passage, to the right"),
+    "passage_v_y_mps": ("m/s", "velocity at first passage, upwards"),
+    "passage_speed_mps": ("m/s", "speed at first passage"),
+    "passage_spin_radps": ("rad/s", "angular velocity at first passage, clockwise"),
+    "passage_translational_energy_J": ("J", "at first passage"),
+    "passage_rotational_energy_J": ("J", "at first passage"),
+    "passage_energy_J": ("J", "kinetic energy at first passage"),
+    "passage_centre_height_m": ("m", "of the centre above the ground, first passage"),
+    "passage_lowest_height_m": (
+        "m",
+        "of the lowest point above the ground below the centre, first passage",
+    ),
+}
+ENVELOPES = {
+    "height_m": ("m", "largest height of the centre above the ground"),
+    "speed_mps": ("m/s", "largest speed"),
+    "energy_J": ("J", "largest kinetic energy"),
+}
+PERCENTILES = (50, 90, 95, 99)
+FIRST_PORTION = 256
+"""Blocks."""
+QUICK = 2.0
+"""A portion that takes less [s] is followed by one of twice the size."""
+
+
+def run_slope_study(
+    study: SlopeStudy,
+    *,
+    journal: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Compute all blocks of a study.
+
+    Args:
+        study: from `read_slope_study`.
+        journal: a file that keeps finished blocks: what stands there already is not
+            computed again. It is left for the caller to remove.
+        progress: called as `progress(done, blocks)`.
+
+    Returns:
+        A dataset over blocks, collectors and bins along the profile. Percentiles are of
+        blocks that did not fail, those along the profile and at collectors of the ones
+        that came there; the counts of blocks behind them stand beside them, those of
+        endings in the attributes.
+
+    Raises InputError for a journal of something else.
+    """
+    rows = np.full((study.release.count, len(_columns(study))), np.nan)
+    done = np.zeros(len(rows), bool)
+    kept = contextlib.nullcontext()
+    if journal is not None:
+        kept = Journal(journal, _subject(study), _columns(study))
+    with kept as store:
+        if store is not None:
+            places, numbers = store.rows()
+            rows[places], done[places] = numbers, True
+        size, waiting = FIRST_PORTION, np.flatnonzero(~done)
+        while len(waiting):
+            portion, waiting = waiting[:size], waiting[size:]
+            before = len(rows) - len(waiting) - len(portion)
+            start = time.monotonic()
+            runs = simulate(
+                study,
+                portion,
+                progress
+                and (lambda n, _, before=before: progress(before + n, len(rows))),
+            )
+            rows[portion] = summarise(study, runs)
+            if store is not None:
+                store.append(portion, rows[portion])
+            if time.monotonic() - start < QUICK:
+                size = min(2 * size, WIDTH)
+    return _dataset(study, rows)
+
+
+def simulate(
+    study: SlopeStudy,
+    chosen: np.ndarray,
+    progress: Callable[[int, int], None] | None = None,
+) -> Runs:
+    """The trajectories of some blocks of a study, whole."""
+    release = study.release
+    some = Release(
+        jax.tree.map(lambda leaf: np.asarray(leaf)[chosen], release.block),
+        *(column[chosen] for column in release.body),
+    )
+    return simulate_runout(
+        study.profile,
+        some,
+        study.contacts,
+        time_limit=study.time_limit,
+        event_limit=study.event_limit,
+        progress=progress,
+    )
+
+
+def edges_of(study: SlopeStudy) -> np.ndarray:
+    """Edges of the bins of x [m]."""
+    return np.linspace(study.profile.x[0], study.profile.x[-1], study.bins + 1)
+
+
+def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
+    """A row of numbers for each block."""
+    blocks, stretches = runs.release.count, stretches_of(runs)
+    impacts = runs.contacts.trajectory[runs.contacts.outcome >= 0].astype(int)
+    columns = [
+        runs.ending,
+        *(runs.x, runs.y, runs.time),
+        np.bincount(impacts, minlength=blocks),
+        runs.events,
+        *_energies(runs),
+    ]
+    for x in study.collectors:
+        count, first = first_passages(passages(runs, x, stretches), blocks)
+        columns += [
+            *(count, first.time, first.v_x, first.v_y, first.speed),
+            first.angular_velocity,
+            *(first.translational_energy, first.rotational_energy, first.energy),
+            *(first.centre_height, first.lowest_height),
+        ]
+    maxima = maxima_along(runs, edges_of(study), stretches)
+    return np.concatenate([np.stack(columns, axis=1), *maxima], axis=1)
+
+
+def _energies(runs: Runs) -> tuple[np.ndarray, np.ndarray]:
+    """Kinetic energy of each block at release, and at its end."""
+    mass, inertia = (np.asarray(value) for value in runs.release.matter)
+    body = runs.release.body
+    speeds = body.v_x**2 + body.v_y**2
+    start = 0.5 * (mass * speeds + inertia * body.angular_velocity**2)
+    p = runs.pieces
+    last = np.searchsorted(p.trajectory, np.arange(len(mass)), "right") - 1
+    v_x = p.v_x[last] + p.a_x[last] * p.duration[last]
+    v_y = p.v_y[last] + p.a_y[last] * p.duration[last]
+    spin = p.angular_velocity[last] + p.angular_acceleration[last] * p.duration[last]
+    end = 0.5 * (mass * (v_x**2 + v_y**2) + inertia * spin**2)
+    return start, np.where(runs.ending == Ending.stopped, 0.0, end)
+
+
+def _columns(study: SlopeStudy) -> list[str]:
+    """Names of the numbers of a row."""
+    return [
+        "ending",
+        *BLOCK_NUMBERS,
+        *(f"{n} at {x!r}" for x in study.collectors.tolist() for n in PASSAGE_NUMBERS),
+        *(f"{n} in bin {i}" for n in ENVELOPES for i in range(study.bins)),
+    ]
+
+
+def _subject(study: SlopeStudy) -> dict:
+    return {
+        "runout": study.checksums,
+        "contacts": study.law,
+        "versions": versions() | {"numpy": np.__version__},
+    }
+
+
+def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
+    blocks, places = len(rows), len(study.collectors)
+    codes, rest = rows[:, 0].astype(int), rows[:, 1:]
+    sizes = [len(BLOCK_NUMBERS), places * len(PASSAGE_NUMBERS)]
+    of_block, of_passage, of_bins = np.split(rest, np.cumsum(sizes), axis=1)
+    of_passage = of_passage.reshape(blocks, places, len(PASSAGE_NUMBERS))
+    maxima = Maxima(*np.split(of_bins, len(ENVELOPES), axis=1))
+    valid = codes != Ending.failed
+    words = np.array([str(ending) for ending in Ending])
+    variables = {"ending": ("block", words[codes], {"long_name": "why it ended"})}
+    variables |= _inputs(study.release)
+    for values, (name, words_of) in zip(of_block.T, BLOCK_NUMBERS.items(), strict=True):
+        variables[name] = ("block", values, _about(*words_of))
+    for values, (name, words_of) in zip(
+        np.moveaxis(of_passage, 2, 0), PASSAGE_NUMBERS.items(), strict=True
+    ):
+        variables[name] = (("block", "collector"), values, _about(*words_of))
+        if name not in ("passages", "passage_time_s"):
+            variables[f"{name}_percentiles"] = (
+                ("percentile", "collector"),
+                _percentiles(values[valid]),
+                _about(
+                    words_of[0], f"{words_of[1]}: percentiles of the blocks that pass"
+                ),
+            )
+    if places:
+        passing = np.sum(of_passage[valid, :, 0] > 0, axis=0)
+        variables["blocks_passing"] = (
+            "collector",
+            passing,
+            _about("-", "blocks that pass the collector, without those that failed"),
+        )
+    variables["blocks_in_bin"] = (
+        "bin",
+        np.sum(np.isfinite(maxima.speed[valid]), axis=0),
+        _about("-", "blocks that come into the bin, without those that failed"),
+    )
+    for values, (name, (unit, meaning)) in zip(maxima, ENVELOPES.items(), strict=True):
+        variables[f"envelope_{name}_percentiles"] = (
+            ("percentile", "bin"),
+            _percentiles(values[valid]),
+            _about(unit, f"{meaning} in the bin: percentiles of the blocks in it"),
+        )
+        variables[f"envelope_{name}_max"] = (
+            "bin",
+            _percentiles(values[valid], (100,))[0],
+            _about(unit, f"{meaning} in the bin, of all blocks"),
+        )
+        variables[f"max_{name}"] = (
+            "block",
+            _largest(values),
+            _about(unit, f"{meaning} on its way"),
+        )
+    edges = edges_of(study)
+    return xr.Dataset(
+        variables,
+        {
+            "block": np.arange(blocks),
+            "percentile": ("percentile", np.array(PERCENTILES), _about("%", "")),
+            "collector": ("collector", study.collectors, _about("m", "x")),
+            "bin": ("bin", 0.5 * (edges[1:] + edges[:-1]), _about("m", "x, middle")),
+            "bin_left_m": ("bin", edges[:-1], _about("m", "x, left end of the bin")),
+            "bin_right_m": ("bin", edges[1:], _about("m", "x, right end of the bin")),
+        },
+        {"title": study.title}
+        | {k: json.dumps(v) for k, v in provenance_of(study, codes).items()},
+    )
+
+
+def provenance_of(study: SlopeStudy, codes: np.ndarray) -> dict:
+    """What a result was computed from, ready for JSON."""
+    return {
+        "files": study.checksums,
+        "contacts": study.law,
+        "seed": study.seed,
+        "blocks": len(codes),
+        "time_limit_s": study.time_limit,
+        "event_limit": study.event_limit,
+        "endings": {
+            str(ending): int(np.sum(codes == ending))
+            for ending in Ending
+            if np.any(codes == ending)
+        },
+        "versions": versions() | {"numpy": np.__version__},
+    }
+
+
+def _inputs(release: Release) -> dict:
+    """Blocks and releases as they were drawn, in the units of their names."""
+    variables = {}
+    for field in ("mass", "density", "aspect_ratio", "out_of_plane_ratio"):
+        column = column_of_field("block", field)
+        values = np.asarray(getattr(release.block, field)) / column.factor
+        variables[column.name] = ("block", values, _about(column.unit, column.meaning))
+    for name, values, unit, meaning in (
+        ("release_x_m", release.x, "m", "of the centre"),
+        ("release_y_m", release.y, "m", "of the centre"),
+        ("release_v_x_mps", release.v_x, "m/s", "to the right"),
+        ("release_v_y_mps", release.v_y, "m/s", "upwards"),
+        (
+            "release_orientation_deg",
+            release.orientation / DEGREE,
+            "deg",
+            "from the vertical, clockwise, to the major axis",
+        ),
+        (
+            "release_angular_velocity_degps",
+            release.angular_velocity / DEGREE,
+            "deg/s",
+            "clockwise",
+        ),
+    ):
+        variables[name] = ("block", values, _about(unit, f"at release, {meaning}"))
+    return variables
+
+
+def _percentiles(values: np.ndarray, of: tuple[int, ...] = PERCENTILES) -> np.ndarray:
+    """Along the blocks, of what is finite; NaN where nothing is. `(of, places)`"""
+    found = np.full((len(of), values.shape[1]), np.nan)
+    for place, column in enumerate(values.T):
+        finite = column[np.isfinite(column)]
+        if len(finite):
+            found[:, place] = np.percentile(finite, of)
+    return found
+
+
+def _largest(values: np.ndarray) -> np.ndarray:
+    """Of each row; NaN where it holds no number."""
+    largest = np.max(np.where(np.isfinite(values), values, -np.inf), axis=1)
+    return np.where(np.isfinite(largest), largest, np.nan)
+
+
+def _about(unit: str, meaning: str) -> dict[str, str]:
+    return {"units": unit, "long_name": meaning}
