@@ -41,7 +41,7 @@ def plot_trajectories(
         lines.append(np.stack([points[:-1], points[1:]], axis=1))
         speeds.append(np.hypot(way["v_x"], way["v_y"])[:-1])
     coloured = LineCollection(
-        np.concatenate(lines), array=np.concatenate(speeds), cmap="viridis", lw=0.8
+        np.concatenate(lines), array=np.concatenate(speeds), cmap="viridis", lw=1.2
     )
     axes.add_collection(coloured)
     axes.plot(runs.x, runs.y, ".", color=VERMILION, ms=4, label="end")
@@ -49,7 +49,8 @@ def plot_trajectories(
         axes.axvline(x, color=GREY, ls="--", lw=1.0)
     figure.colorbar(coloured, ax=axes, label="speed [m/s]")
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_aspect("equal")
+    axes.autoscale_view()
     axes.legend(loc="upper right")
     dashed = "; dashed: collectors" if len(collectors) else ""
     axes.set_title(f"{title}: the first {runs.release.count} trajectories{dashed}")
