@@ -10,7 +10,7 @@ import numpy as np
 
 from .motion import support_of
 from .runs import Runs
-from .stretches import Stretches, state_at, stretches_of, take, time_at
+from .stretches import Stretches, pieces_at, state_after, stretches_of, take, time_at
 
 
 class Passages(NamedTuple):
@@ -66,7 +66,8 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     time = time_at(runs, chosen, x)
     jumps = (chosen.x_start >= x) == (chosen.x_stop >= x)
     time = np.where(jumps, chosen.stop, time)
-    body = state_at(runs, chosen.piece, time)
+    pieces = pieces_at(runs, chosen.piece)
+    body = state_after(pieces, time)
     trajectory = trajectory[passes]
     mass, inertia = (value[trajectory] for value in runs.release.matter)
     outline = type(runs.release.outline)(
@@ -76,7 +77,7 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     reach = support_of(outline, body.orientation).radius
     return Passages(
         trajectory=trajectory,
-        time=runs.pieces.time[chosen.piece] + time,
+        time=pieces.time + time,
         v_x=body.v_x,
         v_y=body.v_y,
         angular_velocity=body.angular_velocity,

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .runs import Runs
-from .stretches import Stretches, state_at, stretches_of, take, time_at
+from .stretches import Stretches, pieces_at, state_after, stretches_of, take, time_at
 
 
 class Maxima(NamedTuple):
@@ -61,21 +61,29 @@ def maxima_along(
         np.searchsorted(runs.profile.x, middle) - 1, 0, runs.profile.segments - 1
     )
     slope = (np.diff(runs.profile.y) / np.diff(runs.profile.x))[segment]
-    p = type(runs.pieces)(*(column[part.piece] for column in runs.pieces))
+    p = pieces_at(runs, part.piece)
     rising, bending = p.v_y - slope * p.v_x, p.a_y - slope * p.a_x
     summit = np.where(bending < 0.0, -rising / np.where(bending < 0.0, bending, 1.0), 0)
     summit = np.clip(summit, np.minimum(begin, end), np.maximum(begin, end))
 
     trajectory = p.trajectory.astype(int)
     mass, inertia = (value[trajectory] for value in runs.release.matter)
+    ends = [state_after(p, time) for time in (begin, end)]
+    speeds = [body.v_x**2 + body.v_y**2 for body in ends]
+    energies = [
+        0.5 * (mass * squared + inertia * body.angular_velocity**2)
+        for squared, body in zip(speeds, ends, strict=True)
+    ]
+    heights = [
+        body.y - runs.profile.height(body.x) for body in (*ends, state_after(p, summit))
+    ]
+    largest = (
+        np.maximum.reduce(heights),
+        np.sqrt(np.maximum(*speeds)),
+        np.maximum(*energies),
+    )
     shape = (runs.release.count, len(edges) - 1)
     found = Maxima(*(np.full(shape, -np.inf) for _ in Maxima._fields))
-    place = (trajectory, bin_of[cell])
-    for time in (begin, end, summit):
-        body = state_at(runs, part.piece, time)
-        squared = body.v_x**2 + body.v_y**2
-        energy = 0.5 * (mass * squared + inertia * body.angular_velocity**2)
-        height = body.y - runs.profile.height(body.x)
-        for values, new in zip(found, (height, np.sqrt(squared), energy), strict=True):
-            np.maximum.at(values, place, new)
+    for values, new in zip(found, largest, strict=True):
+        np.maximum.at(values, (trajectory, bin_of[cell]), new)
     return Maxima(*(np.where(np.isfinite(v), v, np.nan) for v in found))

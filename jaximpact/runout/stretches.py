@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .motion import Body
+from .record import Pieces
 from .runs import Runs
 
 
@@ -40,20 +41,25 @@ def stretches_of(runs: Runs) -> Stretches:
     stop[turns] = turning[turns]
     order = np.argsort(piece, kind="stable")
     piece, start, stop = piece[order], start[order], stop[order]
-    middle = state_at(runs, piece, 0.5 * (start + stop))
+    p = pieces_at(runs, piece)
+    middle = state_after(p, 0.5 * (start + stop))
     return Stretches(
         piece,
         start,
         stop,
         np.sign(middle.v_x),
-        state_at(runs, piece, start).x,
-        state_at(runs, piece, stop).x,
+        state_after(p, start).x,
+        state_after(p, stop).x,
     )
 
 
-def state_at(runs: Runs, piece: np.ndarray, time: np.ndarray) -> Body:
-    """The block on some pieces, a time after the start of each [s]."""
-    p = type(runs.pieces)(*(column[piece] for column in runs.pieces))
+def pieces_at(runs: Runs, places: np.ndarray) -> Pieces:
+    """Some of the pieces of the way."""
+    return Pieces(*(column[places] for column in runs.pieces))
+
+
+def state_after(p: Pieces, time: np.ndarray) -> Body:
+    """The block on pieces of its way, a time after the start of each [s]."""
     return Body(
         x=p.x + (p.v_x + 0.5 * p.a_x * time) * time,
         y=p.y + (p.v_y + 0.5 * p.a_y * time) * time,

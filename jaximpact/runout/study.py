@@ -57,7 +57,7 @@ ENVELOPES = {
     "energy_J": ("J", "largest kinetic energy"),
 }
 PERCENTILES = (50, 90, 95, 99)
-FIRST_PORTION = 256
+FIRST_PORTION = 64
 """Blocks."""
 QUICK = 2.0
 """A portion that takes less [s] is followed by one of twice the size."""
