@@ -1,10 +1,19 @@
 """Passages and envelopes: against exact facts and against samples of the way."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from jaximpact import Block, ConstantCoefficients, FrictionalEllipsoid
-from jaximpact.runout import ClosedForm, Profile, Release, Runs, simulate_runout
+from jaximpact.runout import (
+    ClosedForm,
+    Pieces,
+    Profile,
+    Release,
+    Runs,
+    simulate_runout,
+)
 from jaximpact.runout.clearance import lying_height
 from jaximpact.runout.collectors import first_passages, passages
 from jaximpact.runout.envelopes import maxima_along
@@ -121,6 +130,35 @@ def test_passages_are_those_of_samples(runs):
     # The gully sends many of them back.
     assert total > 100
     assert back > 20
+
+
+def test_a_piece_that_turns_and_a_jump_between_pieces():
+    """A way made by hand: it turns at t = 2 in x = 4, then jumps from -5 to -6."""
+    profile = Profile([-50.0, 50.0], [0.0, 0.0])
+    release = Release(SPHERE, 0.0, 1.0, 4.0)
+    runs = simulate_runout(profile, release, DEAD)
+    columns = {name: np.zeros(2) for name in Pieces._fields}
+    columns |= {
+        "time": np.array([0.0, 5.0]),
+        "duration": np.array([5.0, 1.0]),
+        "x": np.array([0.0, -6.0]),
+        "y": np.array([1.0, 2.0]),
+        "v_x": np.array([4.0, -1.0]),
+        "a_x": np.array([-2.0, 0.0]),
+    }
+    runs = dataclasses.replace(runs, pieces=Pieces(**columns), x=np.array([-7.5]))
+    there_and_back = passages(runs, 3.0)
+    np.testing.assert_allclose(there_and_back.time, [1.0, 3.0], rtol=1e-14)
+    np.testing.assert_allclose(there_and_back.v_x, [2.0, -2.0], rtol=1e-14)
+    np.testing.assert_allclose(passages(runs, -1.0).time, 2.0 + 5.0**0.5, rtol=1e-14)
+    assert len(passages(runs, 4.1).time) == 0
+    for jumped, time in ((-5.5, 5.0), (-7.2, 6.0)):
+        found = passages(runs, jumped)
+        assert list(found.time) == [time]
+    assert passages(runs, -5.5).v_x == -6.0
+    maxima = maxima_along(runs, np.array([-10.0, -5.5, 0.0, 3.0, 10.0]))
+    np.testing.assert_allclose(maxima.speed, [[1.0, 6.0, 4.0, 2.0]], rtol=1e-14)
+    np.testing.assert_array_equal(maxima.height, [[2.0, 1.0, 1.0, 1.0]])
 
 
 def test_first_passages_and_their_count(runs):

@@ -61,6 +61,8 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     # The next stretch begins where this one ends: so none is missed or counted twice.
     same = np.append(trajectory[1:] == trajectory[:-1], False)
     ends = np.where(same, np.append(all_of.x_start[1:], 0.0), runs.x[trajectory])
+    # Where a contact failed, nothing is known from there on.
+    ends = np.where(np.isfinite(ends), ends, all_of.x_stop)
     passes = np.flatnonzero((all_of.x_start >= x) != (ends >= x))
     chosen = take(all_of, passes)
     time = time_at(runs, chosen, x)

@@ -27,8 +27,8 @@ from .stretches import stretches_of
 from .trajectories import WIDTH, simulate_runout
 
 BLOCK_NUMBERS = {
-    "x_m": ("m", "where it ended: the centre"),
-    "y_m": ("m", "where it ended: the centre"),
+    "x_m": ("m", "where it ended: the centre; nan where a contact failed"),
+    "y_m": ("m", "where it ended: the centre; nan where a contact failed"),
     "time_s": ("s", "when it ended, since release"),
     "impacts": ("-", "impacts, without touches too slow to be one"),
     "events": ("-", "contacts and legs along the ground"),
