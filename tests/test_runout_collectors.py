@@ -12,11 +12,12 @@ from jaximpact.runout import (
     Profile,
     Release,
     Runs,
+    first_passages,
+    maxima_along,
+    passages,
     simulate_runout,
 )
 from jaximpact.runout.clearance import lying_height
-from jaximpact.runout.collectors import first_passages, passages
-from jaximpact.runout.envelopes import maxima_along
 
 G = 9.81
 SPHERE = Block()
@@ -151,11 +152,14 @@ def test_a_piece_that_turns_and_a_jump_between_pieces():
     np.testing.assert_allclose(there_and_back.time, [1.0, 3.0], rtol=1e-14)
     np.testing.assert_allclose(there_and_back.v_x, [2.0, -2.0], rtol=1e-14)
     np.testing.assert_allclose(passages(runs, -1.0).time, 2.0 + 5.0**0.5, rtol=1e-14)
+    assert list(passages(runs, 0.0).time) == [4.0]
     assert len(passages(runs, 4.1).time) == 0
     for jumped, time in ((-5.5, 5.0), (-7.2, 6.0)):
         found = passages(runs, jumped)
         assert list(found.time) == [time]
     assert passages(runs, -5.5).v_x == -6.0
+    jumped_back = dataclasses.replace(runs, x=np.array([-5.6]))
+    assert list(passages(jumped_back, -5.8).time) == [5.0, 6.0]
     maxima = maxima_along(runs, np.array([-10.0, -5.5, 0.0, 3.0, 10.0]))
     np.testing.assert_allclose(maxima.speed, [[1.0, 6.0, 4.0, 2.0]], rtol=1e-14)
     np.testing.assert_array_equal(maxima.height, [[2.0, 1.0, 1.0, 1.0]])

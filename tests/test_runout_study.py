@@ -13,11 +13,17 @@ from jaximpact import ConstantCoefficients, read_netcdf
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.rebound import Rebound
-from jaximpact.runout import ClosedForm, Ending, FullModel
+from jaximpact.runout import (
+    ClosedForm,
+    Ending,
+    FullModel,
+    Normal,
+    Uniform,
+    draw,
+    read_slope_study,
+    run_slope_study,
+)
 from jaximpact.runout import study as study_module
-from jaximpact.runout.quantities import Normal, Uniform, draw
-from jaximpact.runout.slope_file import read_slope_study
-from jaximpact.runout.study import run_slope_study
 
 SLOPE = """
 title = "A slope"
@@ -280,10 +286,11 @@ def test_the_command_writes_all(slope, tmp_path, capsys):
 
 
 def test_limits_are_told(slope, capsys):
-    changed(slope, ("bins = 20", "time_limit_s = 1.0"), ("[60, 40]", "[]"))
+    changed(slope, ("bins = 20", "time_limit_s = 1.0"), ("[60, 40]", "[195]"))
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
     out, _ = capsys.readouterr()
     assert "60 time limit" in out
+    assert out.split("195", 1)[1].split()[:2] == ["0", "0.0%"]
     assert "The 60 cut off by a limit might have gone farther" in out
 
 

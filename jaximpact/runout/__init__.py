@@ -1,10 +1,15 @@
 """Slope run-out: blocks that fly, strike, roll and stop on a profile."""
 
+from .collectors import Passages, first_passages, passages
+from .envelopes import Maxima, maxima_along
 from .profile import Profile, read_profile
+from .quantities import Normal, Uniform, draw
 from .rebounds import Blows, ClosedForm, Contacts, FullModel
 from .record import ContactRecord, Pieces, Way
 from .release import Release
 from .runs import Ending, Runs
+from .slope_file import SlopeStudy, read_slope_study
+from .study import run_slope_study
 from .trajectories import simulate_runout
 
 __all__ = [
@@ -14,11 +19,22 @@ __all__ = [
     "Contacts",
     "Ending",
     "FullModel",
+    "Maxima",
+    "Normal",
+    "Passages",
     "Pieces",
     "Profile",
     "Release",
     "Runs",
+    "SlopeStudy",
+    "Uniform",
     "Way",
+    "draw",
+    "first_passages",
+    "maxima_along",
+    "passages",
     "read_profile",
+    "read_slope_study",
+    "run_slope_study",
     "simulate_runout",
 ]
