@@ -89,9 +89,8 @@ def add_parser(commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Compute the study."""
     from ..files import make_directory
+    from ..runout import read_slope_study, run_slope_study
     from ..runout.output import in_words, write_slope_study
-    from ..runout.slope_file import read_slope_study
-    from ..runout.study import run_slope_study
 
     study = read_slope_study(arguments.study, arguments.accuracy)
     make_directory(arguments.out, option="--out")

@@ -31,7 +31,8 @@ def plot_trajectories(
     runs: Runs, collectors: np.ndarray, title: str, path: Path
 ) -> None:
     """The profile and the ways of all blocks of the runs, coloured by speed."""
-    figure = _figure(11.0, 5.5)
+    shape = np.ptp(runs.profile.y) / np.ptp(runs.profile.x)
+    figure = _figure(11.0, float(np.clip(2.5 + 11.0 * shape, 4.0, 10.0)))
     axes = figure.add_subplot()
     _draw_ground(axes, runs.profile)
     lines, speeds = [], []
@@ -47,7 +48,9 @@ def plot_trajectories(
     axes.plot(runs.x, runs.y, ".", color=VERMILION, ms=4, label="end")
     for x in collectors:
         axes.axvline(x, color=GREY, ls="--", lw=1.0)
-    figure.colorbar(coloured, ax=axes, label="speed [m/s]")
+    figure.colorbar(
+        coloured, ax=axes, label="speed [m/s]", location="bottom", shrink=0.5, aspect=40
+    )
     axes.set(xlabel="x [m]", ylabel="y [m]")
     axes.set_aspect("equal")
     axes.autoscale_view()
