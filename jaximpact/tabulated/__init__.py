@@ -1,4 +1,7 @@
-"""The full model's impacts in tables, for when millions are needed."""
+"""The full model's impacts in tables, for when millions are needed.
+
+How far tables are from the model: `ReboundTable.error`, and docs/limits.md.
+"""
 
 from .contacts import Tabulated
 from .error import measure_error, random_impacts
