@@ -670,6 +670,39 @@ def test_numbers_of_the_report(written):
     assert len(rows) == 1 + len(TESTS) * len(TARGETS)
 
 
+FEW = {
+    "one measurement": ("500,15,0.2,", "Best known of all combinations"),
+    "limits alone": ("500,15,<0.3,>0.1\n500,25,>0.05,<0.5", "Nor do they determine"),
+}
+
+
+@pytest.mark.parametrize(("rows", "words"), FEW.values(), ids=FEW)
+def test_a_report_of_next_to_nothing(tmp_path, engine, rows, words):
+    (tmp_path / "tests.csv").write_text(
+        f"mass_kg,speed_mps,e_n,max_penetration_m\n{rows}\n"
+    )
+    head = STUDY.replace("starts = 6", "starts = 2")
+    if ",>0.1" not in rows:
+        head = head.replace("[parameters]", 'targets = ["e_n"]\n[parameters]', 1)
+    (tmp_path / "study.toml").write_text(head[: head.index("[default_sigma]")])
+    out = tmp_path / "out"
+    assert main(["calibrate", str(tmp_path / "study.toml"), "--out", str(out)]) == 0
+    report = (out / "report.md").read_text()
+    assert "determine none of the parameters" in report
+    assert words in report
+    table = report.split("| upper |")[1].split("\n\n")[0]
+    assert table.count("not determined") == 3
+    json.loads((out / "fit.json").read_text())
+
+
+def test_the_known_combination_of_one_number(tmp_path):
+    """One sum is measured, to 5 %: its eigenvalue is exact, whatever is not known."""
+    matrix = np.array([[3.0, 4.0, 0.0]])
+    _, _, found = linear(tmp_path, matrix, [0.5])
+    np.testing.assert_allclose(found.eigenvalues, [0.0, 0.0, 25.0 / SIGMA**2])
+    np.testing.assert_allclose(np.abs(found.eigenvectors[:, 2]), [0.6, 0.8, 0.0])
+
+
 def test_signs_that_mean_something_elsewhere():
     blocks = [Heading(1, "a < b"), Paragraph("c_v^2 * [x] | <b> # `d`")]
     assert "a &lt; b" in as_html(blocks)

@@ -23,7 +23,7 @@ DPI = 160
 BAND, WIDE_BAND = 0.35, 0.15
 """Opacities."""
 MOST_DEVIATIONS = 6.0
-"""A profile is drawn no higher."""
+"""A profile is drawn no higher, unless the line of 95 % lies there."""
 MOST_NAMED = 12
 """Tests beyond this number go by their number, not their name."""
 DRAWN = 400
@@ -212,6 +212,7 @@ def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
     figure, axes = _panel()
     place = variant.names.index(found.name)
     bounds, uncertainty = variant.bounds, variant.uncertainty
+    most = max(MOST_DEVIATIONS, 1.15 * uncertainty.quantile)
     axes.plot(
         found.values,
         np.sqrt(np.maximum(found.rise, 0.0)),
@@ -221,7 +222,7 @@ def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
         label="others fitted again",
     )
     if variant.verdicts[place].determined:
-        reach = MOST_DEVIATIONS * np.linspace(-1.0, 1.0, 61)
+        reach = most * np.linspace(-1.0, 1.0, 61)
         x = np.tile(variant.points.x[0], (len(reach), 1))
         x[:, place] += reach * uncertainty.standard_errors[place]
         axes.plot(
@@ -242,19 +243,19 @@ def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
             color=VERMILION,
             fontsize="small",
         )
-    low, high = _shown(found)
+    low, high = _shown(found, most)
     _scale(axes.set_xscale, low, high, bounds.logarithmic[place])
     axes.set_xlim(low, high)
-    axes.set_ylim(-0.1, MOST_DEVIATIONS)
+    axes.set_ylim(-0.1, most)
     axes.set_xlabel(label_of(found.name))
     axes.set_ylabel("rise of the misfit [standard deviations]")
     axes.legend(fontsize="small", frameon=False)
     return figure
 
 
-def _shown(found: LikelihoodProfile) -> tuple[float, float]:
+def _shown(found: LikelihoodProfile, most: float) -> tuple[float, float]:
     """The stretch of a profile that is drawn: to where the misfit leaves the panel."""
-    inside = np.flatnonzero(found.rise <= MOST_DEVIATIONS**2)
+    inside = np.flatnonzero(found.rise <= most**2)
     first, last = max(inside[0] - 1, 0), min(inside[-1] + 1, len(found.values) - 1)
     # A point far out, where nothing is held between, would draw a needle.
     low, high = found.values[inside[0]], found.values[inside[-1]]

@@ -201,6 +201,14 @@ def in_words(left: LeftOut, objective: Objective, what: str) -> list[str]:
                 f"That is fewer than chance allows: the fit does not predict a new "
                 f"{what} as well as its errors say."
             )
+    limits = study.known & (study.censored != 0) & np.isfinite(left.predicted)
+    if np.any(limits):
+        apart = (left.predicted - study.measured) * study.censored
+        kept = int(np.sum(limits & (apart >= 0.0)))
+        lines.append(
+            f"{kept} of {int(np.sum(limits))} limits are kept by the fit without their "
+            f"{what}."
+        )
     missing = int(np.sum(exact & ~np.isfinite(left.predicted)))
     if missing:
         lines.append(f"{missing} of them cannot be predicted without their {what}.")

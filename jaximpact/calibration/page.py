@@ -28,6 +28,7 @@ from .report import (
 )
 from .sampling import Samples
 from .study import StudyResult, VariantResult
+from .uncertainty import USELESS_ERROR
 
 MOST_PAIRS = 3
 MOST_ROWS = 12
@@ -78,8 +79,10 @@ def verdict(variant: VariantResult, name: str = "") -> list[str]:
     else:
         lines = [f"{name}The tests determine none of the parameters by itself."]
     lines += unknown
-    if unknown:
+    if unknown and variant.uncertainty.eigenvalues[-1] * USELESS_ERROR**2 > 1.0:
         lines.append(f"Best known of all combinations is {variant.directions[0]}.")
+    elif unknown:
+        lines.append("Nor do they determine any combination of these.")
     if unknown and known:
         held = ", ".join(v.name for v in variant.verdicts if not v.determined)
         lines.append(
@@ -327,6 +330,8 @@ def _rms_left_out(result: StudyResult, left: LeftOut, place: int) -> str:
 
 
 def _residuals(result, variant, looked, prefix) -> list[Block]:
+    if not np.any(np.isfinite(looked.residuals.values)):
+        return [Paragraph("None: the fit takes up all that was measured.")]
     pictures = [
         _picture(
             f"{prefix}residuals-{against}.png",
@@ -370,6 +375,10 @@ def _left_out(result, variant, looked, prefix, title) -> list[Block]:
                 "band holds 95 % if the errors are right."
             ),
             Points(left_out.in_words(left, variant.objective, what)),
+        ]
+        if not np.any(np.isfinite(left.predicted[result.study.censored == 0])):
+            continue
+        blocks += [
             Pictures(
                 [
                     _picture(

@@ -143,7 +143,7 @@ def read_study(path: Path) -> Study:
     sigma, sigma_given = _sigma(path, content, tests, targets)
     return Study(
         path=path,
-        title=typed(path, content, "title", str, path.parent.name),
+        title=typed(path, content, "title", str, path.resolve().parent.name),
         source=typed(path, content, "source", str, ""),
         notes=typed(path, content, "notes", str, ""),
         tests=tests,

@@ -81,7 +81,8 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
     half = 0.5 + CONFIDENCE / 2.0
     quantile = t.ppf(half, max(freedom, 1.0)) if scattered else norm.ppf(half)
     errors = np.sqrt(np.diag(covariance))
-    values, vectors = np.linalg.eigh(_inverse(covariance[:soil, :soil]))
+    fisher = _fisher(curvature, variance, soil) / inflation
+    values, vectors = np.linalg.eigh(fisher)
     return Uncertainty(
         inflation=inflation,
         reduced_chi_square=reduced,
@@ -221,15 +222,19 @@ def _sandwich(curvature: np.ndarray, variance: np.ndarray) -> np.ndarray:
     return covariance + (clean * np.where(empty, NO_INFORMATION, 0.0)) @ clean.T
 
 
-def _inverse(matrix: np.ndarray) -> np.ndarray:
-    """Inverse of a covariance."""
-    values, vectors = np.linalg.eigh(matrix)
-    inverse = 1.0 / np.maximum(values, 1e-300)
-    return (vectors * inverse) @ vectors.T
+def _fisher(curvature: np.ndarray, variance: np.ndarray, soil: int) -> np.ndarray:
+    """H V^-1 H of the soil's parameters, the nuisances left free. Not the inverse of
+    the covariance, in which directions of which nothing is known drown the others."""
+    information = curvature @ _pseudo_inverse(variance) @ curvature
+    between = information[:soil, soil:]
+    others = _pseudo_inverse(information[soil:, soil:])
+    return information[:soil, :soil] - between @ others @ between.T
 
 
 def _pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
     """Inverse without the directions of which it says nothing."""
+    if not len(matrix):
+        return matrix
     values, vectors = np.linalg.eigh(matrix)
     empty = values <= LEAST_EIGENVALUE * max(values[-1], 0.0)
     inverse = np.where(empty, 0.0, 1.0 / np.where(empty, 1.0, values))

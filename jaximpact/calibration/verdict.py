@@ -91,7 +91,10 @@ def judge(
 
 def _large_error(error: float) -> str:
     if error > ENDLESS_ERROR:
-        return "it has no influence on what was measured"
+        return (
+            "it has no influence on what was measured, or none that the others could "
+            "not make up for"
+        )
     return f"its standard error is {error:.3g} times its value, or half its range"
 
 
