@@ -249,6 +249,8 @@ FURTHER_COLUMNS: dict[str, ResultColumn] = {
             "when |T| is",
         ),
         ResultColumn("time_of_max_moment_s", "time_of_max_moment", "s", "when |M| is"),
+        ResultColumn("final_penetration_m", "final_penetration", "m", "u_n at the end"),
+        ResultColumn("final_sinking_m", "final_sinking", "m", "u_D at the end"),
         ResultColumn("steps", "steps", "-", "steps of the integration"),
     )
 }
