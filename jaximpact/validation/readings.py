@@ -7,25 +7,33 @@ enters.
 import dataclasses
 from collections.abc import Mapping
 
+from ..columns import DEGREE
 from ..laws import Laws
+from ..runout.biplanar import SLOPE, BiplanarCase
 from . import other_laws
 from .contact_point import ContactPoint
+from .slope import SlopeReading
 
 
 @dataclasses.dataclass(frozen=True)
 class Reading:
-    """What is read otherwise: quantities of the scene, laws, or the point that the
-    contact coefficient looks at."""
+    """What is read otherwise: quantities of the scene, laws, the point that the contact
+    coefficient looks at, or the runs down a slope."""
 
     name: str
     values: Mapping[str, float] = dataclasses.field(default_factory=dict)
     """Input columns and their values."""
     laws: Laws = dataclasses.field(default_factory=Laws)
     contact: ContactPoint = ContactPoint.foundation
+    slope: SlopeReading = dataclasses.field(default_factory=SlopeReading)
 
 
 def _with(name: str, **laws) -> Reading:
     return Reading(name, laws=dataclasses.replace(Laws(), **laws))
+
+
+def _case(name: str, **changed) -> Reading:
+    return Reading(name, slope=SlopeReading(BiplanarCase(**changed)))
 
 
 AS_IT_IS = Reading("as it is")
@@ -59,3 +67,21 @@ READINGS = (
 )
 """All but the one that the package has. (4 m/s is what B_t makes of 8.7 for a
 foundation of 0.46 m: it tells the size from the value.)"""
+SLOPE_READINGS = (
+    _case("released 10° downwards", direction=-10.0 * DEGREE),
+    _case("released 10 m above the crest", height=10.0),
+    _case("spins against the way", spin_sense=-1.0),
+    _case("the same spin for all shapes", equal_energy=False),
+    _case("major axis normal to the slope", orientation=SLOPE),
+    _case("major axis horizontal", orientation=90.0 * DEGREE),
+    _case("rolling friction 10°", rolling_friction_angle=10.0 * DEGREE),
+    _case("rolling friction 25°", rolling_friction_angle=25.0 * DEGREE),
+    Reading("hops up to 0.5 m are rolling", slope=SlopeReading(hop=0.5)),
+    Reading(
+        "the released flight is a jump", slope=SlopeReading(released_flight_jumps=True)
+    ),
+    Reading(
+        "coefficients before the climb", slope=SlopeReading(out_of_the_crater=False)
+    ),
+)
+"""Of the runs down a slope, which the others take too long for."""

@@ -18,14 +18,16 @@ from ..scene import Scene
 from ..sweeping import Axes, scene_of_values, sweep
 from .contact_point import with_contact_at
 from .readings import AS_IT_IS, Reading
+from .slope import slope_dataset
 from .verdict import NotComputed
 
 Datasets = Mapping[str, xr.Dataset]
-"""Datasets by name: the parametric sets on one ground, `courses`, and the random
-impacts (`RANDOM_SETS`)."""
+"""Datasets by name: the parametric sets on one ground, `courses`, the random impacts
+(`RANDOM_SETS`), and the runs down a slope, `SLOPE`."""
 
 ACCURACY = DEFAULT_ACCURACY
 COURSES = "courses"
+SLOPE = "slope"
 COURSE_ANGLES_DEG = np.arange(10.0, 81.0, 10.0)
 RANDOM_IMPACTS = 10_000
 SEED = 13
@@ -72,7 +74,7 @@ class Study(Datasets):
         return self._known[name]
 
     def __iter__(self):
-        return iter((*PARAMETRIC_SETS, COURSES, *RANDOM_SETS))
+        return iter((*PARAMETRIC_SETS, COURSES, *RANDOM_SETS, SLOPE))
 
     def __len__(self):
         return len(list(iter(self)))
@@ -82,6 +84,10 @@ class Study(Datasets):
             return self._courses()
         if name in RANDOM_SETS:
             return self._random(name)
+        if name == SLOPE:
+            base, _ = self._parametric_set("I")
+            reading = self.reading
+            return slope_dataset(base.soil, reading.slope, reading.laws, ACCURACY)
         base, axes = self._parametric_set(name)
         dataset = sweep(base, axes, accuracy=ACCURACY, laws=self.reading.laws)
         failed = int((dataset.outcome == "failed").sum())

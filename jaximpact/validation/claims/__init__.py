@@ -11,7 +11,7 @@ from importlib import resources
 from typing import NamedTuple
 
 from ..verdict import Judgement
-from . import energy, figure_13, sphericity, supplement
+from . import energy, figure_13, slope, sphericity, supplement
 
 
 class Claim(NamedTuple):
@@ -35,6 +35,7 @@ JUDGES: dict[str, Callable[..., Judgement]] = (
     | energy.CLAIMS
     | figure_13.CLAIMS
     | sphericity.CLAIMS
+    | slope.CLAIMS
     | supplement.CLAIMS
 )
 """Functions by the id of the claim that they judge."""
