@@ -60,6 +60,21 @@ def jumps(runs: Runs) -> Jumps:
     )
 
 
+def rise_before(runs: Runs, flights: Jumps) -> np.ndarray:
+    """Rise of the flight that each contact ends [m], `(contacts,)`; NaN for one that
+    ends no flight, or takes no time."""
+    way = runs.pieces.way
+    rise = np.full(len(way), np.nan)
+    rise[flights.piece] = flights.rise
+    # Pieces of contacts and contacts stand in the same order.
+    places = np.flatnonzero(way == Way.contact)
+    same = runs.pieces.trajectory[places - 1] == runs.pieces.trajectory[places]
+    before = np.full(len(runs.contacts.time), np.nan)
+    takes_time = runs.contacts.duration > 0.0
+    before[takes_time] = np.where(same & (places > 0), rise[places - 1], np.nan)
+    return before
+
+
 def _time_at(p, x: float) -> np.ndarray:
     """When flights pass x; never is the start."""
     moves = p.v_x != 0.0

@@ -28,8 +28,7 @@ def as_text(validation: "Validation") -> str:
         if findings:
             parts += [_lines(finding) for finding in findings]
             parts.append(f"{len(findings)} {of}: {counts(findings)}\n")
-    if validation.readings:
-        parts.append(_matrix_text(validation.readings))
+    parts += [_matrix_text(group) for group in _groups(validation.readings)]
     return "\n".join(parts)
 
 
@@ -122,8 +121,8 @@ def as_markdown(validation: "Validation") -> str:
             ((f.id, f.criterion) for f in validation.claims if f.judgement.asked),
         )
     )
-    if validation.readings:
-        parts += [matrix_markdown(validation.readings), moves(validation.readings)]
+    for group in _groups(validation.readings):
+        parts += [matrix_markdown(group), moves(group)]
     return "\n".join(parts)
 
 
@@ -138,6 +137,21 @@ def markdown_table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> 
         "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
         for cells in lines
     )
+
+
+def _groups(readings: "ByReading") -> list["ByReading"]:
+    """Readings under which the same claims were judged, each group with the first
+    reading at its head."""
+    if not readings:
+        return []
+    as_it_is, others = _split(readings)
+    groups: dict[tuple[str, ...], ByReading] = {}
+    for name, found in others.items():
+        groups.setdefault(tuple(found), {})[name] = found
+    return [
+        {AS_IT_IS.name: {name: as_it_is[name] for name in names}} | group
+        for names, group in groups.items()
+    ]
 
 
 def _matrix(readings: "ByReading") -> tuple[list[str], list[list[str]]]:

@@ -16,12 +16,12 @@ from ..errors import InputError, nearest
 from ..files import replacing
 from ..precision import require_float64
 from ..provenance import versions
-from .claims import JUDGES, read_claims
+from .claims import JUDGES, SLOPE_CLAIMS, read_claims
 from .comparison import Comparison
 from .findings import ByReading, Validation
 from .law_findings import as_findings
 from .laws import compare_with_laws
-from .readings import AS_IT_IS, READINGS
+from .readings import AS_IT_IS, READINGS, SLOPE_READINGS
 from .report import as_csv, as_markdown, readings_csv
 from .study import ACCURACY, RANDOM_IMPACTS, SEED, Study
 from .verdict import Finding, Judgement, NotComputed, Verdict
@@ -45,8 +45,8 @@ def validate(
     Args:
         out: directory for the files, made if need be; None writes none.
         only: ids of claims, and `laws`; all for none.
-        readings: also judge the claims under every reading of `READINGS`, and write
-            them to `out`.
+        readings: also judge the claims under every reading of `READINGS`, those on runs
+            down a slope under `SLOPE_READINGS`, and write them to `out`.
         progress: takes lines of progress.
         say: takes what is worth a line of its own.
 
@@ -124,16 +124,20 @@ def _judge_readings(
             f"{len(known)} readings computed before; remove {_readings_path(out)} to "
             "compute them again"
         )
-    for number, reading in enumerate(READINGS, start=1):
+    on_slopes = [name for name in ids if name in SLOPE_CLAIMS]
+    others = [name for name in ids if name not in SLOPE_CLAIMS]
+    asked = [(reading, others) for reading in READINGS if others]
+    asked += [(reading, on_slopes) for reading in SLOPE_READINGS if on_slopes]
+    for number, (reading, names) in enumerate(asked, start=1):
         before = known.get(reading.name, {})
         study = Study(
             reading=reading,
             say=lambda text, number=number: progress(
-                f"reading {number} of {len(READINGS)}: {text}"
+                f"reading {number} of {len(asked)}: {text}"
             ),
         )
         found[reading.name] = {
-            name: before.get(name) or _judge(name, study, "") for name in ids
+            name: before.get(name) or _judge(name, study, "") for name in names
         }
         if out is not None:
             known[reading.name] = before | found[reading.name]

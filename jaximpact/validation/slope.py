@@ -9,7 +9,7 @@ from ..accuracy import Accuracy
 from ..laws import Laws
 from ..runout import Ending, FullModel, Runs, Way, passages, simulate_runout
 from ..runout.biplanar import ASPECT_RATIOS, SPINS_DEGPS, BiplanarCase
-from ..runout.jumps import Jumps, jumps
+from ..runout.jumps import Jumps, jumps, rise_before
 from ..runout.restitutions import restitutions
 from ..runout.stretches import stretches_of
 from ..scene import GRAVITY
@@ -27,7 +27,8 @@ class SlopeReading:
 
     case: BiplanarCase = dataclasses.field(default_factory=BiplanarCase)
     hop: float = 0.0
-    """Rise up to which a flight counts as rolling [m]."""
+    """Rise up to which a flight counts as rolling [m]: it is no bounce and no jump, and
+    the contact that ends it is no impact. With 0 every contact counts."""
     released_flight_jumps: bool = False
     """Whether the flight that a block is released in is a jump too."""
     out_of_the_crater: bool = True
@@ -65,11 +66,13 @@ def slope_dataset(
         **bounces(runs, flights, reading.hop),
         "end_x_m": runs.x,
     }
-    counted = flights.after_contact.copy()
+    counted = flights.after_contact & (flights.rise >= reading.hop)
     if reading.released_flight_jumps:
         counted[_firsts(flights.trajectory)] = True
     coefficients = restitutions(runs, out_of_the_crater=reading.out_of_the_crater)
     impacts = np.isfinite(coefficients.e_n)
+    if reading.hop > 0.0:
+        impacts &= rise_before(runs, flights) > reading.hop
     of_block = np.repeat(ASPECT_RATIOS, len(SPINS_DEGPS))
     return xr.Dataset(
         {

@@ -39,5 +39,7 @@ JUDGES: dict[str, Callable[..., Judgement]] = (
     | supplement.CLAIMS
 )
 """Functions by the id of the claim that they judge."""
+SLOPE_CLAIMS = tuple(slope.CLAIMS)
+"""Those on runs down a slope, which have readings of their own."""
 
-__all__ = ["JUDGES", "Claim", "read_claims"]
+__all__ = ["JUDGES", "SLOPE_CLAIMS", "Claim", "read_claims"]

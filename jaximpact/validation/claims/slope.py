@@ -37,8 +37,8 @@ def same_path(sets: Datasets) -> Judgement:
     long = apart.sel(aspect_ratio=apart.aspect_ratio > 1.0)
     return judge(
         f"first impact at x {between(still.first_impact_x_m, 'm')}, within "
-        f"{float(off.max()):.0e} m of the parabola; up to x 250 m off the sphere's path "
-        f"by up to {between(long, 'm')}",
+        f"{float(off.max()):.0e} m of the parabola; off the sphere's path by up "
+        f"to {between(long, 'm')} as far as x 250 m",
         [
             conditions(off <= ON_THE_PARABOLA, "on the parabola"),
             conditions(long <= SUPERIMPOSED, "superimposed"),
