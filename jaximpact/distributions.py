@@ -17,7 +17,7 @@ Source: Stephens (1974), EDF statistics for goodness of fit and some comparisons
 from typing import NamedTuple
 
 import numpy as np
-from jax.scipy.special import ndtr
+from scipy.special import ndtr
 
 SOME = 2
 """Numbers that a fit needs at the least."""
@@ -63,7 +63,7 @@ def fit_normal(values) -> Fit:
     if n < SOME or values[0] == values[-1]:
         return _nothing(n)
     mean, scale = float(np.mean(values)), float(np.std(values))
-    distance = _distance(np.asarray(ndtr((values - mean) / scale)))
+    distance = _distance(ndtr((values - mean) / scale))
     root = np.sqrt(n)
     chance = 0.895 / (root - 0.01 + 0.85 / root)
     return Fit(mean, scale, distance, chance, n)

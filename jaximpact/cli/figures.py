@@ -9,7 +9,7 @@ from .progress import say
 
 ACCURACY = "reference"
 DESCRIPTION = """\
-Compute and draw figures 4 to 9 and 13 of Dattola, Crosta and di Prisco (2023).
+Compute and draw figures 4 to 14 of Dattola, Crosta and di Prisco (2023).
 
   4   set I: displacement and force over time
   5   sets I and II: their largest values against aspect ratio
@@ -17,7 +17,11 @@ Compute and draw figures 4 to 9 and 13 of Dattola, Crosta and di Prisco (2023).
   7   set III along the major axis: largest values and rotation against impact angle
   8   set IV: restitution, largest values and rotation against orientation
   9   set III: restitution against impact angle
+  10  the slope of two planes
+  11  runs down it without initial spin: path, height, velocities
+  12  heights of jumps in runs with all spins, with exponential fits
   13  coefficients of a spinning block against orientation
+  14  restitution in all impacts of these runs, with normal fits
 
 Each is figure-N.png, drawn from the table figure-N.csv; figure-N.csv.manifest.json says
 what it was computed from. All together take a minute on two cores."""

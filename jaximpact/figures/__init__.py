@@ -1,4 +1,4 @@
-"""Figures 4 to 9 and 13 of the paper, computed again.
+"""Figures 4 to 14 of the paper, computed again.
 
 A figure is a table, computed from the paper's parametric sets, and a drawing of that
 table alone. Source: Dattola et al. (2023), section 3 and Fig. 13.

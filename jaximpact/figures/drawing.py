@@ -39,6 +39,11 @@ LABELS = {
     "max_R_r": "max $R_r$ [-]",
     "e_n": "normal restitution $e_n$ [-]",
     "e_t": "tangential restitution $e_t$ [-]",
+    "x_m": "x [m]",
+    "y_m": "y [m]",
+    "height_m": "height above the ground [m]",
+    "velocity_mps": "velocity [m/s]",
+    "spin_degps": "rotational velocity [10³ °/s]",
 }
 """Column -> label of its axis."""
 UNITS = {
@@ -47,6 +52,7 @@ UNITS = {
     "rotation_rad": DEGREE,
     "max_normal_force_N": 1e3,
     "max_moment_Nm": 1e3,
+    "spin_degps": 1e3,
 }
 """Column -> what counts as 1 on its axis, where it is not the column's own unit."""
 

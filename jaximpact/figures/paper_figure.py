@@ -21,6 +21,8 @@ class PaperFigure(NamedTuple):
     """The table: a row for each point, columns named with units as in `columns`."""
     draw: Callable[[pd.DataFrame], Figure]
     """The figure, from the table alone."""
+    on_the_slope: bool = False
+    """Whether it is of the runs down the slope of two planes."""
 
     @property
     def name(self) -> str:

@@ -28,8 +28,13 @@ from .figure_6 import FIGURE_6
 from .figure_7 import FIGURE_7
 from .figure_8 import FIGURE_8
 from .figure_9 import FIGURE_9
+from .figure_10 import FIGURE_10
+from .figure_11 import FIGURE_11
+from .figure_12 import FIGURE_12
 from .figure_13 import FIGURE_13
+from .figure_14 import FIGURE_14
 from .paper_figure import PaperFigure
+from .slope_runs import ENDING_COLUMN, case_values
 from .study import Study
 
 PAPER_FIGURES = {
@@ -41,7 +46,11 @@ PAPER_FIGURES = {
         FIGURE_7,
         FIGURE_8,
         FIGURE_9,
+        FIGURE_10,
+        FIGURE_11,
+        FIGURE_12,
         FIGURE_13,
+        FIGURE_14,
     )
 }
 """By number in the paper."""
@@ -93,7 +102,7 @@ def write_figures(
         _write(out, figure, study, table)
         if say is not None:
             seconds = time.perf_counter() - begin
-            failed = int((table[OUTCOME_COLUMN] == str(Outcome.failed)).sum())
+            failed = _rows(table).get(str(Outcome.failed), 0)
             say(
                 f"{out / figure.name}.png: {figure.title} ({seconds:.1f} s)"
                 + (f"; {failed} of {len(table)} rows failed" if failed else "")
@@ -127,6 +136,15 @@ def write_table(path: Path, table: pd.DataFrame) -> None:
     table.to_csv(path, index=False, na_rep="nan", lineterminator="\n")
 
 
+def _rows(table: pd.DataFrame) -> dict[str, int]:
+    """How many rows have which outcome, of an impact or of its whole run."""
+    for name in (OUTCOME_COLUMN, ENDING_COLUMN):
+        if name in table:
+            counts = table[name].value_counts()
+            return {outcome: int(count) for outcome, count in counts.items()}
+    return {}
+
+
 def _manifest(figure: PaperFigure, study: Study, table: pd.DataFrame) -> dict:
     """What the figure was computed from and with; what varies is in its table."""
     return {
@@ -136,10 +154,8 @@ def _manifest(figure: PaperFigure, study: Study, table: pd.DataFrame) -> dict:
         "sets": {
             name: scene_values(study.parametric_set(name)[0]) for name in figure.sets
         },
-        "rows": {
-            outcome: int(count)
-            for outcome, count in table[OUTCOME_COLUMN].value_counts().items()
-        },
+        **({"slope": case_values(study)} if figure.on_the_slope else {}),
+        "rows": _rows(table),
         "accuracy": dataclasses.asdict(get_accuracy(study.accuracy)),
         "laws": law_names(Laws()),
         "versions": versions(),

@@ -8,9 +8,12 @@ import numpy as np
 from ..accuracy import Accuracy
 from ..parametric_sets import TABLE_1, check_ground, parametric_set
 from ..provenance import scene_values
+from ..runout import FullModel, Runs, simulate_runout
+from ..runout.biplanar import BiplanarCase
 from ..scene import Scene
 from ..sweeping import Axes, scene_of_values
 
+SLOPE = "slope"
 HALF_TURN = np.linspace(0.0, 180.0, 181)
 """Orientations for curves [deg]: what comes after repeats. (The sets have every fifth,
 which is too few where curves jump.)"""
@@ -28,6 +31,10 @@ class Study:
     accuracy: str | Accuracy = "reference"
     progress: Callable[[str], None] = lambda text: None
     """Takes lines of progress."""
+    known: dict[str, Runs] = dataclasses.field(
+        default_factory=dict, repr=False, compare=False
+    )
+    """What has been computed and several figures need."""
 
     def __post_init__(self):
         check_ground(self.ground)
@@ -35,6 +42,18 @@ class Study:
     def parametric_set(self, name: str) -> tuple[Scene, Axes]:
         """Base and axes of a set, on this ground alone."""
         return parametric_set(name, self.ground)
+
+    def slope_runs(self) -> Runs:
+        """The paper's runs down the slope of two planes, computed once."""
+        if SLOPE not in self.known:
+            case, soil = BiplanarCase(), self.parametric_set("I")[0].soil
+            self.known[SLOPE] = simulate_runout(
+                case.profile(soil),
+                case.release(),
+                FullModel(self.accuracy),
+                progress=lambda done, total: self.progress(f"{done} of {total} runs"),
+            )
+        return self.known[SLOPE]
 
 
 def with_values(base: Scene, values) -> Scene:

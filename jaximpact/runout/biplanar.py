@@ -31,6 +31,12 @@ ASPECT_RATIOS = (1.0, 1.5, 2.0, 3.0, 4.0)
 """The paper has 1 to 4; the steps are ours."""
 SPINS_DEGPS = tuple(np.linspace(0.0, 20_000.0, 9).tolist())
 """Of the sphere."""
+HOP = 0.5
+"""Rise of the centre in a flight [m] up to which a block that tumbles along the ground
+can be said to roll; the first flight rises by some ten metres."""
+COEFFICIENTS = (-1.0, 3.0)
+"""Coefficients of restitution that are looked at: those of grazing impacts have no
+bounds."""
 
 
 @dataclasses.dataclass(frozen=True)

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 from ..columns import DEGREE
 from ..laws import Laws
-from ..runout.biplanar import SLOPE, BiplanarCase
+from ..runout.biplanar import HOP, SLOPE, BiplanarCase
 from . import other_laws
 from .contact_point import ContactPoint
 from .slope import SlopeReading
@@ -76,7 +76,7 @@ SLOPE_READINGS = (
     _case("major axis horizontal", orientation=90.0 * DEGREE),
     _case("rolling friction 10°", rolling_friction_angle=10.0 * DEGREE),
     _case("rolling friction 25°", rolling_friction_angle=25.0 * DEGREE),
-    Reading("hops up to 0.5 m are rolling", slope=SlopeReading(hop=0.5)),
+    Reading(f"hops up to {HOP:g} m are rolling", slope=SlopeReading(hop=HOP)),
     Reading(
         "the released flight is a jump", slope=SlopeReading(released_flight_jumps=True)
     ),

@@ -64,7 +64,6 @@ def slope_dataset(
         "off_the_parabola_m": off_the_parabola(runs),
         "first_flight_m": flights.height[_firsts(flights.trajectory)],
         **bounces(runs, flights, reading.hop),
-        "end_x_m": runs.x,
     }
     counted = flights.after_contact & (flights.rise >= reading.hop)
     if reading.released_flight_jumps:

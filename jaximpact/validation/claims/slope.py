@@ -5,6 +5,7 @@ import xarray as xr
 
 from ...distributions import Fit, fit_exponential, fit_normal
 from ...parametric_sets import GROUNDS
+from ...runout.biplanar import COEFFICIENTS
 from ..parts import between, condition, conditions, judge
 from ..study import SLOPE, Datasets, Study
 from ..verdict import Judgement
@@ -22,8 +23,6 @@ NEAR = 0.10
 """Distance between distributions that are near each other."""
 ENOUGH = 20
 """Jumps that a distribution needs at the least."""
-WINDOW = (-1.0, 3.0)
-"""Coefficients that are looked at: those of grazing impacts have no bounds."""
 MEANS = {"e_n": 0.67, "e_t": 0.92}
 """In the paper."""
 MEAN_WITHIN = 0.1
@@ -37,8 +36,8 @@ def same_path(sets: Datasets) -> Judgement:
     long = apart.sel(aspect_ratio=apart.aspect_ratio > 1.0)
     return judge(
         f"first impact at x {between(still.first_impact_x_m, 'm')}, within "
-        f"{float(off.max()):.0e} m of the parabola; off the sphere's path by up "
-        f"to {between(long, 'm')} as far as x 250 m",
+        f"{float(off.max()):.0e} m of the parabola; as far as x 250 m off the sphere's "
+        f"path by up to {float(long.max()):.2g} m",
         [
             conditions(off <= ON_THE_PARABOLA, "on the parabola"),
             conditions(long <= SUPERIMPOSED, "superimposed"),
@@ -61,7 +60,7 @@ def elongated_blocks_roll(sets: Datasets) -> Judgement:
     return judge(
         f"bounces between first impact and rolling: sphere {count}, up to "
         f"{highest:.2g} m high; others {between(long.bounces)}, up to "
-        f"{between(long.highest_bounce_m, 'm')} high, half of them above "
+        f"{float(long.highest_bounce_m.max()):.2g} m high, but of a median rise of "
         f"{between(long.middle_bounce_m, 'm')}",
         [
             conditions(long.rolls & (long.bounces == 0), "roll after the first impact"),
@@ -131,7 +130,8 @@ def coefficients_are_normal(study: Study) -> Judgement:
             f"{name} mean {fit.start:.2f} (paper {mean}), standard deviation "
             f"{fit.scale:.2f}, median {np.median(values):.2f}, distance "
             f"{fit.distance:.2f}, {100.0 * above:.1f} % above {WELL_ABOVE}, "
-            f"{100.0 * float(outside):.1f} % outside of {WINDOW[0]:g} to {WINDOW[1]:g}"
+            f"{100.0 * float(outside):.1f} % outside of {COEFFICIENTS[0]:g} to "
+            f"{COEFFICIENTS[1]:g}"
         )
         numbers |= {f"mean_{name}": fit.start, f"distance_{name}": fit.distance}
     others = []
@@ -144,7 +144,7 @@ def coefficients_are_normal(study: Study) -> Judgement:
 
 
 def _in_window(values: xr.DataArray) -> np.ndarray:
-    low, high = WINDOW
+    low, high = COEFFICIENTS
     return values.values[(values >= low) & (values <= high)]
 
 
