@@ -4,8 +4,10 @@ import copy
 
 import numpy as np
 import xarray as xr
+from scipy.special import ndtri
 
-from jaximpact.validation.study import RANDOM_SETS
+from jaximpact.runout.biplanar import ASPECT_RATIOS, SPINS_DEGPS
+from jaximpact.validation.study import RANDOM_SETS, SLOPE
 
 A_R = xr.DataArray(
     np.linspace(1.0, 4.0, 7), coords={"aspect_ratio": np.linspace(1.0, 4.0, 7)}
@@ -89,6 +91,7 @@ def ideal() -> MadeUp:
             "outcome": ("impact", np.full(5, "toppled", "<U10")),
         }
     )
+    sets[SLOPE] = _slope()
     return MadeUp(sets | dict.fromkeys(RANDOM_SETS, impacts))
 
 
@@ -151,3 +154,28 @@ def _courses():
     rise = xr.where((step == 4.0) & (A_R == 1.0), 0.95 * 3.0, np.minimum(step, 3.0))
     top = np.sin(np.radians(2.0 * angle)) * A_R
     return xr.Dataset({"rotation_rad": 0.01 * step * A_R * angle, "R_r": rise * top})
+
+
+def _slope():
+    shape = _axis("aspect_ratio", np.array(ASPECT_RATIOS))
+    spin = _axis("angular_velocity_degps", np.array(SPINS_DEGPS))
+    everywhere = 0.0 * shape + 0.0 * spin
+    shares = (np.arange(200) + 0.5) / 200
+    heights = np.concatenate([-a * np.log(shares) for a in ASPECT_RATIOS])
+    spread = ndtri(shares)
+    return xr.Dataset(
+        {
+            "first_impact_x_m": 60.0 + everywhere,
+            "off_the_parabola_m": everywhere,
+            "first_flight_m": 12.0 + everywhere,
+            "bounces": xr.where(shape == 1.0, 3.0, 0.0) + everywhere,
+            "highest_bounce_m": xr.where(shape == 1.0, 1.0, 0.0) + everywhere,
+            "middle_bounce_m": everywhere,
+            "rolls": everywhere == 0.0,
+            "paths_apart_m": 0.1 * (shape - 1.0),
+            "jump_height_m": ("jump", heights),
+            "jump_aspect_ratio": ("jump", np.repeat(ASPECT_RATIOS, len(shares))),
+            "e_n": ("impact", 0.67 + 0.3 * spread),
+            "e_t": ("impact", 0.92 + 0.2 * spread),
+        }
+    )

@@ -19,12 +19,15 @@ from jaximpact.columns import (
     OUTCOME_COLUMN,
     RESULT_COLUMNS,
 )
+from jaximpact.distributions import fit_exponential
 from jaximpact.errors import InputError
 from jaximpact.figures import PAPER_FIGURES, Study, run, write_figures
 from jaximpact.figures.courses import SERIES, peak
 from jaximpact.figures.drawing import colours_of
+from jaximpact.figures.figure_10 import LINE
 from jaximpact.figures.jumps import BRANCH, DURATION, JUMP
 from jaximpact.figures.run import write_table
+from jaximpact.figures.slope_runs import ENDING_COLUMN
 from jaximpact.parametric_sets import GROUNDS
 
 # What is promised of every figure.
@@ -32,19 +35,26 @@ COEFFICIENT = 1e-3
 RELATIVE = 2e-3
 
 COURSES = ("4", "6")
+OF_RUNS = ("x_m", "y_m", "height_m", "velocity_mps", "spin_degps")
+OF_RUNS += ("start_x_m", "rise_m", "rise_before_m")
 OVER_ORIENTATION = ("8", "13")
+
+
+COARSE = ("7", "11", "12", "14")
 
 
 @pytest.fixture(scope="module")
 def tables():
     """Every figure's table, as the command computes it; Fig. 7, which takes a course
-    for each of its points, at a coarser setting."""
+    for each of its points, and the runs at a coarser setting."""
+    coarse, fine = Study(accuracy="balanced"), Study(accuracy="reference")
     return {
-        number: figure.compute(
-            Study(accuracy="balanced" if number == "7" else "reference")
-        )
+        number: figure.compute(coarse if number in COARSE else fine)
         for number, figure in PAPER_FIGURES.items()
     }
+
+
+TEXTS = (OUTCOME_COLUMN, ENDING_COLUMN, LINE)
 
 
 def read_table(path):
@@ -53,7 +63,7 @@ def read_table(path):
         rows = list(csv.DictReader(file))
     return pd.DataFrame(
         {
-            name: [r[name] if name == OUTCOME_COLUMN else float(r[name]) for r in rows]
+            name: [r[name] if name in TEXTS else float(r[name]) for r in rows]
             for name in rows[0]
         }
     )
@@ -197,6 +207,67 @@ def test_ends_of_a_figure_are_those_of_another(tables):
     np.testing.assert_allclose(still["e_n"], same["e_n"], atol=1e-9)
 
 
+# --- runs down the slope
+
+
+def test_the_first_flight_is_the_parabola_of_figure_10(tables):
+    parabola = tables["10"][tables["10"][LINE] == "parabola of the release"]
+    for _, way in tables["11"].groupby("aspect_ratio"):
+        flight = way[way["x_m"] < 55.0]
+        # Chords of 1/240 of the flight lie some 0.3 mm below the parabola.
+        expected = np.interp(flight["x_m"], parabola["x_m"], parabola["y_m"])
+        np.testing.assert_allclose(flight["y_m"], expected, atol=1e-3)
+        assert set(flight["spin_degps"]) == {0.0}
+    # It ends where the centre comes to the ground.
+    end = parabola.iloc[-1]
+    assert end["y_m"] == pytest.approx(230.0 - 0.575 * end["x_m"], abs=1e-9)
+
+
+def test_velocities_of_runs_are_those_of_the_centre(tables):
+    """Along a flight the height gained is the velocity lost."""
+    for _, way in tables["11"].groupby("aspect_ratio"):
+        flight = way[way["x_m"] < 55.0]
+        energy = 0.5 * flight["velocity_mps"] ** 2 + 9.81 * flight["y_m"]
+        np.testing.assert_allclose(energy, 0.5 * 20.0**2 + 9.81 * 231.0, rtol=1e-12)
+        # Nothing in these runs is faster than what falls 230 m.
+        assert way["velocity_mps"].max() < np.sqrt(20.0**2 + 2.0 * 9.81 * 232.0)
+
+
+def test_jumps_and_impacts_are_of_one_set_of_runs(tables):
+    jumps, impacts = tables["12"], tables["14"]
+    by = ["aspect_ratio", "angular_velocity_degps"]
+    assert len(impacts.groupby(by)) == len(jumps.groupby(by)) == 45
+    first = impacts.groupby(by).first()
+    assert first["x_m"].between(59.0, 61.5).all()
+    # The flight of the release: 11.2 m above its start, the centre 1 m above the crest.
+    summit = (20.0 * np.sin(np.radians(10.0)) + 0.575 * first_speed()) ** 2 / 2 / 9.81
+    np.testing.assert_allclose(first["rise_before_m"], summit, rtol=1e-9)
+    # Every jump but the last few ends in an impact; a few touches are too slow.
+    rises = impacts["rise_before_m"].dropna()
+    higher = jumps["rise_m"] > 0.5
+    assert (rises > 0.5).sum() - 45 <= higher.sum()
+
+
+def first_speed():
+    """Along x at release [m/s]."""
+    return 20.0 * np.cos(np.radians(10.0))
+
+
+def test_fits_are_drawn_as_they_are_told(tables):
+    table = tables["12"]
+    axes = PAPER_FIGURES["12"].draw(table).axes
+    for each, (shape, rows) in zip(
+        axes[:5], table.groupby("aspect_ratio"), strict=True
+    ):
+        assert f"$A_r$ = {shape:g}" in each.get_title()
+        fit = fit_exponential(rows["height_m"])
+        assert f"{fit.distance:.2f} ({fit.distance_by_chance:.2f})" in each.get_title()
+        x, y = each.get_lines()[0].get_data()
+        drawn = np.isfinite(y)
+        slope = np.polyfit(x[drawn], np.log(y[drawn]), 1)[0]
+        assert slope == pytest.approx(-1.0 / fit.scale, rel=1e-9)
+
+
 # --- symmetry
 
 
@@ -294,7 +365,8 @@ def test_lines_are_broken_at_jumps(tables):
 # --- drawings
 
 
-PANELS = {"4": 2, "5": 2, "6": 4, "7": 4, "8": 6, "9": 4, "13": 4}
+PANELS = {"4": 2, "5": 2, "6": 4, "7": 4, "8": 6, "9": 4}
+PANELS |= {"10": 1, "11": 4, "12": 6, "13": 4, "14": 2}
 
 
 @pytest.mark.parametrize("number", PAPER_FIGURES)
@@ -364,6 +436,7 @@ def test_failed_points_are_left_out_and_said(tables, tmp_path, monkeypatch):
 def test_tables_come_back_from_their_files(tables, tmp_path, number):
     known = {*INPUT_COLUMNS, *RESULT_COLUMNS, *FURTHER_COLUMNS, *SERIES}
     known |= {"max_R_r", BRANCH, OUTCOME_COLUMN}
+    known |= {*TEXTS, *OF_RUNS}
     table = tables[number]
     assert set(table) <= known
     write_table(tmp_path / "table.csv", table)
@@ -428,7 +501,7 @@ def test_command_writes_drawing_table_and_manifest(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        (["--only", "14"], ["'14'", "did you mean '4'", "13"]),
+        (["--only", "15"], ["'15'", "did you mean", "13"]),
         (["--only", "4", "figure-8"], ["'figure-8'", "did you mean '8'"]),
         (["--ground", "table 1"], ["'table 1'", "did you mean 'Table 1'"]),
     ],

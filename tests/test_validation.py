@@ -16,19 +16,33 @@ from made_up_sets import A_R, ANGLE, LONG, ideal
 from matplotlib.figure import Figure
 from validation_page import assert_page_shows, page
 
-from jaximpact import Block, Impact, Laws, Soil, simulate
+from jaximpact import Block, ConstantCoefficients, Impact, Laws, Soil, simulate
 from jaximpact.cli import main
 from jaximpact.laws import flow_rate, hardening_rate, loading_surface
 from jaximpact.laws.bearing_capacity import bearing_capacity, bearing_factors
 from jaximpact.parametric_sets import GROUNDS, parametric_set
-from jaximpact.validation import Finding, Judgement, Verdict, other_laws, run, study
+from jaximpact.runout import ClosedForm, Ending
+from jaximpact.validation import (
+    Finding,
+    Judgement,
+    Verdict,
+    other_laws,
+    run,
+    study,
+)
+from jaximpact.validation import slope as slope_study
 from jaximpact.validation.claims import JUDGES, read_claims
 from jaximpact.validation.comparison import Change, Comparison
 from jaximpact.validation.contact_point import ContactPoint, with_contact_at
 from jaximpact.validation.parts import FALLS, RISES, Part, combine, ranges, trend
-from jaximpact.validation.readings import AS_IT_IS, READINGS, Reading
+from jaximpact.validation.readings import (
+    AS_IT_IS,
+    READINGS,
+    SLOPE_READINGS,
+    Reading,
+)
 from jaximpact.validation.report import moves
-from jaximpact.validation.study import RANDOM_SETS, Study
+from jaximpact.validation.study import RANDOM_SETS, SLOPE, Study
 from jaximpact.validation.verdict import NotComputed
 
 SETS = ideal()
@@ -130,6 +144,12 @@ def courses(**variables):
     return SETS.changed("courses", **variables)
 
 
+def slope(**variables):
+    return SETS.changed(SLOPE, **variables)
+
+
+DOWN = SETS[SLOPE]
+THREE_VALUES = np.where(np.arange(DOWN.sizes["impact"]) % 2, -0.9, 1.1)
 UPRIGHT, INCLINED, TURNED = SETS["I"], SETS["III"], SETS["IV"]
 COURSES, SPINS = SETS["courses"], SETS["fig13"]
 SLOW = LONG & (A_R < 2.5)
@@ -181,6 +201,10 @@ PARTLY = {
         "fig13", e_n=SPINS.e_n + 0.01 * (SPINS.orientation_deg == 90.0)
     ),
     "C33": turned("II", "max_normal_force_N"),
+    "C34": slope(paths_apart_m=2.0 * DOWN.paths_apart_m + 2.0),
+    "C35": slope(bounces=0.0 * DOWN.bounces + 3.0),
+    "C36": SETS.with_other(GROUNDS[1], slope(jump_height_m=DOWN.jump_height_m**0.3)),
+    "C37": slope(e_n=DOWN.e_n - 1.0),
     "C38": SETS.with_other(GROUNDS[1], turned("I", "max_penetration_m")),
 }
 FAILS = {
@@ -253,6 +277,14 @@ FAILS = {
             sets=turned("III", "max_normal_force_N"),
         ),
     ),
+    "C34": slope(
+        paths_apart_m=DOWN.paths_apart_m + 3.0,
+        off_the_parabola_m=DOWN.off_the_parabola_m + 1e-3,
+    ),
+    # The sphere's bounces too high, the others' too many
+    "C35": slope(bounces=0.0 * DOWN.bounces + 3.0, highest_bounce_m=5.0 + DOWN.bounces),
+    "C36": slope(jump_height_m=DOWN.jump_height_m**0.3),
+    "C37": slope(**{name: ("impact", THREE_VALUES) for name in ("e_n", "e_t")}),
 }
 
 
@@ -372,12 +404,21 @@ def test_other_laws_change_what_they_name():
 
 
 def test_readings_differ_from_the_model_and_from_each_other():
-    names = [reading.name for reading in READINGS]
-    assert len({*names, AS_IT_IS.name}) == len(READINGS) + 1
-    for reading in READINGS:
+    every = (*READINGS, *SLOPE_READINGS)
+    names = [reading.name for reading in every]
+    assert len({*names, AS_IT_IS.name}) == len(every) + 1
+    for reading in every:
         changed = [law for law in vars(Laws()) if _law(reading, law) != _law(None, law)]
         elsewhere = reading.contact is not ContactPoint.foundation
-        assert bool(reading.values) + len(changed) + elsewhere == 1
+        down = _differences(reading.slope, AS_IT_IS.slope)
+        assert bool(reading.values) + len(changed) + elsewhere + len(down) == 1
+        assert bool(down) == (reading in SLOPE_READINGS)
+        if "case" in down:
+            assert len(_differences(reading.slope.case, AS_IT_IS.slope.case)) == 1
+
+
+def _differences(one, other):
+    return [name for name, value in vars(one).items() if value != vars(other)[name]]
 
 
 def _law(reading, name):
@@ -510,8 +551,38 @@ def test_the_page_says_how_claims_are_judged():
 
 
 def test_readings_of_the_page_are_those_of_the_command():
-    for number, reading in enumerate(READINGS, start=1):
-        assert f"\n{number}. {reading.name}\n" in page()
+    for readings in (READINGS, SLOPE_READINGS):
+        for number, reading in enumerate(readings, start=1):
+            assert f"\n{number}. {reading.name}\n" in page()
+
+
+def test_runs_down_a_slope_have_readings_of_their_own(monkeypatch, capsys):
+    def made_up(name, sets, criterion):
+        """Nothing holds on the ground otherwise read, nor in other runs."""
+        as_it_is = sets.reading is AS_IT_IS
+        return Judgement(Verdict.holds if as_it_is else Verdict.fails, "", asked=1)
+
+    firm = Reading("firm", {"gamma_v": 0.85})
+    monkeypatch.setattr(run, "READINGS", (firm,))
+    monkeypatch.setattr(run, "SLOPE_READINGS", SLOPE_READINGS[:2])
+    monkeypatch.setattr(run, "_judge", made_up)
+    assert main(["validate", "--only", "C01", "C34", "--readings"]) == 0
+    printed = capsys.readouterr().out
+    assert re.search(r"C01  H    F\nhold 1    0\n\n   1  firm", printed)
+    assert re.search(r"C34  H    F  F\nhold 1    0  0\n\n   1  released", printed)
+
+
+def test_runs_that_fail_are_no_ground_for_a_verdict(monkeypatch):
+    usual = slope_study.simulate_runout
+
+    def with_failure(*arguments):
+        runs = usual(*arguments[:2], ClosedForm(ConstantCoefficients(0.0, 1.0)))
+        runs.ending[[3, 7]] = Ending.failed, Ending.time_limit
+        return runs
+
+    monkeypatch.setattr(slope_study, "simulate_runout", with_failure)
+    with pytest.raises(NotComputed, match="2 of 45 runs failed or came to a limit"):
+        Study()[SLOPE]
 
 
 def test_readings_go_on_where_they_stopped(tmp_path, monkeypatch, capsys):

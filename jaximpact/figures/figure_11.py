@@ -1,10 +1,13 @@
 """Fig. 11: runs down the slope without initial spin."""
 
+import dataclasses
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
 from ..columns import DEGREE
+from ..runout import Pieces, Way
 from ..runout.biplanar import FLAT_LENGTH, HEIGHT, SLOPE_LENGTH, SPINS_DEGPS
 from .drawing import aspect_ratio_legend, draw_curves, panels
 from .paper_figure import PaperFigure
@@ -18,8 +21,11 @@ SERIES = ("y_m", "height_m", "velocity_mps", "spin_degps")
 
 def compute(study: Study) -> pd.DataFrame:
     """The way of each shape, a row a moment: height is that of the centre above the
-    ground below it."""
+    ground below it. Contacts are left out, over which only the place is followed."""
     runs = study.slope_runs()
+    free = runs.pieces.way != Way.contact
+    pieces = Pieces(*(column[free] for column in runs.pieces))
+    runs = dataclasses.replace(runs, pieces=pieces)
     parts = []
     for block in range(0, runs.release.count, len(SPINS_DEGPS)):
         way = runs.path(block, SPACING)
