@@ -63,8 +63,8 @@ def draw(table: pd.DataFrame) -> Figure:
         draw_histogram(each, higher, edges, fits[1], exponential, **HIGHER)
         label_axes(each, "height_m", "height_m")
         each.set_ylabel("jumps [-]", fontsize=LABEL_SIZE)
-        distances = " and ".join(distance_in_words(fit) for fit in fits)
-        each.set_title(f"$A_r$ = {shape:g}: distance {distances}", fontsize="medium")
+        distances = ", ".join(distance_in_words(fit) for fit in fits)
+        each.set_title(f"$A_r$ = {shape:g}: {distances}", fontsize="medium")
         scale_counts(each, heights, edges)
         ordered = np.sort(heights)
         share.step(
@@ -79,11 +79,14 @@ def draw(table: pd.DataFrame) -> Figure:
     share.set_yscale("log")
     share.legend(title="$A_r$", frameon=False, fontsize=LABEL_SIZE)
     axes[0].set_xlim(edges[0], edges[-1])
-    names = ("all jumps", f"those that rise by more than {HOP:g} m")
+    names = (
+        "all jumps: distance (by chance)",
+        f"those that rise by more than {HOP:g} m",
+    )
     legend_over(
         figure,
         [
-            Line2D([], [], label=f"{name}, exponential fit", **style)
+            Line2D([], [], label=name, **style)
             for name, style in zip(names, (ALL, HIGHER), strict=True)
         ],
     )
