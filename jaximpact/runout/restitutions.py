@@ -2,7 +2,7 @@ r"""Apparent coefficients of restitution of the contacts of trajectories.
 
 $$ e_n = -\frac{v_n}{v_n^{in}}, \qquad e_t = \frac{v_t}{v_t^{in}} $$
 
-in the frame of the plane that is struck. Source: Dattola et al. (2023), eq. 6.
+in the frame of the plane that is struck. Source: Dattola et al. (2023), section 2.3.
 """
 
 from typing import NamedTuple
