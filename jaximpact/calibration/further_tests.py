@@ -20,6 +20,7 @@ from .candidates import Sigma, checked_axes, checked_measure
 from .design import CRITERIA, choose, merit
 from .engine import LEAVES, Engine
 from .study import VariantResult
+from .turned_ground import SIGN
 from .uncertainty import bounds_information, regular_covariance
 
 ALL = "all of these"
@@ -222,6 +223,10 @@ def _common(fitted: VariantResult) -> dict[str, float]:
     for nuisance in study.nuisances:
         fit = fitted.parameters[first : first + len(nuisance.groups)]
         values[nuisance.name] = float(np.median(nuisance.base + fit[nuisance.group]))
+        for name, sign in SIGN.items() if nuisance.turns_ground else ():
+            stated = study.tests.inputs.get(name, INPUT_COLUMNS[name].default)
+            turned = stated + sign * fit[nuisance.group]
+            values[name] = float(np.median(turned))
         first += len(nuisance.groups)
     return values
 

@@ -2,7 +2,8 @@
 
 A nuisance has a value for each group of tests: a slope for each campaign, an
 orientation for each test. Where the tables hold the column, it is added to what they
-say; where they do not, it is the value itself.
+say; where they do not, it is the value itself. A slope can turn the ground under a
+block whose way in space is known (`turned_ground`).
 """
 
 import dataclasses
@@ -14,7 +15,10 @@ from ..columns import INPUT_COLUMNS, LABEL_COLUMNS
 from ..errors import InputError
 from ..toml_values import choice, number, typed, unknown
 from .campaigns import Measurements
+from .turned_ground import ANGLE
 
+SLOPE = "slope_deg"
+KEYS = ("by", "prior", "turns_ground")
 EACH_TEST = "row"
 """Word for groups of one test each."""
 REACH = 5.0
@@ -46,6 +50,8 @@ class Nuisance:
     lower: np.ndarray
     """`(groups,)`"""
     upper: np.ndarray
+    turns_ground: bool = False
+    """Whether angle and orientation change with the slope."""
 
     def label(self, group: int) -> str:
         """What a group's value is called."""
@@ -84,7 +90,14 @@ def read_nuisances(
 ) -> tuple[Nuisance, ...]:
     """The table `nuisance` of a study."""
     entries = typed(path, content, "nuisance", dict, {})
-    return tuple(_nuisance(path, n, e, tests, soil) for n, e in entries.items())
+    found = tuple(_nuisance(path, n, e, tests, soil) for n, e in entries.items())
+    if ANGLE in entries and any(nuisance.turns_ground for nuisance in found):
+        raise InputError(
+            f"turns {ANGLE} too, which is a nuisance of its own; remove one",
+            file=path,
+            key=f"nuisance.{SLOPE}.turns_ground",
+        )
+    return found
 
 
 def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisance:
@@ -99,8 +112,8 @@ def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisan
             key=key,
         )
     for inner in entry:
-        if inner not in ("by", "prior"):
-            unknown(path, f"{key}.{inner}", inner, ("by", "prior"))
+        if inner not in KEYS:
+            unknown(path, f"{key}.{inner}", inner, KEYS)
     by = choice(path, entry, "by", "campaign", (*LABEL_COLUMNS, EACH_TEST))
     if "prior" not in entry:
         raise InputError(
@@ -117,13 +130,43 @@ def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisan
     room = EDGE * 2.0 * REACH * prior.sd
     np.maximum.at(lower, group, column.lower - base + room)
     np.minimum.at(upper, group, column.upper - base - room)
+    _check_mean(path, key, column, prior, lower, upper)
+    turns = _turns_ground(path, key, name, entry, tests)
+    if turns:
+        angles = INPUT_COLUMNS[ANGLE]
+        stated = tests.inputs.get(ANGLE, np.full(len(tests), angles.default))
+        np.maximum.at(lower, group, angles.lower - stated + room)
+        np.minimum.at(upper, group, angles.upper - stated - room)
+        _check_mean(path, key, angles, prior, lower, upper)
+    return Nuisance(name, by, groups, group, prior, base, lower, upper, turns)
+
+
+def _check_mean(path: Path, key: str, column, prior: Prior, lower, upper) -> None:
+    """Raise InputError where the prior's mean takes a column out of its range."""
     if not np.all((lower < prior.mean) & (prior.mean < upper)):
         raise InputError(
-            f"{name} must be {column.requirement}; the prior's mean puts it outside",
+            f"{column.name} must be {column.requirement}; the prior's mean puts it "
+            "outside",
             file=path,
             key=f"{key}.prior.mean",
         )
-    return Nuisance(name, by, groups, group, prior, base, lower, upper)
+
+
+def _turns_ground(path: Path, key: str, name: str, entry: dict, tests) -> bool:
+    """Whether the ground turns; InputError where nothing says from where."""
+    turns = entry.get("turns_ground", False)
+    place = {"file": path, "key": f"{key}.turns_ground"}
+    if not isinstance(turns, bool):
+        raise InputError(f"must be true or false, but is {turns!r}", **place)
+    if turns and name != SLOPE:
+        raise InputError(f"belongs to {SLOPE}, but stands under {name}", **place)
+    if turns and SLOPE not in tests.inputs:
+        raise InputError(
+            f"needs a column {SLOPE} in {tests.files[0].path.name}: the slope to which "
+            "its angles are stated",
+            **place,
+        )
+    return turns
 
 
 def _groups(path: Path, key: str, by: str, tests: Measurements):

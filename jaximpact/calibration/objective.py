@@ -19,8 +19,10 @@ from ..problem import Assembly
 from ..soil import DAMPING_RATIOS, has_dashpots
 from .engine import LEAVES, Engine
 from .losses import losses
+from .nuisance import SLOPE
 from .study_file import Study, Variant
 from .transforms import Bounds
+from .turned_ground import ANGLE, SIGN, as_stated, needed
 
 FAILED_COST = 5e5
 """Stands, with derivative zero, for the loss of a result that could not be computed:
@@ -202,18 +204,39 @@ class Objective:
         """Predictions, outcomes and the Jacobian."""
         study, bounds = self.study, self.bounds
         lanes, tests, targets = len(x), len(study.tests), len(study.targets)
-        p, slope = bounds.parameter(x), bounds.slope(x)
+        p, by_x = bounds.parameter(x), bounds.slope(x)
         leaves = np.repeat(self._leaves[:, None], lanes, axis=1)
         for kind in self._kinds:
             leaves[kind.leaf] = kind.factor * (kind.base + p[:, kind.unknown])
+        turn = np.zeros((lanes, tests))
+        for kind in self._kinds:
+            if kind.turns_ground:
+                turn += kind.factor * p[:, kind.unknown]
+        for name, sign in SIGN.items():
+            leaves[LEAVES[name]] += sign * turn
         runs, of_lane = np.nonzero(wanted)
         impacts = leaves[:, of_lane].reshape(len(leaves), -1)
         directions = np.zeros((len(leaves), len(runs), tests))
         for run, kind in enumerate(self._kinds):
             directions[kind.leaf, runs == run] = kind.factor
+            for name, sign in SIGN.items() if kind.turns_ground else ():
+                directions[LEAVES[name], runs == run] = sign * kind.factor
+        directions = directions.reshape(len(leaves), -1)
         values, derivatives, outcomes = self.engine.run(
-            impacts, directions.reshape(len(leaves), -1), self.accuracy
+            impacts, directions, self.accuracy
         )
+        if any(kind.turns_ground for kind in self._kinds):
+            turned = turn[of_lane].ravel()
+            speed, angle, slope = (LEAVES[n] for n in ("speed_mps", ANGLE, SLOPE))
+            # No two nuisances change the slope.
+            values, derivatives = as_stated(
+                study.targets,
+                values,
+                derivatives,
+                (turned, directions[slope]),
+                (impacts[speed], directions[speed]),
+                impacts[angle] - turned,
+            )
         values = values.reshape(len(runs), tests, targets)
         derivatives = derivatives.reshape(len(runs), tests, targets)
         derivatives = np.where(np.isfinite(values), derivatives, 0.0)
@@ -225,7 +248,7 @@ class Objective:
         each = np.arange(tests)
         for run, kind in enumerate(self._kinds):
             here = of_lane[runs == run]
-            column = derivatives[runs == run] * slope[here][:, kind.unknown][..., None]
+            column = derivatives[runs == run] * by_x[here][:, kind.unknown][..., None]
             # Each test knows one group alone.
             jacobian[here[:, None], each, :, kind.unknown] = column
         return predicted, codes, jacobian
@@ -239,6 +262,7 @@ class _Kind(NamedTuple):
     base: np.ndarray
     unknown: np.ndarray
     """Place of each test's unknown, `(tests,)`."""
+    turns_ground: bool = False
 
 
 def _kinds(study: Study) -> list[_Kind]:
@@ -256,9 +280,8 @@ def _kinds(study: Study) -> list[_Kind]:
     for nuisance in study.nuisances:
         column = INPUT_COLUMNS[nuisance.name]
         unknown = first + nuisance.group
-        kinds.append(
-            _Kind(LEAVES[nuisance.name], column.factor, nuisance.base, unknown)
-        )
+        leaf, turns = LEAVES[nuisance.name], nuisance.turns_ground
+        kinds.append(_Kind(leaf, column.factor, nuisance.base, unknown, turns))
         first += len(nuisance.groups)
     return kinds
 
@@ -310,4 +333,6 @@ def engine_of(study: Study, laws: Laws | None = None) -> Engine:
     damped |= bool({*columns} & {*DAMPING_RATIOS})
     model = PLANAR_DAMPED if damped else PLANAR
     assembly = Assembly(laws or Laws(), model, ledger=False)
-    return Engine(assembly, tuple(columns), study.targets)
+    turned = any(nuisance.turns_ground for nuisance in study.nuisances)
+    targets = needed(study.targets) if turned else study.targets
+    return Engine(assembly, tuple(columns), targets)

@@ -134,6 +134,7 @@ def as_json(result: StudyResult, examined: list[Examination]) -> dict:
             },
             "nuisances": {
                 n.name: {"by": n.by, "prior": dataclasses.asdict(n.prior)}
+                | ({"turns_ground": True} if n.turns_ground else {})
                 for n in study.nuisances
             },
             "targets": list(study.targets),

@@ -30,7 +30,8 @@ The study is a TOML file:
   [nuisance.slope_deg]  a column that was not measured, or not well: fitted for each
                         group, and added to the column where the tables hold it;
                         by = "campaign" (or another column of text, or "row"),
-                        prior = { mean = 30.0, sd = 5.0 }
+                        prior = { mean = 30.0, sd = 5.0 }; of slope_deg also
+                        turns_ground = true: angle_deg and orientation_deg turn with it
   [soil]                fixed values in place of the defaults
   [default_sigma]       for each target, where the tables have no column for it; where
                         neither is there, sigma is estimated from the scatter
