@@ -42,10 +42,12 @@ __all__ = [
     "RigidEllipsoid",
     "Scene",
     "Soil",
+    "calibrate",
     "elasticities",
     "energetic_coefficient",
     "morris",
     "parametric_set",
+    "predict",
     "read_netcdf",
     "repeat_sweep",
     "select_model",
@@ -56,3 +58,14 @@ __all__ = [
     "vijayakumar_coefficient",
     "write_netcdf",
 ]
+
+_TAKES_LONG = ("calibrate", "predict")
+"""Imported when asked for: statistics and drawing take a second to load."""
+
+
+def __getattr__(name: str):
+    if name in _TAKES_LONG:
+        from . import calibration
+
+        return getattr(calibration, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

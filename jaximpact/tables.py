@@ -71,7 +71,6 @@ class Table:
         )
 
 
-@collector_paused()
 def read_table(path: Path, *, measured: bool = False) -> Table:
     """Read a CSV of scenes.
 
@@ -93,6 +92,16 @@ def read_table(path: Path, *, measured: bool = False) -> Table:
         data = path.read_bytes()
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", file=path) from error
+    return table_of(data, path, measured=measured)
+
+
+@collector_paused()
+def table_of(data: bytes, path: Path, *, measured: bool = False) -> Table:
+    """A table of the bytes of a CSV, as `read_table` reads them.
+
+    Args:
+        path: what errors call it.
+    """
     _check_encoding(path, data)
     file = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
     records = _records(path, file)

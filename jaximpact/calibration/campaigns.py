@@ -51,6 +51,22 @@ class Measurements:
         path, row = self.place(test)
         return f"{path.stem} row {row}" if len(self.files) > 1 else f"row {row}"
 
+    def columns(self, soil: dict[str, float]) -> dict[str, np.ndarray]:
+        """Every column of the scene, `(tests,)`, in the unit of its name.
+
+        Args:
+            soil: values that stand in no file.
+        """
+        return {
+            name: np.broadcast_to(
+                np.asarray(
+                    self.inputs.get(name, soil.get(name, column.default)), float
+                ),
+                len(self),
+            )
+            for name, column in INPUT_COLUMNS.items()
+        }
+
     def scene(self, soil: dict[str, float]) -> Scene:
         """The tests as one scene of arrays, in SI.
 
@@ -58,11 +74,9 @@ class Measurements:
             soil: values that stand in no file.
         """
         fields = {"block": {}, "soil": {}, "impact": {}}
-        for column in INPUT_COLUMNS.values():
-            otherwise = soil.get(column.name, column.default)
-            value = np.asarray(self.inputs.get(column.name, otherwise), float)
-            values = column.factor * np.broadcast_to(value, len(self))
-            fields[column.part][column.field] = values
+        for name, values in self.columns(soil).items():
+            column = INPUT_COLUMNS[name]
+            fields[column.part][column.field] = column.factor * values
         return Scene(
             Block(**fields["block"]), Soil(**fields["soil"]), Impact(**fields["impact"])
         )
@@ -70,7 +84,11 @@ class Measurements:
 
 def read_tests(paths: list[Path]) -> Measurements:
     """Read and join tables. Raises InputError as `read_table` does."""
-    files = tuple(read_table(path, measured=True) for path in paths)
+    return joined_tables(tuple(read_table(path, measured=True) for path in paths))
+
+
+def joined_tables(files: tuple[Table, ...]) -> Measurements:
+    """Tables of tests put together."""
 
     def joined(names, filling, of_table) -> dict[str, np.ndarray]:
         present = [n for n in names if any(n in of_table(table) for table in files)]

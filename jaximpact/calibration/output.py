@@ -116,8 +116,9 @@ def as_json(result: StudyResult, examined: list[Examination]) -> dict:
         "sigma_given": dict(
             zip(study.targets, map(bool, study.sigma_given), strict=True)
         ),
+        "fitted_tests": _fitted_tests(study),
         "variants": [
-            _variant(result, variant) | _examination(result, looked)
+            _variant(result, variant) | _examination(result, variant, looked)
             for variant, looked in zip(result.variants, examined, strict=True)
         ],
         "manifest": {
@@ -134,6 +135,7 @@ def as_json(result: StudyResult, examined: list[Examination]) -> dict:
             },
             "nuisances": {
                 n.name: {"by": n.by, "prior": dataclasses.asdict(n.prior)}
+                | {"added": n.name in study.tests.inputs}
                 | ({"turns_ground": True} if n.turns_ground else {})
                 for n in study.nuisances
             },
@@ -148,6 +150,23 @@ def as_json(result: StudyResult, examined: list[Examination]) -> dict:
             "versions": versions(),
         },
     }
+
+
+def _fitted_tests(study: Study) -> dict:
+    """Where the tests lie, and what they measured on the whole."""
+    measured = np.where(study.censored == 0, study.measured, np.nan)
+    results = {}
+    for place, name in enumerate(study.targets):
+        exact = measured[np.isfinite(measured[:, place]), place]
+        results[name] = {"count": len(exact)}
+        results[name]["mean"] = _plain(np.mean(exact)) if len(exact) else None
+        spread = np.std(exact, ddof=1) if len(exact) > 1 else math.nan
+        results[name]["standard_deviation"] = _plain(spread)
+    ranges = {
+        name: [float(np.min(values)), float(np.max(values))]
+        for name, values in study.tests.columns(study.soil).items()
+    }
+    return {"count": len(study.tests), "ranges": ranges, "results": results}
 
 
 def _variant(result: StudyResult, variant: VariantResult) -> dict:
@@ -219,7 +238,9 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
     }
 
 
-def _examination(result: StudyResult, looked: Examination) -> dict:
+def _examination(
+    result: StudyResult, variant: VariantResult, looked: Examination
+) -> dict:
     study = result.study
     return {
         "residuals_follow": [trend._asdict() for trend in looked.residuals.trends],
@@ -228,6 +249,8 @@ def _examination(result: StudyResult, looked: Examination) -> dict:
             "effective_parts": _plain(looked.draws.effective_part),
             "mean": _plain(looked.draws.mean()),
             "covariance": _plain(looked.draws.covariance()),
+            "weights": _short(looked.draws.weights),
+            "values": [_short(row) for row in variant.bounds.parameter(looked.draws.x)],
         },
         "posterior": None if looked.samples is None else _samples(looked.samples),
         "left_out": {
@@ -293,6 +316,11 @@ def _further(found: Suggestions) -> dict:
         ],
         "candidates_without_result": found.left_out,
     }
+
+
+def _short(values) -> list[float]:
+    """Numbers with the digits that random ones need."""
+    return [float(f"{value:.6g}") for value in values]
 
 
 def _plain(values):

@@ -3,13 +3,13 @@
 from pathlib import Path
 
 from ..precision import require_float64
-from .examination import examine
+from .examination import Examination, examine
 from .least_squares import Progress
 from .memory import Memory
 from .output import make_directory, write_all
 from .sampling import check_extra
 from .study import StudyResult, fit_study
-from .study_file import read_study
+from .study_file import Study, read_study
 
 UNFINISHED = "unfinished"
 
@@ -28,7 +28,8 @@ def run_study(
     a run that was cut short goes on there.
 
     Args:
-        study_path: the TOML file; the table it names lies relative to it.
+        study_path: the TOML file, the tables it names lying relative to it; or a table
+            of tests alone.
         out_dir: made if need be; files of the same names are replaced, each once it is
             whole.
         posterior: whether to sample it too, by NUTS, and write posterior.nc for ArviZ,
@@ -39,15 +40,34 @@ def run_study(
     float32.
     """
     require_float64()
+    study = read_study(study_path)
+    result, _ = fit_and_examine(
+        study, Path(out_dir), posterior=posterior, progress=progress
+    )
+    return result
+
+
+def fit_and_examine(
+    study: Study,
+    out_dir: Path | None,
+    *,
+    posterior: bool = False,
+    progress: Progress | None = None,
+) -> tuple[StudyResult, list[Examination]]:
+    """Fit a study and examine the fit; write the files of `run_study` if there is a
+    directory for them."""
+    require_float64()
     if posterior:
         check_extra()
-    study = read_study(study_path)
-    make_directory(Path(out_dir))
+    memory = None
+    if out_dir is not None:
+        make_directory(out_dir)
+        memory = Memory(out_dir / UNFINISHED)
     progress = progress or (lambda text: None)
-    memory = Memory(Path(out_dir) / UNFINISHED)
     result = fit_study(study, memory=memory, progress=progress)
     examined = examine(result, posterior=posterior, progress=progress)
-    progress("drawing")
-    write_all(result, examined, Path(out_dir))
-    memory.forget()
-    return result
+    if memory is not None:
+        progress("drawing")
+        write_all(result, examined, out_dir)
+        memory.forget()
+    return result, examined

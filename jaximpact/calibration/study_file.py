@@ -1,4 +1,4 @@
-"""A study: what is fitted to which data, read from TOML and CSV."""
+"""A study: what is fitted to which data, from TOML and CSV, or from a CSV alone."""
 
 import dataclasses
 import math
@@ -44,6 +44,7 @@ KEYS = (
     "variants",
     "further_tests",
 )
+TOML = ".toml"
 METHODS = ("levenberg-marquardt", "adam", "l-bfgs")
 STARTS = 64
 ACCURACY = "reference"
@@ -125,15 +126,37 @@ class Study:
 def read_study(path: Path) -> Study:
     """Read a study and its data.
 
+    Args:
+        path: the study, which ends in `.toml`; anything else is a table of tests, and
+            all that a study could say is left to the defaults.
+
     Raises InputError, naming file and key, or file, row and column, for whatever cannot
     be used.
     """
     path = Path(path)
+    if path.suffix.lower() != TOML:
+        return study_of(read_tests([path]), {})
     content = load_toml(path)
+    tests = read_tests(_data(path, content))
+    content.setdefault("title", path.resolve().parent.name)
+    return _study(path, content, tests)
+
+
+def study_of(tests: Measurements, content: dict) -> Study:
+    """A study of tests that are there.
+
+    Args:
+        tests: of one table or several.
+        content: what a study's file would say, without `data`.
+    """
+    path = tests.files[0].path
+    return _study(path, {"title": path.stem} | content, tests)
+
+
+def _study(path: Path, content: dict, tests: Measurements) -> Study:
     for key in content:
         if key not in KEYS:
             unknown(path, key, key, KEYS)
-    tests = read_tests(_data(path, content))
     parameters = _parameters(path, content)
     fixed = soil_values(path, typed(path, content, "soil", dict, {}), "soil")
     variants = _variants(path, content)
@@ -143,7 +166,7 @@ def read_study(path: Path) -> Study:
     sigma, sigma_given = _sigma(path, content, tests, targets)
     return Study(
         path=path,
-        title=typed(path, content, "title", str, path.resolve().parent.name),
+        title=typed(path, content, "title", str),
         source=typed(path, content, "source", str, ""),
         notes=typed(path, content, "notes", str, ""),
         tests=tests,

@@ -19,6 +19,7 @@ from . import (
     benchmark,
     calibrate,
     figures,
+    predict,
     runout,
     sensitivity,
     simulate,
@@ -84,6 +85,7 @@ def _parser() -> argparse.ArgumentParser:
         figures,
         sensitivity,
         calibrate,
+        predict,
         validate,
         benchmark,
     ):

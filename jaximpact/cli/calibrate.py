@@ -11,7 +11,8 @@ DESCRIPTION = """\
 Fit soil parameters to a table of measured impacts, and say what the data do not
 determine.
 
-The study is a TOML file:
+What to fit is a table of tests (CSV), or a study that names one. Of a table alone c_v,
+gamma_v and k_E are fitted to all the results that it holds. A study is a TOML file:
   title, source, notes  free text
   data                  the table of tests (CSV), relative to the study, or a list of
                         tables, one a campaign; columns are those of `jaximpact batch`,
@@ -63,8 +64,8 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "study",
         type=Path,
-        metavar="STUDY.toml",
-        help="what to fit to which data, and how",
+        metavar="STUDY.toml|tests.csv",
+        help="what to fit to which data, and how; or the table of tests alone",
     )
     parser.add_argument(
         "--out",

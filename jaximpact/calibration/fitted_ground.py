@@ -1,0 +1,131 @@
+"""What a finished calibration says of the ground, read again from its numbers."""
+
+import json
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from .draws import FEWEST
+from .nuisance import Prior
+from .study_file import Parameter, Variant
+
+FILE = "fit.json"
+
+
+class FittedVariant(NamedTuple):
+    """One variant, with draws of what the tests leave open."""
+
+    variant: Variant
+    unknowns: tuple[str, ...]
+    """Of the soil's parameters, then of the nuisances."""
+    best: np.ndarray
+    """The best fit, in the units of the columns, `(unknowns,)`."""
+    draws: np.ndarray
+    """`(draws, unknowns)`"""
+    weights: np.ndarray
+    trusted: bool
+    """Whether enough draws count."""
+    undetermined: tuple[str, ...]
+    sigma: dict[str, float]
+    """Scatter of each target's measurements about the model."""
+    estimated: dict[str, bool]
+    """Whether it comes from the scatter about the fit."""
+    inflation: float
+    """Of the sigmas' squares."""
+    freedom: float
+    """Degrees of freedom that were left."""
+
+
+class FittedGround(NamedTuple):
+    """A calibration."""
+
+    title: str
+    variants: tuple[FittedVariant, ...]
+    parameters: tuple[Parameter, ...]
+    soil: dict[str, float]
+    nuisances: dict[str, dict]
+    targets: tuple[str, ...]
+    accuracy: str
+    seed: int
+    ranges: dict[str, tuple[float, float]]
+    """Least and largest value of every column in the fitted tests."""
+    results: dict[str, dict]
+    """Of each target how many were measured, their mean and standard deviation."""
+    versions: dict[str, str]
+
+
+def read_fitted(path: Path) -> FittedGround:
+    """Read what `calibrate` wrote.
+
+    Args:
+        path: fit.json, or the directory that holds it.
+
+    Raises InputError for anything else.
+    """
+    path = Path(path)
+    if path.is_dir():
+        path = path / FILE
+    try:
+        tree = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
+    except ValueError as error:
+        raise InputError(
+            f"must be the {FILE} of a calibration, or its directory, but is no JSON",
+            file=path,
+        ) from error
+    try:
+        return fitted_of(tree)
+    except (KeyError, TypeError, IndexError, AttributeError) as error:
+        raise InputError(
+            f"is no {FILE} of this version (no {error}); calibrate again", file=path
+        ) from error
+
+
+def fitted_of(tree: dict) -> FittedGround:
+    """The same of the numbers themselves."""
+    manifest = tree["manifest"]
+    return FittedGround(
+        title=tree["title"],
+        variants=tuple(_variant(tree, entry) for entry in tree["variants"]),
+        parameters=tuple(
+            Parameter(
+                name, entry["start"], entry["lower"], entry["upper"], _prior(entry)
+            )
+            for name, entry in manifest["parameters"].items()
+        ),
+        soil=manifest["soil"],
+        nuisances=manifest["nuisances"],
+        targets=tuple(manifest["targets"]),
+        accuracy=manifest["accuracy"]["name"],
+        seed=manifest["seed"],
+        ranges={n: tuple(v) for n, v in tree["fitted_tests"]["ranges"].items()},
+        results=tree["fitted_tests"]["results"],
+        versions=manifest["versions"],
+    )
+
+
+def _prior(entry: dict) -> Prior | None:
+    return Prior(**entry["prior"]) if "prior" in entry else None
+
+
+def _variant(tree: dict, entry: dict) -> FittedVariant:
+    draws = entry["draws"]
+    best = entry["parameters"] | entry["nuisances"]
+    return FittedVariant(
+        variant=Variant(entry["name"], entry["soil"]),
+        unknowns=tuple(entry["unknowns"]),
+        best=np.array([best[name]["value"] for name in entry["unknowns"]]),
+        draws=np.array(draws["values"]),
+        weights=np.array(draws["weights"]) / np.sum(draws["weights"]),
+        trusted=draws["effective_parts"][-1] >= FEWEST,
+        undetermined=tuple(
+            name for name, one in entry["parameters"].items() if not one["determined"]
+        ),
+        sigma={name: one["sigma"] for name, one in entry["fit"].items()},
+        estimated={name: not given for name, given in tree["sigma_given"].items()},
+        inflation=entry["inflation"],
+        freedom=entry["degrees_of_freedom"],
+    )
