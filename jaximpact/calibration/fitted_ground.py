@@ -25,17 +25,22 @@ class FittedVariant(NamedTuple):
     draws: np.ndarray
     """`(draws, unknowns)`"""
     weights: np.ndarray
-    trusted: bool
-    """Whether enough draws count."""
     undetermined: tuple[str, ...]
+    allowed: dict[str, tuple[float | None, float | None]]
+    """What the profile of each parameter leaves at 95 %; None for the bound."""
     sigma: dict[str, float]
     """Scatter of each target's measurements about the model."""
     estimated: dict[str, bool]
     """Whether it comes from the scatter about the fit."""
     inflation: float
     """Of the sigmas' squares."""
-    freedom: float
-    """Degrees of freedom that were left."""
+    freedom: dict[str, float]
+    """Degrees of freedom that the fit left of each target."""
+
+    @property
+    def trusted(self) -> bool:
+        """Whether enough draws count."""
+        return bool(1.0 / np.sum(self.weights**2) >= FEWEST * len(self.weights))
 
 
 class FittedGround(NamedTuple):
@@ -120,12 +125,15 @@ def _variant(tree: dict, entry: dict) -> FittedVariant:
         best=np.array([best[name]["value"] for name in entry["unknowns"]]),
         draws=np.array(draws["values"]),
         weights=np.array(draws["weights"]) / np.sum(draws["weights"]),
-        trusted=draws["effective_parts"][-1] >= FEWEST,
         undetermined=tuple(
             name for name, one in entry["parameters"].items() if not one["determined"]
         ),
+        allowed={
+            name: (one["low_95"], one["high_95"])
+            for name, one in entry["profiles"].items()
+        },
         sigma={name: one["sigma"] for name, one in entry["fit"].items()},
         estimated={name: not given for name, given in tree["sigma_given"].items()},
         inflation=entry["inflation"],
-        freedom=entry["degrees_of_freedom"],
+        freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},
     )

@@ -21,6 +21,7 @@ from .report_files import write_report
 from .sampling import Samples, to_inference_data
 from .study import StudyResult, VariantResult
 from .study_file import Study
+from .unknown_scale import freedom_of_targets, weights_of
 
 CSV_COLUMNS = (
     *("variant", "row", "file", "target", "limit", "measured", "sigma", "fitted"),
@@ -189,9 +190,11 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
         }
         for place in range(count, len(variant.names))
     }
+    freedom = freedom_of_targets(variant.objective, variant.points)
     fit = {
         name: fit_of_target(result, variant, place)
         | {"sigma": _plain(np.median(variant.sigma[:, place]))}
+        | {"degrees_of_freedom": _plain(freedom[place])}
         for place, name in enumerate(result.study.targets)
     }
     order = np.argsort(variant.start_costs, kind="stable")
@@ -249,7 +252,9 @@ def _examination(
             "effective_parts": _plain(looked.draws.effective_part),
             "mean": _plain(looked.draws.mean()),
             "covariance": _plain(looked.draws.covariance()),
-            "weights": _short(looked.draws.weights),
+            "weights": _short(
+                weights_of(variant.objective, variant.points, looked.draws)
+            ),
             "values": [_short(row) for row in variant.bounds.parameter(looked.draws.x)],
         },
         "posterior": None if looked.samples is None else _samples(looked.samples),

@@ -3,7 +3,7 @@ r"""Tests that a fit has not seen, predicted with the fitted ground, and scored.
 A measurement of such a test is what the model gives for each of the fit's draws of the
 unknowns, and scatter about it: the fit's sigma, times the root of its inflation. Where
 sigmas were given to the fit, a sigma in the table of the new tests takes its place;
-where the scatter was estimated it is Student's, of the fit's degrees of freedom.
+where the scatter was estimated it is Student's, of the degrees of freedom left.
 
 A nuisance of a group that the fit knows has the fit's values; that of another is drawn
 from its prior, once a group and draw.
@@ -281,7 +281,7 @@ def scatter(study: Study, fitted: FittedVariant) -> tuple[np.ndarray, np.ndarray
         own = study.tests.sigmas.get(name, np.full(len(study.tests), np.nan))
         if fitted.estimated.get(name, False):
             sigma[:, place] = fitted.sigma[name]
-            freedom[place] = max(fitted.freedom, 1.0)
+            freedom[place] = max(fitted.freedom[name], 1.0)
             continue
         otherwise = fitted.sigma.get(name, 0.0)
         of_tests = np.where(np.isfinite(own), own, otherwise)

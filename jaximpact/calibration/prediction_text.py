@@ -12,6 +12,7 @@ from ..align import align
 from ..files import replacing
 from ..provenance import versions
 from ..results import manifest_path
+from .fitted_ground import FittedVariant
 from .prediction import Outside, Prediction, VariantPrediction
 from .scores import Scores, score, too_few
 
@@ -19,6 +20,8 @@ WIDTH = 88
 MOST_TESTS = 30
 """Tests that are listed one by one; of more the table holds all."""
 MOST_NAMES = 6
+FAR_ENOUGH = 0.5
+"""Part of what a profile leaves of a parameter at 95 % that draws must cover."""
 CSV_COLUMNS = (
     *("variant", "row", "test", "outcome", "outcome_share", "target", "limit"),
     *("measured", "best_fit", "predicted", "low_50", "high_50", "low_95", "high_95"),
@@ -99,14 +102,7 @@ def remarks_on(
                 "in no score."
             )
     for name in fitted.undetermined:
-        place = fitted.unknowns.index(name)
-        low, high = _span(fitted.draws[:, place], fitted.weights)
-        bounds = next(p for p in prediction.ground.parameters if p.name == name)
-        lines.append(
-            f"The fit did not determine {name}: 95 % of its draws lie between "
-            f"{low:.3g} and {high:.3g}, in bounds of {bounds.lower:g} and "
-            f"{bounds.upper:g}, and the intervals are as wide as that makes them."
-        )
+        lines += _about_undetermined(prediction, fitted, name)
     if not fitted.trusted:
         lines.append("Few of the fit's draws count: the intervals are rough.")
     unknown = [
@@ -124,6 +120,30 @@ def remarks_on(
         lines.append(
             f"The outcome is open for {_named(prediction, changing)}: more than 5 % of "
             "the draws end otherwise."
+        )
+    return lines
+
+
+def _about_undetermined(
+    prediction: Prediction, fitted: FittedVariant, name: str
+) -> list[str]:
+    """How far the draws of a parameter go, and whether that is far enough."""
+    parameter = next(p for p in prediction.ground.parameters if p.name == name)
+    values = fitted.draws[:, fitted.unknowns.index(name)]
+    low, high = _span(values, fitted.weights)
+    lines = [
+        f"The fit did not determine {name}: 95 % of its draws lie between {low:.3g} "
+        f"and {high:.3g}, in bounds of {parameter.lower:g} and {parameter.upper:g}, "
+        "and the intervals are as wide as that makes them."
+    ]
+    ends = fitted.allowed[name]
+    least = parameter.lower if ends[0] is None else ends[0]
+    most = parameter.upper if ends[1] is None else ends[1]
+    scale = np.log if parameter.logarithmic else np.asarray
+    if scale(high) - scale(low) < FAR_ENOUGH * (scale(most) - scale(least)):
+        lines.append(
+            f"Its profile allows {least:.3g} to {most:.3g}: the draws do not go far "
+            "enough, and the intervals are too narrow."
         )
     return lines
 
