@@ -143,7 +143,7 @@ def test_groups_known_and_new():
     study, variant = study_and_variant(
         {"campaign": ["north", "south"], "angle_deg": [30, 30]}
     )
-    best, draws = unknowns(study, variant, 0)
+    best, draws, _ = unknowns(study, variant, 0)
     np.testing.assert_array_equal(draws[:, :2], variant.draws)
     assert best[2] == 25.0
     # 2000 draws: mean to 0.09, standard deviation to 0.06.
@@ -151,12 +151,21 @@ def test_groups_known_and_new():
     assert np.std(draws[:, 2]) == pytest.approx(4.0, abs=0.3)
 
 
+def test_one_draw_with_all_the_weight_leaves_a_new_group_its_prior():
+    study, variant = study_and_variant({"campaign": ["south"], "angle_deg": [30]})
+    alone = variant._replace(weights=np.eye(2000)[7])
+    _, draws, weights = unknowns(study, alone, 0)
+    np.testing.assert_array_equal(draws[:, 0], variant.draws[7, 0])
+    assert np.sqrt(np.cov(draws[:, 1], aweights=weights)) == pytest.approx(4.0, abs=0.3)
+    assert not alone.trusted
+
+
 def test_a_file_of_the_same_name_is_no_known_group():
     columns = {"angle_deg": [30, 30]}
     study, variant = study_and_variant(columns)
     named = dataclasses.replace(study.nuisances[0], groups=("north",))
     study = dataclasses.replace(study, nuisances=(named,))
-    _, draws = unknowns(study, variant, 0)
+    _, draws, _ = unknowns(study, variant, 0)
     assert np.std(draws[:, 1]) > 3.0
 
 

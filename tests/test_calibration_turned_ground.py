@@ -5,10 +5,9 @@ import numpy as np
 import pytest
 from command_line import assert_one_line_error
 
-from jaximpact import Block, Impact, Soil, simulate
+from jaximpact import Block, Impact, Soil, calibrate, predict, simulate
 from jaximpact.accuracy import PRESETS, Accuracy
 from jaximpact.calibration.objective import Objective, engine_of
-from jaximpact.calibration.study import fit_study
 from jaximpact.calibration.study_file import read_study
 from jaximpact.calibration.turned_ground import SIGN, as_stated
 from jaximpact.cli import main
@@ -192,13 +191,26 @@ def test_stated_axes_by_automatic_differentiation():
 
 def test_turned_ground_is_found_again(tmp_path, points):
     """Soil and both turns from noise-free targets; the prior of 6 degrees pulls by far
-    less than sigma."""
+    less than sigma. A campaign that the fit knows is predicted with its turn, another
+    one with the prior's."""
     text = STUDY + "[default_sigma]\n" + "".join(f"{t} = 1e-5\n" for t in TARGETS)
-    result = fit_study(read_study(write_study(tmp_path, text, points.predicted[0])))
-    found = result.variants[0]
-    assert found.reason.at_minimum
-    np.testing.assert_allclose(found.parameters[:2], TRUE, rtol=1e-4)
-    np.testing.assert_allclose(found.parameters[2:], TURNS, atol=1e-3)
+    path = write_study(tmp_path, text, points.predicted[0])
+    found = calibrate(path)
+    variant = found.result.variants[0]
+    assert variant.reason.at_minimum
+    np.testing.assert_allclose(variant.parameters[:2], TRUE, rtol=1e-4)
+    np.testing.assert_allclose(variant.parameters[2:], TURNS, atol=1e-3)
+    found.write(tmp_path / "out")
+    again = predict(tmp_path / "out", tmp_path / "tests.csv").variants[0]
+    np.testing.assert_allclose(again.best, points.predicted[0], atol=1e-4)
+    table = (tmp_path / "tests.csv").read_text().replace("north", "west")
+    (tmp_path / "other.csv").write_text(table)
+    other = predict(found, tmp_path / "other.csv").variants[0]
+    np.testing.assert_allclose(other.best[3:], points.predicted[0, 3:], atol=1e-4)
+    # A prior of 6 degrees makes e_t of the west uncertain by some tenths.
+    width = other.model_high - other.model_low
+    assert np.all(width[:3, 1] > 0.05)
+    assert np.all(width[3:, 1] < 1e-3)
 
 
 BAD = {

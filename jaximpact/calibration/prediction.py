@@ -213,16 +213,22 @@ def _nuisances(
 
 def unknowns(
     study: Study, fitted: FittedVariant, seed: int
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The unknowns of the new tests, in the units of the columns.
 
     Returns:
-        Best values `(unknowns,)`, where a group is new the prior's mean, and draws
-        `(draws, unknowns)`.
+        Best values `(unknowns,)`, where a group is new the prior's mean, draws
+        `(draws, unknowns)` and their weights.
     """
     random = np.random.default_rng(seed)
-    soil = len(study.parameters)
-    best, draws = [*fitted.best[:soil]], [*fitted.draws[:, :soil].T]
+    soil, of_fit, weights = len(study.parameters), fitted.draws, fitted.weights
+    if study.nuisances:
+        # A draw that carries much weight would carry one value of a new group.
+        count = len(weights)
+        middles = (np.arange(count) + 0.5) / count
+        of_fit = of_fit[np.searchsorted(np.cumsum(weights), middles)]
+        weights = np.full(count, 1.0 / count)
+    best, draws = [*fitted.best[:soil]], [*of_fit[:, :soil].T]
     labels = names_of(study)[soil:]
     stated = study.tests.files[0].labels
     for nuisance in study.nuisances:
@@ -231,36 +237,36 @@ def unknowns(
         for place in range(len(nuisance.groups)):
             label = labels.pop(0)
             if named and label in fitted.unknowns:
-                of_fit = fitted.unknowns.index(label)
-                best.append(fitted.best[of_fit])
-                draws.append(fitted.draws[:, of_fit])
+                known = fitted.unknowns.index(label)
+                best.append(fitted.best[known])
+                draws.append(of_fit[:, known])
                 continue
             prior = nuisance.prior
-            drawn = random.normal(prior.mean, prior.sd, len(fitted.draws))
+            drawn = random.normal(prior.mean, prior.sd, len(weights))
             best.append(prior.mean)
             draws.append(np.clip(drawn, nuisance.lower[place], nuisance.upper[place]))
-    return np.array(best), np.stack(draws, axis=1)
+    return np.array(best), np.stack(draws, axis=1), weights
 
 
 def _predict(
     study: Study, ground: FittedGround, fitted: FittedVariant, engine: Engine
 ) -> VariantPrediction:
     objective = Objective(study, fitted.variant, engine, PRESETS[ground.accuracy])
-    best, draws = unknowns(study, fitted, ground.seed)
+    best, draws, weights = unknowns(study, fitted, ground.seed)
     at_best = _modelled(objective, best[None])
     of_draws = _modelled(rough_of(objective), draws)
     outcomes = at_best.outcomes[0]
     alike = of_draws.outcomes == outcomes
     sigma, freedom = scatter(study, fitted)
-    cells = _of_cells(study, ground, fitted, of_draws.predicted, sigma, freedom)
+    cells = _of_cells(study, ground, weights, of_draws.predicted, sigma, freedom)
     there = np.isfinite(of_draws.predicted)
     return VariantPrediction(
         fitted=fitted,
         outcomes=[str(Outcome(int(code))) for code in outcomes],
-        outcome_share=fitted.weights @ alike,
+        outcome_share=weights @ alike,
         best=at_best.predicted[0],
         sigma=sigma,
-        missing_part=np.einsum("d,drt->rt", fitted.weights, ~there),
+        missing_part=np.einsum("d,drt->rt", weights, ~there),
         **cells,
     )
 
@@ -291,7 +297,7 @@ def scatter(study: Study, fitted: FittedVariant) -> tuple[np.ndarray, np.ndarray
     return sigma, freedom
 
 
-def _of_cells(study, ground, fitted, predicted, sigma, freedom) -> dict:
+def _of_cells(study, ground, weights, predicted, sigma, freedom) -> dict:
     """Quantiles and scores of every test and target."""
     shape = study.measured.shape
     names = ("model_low", "model_high", "middle", "low_50", "high_50", "low_95")
@@ -301,10 +307,10 @@ def _of_cells(study, ground, fitted, predicted, sigma, freedom) -> dict:
     plain = [plain_forecast(ground.results.get(name)) for name in study.targets]
     for cell in np.ndindex(*shape):
         values = predicted[:, *cell]
-        model = predictive(values, fitted.weights, 0.0)
+        model = predictive(values, weights, 0.0)
         if model is None:
             continue
-        of_one = predictive(values, fitted.weights, sigma[cell], freedom[cell[1]])
+        of_one = predictive(values, weights, sigma[cell], freedom[cell[1]])
         found["model_low"][cell] = model.quantile(tails[1])
         found["model_high"][cell] = model.quantile(1.0 - tails[1])
         found["middle"][cell] = of_one.quantile(0.5)

@@ -64,8 +64,8 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "study",
         type=Path,
-        metavar="STUDY.toml|tests.csv",
-        help="what to fit to which data, and how; or the table of tests alone",
+        metavar="STUDY.toml",
+        help="what to fit to which data, and how; or tests.csv, the tests alone",
     )
     parser.add_argument(
         "--out",
