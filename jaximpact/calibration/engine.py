@@ -7,6 +7,7 @@ fixed number of impacts.
 """
 
 import concurrent.futures
+import copy
 import dataclasses
 
 import jax
@@ -63,12 +64,18 @@ class Engine:
             sorted(LEAVES[name] for name in USUAL) if usual else range(len(_FIELDS))
         )
         self.assembly, self.varied = assembly, tuple(chosen)
-        self.fields = (*(RESULT_COLUMNS[name].field for name in targets), OUTCOME)
+        self.fields = _fields_of(targets)
         kernel = None
         if computes_on_cpu():
             kernel = compile_native_along(assembly, self.varied)
         self.kernel = kernel
         self.name = "XLA" if kernel is None else "machine code"
+
+    def for_targets(self, targets: tuple[str, ...]) -> "Engine":
+        """The same code, for other result columns."""
+        other = copy.copy(self)
+        other.fields = _fields_of(targets)
+        return other
 
     def run(
         self, leaves: np.ndarray, directions: np.ndarray, accuracy: Accuracy
@@ -131,6 +138,10 @@ class Engine:
     def _chosen(self, numbers) -> np.ndarray:
         """The wanted results, a row each."""
         return np.stack([np.asarray(getattr(numbers, name)) for name in self.fields])
+
+
+def _fields_of(targets: tuple[str, ...]) -> tuple[str, ...]:
+    return (*(RESULT_COLUMNS[name].field for name in targets), OUTCOME)
 
 
 def _along(assembly, leaves, directions, tolerance, floor):

@@ -11,6 +11,7 @@ from .least_squares import Progress
 from .left_out import LeftOut, leave_out_campaigns, leave_out_each
 from .residuals import Residuals, residuals_of
 from .sampling import Samples, sample_posterior
+from .side_by_side import each_variant
 from .study import StudyResult, VariantResult
 
 
@@ -45,17 +46,16 @@ def examine(
         progress: called with lines of text.
     """
     several = len(result.variants) > 1
-    return [
-        _examine(
-            result,
-            variant,
-            posterior,
-            lambda text, start=f"{variant.variant.name}: " if several else "": progress(
-                start + text
-            ),
-        )
-        for variant in result.variants
-    ]
+
+    def examined(variant: VariantResult, tell: Progress) -> Examination:
+        start = f"{variant.variant.name}: " if several else ""
+        return _examine(result, variant, posterior, lambda text: tell(start + text))
+
+    if posterior:
+        # NUTS calls back from within JAX, which several threads could wait for.
+        return [examined(variant, progress) for variant in result.variants]
+    engine = result.variants[0].objective.engine
+    return each_variant(engine, examined, result.variants, progress)
 
 
 def _examine(

@@ -4,7 +4,6 @@ import numpy as np
 from scipy.special import ndtri
 
 from ..accuracy import PRESETS
-from .first_order import adam, l_bfgs
 from .least_squares import Fits, Progress, is_near, levenberg_marquardt
 from .objective import Objective
 from .stopping import FINE, ROUGH, Patience, Reason
@@ -15,6 +14,9 @@ SPREAD = 0.02
 RUNNING = 1.02, 0.5
 """Starts whose rough cost is below this times the best, and so many s^2 more, are
 fitted on."""
+SMALL_BESIDE = 1e-3
+"""Part of a measurement; of a sigma above it, errors of impacts at "balanced", 1e-6 and
+their derivatives' 5e-4, move a fit by less than a hundredth of a standard error."""
 ONE_PLACE = 0.3
 """Ends of fits that are as near in x, and as good, are at one minimum."""
 SAME = 1e-3
@@ -67,11 +69,13 @@ def fit(
     """
 
     def make() -> Fits:
-        if method == "adam":
-            return adam(objective, x, progress)
-        if method == "l-bfgs":
-            return l_bfgs(objective, x, progress)
-        return levenberg_marquardt(objective, x, free, patience, progress)
+        if method == "levenberg-marquardt":
+            return levenberg_marquardt(objective, x, free, patience, progress)
+        # Few want optax, which takes its time to import.
+        from . import first_order
+
+        by_gradient = {"adam": first_order.adam, "l-bfgs": first_order.l_bfgs}
+        return by_gradient[method](objective, x, progress)
 
     if objective.memory is None:
         return make()
@@ -84,6 +88,18 @@ def rough_of(objective: Objective) -> Objective:
     if tolerance == objective.accuracy.tolerance:
         return objective
     return objective.at(PRESETS["fast"])
+
+
+def no_finer_than_sigmas(objective: Objective) -> Objective:
+    """The same with impacts of accuracy "balanced", if that is the coarser and their
+    errors are small beside every sigma."""
+    study, balanced = objective.study, PRESETS["balanced"]
+    known = study.known
+    size = np.abs(study.measured[known])
+    close = np.any(objective.sigma[known] < SMALL_BESIDE * size)
+    if close or objective.accuracy.tolerance >= balanced.tolerance:
+        return objective
+    return objective.at(balanced)
 
 
 def fit_starts(

@@ -18,7 +18,7 @@ from ..columns import INPUT_COLUMNS
 from ..errors import InputError
 from .candidates import Sigma, checked_axes, checked_measure
 from .design import CRITERIA, choose, merit
-from .engine import LEAVES, Engine
+from .engine import LEAVES
 from .study import VariantResult
 from .turned_ground import SIGN
 from .uncertainty import bounds_information, regular_covariance
@@ -237,7 +237,7 @@ def _derivatives(fitted: VariantResult, common, scenes, targets):
     study, bounds = objective.study, objective.bounds
     names = [parameter.name for parameter in study.parameters]
     count = len(next(iter(scenes.values())))
-    engine = Engine(objective.engine.assembly, tuple(names), targets)
+    engine = objective.engine.for_targets(targets)
     values = {n: c.default for n, c in INPUT_COLUMNS.items()} | common
     values |= dict(zip(names, fitted.parameters, strict=False)) | scenes
     leaves = np.empty((len(LEAVES), count))

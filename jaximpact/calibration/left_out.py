@@ -6,7 +6,8 @@ left out has the standard deviation
 $$ \sqrt{s^2 \sigma^2 + J C J^T} , $$
 
 with C the covariance of the rest, the bounds a weak prior, and J the derivative of y.
-Sigmas that were estimated, and the inflation s^2, are those of the whole fit.
+Sigmas that were estimated, and the inflation s^2, are those of the whole fit. Impacts
+are computed at "balanced" where their errors are small beside the sigmas.
 
 Without a fit, one Gauss-Newton step from the best fit to all tells roughly where the
 rest would lead; it decides which tests are worth the time where there are many.
@@ -16,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .fit import fit
+from .fit import fit, no_finer_than_sigmas
 from .least_squares import Progress, bounded_step
 from .objective import Objective, Points
 from .stopping import Patience, Reason
@@ -150,10 +151,11 @@ def _leave_out(
     deviation = np.full(study.measured.shape, np.nan)
     ends, reasons = np.empty((len(names), size)), []
     scatter = objective.sigma**2 * uncertainty.inflation
+    coarser = no_finer_than_sigmas(objective)
     for number in range(len(names)):
         progress(f"{what} left out: {number} of {len(names)}")
         tests = group == number
-        rest = objective.without(tests)
+        rest = coarser.without(tests)
         fits = fit(rest, starts, patience=LEFT_OUT)
         best = fits.points.take([fits.best])
         covariance = regular_covariance(rest, best, uncertainty.inflation)

@@ -7,6 +7,7 @@ the study or in its data, is fitted anew.
 
 import contextlib
 import hashlib
+import threading
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -31,6 +32,7 @@ class Memory:
 
     def __init__(self, folder: Path):
         self.folder = Path(folder)
+        self._counting = threading.Lock()
         self.found = 0
         """Fits that were there and needed not be made."""
 
@@ -47,7 +49,8 @@ class Memory:
         # What cannot be read is made anew.
         with contextlib.suppress(OSError, KeyError, ValueError, zipfile.BadZipFile):
             fits = _read(path)
-            self.found += 1
+            with self._counting:
+                self.found += 1
             return fits
         fits = make()
         self.folder.mkdir(parents=True, exist_ok=True)

@@ -13,6 +13,7 @@ from .likelihood_profile import LikelihoodProfile, profile_all
 from .memory import Memory
 from .objective import Objective, Points, engine_of, names_of, start_of
 from .scatter import settle
+from .side_by_side import each_variant
 from .stopping import Reason
 from .study_file import Study, Variant
 from .transforms import Bounds
@@ -98,18 +99,15 @@ def fit_study(
     begin = time.perf_counter()
     progress("compiling once")
     engine = engine_of(study, laws)
-    results = []
-    for variant in study.variants:
-        start = f"{variant.name}: " if len(study.variants) > 1 else ""
+    several = len(study.variants) > 1
+
+    def fitted(variant: Variant, tell: Progress) -> VariantResult:
+        start = f"{variant.name}: " if several else ""
         objective = Objective(study, variant, engine)
         objective.memory = memory if laws is None else None
-        results.append(
-            _fit_variant(
-                objective,
-                variant,
-                lambda text, start=start: progress(start + text),
-            )
-        )
+        return _fit_variant(objective, variant, lambda text: tell(start + text))
+
+    results = each_variant(engine, fitted, study.variants, progress)
     return StudyResult(study, results, time.perf_counter() - begin, engine.name)
 
 
