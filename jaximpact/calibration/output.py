@@ -15,9 +15,7 @@ from ..provenance import version_of, versions
 from .examination import Examination
 from .further_tests import Suggestions
 from .left_out import LeftOut
-from .plot import plot_study
 from .report import as_text, fit_of_target, interval, standard_error
-from .report_files import write_report
 from .sampling import Samples, to_inference_data
 from .study import StudyResult, VariantResult
 from .study_file import Study
@@ -46,6 +44,10 @@ def write_all(result: StudyResult, examined: list[Examination], out: Path) -> No
 
     Raises OSError where the file system refuses.
     """
+    # Matplotlib takes half a second to import, which a fit alone need not wait for.
+    from .plot import plot_study
+    from .report_files import write_report
+
     write_report(result, examined, out)
     for number, (variant, looked) in enumerate(
         zip(result.variants, examined, strict=True), 1

@@ -9,7 +9,6 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
-from ..marching import CORES
 from .engine import Engine
 from .least_squares import Progress
 
@@ -42,7 +41,7 @@ def side_by_side(
                 raise _Stopped
             progress(text)
 
-    with concurrent.futures.ThreadPoolExecutor(min(len(items), CORES)) as pool:
+    with concurrent.futures.ThreadPoolExecutor(len(items)) as pool:
         running = [pool.submit(function, item, tell) for item in items]
         try:
             for ended in concurrent.futures.as_completed(running):
