@@ -88,7 +88,7 @@ def test_comparison():
     head, _, row = calibration.as_rows([first, second])
     assert len(head) == len(row)
     assert row[head.index("CPU s")] == "-"
-    assert row[head.index("reach 0.126")] == "1 of 2"
+    assert row[head.index("<= 0.126")] == "1 of 2"
 
 
 def test_a_missing_package_is_one_line(monkeypatch):
