@@ -18,7 +18,6 @@ from .examination import Examination
 from .given import table_given
 from .least_squares import Progress
 from .output import as_json, make_directory, write_all
-from .plot import plot_study
 from .run import fit_and_examine
 from .study import StudyResult, VariantResult
 from .study_file import DEFAULT_BOUNDS, TOML, Study, read_study, study_of
@@ -104,6 +103,9 @@ class Calibration:
         Args:
             path: where to save the figure too; replaced once it is whole.
         """
+        # Matplotlib takes half a second to import.
+        from .plot import plot_study
+
         figure = plot_study(self.result)
         if path is not None:
             with replacing(Path(path)) as temporary:
