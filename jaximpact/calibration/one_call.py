@@ -3,9 +3,9 @@
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from ..columns import INPUT_COLUMNS
 from ..errors import InputError, nearest
@@ -22,6 +22,9 @@ from .run import fit_and_examine
 from .study import StudyResult, VariantResult
 from .study_file import DEFAULT_BOUNDS, TOML, Study, read_study, study_of
 from .summary import in_brief
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class Calibration:
@@ -97,7 +100,7 @@ class Calibration:
         """Every number, as in fit.json."""
         return as_json(self.result, self.examined)
 
-    def plot(self, path: str | os.PathLike | None = None) -> Figure:
+    def plot(self, path: str | os.PathLike | None = None) -> "Figure":
         """Draw the fit of every target, and the waterfall of the starts.
 
         Args:
