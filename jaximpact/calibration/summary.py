@@ -8,7 +8,6 @@ import numpy as np
 from ..align import align
 from ..columns import INPUT_COLUMNS
 from .examination import Examination
-from .page import reservations, verdict
 from .report import (
     about_cells,
     about_sigma,
@@ -47,6 +46,9 @@ def in_brief(result: StudyResult, examined: list[Examination]) -> str:
 def _of_variant(
     result: StudyResult, variant: VariantResult, looked: Examination
 ) -> list[str]:
+    # It draws, and Matplotlib takes half a second to import.
+    from .page import reservations, verdict
+
     lines = ["Parameters", align(_parameters(variant))]
     if len(variant.names) > len(variant.verdicts):
         lines += [
