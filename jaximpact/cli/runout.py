@@ -17,7 +17,9 @@ The study is a TOML file. Lengths in m, angles in degrees; x to the right, y up.
     points_m = [[0, 230], [400, 0], [1000, 0]]
 
     [ground]                       # quantities of the soil, for all segments
+    gamma_v = { mean = 8.7, sd = 2, least = 1 }
     rolling_friction_angle_deg = 20
+    roughness_deg = 3              # standard deviation of the local slope
     [ground.segment.2]             # what is different on the second
     c_v = 0.5
 
@@ -36,9 +38,15 @@ The study is a TOML file. Lengths in m, angles in degrees; x to the right, y up.
     e_n = 0.35
     e_t = 0.85
 
-A quantity of block or release is a number; { mean, sd }, a normal distribution, cut off
-at least and most if they are given; { from, to }, a uniform one; or a list. Lists make
-every combination, the last one fastest, and over again until there are enough blocks.
+A quantity of ground, block or release is a number; { mean, sd }, a normal distribution,
+cut off at least and most if they are given; { from, to }, a uniform one; or a list. It
+is drawn once for each block, and so is the ground: a block finds one c_v wherever it
+goes, or one on each segment that has its own. Lists make every combination, those of
+the ground slowest, the last one fastest, and over again until there are enough blocks.
+With a roughness each impact meets the ground at an angle of its own, drawn from a
+normal distribution about the segment's, cut off at 3 standard deviations; angles at
+which the block would not strike are drawn again. No contact gains energy by it. Touches
+too slow to be an impact, rolling and sliding see the segment as it is.
 direction_deg goes from the horizontal upwards; orientation_deg from the vertical,
 clockwise, to the major axis; clockwise is positive for angular_velocity_degps.
 
@@ -46,7 +54,7 @@ Further keys, before all tables:
   title          free text
   count          blocks (default: 1000, or the combinations if nothing is random)
   seed           of the draws (default: 0); block i gets the same numbers whatever the
-                 count
+                 count, and whatever else is drawn
   accuracy       of the full model, as --accuracy
   bins           of x, for the envelopes (default: 50)
   time_limit_s, event_limit

@@ -2,6 +2,7 @@
 
 from .collectors import Passages, first_passages, passages
 from .envelopes import Maxima, maxima_along
+from .ground import Ground
 from .profile import Profile, read_profile
 from .quantities import Normal, Uniform, draw
 from .rebounds import Blows, ClosedForm, Contacts, FullModel
@@ -19,6 +20,7 @@ __all__ = [
     "Contacts",
     "Ending",
     "FullModel",
+    "Ground",
     "Maxima",
     "Normal",
     "Passages",

@@ -45,7 +45,7 @@ def stand(
         outline,
         matter,
         plane,
-        state.rolling_friction[segment],
+        state.rolling_friction[lanes, segment],
         height,
         tangential_velocity,
         angular_velocity,
@@ -90,8 +90,8 @@ def go_along(state: State, lanes: np.ndarray, time_limit: float) -> None:
     corner = turn > 0.0
     distance = np.where(way > 0.0, length - foot, foot)
     distance = distance - np.where(corner, radius * np.tan(0.5 * turn), 0.0)
-    rolling = state.rolling_friction[segment]
-    friction = np.where(rolls, rolling, state.sliding_friction[segment])
+    rolling = state.rolling_friction[lanes, segment]
+    friction = np.where(rolls, rolling, state.sliding_friction[lanes, segment])
     ratio = np.where(rolls, matter.inertia / (matter.mass * radius**2), 0.0)
     needed = np.where(rolls, barrier_of(outline, matter, slope, rolling), 0.0)
     least = np.sqrt(2.0 * needed / (matter.mass * (1.0 + ratio)))

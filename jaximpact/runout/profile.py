@@ -17,6 +17,9 @@ from ..soil import Soil
 ROLLING_FRICTION_ANGLE = math.radians(20.0)
 """Default [rad]: an assumption, as the paper gives none."""
 ROLLING_COLUMN = "rolling_friction_angle_deg"
+ROUGHNESS_COLUMN = "roughness_deg"
+ROUGHEST = math.radians(30.0)
+"""Largest roughness [rad]."""
 POINT_COLUMNS = ("x_m", "y_m")
 
 
@@ -28,6 +31,8 @@ class Profile:
         x, y: coordinates of the points [m], shape `(points,)`; x strictly increasing.
         soil: ground of the segments; fields that broadcast to `(points - 1,)`.
         rolling_friction_angle: of the segments [rad], likewise, in [0, pi/2).
+        roughness: of the segments [rad], likewise, from 0 to `ROUGHEST`: the standard
+            deviation of the angle of their facets; see `roughness`.
 
     Segments descend at an angle w, negative where they rise to the right. Their frame
     is t = (cos w, -sin w), along the segment to the right, and n = -(sin w, cos w),
@@ -40,6 +45,7 @@ class Profile:
     y: np.ndarray
     soil: Soil = dataclasses.field(default_factory=Soil)
     rolling_friction_angle: ArrayLike = ROLLING_FRICTION_ANGLE
+    roughness: ArrayLike = 0.0
 
     def __post_init__(self):
         x, y = (np.array(values, float) for values in (self.x, self.y))
@@ -63,6 +69,13 @@ class Profile:
                 "a profile's rolling_friction_angle must be in [0, pi/2), but holds "
                 f"{rolling[~((rolling >= 0.0) & (rolling < 0.5 * np.pi))][0]:g}"
             )
+        roughness = of_segments("roughness", self.roughness)
+        bad = ~((roughness >= 0.0) & (roughness <= ROUGHEST))
+        if np.any(bad):
+            raise ValueError(
+                f"a profile's roughness must be in [0, {ROUGHEST:.4g}], but holds "
+                f"{roughness[bad][0]:g}"
+            )
         soil = {}
         for field in dataclasses.fields(Soil):
             soil[field.name] = of_segments(
@@ -72,6 +85,7 @@ class Profile:
         object.__setattr__(self, "x", x)
         object.__setattr__(self, "y", y)
         object.__setattr__(self, "rolling_friction_angle", rolling)
+        object.__setattr__(self, "roughness", roughness)
         # Arrays of NumPy, as the rest: they are looked up lane by lane.
         object.__setattr__(self, "soil", jax.tree.map(np.asarray, Soil(**soil)))
 
@@ -135,18 +149,19 @@ def read_profile(
     path: Path,
     soil: Soil | None = None,
     rolling_friction_angle: float = ROLLING_FRICTION_ANGLE,
+    roughness: float = 0.0,
 ) -> Profile:
     """Read a profile from a CSV file.
 
     The first row names the columns: `x_m` and `y_m`, and if wanted any quantity of the
-    soil as in a table of scenes, and `rolling_friction_angle_deg`. A row is a point;
-    what it says of the ground holds from there to the next point, so that the last
-    row's is not used.
+    soil as in a table of scenes, `rolling_friction_angle_deg` and `roughness_deg`. A
+    row is a point; what it says of the ground holds from there to the next point, so
+    that the last row's is not used.
 
     Args:
         path: the file, UTF-8, separated by commas.
         soil: what the file does not say, scalars.
-        rolling_friction_angle: likewise [rad].
+        rolling_friction_angle, roughness: likewise [rad].
 
     Raises InputError, naming file and row, for whatever cannot be used.
     """
@@ -182,15 +197,18 @@ def read_profile(
     rolling = rolling_friction_angle
     if ROLLING_COLUMN in columns:
         rolling = DEGREE * columns[ROLLING_COLUMN][:-1]
+    if ROUGHNESS_COLUMN in columns:
+        roughness = DEGREE * columns[ROUGHNESS_COLUMN][:-1]
+    x, y = (columns[name] for name in POINT_COLUMNS)
     try:
-        return Profile(columns["x_m"], columns["y_m"], Soil(**fields), rolling)
+        return Profile(x, y, Soil(**fields), rolling, roughness)
     except ValueError as error:
         raise InputError(str(error), file=path) from None
 
 
 def _check_header(path: Path, line: int, names: list[str]) -> None:
     of_soil = tuple(c.name for c in INPUT_COLUMNS.values() if c.part == "soil")
-    known = (*POINT_COLUMNS, *of_soil, ROLLING_COLUMN)
+    known = (*POINT_COLUMNS, *of_soil, ROLLING_COLUMN, ROUGHNESS_COLUMN)
     for place, name in enumerate(names):
         if name not in known:
             raise InputError(

@@ -86,10 +86,20 @@ def draw(
 
 def shares(seed: int, name: str, count: int) -> Numbers:
     """The first numbers in (0, 1) of the stream of a quantity."""
-    entropy: Sequence[int] = (seed, zlib.crc32(name.encode()))
     # Its raw numbers, which NumPy promises to keep from version to version.
-    raw = np.random.Philox(np.random.SeedSequence(entropy)).random_raw(count)
+    raw = np.random.Philox(_sequence(seed, name)).random_raw(count)
     return ((raw >> np.uint64(11)).astype(float) + 0.5) * 2.0**-53
+
+
+def key_of(seed: int, name: str) -> tuple[int, int]:
+    """The key of a stream of which numbers are asked by their place; see `philox`."""
+    first, second = _sequence(seed, name).generate_state(2, np.uint32)
+    return int(first), int(second)
+
+
+def _sequence(seed: int, name: str) -> np.random.SeedSequence:
+    entropy: Sequence[int] = (seed, zlib.crc32(name.encode()))
+    return np.random.SeedSequence(entropy)
 
 
 def _is_list(quantity: Quantity) -> bool:

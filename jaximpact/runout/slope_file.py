@@ -2,6 +2,7 @@
 
 import dataclasses
 import hashlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,18 +21,22 @@ from ..rebound import (
 )
 from ..soil import Soil
 from ..toml_values import (
-    SOIL_COLUMNS,
     allowed,
     choice,
     load_toml,
     number,
-    soil_values,
     typed,
     unknown,
     whole,
 )
 from .clearance import lying_height
-from .profile import ROLLING_COLUMN, ROLLING_FRICTION_ANGLE, Profile, read_profile
+from .ground import GROUND_COLUMNS, Ground
+from .profile import (
+    ROLLING_FRICTION_ANGLE,
+    ROUGHNESS_COLUMN,
+    Profile,
+    read_profile,
+)
 from .quantities import Normal, Quantity, Uniform, combinations, draw, is_random
 from .rebounds import ClosedForm, Contacts, FullModel
 from .release import Release, check_release
@@ -48,7 +53,6 @@ RELEASE_KEYS = (
     *("orientation_deg", "angular_velocity_degps"),
 )
 NOT_NEGATIVE = ("clearance_m", "speed_mps")
-GROUND_KEYS = (*SOIL_COLUMNS, ROLLING_COLUMN)
 FULL_MODEL = "full model"
 COEFFICIENT = (0.0, 1.0)
 LAWS = {
@@ -82,6 +86,13 @@ class SlopeStudy(NamedTuple):
     title: str
     profile: Profile
     release: Release
+    ground: Ground
+    """As each block finds it."""
+    ground_drawn: dict[str, np.ndarray]
+    """What of it differs from block to block, `(blocks,)`, in the units of the names:
+    quantities of the whole ground, and of segments as `segment_2_c_v`."""
+    ground_told: dict
+    """The ground as the file says it, ready for JSON."""
     contacts: Contacts
     law: dict
     """The contacts in words, ready for JSON."""
@@ -112,7 +123,8 @@ def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
         if key not in (*TABLES, *NUMBERS):
             unknown(path, key, key, (*TABLES, *NUMBERS))
     checksums = {path.name: hashlib.sha256(path.read_bytes()).hexdigest()}
-    profile = _profile(path, content, checksums)
+    ground = _Ground.read(path, content)
+    profile = _profile(path, content, ground, checksums)
     contacts, law = _contacts(path, content, accuracy)
     seed = whole(path, content, "seed", 0, 0)
     if seed > LARGEST_SEED:
@@ -124,12 +136,27 @@ def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
         raise InputError(
             f"must be above 0 s, but is {time_limit:g}", file=path, key="time_limit_s"
         )
+    quantities = ground.varied() | _quantities(path, content)
+    is_rough = np.any(profile.roughness > 0.0) or any(
+        key.endswith(ROUGHNESS_COLUMN) for key in quantities
+    )
+    by_chance = is_random(quantities) or is_rough
+    count = DEFAULT_COUNT if by_chance else combinations(quantities)
+    drawn = draw(quantities, whole(path, content, "count", count, 1), seed)
+    for name, values in drawn.items():
+        _check_drawn(path, name, values)
     return SlopeStudy(
         path=path,
         checksums=checksums,
         title=typed(path, content, "title", str, path.stem),
         profile=profile,
-        release=_release(path, content, profile, seed),
+        release=_release(path, drawn, profile),
+        ground=ground.of_blocks(profile, drawn, seed),
+        ground_drawn={
+            name.removeprefix("ground.").replace(".", "_"): drawn[name]
+            for name in ground.varied()
+        },
+        ground_told=content.get("ground", {}),
         contacts=contacts,
         law=law,
         seed=seed,
@@ -140,34 +167,128 @@ def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
     )
 
 
-def _profile(path: Path, content: dict, checksums: dict[str, str]) -> Profile:
+class _Ground(NamedTuple):
+    """The ground as the file says it, in the units of its names."""
+
+    path: Path
+    everywhere: dict[str, Quantity]
+    segments: dict[int, dict[str, Quantity]]
+    """By their numbers from 0."""
+
+    @classmethod
+    def read(cls, path: Path, content: dict) -> "_Ground":
+        table = typed(path, content, "ground", dict, {})
+        segments = {}
+        for name, values in typed(path, table, "segment", dict, {}).items():
+            key = f"ground.segment.{name}"
+            if not name.isdecimal():
+                raise InputError("must be the number of a segment", file=path, key=key)
+            values = typed(path, table["segment"], name, dict)
+            segments[int(name) - 1] = _ground_quantities(path, values, key)
+        everywhere = {k: v for k, v in table.items() if k != "segment"}
+        return cls(path, _ground_quantities(path, everywhere, "ground"), segments)
+
+    def varied(self) -> dict[str, Quantity]:
+        """What differs from block to block, by its key."""
+        keys = {f"ground.{name}": q for name, q in self.everywhere.items()}
+        for segment, quantities in self.segments.items():
+            where = f"ground.segment.{segment + 1}"
+            keys |= {f"{where}.{name}": q for name, q in quantities.items()}
+        return {key: q for key, q in keys.items() if not isinstance(q, float)}
+
+    def of_blocks(self, profile: Profile, drawn: Mapping, seed: int) -> Ground:
+        """With what the blocks draw of it.
+
+        Args:
+            drawn: by the keys of `varied`.
+        """
+        ground = Ground.of_profile(profile, seed)
+        soil = {f.name: getattr(ground.soil, f.name) for f in dataclasses.fields(Soil)}
+        angles = {
+            name: getattr(ground, name)
+            for name in ("rolling_friction_angle", "roughness")
+        }
+        for key in self.varied():
+            _, *where, name = key.split(".")
+            column = GROUND_COLUMNS[name]
+            fields = soil if column.part == "soil" else angles
+            values = column.factor * drawn[key][:, None]
+            if where:
+                segment = int(where[1]) - 1
+                shape = (len(values), profile.segments)
+                whole = np.array(np.broadcast_to(fields[column.field], shape))
+                whole[:, segment] = values[:, 0]
+                values = whole
+            elif any(name in quantities for quantities in self.segments.values()):
+                shape = (len(values), profile.segments)
+                given = [s for s, q in self.segments.items() if name in q]
+                values = np.array(np.broadcast_to(values, shape))
+                values[:, given] = fields[column.field][given]
+            fields[column.field] = values
+        return Ground(Soil(**soil), **angles, seed=seed)
+
+
+def _ground_quantities(path: Path, values: dict, where: str) -> dict[str, Quantity]:
+    for name in values:
+        if name not in GROUND_COLUMNS:
+            unknown(path, f"{where}.{name}", name, (*GROUND_COLUMNS, "segment"))
+    return {
+        name: _quantity(path, f"{where}.{name}", value, GROUND_COLUMNS[name])
+        for name, value in values.items()
+    }
+
+
+def _profile(
+    path: Path, content: dict, ground: _Ground, checksums: dict[str, str]
+) -> Profile:
+    """The profile, with what of the ground is alike for all blocks."""
     table = _table(path, content, "profile", ("points_m", "csv"))
     if len(table) != 1:
         raise InputError(
             "needs points_m or csv, and not both", file=path, key="profile"
         )
-    ground = typed(path, content, "ground", dict, {})
-    segments = typed(path, ground, "segment", dict, {})
-    soil, rolling = _ground(
-        path, {k: v for k, v in ground.items() if k != "segment"}, "ground"
-    )
-    whole_soil = Soil(**soil)
-    rolling = ROLLING_FRICTION_ANGLE if rolling is None else rolling
+    soil, angles = _alike(ground.everywhere)
+    angles.setdefault("rolling_friction_angle", ROLLING_FRICTION_ANGLE)
     if "csv" in table:
         csv = path.parent / typed(path, table, "csv", str)
-        profile = read_profile(csv, whole_soil, rolling)
+        profile = read_profile(csv, Soil(**soil), **angles)
         checksums[csv.name] = hashlib.sha256(csv.read_bytes()).hexdigest()
+        _check_said_once(ground, csv)
     else:
         points = typed(path, table, "points_m", list)
         try:
             x, y = np.array(points, float).reshape(len(points), 2).T
-            profile = Profile(x, y, whole_soil, rolling)
+            profile = Profile(x, y, Soil(**soil), **angles)
         except (TypeError, ValueError) as error:
             told = str(error)
             if not told.startswith("a profile"):
                 told = f"must be a list of [x, y], but is {points!r}"
             raise InputError(told, file=path, key="profile.points_m") from None
-    return _with_segments(path, profile, segments)
+    return _with_segments(path, profile, ground.segments)
+
+
+def _alike(quantities: dict[str, Quantity]) -> tuple[dict, dict]:
+    """Fields of the soil, and angles of the ground, that are one number, in SI."""
+    soil, angles = {}, {}
+    for name, value in quantities.items():
+        if isinstance(value, float):
+            column = GROUND_COLUMNS[name]
+            fields = soil if column.part == "soil" else angles
+            fields[column.field] = column.factor * value
+    return soil, angles
+
+
+def _check_said_once(ground: _Ground, csv: Path) -> None:
+    """A distribution must not be hidden by a column of the profile."""
+    header = csv.read_bytes().decode("utf-8-sig").lstrip().splitlines()[0]
+    columns = {name.strip() for name in header.split(",")}
+    for name, quantity in ground.everywhere.items():
+        if name in columns and not isinstance(quantity, float):
+            raise InputError(
+                f"differs from block to block, but {csv.name} has a column of it",
+                file=ground.path,
+                key=f"ground.{name}",
+            )
 
 
 def _with_segments(path: Path, profile: Profile, segments: dict) -> Profile:
@@ -175,43 +296,22 @@ def _with_segments(path: Path, profile: Profile, segments: dict) -> Profile:
         f.name: np.array(getattr(profile.soil, f.name))
         for f in dataclasses.fields(Soil)
     }
-    angles = profile.rolling_friction_angle.copy()
-    for name in segments:
-        key = f"ground.segment.{name}"
-        if not (name.isdecimal() and 1 <= int(name) <= profile.segments):
+    angles = {
+        name: getattr(profile, name).copy()
+        for name in ("rolling_friction_angle", "roughness")
+    }
+    for segment, quantities in segments.items():
+        if not 0 <= segment < profile.segments:
             raise InputError(
                 f"must be the number of a segment, from 1 to {profile.segments}",
                 file=path,
-                key=key,
+                key=f"ground.segment.{segment + 1}",
             )
-        soil, rolling = _ground(path, typed(path, segments, name, dict), key)
-        for field, value in soil.items():
-            fields[field][int(name) - 1] = value
-        if rolling is not None:
-            angles[int(name) - 1] = rolling
-    return Profile(profile.x, profile.y, Soil(**fields), angles)
-
-
-def _ground(path: Path, values: dict, where: str) -> tuple[dict, float | None]:
-    """Fields of the soil, and the angle of rolling friction if it is given, in SI."""
-    for name in values:
-        if name not in GROUND_KEYS:
-            unknown(path, f"{where}.{name}", name, (*GROUND_KEYS, "segment"))
-    rolling = None
-    if ROLLING_COLUMN in values:
-        key = f"{where}.{ROLLING_COLUMN}"
-        rolling = number(path, key, values[ROLLING_COLUMN])
-        if not 0.0 <= rolling < 90.0:
-            raise InputError(
-                f"must be in [0, 90) deg, but is {rolling:g}", file=path, key=key
-            )
-        rolling *= DEGREE
-    soil = soil_values(
-        path, {n: v for n, v in values.items() if n != ROLLING_COLUMN}, where
-    )
-    return {
-        SOIL_COLUMNS[n].field: SOIL_COLUMNS[n].factor * v for n, v in soil.items()
-    }, rolling
+        of_soil, of_angles = _alike(quantities)
+        for values, given in ((fields, of_soil), (angles, of_angles)):
+            for field, value in given.items():
+                values[field][segment] = value
+    return Profile(profile.x, profile.y, Soil(**fields), **angles)
 
 
 def _contacts(path: Path, content: dict, accuracy: str | None) -> tuple[Contacts, dict]:
@@ -262,18 +362,19 @@ def _collectors(path: Path, content: dict, profile: Profile) -> np.ndarray:
     return np.array(sorted(places))
 
 
-def _release(path: Path, content: dict, profile: Profile, seed: int) -> Release:
+def _quantities(path: Path, content: dict) -> dict[str, Quantity]:
+    """Quantities of blocks and releases."""
     quantities = {}
     for where, known in (("block", tuple(BLOCK_COLUMNS)), ("release", RELEASE_KEYS)):
         for name, value in _table(path, content, where, known).items():
             column = BLOCK_COLUMNS.get(name)
             quantities[name] = _quantity(path, f"{where}.{name}", value, column)
     _check_alternatives(path, quantities)
-    count = DEFAULT_COUNT if is_random(quantities) else combinations(quantities)
-    count = whole(path, content, "count", count, 1)
-    drawn = draw(quantities, count, seed)
-    for name, values in drawn.items():
-        _check_drawn(path, name, values)
+    return quantities
+
+
+def _release(path: Path, drawn: dict[str, np.ndarray], profile: Profile) -> Release:
+    count = len(next(iter(drawn.values())))
 
     def si(name: str, default: float = 0.0) -> np.ndarray:
         factor = DEGREE if "_deg" in name else 1.0
@@ -325,11 +426,13 @@ def _check_alternatives(path: Path, quantities: dict[str, Quantity]) -> None:
 
 def _check_drawn(path: Path, name: str, values: np.ndarray) -> None:
     """Ranges that a distribution may leave."""
-    if name in BLOCK_COLUMNS:
-        where, needed = "block", BLOCK_COLUMNS[name].requirement
-        bad = ~BLOCK_COLUMNS[name].is_allowed(values)
+    of_ground = name.startswith("ground.")
+    if of_ground or name in BLOCK_COLUMNS:
+        column = (GROUND_COLUMNS if of_ground else BLOCK_COLUMNS)[name.split(".")[-1]]
+        key = name if of_ground else f"block.{name}"
+        needed, bad = column.requirement, ~column.is_allowed(values)
     else:
-        where, needed = "release", "at least 0"
+        key, needed = f"release.{name}", "at least 0"
         bad = (values < 0.0) & (name in NOT_NEGATIVE)
     if np.any(bad):
         i = int(np.argmax(bad))
@@ -337,7 +440,7 @@ def _check_drawn(path: Path, name: str, values: np.ndarray) -> None:
             f"must be {needed}, but is {values[i]:g} for block {i}; least and most "
             "cut a normal distribution off",
             file=path,
-            key=f"{where}.{name}",
+            key=key,
         )
 
 

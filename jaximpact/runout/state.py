@@ -6,7 +6,9 @@ import enum
 import jax
 import numpy as np
 
+from ..soil import Soil
 from .contact import Matter
+from .ground import Ground
 from .motion import Body, Outline
 from .profile import Profile
 from .record import ContactRecord, Growing, Pieces
@@ -43,10 +45,20 @@ class State:
     """Of the profile's segments [rad]."""
     length: np.ndarray
     """Of the profile's segments [m]."""
+    soil: Soil
+    """Of each block and segment, fields `(blocks, segments)`."""
     rolling_friction: np.ndarray
-    """Tangents of its segments' angles of rolling friction."""
+    """Tangents of the angles of rolling friction, likewise."""
     sliding_friction: np.ndarray
     """And of the ground's friction on the block."""
+    roughness: np.ndarray
+    """Standard deviations of the angles of facets [rad], likewise."""
+    seed: int
+    """Of the facets."""
+    numbers: np.ndarray
+    """Of the blocks, by which their facets are drawn."""
+    impacts: np.ndarray
+    """So far."""
     phase: np.ndarray
     ending: np.ndarray
     time: np.ndarray
@@ -73,8 +85,12 @@ class State:
     pieces: Growing
 
     @classmethod
-    def at_release(cls, profile: Profile, release: Release) -> "State":
-        n = release.count
+    def at_release(cls, profile: Profile, release: Release, ground: Ground) -> "State":
+        n, soil = release.count, ground.soil
+
+        def spread(values):
+            return ground.spread(values, n, profile.segments)
+
         outline = release.outline
         return cls(
             profile=profile,
@@ -85,9 +101,13 @@ class State:
             smallest=np.minimum(outline.major, outline.minor),
             slope=profile.slope,
             length=profile.length,
-            rolling_friction=np.tan(profile.rolling_friction_angle),
-            sliding_friction=np.asarray(profile.soil.alpha_s)
-            * np.tan(np.asarray(profile.soil.friction_angle)),
+            soil=jax.tree.map(spread, soil),
+            rolling_friction=spread(np.tan(ground.rolling_friction_angle)),
+            sliding_friction=spread(soil.alpha_s * np.tan(soil.friction_angle)),
+            roughness=spread(ground.roughness),
+            seed=ground.seed,
+            numbers=np.arange(n) if ground.numbers is None else ground.numbers,
+            impacts=np.zeros(n, int),
             phase=np.full(n, Phase.airborne),
             ending=np.full(n, -1),
             time=np.zeros(n),

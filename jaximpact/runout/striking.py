@@ -3,12 +3,13 @@
 import numpy as np
 
 from ..outcomes import Outcome
-from .contact import Blow, impact_of, settle, touch
-from .grounded import small_speed, stand
+from .contact import Blow, Touch, impact_of, settle, touch
+from .grounded import SMALL_RISE, small_speed, stand
 from .motion import support_of as support
 from .motion import take
 from .rebounds import Contacts
 from .record import Way
+from .roughness import lift, meet
 from .runs import Ending
 from .state import Phase, State
 
@@ -24,33 +25,60 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     body, gap = state.of(lanes, state.body), state.gap[lanes]
     segment = state.segment[lanes]
     touched = touch(body, outline, *state.normal[:, lanes])
-    is_impact = touched.closing >= small_speed(state, lanes, touched.slope)
+    slow = small_speed(state, lanes, touched.slope)
+    is_impact = touched.closing >= slow
+    met = _planes_met(state, lanes, touched, is_impact, slow)
     still = np.zeros(len(lanes))
     blow = Blow(
-        touched.normal_velocity.copy(),
-        touched.tangential_velocity.copy(),
-        touched.angular_velocity.copy(),
+        met.normal_velocity.copy(),
+        met.tangential_velocity.copy(),
+        met.angular_velocity.copy(),
         still.copy(),
         still.copy(),
         still.copy(),
     )
     outcome = np.full(len(lanes), NO_IMPACT)
     if np.any(is_impact):
+        striking = lanes[is_impact]
         blows = contacts(
-            state.of(lanes[is_impact], state.release.block),
-            state.profile.soil_of(segment[is_impact]),
-            impact_of(take(touched, is_impact)),
+            state.of(striking, state.release.block),
+            state.of((striking, segment[is_impact]), state.soil),
+            impact_of(take(met, is_impact)),
         )
         for column, values in zip(blow, blows.blow, strict=True):
             column[is_impact] = values
         outcome[is_impact] = blows.outcome
-    settled = settle(outline, matter, touched, gap, blow)
-    sin, cos = np.sin(touched.slope), np.cos(touched.slope)
+        state.impacts[striking] += 1
+    settled = settle(outline, matter, met, gap, blow)
+    sin, cos = np.sin(met.slope), np.cos(met.slope)
     x = body.x + settled.rise * sin + settled.travel * cos
     y = body.y + settled.rise * cos - settled.travel * sin
+    leaves = settled.leaving >= slow
+    stuck = settled.climbs == 0.0
+    theta, along = settled.orientation, settled.tangential_velocity
+    turned = met.slope != touched.slope
+    if np.any(turned):
+        lifted = lift(outline, matter, touched, met, gap, settled)
+        share = np.where(turned, lifted.share, 1.0)
+        settled = settled._replace(
+            normal_velocity=share * settled.normal_velocity,
+            tangential_velocity=share * settled.tangential_velocity,
+            angular_velocity=share * settled.angular_velocity,
+        )
+        away = share * settled.leaving >= slow
+        away |= lifted.leaving >= slow
+        away |= lifted.over > SMALL_RISE * state.smallest[lanes]
+        leaves = np.where(turned, away, leaves)
+        stuck = stuck | (turned & (lifted.climbs == 0.0))
+        # One that stays on the ground comes down to it.
+        rise = np.where(leaves | stuck, 0.0, -lifted.over) + lifted.lift
+        x = x + np.where(turned, rise * np.sin(touched.slope), 0.0)
+        y = y + np.where(turned, rise * np.cos(touched.slope), 0.0)
+        theta = np.where(turned, lifted.orientation, theta)
+        along = np.where(turned, lifted.tangential_velocity, along)
     state.contacts.add(
-        lanes, state.time[lanes], segment, touched.slope, body.x, body.y,
-        *touched[1:5], *settled[3:6], x, y, blow.duration, blow.sinking, outcome,
+        lanes, state.time[lanes], segment, met.slope, body.x, body.y,
+        *met[1:5], *settled[3:6], x, y, blow.duration, blow.sinking, outcome,
     )  # fmt: skip
     takes_time = blow.duration > 0.0
     _write(state, lanes, takes_time, body, x, y, blow)
@@ -60,18 +88,36 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
         y=y,
         v_x=settled.tangential_velocity * cos - settled.normal_velocity * sin,
         v_y=-settled.tangential_velocity * sin - settled.normal_velocity * cos,
-        orientation=settled.orientation + touched.slope,
+        orientation=settled.orientation + met.slope,
         angular_velocity=settled.angular_velocity,
     )
     state.time[lanes] += np.where(takes_time, blow.duration, 0.0)
     failed = outcome == Outcome.failed
-    stops = ~failed & ((outcome == Outcome.arrested) | (settled.climbs == 0.0))
-    leaves = settled.leaving >= small_speed(state, lanes, touched.slope)
+    stops = ~failed & ((outcome == Outcome.arrested) | stuck)
     state.phase[lanes] = Phase.airborne
     state.end(lanes[failed], Ending.failed)
     state.end(lanes[stops], Ending.stopped)
     stands = ~failed & ~stops & ~leaves
-    _stand_on(state, lanes[stands], take(touched, stands), take(settled, stands))
+    _stand_on(
+        state,
+        lanes[stands],
+        touched.slope[stands],
+        theta[stands],
+        along[stands],
+        settled.angular_velocity[stands],
+    )
+
+
+def _planes_met(state, lanes, touched, is_impact, slow) -> Touch:
+    """The planes of the contacts: facets where there is roughness, else those
+    touched."""
+    if not np.any(is_impact):
+        return touched
+    met = Touch(*(column.copy() for column in touched))
+    facets = meet(state, lanes[is_impact], take(touched, is_impact), slow[is_impact])
+    for column, values in zip(met, facets, strict=True):
+        column[is_impact] = values
+    return met
 
 
 def _write(state, lanes, chosen, body, x, y, blow) -> None:
@@ -85,20 +131,20 @@ def _write(state, lanes, chosen, body, x, y, blow) -> None:
     )  # fmt: skip
 
 
-def _stand_on(state, lanes, touched, settled) -> None:
-    """Blocks that stay on the ground."""
-    segment, slope = state.segment[lanes], touched.slope
+def _stand_on(state, lanes, slope, theta, tangential_velocity, spin) -> None:
+    """Blocks that stay on the ground: on planes of a slope, seen from which they are
+    turned by theta and move along."""
+    segment = state.segment[lanes]
     own = state.slope[segment]
     between = np.sin(slope - own)
     on_segment = np.abs(between) <= SAME_PLANE
     # Planes at the left end of a segment lean to the left of it.
     edge = np.where(between < 0.0, segment, segment + 1)
-    theta = settled.orientation
     outline = state.of(lanes, state.outline)
     height = support(outline, theta).radius
     state.phase[lanes] = np.where(on_segment, Phase.grounded, Phase.at_edge)
     state.edge[lanes] = np.where(on_segment, -1, edge)
     stand(
         state, lanes, np.where(on_segment, own, slope), height,
-        settled.tangential_velocity, settled.angular_velocity,
+        tangential_velocity, spin,
     )  # fmt: skip

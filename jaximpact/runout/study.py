@@ -7,6 +7,7 @@ x. Rows go to the journal; the pieces of the way are not kept.
 
 import contextlib
 import json
+import re
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -20,6 +21,7 @@ from ..journal import Journal
 from ..provenance import versions
 from .collectors import first_passages, passages
 from .envelopes import Maxima, maxima_along
+from .ground import GROUND_COLUMNS
 from .release import Release
 from .runs import Ending, Runs
 from .slope_file import SlopeStudy
@@ -128,6 +130,7 @@ def simulate(
         study.profile,
         some,
         study.contacts,
+        ground=study.ground.of_blocks(chosen),
         time_limit=study.time_limit,
         event_limit=study.event_limit,
         progress=progress,
@@ -205,7 +208,7 @@ def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
     valid = codes != Ending.failed
     words = np.array([str(ending) for ending in Ending])
     variables = {"ending": ("block", words[codes], {"long_name": "why it ended"})}
-    variables |= _inputs(study.release)
+    variables |= _inputs(study.release) | _ground(study)
     for values, (name, words_of) in zip(of_block.T, BLOCK_NUMBERS.items(), strict=True):
         variables[name] = ("block", values, _about(*words_of))
     for values, (name, words_of) in zip(
@@ -269,6 +272,7 @@ def provenance_of(study: SlopeStudy, codes: np.ndarray) -> dict:
     return {
         "files": study.checksums,
         "contacts": study.law,
+        "ground": study.ground_told,
         "seed": study.seed,
         "blocks": len(codes),
         "time_limit_s": study.time_limit,
@@ -308,6 +312,18 @@ def _inputs(release: Release) -> dict:
         ),
     ):
         variables[name] = ("block", values, _about(unit, f"at release, {meaning}"))
+    return variables
+
+
+def _ground(study: SlopeStudy) -> dict:
+    """What of the ground differs from block to block, in the units of the names."""
+    variables = {}
+    for name, values in study.ground_drawn.items():
+        of_segment = re.fullmatch(r"segment_(\d+)_(.*)", name)
+        where = f"segment {of_segment[1]}" if of_segment else "the ground"
+        column = GROUND_COLUMNS[of_segment[2] if of_segment else name]
+        about = _about(column.unit, f"of {where}: {column.meaning}")
+        variables[f"ground_{name}"] = ("block", values, about)
     return variables
 
 

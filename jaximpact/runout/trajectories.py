@@ -13,6 +13,7 @@ import numpy as np
 from ..precision import require_float64
 from .airborne import fly_on
 from .edges import cross_edges
+from .ground import Ground
 from .grounded import go_along
 from .profile import Profile
 from .rebounds import Contacts, FullModel
@@ -34,6 +35,7 @@ def simulate_runout(
     release: Release,
     contacts: Contacts | None = None,
     *,
+    ground: Ground | None = None,
     time_limit: float = TIME_LIMIT,
     event_limit: int = EVENT_LIMIT,
     width: int = WIDTH,
@@ -44,12 +46,13 @@ def simulate_runout(
     A block flies, with constant spin; strikes, and is set back on the ground at the
     cost of the energy that it takes to climb out of it; flies again if its lowest point
     leaves the ground, and else rolls, or slides where it cannot roll; and so on to its
-    end. See `flight`, `contact`, `rolling` and `breaks`.
+    end. See `flight`, `contact`, `roughness`, `rolling` and `breaks`.
 
     Args:
         profile: the slope.
         release: the blocks.
         contacts: how they rebound: `FullModel()`, the default, or `ClosedForm(law)`.
+        ground: as each block finds it; the profile's if not given.
         time_limit: longest trajectory [s].
         event_limit: most contacts and legs along the ground of a trajectory.
         width: blocks under way at once; no result depends on it.
@@ -58,12 +61,14 @@ def simulate_runout(
     Returns:
         `Runs`; every trajectory has an ending.
 
-    Raises ValueError for a block that is released in the ground or off the profile.
+    Raises ValueError for a block that is released in the ground or off the profile, and
+    for a ground of other blocks or segments.
     """
     require_float64()
     check_release(release, profile)
     contacts = contacts or FullModel()
-    state = State.at_release(profile, release)
+    ground = ground or Ground.of_profile(profile)
+    state = State.at_release(profile, release, ground)
     active, waiting = np.zeros(0, int), 0
     while True:
         active = active[state.phase[active] != Phase.ended]
