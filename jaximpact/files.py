@@ -28,6 +28,12 @@ def replacing(path: Path) -> Iterator[Path]:
         raise
 
 
+def write_text(path: Path, text: str) -> None:
+    """Write a text whole or not at all; OSError where the file system refuses."""
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
 def make_directory(path: Path, *, option: str) -> None:
     """Make a directory if it is not there; InputError, naming the option, where that
     cannot be."""

@@ -60,14 +60,18 @@ Further keys, before all tables:
   time_limit_s, event_limit
                  where a block still under way is given up (defaults: 600 and 10000)
 
-Laws: full model; constant coefficients (e_n, e_t); Pfeiffer and Bowen
-(normal_coefficient, tangential_coefficient); rigid ellipsoid (e_contact); frictional
-ellipsoid (e_contact, friction_coefficient); Bozzolo and Pamini.
+Laws: full model; table (files, of `jaximpact tabulate`, one for each pair of block and
+ground); constant coefficients (e_n, e_t); Pfeiffer and Bowen (normal_coefficient,
+tangential_coefficient); rigid ellipsoid (e_contact); frictional ellipsoid (e_contact,
+friction_coefficient); Bozzolo and Pamini. Several [[contacts]], each with a name if
+their laws do not tell them apart, are compared: the same blocks go down by each law.
 
 Every block has an ending: stopped, left profile, time limit, event limit or failed. All
 are counted; those that failed are left out of percentiles and curves. Written to DIR:
 report.txt (also printed), manifest.json, blocks.nc, stops.csv, collectors.csv and
-drawings. After a run that was cut short the same command goes on from there."""
+drawings; where laws are compared, for each law in a directory of its own, and tables
+and drawings that set them side by side in DIR. After a run that was cut short the same
+command goes on from there."""
 
 
 def add_parser(commands) -> None:
@@ -97,18 +101,30 @@ def add_parser(commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Compute the study."""
     from ..files import make_directory
-    from ..runout import read_slope_study, run_slope_study
+    from ..runout import comparison, read_slope_studies, run_slope_study
     from ..runout.output import in_words, write_slope_study
 
-    study = read_slope_study(arguments.study, arguments.accuracy)
-    make_directory(arguments.out, option="--out")
-    journal = arguments.out / "blocks.journal"
+    studies = read_slope_studies(arguments.study, arguments.accuracy)
+    several = len(studies) > 1
+    datasets, journals = {}, []
     try:
-        with Progress("blocks") as progress:
-            dataset = run_slope_study(study, journal=journal, progress=progress)
-        write_slope_study(study, dataset, arguments.out)
+        for study in studies:
+            out = arguments.out / study.law_directory if several else arguments.out
+            make_directory(out, option="--out")
+            journals.append(out / "blocks.journal")
+            if several:
+                say(f"contacts by {study.law_name}")
+            with Progress("blocks") as progress:
+                dataset = run_slope_study(
+                    study, journal=journals[-1], progress=progress
+                )
+            write_slope_study(study, dataset, out)
+            datasets[study.law_name] = dataset
+        if several:
+            comparison.write_comparison(studies[0], datasets, arguments.out)
     except KeyboardInterrupt:
         raise KeyboardInterrupt("the same command goes on from here") from None
-    journal.unlink()
-    print(in_words(dataset))
+    for journal in journals:
+        journal.unlink()
+    print(comparison.in_words(datasets) if several else in_words(dataset))
     say(f"tables and drawings written to {arguments.out}")

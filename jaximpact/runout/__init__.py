@@ -9,7 +9,7 @@ from .rebounds import Blows, ClosedForm, Contacts, FullModel
 from .record import ContactRecord, Pieces, Way
 from .release import Release
 from .runs import Ending, Runs
-from .slope_file import SlopeStudy, read_slope_study
+from .slope_file import SlopeStudy, read_slope_studies, read_slope_study
 from .study import run_slope_study
 from .trajectories import simulate_runout
 
@@ -36,6 +36,7 @@ __all__ = [
     "maxima_along",
     "passages",
     "read_profile",
+    "read_slope_studies",
     "read_slope_study",
     "run_slope_study",
     "simulate_runout",

@@ -1,5 +1,6 @@
 """The drawings of a run-out study."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from ..files import replacing
-from ..plotting import BLUE, GREY, ORANGE, SKY, SOIL, VERMILION
+from ..plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, SOIL, VERMILION
 from .profile import Profile
 from .runs import Ending, Runs
 
@@ -24,7 +25,7 @@ ENVELOPES = (
     ("envelope_speed_mps", "speed [m/s]", 1.0),
     ("envelope_energy_J", "kinetic energy [kJ]", 1e-3),
 )
-COLOURS = (BLUE, VERMILION, ORANGE, SKY, GREY)
+COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, GREY)
 
 
 def plot_trajectories(
@@ -112,29 +113,104 @@ def plot_collectors(dataset: xr.Dataset, path: Path) -> None:
     """Exceedance at each collector: the share of all blocks that did not fail whose
     first passage exceeds a value. A curve starts at the share that passes at all."""
     figure = _figure(12.0, 4.2)
-    valid = dataset.ending.values != str(Ending.failed)
+    valid = valid_blocks(dataset)
     for axes, (name, label, factor) in zip(
         figure.subplots(1, 3, sharey=True), CURVES, strict=True
     ):
         for place, x in enumerate(dataset.collector.values):
-            values = dataset[name].values[valid, place]
-            values = np.sort(values[np.isfinite(values)])
-            share = np.arange(len(values), 0, -1) / max(np.sum(valid), 1)
-            axes.step(
-                np.concatenate([[0.0], factor * values]),
-                np.concatenate([share[:1] if len(share) else [0.0], share]),
-                color=COLOURS[place % len(COLOURS)],
-                ls=("-", "--", ":")[place // len(COLOURS) % 3],
-                label=f"x = {x:g} m",
-            )
-        axes.set_xlabel(f"{label}, first passage")
-        axes.set_xlim(left=0.0)
-        axes.set_ylim(0.0, 1.02)
-        axes.grid(alpha=0.3)
+            values = factor * dataset[name].values[valid, place]
+            _exceedance(axes, values, place, f"x = {x:g} m")
+        _finish_exceedance(axes, label)
     figure.axes[0].set_ylabel("share of blocks that exceed it [-]")
     figure.axes[0].legend()
     figure.suptitle(f"{dataset.title}: exceedance at collectors")
     _save(figure, path)
+
+
+def plot_comparison(datasets: Mapping[str, xr.Dataset], profile, path: Path) -> None:
+    """Where blocks stopped by each law, and its envelopes along the profile."""
+    figure = _figure(10.0, 11.0)
+    panels = figure.subplots(5, 1, sharex=True)
+    for place, (law, dataset) in enumerate(datasets.items()):
+        stopped = dataset.ending.values == str(Ending.stopped)
+        x = np.sort(dataset.x_m.values[stopped])
+        share = np.arange(1, len(x) + 1) / max(np.sum(valid_blocks(dataset)), 1)
+        places = np.concatenate([profile.x[:1], x, profile.x[-1:]])
+        share = np.concatenate([[0.0], share, share[-1:] if len(x) else [0.0]])
+        look = _look(place)
+        panels[0].step(places, share, where="post", label=law, **look)
+        edges = np.append(dataset.bin_left_m.values, dataset.bin_right_m.values[-1])
+        for axes, (name, _, factor) in zip(panels[1:], ENVELOPES, strict=False):
+            values = dataset[f"{name}_percentiles"].sel(percentile=95).values
+            axes.stairs(factor * values, edges, baseline=None, **look)
+    panels[0].set_ylabel("share of blocks\nstopped by x [-]")
+    panels[0].set_ylim(0.0, 1.02)
+    panels[0].legend()
+    for axes, (_, label, _) in zip(panels[1:], ENVELOPES, strict=False):
+        axes.set_ylabel(f"{label}, 95 %")
+        axes.set_ylim(bottom=0.0)
+    for axes in panels[:4]:
+        axes.grid(alpha=0.3)
+    _draw_ground(panels[4], profile)
+    panels[4].set(xlabel="x [m]", ylabel="y [m]")
+    title = next(iter(datasets.values())).title
+    panels[0].set_title(f"{title}: the same blocks by {len(datasets)} laws of contact")
+    _save(figure, path)
+
+
+def plot_compared_collectors(datasets: Mapping[str, xr.Dataset], path: Path) -> None:
+    """Exceedance at each collector, by each law: the share of all blocks that did not
+    fail whose first passage exceeds a value."""
+    first = next(iter(datasets.values()))
+    places = first.collector.values
+    figure = _figure(12.0, 0.8 + 3.4 * len(places))
+    rows = figure.subplots(len(places), 3, sharey=True, sharex="col", squeeze=False)
+    for row, x in enumerate(places):
+        for axes, (name, label, factor) in zip(rows[row], CURVES, strict=True):
+            for place, (law, dataset) in enumerate(datasets.items()):
+                values = factor * dataset[name].values[valid_blocks(dataset), row]
+                _exceedance(axes, values, place, law)
+            _finish_exceedance(axes, label)
+        rows[row, 0].set_ylabel(f"x = {x:g} m: share of\nblocks that exceed it [-]")
+    rows[0, 0].legend()
+    figure.suptitle(f"{first.title}: exceedance at collectors by laws of contact")
+    _save(figure, path)
+
+
+def valid_blocks(dataset: xr.Dataset) -> np.ndarray:
+    """Which blocks did not fail."""
+    return dataset.ending.values != str(Ending.failed)
+
+
+def _exceedance(axes, values: np.ndarray, place: int, label: str) -> None:
+    """A curve of the share of values above each.
+
+    Args:
+        values: of all blocks that did not fail; NaN for those that do not pass.
+    """
+    passing = np.sort(values[np.isfinite(values)])
+    share = np.arange(len(passing), 0, -1) / max(len(values), 1)
+    axes.step(
+        np.concatenate([[0.0], passing]),
+        np.concatenate([share[:1] if len(share) else [0.0], share]),
+        label=label,
+        **_look(place),
+    )
+
+
+def _finish_exceedance(axes, label: str) -> None:
+    axes.set_xlabel(f"{label}, first passage")
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(0.0, 1.02)
+    axes.grid(alpha=0.3)
+
+
+def _look(place: int) -> dict:
+    """Colour and stroke of the curve in a place."""
+    return {
+        "color": COLOURS[place % len(COLOURS)],
+        "ls": ("-", "--", ":")[place // len(COLOURS) % 3],
+    }
 
 
 def _figure(width: float, height: float) -> Figure:

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from ..align import align
-from ..files import replacing
+from ..files import write_text
 from ..netcdf import write_netcdf
 from . import drawing
 from .runs import Ending
@@ -36,7 +36,7 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, out: Path) -> None
     Raises OSError where the file system refuses.
     """
     write_netcdf(out / "blocks.nc", dataset)
-    _write(out / "stops.csv", _stops(dataset))
+    write_text(out / "stops.csv", _stops(dataset))
     drawn = np.arange(min(DRAWN, study.release.count))
     drawing.plot_trajectories(
         simulate(study, drawn), study.collectors, study.title, out / "profile.png"
@@ -44,12 +44,12 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, out: Path) -> None
     drawing.plot_envelopes(dataset, study.profile, out / "envelopes.png")
     drawing.plot_stops(dataset, out / "stops.png")
     if len(study.collectors):
-        _write(out / "collectors.csv", _collectors(dataset))
+        write_text(out / "collectors.csv", _collectors(dataset))
         drawing.plot_collectors(dataset, out / "collectors.png")
-    _write(out / "report.txt", in_words(dataset) + "\n")
+    write_text(out / "report.txt", in_words(dataset) + "\n")
     attributes = {k: json.loads(v) for k, v in dataset.attrs.items() if k != "title"}
     manifest = {"title": dataset.title} | attributes
-    _write(out / "manifest.json", json.dumps(manifest, indent=1) + "\n")
+    write_text(out / "manifest.json", json.dumps(manifest, indent=1) + "\n")
 
 
 def in_words(dataset: xr.Dataset) -> str:
@@ -115,23 +115,24 @@ def _stops(dataset: xr.Dataset) -> str:
     return "\n".join(lines) + "\n"
 
 
+COLLECTOR_COLUMNS = (
+    *("collector_m", "blocks_passing", "quantity"),
+    *(f"p{p}" for p in PERCENTILES),
+)
+
+
 def _collectors(dataset: xr.Dataset) -> str:
-    heads = (
-        "collector_m",
-        "blocks_passing",
-        "quantity",
-        *(f"p{p}" for p in PERCENTILES),
-    )
-    lines = [",".join(heads)]
+    rows = [COLLECTOR_COLUMNS, *collector_rows(dataset)]
+    return "\n".join(",".join(row) for row in rows) + "\n"
+
+
+def collector_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
+    """Percentiles of first passages, a row for each collector and quantity."""
+    rows = []
     for place, x in enumerate(dataset.collector.values.tolist()):
         for name in QUANTITIES:
             values = dataset[f"{name}_percentiles"].values[:, place].tolist()
             passing = int(dataset.blocks_passing.values[place])
             cells = (x, passing, name.removeprefix("passage_"), *values)
-            lines.append(",".join(map(str, cells)))
-    return "\n".join(lines) + "\n"
-
-
-def _write(path: Path, text: str) -> None:
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+            rows.append(tuple(map(str, cells)))
+    return rows

@@ -8,21 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..accuracy import DEFAULT_ACCURACY, PRESETS
 from ..block import Block
 from ..columns import DEGREE, INPUT_COLUMNS, InputColumn
 from ..errors import InputError
-from ..rebound import (
-    BozzoloPamini,
-    ConstantCoefficients,
-    FrictionalEllipsoid,
-    PfeifferBowen,
-    RigidEllipsoid,
-)
 from ..soil import Soil
 from ..toml_values import (
     allowed,
-    choice,
     load_toml,
     number,
     typed,
@@ -30,6 +21,7 @@ from ..toml_values import (
     whole,
 )
 from .clearance import lying_height
+from .contact_laws import check_law, read_laws
 from .ground import GROUND_COLUMNS, Ground
 from .profile import (
     ROLLING_FRICTION_ANGLE,
@@ -38,7 +30,7 @@ from .profile import (
     read_profile,
 )
 from .quantities import Normal, Quantity, Uniform, combinations, draw, is_random
-from .rebounds import ClosedForm, Contacts, FullModel
+from .rebounds import Contacts
 from .release import Release, check_release
 from .trajectories import EVENT_LIMIT, TIME_LIMIT
 
@@ -53,24 +45,6 @@ RELEASE_KEYS = (
     *("orientation_deg", "angular_velocity_degps"),
 )
 NOT_NEGATIVE = ("clearance_m", "speed_mps")
-FULL_MODEL = "full model"
-COEFFICIENT = (0.0, 1.0)
-LAWS = {
-    "constant coefficients": (
-        ConstantCoefficients,
-        {"e_n": COEFFICIENT, "e_t": COEFFICIENT},
-    ),
-    "Pfeiffer and Bowen": (
-        PfeifferBowen,
-        {"normal_coefficient": (1e-6, 1.0), "tangential_coefficient": COEFFICIENT},
-    ),
-    "rigid ellipsoid": (RigidEllipsoid, {"e_contact": COEFFICIENT}),
-    "frictional ellipsoid": (
-        FrictionalEllipsoid,
-        {"e_contact": COEFFICIENT, "friction_coefficient": (0.0, 100.0)},
-    ),
-    "Bozzolo and Pamini": (BozzoloPamini, {}),
-}
 DEFAULT_COUNT = 1000
 """Where something is drawn at random."""
 DEFAULT_BINS = 50
@@ -82,7 +56,7 @@ class SlopeStudy(NamedTuple):
 
     path: Path
     checksums: dict[str, str]
-    """SHA-256 of the file, and of the profile's if it has one of its own, by name."""
+    """SHA-256 of the file, and of those that it names, by name."""
     title: str
     profile: Profile
     release: Release
@@ -96,6 +70,10 @@ class SlopeStudy(NamedTuple):
     contacts: Contacts
     law: dict
     """The contacts in words, ready for JSON."""
+    law_name: str
+    """In comparisons."""
+    law_directory: str
+    """For its files there."""
     seed: int
     collectors: np.ndarray
     """Places [m], increasing."""
@@ -107,7 +85,7 @@ class SlopeStudy(NamedTuple):
 
 
 def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
-    """Read a study of blocks on a slope.
+    """Read a study of blocks on a slope, with one law of contacts.
 
     `jaximpact runout --help` describes the file.
 
@@ -117,15 +95,28 @@ def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """
+    studies = read_slope_studies(path, accuracy)
+    if len(studies) > 1:
+        raise InputError(
+            f"names {len(studies)} laws; read_slope_studies reads them",
+            file=Path(path),
+            key="contacts",
+        )
+    return studies[0]
+
+
+def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStudy]:
+    """Read a study that may compare laws of contacts: one for each, with the same
+    blocks, releases and ground. See `read_slope_study`."""
     path = Path(path)
     content = load_toml(path)
     for key in content:
         if key not in (*TABLES, *NUMBERS):
             unknown(path, key, key, (*TABLES, *NUMBERS))
     checksums = {path.name: hashlib.sha256(path.read_bytes()).hexdigest()}
-    ground = _Ground.read(path, content)
-    profile = _profile(path, content, ground, checksums)
-    contacts, law = _contacts(path, content, accuracy)
+    told_ground = _Ground.read(path, content)
+    profile = _profile(path, content, told_ground, checksums)
+    laws = read_laws(path, content, accuracy)
     seed = whole(path, content, "seed", 0, 0)
     if seed > LARGEST_SEED:
         raise InputError(
@@ -136,7 +127,8 @@ def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
         raise InputError(
             f"must be above 0 s, but is {time_limit:g}", file=path, key="time_limit_s"
         )
-    quantities = ground.varied() | _quantities(path, content)
+    varied = told_ground.varied()
+    quantities = varied | _quantities(path, content)
     is_rough = np.any(profile.roughness > 0.0) or any(
         key.endswith(ROUGHNESS_COLUMN) for key in quantities
     )
@@ -145,26 +137,35 @@ def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
     drawn = draw(quantities, whole(path, content, "count", count, 1), seed)
     for name, values in drawn.items():
         _check_drawn(path, name, values)
-    return SlopeStudy(
-        path=path,
-        checksums=checksums,
-        title=typed(path, content, "title", str, path.stem),
-        profile=profile,
-        release=_release(path, drawn, profile),
-        ground=ground.of_blocks(profile, drawn, seed),
-        ground_drawn={
-            name.removeprefix("ground.").replace(".", "_"): drawn[name]
-            for name in ground.varied()
-        },
-        ground_told=content.get("ground", {}),
-        contacts=contacts,
-        law=law,
-        seed=seed,
-        collectors=_collectors(path, content, profile),
-        bins=whole(path, content, "bins", DEFAULT_BINS, 1),
-        time_limit=time_limit,
-        event_limit=whole(path, content, "event_limit", EVENT_LIMIT, 1),
-    )
+    release = _release(path, drawn, profile)
+    ground = told_ground.of_blocks(profile, drawn, seed)
+    for law in laws:
+        check_law(path, law, profile, release, ground)
+    return [
+        SlopeStudy(
+            path=path,
+            checksums=checksums | law.checksums,
+            title=typed(path, content, "title", str, path.stem),
+            profile=profile,
+            release=release,
+            ground=ground,
+            ground_drawn={
+                key.removeprefix("ground.").replace(".", "_"): drawn[key]
+                for key in varied
+            },
+            ground_told=content.get("ground", {}),
+            contacts=law.contacts,
+            law=law.told,
+            law_name=law.name,
+            law_directory=law.directory,
+            seed=seed,
+            collectors=_collectors(path, content, profile),
+            bins=whole(path, content, "bins", DEFAULT_BINS, 1),
+            time_limit=time_limit,
+            event_limit=whole(path, content, "event_limit", EVENT_LIMIT, 1),
+        )
+        for law in laws
+    ]
 
 
 class _Ground(NamedTuple):
@@ -312,38 +313,6 @@ def _with_segments(path: Path, profile: Profile, segments: dict) -> Profile:
             for field, value in given.items():
                 values[field][segment] = value
     return Profile(profile.x, profile.y, Soil(**fields), **angles)
-
-
-def _contacts(path: Path, content: dict, accuracy: str | None) -> tuple[Contacts, dict]:
-    table = typed(path, content, "contacts", dict, {"law": FULL_MODEL})
-    law = choice(path, table, "law", FULL_MODEL, (FULL_MODEL, *LAWS))
-    if law == FULL_MODEL:
-        _table(path, {"contacts": table}, "contacts", ("law",))
-        accuracy = accuracy or choice(
-            path, content, "accuracy", DEFAULT_ACCURACY, tuple(PRESETS)
-        )
-        return FullModel(accuracy), {"law": law, "accuracy": accuracy}
-    if accuracy is not None or "accuracy" in content:
-        raise InputError(
-            f"accuracy is of the full model; the law {law} takes none",
-            file=path,
-            key="contacts.law",
-        )
-    kind, coefficients = LAWS[law]
-    _table(path, {"contacts": table}, "contacts", ("law", *coefficients))
-    values = {}
-    for name, (least, most) in coefficients.items():
-        key = f"contacts.{name}"
-        if name not in table:
-            raise InputError(f"is needed by the law {law}", file=path, key=key)
-        values[name] = number(path, key, table[name])
-        if not least <= values[name] <= most:
-            raise InputError(
-                f"must be in [{least:g}, {most:g}], but is {values[name]:g}",
-                file=path,
-                key=key,
-            )
-    return ClosedForm(kind(**values)), {"law": law} | values
 
 
 def _collectors(path: Path, content: dict, profile: Profile) -> np.ndarray:

@@ -6,6 +6,7 @@ import jax
 import numpy as np
 
 from ..block import Block
+from ..columns import DEGREE, INPUT_COLUMNS
 from ..errors import InputError
 from ..outcomes import Outcome
 from ..runout.contact import Blow
@@ -19,6 +20,8 @@ PART = 512
 result of a lane does not depend, to the last bit, on how many run beside it."""
 ROUNDING = 1e-12
 """Relative."""
+SLOPE_MARGIN = 1e-9
+"""Rounding of slopes [rad]."""
 
 
 class Tabulated:
@@ -59,14 +62,86 @@ class Tabulated:
         columns[:-1, outcome == Outcome.failed] = np.nan
         return Blows(Blow(*columns[:-1]), outcome)
 
+    def problem_with(
+        self,
+        block: Block,
+        soil: Soil,
+        least_slope: np.ndarray,
+        most_slope: np.ndarray,
+    ) -> str | None:
+        """What of a run-out the tables do not hold, in one sentence.
 
-def _same(ours, theirs, count: int) -> np.ndarray:
+        Args:
+            block: fields `(blocks,)`.
+            soil: fields that broadcast to `(blocks, segments)`.
+            least_slope, most_slope: of the planes that each may strike, likewise
+                [rad].
+        """
+        shape = least_slope.shape
+        block = jax.tree.map(lambda leaf: np.asarray(leaf)[:, None], block)
+        held, flat = np.zeros(shape, bool), np.zeros(shape, bool)
+        for table in self.tables:
+            same = _same((block, soil), (table.block, table.soil), shape)
+            low, high = (float(table.slopes[end]) for end in (0, -1))
+            held |= same
+            flat |= (
+                same
+                & (least_slope >= low - SLOPE_MARGIN)
+                & (most_slope <= high + SLOPE_MARGIN)
+            )
+        if np.all(held & flat):
+            return None
+        lane, segment = (int(i) for i in np.argwhere(~(held & flat))[0])
+        where = f"block {lane} on segment {segment + 1}"
+        if held[lane, segment]:
+            slopes = least_slope[lane, segment], most_slope[lane, segment]
+            low, high = (slope / DEGREE for slope in slopes)
+            needed = f"{low:.5g}" if high == low else f"{low:.5g} to {high:.5g}"
+            return (
+                f"need slopes of {needed} deg for {where}, which no table of that pair "
+                "covers"
+            )
+
+        def one(tree):
+            return jax.tree.map(
+                lambda leaf: np.broadcast_to(leaf, shape)[lane, segment], tree
+            )
+
+        told = [_difference(one(block), one(soil), table) for table in self.tables]
+        nearest = min(told, key=lambda text: text.count(","))
+        return f"hold no table of {where}: its {nearest}"
+
+
+def _same(ours, theirs, shape) -> np.ndarray:
     """Where all numbers are the same, but for the rounding of a file's units."""
-    same = np.ones(count, bool)
+    same = np.ones(shape, bool)
     for a, b in zip(jax.tree.leaves(ours), jax.tree.leaves(theirs), strict=True):
-        b = float(b)
-        same &= np.abs(np.asarray(a) - b) <= ROUNDING * abs(b)
+        same &= _alike(a, b)
     return same
+
+
+def _alike(a, b) -> np.ndarray:
+    return np.abs(np.asarray(a) - float(b)) <= ROUNDING * abs(float(b))
+
+
+def _difference(block: Block, soil: Soil, table: ReboundTable) -> str:
+    """In what a block on a ground, scalars, are not those of a table."""
+    told = []
+    for column in INPUT_COLUMNS.values():
+        if column.part == "impact":
+            continue
+        ours, theirs = (
+            float(np.asarray(getattr(part, column.field)))
+            for part in (
+                (block, table.block) if column.part == "block" else (soil, table.soil)
+            )
+        )
+        if not _alike(ours, theirs):
+            told.append(
+                f"{column.name} is {ours / column.factor:g} and in a table "
+                f"{theirs / column.factor:g}"
+            )
+    return ", ".join(told)
 
 
 def _in_parts(table: ReboundTable, impact: Impact) -> np.ndarray:

@@ -1,0 +1,186 @@
+"""The contact laws of a study, as its file names them."""
+
+import hashlib
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..accuracy import DEFAULT_ACCURACY, PRESETS
+from ..errors import InputError
+from ..rebound import (
+    BozzoloPamini,
+    ConstantCoefficients,
+    FrictionalEllipsoid,
+    PfeifferBowen,
+    RigidEllipsoid,
+)
+from ..toml_values import choice, number, typed, unknown
+from .ground import Ground
+from .profile import Profile
+from .rebounds import ClosedForm, Contacts, FullModel
+from .release import Release
+from .roughness import CUT
+
+FULL_MODEL, TABLE = "full model", "table"
+COEFFICIENT = (0.0, 1.0)
+CLOSED_FORMS = {
+    "constant coefficients": (
+        ConstantCoefficients,
+        {"e_n": COEFFICIENT, "e_t": COEFFICIENT},
+    ),
+    "Pfeiffer and Bowen": (
+        PfeifferBowen,
+        {"normal_coefficient": (1e-6, 1.0), "tangential_coefficient": COEFFICIENT},
+    ),
+    "rigid ellipsoid": (RigidEllipsoid, {"e_contact": COEFFICIENT}),
+    "frictional ellipsoid": (
+        FrictionalEllipsoid,
+        {"e_contact": COEFFICIENT, "friction_coefficient": (0.0, 100.0)},
+    ),
+    "Bozzolo and Pamini": (BozzoloPamini, {}),
+}
+LAWS = (FULL_MODEL, TABLE, *CLOSED_FORMS)
+
+
+class NamedLaw(NamedTuple):
+    """A law of contacts."""
+
+    name: str
+    """In drawings and tables; the law's own if the file gives none."""
+    contacts: Contacts
+    told: dict
+    """In words, ready for JSON."""
+    checksums: dict[str, str]
+    """SHA-256 of the files that it is read from."""
+
+    @property
+    def directory(self) -> str:
+        """A name for its files."""
+        return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
+
+
+def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]:
+    """One law from `[contacts]`, or as many as there are `[[contacts]]`.
+
+    Args:
+        content: of the file.
+        accuracy: of the full model, in place of the file's.
+    """
+    tables = content.get("contacts", {"law": FULL_MODEL})
+    if isinstance(tables, list) and not tables:
+        raise InputError("is an empty list", file=path, key="contacts")
+    if not isinstance(tables, list):
+        tables = [typed(path, content, "contacts", dict, tables)]
+    laws = [_law(path, content, table, accuracy) for table in tables]
+    if (accuracy is not None or "accuracy" in content) and not any(
+        isinstance(law.contacts, FullModel) for law in laws
+    ):
+        raise InputError(
+            f"accuracy is of the full model; the law {laws[0].told['law']} takes none",
+            file=path,
+            key="contacts.law",
+        )
+    for place, law in enumerate(laws):
+        if law.directory in [other.directory for other in laws[:place]]:
+            raise InputError(
+                f"{law.name!r} stands twice; name tells laws apart",
+                file=path,
+                key="contacts.name",
+            )
+    return laws
+
+
+def _law(path: Path, content: dict, table, accuracy: str | None) -> NamedLaw:
+    if not isinstance(table, dict):
+        raise InputError(
+            f"must be a table, but is {table!r}", file=path, key="contacts"
+        )
+    law = choice(path, table, "law", FULL_MODEL, LAWS)
+    name = typed(path, table, "name", str, law)
+    if not re.search("[A-Za-z0-9]", name):
+        raise InputError(
+            f"needs a letter or a digit, but is {name!r}",
+            file=path,
+            key="contacts.name",
+        )
+    coefficients = {FULL_MODEL: {}, TABLE: {"files": None}} | {
+        known: of_law for known, (_, of_law) in CLOSED_FORMS.items()
+    }
+    for key in table:
+        known = ("law", "name", *coefficients[law])
+        if key not in known:
+            unknown(path, f"contacts.{key}", key, known)
+    if law == FULL_MODEL:
+        accuracy = accuracy or choice(
+            path, content, "accuracy", DEFAULT_ACCURACY, tuple(PRESETS)
+        )
+        told = {"law": law, "accuracy": accuracy}
+        return NamedLaw(name, FullModel(accuracy), told, {})
+    if law == TABLE:
+        return _tables(path, name, table)
+    values = {}
+    for key, (least, most) in coefficients[law].items():
+        where = f"contacts.{key}"
+        if key not in table:
+            raise InputError(f"is needed by the law {law}", file=path, key=where)
+        values[key] = number(path, where, table[key])
+        if not least <= values[key] <= most:
+            raise InputError(
+                f"must be in [{least:g}, {most:g}], but is {values[key]:g}",
+                file=path,
+                key=where,
+            )
+    kind, _ = CLOSED_FORMS[law]
+    return NamedLaw(name, ClosedForm(kind(**values)), {"law": law} | values, {})
+
+
+def _tables(path: Path, name: str, table: dict) -> NamedLaw:
+    # Tables are made of contacts of the full model, so they import this package.
+    from ..tabulated import Tabulated, read_table
+
+    if "files" not in table:
+        raise InputError("is needed by the law table", file=path, key="contacts.files")
+    names = typed(path, table, "files", list)
+    if not names or not all(isinstance(n, str) for n in names):
+        raise InputError(
+            f"must be a list of files, but is {names!r}",
+            file=path,
+            key="contacts.files",
+        )
+    files = [path.parent / n for n in names]
+    tables = [read_table(file) for file in files]
+    checksums = {
+        file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in files
+    }
+    told = {
+        "law": TABLE,
+        "files": list(checksums),
+        "median error": [float(f"{t.error.median:.3g}") for t in tables],
+        "99 % error": [float(f"{t.error.of_99_percent:.3g}") for t in tables],
+    }
+    return NamedLaw(name, Tabulated(tables), told, checksums)
+
+
+def check_law(
+    path: Path, law: NamedLaw, profile: Profile, release: Release, ground: Ground
+) -> None:
+    """Raise InputError where tables are not of the blocks and the ground of a study."""
+    if law.told["law"] != TABLE:
+        return
+    slope = profile.slope
+    # At a convex break planes between the two segments are struck.
+    convex = slope[1:] > slope[:-1]
+    least, most = slope.copy(), slope.copy()
+    least[1:] = np.where(convex, slope[:-1], slope[1:])
+    most[:-1] = np.where(convex, slope[1:], slope[:-1])
+    widest = CUT * ground.spread(ground.roughness, release.count, profile.segments)
+    problem = law.contacts.problem_with(
+        release.block,
+        ground.soil,
+        least - widest,
+        most + widest,
+    )
+    if problem:
+        raise InputError(problem, file=path, key="contacts.files")
