@@ -285,6 +285,16 @@ def test_the_command_writes_all(slope, tmp_path, capsys):
     assert "60 of 60 blocks (100 %)" in err
 
 
+def test_without_collectors_there_are_none(slope, tmp_path, capsys):
+    changed(slope, ("collectors_m = [60, 40]\n", ""))
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    dataset = read_netcdf(tmp_path / "out" / "blocks.nc")
+    assert "collector" not in dataset.dims
+    assert dataset.sizes["block"] == 60
+    assert not (tmp_path / "out" / "collectors.csv").exists()
+    assert "collectors" not in capsys.readouterr()[0]
+
+
 def test_limits_are_told(slope, capsys):
     changed(slope, ("bins = 20", "time_limit_s = 1.0"), ("[60, 40]", "[195]"))
     assert main(["runout", "slope.toml", "--out", "out"]) == 0

@@ -24,6 +24,7 @@ from . import (
     sensitivity,
     simulate,
     sweep,
+    tabulate,
     validate,
 )
 from .progress import say
@@ -82,6 +83,7 @@ def _parser() -> argparse.ArgumentParser:
         batch,
         sweep,
         runout,
+        tabulate,
         figures,
         sensitivity,
         calibrate,

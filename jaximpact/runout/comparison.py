@@ -71,7 +71,8 @@ def in_words(datasets: Mapping[str, xr.Dataset]) -> str:
         "passage_energy_J": 1e-3,
         "passage_centre_height_m": 1.0,
     }
-    for place, x in enumerate(first.collector.values):
+    collectors = first.collector.values if "collector" in first.sizes else ()
+    for place, x in enumerate(collectors):
         rows = [("law", "pass", "speed", "", "energy", "", "height", "")]
         for law, dataset in datasets.items():
             valid = int(np.sum(drawing.valid_blocks(dataset)))

@@ -78,7 +78,7 @@ def in_words(dataset: xr.Dataset) -> str:
             "stopped at x [m]: "
             + ", ".join(f"{n} {v:.5g}" for n, v in zip(names, values, strict=True))
         )
-    if dataset.sizes["collector"]:
+    if "collector" in dataset.sizes:
         lines += ["first passages of collectors, percentiles of the blocks that pass"]
         lines.append(align(_passage_rows(dataset, blocks - failed)))
     return "\n".join(lines)

@@ -80,7 +80,8 @@ def run_slope_study(
         progress: called as `progress(done, blocks)`.
 
     Returns:
-        A dataset over blocks, collectors and bins along the profile. Percentiles are of
+        A dataset over blocks, collectors if there are any, and bins along the profile.
+        Percentiles are of
         blocks that did not fail, those along the profile and at collectors of the ones
         that came there; the counts of blocks behind them stand beside them, those of
         endings in the attributes.
@@ -211,25 +212,8 @@ def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
     variables |= _inputs(study.release) | _ground(study)
     for values, (name, words_of) in zip(of_block.T, BLOCK_NUMBERS.items(), strict=True):
         variables[name] = ("block", values, _about(*words_of))
-    for values, (name, words_of) in zip(
-        np.moveaxis(of_passage, 2, 0), PASSAGE_NUMBERS.items(), strict=True
-    ):
-        variables[name] = (("block", "collector"), values, _about(*words_of))
-        if name not in ("passages", "passage_time_s"):
-            variables[f"{name}_percentiles"] = (
-                ("percentile", "collector"),
-                _percentiles(values[valid]),
-                _about(
-                    words_of[0], f"{words_of[1]}: percentiles of the blocks that pass"
-                ),
-            )
-    if places:
-        passing = np.sum(of_passage[valid, :, 0] > 0, axis=0)
-        variables["blocks_passing"] = (
-            "collector",
-            passing,
-            _about("-", "blocks that pass the collector, without those that failed"),
-        )
+    # NetCDF 3 takes a dimension of no length for one that grows.
+    variables |= _passages(of_passage, valid) if places else {}
     variables["blocks_in_bin"] = (
         "bin",
         np.sum(np.isfinite(maxima.speed[valid]), axis=0),
@@ -252,12 +236,13 @@ def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
             _about(unit, f"{meaning} on its way"),
         )
     edges = edges_of(study)
+    at = {"collector": ("collector", study.collectors, _about("m", "x"))}
     return xr.Dataset(
         variables,
-        {
+        (at if places else {})
+        | {
             "block": np.arange(blocks),
             "percentile": ("percentile", np.array(PERCENTILES), _about("%", "")),
-            "collector": ("collector", study.collectors, _about("m", "x")),
             "bin": ("bin", 0.5 * (edges[1:] + edges[:-1]), _about("m", "x, middle")),
             "bin_left_m": ("bin", edges[:-1], _about("m", "x, left end of the bin")),
             "bin_right_m": ("bin", edges[1:], _about("m", "x, right end of the bin")),
@@ -265,6 +250,28 @@ def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
         {"title": study.title}
         | {k: json.dumps(v) for k, v in provenance_of(study, codes).items()},
     )
+
+
+def _passages(of_passage: np.ndarray, valid: np.ndarray) -> dict:
+    """First passages `(blocks, collectors, numbers)` of each block, and percentiles of
+    the valid ones."""
+    variables = {}
+    for values, (name, (unit, meaning)) in zip(
+        np.moveaxis(of_passage, 2, 0), PASSAGE_NUMBERS.items(), strict=True
+    ):
+        variables[name] = (("block", "collector"), values, _about(unit, meaning))
+        if name not in ("passages", "passage_time_s"):
+            variables[f"{name}_percentiles"] = (
+                ("percentile", "collector"),
+                _percentiles(values[valid]),
+                _about(unit, f"{meaning}: percentiles of the blocks that pass"),
+            )
+    variables["blocks_passing"] = (
+        "collector",
+        np.sum(of_passage[valid, :, 0] > 0, axis=0),
+        _about("-", "blocks that pass the collector, without those that failed"),
+    )
+    return variables
 
 
 def provenance_of(study: SlopeStudy, codes: np.ndarray) -> dict:

@@ -98,8 +98,8 @@ class Tabulated:
             low, high = (slope / DEGREE for slope in slopes)
             needed = f"{low:.5g}" if high == low else f"{low:.5g} to {high:.5g}"
             return (
-                f"need slopes of {needed} deg for {where}, which no table of that pair "
-                "covers"
+                f"must cover slopes of {needed} deg for {where}, but no table of that "
+                "pair does"
             )
 
         def one(tree):
@@ -109,7 +109,7 @@ class Tabulated:
 
         told = [_difference(one(block), one(soil), table) for table in self.tables]
         nearest = min(told, key=lambda text: text.count(","))
-        return f"hold no table of {where}: its {nearest}"
+        return f"holds no table of {where}: its {nearest}"
 
 
 def _same(ours, theirs, shape) -> np.ndarray:

@@ -1,7 +1,9 @@
 """Making a table: the full model at every node."""
 
+import contextlib
 import dataclasses
 from collections.abc import Callable
+from pathlib import Path
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -11,7 +13,10 @@ from numpy.typing import ArrayLike
 from ..accuracy import Accuracy, get_accuracy
 from ..block import Block
 from ..checks import check_scene
+from ..journal import Journal
 from ..precision import require_float64
+from ..provenance import scene_values, versions
+from ..runout.contact import Blow
 from ..scene import Scene
 from ..soil import Soil
 from .computing import compute
@@ -48,6 +53,7 @@ def tabulate(
     speeds: tuple[float, float] = SPEEDS,
     nodes: Nodes | None = None,
     accuracy: str | Accuracy = "fast",
+    journal: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> ReboundTable:
     """Tabulate the full model's impacts of one block on one ground.
@@ -58,12 +64,15 @@ def tabulate(
         speeds: first and last total speed w [m/s]; see `coordinates`.
         nodes: along each axis.
         accuracy: as for `simulate`.
+        journal: a file that keeps finished nodes: what stands there already is not
+            computed again. It is left for the caller to remove.
         progress: called as `progress(done, nodes)`.
 
     Nodes whose impact failed say so, and are used for nothing but their own outcome.
     The table's `error` is measured on 10 000 random impacts.
 
-    Raises ValueError, in one sentence, for values out of range or axes that are empty.
+    Raises ValueError, in one sentence, for values out of range or axes that are empty,
+    and InputError for a journal of something else.
     """
     require_float64()
     block, soil = block or Block(), soil or Soil()
@@ -83,7 +92,8 @@ def tabulate(
     )
     impact = impact_from(block, Direction(speed, *rest), orientation, slope)
     setting = get_accuracy(accuracy)
-    blows = compute(block, soil, impact, setting, progress)
+    with _opened(journal, block, soil, setting, axes) as store:
+        blows = compute(block, soil, impact, setting, progress, store)
     size = np.hypot(speed, scale)
     radius = float(block.semi_axes.minor)
     after = blows.blow
@@ -111,6 +121,19 @@ def tabulate(
         error=None,
     )
     return dataclasses.replace(table, error=measure_error(table))
+
+
+def _opened(journal: Path | None, block, soil, accuracy: Accuracy, axes):
+    """The journal of a table, or nothing to keep it in."""
+    if journal is None:
+        return contextlib.nullcontext()
+    subject = {
+        "table": scene_values(Scene(block, soil)),
+        "axes": [axis.tolist() for axis in axes],
+        "accuracy": dataclasses.asdict(accuracy),
+        "versions": versions(),
+    }
+    return Journal(journal, subject, [*Blow._fields, "outcome"])
 
 
 def axes_of(table: ReboundTable) -> list[np.ndarray]:

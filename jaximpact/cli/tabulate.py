@@ -1,0 +1,170 @@
+"""`jaximpact tabulate`: the model's impacts in tables."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import InputError
+from ..files import check_writable
+from . import options
+from .batch import journal_path
+from .progress import Progress, say
+
+if TYPE_CHECKING:
+    from ..tabulated import ReboundTable
+
+DESCRIPTION = """\
+Compute impacts of one block on one ground by the full model and keep them in a table,
+from which run-outs and other rockfall programs look them up.
+
+What to tabulate is a TOML file; what it does not say has its default:
+
+    [block]
+    mass_kg = 100
+    aspect_ratio = 2
+
+    [ground]                        # one number for each quantity of the soil
+    gamma_v = 8.7
+
+    [table]
+    slopes_deg = [0, 29.9]          # default [0]; between them the table is linear
+    total_speeds_mps = [0.1, 120]   # first and last
+    nodes = { speed = 12, elevation = 20, azimuth = 33, orientation = 13 }
+
+    [map]
+    speeds_mps = [5, 10, 20, 40]
+    angles_deg = [0, 20, 40, 60, 80]
+    angular_velocities_degps = [0, 1000]
+    slope_deg = 0
+    orientations = 180              # over half a turn, all alike likely
+
+--out: the table for `jaximpact runout`, under [[contacts]] with law = "table" and
+files = ["table.nc"]. It belongs to this block on this ground and is refused for others.
+A run-out meets the slopes of its segments, with roughness 3 standard deviations to both
+sides; the table must cover them.
+--csv: the same for other programs, a row for each node, units in the names of columns.
+--map: mean, standard deviation, 5 and 95 % of the restitution coefficients over all
+orientations, a row for each speed, angle and spin, and a drawing of it beside. It is
+computed by the model itself and not looked up.
+
+The error of the table on 10 000 random impacts is printed, and stays in its file. After
+a run that was cut short the same command goes on from there."""
+
+
+def add_parser(commands) -> None:
+    """Add the command to the command line."""
+    parser = commands.add_parser(
+        "tabulate",
+        help="impacts in tables, for run-outs and other programs",
+        description=DESCRIPTION,
+        epilog=options.input_help("Quantities of block and ground, among others:"),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "study", type=Path, metavar="table.toml", help="block, ground and axes"
+    )
+    for name, suffix, what in (
+        ("--out", ".nc", "the table"),
+        ("--csv", ".csv", "its nodes as text"),
+        ("--map", ".csv", "restitution over all orientations"),
+    ):
+        parser.add_argument(name, type=Path, metavar=f"file{suffix}", help=what)
+    options.add_accuracy(parser, otherwise="the file's, else fast")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Make the tables."""
+    from ..tabulated import orientation_map, tabulate, write_csv, write_map, write_table
+    from ..tabulated.table_file import read_table_study
+
+    wanted = {
+        "--out": (arguments.out, ".nc"),
+        "--csv": (arguments.csv, ".csv"),
+        "--map": (arguments.map, ".csv"),
+    }
+    wanted = {name: pair for name, pair in wanted.items() if pair[0] is not None}
+    if not wanted:
+        raise InputError("one of --out, --csv and --map is needed")
+    if arguments.csv is not None and arguments.csv == arguments.map:
+        raise InputError(f"--csv and --map must differ, but both are {arguments.csv}")
+    study = read_table_study(arguments.study, arguments.accuracy)
+    for name, (path, suffix) in wanted.items():
+        if path.suffix != suffix:
+            raise InputError(f"{name} must end in {suffix}, but is {path}")
+        check_writable(path, option=name)
+    journals = []
+    try:
+        if arguments.out or arguments.csv:
+            journals.append(journal_path(arguments.out or arguments.csv))
+            with Progress("impacts of the table") as progress:
+                table = tabulate(
+                    study.block,
+                    study.soil,
+                    slopes=study.slopes,
+                    speeds=study.speeds,
+                    nodes=study.nodes,
+                    accuracy=study.accuracy,
+                    journal=journals[-1],
+                    progress=progress,
+                )
+            if arguments.out:
+                write_table(arguments.out, table)
+            if arguments.csv:
+                write_csv(arguments.csv, table)
+            print(in_words(table))
+        if arguments.map:
+            journals.append(journal_path(arguments.map))
+            with Progress("impacts of the map") as progress:
+                dataset = orientation_map(
+                    study.block,
+                    study.soil,
+                    study.map_axes,
+                    accuracy=study.accuracy,
+                    journal=journals[-1],
+                    progress=progress,
+                )
+            write_map(arguments.map, dataset)
+            print(map_in_words(dataset))
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt("the same command goes on from here") from None
+    for journal in journals:
+        journal.unlink()
+    say(f"written to {', '.join(str(path) for path, _ in wanted.values())}")
+
+
+def in_words(table: "ReboundTable") -> str:
+    """What a table holds and how far it is from the model."""
+    from ..columns import DEGREE
+
+    shape, error = table.outcomes.shape, table.error
+    slopes = ", ".join(f"{slope / DEGREE:.4g}" for slope in table.slopes.tolist())
+    low, high = (float(table.speeds[end]) for end in (0, -1))
+    return "\n".join(
+        [
+            f"{table.outcomes.size} impacts of a block of {float(table.block.mass):g} "
+            f"kg, aspect ratio {float(table.block.aspect_ratio):g}: "
+            f"{' x '.join(map(str, shape))} nodes of total speed ({low:g} to {high:g} "
+            f"m/s), elevation, azimuth, orientation and slope ({slopes} deg)",
+            f"error on {error.impacts} random impacts, by the total speed before: "
+            f"median {error.median:.2g}, 90 % {error.of_90_percent:.2g}, 99 % "
+            f"{error.of_99_percent:.2g}; another outcome in "
+            f"{error.wrong_outcomes:.2%}; {error.failed} left out, as the model failed",
+            f"kinetic energy after by that before, mean: {error.energy:.4g}, in the "
+            f"model {error.energy_of_model:.4g}",
+        ]
+    )
+
+
+def map_in_words(dataset) -> str:
+    """How much a map holds, and what it leaves out."""
+    impacts, separating, failed = (
+        int(dataset[name].sum()) for name in ("impacts", "separating", "failed")
+    )
+    spread = dataset.e_n_sd.median()
+    return (
+        f"map of {dataset.impacts.size} speeds, angles and spins: {impacts} impacts; "
+        f"left out {separating} that move away and {failed} that failed; standard "
+        f"deviation of e_n over orientations, median of the map: {float(spread):.3g}"
+    )

@@ -1,0 +1,140 @@
+"""What to tabulate, from a TOML file."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..accuracy import PRESETS
+from ..block import Block
+from ..columns import DEGREE, INPUT_COLUMNS
+from ..errors import InputError
+from ..soil import Soil
+from ..toml_values import allowed, choice, load_toml, number, typed, unknown, whole
+from .making import SPEEDS, Nodes
+from .orientation_map import MapAxes
+
+TABLES = ("block", "ground", "table", "map")
+TABLE_KEYS = ("slopes_deg", "total_speeds_mps", "nodes")
+MAP_KEYS = (
+    *("speeds_mps", "angles_deg", "angular_velocities_degps", "slope_deg"),
+    "orientations",
+)
+PARTS = {"block": ("block", Block), "ground": ("soil", Soil)}
+
+
+class TableStudy(NamedTuple):
+    """What the file says."""
+
+    block: Block
+    soil: Soil
+    accuracy: str
+    """Name of a preset."""
+    slopes: np.ndarray
+    """Of the table [rad]."""
+    speeds: tuple[float, float]
+    """First and last total speed of the table [m/s]."""
+    nodes: Nodes
+    map_axes: MapAxes
+
+
+def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
+    """Read what to tabulate; `jaximpact tabulate --help` describes the file.
+
+    Args:
+        path: the file.
+        accuracy: in place of the file's.
+
+    Raises InputError, naming file and key, for whatever cannot be used.
+    """
+    path = Path(path)
+    content = load_toml(path)
+    for key in content:
+        if key not in (*TABLES, "accuracy"):
+            unknown(path, key, key, (*TABLES, "accuracy"))
+    table = _table(path, content, "table", TABLE_KEYS)
+    slopes = np.array(_list(path, table, "table", "slopes_deg", [0.0]))
+    ends = _list(path, table, "table", "total_speeds_mps", list(SPEEDS))
+    if len(ends) != 2 or not 0.0 < ends[0] < ends[1]:
+        raise InputError(
+            f"must be the first and the last, ascending from above 0, but is {ends}",
+            file=path,
+            key="table.total_speeds_mps",
+        )
+    counts = typed(path, table, "nodes", dict, {})
+    for name in counts:
+        if name not in Nodes._fields:
+            unknown(path, f"table.nodes.{name}", name, Nodes._fields)
+    nodes = Nodes(
+        *(
+            whole(path, counts, name, default, 1 if name == "orientation" else 2)
+            for name, default in zip(Nodes._fields, Nodes(), strict=True)
+        )
+    )
+    if accuracy is None:
+        accuracy = choice(path, content, "accuracy", "fast", tuple(PRESETS))
+    if np.any(np.diff(slopes) <= 0.0):
+        raise InputError("must ascend", file=path, key="table.slopes_deg")
+    for slope in slopes.tolist():
+        allowed(path, "table.slopes_deg", INPUT_COLUMNS["slope_deg"], slope)
+    return TableStudy(
+        _part(path, content, "block"),
+        _part(path, content, "ground"),
+        accuracy,
+        DEGREE * slopes,
+        (ends[0], ends[1]),
+        nodes,
+        _map_axes(path, content),
+    )
+
+
+def _part(path: Path, content: dict, name: str):
+    """The block or the ground; what the file does not say has its default."""
+    part, kind = PARTS[name]
+    columns = {n: c for n, c in INPUT_COLUMNS.items() if c.part == part}
+    fields = {}
+    for key, value in _table(path, content, name, tuple(columns)).items():
+        column = columns[key]
+        where = f"{name}.{key}"
+        fields[column.field] = column.factor * allowed(path, where, column, value)
+    return kind(**fields)
+
+
+def _map_axes(path: Path, content: dict) -> MapAxes:
+    table, default = _table(path, content, "map", MAP_KEYS), MapAxes()
+    axes = []
+    for key, column, values in zip(
+        MAP_KEYS[:3],
+        ("speed_mps", "angle_deg", "angular_velocity_degps"),
+        default,
+        strict=False,
+    ):
+        given = _list(path, table, "map", key, list(values))
+        for value in given:
+            allowed(path, f"map.{key}", INPUT_COLUMNS[column], value)
+        if np.any(np.diff(given) <= 0.0):
+            raise InputError("must ascend", file=path, key=f"map.{key}")
+        axes.append(tuple(given))
+    slope = table.get("slope_deg", default.slope_deg)
+    slope = allowed(path, "map.slope_deg", INPUT_COLUMNS["slope_deg"], slope)
+    orientations = whole(path, table, "orientations", default.orientations, 2)
+    return MapAxes(*axes, slope, orientations)
+
+
+def _table(path: Path, content: dict, name: str, known: tuple[str, ...]) -> dict:
+    table = typed(path, content, name, dict, {})
+    for key in table:
+        if key not in known:
+            unknown(path, f"{name}.{key}", key, known)
+    return table
+
+
+def _list(path: Path, table: dict, where: str, key: str, default: list) -> list[float]:
+    values = table.get(key, default)
+    if not isinstance(values, list) or not values:
+        raise InputError(
+            f"must be a list of numbers, but is {values!r}",
+            file=path,
+            key=f"{where}.{key}",
+        )
+    return [number(path, f"{where}.{key}", value) for value in values]
