@@ -45,6 +45,15 @@ def typed(path: Path, content: dict, key: str, kind: type, default=REQUIRED):
     return value
 
 
+def known_table(path: Path, content: dict, name: str, known: tuple[str, ...]) -> dict:
+    """A table of the file, with known keys only."""
+    table = typed(path, content, name, dict, {})
+    for key in table:
+        if key not in known:
+            unknown(path, f"{name}.{key}", key, known)
+    return table
+
+
 def whole(path: Path, content: dict, key: str, default: int, least: int) -> int:
     """A whole number of at least `least`."""
     value = typed(path, content, key, int, default)

@@ -43,6 +43,11 @@ cut off at least and most if they are given; { from, to }, a uniform one; or a l
 is drawn once for each block, and so is the ground: a block finds one c_v wherever it
 goes, or one on each segment that has its own. Lists make every combination, those of
 the ground slowest, the last one fastest, and over again until there are enough blocks.
+[ground] may name a calibration, from = "out/wyllie", the directory that `jaximpact
+calibrate` wrote, with variant = "..." where the study has several. Each block then gets
+parameters of its own as the tests leave them, with their correlations, and what the fit
+held. A parameter that the tests do not determine must be said beside it; one that is
+said is held there, and the others are drawn as they are given its value.
 With a roughness each impact meets the ground at an angle of its own, drawn from a
 normal distribution about the segment's, cut off at 3 standard deviations; angles at
 which the block would not strike are drawn again. No contact gains energy by it. Touches

@@ -1,35 +1,22 @@
 """A run-out study from a TOML file."""
 
-import dataclasses
 import hashlib
-from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ..block import Block
-from ..columns import DEGREE, INPUT_COLUMNS, InputColumn
+from ..columns import DEGREE, INPUT_COLUMNS
 from ..errors import InputError
-from ..soil import Soil
-from ..toml_values import (
-    allowed,
-    load_toml,
-    number,
-    typed,
-    unknown,
-    whole,
-)
+from ..toml_values import known_table, load_toml, number, typed, unknown, whole
 from .clearance import lying_height
 from .contact_laws import check_law, read_laws
 from .ground import GROUND_COLUMNS, Ground
-from .profile import (
-    ROLLING_FRICTION_ANGLE,
-    ROUGHNESS_COLUMN,
-    Profile,
-    read_profile,
-)
-from .quantities import Normal, Quantity, Uniform, combinations, draw, is_random
+from .ground_file import ToldGround, read_ground_profile
+from .profile import ROUGHNESS_COLUMN, Profile
+from .quantities import Quantity, combinations, draw, is_random
+from .quantity_file import read_quantity
 from .rebounds import Contacts
 from .release import Release, check_release
 from .trajectories import EVENT_LIMIT, TIME_LIMIT
@@ -114,8 +101,8 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         if key not in (*TABLES, *NUMBERS):
             unknown(path, key, key, (*TABLES, *NUMBERS))
     checksums = {path.name: hashlib.sha256(path.read_bytes()).hexdigest()}
-    told_ground = _Ground.read(path, content)
-    profile = _profile(path, content, told_ground, checksums)
+    told_ground = ToldGround.read(path, content)
+    profile = read_ground_profile(path, content, told_ground, checksums)
     laws = read_laws(path, content, accuracy)
     seed = whole(path, content, "seed", 0, 0)
     if seed > LARGEST_SEED:
@@ -132,9 +119,12 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     is_rough = np.any(profile.roughness > 0.0) or any(
         key.endswith(ROUGHNESS_COLUMN) for key in quantities
     )
-    by_chance = is_random(quantities) or is_rough
+    jointly = told_ground.drawn_jointly()
+    by_chance = is_random(quantities) or is_rough or jointly
     count = DEFAULT_COUNT if by_chance else combinations(quantities)
-    drawn = draw(quantities, whole(path, content, "count", count, 1), seed)
+    count = whole(path, content, "count", count, 1)
+    drawn = draw(quantities, count, seed)
+    drawn |= told_ground.draw_jointly(drawn, count, seed)
     for name, values in drawn.items():
         _check_drawn(path, name, values)
     release = _release(path, drawn, profile)
@@ -151,7 +141,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
             ground=ground,
             ground_drawn={
                 key.removeprefix("ground.").replace(".", "_"): drawn[key]
-                for key in varied
+                for key in (*jointly, *varied)
             },
             ground_told=content.get("ground", {}),
             contacts=law.contacts,
@@ -166,153 +156,6 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         )
         for law in laws
     ]
-
-
-class _Ground(NamedTuple):
-    """The ground as the file says it, in the units of its names."""
-
-    path: Path
-    everywhere: dict[str, Quantity]
-    segments: dict[int, dict[str, Quantity]]
-    """By their numbers from 0."""
-
-    @classmethod
-    def read(cls, path: Path, content: dict) -> "_Ground":
-        table = typed(path, content, "ground", dict, {})
-        segments = {}
-        for name, values in typed(path, table, "segment", dict, {}).items():
-            key = f"ground.segment.{name}"
-            if not name.isdecimal():
-                raise InputError("must be the number of a segment", file=path, key=key)
-            values = typed(path, table["segment"], name, dict)
-            segments[int(name) - 1] = _ground_quantities(path, values, key)
-        everywhere = {k: v for k, v in table.items() if k != "segment"}
-        return cls(path, _ground_quantities(path, everywhere, "ground"), segments)
-
-    def varied(self) -> dict[str, Quantity]:
-        """What differs from block to block, by its key."""
-        keys = {f"ground.{name}": q for name, q in self.everywhere.items()}
-        for segment, quantities in self.segments.items():
-            where = f"ground.segment.{segment + 1}"
-            keys |= {f"{where}.{name}": q for name, q in quantities.items()}
-        return {key: q for key, q in keys.items() if not isinstance(q, float)}
-
-    def of_blocks(self, profile: Profile, drawn: Mapping, seed: int) -> Ground:
-        """With what the blocks draw of it.
-
-        Args:
-            drawn: by the keys of `varied`.
-        """
-        ground = Ground.of_profile(profile, seed)
-        soil = {f.name: getattr(ground.soil, f.name) for f in dataclasses.fields(Soil)}
-        angles = {
-            name: getattr(ground, name)
-            for name in ("rolling_friction_angle", "roughness")
-        }
-        for key in self.varied():
-            _, *where, name = key.split(".")
-            column = GROUND_COLUMNS[name]
-            fields = soil if column.part == "soil" else angles
-            values = column.factor * drawn[key][:, None]
-            if where:
-                segment = int(where[1]) - 1
-                shape = (len(values), profile.segments)
-                whole = np.array(np.broadcast_to(fields[column.field], shape))
-                whole[:, segment] = values[:, 0]
-                values = whole
-            elif any(name in quantities for quantities in self.segments.values()):
-                shape = (len(values), profile.segments)
-                given = [s for s, q in self.segments.items() if name in q]
-                values = np.array(np.broadcast_to(values, shape))
-                values[:, given] = fields[column.field][given]
-            fields[column.field] = values
-        return Ground(Soil(**soil), **angles, seed=seed)
-
-
-def _ground_quantities(path: Path, values: dict, where: str) -> dict[str, Quantity]:
-    for name in values:
-        if name not in GROUND_COLUMNS:
-            unknown(path, f"{where}.{name}", name, (*GROUND_COLUMNS, "segment"))
-    return {
-        name: _quantity(path, f"{where}.{name}", value, GROUND_COLUMNS[name])
-        for name, value in values.items()
-    }
-
-
-def _profile(
-    path: Path, content: dict, ground: _Ground, checksums: dict[str, str]
-) -> Profile:
-    """The profile, with what of the ground is alike for all blocks."""
-    table = _table(path, content, "profile", ("points_m", "csv"))
-    if len(table) != 1:
-        raise InputError(
-            "needs points_m or csv, and not both", file=path, key="profile"
-        )
-    soil, angles = _alike(ground.everywhere)
-    angles.setdefault("rolling_friction_angle", ROLLING_FRICTION_ANGLE)
-    if "csv" in table:
-        csv = path.parent / typed(path, table, "csv", str)
-        profile = read_profile(csv, Soil(**soil), **angles)
-        checksums[csv.name] = hashlib.sha256(csv.read_bytes()).hexdigest()
-        _check_said_once(ground, csv)
-    else:
-        points = typed(path, table, "points_m", list)
-        try:
-            x, y = np.array(points, float).reshape(len(points), 2).T
-            profile = Profile(x, y, Soil(**soil), **angles)
-        except (TypeError, ValueError) as error:
-            told = str(error)
-            if not told.startswith("a profile"):
-                told = f"must be a list of [x, y], but is {points!r}"
-            raise InputError(told, file=path, key="profile.points_m") from None
-    return _with_segments(path, profile, ground.segments)
-
-
-def _alike(quantities: dict[str, Quantity]) -> tuple[dict, dict]:
-    """Fields of the soil, and angles of the ground, that are one number, in SI."""
-    soil, angles = {}, {}
-    for name, value in quantities.items():
-        if isinstance(value, float):
-            column = GROUND_COLUMNS[name]
-            fields = soil if column.part == "soil" else angles
-            fields[column.field] = column.factor * value
-    return soil, angles
-
-
-def _check_said_once(ground: _Ground, csv: Path) -> None:
-    """A distribution must not be hidden by a column of the profile."""
-    header = csv.read_bytes().decode("utf-8-sig").lstrip().splitlines()[0]
-    columns = {name.strip() for name in header.split(",")}
-    for name, quantity in ground.everywhere.items():
-        if name in columns and not isinstance(quantity, float):
-            raise InputError(
-                f"differs from block to block, but {csv.name} has a column of it",
-                file=ground.path,
-                key=f"ground.{name}",
-            )
-
-
-def _with_segments(path: Path, profile: Profile, segments: dict) -> Profile:
-    fields = {
-        f.name: np.array(getattr(profile.soil, f.name))
-        for f in dataclasses.fields(Soil)
-    }
-    angles = {
-        name: getattr(profile, name).copy()
-        for name in ("rolling_friction_angle", "roughness")
-    }
-    for segment, quantities in segments.items():
-        if not 0 <= segment < profile.segments:
-            raise InputError(
-                f"must be the number of a segment, from 1 to {profile.segments}",
-                file=path,
-                key=f"ground.segment.{segment + 1}",
-            )
-        of_soil, of_angles = _alike(quantities)
-        for values, given in ((fields, of_soil), (angles, of_angles)):
-            for field, value in given.items():
-                values[field][segment] = value
-    return Profile(profile.x, profile.y, Soil(**fields), **angles)
 
 
 def _collectors(path: Path, content: dict, profile: Profile) -> np.ndarray:
@@ -335,9 +178,9 @@ def _quantities(path: Path, content: dict) -> dict[str, Quantity]:
     """Quantities of blocks and releases."""
     quantities = {}
     for where, known in (("block", tuple(BLOCK_COLUMNS)), ("release", RELEASE_KEYS)):
-        for name, value in _table(path, content, where, known).items():
+        for name, value in known_table(path, content, where, known).items():
             column = BLOCK_COLUMNS.get(name)
-            quantities[name] = _quantity(path, f"{where}.{name}", value, column)
+            quantities[name] = read_quantity(path, f"{where}.{name}", value, column)
     _check_alternatives(path, quantities)
     return quantities
 
@@ -411,60 +254,3 @@ def _check_drawn(path: Path, name: str, values: np.ndarray) -> None:
             file=path,
             key=key,
         )
-
-
-def _quantity(path: Path, key: str, value, column: InputColumn | None) -> Quantity:
-    def one(value, key=key) -> float:
-        if column is None:
-            return number(path, key, value)
-        return allowed(path, key, column, value)
-
-    if isinstance(value, list):
-        if not value:
-            raise InputError("is an empty list", file=path, key=key)
-        return tuple(one(v) for v in value)
-    if not isinstance(value, dict):
-        return one(value)
-    kinds = (("mean", "sd", "least", "most"), ("from", "to"))
-    for name in value:
-        if name not in kinds[0] + kinds[1]:
-            unknown(path, f"{key}.{name}", name, kinds[0] + kinds[1])
-    if set(value) == set(kinds[1]):
-        ends = [one(value[n], f"{key}.{n}") for n in kinds[1]]
-        if not ends[0] < ends[1]:
-            raise InputError(
-                f"must go up, but goes from {ends[0]:g} to {ends[1]:g}",
-                file=path,
-                key=key,
-            )
-        return Uniform(*ends)
-    if not {"mean", "sd"} <= set(value) <= set(kinds[0]):
-        raise InputError(
-            "must be a number, a list, { from, to } or { mean, sd }, the latter with "
-            f"least and most if wanted, but is {value!r}",
-            file=path,
-            key=key,
-        )
-    given = {n: number(path, f"{key}.{n}", v) for n, v in value.items()}
-    normal = Normal(**given)
-    if normal.sd <= 0.0:
-        raise InputError(
-            f"must be above 0, but is {normal.sd:g}", file=path, key=f"{key}.sd"
-        )
-    if not normal.least < normal.most:
-        raise InputError(
-            f"needs least below most, but they are {normal.least:g} and "
-            f"{normal.most:g}",
-            file=path,
-            key=key,
-        )
-    return normal
-
-
-def _table(path: Path, content: dict, name: str, known: tuple[str, ...]) -> dict:
-    """A table with known keys only."""
-    table = typed(path, content, name, dict, {})
-    for key in table:
-        if key not in known:
-            unknown(path, f"{name}.{key}", key, known)
-    return table

@@ -10,7 +10,16 @@ from ..block import Block
 from ..columns import DEGREE, INPUT_COLUMNS
 from ..errors import InputError
 from ..soil import Soil
-from ..toml_values import allowed, choice, load_toml, number, typed, unknown, whole
+from ..toml_values import (
+    allowed,
+    choice,
+    known_table,
+    load_toml,
+    number,
+    typed,
+    unknown,
+    whole,
+)
 from .making import SPEEDS, Nodes
 from .orientation_map import MapAxes
 
@@ -52,7 +61,7 @@ def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
     for key in content:
         if key not in (*TABLES, "accuracy"):
             unknown(path, key, key, (*TABLES, "accuracy"))
-    table = _table(path, content, "table", TABLE_KEYS)
+    table = known_table(path, content, "table", TABLE_KEYS)
     slopes = np.array(_list(path, table, "table", "slopes_deg", [0.0]))
     ends = _list(path, table, "table", "total_speeds_mps", list(SPEEDS))
     if len(ends) != 2 or not 0.0 < ends[0] < ends[1]:
@@ -93,7 +102,7 @@ def _part(path: Path, content: dict, name: str):
     part, kind = PARTS[name]
     columns = {n: c for n, c in INPUT_COLUMNS.items() if c.part == part}
     fields = {}
-    for key, value in _table(path, content, name, tuple(columns)).items():
+    for key, value in known_table(path, content, name, tuple(columns)).items():
         column = columns[key]
         where = f"{name}.{key}"
         fields[column.field] = column.factor * allowed(path, where, column, value)
@@ -101,7 +110,7 @@ def _part(path: Path, content: dict, name: str):
 
 
 def _map_axes(path: Path, content: dict) -> MapAxes:
-    table, default = _table(path, content, "map", MAP_KEYS), MapAxes()
+    table, default = known_table(path, content, "map", MAP_KEYS), MapAxes()
     axes = []
     for key, column, values in zip(
         MAP_KEYS[:3],
@@ -119,14 +128,6 @@ def _map_axes(path: Path, content: dict) -> MapAxes:
     slope = allowed(path, "map.slope_deg", INPUT_COLUMNS["slope_deg"], slope)
     orientations = whole(path, table, "orientations", default.orientations, 2)
     return MapAxes(*axes, slope, orientations)
-
-
-def _table(path: Path, content: dict, name: str, known: tuple[str, ...]) -> dict:
-    table = typed(path, content, name, dict, {})
-    for key in table:
-        if key not in known:
-            unknown(path, f"{name}.{key}", key, known)
-    return table
 
 
 def _list(path: Path, table: dict, where: str, key: str, default: list) -> list[float]:

@@ -1,0 +1,224 @@
+"""The ground of a study, as its file says it."""
+
+import dataclasses
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from ..soil import Soil
+from ..toml_values import known_table, typed, unknown
+from .calibrated import Calibrated, read_calibrated
+from .ground import GROUND_COLUMNS, Ground
+from .profile import ROLLING_FRICTION_ANGLE, Profile, read_profile
+from .quantities import Quantity
+from .quantity_file import read_quantity
+
+NO_QUANTITIES = ("segment", "from", "variant")
+"""Keys of the ground that are none."""
+
+
+class ToldGround(NamedTuple):
+    """The ground as the file says it, in the units of its names."""
+
+    path: Path
+    everywhere: dict[str, Quantity]
+    segments: dict[int, dict[str, Quantity]]
+    """By their numbers from 0."""
+    calibrated: Calibrated | None
+    """Where parameters are drawn as a calibration left them; those that `everywhere`
+    holds are taken from there."""
+
+    @classmethod
+    def read(cls, path: Path, content: dict) -> "ToldGround":
+        table = typed(path, content, "ground", dict, {})
+        segments = {}
+        for name, values in typed(path, table, "segment", dict, {}).items():
+            key = f"ground.segment.{name}"
+            if not name.isdecimal():
+                raise InputError("must be the number of a segment", file=path, key=key)
+            values = typed(path, table["segment"], name, dict)
+            segments[int(name) - 1] = _ground_quantities(path, values, key)
+        everywhere = {k: v for k, v in table.items() if k not in NO_QUANTITIES}
+        everywhere = _ground_quantities(path, everywhere, "ground")
+        calibrated = _calibrated(path, table, everywhere)
+        if calibrated is not None:
+            everywhere = calibrated.fixed | everywhere
+        return cls(path, everywhere, segments, calibrated)
+
+    def drawn_jointly(self) -> dict[str, str]:
+        """Names of the parameters that a calibration leaves to be drawn, by key."""
+        names = self.calibrated.names if self.calibrated else ()
+        return {f"ground.{n}": n for n in names if n not in self.everywhere}
+
+    def draw_jointly(
+        self, drawn: Mapping[str, np.ndarray], count: int, seed: int
+    ) -> dict[str, np.ndarray]:
+        """Values of these, by key.
+
+        Args:
+            drawn: by the keys of `varied`.
+        """
+        if not self.drawn_jointly():
+            return {}
+        given = {
+            name: np.broadcast_to(drawn.get(f"ground.{name}", value), (count,))
+            for name, value in self.everywhere.items()
+            if name in self.calibrated.names
+        }
+        found = self.calibrated.draw(given, count, seed)
+        return {f"ground.{name}": values for name, values in found.items()}
+
+    def varied(self) -> dict[str, Quantity]:
+        """What differs from block to block by itself, by its key."""
+        keys = {f"ground.{name}": q for name, q in self.everywhere.items()}
+        for segment, quantities in self.segments.items():
+            where = f"ground.segment.{segment + 1}"
+            keys |= {f"{where}.{name}": q for name, q in quantities.items()}
+        return {key: q for key, q in keys.items() if not isinstance(q, float)}
+
+    def of_blocks(self, profile: Profile, drawn: Mapping, seed: int) -> Ground:
+        """With what the blocks draw of it.
+
+        Args:
+            drawn: by the keys of `varied` and `drawn_jointly`.
+        """
+        ground = Ground.of_profile(profile, seed)
+        soil = {f.name: getattr(ground.soil, f.name) for f in dataclasses.fields(Soil)}
+        angles = {
+            name: getattr(ground, name)
+            for name in ("rolling_friction_angle", "roughness")
+        }
+        for key in (*self.drawn_jointly(), *self.varied()):
+            _, *where, name = key.split(".")
+            column = GROUND_COLUMNS[name]
+            fields = soil if column.part == "soil" else angles
+            values = column.factor * drawn[key][:, None]
+            if where:
+                segment = int(where[1]) - 1
+                shape = (len(values), profile.segments)
+                whole = np.array(np.broadcast_to(fields[column.field], shape))
+                whole[:, segment] = values[:, 0]
+                values = whole
+            elif any(name in quantities for quantities in self.segments.values()):
+                shape = (len(values), profile.segments)
+                given = [s for s, q in self.segments.items() if name in q]
+                values = np.array(np.broadcast_to(values, shape))
+                values[:, given] = fields[column.field][given]
+            fields[column.field] = values
+        return Ground(Soil(**soil), **angles, seed=seed)
+
+
+def _ground_quantities(path: Path, values: dict, where: str) -> dict[str, Quantity]:
+    for name in values:
+        if name not in GROUND_COLUMNS:
+            unknown(path, f"{where}.{name}", name, (*GROUND_COLUMNS, *NO_QUANTITIES))
+    return {
+        name: read_quantity(path, f"{where}.{name}", value, GROUND_COLUMNS[name])
+        for name, value in values.items()
+    }
+
+
+def _calibrated(path: Path, table: dict, said: dict) -> Calibrated | None:
+    """The calibration that the table names, if it names one.
+
+    Args:
+        said: what else the table says.
+    """
+    if "from" not in table:
+        if "variant" in table:
+            raise InputError("needs from too", file=path, key="ground.variant")
+        return None
+    variant = typed(path, table, "variant", str) if "variant" in table else None
+    calibrated = read_calibrated(path.parent / typed(path, table, "from", str), variant)
+    for name, reason in calibrated.undetermined.items():
+        if name not in said:
+            raise InputError(
+                f"must say {name}, which the tests do not determine: {reason}",
+                file=path,
+                key="ground",
+            )
+    return calibrated
+
+
+def read_ground_profile(
+    path: Path, content: dict, ground: ToldGround, checksums: dict[str, str]
+) -> Profile:
+    """The profile, with what of the ground is alike for all blocks. Checksums of files
+    that are read are added."""
+    if ground.calibrated is not None:
+        checksums[ground.calibrated.file.name] = ground.calibrated.checksum
+    table = known_table(path, content, "profile", ("points_m", "csv"))
+    if len(table) != 1:
+        raise InputError(
+            "needs points_m or csv, and not both", file=path, key="profile"
+        )
+    soil, angles = _alike(ground.everywhere)
+    angles.setdefault("rolling_friction_angle", ROLLING_FRICTION_ANGLE)
+    if "csv" in table:
+        csv = path.parent / typed(path, table, "csv", str)
+        profile = read_profile(csv, Soil(**soil), **angles)
+        checksums[csv.name] = hashlib.sha256(csv.read_bytes()).hexdigest()
+        _check_said_once(ground, csv)
+    else:
+        points = typed(path, table, "points_m", list)
+        try:
+            x, y = np.array(points, float).reshape(len(points), 2).T
+            profile = Profile(x, y, Soil(**soil), **angles)
+        except (TypeError, ValueError) as error:
+            told = str(error)
+            if not told.startswith("a profile"):
+                told = f"must be a list of [x, y], but is {points!r}"
+            raise InputError(told, file=path, key="profile.points_m") from None
+    return _with_segments(path, profile, ground.segments)
+
+
+def _alike(quantities: dict[str, Quantity]) -> tuple[dict, dict]:
+    """Fields of the soil, and angles of the ground, that are one number, in SI."""
+    soil, angles = {}, {}
+    for name, value in quantities.items():
+        if isinstance(value, float):
+            column = GROUND_COLUMNS[name]
+            fields = soil if column.part == "soil" else angles
+            fields[column.field] = column.factor * value
+    return soil, angles
+
+
+def _check_said_once(ground: ToldGround, csv: Path) -> None:
+    """A distribution must not be hidden by a column of the profile."""
+    header = csv.read_bytes().decode("utf-8-sig").lstrip().splitlines()[0]
+    columns = {name.strip() for name in header.split(",")}
+    varied = [*ground.varied(), *ground.drawn_jointly()]
+    for name in columns:
+        if f"ground.{name}" in varied:
+            raise InputError(
+                f"differs from block to block, but {csv.name} has a column of it",
+                file=ground.path,
+                key=f"ground.{name}",
+            )
+
+
+def _with_segments(path: Path, profile: Profile, segments: dict) -> Profile:
+    fields = {
+        f.name: np.array(getattr(profile.soil, f.name))
+        for f in dataclasses.fields(Soil)
+    }
+    angles = {
+        name: getattr(profile, name).copy()
+        for name in ("rolling_friction_angle", "roughness")
+    }
+    for segment, quantities in segments.items():
+        if not 0 <= segment < profile.segments:
+            raise InputError(
+                f"must be the number of a segment, from 1 to {profile.segments}",
+                file=path,
+                key=f"ground.segment.{segment + 1}",
+            )
+        of_soil, of_angles = _alike(quantities)
+        for values, given in ((fields, of_soil), (angles, of_angles)):
+            for field, value in given.items():
+                values[field][segment] = value
+    return Profile(profile.x, profile.y, Soil(**fields), **angles)
