@@ -15,9 +15,8 @@ def test_segments_descend_and_rise():
     np.testing.assert_allclose(np.tan(profile.slope), [4.0 / 3.0, -1.0])
     np.testing.assert_allclose(profile.height([-1.0, 1.5, 3.5]), [4.0, 2.0, 0.5])
     np.testing.assert_allclose(profile.rolling_friction_angle, [0.2, 0.2])
-    soil = profile.soil_of(np.array([1, 1, 0]))
-    np.testing.assert_allclose(soil.gamma_v, [1.7, 1.7, 8.7])
-    np.testing.assert_allclose(soil.k_E, [900.0] * 3)
+    np.testing.assert_allclose(profile.soil.gamma_v, [8.7, 1.7])
+    np.testing.assert_allclose(profile.soil.k_E, [900.0] * 2)
 
 
 @pytest.mark.parametrize(

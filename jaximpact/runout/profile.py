@@ -108,10 +108,6 @@ class Profile:
         """Height of the ground at x [m]; beyond the ends that of the end points."""
         return np.interp(x, self.x, self.y)
 
-    def soil_of(self, segments: np.ndarray) -> Soil:
-        """The soil of some segments, fields of the shape of their indices."""
-        return jax.tree.map(lambda leaf: leaf[segments], self.soil)
-
 
 def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
     """What keeps points from being a profile, to follow "a profile"."""
