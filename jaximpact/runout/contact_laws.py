@@ -17,7 +17,7 @@ from ..rebound import (
     RigidEllipsoid,
 )
 from ..toml_values import choice, number, typed, unknown
-from .ground import Ground
+from .ground import Ground, spread
 from .profile import Profile
 from .rebounds import ClosedForm, Contacts, FullModel
 from .release import Release
@@ -175,7 +175,7 @@ def check_law(
     least, most = slope.copy(), slope.copy()
     least[1:] = np.where(convex, slope[:-1], slope[1:])
     most[:-1] = np.where(convex, slope[1:], slope[:-1])
-    widest = CUT * ground.spread(ground.roughness, release.count, profile.segments)
+    widest = CUT * spread(ground.roughness, release.count, profile.segments)
     problem = law.contacts.problem_with(
         release.block,
         ground.soil,

@@ -89,15 +89,16 @@ class Ground:
             chosen if self.numbers is None else self.numbers[chosen],
         )
 
-    def spread(self, values: np.ndarray, blocks: int, segments: int) -> np.ndarray:
-        """A quantity of the ground as `(blocks, segments)`, without a copy.
 
-        Raises ValueError, in one sentence, where its shape does not allow that.
-        """
-        try:
-            return np.broadcast_to(values, (blocks, segments))
-        except ValueError:
-            raise ValueError(
-                f"fields of a ground must broadcast to {blocks} blocks and {segments} "
-                f"segments, but one has shape {np.shape(values)}"
-            ) from None
+def spread(values: np.ndarray, blocks: int, segments: int) -> np.ndarray:
+    """A quantity of the ground as `(blocks, segments)`, without a copy.
+
+    Raises ValueError, in one sentence, where its shape does not allow that.
+    """
+    try:
+        return np.broadcast_to(values, (blocks, segments))
+    except ValueError:
+        raise ValueError(
+            f"fields of a ground must broadcast to {blocks} blocks and {segments} "
+            f"segments, but one has shape {np.shape(values)}"
+        ) from None

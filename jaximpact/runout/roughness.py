@@ -44,13 +44,13 @@ def meet(state: State, lanes: np.ndarray, touched: Touch, slow: np.ndarray) -> T
     """The planes that impacts meet, in their frames.
 
     Args:
-        lanes: blocks that strike.
+        lanes: blocks that strike rough ground.
         touched: the planes of the segments that they touch.
         slow: closing speeds that make an impact [m/s].
     """
     deviation = state.roughness[lanes, state.segment[lanes]]
     met = Touch(*(column.copy() for column in touched))
-    places = np.flatnonzero(deviation > 0.0)
+    places = np.arange(len(lanes))
     key = key_of(state.seed, STREAM)
     for attempt in range(ATTEMPTS):
         if not len(places):

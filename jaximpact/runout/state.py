@@ -8,7 +8,7 @@ import numpy as np
 
 from ..soil import Soil
 from .contact import Matter
-from .ground import Ground
+from .ground import Ground, spread
 from .motion import Body, Outline
 from .profile import Profile
 from .record import ContactRecord, Growing, Pieces
@@ -85,11 +85,15 @@ class State:
     pieces: Growing
 
     @classmethod
-    def at_release(cls, profile: Profile, release: Release, ground: Ground) -> "State":
-        n, soil = release.count, ground.soil
+    def at_release(
+        cls, profile: Profile, release: Release, ground: Ground | None = None
+    ) -> "State":
+        """With the profile's own ground if no other is given."""
+        n, found = release.count, ground or profile
+        soil = found.soil
 
-        def spread(values):
-            return ground.spread(values, n, profile.segments)
+        def of_all(values):
+            return spread(values, n, profile.segments)
 
         outline = release.outline
         return cls(
@@ -101,12 +105,14 @@ class State:
             smallest=np.minimum(outline.major, outline.minor),
             slope=profile.slope,
             length=profile.length,
-            soil=jax.tree.map(spread, soil),
-            rolling_friction=spread(np.tan(ground.rolling_friction_angle)),
-            sliding_friction=spread(soil.alpha_s * np.tan(soil.friction_angle)),
-            roughness=spread(ground.roughness),
-            seed=ground.seed,
-            numbers=np.arange(n) if ground.numbers is None else ground.numbers,
+            soil=jax.tree.map(of_all, soil),
+            rolling_friction=of_all(np.tan(found.rolling_friction_angle)),
+            sliding_friction=of_all(soil.alpha_s * np.tan(soil.friction_angle)),
+            roughness=of_all(found.roughness),
+            seed=0 if ground is None else ground.seed,
+            numbers=np.arange(n)
+            if ground is None or ground.numbers is None
+            else ground.numbers,
             impacts=np.zeros(n, int),
             phase=np.full(n, Phase.airborne),
             ending=np.full(n, -1),

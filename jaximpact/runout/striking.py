@@ -28,7 +28,7 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     slow = small_speed(state, lanes, touched.slope)
     is_impact = touched.closing >= slow
     met = _planes_met(state, lanes, touched, is_impact, slow)
-    still = np.zeros(len(lanes))
+    still = np.zeros_like(touched.closing)
     blow = Blow(
         met.normal_velocity.copy(),
         met.tangential_velocity.copy(),
@@ -111,6 +111,8 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
 def _planes_met(state, lanes, touched, is_impact, slow) -> Touch:
     """The planes of the contacts: facets where there is roughness, else those
     touched."""
+    rough = state.roughness[lanes, state.segment[lanes]] > 0.0
+    is_impact = is_impact & rough
     if not np.any(is_impact):
         return touched
     met = Touch(*(column.copy() for column in touched))

@@ -67,7 +67,6 @@ def simulate_runout(
     require_float64()
     check_release(release, profile)
     contacts = contacts or FullModel()
-    ground = ground or Ground.of_profile(profile)
     state = State.at_release(profile, release, ground)
     active, waiting = np.zeros(0, int), 0
     while True:
