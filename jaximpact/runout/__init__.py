@@ -1,7 +1,9 @@
 """Slope run-out: blocks that fly, strike, roll and stop on a profile."""
 
 from .collectors import Passages, first_passages, passages
+from .dual import Dual
 from .envelopes import Maxima, maxima_along
+from .gradients import Standing, differentiate_runout, runout_gradients
 from .ground import Ground
 from .profile import Profile, read_profile
 from .quantities import Normal, Uniform, draw
@@ -18,6 +20,7 @@ __all__ = [
     "ClosedForm",
     "ContactRecord",
     "Contacts",
+    "Dual",
     "Ending",
     "FullModel",
     "Ground",
@@ -29,8 +32,10 @@ __all__ = [
     "Release",
     "Runs",
     "SlopeStudy",
+    "Standing",
     "Uniform",
     "Way",
+    "differentiate_runout",
     "draw",
     "first_passages",
     "maxima_along",
@@ -39,5 +44,6 @@ __all__ = [
     "read_slope_studies",
     "read_slope_study",
     "run_slope_study",
+    "runout_gradients",
     "simulate_runout",
 ]

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 
+from ..safe import safe_sqrt
 from ..scene import GRAVITY
 from .contact import Matter
 from .motion import Outline, Scalar, support
@@ -88,30 +89,28 @@ def _cross(
     at_once = froude > jnp.cos(before)
     cos = (froude + 2.0 / whole * jnp.cos(before)) / (1.0 + 2.0 / whole)
     cos = jnp.clip(cos, -1.0 + 1e-12, 1.0)
-    angle = 2.0 * jnp.arctan(jnp.sqrt((1.0 - cos) / (1.0 + cos))) + PAST_THE_EDGE
+    angle = 2.0 * jnp.arctan(safe_sqrt((1.0 - cos) / (1.0 + cos))) + PAST_THE_EDGE
     angle = jnp.where(at_once, before, angle)
-    at_angle = jnp.sqrt(
-        jnp.maximum(speed_squared + gain * (jnp.cos(before) - jnp.cos(angle)), 0.0)
-    )
+    at_angle = safe_sqrt(speed_squared + gain * (jnp.cos(before) - jnp.cos(angle)))
     # The ellipse in the round block's place.
     theta = orientation - angle
     height, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
     lift = (height - radius) * jnp.cos(angle) + arm * jnp.sin(angle)
     kinetic = 0.5 * mass * whole * at_angle**2 - mass * GRAVITY * lift
     about_edge = mass * (height**2 + arm**2) + inertia
-    spin = jnp.sqrt(2.0 * jnp.maximum(kinetic, 0.0) / about_edge)
+    spin = safe_sqrt(2.0 * kinetic / about_edge)
     loose = (kinetic > 0.0) & (height * spin**2 > GRAVITY * jnp.cos(angle))
     curvature = outline.largest**2 / outline.smallest
     slips = speed_squared > GRAVITY * curvature * jnp.cos(before)
     slips &= before + PAST_THE_EDGE < after
     flies = jnp.where(rolling, (angle < after) & loose, slips) & ~short & ~stays
-    speed = jnp.sqrt(jnp.maximum(speed_squared, 0.0))
+    speed = safe_sqrt(speed_squared)
     return Crossing(
         goes_back=goes_back.astype(float),
         stays=stays.astype(float),
         flies=flies.astype(float),
         descent=jnp.where(rolling, angle, before),
-        speed=jnp.where(goes_back, speed, jnp.sqrt(jnp.maximum(end_squared, 0.0))),
+        speed=jnp.where(goes_back, speed, safe_sqrt(end_squared)),
         normal_velocity=jnp.where(rolling, -arm * spin, 0.0),
         tangential_velocity=jnp.where(rolling, height * spin, speed),
         angular_velocity=jnp.where(rolling, spin, 0.0),

@@ -73,7 +73,7 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     trajectory = trajectory[passes]
     mass, inertia = (value[trajectory] for value in runs.release.matter)
     outline = type(runs.release.outline)(
-        *(np.asarray(axis)[trajectory] for axis in runs.release.outline)
+        *(axis[trajectory] for axis in runs.release.outline)
     )
     height = body.y - runs.profile.height(x)
     reach = support_of(outline, body.orientation).radius

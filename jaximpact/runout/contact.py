@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 
+from ..safe import safe_sqrt
 from ..scene import GRAVITY, Impact
 from .motion import Body, Outline, Scalar, support
 from .programs import closed_form
@@ -122,7 +123,7 @@ def _settle(
     kinetic = 0.5 * (matter.mass * (v_n**2 + v_t**2) + matter.inertia * spin**2)
     climb = matter.mass * GRAVITY * jnp.cos(touch.slope) * (blow.sinking - gap)
     left = kinetic - climb
-    share = jnp.sqrt(jnp.maximum(left, 0.0) / jnp.where(kinetic > 0.0, kinetic, 1.0))
+    share = safe_sqrt(left / jnp.where(kinetic > 0.0, kinetic, 1.0))
     v_n, v_t, spin = share * v_n, share * v_t, share * spin
     return Settled(
         orientation=theta,

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .dual import plain
 from .runs import Runs
 from .stretches import Stretches, pieces_at, state_after, stretches_of, take, time_at
 
@@ -36,12 +37,35 @@ def maxima_along(
             ones is counted to the outer bins.
         stretches: of the runs, where they are known.
     """
+    trajectory, place, _, heights, speeds, energies = candidates(runs, edges, stretches)
+    largest = (
+        np.maximum.reduce(heights),
+        np.sqrt(np.maximum(*speeds)),
+        np.maximum(*energies),
+    )
+    shape = (runs.release.count, len(edges) - 1)
+    found = Maxima(*(np.full(shape, -np.inf) for _ in Maxima._fields))
+    for values, new in zip(found, largest, strict=True):
+        np.maximum.at(values, (trajectory, place), new)
+    return Maxima(*(np.where(np.isfinite(v), v, np.nan) for v in found))
+
+
+def candidates(
+    runs: Runs, edges: np.ndarray, stretches: Stretches | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, list, list, list]:
+    """Where largest values may stand, for each part of a way over one bin and segment.
+
+    Returns:
+        Trajectory and bin of each part, and the time at which its piece of the way
+        starts; its heights at both ends and the summit; squared speeds and energies at
+        both ends.
+    """
     whole = stretches_of(runs) if stretches is None else stretches
     inner = runs.profile.x[(runs.profile.x > edges[0]) & (runs.profile.x < edges[-1])]
     cells = np.union1d(edges, inner)
     bin_of = np.searchsorted(edges, 0.5 * (cells[1:] + cells[:-1])) - 1
-    low = np.minimum(whole.x_start, whole.x_stop)
-    high = np.maximum(whole.x_start, whole.x_stop)
+    low = plain(np.minimum(whole.x_start, whole.x_stop))
+    high = plain(np.maximum(whole.x_start, whole.x_stop))
     last_cell = len(cells) - 2
     first = np.clip(np.searchsorted(cells, low, "right") - 1, 0, last_cell)
     last = np.clip(np.searchsorted(cells, high, "left") - 1, first, last_cell)
@@ -77,13 +101,4 @@ def maxima_along(
     heights = [
         body.y - runs.profile.height(body.x) for body in (*ends, state_after(p, summit))
     ]
-    largest = (
-        np.maximum.reduce(heights),
-        np.sqrt(np.maximum(*speeds)),
-        np.maximum(*energies),
-    )
-    shape = (runs.release.count, len(edges) - 1)
-    found = Maxima(*(np.full(shape, -np.inf) for _ in Maxima._fields))
-    for values, new in zip(found, largest, strict=True):
-        np.maximum.at(values, (trajectory, bin_of[cell]), new)
-    return Maxima(*(np.where(np.isfinite(v), v, np.nan) for v in found))
+    return trajectory, bin_of[cell], plain(p.time), heights, speeds, energies

@@ -88,4 +88,4 @@ support_of = closed_form(_support_of)
 
 def take(tree: tuple, chosen: np.ndarray) -> tuple:
     """Some lanes of a named tuple of arrays."""
-    return type(tree)(*(np.asarray(value)[chosen] for value in tree))
+    return type(tree)(*(value[chosen] for value in tree))

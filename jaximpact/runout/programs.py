@@ -15,6 +15,7 @@ import numpy as np
 
 from ..marching import CORES
 from ..native import Kernel, compile_kernel
+from .dual import Dual, carries, carrying
 
 LANES_OF_A_THREAD = 512
 """Lanes of many steps that are worth a thread of their own."""
@@ -84,9 +85,53 @@ class Program:
         )
 
 
-def closed_form(function: Callable) -> Program:
+class ClosedProgram(Program):
+    """The program of a function that has its result at once.
+
+    Of inputs that carry derivatives (`Dual`), it carries them on to all results.
+    """
+
+    def __init__(self, function: Callable):
+        super().__init__(function, _no_more, _as_it_is, LANES_OF_ONE_STEP)
+        self._along = Program(
+            lambda inputs, directions: jax.jvp(function, inputs, directions),
+            _no_more,
+            _as_it_is,
+            LANES_OF_ONE_STEP,
+        )
+
+    def __call__(self, *inputs):
+        count = carries(inputs)
+        if not count:
+            return super().__call__(*inputs)
+        leaves, structure = jax.tree.flatten(inputs)
+        shape = np.broadcast_shapes(*(np.shape(leaf) for leaf in leaves))
+        rows = [carrying(leaf, count) for leaf in leaves]
+
+        # One lane for each lane and parameter.
+        def unfolded(arrays):
+            spread = (np.broadcast_to(a, (count, *shape)).ravel() for a in arrays)
+            return jax.tree.unflatten(structure, list(spread))
+
+        values, slopes = self._along(
+            unfolded(row.value for row in rows),
+            unfolded(
+                row.tangent.reshape(count, *(row.tangent.shape[1:] or (1,)))
+                for row in rows
+            ),
+        )
+        return jax.tree.map(
+            lambda value, slope: Dual(
+                value.reshape(count, *shape)[0], slope.reshape(count, *shape)
+            ),
+            values,
+            slopes,
+        )
+
+
+def closed_form(function: Callable) -> ClosedProgram:
     """The program of a function that has its result at once."""
-    return Program(function, _no_more, _as_it_is, LANES_OF_ONE_STEP)
+    return ClosedProgram(function)
 
 
 def _no_more(state):

@@ -18,6 +18,8 @@ from ..rebound import Rebound
 from ..scene import Impact, Scene
 from ..soil import Soil
 from .contact import Blow
+from .dual import carries
+from .impact_derivatives import differentiate_impacts
 from .programs import closed_form
 
 
@@ -50,6 +52,9 @@ class FullModel:
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> Blows:
         scene = Scene(block, soil, impact)
+        if carries(scene):
+            accuracy = get_accuracy(self.accuracy)
+            return Blows(*differentiate_impacts(scene, self.laws, accuracy))
         scene = jax.tree.map(np.asarray, scene)
         places = model_places(scene)
         order = order_by_effort(scene)
@@ -90,7 +95,7 @@ class ClosedForm:
         after = _rebound(self.law, block, impact)
         nothing = np.zeros_like(after.normal_velocity)
         blow = Blow(*after, nothing, nothing, nothing)
-        finite = np.all(np.isfinite(list(after)), axis=0)
+        finite = np.logical_and.reduce([np.isfinite(values) for values in after])
         outcome = np.where(finite, int(Outcome.detached), int(Outcome.failed))
         return Blows(blow, outcome)
 

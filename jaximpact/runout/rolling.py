@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 
+from ..safe import safe_sqrt
 from ..scene import GRAVITY
 from .contact import Matter
 from .motion import Outline, Scalar
@@ -162,7 +163,7 @@ def _leg(
     to_slow = jnp.maximum(speed**2 - least_speed**2, 0.0) / (2.0 * brake)
     stands = ~slows & (speed <= 0.0) & (acceleration <= 0.0)
     arrives = (~slows | (to_slow > distance)) & ~stands
-    end = jnp.sqrt(jnp.maximum(speed**2 + 2.0 * acceleration * distance, 0.0))
+    end = safe_sqrt(speed**2 + 2.0 * acceleration * distance)
     time_to_end = 2.0 * distance / jnp.maximum(speed + end, 1.0 / NEVER)
     time_to_slow = jnp.maximum(speed - least_speed, 0.0) / brake
     return Leg(

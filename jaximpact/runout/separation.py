@@ -80,7 +80,7 @@ def gaps(body: Body, outline: Outline, axis, piece: Piece) -> list[Gap]:
     left, right = (piece.left_x, piece.left_y), (piece.right_x, piece.right_y)
     found = [gap_along(body, outline, axis, (-t_y, t_x), left)]
     for side, point in ((-1.0, left), (1.0, right)):
-        n_x, n_y = _normal_through(body, outline, axis, point)
+        n_x, n_y = normal_through(body, outline, axis, point)
         down = n_y < 0.0
         n_x, n_y = jnp.where(down, side, n_x), jnp.where(down, 0.0, n_y)
         gap = gap_along(body, outline, axis, (n_x, n_y), point)
@@ -89,7 +89,7 @@ def gaps(body: Body, outline: Outline, axis, piece: Piece) -> list[Gap]:
     return found
 
 
-def _normal_through(body: Body, outline: Outline, axis, point):
+def normal_through(body: Body, outline: Outline, axis, point):
     """Inward normal, at a point, of the copy of the ellipse that passes through it."""
     sin_phi, cos_phi = axis
     x, y = body.x - point[0], body.y - point[1]

@@ -33,7 +33,8 @@ class Stretches(NamedTuple):
 def stretches_of(runs: Runs) -> Stretches:
     """All stretches of some trajectories."""
     p = runs.pieces
-    turning = np.divide(-p.v_x, p.a_x, out=np.full(len(p.x), -1.0), where=p.a_x != 0.0)
+    bends = p.a_x != 0.0
+    turning = np.where(bends, -p.v_x / np.where(bends, p.a_x, 1.0), -1.0)
     turns = np.flatnonzero((turning > 0.0) & (turning < p.duration))
     piece = np.concatenate([np.arange(len(p.x)), turns])
     start = np.concatenate([np.zeros(len(p.x)), turning[turns]])

@@ -66,16 +66,29 @@ def simulate_runout(
     """
     require_float64()
     check_release(release, profile)
-    contacts = contacts or FullModel()
     state = State.at_release(profile, release, ground)
-    active, waiting = np.zeros(0, int), 0
+    return follow(
+        state, contacts or FullModel(), time_limit, event_limit, width, progress
+    )
+
+
+def follow(
+    state: State,
+    contacts: Contacts,
+    time_limit: float,
+    event_limit: int,
+    width: int,
+    progress: Callable[[int, int], None] | None,
+) -> Runs:
+    """Blocks at their release, followed to their ends; see `simulate_runout`."""
+    active, waiting, blocks = np.zeros(0, int), 0, state.release.count
     while True:
         active = active[state.phase[active] != Phase.ended]
-        count = min(width - len(active), release.count - waiting)
+        count = min(width - len(active), blocks - waiting)
         active = np.concatenate([active, np.arange(waiting, waiting + count)])
         waiting += count
         if progress is not None:
-            progress(waiting - len(active), release.count)
+            progress(waiting - len(active), blocks)
         if not len(active):
             break
         _to_contacts(state, active, time_limit, event_limit)
@@ -84,8 +97,8 @@ def simulate_runout(
             strike(state, touching, contacts)
             _count(state, touching, event_limit)
     return Runs(
-        profile=profile,
-        release=release,
+        profile=state.profile,
+        release=state.release,
         ending=state.ending,
         x=state.body.x,
         y=state.body.y,
