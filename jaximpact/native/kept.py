@@ -22,7 +22,7 @@ def kept(key: str, make: Callable[[], Code]) -> Code:
         key: names everything that the code depends on.
     """
     directory = jax.config.jax_compilation_cache_dir
-    if directory is None:
+    if not directory:
         return make()
     name = hashlib.sha256(key.encode()).hexdigest()
     path = Path(directory) / f"jaximpact-{name}"
