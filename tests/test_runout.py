@@ -288,6 +288,47 @@ def test_energy_never_grows_on_rough_slopes(law):
         assert np.max(gain / (mass * G)) < 1e-7
 
 
+def test_contacts_that_take_time_go_from_velocity_to_velocity():
+    """Their pieces begin as the flight before ends, and end with velocities of which
+    the way goes on with a part: a climb out of the ground takes from all alike. So
+    no speed on the way is greater than one at an end of a flight."""
+    block = Block(mass=100.0, aspect_ratio=np.repeat([1.0, 2.0, 4.0], 4))
+    release = Release(block, 0.0, 235.0, 20.0, 3.0, 0.4, np.tile([0, 20, 90, 200], 3))
+    runs = simulate_runout(BIPLANAR, release, FullModel("fast"), event_limit=60)
+    p = runs.pieces
+    contacts = np.flatnonzero(p.way == Way.contact)
+    contacts = contacts[
+        np.append(p.trajectory, -1)[contacts + 1] == p.trajectory[contacts]
+    ]
+    assert len(contacts) > 100
+    time = p.duration
+
+    def at_end(velocity, acceleration):
+        return velocity + acceleration * time
+
+    starts = np.stack([p.v_x, p.v_y, p.angular_velocity])
+    ends = np.stack(
+        [
+            at_end(p.v_x, p.a_x),
+            at_end(p.v_y, p.a_y),
+            at_end(p.angular_velocity, p.angular_acceleration),
+        ]
+    )
+    after = starts[:, contacts + 1]
+    share = np.sum(after * ends[:, contacts], 0) / np.sum(ends[:, contacts] ** 2, 0)
+    flies = p.way[contacts + 1] == Way.flight
+    assert np.mean(flies) > 0.5
+    # Velocities along and into the plane are put together anew: rounding.
+    np.testing.assert_allclose(
+        after[:, flies], (share * ends[:, contacts])[:, flies], rtol=0.0, atol=1e-9
+    )
+    assert np.all(share[flies] <= 1.0 + 1e-6)
+    # A flight ends where the contact begins.
+    np.testing.assert_allclose(
+        starts[:, contacts], ends[:, contacts - 1], rtol=0.0, atol=1e-9
+    )
+
+
 def test_contacts_in_closed_form_give_no_energy():
     generator = np.random.default_rng(2)
     release = blocks_above(BIPLANAR, generator, 200)

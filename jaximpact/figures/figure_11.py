@@ -21,7 +21,7 @@ SERIES = ("y_m", "height_m", "velocity_mps", "spin_degps")
 
 def compute(study: Study) -> pd.DataFrame:
     """The way of each shape, a row a moment: height is that of the centre above the
-    ground below it. Contacts are left out, over which only the place is followed."""
+    ground below it. Contacts are left out, which last too short to be seen."""
     runs = study.slope_runs()
     free = runs.pieces.way != Way.contact
     pieces = Pieces(*(column[free] for column in runs.pieces))

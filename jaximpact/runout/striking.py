@@ -81,7 +81,7 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
         *met[1:5], *settled[3:6], x, y, blow.duration, blow.sinking, outcome,
     )  # fmt: skip
     takes_time = blow.duration > 0.0
-    _write(state, lanes, takes_time, body, x, y, blow)
+    _write(state, lanes, takes_time, body, blow, sin, cos)
     state.place(
         lanes,
         x=x,
@@ -122,14 +122,18 @@ def _planes_met(state, lanes, touched, is_impact, slow) -> Touch:
     return met
 
 
-def _write(state, lanes, chosen, body, x, y, blow) -> None:
-    """Record the contacts that take time, as ways at constant velocity."""
+def _write(state, lanes, chosen, body, blow, sin, cos) -> None:
+    """Record the contacts that take time: from the velocities before to those after, at
+    constant acceleration. How deep the model has a block go is not on the way; it goes
+    on from where it is set back."""
     lanes, body, blow = lanes[chosen], take(body, chosen), take(blow, chosen)
-    x, y, duration = x[chosen], y[chosen], blow.duration
+    sin, cos, duration = sin[chosen], cos[chosen], blow.duration
+    v_x = blow.tangential_velocity * cos - blow.normal_velocity * sin
+    v_y = -blow.tangential_velocity * sin - blow.normal_velocity * cos
     state.pieces.add(
         lanes, Way.contact, state.time[lanes], duration,
-        *(body.x, body.y, (x - body.x) / duration, (y - body.y) / duration),
-        *(0.0, 0.0, body.orientation, blow.rotation / duration, 0.0),
+        *body[:4], (v_x - body.v_x) / duration, (v_y - body.v_y) / duration,
+        *body[4:], (blow.angular_velocity - body.angular_velocity) / duration,
     )  # fmt: skip
 
 
