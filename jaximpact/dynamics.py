@@ -62,7 +62,7 @@ class Motion(NamedTuple):
 class Forces(NamedTuple):
     """Forces of the ground on the block, as they enter the balance with minus signs."""
 
-    normal: Scalar  # N [N], never negative
+    normal: Scalar  # N [N], not negative (within a step, as its branch has it)
     tangential: Scalar  # T [N]
     moment: Scalar  # M [N m]
 
@@ -219,7 +219,10 @@ def contact(
     friction_slope = ground.bearing.friction_slope
     normal_before_cut = springs.normal if forces is None else forces.normal
     forces = springs if forces is None else forces
-    forces = forces._replace(normal=jnp.maximum(forces.normal, 0.0))
+    # The step that lands on N = 0 has stages just beyond: cut off there, they would
+    # leave its value as it is and spoil its derivative.
+    presses = normal_before_cut > 0.0 if branch is None else branch.presses
+    forces = forces._replace(normal=jnp.where(presses, forces.normal, 0.0))
 
     load = laws.loading_surface(
         forces.normal / capacity,

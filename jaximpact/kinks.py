@@ -25,6 +25,8 @@ sign is that of the rounding."""
 class Switches(NamedTuple):
     """Dimensionless functions of the state; each changes sign where a law switches."""
 
+    pressing: Scalar
+    """Normal force before it is cut off at zero."""
     yielding: Scalar
     """Overstress, negative below yield."""
     heave: Scalar
@@ -56,6 +58,7 @@ def switches(
     limit = now.forces.normal * ground.slider_friction / force_scale
     gradient = jnp.sqrt(load.normal**2 + load.tangential**2 + load.rotational**2)
     return Switches(
+        pressing=now.normal_force_before_cut / force_scale,
         yielding=load.size / motion.hardening - 1.0,
         heave=load.normal / gradient,
         shear=tangential,
@@ -69,6 +72,7 @@ def switches(
 def branch_of(switches: Switches) -> Branch:
     """The side taken at each switch."""
     return Branch(
+        presses=switches.pressing > 0.0,
         yields=switches.yielding > 0.0,
         heaves=switches.heave < 0.0,
         shears_up=switches.shear < 0.0,
@@ -84,6 +88,7 @@ def in_force(switches: Switches, soil) -> Switches:
     those of a hardening that the soil does not have never."""
     yields = switches.yielding > 0.0
     return Switches(
+        pressing=jnp.ones_like(yields),
         yielding=jnp.ones_like(yields),
         heave=yields,
         shear=yields & (soil.alpha_vT > 0.0),

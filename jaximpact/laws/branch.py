@@ -1,10 +1,11 @@
 """Which side of its switches each law is on.
 
-The laws switch: at yield, at slip, where dilatancy cuts the heave, where a rate whose
-size counts changes sign, where length and width of the foundation change places. By
-itself every law looks where it is. Told a `Branch`, it goes on as the branch does, past
-the switch, smoothly: so that the stages of one step of the integration, and the
-derivatives of the step, all see one smooth function.
+The laws switch: where the normal force is cut off at zero, at yield, at slip, where
+dilatancy cuts the heave, where a rate whose size counts changes sign, where length and
+width of the foundation change places. By itself every law looks where it is. Told a
+`Branch`, it goes on as the branch does, past the switch, smoothly: so that the stages
+of one step of the integration, and the derivatives of the step, all see one smooth
+function.
 """
 
 from typing import NamedTuple
@@ -17,6 +18,8 @@ Flag = Bool[Array, ""]
 class Branch(NamedTuple):
     """The side taken at each switch."""
 
+    presses: Flag
+    """The normal force is positive, not cut off."""
     yields: Flag
     """The load is beyond the surface of the hardening reached."""
     heaves: Flag
