@@ -6,13 +6,15 @@ import dataclasses
 import html.parser
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from command_line import assert_one_line_error
 from scipy.optimize import lsq_linear
 
-from jaximpact.calibration import draws, memory, run
+from jaximpact.accuracy import PRESETS
+from jaximpact.calibration import agreement, draws, memory, run
 from jaximpact.calibration.bands import bands_of
 from jaximpact.calibration.candidates import Sigma
 from jaximpact.calibration.design import choose, merit
@@ -29,12 +31,18 @@ from jaximpact.calibration.left_out import (
 from jaximpact.calibration.memory import Memory
 from jaximpact.calibration.objective import Objective, Points, engine_of
 from jaximpact.calibration.residuals import residuals_of
-from jaximpact.calibration.sampling import sample_posterior, to_inference_data
+from jaximpact.calibration.sampling import (
+    Samples,
+    sample_posterior,
+    to_inference_data,
+)
 from jaximpact.calibration.study import fit_study
 from jaximpact.calibration.study_file import read_study
 from jaximpact.calibration.uncertainty import estimate, regular_covariance
+from jaximpact.calibration.verdict import Verdict
 from jaximpact.cli import main
 from jaximpact.errors import InputError
+from jaximpact.files import replacing
 
 # --- A linear model in place of impacts: every answer is known. ---
 
@@ -714,10 +722,93 @@ def test_signs_that_mean_something_elsewhere():
 # --- The posterior. ---
 
 
+def summary(mean, deviation, effective=np.inf):
+    """Posterior of one parameter as NUTS would have it: `(draws, parameters)`."""
+    mean, deviation = np.atleast_1d(mean), np.atleast_1d(deviation)
+    normal = np.random.default_rng(0).normal(size=(2, 2000, len(mean)))
+    x = mean + deviation * (normal - normal.mean((0, 1))) / normal.std((0, 1))
+    nothing = np.zeros((2, 2000))
+    return Samples(
+        ["c_v", "gamma_v"],
+        x,
+        x,
+        *[nothing] * 4,
+        scale_reduction=np.ones(len(mean)),
+        effective=np.full(len(mean), min(effective, 4000.0)),
+        evaluations=0,
+        seconds=0.0,
+        accuracy=PRESETS["balanced"],
+        error=0.0,
+    )
+
+
+def test_which_to_believe(tmp_path):
+    objective, points, uncertainty = linear(tmp_path, *line(20))
+    found = draw(objective, points, 1.0, count=4000)
+    best, error = points.x[0], uncertainty.standard_errors
+    known = [Verdict("c_v", True, ""), Verdict("gamma_v", True, "")]
+    fit = SimpleNamespace(points=points, uncertainty=uncertainty, verdicts=known)
+
+    def words(mean, deviation, **changed):
+        return agreement.in_words(fit, found, summary(mean, deviation, **changed))
+
+    (line_,) = words(best, error)
+    assert "agree on c_v, gamma_v" in line_
+    # NUTS alone is off: by 10 standard deviations of its noise.
+    first, second = words(best + np.array([10.0, 0.0]) * error / 60.0, error)
+    assert "differ by more than chance in c_v:" in first
+    assert "agree on gamma_v" in second
+    # As far off, but of so few independent draws that it may be chance.
+    assert len(words(best + 0.17 * error, error, effective=100.0)) == 1
+    # All draws are half as wide as the standard error says.
+    narrow = uncertainty._replace(standard_errors=2.0 * error)
+    fit.uncertainty = narrow
+    lines = words(best, error)
+    assert all("Believe the posterior, not the standard error" in x for x in lines)
+    # What is not determined is compared with nothing.
+    fit.uncertainty = uncertainty
+    fit.verdicts = [known[0], Verdict("gamma_v", False, "the profile is open")]
+    first, second = words(best, error)
+    assert "Not determined: gamma_v" in first
+    assert "agree on c_v," in second
+
+
+def test_draws_whose_costs_are_rough_are_computed_again(tmp_path):
+    """Errors of a coarse accuracy are found, and gone in the weights; those that no
+    accuracy takes away are told."""
+    objective, points, _ = linear(tmp_path, *line(20))
+    plain = draw(objective, points, 1.0)
+    assert plain.accuracy == draws.LADDER[0]
+    assert plain.error == 0.0
+
+    class Rough(Linear):
+        """Predictions with errors that differ from place to place."""
+
+        sizes = None
+
+        def _predict(self, x, wanted):
+            predicted, outcomes, jacobian = super()._predict(x, wanted)
+            error = self.sizes[draws.LADDER.index(self.accuracy)] * np.sin(
+                1e5 * x[:, :1]
+            )
+            return predicted + error[..., None], outcomes, jacobian
+
+    rough = Rough(objective.study, objective.study.variants[0], None)
+    rough.matrix, rough.sizes = objective.matrix, (0.003, 0.0, 0.0)
+    found = draw(rough, points, 1.0)
+    assert found.accuracy == draws.LADDER[1]
+    assert not found.rough
+    np.testing.assert_array_equal(found.x, plain.x)
+    np.testing.assert_allclose(found.weights, plain.weights, rtol=1e-12)
+    np.testing.assert_allclose(found.effective_part, plain.effective_part)
+    rough.sizes = 0.003, -0.003, 0.0
+    assert draw(rough, points, 1.0).rough
+
+
 def test_nuts_agrees_with_laplace(tmp_path, engine):
-    """A twin with 2 % of noise, where the posterior is near normal."""
+    """A twin with 2 % of noise, where the posterior is near normal, and its file."""
     pytest.importorskip("blackjax")
-    pytest.importorskip("arviz")
+    arviz = pytest.importorskip("arviz")
     tests = ((100.0, 6.0), (500.0, 15.0), (50.0, 25.0))
     measured = model(tmp_path, engine, tests)
     random = np.random.default_rng(5)
@@ -726,25 +817,79 @@ def test_nuts_agrees_with_laplace(tmp_path, engine):
     text = text.replace("e_n = 0.01", "e_n = 0.002") + "[soil]\nk_E = 1500.0\n"
     study = read_study(write_study(tmp_path, noisy, text, tests))
     variant = fit_study(study).variants[0]
-    samples = sample_posterior(variant, chains=4, warmup=50, count=150, seed=1)
+    inflation = variant.uncertainty.inflation
+    drawn = draw(variant.objective, variant.points, inflation)
+    samples = sample_posterior(
+        variant, chains=4, warmup=60, count=150, seed=1, draws=drawn
+    )
     assert not np.any(samples.divergent)
+    assert not samples.rough
     assert np.all(samples.scale_reduction < 1.05)
-    assert np.all(samples.effective > 150.0)
+    effective = np.minimum(samples.effective, 600.0)
+    assert np.all(effective > 150.0)
     error = variant.uncertainty.standard_errors
-    mean = np.mean(samples.x, axis=(0, 1))
-    # 4 errors of the mean of 150 draws, and what the posterior is off normal.
-    assert np.all(np.abs(mean - variant.points.x[0]) < 0.4 * error)
-    np.testing.assert_allclose(np.std(samples.x, axis=(0, 1)), error, rtol=0.25)
-    flat = samples.x.reshape(-1, 2)
-    correlation = np.corrcoef(flat.T)[0, 1]
-    assert correlation == pytest.approx(variant.uncertainty.correlation[0, 1], abs=0.2)
-    data = to_inference_data(variant, samples)
+    mean, deviation = np.mean(samples.x, axis=(0, 1)), np.std(samples.x, axis=(0, 1))
+    # Of n independent normal draws the mean scatters by 1 / sqrt(n) standard
+    # deviations, the standard deviation by a part of 1 / sqrt(2 n), the correlation by
+    # less than 1 / sqrt(n): 4 of each. The draws tell how far the posterior is from
+    # normal; they scatter likewise.
+    there = drawn.effective_part[-1] * len(drawn.x)
+    noise = 4.0 * np.sqrt(1.0 / effective + 1.0 / there)
+    assert np.all(np.abs(mean - drawn.mean()) < noise * error)
+    drawn_deviation = np.sqrt(np.diag(drawn.covariance()))
+    assert np.all(np.abs(deviation / drawn_deviation - 1.0) < noise / np.sqrt(2.0))
+    # Of the posterior's own distance from the normal one of the standard errors: a
+    # tenth of one, for 2 % of noise on what is nearly linear over it.
+    skew = 0.1
+    assert np.all(
+        np.abs(mean - variant.points.x[0]) < (4.0 / np.sqrt(effective) + skew) * error
+    )
+    assert np.all(
+        np.abs(deviation / error - 1.0) < 4.0 / np.sqrt(2.0 * effective) + skew
+    )
+    correlation = np.corrcoef(samples.x.reshape(-1, 2).T)[0, 1]
+    expected = variant.uncertainty.correlation[0, 1]
+    scatter = (1.0 - expected**2) / np.sqrt(np.min(effective))
+    assert abs(correlation - expected) < 4.0 * scatter + skew * (1.0 - expected**2)
+
+    with replacing(tmp_path / "posterior.nc") as temporary:
+        to_inference_data(variant, samples).to_netcdf(str(temporary))
+    assert [p.name for p in tmp_path.glob("*posterior*")] == ["posterior.nc"]
+    data = arviz.from_netcdf(tmp_path / "posterior.nc")
+    assert set(data.groups()) >= {
+        *("posterior", "posterior_predictive", "log_likelihood"),
+        *("sample_stats", "observed_data"),
+    }
     np.testing.assert_array_equal(data.posterior.c_v.values, samples.values[:, :, 0])
+    assert data.posterior.gamma_v.attrs["units"] == "m/s"
+    assert data.attrs["accuracy"] == samples.accuracy.name
+    assert not np.any(data.sample_stats.diverging)
     assert data.log_likelihood.measured.shape == (4, 150, measured.size)
+    observed = data.observed_data.measured
+    np.testing.assert_array_equal(observed.values, noisy.ravel())
+    assert list(observed.unit.values) == ["-", "m"] * len(tests)
+    assert observed.measurement.values[0].endswith(": e_n")
     predicted = data.posterior_predictive.measured.values.mean((0, 1))
-    known = noisy.ravel()
     sigma = np.tile([0.002, 0.005], len(tests))
-    assert np.all(np.abs(predicted - known) < 4.0 * sigma)
+    assert np.all(np.abs(predicted - noisy.ravel()) < 4.0 * sigma)
+
+
+def test_an_interrupt_of_the_sampling_is_one(tmp_path, engine):
+    """Ctrl-C within the density comes out as that, not as an error of JAX."""
+    pytest.importorskip("blackjax")
+    pytest.importorskip("arviz")
+    tests = TESTS[:1]
+    measured = model(tmp_path, engine, tests)
+    text = STUDY.replace("starts = 6", "starts = 2")
+    variant = fit_study(read_study(write_study(tmp_path, measured, text, tests)))
+    variant = variant.variants[0]
+
+    def interrupted(progress):
+        if "density" in progress:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sample_posterior(variant, chains=2, warmup=20, count=2, progress=interrupted)
 
 
 def test_sampling_without_the_extra(tmp_path, capsys, monkeypatch):

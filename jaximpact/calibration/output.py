@@ -252,6 +252,8 @@ def _examination(
         "draws": {
             "count": len(looked.draws.x),
             "effective_parts": _plain(looked.draws.effective_part),
+            "accuracy": dataclasses.asdict(looked.draws.accuracy),
+            "error_of_costs": _plain(looked.draws.error),
             "mean": _plain(looked.draws.mean()),
             "covariance": _plain(looked.draws.covariance()),
             "weights": _short(
@@ -274,7 +276,14 @@ def _examination(
 
 def _samples(samples: Samples) -> dict:
     low, high = np.quantile(samples.values, (0.025, 0.975), axis=(0, 1))
-    return {"blackjax": version_of("blackjax")} | {
+    about = {
+        "blackjax": version_of("blackjax"),
+        "accuracy": dataclasses.asdict(samples.accuracy),
+        "error_of_log_density": _plain(samples.error),
+        "divergent": int(np.sum(samples.divergent)),
+        "seconds": samples.seconds,
+    }
+    return about | {
         name: {
             "mean": _plain(np.mean(samples.values[:, :, place])),
             "standard_deviation": _plain(np.std(samples.values[:, :, place])),

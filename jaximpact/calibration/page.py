@@ -8,7 +8,7 @@ import numpy as np
 from ..accuracy import PRESETS
 from ..columns import RESULT_COLUMNS
 from ..provenance import versions
-from . import drawings, further_tests, left_out, residuals
+from . import agreement, drawings, further_tests, left_out, residuals
 from .document import Block, Box, Heading, Paragraph, Picture, Pictures, Points, Table
 from .draws import FEWEST, Draws
 from .examination import Examination
@@ -125,6 +125,17 @@ def reservations(
             f"Of the draws fewer than {100 * FEWEST:g} % count: the bands are rough. "
             "Sample the posterior instead (--posterior)."
         )
+    for what in (looked.draws, looked.samples):
+        if what is not None and what.rough:
+            lines.append(
+                f"At the accuracy {what.accuracy.name} costs are off by up to "
+                f"{what.error:.2g}: the sigmas are too small for it. The "
+                + (
+                    "bands are rough."
+                    if what is looked.draws
+                    else "posterior is rough."
+                )
+            )
     if np.sum(variant.reached) == 1 and len(variant.start_costs) > 1:
         lines.append("One start alone found the best fit: there may be a better one.")
     if variant.failed:
@@ -203,7 +214,7 @@ def _parameters(result, variant, looked, prefix) -> list[Block]:
             Paragraph(_about_draws(result, draws)),
         ]
     if looked.samples is not None:
-        blocks += _posterior(variant, looked.samples)
+        blocks += _posterior(variant, looked)
     if len(variant.names) > len(variant.verdicts):
         blocks += [
             Heading(3, "Nuisances, under their priors"),
@@ -229,10 +240,11 @@ def _about_draws(result: StudyResult, draws: Draws) -> str:
             " The draws take the estimated scatter of a target for the same in all "
             "tests; the standard errors, where measurements are many, do not."
         )
-    return words
+    return f"{words} {_accuracy(draws)}"
 
 
-def _posterior(variant: VariantResult, samples: Samples) -> list[Block]:
+def _posterior(variant: VariantResult, looked: Examination) -> list[Block]:
+    samples = looked.samples
     rows = [("parameter", "mean", "median", "95 %", "R-hat", "effective draws")]
     for place in range(len(variant.verdicts)):
         values = samples.values[:, :, place]
@@ -261,7 +273,20 @@ def _posterior(variant: VariantResult, samples: Samples) -> list[Block]:
         )
     if np.max(samples.scale_reduction) > AGREE:
         words += f" The chains do not agree (R-hat above {AGREE}): draw more."
-    return [Heading(3, "Posterior"), Table(rows), Paragraph(words)]
+    words += f" {_accuracy(samples)}"
+    return [
+        Heading(3, "Posterior"),
+        Table(rows),
+        Paragraph(words),
+        Points(agreement.in_words(variant, looked.draws, samples)),
+    ]
+
+
+def _accuracy(of: Draws | Samples) -> str:
+    return (
+        f"Impacts at {of.accuracy.name}; of some computed again, closer, costs moved "
+        f"apart by at most {of.error:.1g}."
+    )
 
 
 def _with_profiles(variant: VariantResult) -> list[tuple[str, ...]]:

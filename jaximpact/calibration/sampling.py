@@ -7,6 +7,12 @@ $$ x = x_{low} + (x_{high} - x_{low}) / (1 + e^{-y}) , $$
 
 from draws weighted by what they cost, whose covariance is the first mass matrix.
 
+Impacts have the accuracy that the draws were found to need. What is sampled is the
+density at that accuracy, whatever the errors of its gradient: a leapfrog step with any
+force that depends on the place alone can be taken back and keeps volumes, and what is
+taken is judged by the density. A wrong gradient costs steps, not truth. The error of
+the density is looked for again in the samples.
+
 The library wants a function of JAX. Value and gradient come from machine code through a
 callback to the host, all chains at once: a call of some ms, beside which the way there
 and back is nothing. In XLA the same takes a hundred times as long, and half a minute to
@@ -25,13 +31,16 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.special import expit, logit
 
+from ..accuracy import Accuracy
+from ..columns import INPUT_COLUMNS, RESULT_COLUMNS
 from ..errors import InputError
-from .draws import Draws, draw
-from .fit import rough_of
+from ..provenance import version_of, versions
+from .draws import CHECKED, ROUGH, Draws, draw, error_of_costs
 from .least_squares import Progress
 from .losses import losses
 from .objective import Objective
 from .study import VariantResult
+from .study_file import Study
 
 if TYPE_CHECKING:
     import arviz
@@ -71,6 +80,16 @@ class Samples(NamedTuple):
     evaluations: int
     """Of the density and its gradient, warm-up included, all chains counting as one."""
     seconds: float
+    accuracy: Accuracy
+    """Of the impacts."""
+    error: float
+    """Largest error found of the logarithm of the density: of some of the draws,
+    computed again, closer."""
+
+    @property
+    def rough(self) -> bool:
+        """Whether that is too much."""
+        return self.error > ROUGH
 
 
 def sample_posterior(
@@ -94,7 +113,7 @@ def sample_posterior(
         draws: from `draw`, to start from; made if not given.
         progress: called with lines of text.
 
-    Impacts have the accuracy `fast`.
+    The same numbers, on the same machine, for the same arguments.
 
     Raises InputError without the extra, or where there is no machine code.
     """
@@ -105,12 +124,14 @@ def sample_posterior(
         potential_scale_reduction,
     )
 
-    objective = rough_of(fitted.objective)
     inflation = fitted.uncertainty.inflation
-    if objective.engine.kernel is None:
+    if fitted.objective.engine.kernel is None:
         raise InputError("sampling needs machine code, which these laws have not")
     begin = time.perf_counter()
-    draws = draws or draw(objective, fitted.points, inflation, progress=progress)
+    draws = draws or draw(
+        fitted.objective, fitted.points, inflation, seed=seed, progress=progress
+    )
+    objective = fitted.objective.at(draws.accuracy)
     host = _Host(objective, inflation, progress, chains * (warmup + count))
     log_density = _as_function(host, len(fitted.names))
     random = np.random.default_rng(seed)
@@ -149,6 +170,8 @@ def sample_posterior(
     state, step_size, mass = warm(
         jax.random.split(key_warmup, chains), jnp.asarray(y[chosen])
     )
+    jax.block_until_ready(state)
+    host.check()
     rows = []
     for number in range(count):
         keys = jax.random.split(jax.random.fold_in(key, number), chains)
@@ -164,9 +187,13 @@ def sample_posterior(
                 )
             )
         )
+        host.check()
         host.kept = number + 1
     position, *others = (np.stack(part, axis=1) for part in zip(*rows, strict=True))
     x = _x(objective, position)
+    progress("sampling: some of the draws again, closer")
+    every = -(-chains * count // CHECKED)
+    chosen = x.reshape(-1, x.shape[-1])[::every]
     return Samples(
         fitted.names,
         objective.bounds.parameter(x),
@@ -176,6 +203,8 @@ def sample_posterior(
         effective=np.atleast_1d(effective_sample_size(jnp.asarray(x))),
         evaluations=host.calls,
         seconds=time.perf_counter() - begin,
+        accuracy=objective.accuracy,
+        error=error_of_costs(objective, chosen, inflation),
     )
 
 
@@ -203,10 +232,26 @@ class _Host:
         self.objective, self.inflation = objective, inflation
         self.progress, self.wanted = progress, wanted
         self.calls, self.kept, self.talked = 0, 0, 0.0
+        self.raised: BaseException | None = None
 
     def __call__(self, y: np.ndarray):
         """Of one chain `(unknowns,)`, or of chains `(chains, unknowns)`."""
         y = np.asarray(y)
+        if self.raised is None:
+            try:
+                return self._evaluate(y)
+            except BaseException as error:  # Ctrl-C too
+                # Raised here it would come out of JAX as another one.
+                self.raised = error
+        # Such a trajectory diverges, and all is soon at its end.
+        return np.full(y.shape[:-1], -np.inf), np.zeros(y.shape)
+
+    def check(self) -> None:
+        """Raise what was raised in a callback."""
+        if self.raised is not None:
+            raise self.raised
+
+    def _evaluate(self, y: np.ndarray):
         part = expit(np.atleast_2d(y))
         bounds = self.objective.bounds
         points = self.objective(bounds.at_part(part))
@@ -248,7 +293,8 @@ def to_inference_data(
     probable each is (for `arviz.loo`).
 
     Variables `measured` of posterior_predictive, log_likelihood and observed_data have
-    the dimension `measurement`, named by test and target; limits are left out of them.
+    the dimension `measurement`, named by test and target, with its `unit` beside it;
+    limits are left out of them. Parameters have theirs as the attribute `units`.
 
     Args:
         seed: of the scatter of what is predicted.
@@ -259,7 +305,7 @@ def to_inference_data(
         warnings.simplefilter("ignore", FutureWarning)
         import arviz
 
-    objective = rough_of(fitted.objective)
+    objective = fitted.objective.at(samples.accuracy)
     study = objective.study
     tests, places = np.nonzero(study.known & (study.censored == 0))
     names = [
@@ -275,7 +321,7 @@ def to_inference_data(
     u = (predicted - measured) / sigma
     loss = losses(u, np.zeros(u.shape, int), study.loss).value
     shape = chains, count, len(names)
-    return arviz.from_dict(
+    data = arviz.from_dict(
         posterior={
             name: samples.values[:, :, place]
             for place, name in enumerate(samples.names)
@@ -293,4 +339,29 @@ def to_inference_data(
         observed_data={"measured": measured},
         coords={"measurement": names},
         dims={"measured": ["measurement"]},
+        attrs={
+            "title": study.title,
+            "accuracy": samples.accuracy.name,
+            "error_of_log_density": samples.error,
+            "inference_library": "blackjax",
+            "inference_library_version": version_of("blackjax"),
+            **{f"version_of_{name}": found for name, found in versions().items()},
+        },
     )
+    for name, unit in zip(samples.names, _units(study), strict=True):
+        data.posterior[name].attrs["units"] = unit
+    of_target = [RESULT_COLUMNS[study.targets[place]].unit for place in places]
+    data.assign_coords(
+        unit=("measurement", of_target),
+        groups=["posterior_predictive", "log_likelihood", "observed_data"],
+        inplace=True,
+    )
+    return data
+
+
+def _units(study: Study) -> list[str]:
+    """Of the unknowns."""
+    columns = [parameter.name for parameter in study.parameters]
+    for nuisance in study.nuisances:
+        columns += [nuisance.name] * len(nuisance.groups)
+    return [INPUT_COLUMNS[name].unit for name in columns]
