@@ -30,8 +30,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jaximpact.align import align
-from jaximpact.files import replacing
+from jaximpact.formats.files import replacing
+from jaximpact.solver.align import align
 
 ROOT = Path(__file__).parent.parent
 STUDY = ROOT / "calibration" / "wyllie" / "study.toml"

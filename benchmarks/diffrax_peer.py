@@ -17,11 +17,11 @@ import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
 
-from jaximpact.compilation import unfused_jit
-from jaximpact.laws import Laws
-from jaximpact.model import PLANAR
-from jaximpact.outcomes import TIME_LIMIT, closing_velocity
-from jaximpact.problem import Assembly, pose
+from jaximpact.engines.compilation import unfused_jit
+from jaximpact.mechanics.laws import Laws
+from jaximpact.mechanics.model import PLANAR
+from jaximpact.mechanics.outcomes import TIME_LIMIT, closing_velocity
+from jaximpact.mechanics.problem import Assembly, pose
 
 from .answer import Answer
 

@@ -3,10 +3,10 @@
 from .accuracy import PRESETS, Accuracy
 from .batch import simulate_batch
 from .block import Block
-from .laws import Laws
-from .model import select_model
-from .netcdf import read_netcdf, write_netcdf
-from .outcomes import Outcome
+from .formats.netcdf import read_netcdf, write_netcdf
+from .mechanics.laws import Laws
+from .mechanics.model import select_model
+from .mechanics.outcomes import Outcome
 from .parametric_sets import parametric_set
 from .rebound import (
     BozzoloPamini,

@@ -19,21 +19,21 @@ import jax
 import numpy as np
 
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from .checks import check_scene
-from .journal import Journal
-from .laws import Laws
-from .machine import NativeWorker, compile_native, computes_on_cpu
-from .marching import (
+from .engines.machine import NativeWorker, compile_native, computes_on_cpu
+from .engines.marching import (
     CORES,
     MarchingWorker,
     compile_programs,
     lanes_of_worker,
     worker_devices,
 )
-from .model import MODELS, model_places
+from .formats.checks import check_scene
+from .formats.journal import Journal
+from .formats.provenance import law_names, versions
+from .mechanics.laws import Laws
+from .mechanics.model import MODELS, model_places
+from .mechanics.problem import Assembly
 from .precision import require_float64
-from .problem import Assembly
-from .provenance import law_names, versions
 from .scene import Scene
 from .simulation import ImpactResult
 from .summary import Numbers, numbers_of_no_value

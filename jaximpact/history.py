@@ -9,12 +9,12 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from .accuracy import MAX_STEPS, Accuracy
-from .compilation import is_inside_jit, unfused_jit
-from .dynamics import elastic_energy, kinetic_energy
-from .integration import diffrax_arguments
-from .laws import Laws
-from .problem import Problem, assemble, pose
+from .engines.compilation import is_inside_jit, unfused_jit
+from .mechanics.dynamics import elastic_energy, kinetic_energy
+from .mechanics.laws import Laws
+from .mechanics.problem import Problem, assemble, pose
 from .scene import Scene
+from .solver.integration import diffrax_arguments
 
 Series = Float[Array, " steps"]
 

@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from .files import replacing
+from .formats.files import replacing
 from .history import History, record_history
-from .laws import Laws
-from .outcomes import Outcome
+from .mechanics.laws import Laws
+from .mechanics.outcomes import Outcome
 from .scene import Scene
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .block import Block
-from .foundation import tangency_arm
+from .mechanics.foundation import tangency_arm
 from .safe import safe_sqrt
 
 Scalar = Float[Array, ""]

@@ -14,21 +14,21 @@ import jax
 import jax.numpy as jnp
 from jax.custom_derivatives import SymbolicZero
 
-from . import provenance
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
-from .checks import check_scene
-from .compilation import unfused_jit
+from .engines.compilation import unfused_jit
+from .engines.machine import compile_native, computes_on_cpu, solve_alone
+from .formats import provenance
+from .formats.checks import check_scene
 from .history import History, record_history
-from .integration import integrate
-from .lanes import march, start_lanes
-from .laws import Laws
-from .machine import compile_native, computes_on_cpu, solve_alone
-from .outcomes import Outcome
+from .mechanics.laws import Laws
+from .mechanics.outcomes import Outcome
+from .mechanics.problem import Assembly, assemble, pose
 from .precision import require_float64
-from .problem import Assembly, assemble, pose
 from .scene import Impact, Scene
 from .soil import Soil
+from .solver.integration import integrate
+from .solver.lanes import march, start_lanes
 from .summary import Numbers, summarise, summarise_lanes
 
 

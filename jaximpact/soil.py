@@ -30,7 +30,7 @@ class Soil(eqx.Module):
     unit_weight: Float[Array, ""] = _parameter(18e3)  # gamma [N/m3]
     friction_angle: Float[Array, ""] = _parameter(math.radians(30.0))  # phi' [rad]
     relative_density: Float[Array, ""] = _parameter(0.90)  # D_r0 [-], 0 to 1
-    # Elasto-damping element (laws/elasticity.py, laws/damping.py)
+    # Elasto-damping element (mechanics/laws/: elasticity, damping)
     k_E: Float[Array, ""] = _parameter(900.0)  # modulus number [-]
     n_E: Float[Array, ""] = _parameter(0.40)  # modulus exponent [-]
     poisson: Float[Array, ""] = _parameter(0.30)  # nu [-]
@@ -38,7 +38,7 @@ class Soil(eqx.Module):
     eta_N: Float[Array, ""] = _parameter(0.0)  # damping ratio, normal [-]
     eta_T: Float[Array, ""] = _parameter(0.0)  # damping ratio, tangential [-]
     eta_R: Float[Array, ""] = _parameter(0.0)  # damping ratio, rotational [-]
-    # Visco-plastic element (laws/bearing_capacity.py, loading_surface.py, flow.py)
+    # Visco-plastic element (mechanics/laws/: bearing_capacity, loading_surface, flow)
     beta: Float[Array, ""] = _parameter(0.90)  # exponent of the loading surface [-]
     c_v: Float[Array, ""] = _parameter(1.0)  # hardening per foundation size [-]
     gamma_v: Float[Array, ""] = _parameter(8.7)  # fluidity [m/s]
@@ -47,7 +47,7 @@ class Soil(eqx.Module):
     alpha_vT: Float[Array, ""] = _parameter(2.53)  # hardening by sliding [-]
     alpha_vR: Float[Array, ""] = _parameter(0.0)  # hardening by rocking [-]
     psi: Float[Array, ""] = _parameter(0.33)  # moment intercept of the surface [-]
-    # Plastic slider (laws/slider.py) and flow rule
+    # Plastic slider (mechanics/laws/: slider) and flow rule
     alpha_s: Float[Array, ""] = _parameter(1.0)  # tan(phi_b) / tan(phi') [-]
     dilatancy: Float[Array, ""] = _parameter(0.0)  # heave admitted, 0 to 1 [-]
 

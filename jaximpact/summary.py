@@ -8,14 +8,14 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .dynamics import elastic_energy, initial_motion, kinetic_energy
-from .integration import End
-from .lanes import Lanes, end_lanes
-from .outcomes import OUTCOME_OF_MARGIN, Outcome, closing_velocity
-from .problem import Problem
+from .mechanics.dynamics import elastic_energy, initial_motion, kinetic_energy
+from .mechanics.outcomes import OUTCOME_OF_MARGIN, Outcome, closing_velocity
+from .mechanics.problem import Problem
 from .restitution import defined_ratio, vijayakumar_coefficient
 from .safe import safe_sqrt
 from .scene import Scene
+from .solver.integration import End
+from .solver.lanes import Lanes, end_lanes
 
 Scalar = Float[Array, ""]
 

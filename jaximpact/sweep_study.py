@@ -5,12 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .columns import INPUT_COLUMNS
 from .errors import InputError
+from .formats.columns import INPUT_COLUMNS
+from .formats.scene_file import scene_from
+from .formats.toml_values import choice, load_toml, number, typed, unknown, whole
 from .scene import Scene
-from .scene_file import scene_from
 from .sweeping import Axes, check_axes
-from .toml_values import choice, load_toml, number, typed, unknown, whole
 
 AXES_KEY = "axes"
 RANGE_KEYS = ("from", "to", "count", "spacing")

@@ -14,19 +14,19 @@ from numpy.typing import ArrayLike
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
 from .block import Block
-from .checks import check_scene
-from .columns import (
+from .errors import InputError, nearest
+from .formats.checks import check_scene
+from .formats.columns import (
     FURTHER_COLUMNS,
     INPUT_COLUMNS,
     OUTCOME_COLUMN,
     OUTCOME_MEANING,
     RESULT_COLUMNS,
 )
-from .errors import InputError, nearest
-from .laws import Laws
-from .outcomes import Outcome
-from .provenance import law_names, scene_values, versions
-from .results import count_outcomes
+from .formats.provenance import law_names, scene_values, versions
+from .formats.results import count_outcomes
+from .mechanics.laws import Laws
+from .mechanics.outcomes import Outcome
 from .scene import PARTS, Impact, Scene
 from .simulation import ImpactResult
 from .soil import Soil

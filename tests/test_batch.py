@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate, simulate_batch
-from jaximpact.marching import WIDTH
+from jaximpact.engines.marching import WIDTH
 
 
 def mixed_scenes(count, seed=0):

@@ -6,7 +6,7 @@ import pytest
 from jaximpact.calibration.engine import LEAVES, USUAL, Engine
 from jaximpact.calibration.objective import Objective, engine_of
 from jaximpact.calibration.study_file import read_study
-from jaximpact.columns import INPUT_COLUMNS
+from jaximpact.formats.columns import INPUT_COLUMNS
 
 STUDY = 'data = "tests.csv"\n'
 TABLE = """\

@@ -42,7 +42,7 @@ from jaximpact.calibration.uncertainty import estimate, regular_covariance
 from jaximpact.calibration.verdict import Verdict
 from jaximpact.cli import main
 from jaximpact.errors import InputError
-from jaximpact.files import replacing
+from jaximpact.formats.files import replacing
 
 # --- A linear model in place of impacts: every answer is known. ---
 

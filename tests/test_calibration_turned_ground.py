@@ -11,7 +11,7 @@ from jaximpact.calibration.objective import Objective, engine_of
 from jaximpact.calibration.study_file import read_study
 from jaximpact.calibration.turned_ground import SIGN, as_stated
 from jaximpact.cli import main
-from jaximpact.foundation import tangency_arm
+from jaximpact.mechanics.foundation import tangency_arm
 
 TARGETS = ("e_n", "e_t", "e_bar", "max_sinking_m", "v_n_mps", "v_t_mps")
 TESTS = (  # campaign, mass, aspect ratio, speed, angle, orientation, slope

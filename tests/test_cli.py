@@ -13,7 +13,7 @@ from command_line import assert_one_line_error
 
 from jaximpact import PRESETS, Block, Impact, Outcome, Soil, simulate
 from jaximpact.cli import main
-from jaximpact.columns import INPUT_COLUMNS, RESULT_COLUMNS
+from jaximpact.formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
 
 MASSES = (3.0, 1.0, 2.0)
 SCENES = "name,mass_kg\nc,3\na,1\nb,2\n"
@@ -206,7 +206,7 @@ def test_a_batch_that_is_cut_short_leaves_its_journal_alone(
         yield ["half of it"]
         raise error
 
-    monkeypatch.setattr("jaximpact.results._lines", cut_short)
+    monkeypatch.setattr("jaximpact.formats.results._lines", cut_short)
     assert main(["batch", "scenes.csv", "--out", "results.csv"]) == code
     assert_one_line_error(capsys, part)
     assert sorted(os.listdir(folder)) == ["results.csv.journal", "scenes.csv"]

@@ -12,7 +12,7 @@ from command_line import assert_one_line_error
 from jaximpact import Block, Impact, ImpactResult, Soil, simulate
 from jaximpact.cli import main
 from jaximpact.cli.report import ENERGY_ITEMS
-from jaximpact.columns import FURTHER_COLUMNS, RESULT_COLUMNS
+from jaximpact.formats.columns import FURTHER_COLUMNS, RESULT_COLUMNS
 
 
 @pytest.fixture

@@ -12,13 +12,6 @@ from command_line import assert_one_line_error
 
 from jaximpact import Accuracy, Block, Impact, Soil, simulate
 from jaximpact.cli import main
-from jaximpact.columns import (
-    DEGREE,
-    FURTHER_COLUMNS,
-    INPUT_COLUMNS,
-    OUTCOME_COLUMN,
-    RESULT_COLUMNS,
-)
 from jaximpact.distributions import fit_exponential
 from jaximpact.errors import InputError
 from jaximpact.figures import PAPER_FIGURES, Study, run, write_figures
@@ -28,6 +21,13 @@ from jaximpact.figures.figure_10 import LINE
 from jaximpact.figures.jumps import BRANCH, DURATION, JUMP
 from jaximpact.figures.run import write_table
 from jaximpact.figures.slope_runs import ENDING_COLUMN
+from jaximpact.formats.columns import (
+    DEGREE,
+    FURTHER_COLUMNS,
+    INPUT_COLUMNS,
+    OUTCOME_COLUMN,
+    RESULT_COLUMNS,
+)
 from jaximpact.parametric_sets import GROUNDS
 
 # What is promised of every figure.

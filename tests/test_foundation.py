@@ -7,9 +7,14 @@ import numpy as np
 import pytest
 
 from jaximpact.block import Block, SemiAxes
-from jaximpact.dynamics import contact_geometry, prepare
-from jaximpact.foundation import Foundation, foundation, support_radius, tangency_arm
-from jaximpact.laws import Laws
+from jaximpact.mechanics.dynamics import contact_geometry, prepare
+from jaximpact.mechanics.foundation import (
+    Foundation,
+    foundation,
+    support_radius,
+    tangency_arm,
+)
+from jaximpact.mechanics.laws import Laws
 from jaximpact.scene import Impact, Scene
 from jaximpact.soil import Soil
 

@@ -11,9 +11,9 @@ import pytest
 from jaximpact import Accuracy, Block, Impact, Laws, Scene, Soil, simulate
 from jaximpact.accuracy import PRESETS
 from jaximpact.calibration.engine import LEAVES
-from jaximpact.compilation import unfused_jit
-from jaximpact.machine import compile_native, solve_side_by_side
-from jaximpact.model import PLANAR, PLANAR_DAMPED, select_model
+from jaximpact.engines.compilation import unfused_jit
+from jaximpact.engines.machine import compile_native, solve_side_by_side
+from jaximpact.mechanics.model import PLANAR, PLANAR_DAMPED, select_model
 from jaximpact.simulation import Assembly, compute
 
 DEGREE = math.pi / 180.0

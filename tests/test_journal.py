@@ -14,7 +14,7 @@ from test_batch import mixed_scenes
 from jaximpact import Laws, simulate_batch
 from jaximpact.cli import main
 from jaximpact.errors import InputError
-from jaximpact.journal import Journal
+from jaximpact.formats.journal import Journal
 
 COLUMNS = ["a", "b", "c"]
 SUBJECT = {"of": "a test"}

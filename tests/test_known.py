@@ -5,8 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaximpact.compilation import compile_unfused
-from jaximpact.known import leave_out_known
+from jaximpact.engines.compilation import compile_unfused
+from jaximpact.mechanics.known import leave_out_known
 
 
 def mixed(x, y, z):

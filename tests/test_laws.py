@@ -11,14 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jaximpact import Block, Impact, Laws, Scene, Soil, simulate
-from jaximpact.dynamics import (
+from jaximpact.mechanics.dynamics import (
     Forces,
     contact,
     force_rate,
     initial_motion,
     prepare,
 )
-from jaximpact.laws import (
+from jaximpact.mechanics.laws import (
     FlowRate,
     Load,
     Stiffness,
@@ -35,9 +35,9 @@ from jaximpact.laws import (
     slider_friction,
     slip_rate,
 )
-from jaximpact.laws.elasticity import shape_factor
-from jaximpact.laws.loading_surface import TANGENT_FROM, VERTEX_ROUNDING
-from jaximpact.laws.slider import RELAXATION_TIME
+from jaximpact.mechanics.laws.elasticity import shape_factor
+from jaximpact.mechanics.laws.loading_surface import TANGENT_FROM, VERTEX_ROUNDING
+from jaximpact.mechanics.laws.slider import RELAXATION_TIME
 
 # Two orders of summation of the same formula.
 ROUNDING = 1e-13

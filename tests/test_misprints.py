@@ -12,7 +12,7 @@ import pytest
 from scipy.optimize import brentq
 
 from jaximpact.block import Block, SemiAxes
-from jaximpact.foundation import foundation, support_radius, tangency_arm
+from jaximpact.mechanics.foundation import foundation, support_radius, tangency_arm
 from jaximpact.restitution import energetic_coefficient, vijayakumar_coefficient
 
 # An oblong block, turned, its centre above the ground; and one sunk past its centre.

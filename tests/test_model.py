@@ -18,8 +18,8 @@ from jaximpact import (
     simulate_batch,
 )
 from jaximpact.batch import broadcast_scene
-from jaximpact.compilation import unfused_jit
-from jaximpact.model import (
+from jaximpact.engines.compilation import unfused_jit
+from jaximpact.mechanics.model import (
     MODELS,
     PLANAR,
     PLANAR_DAMPED,
@@ -28,7 +28,7 @@ from jaximpact.model import (
     VERTICAL_DAMPED,
     model_places,
 )
-from jaximpact.problem import Assembly
+from jaximpact.mechanics.problem import Assembly
 from jaximpact.simulation import compute_lanes
 
 TALL = Block(aspect_ratio=2.0)

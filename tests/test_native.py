@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from jaximpact import Block, Impact, Scene, Soil, batch, simulate, simulate_batch
-from jaximpact.dependence import depends
-from jaximpact.laws import Laws
-from jaximpact.machine import compile_native
-from jaximpact.model import MODELS
-from jaximpact.native import Code, compile_kernel, kept
-from jaximpact.problem import Assembly
+from jaximpact.engines.dependence import depends
+from jaximpact.engines.machine import compile_native
+from jaximpact.engines.native import Code, compile_kernel, kept
+from jaximpact.mechanics.laws import Laws
+from jaximpact.mechanics.model import MODELS
+from jaximpact.mechanics.problem import Assembly
 
 ONE = jax.ShapeDtypeStruct((1,), float)
 
@@ -264,7 +264,7 @@ def test_kept_machine_code_runs(cache, monkeypatch):
     scenes = oblique_scenes(20)
     made = simulate_batch(scenes, accuracy="fast")
     compile_native.cache_clear()
-    monkeypatch.setattr("jaximpact.machine.compile_code", None)
+    monkeypatch.setattr("jaximpact.engines.machine.compile_code", None)
     found = simulate_batch(scenes, accuracy="fast")
     for a, b in zip(jax.tree.leaves(made), jax.tree.leaves(found), strict=True):
         np.testing.assert_array_equal(a, b)

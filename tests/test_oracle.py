@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate_batch
-from jaximpact.columns import INPUT_COLUMNS, RESULT_COLUMNS
+from jaximpact.formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
 
 DATA = Path(__file__).parent / "data" / "oracle_scenes.csv"
 

@@ -17,7 +17,7 @@ from jaximpact import (
     RigidEllipsoid,
     vijayakumar_coefficient,
 )
-from jaximpact.foundation import support_radius, tangency_arm
+from jaximpact.mechanics.foundation import support_radius, tangency_arm
 
 angles = st.floats(-1.5, 1.5)
 impacts = st.builds(

@@ -9,13 +9,15 @@ from scipy.integrate import solve_ivp
 
 from jaximpact.accuracy import PRESETS, Accuracy
 from jaximpact.block import Block
-from jaximpact.compilation import unfused_jit
-from jaximpact.dynamics import Motion
-from jaximpact.integration import diffrax_arguments
-from jaximpact.laws import Laws
-from jaximpact.model import MODELS, PLANAR
-from jaximpact.problem import Assembly, Problem, jacobian_pattern, pose
-from jaximpact.rosenbrock import (
+from jaximpact.engines.compilation import unfused_jit
+from jaximpact.mechanics.dynamics import Motion
+from jaximpact.mechanics.laws import Laws
+from jaximpact.mechanics.model import MODELS, PLANAR
+from jaximpact.mechanics.problem import Assembly, Problem, jacobian_pattern, pose
+from jaximpact.scene import Impact, Scene
+from jaximpact.soil import Soil
+from jaximpact.solver.integration import diffrax_arguments
+from jaximpact.solver.rosenbrock import (
     DenseOutput,
     Rodas5P,
     dense_output,
@@ -23,8 +25,6 @@ from jaximpact.rosenbrock import (
     rodas5p_step,
     substitute,
 )
-from jaximpact.scene import Impact, Scene
-from jaximpact.soil import Soil
 
 FULL = np.ones((2, 2), bool)
 START = np.array([1.2, 0.4])

@@ -8,7 +8,7 @@ import pytest
 
 from jaximpact import Block, Impact, Scene, Soil
 from jaximpact.errors import InputError
-from jaximpact.scene_file import read_scene, scene_from
+from jaximpact.formats.scene_file import read_scene, scene_from
 
 
 @pytest.fixture

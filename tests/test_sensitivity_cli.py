@@ -8,8 +8,8 @@ from command_line import assert_one_line_error
 
 from jaximpact.cli import main
 from jaximpact.cli.sensitivity import METHODS
-from jaximpact.columns import INPUT_COLUMNS
 from jaximpact.errors import InputError
+from jaximpact.formats.columns import INPUT_COLUMNS
 from jaximpact.sensitivity import study_file
 from jaximpact.sensitivity.study_file import read_study
 

@@ -19,8 +19,8 @@ from jaximpact import (
     write_netcdf,
 )
 from jaximpact.batch import broadcast_scene
-from jaximpact.columns import INPUT_COLUMNS, RESULT_COLUMNS
 from jaximpact.errors import InputError
+from jaximpact.formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
 from jaximpact.scene import GRAVITY
 from jaximpact.sensitivity import Check, State, in_words
 from jaximpact.sensitivity.differences import differences

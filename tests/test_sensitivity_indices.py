@@ -19,8 +19,8 @@ from jaximpact import (
     sobol,
     write_netcdf,
 )
-from jaximpact.columns import RESULT_COLUMNS
 from jaximpact.errors import InputError
+from jaximpact.formats.columns import RESULT_COLUMNS
 from jaximpact.scene import Impact
 from jaximpact.sensitivity import in_words
 from jaximpact.sensitivity.drawing import plot_heat_map, plot_morris, plot_sobol

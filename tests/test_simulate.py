@@ -20,7 +20,7 @@ from jaximpact import (
     simulate,
 )
 from jaximpact.block import Block as BlockClass
-from jaximpact.laws import elastic_stiffness
+from jaximpact.mechanics.laws import elastic_stiffness
 
 DEGREE = math.pi / 180.0
 
@@ -278,7 +278,7 @@ def test_dashpots_dissipate():
 
 
 def test_laws_can_be_replaced_one_by_one():
-    from jaximpact.laws import bearing_capacity
+    from jaximpact.mechanics.laws import bearing_capacity
 
     def twice_as_strong(*arguments, **branch):
         return 2.0 * bearing_capacity(*arguments, **branch)

@@ -18,9 +18,9 @@ from make_stability_scenes import DEGREE, ENDS, USUAL, scene_of
 
 from jaximpact import Laws, Outcome, simulate_batch
 from jaximpact.accuracy import PRESETS
-from jaximpact.compilation import unfused_jit
-from jaximpact.model import PLANAR
-from jaximpact.problem import Assembly
+from jaximpact.engines.compilation import unfused_jit
+from jaximpact.mechanics.model import PLANAR
+from jaximpact.mechanics.problem import Assembly
 from jaximpact.scene import GRAVITY
 from jaximpact.simulation import compute_lanes
 

@@ -23,7 +23,7 @@ from jaximpact import (
     write_netcdf,
 )
 from jaximpact.errors import InputError
-from jaximpact.laws import bearing_capacity
+from jaximpact.mechanics.laws import bearing_capacity
 from jaximpact.parametric_sets import GROUNDS, PARAMETRIC_SETS
 from jaximpact.sweep_study import read_sweep_study
 

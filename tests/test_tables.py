@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 
 from jaximpact import PRESETS, Block, Impact, Outcome, Soil
-from jaximpact.columns import (
+from jaximpact.errors import InputError
+from jaximpact.formats.columns import (
     INPUT_COLUMNS,
     LABEL_COLUMNS,
     OUTCOME_MEANING,
     RESULT_COLUMNS,
 )
-from jaximpact.errors import InputError
-from jaximpact.files import check_writable, replacing
-from jaximpact.results import count_outcomes, manifest_path, write_results
-from jaximpact.tables import SIGMA_COLUMNS, SLICE_ROWS, read_table
+from jaximpact.formats.files import check_writable, replacing
+from jaximpact.formats.results import count_outcomes, manifest_path, write_results
+from jaximpact.formats.tables import SIGMA_COLUMNS, SLICE_ROWS, read_table
 
 
 @pytest.fixture

@@ -18,8 +18,8 @@ from validation_page import assert_page_shows, page
 
 from jaximpact import Block, ConstantCoefficients, Impact, Laws, Soil, simulate
 from jaximpact.cli import main
-from jaximpact.laws import flow_rate, hardening_rate, loading_surface
-from jaximpact.laws.bearing_capacity import bearing_capacity, bearing_factors
+from jaximpact.mechanics.laws import flow_rate, hardening_rate, loading_surface
+from jaximpact.mechanics.laws.bearing_capacity import bearing_capacity, bearing_factors
 from jaximpact.parametric_sets import GROUNDS, parametric_set
 from jaximpact.runout import ClosedForm, Ending
 from jaximpact.validation import (

@@ -7,12 +7,12 @@ import pytest
 from validation_page import assert_page_shows
 
 from jaximpact import Block, Impact, Outcome, Soil, simulate
-from jaximpact.columns import INPUT_COLUMNS
 from jaximpact.engineering_laws import (
     KatsuragiDurian,
     gerber_penetration_m,
     labiouse_max_force_kN,
 )
+from jaximpact.formats.columns import INPUT_COLUMNS
 from jaximpact.validation.comparison import (
     Comparison,
     Verdict,

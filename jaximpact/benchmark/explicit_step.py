@@ -12,13 +12,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..accuracy import PRESETS
-from ..compilation import unfused_jit
-from ..lanes import start_lanes, step_lanes
-from ..laws import Laws
-from ..model import PLANAR
+from ..engines.compilation import unfused_jit
+from ..mechanics.laws import Laws
+from ..mechanics.model import PLANAR
+from ..mechanics.problem import Assembly
 from ..plotting import BLUE, GREEN, VERMILION
-from ..problem import Assembly
 from ..scene import Scene
+from ..solver.lanes import start_lanes, step_lanes
 from .scenes import spread
 from .section import Bench, Row, Section
 from .stability import base

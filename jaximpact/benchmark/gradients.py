@@ -10,11 +10,11 @@ import numpy as np
 
 from ..accuracy import Accuracy
 from ..block import Block
-from ..laws import Laws
-from ..machine import compile_native, solve_side_by_side
-from ..marching import CORES
-from ..model import MODELS, model_places
-from ..problem import Assembly
+from ..engines.machine import compile_native, solve_side_by_side
+from ..engines.marching import CORES
+from ..mechanics.laws import Laws
+from ..mechanics.model import MODELS, model_places
+from ..mechanics.problem import Assembly
 from ..scene import Impact, Scene
 from ..soil import Soil
 from .methods import EXACT, FLOOR, Method, count_of

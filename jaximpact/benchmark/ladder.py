@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..accuracy import PRESETS, Accuracy
-from ..laws import Laws
-from ..machine import compile_native, solve_side_by_side
-from ..model import MODELS, PLANAR, Model
+from ..engines.machine import compile_native, solve_side_by_side
+from ..mechanics.laws import Laws
+from ..mechanics.model import MODELS, PLANAR, Model
+from ..mechanics.problem import Assembly
 from ..plotting import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
-from ..problem import Assembly
 from ..scene import Scene
 from .measuring import error_figures, interleaved_minima
 from .methods import EXACT

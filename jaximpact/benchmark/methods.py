@@ -14,8 +14,8 @@ import numpy as np
 from ..accuracy import PRESETS, Accuracy
 from ..batch import simulate_batch
 from ..errors import InputError
-from ..laws import Laws, slip_rate
-from ..laws.slider import RELAXATION_TIME
+from ..mechanics.laws import Laws, slip_rate
+from ..mechanics.laws.slider import RELAXATION_TIME
 from ..scene import Scene
 from ..simulation import simulate
 from .scenes import choose

@@ -19,11 +19,11 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ..align import align
 from ..errors import InputError, nearest
-from ..files import replacing
+from ..formats.files import replacing
+from ..formats.provenance import version_of, versions
 from ..precision import require_float64
-from ..provenance import version_of, versions
+from ..solver.align import align
 from .compile_time import COMPILE_TIME
 from .explicit_step import EXPLICIT_STEP
 from .ladder import LADDER

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from ..block import Block
-from ..columns import INPUT_COLUMNS, LABEL_COLUMNS, RESULT_COLUMNS, SIGMA_PREFIX
+from ..formats.columns import INPUT_COLUMNS, LABEL_COLUMNS, RESULT_COLUMNS, SIGMA_PREFIX
+from ..formats.tables import Table, read_table
 from ..scene import Impact, Scene
 from ..soil import Soil
-from ..tables import Table, read_table
 
 CAMPAIGN = "campaign"
 

@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..columns import INPUT_COLUMNS, RESULT_COLUMNS
 from ..errors import InputError, nearest
-from ..toml_values import choice, number, typed, unknown, whole
+from ..formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
+from ..formats.toml_values import choice, number, typed, unknown, whole
 from .design import CRITERIA
 
 COUNT = 3

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
-from ..files import replacing
+from ..formats.files import replacing
 
 STYLE = """\
 body { max-width: 60rem; margin: 1.5rem auto; padding: 0 1rem; color: #222;

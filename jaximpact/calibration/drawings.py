@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..columns import INPUT_COLUMNS, RESULT_COLUMNS
+from ..formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
 from ..plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from .bands import Bands
 from .draws import Draws

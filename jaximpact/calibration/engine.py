@@ -16,11 +16,11 @@ import numpy as np
 
 from ..accuracy import Accuracy
 from ..block import Block
-from ..columns import INPUT_COLUMNS, RESULT_COLUMNS
-from ..compilation import unfused_jit
-from ..machine import compile_native_along, computes_on_cpu, solve_rows
-from ..marching import CORES
-from ..problem import Assembly
+from ..engines.compilation import unfused_jit
+from ..engines.machine import compile_native_along, computes_on_cpu, solve_rows
+from ..engines.marching import CORES
+from ..formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
+from ..mechanics.problem import Assembly
 from ..scene import Impact, Scene
 from ..simulation import compute_lanes
 from ..soil import Soil

@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..align import align
-from ..columns import INPUT_COLUMNS
 from ..errors import InputError
+from ..formats.columns import INPUT_COLUMNS
+from ..solver.align import align
 from .candidates import Sigma, checked_axes, checked_measure
 from .design import CRITERIA, choose, merit
 from .engine import LEAVES

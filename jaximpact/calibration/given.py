@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..tables import Table, read_table, table_of
+from ..formats.tables import Table, read_table, table_of
 
 COLUMNS = Path("columns given")
 """Stands in errors, and in the manifest, for the name of a file."""

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..files import replacing
-from ..machine import installed
+from ..engines.machine import installed
+from ..formats.files import replacing
 from .least_squares import Fits
 from .objective import Objective, Points
 from .stopping import Reason

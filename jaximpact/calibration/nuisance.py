@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..columns import INPUT_COLUMNS, LABEL_COLUMNS
 from ..errors import InputError
-from ..toml_values import choice, number, typed, unknown
+from ..formats.columns import INPUT_COLUMNS, LABEL_COLUMNS
+from ..formats.toml_values import choice, number, typed, unknown
 from .campaigns import Measurements
 from .turned_ground import ANGLE
 

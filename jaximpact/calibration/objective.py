@@ -12,10 +12,10 @@ import jax
 import numpy as np
 
 from ..accuracy import PRESETS, Accuracy
-from ..columns import INPUT_COLUMNS
-from ..laws import Laws
-from ..model import PLANAR, PLANAR_DAMPED
-from ..problem import Assembly
+from ..formats.columns import INPUT_COLUMNS
+from ..mechanics.laws import Laws
+from ..mechanics.model import PLANAR, PLANAR_DAMPED
+from ..mechanics.problem import Assembly
 from ..soil import DAMPING_RATIOS, has_dashpots
 from .engine import LEAVES, Engine
 from .losses import losses

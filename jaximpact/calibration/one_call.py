@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..columns import INPUT_COLUMNS
 from ..errors import InputError, nearest
-from ..files import replacing
+from ..formats.columns import INPUT_COLUMNS
+from ..formats.files import replacing
+from ..formats.toml_values import SOIL_COLUMNS
 from ..precision import require_float64
 from ..soil import Soil
-from ..toml_values import SOIL_COLUMNS
 from .campaigns import joined_tables
 from .examination import Examination
 from .given import table_given

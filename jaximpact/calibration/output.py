@@ -10,8 +10,8 @@ import numpy as np
 
 from ..accuracy import PRESETS
 from ..errors import InputError
-from ..files import replacing
-from ..provenance import version_of, versions
+from ..formats.files import replacing
+from ..formats.provenance import version_of, versions
 from .examination import Examination
 from .further_tests import Suggestions
 from .left_out import LeftOut

@@ -6,8 +6,8 @@ import itertools
 import numpy as np
 
 from ..accuracy import PRESETS
-from ..columns import RESULT_COLUMNS
-from ..provenance import versions
+from ..formats.columns import RESULT_COLUMNS
+from ..formats.provenance import versions
 from . import agreement, drawings, further_tests, left_out, residuals
 from .document import Block, Box, Heading, Paragraph, Picture, Pictures, Points, Table
 from .draws import FEWEST, Draws

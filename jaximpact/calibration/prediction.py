@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..accuracy import PRESETS
-from ..columns import INPUT_COLUMNS
 from ..errors import InputError
-from ..outcomes import Outcome
+from ..formats.columns import INPUT_COLUMNS
+from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
 from .campaigns import Measurements, joined_tables
 from .candidates import Candidates

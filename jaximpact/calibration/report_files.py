@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ..files import replacing
+from ..formats.files import replacing
 from .document import as_html, as_markdown, save_pictures
 from .examination import Examination
 from .page import study_page

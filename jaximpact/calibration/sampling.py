@@ -32,9 +32,9 @@ import numpy as np
 from scipy.special import expit, logit
 
 from ..accuracy import Accuracy
-from ..columns import INPUT_COLUMNS, RESULT_COLUMNS
 from ..errors import InputError
-from ..provenance import version_of, versions
+from ..formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
+from ..formats.provenance import version_of, versions
 from .draws import CHECKED, ROUGH, Draws, draw, error_of_costs
 from .least_squares import Progress
 from .losses import losses

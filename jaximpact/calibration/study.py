@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..laws import Laws
+from ..mechanics.laws import Laws
 from .fit import fit, fit_starts, go_on, spread_starts, told_apart
 from .least_squares import Fits, Progress
 from .likelihood_profile import LikelihoodProfile, profile_all

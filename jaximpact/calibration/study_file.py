@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from ..accuracy import PRESETS
-from ..columns import RESULT_COLUMNS
 from ..errors import InputError, nearest
-from ..toml_values import (
+from ..formats.columns import RESULT_COLUMNS
+from ..formats.toml_values import (
     SOIL_COLUMNS,
     allowed,
     choice,

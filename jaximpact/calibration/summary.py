@@ -5,8 +5,8 @@ import textwrap
 
 import numpy as np
 
-from ..align import align
-from ..columns import INPUT_COLUMNS
+from ..formats.columns import INPUT_COLUMNS
+from ..solver.align import align
 from .examination import Examination
 from .report import (
     about_cells,

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import IncompleteError, InputError
-from ..provenance import version_of
+from ..formats.provenance import version_of
 from . import (
     batch,
     benchmark,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
-from ..files import check_writable
+from ..formats.files import check_writable
 from . import options
 from .progress import Progress, say
 
@@ -81,7 +81,8 @@ def _tolerance(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the table."""
-    from .. import batch, results, tables
+    from .. import batch
+    from ..formats import results, tables
 
     scenes, out = arguments.scenes, arguments.out
     if os.path.realpath(scenes) == os.path.realpath(out):

@@ -3,14 +3,14 @@
 import argparse
 
 from ..accuracy import PRESETS
-from ..align import align
-from ..columns import (
+from ..formats.columns import (
     INPUT_COLUMNS,
     LABEL_COLUMNS,
     OUTCOME_COLUMN,
     OUTCOME_MEANING,
     RESULT_COLUMNS,
 )
+from ..solver.align import align
 
 
 def add_accuracy(parser: argparse.ArgumentParser, *, otherwise: str) -> None:

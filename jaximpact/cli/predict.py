@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from ..files import check_writable
+from ..formats.files import check_writable
 
 DESCRIPTION = """\
 Predict tests with the ground that `jaximpact calibrate` fitted, and score what was
@@ -51,7 +51,7 @@ def add_parser(commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Predict."""
     from ..calibration.prediction import predict
-    from ..results import manifest_path
+    from ..formats.results import manifest_path
     from .calibrate import Lines
 
     if arguments.out is not None:

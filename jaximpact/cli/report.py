@@ -2,14 +2,14 @@
 
 import math
 
-from ..align import align
-from ..columns import (
+from ..formats.columns import (
     FURTHER_COLUMNS,
     OUTCOME_COLUMN,
     OUTCOME_MEANING,
     RESULT_COLUMNS,
 )
 from ..simulation import ImpactResult
+from ..solver.align import align
 
 ENERGY_ITEMS = {
     "kinetic_in": "kinetic energy at impact",

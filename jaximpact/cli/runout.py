@@ -105,7 +105,7 @@ def add_parser(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the study."""
-    from ..files import make_directory
+    from ..formats.files import make_directory
     from ..runout import comparison, read_slope_studies, run_slope_study
     from ..runout.output import in_words, write_slope_study
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
-from ..files import check_writable, replacing
+from ..formats.files import check_writable, replacing
 from . import options
 
 PLOT_SUFFIXES = (".png", ".pdf", ".svg")
@@ -49,7 +49,7 @@ def add_parser(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the impact."""
-    from ..scene_file import read_scene
+    from ..formats.scene_file import read_scene
     from ..simulation import simulate
     from . import report
 

@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..accuracy import DEFAULT_ACCURACY
-from ..align import align
-from ..columns import RESULT_COLUMNS
 from ..errors import InputError
-from ..files import check_writable
+from ..formats.columns import RESULT_COLUMNS
+from ..formats.files import check_writable
+from ..solver.align import align
 from . import options
 from .batch import journal_path
 from .progress import Progress, say
@@ -72,7 +72,7 @@ def add_parser(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the sweep."""
-    from ..netcdf import write_netcdf
+    from ..formats.netcdf import write_netcdf
     from ..parametric_sets import parametric_set
     from ..sweep_study import read_sweep_study
     from ..sweeping import sweep

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from ..files import check_writable
+from ..formats.files import check_writable
 from . import options
 from .batch import journal_path
 from .progress import Progress, say
@@ -136,7 +136,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 def in_words(table: "ReboundTable") -> str:
     """What a table holds and how far it is from the model."""
-    from ..columns import DEGREE
+    from ..formats.columns import DEGREE
 
     shape, error = table.outcomes.shape, table.error
     slopes = ", ".join(f"{slope / DEGREE:.4g}" for slope in table.slopes.tolist())

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import pandas as pd
 
-from ..columns import OUTCOME_COLUMN
+from ..formats.columns import OUTCOME_COLUMN
 from ..scene import Scene
 from ..simulation import ImpactResult, simulate
 from .study import Study, with_values

@@ -15,8 +15,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 from PIL import Image
 
-from ..columns import DEGREE, OUTCOME_COLUMN
-from ..outcomes import Outcome
+from ..formats.columns import DEGREE, OUTCOME_COLUMN
+from ..mechanics.outcomes import Outcome
 from .jumps import BRANCH
 
 ASPECT_RATIO = "aspect_ratio"

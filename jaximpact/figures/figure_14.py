@@ -5,9 +5,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..columns import OUTCOME_COLUMN
 from ..distributions import fit_normal
-from ..outcomes import Outcome
+from ..formats.columns import OUTCOME_COLUMN
+from ..mechanics.outcomes import Outcome
 from ..plotting import VERMILION
 from ..runout.biplanar import COEFFICIENTS, HOP
 from ..runout.jumps import jumps, rise_before

@@ -3,7 +3,7 @@
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ..columns import OUTCOME_COLUMN
+from ..formats.columns import OUTCOME_COLUMN
 from .courses import peak, record_courses
 from .drawing import (
     ANGLE,

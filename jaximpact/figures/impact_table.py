@@ -3,7 +3,7 @@
 import pandas as pd
 
 from ..accuracy import Accuracy
-from ..columns import OUTCOME_COLUMN
+from ..formats.columns import OUTCOME_COLUMN
 from ..scene import Scene
 from ..sweeping import Axes, sweep
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ..accuracy import Accuracy
-from ..columns import OUTCOME_COLUMN
+from ..formats.columns import OUTCOME_COLUMN
 from ..scene import Scene
 from ..sweeping import Axes
 from .impact_table import impact_table, impacts_at

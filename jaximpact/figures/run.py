@@ -13,14 +13,14 @@ from pathlib import Path
 import pandas as pd
 
 from ..accuracy import get_accuracy
-from ..columns import OUTCOME_COLUMN
 from ..errors import InputError, nearest
-from ..files import replacing
-from ..laws import Laws
-from ..outcomes import Outcome
+from ..formats.columns import OUTCOME_COLUMN
+from ..formats.files import replacing
+from ..formats.provenance import law_names, scene_values, versions
+from ..formats.results import manifest_path
+from ..mechanics.laws import Laws
+from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
-from ..provenance import law_names, scene_values, versions
-from ..results import manifest_path
 from .drawing import save_png
 from .figure_4 import FIGURE_4
 from .figure_5 import FIGURE_5

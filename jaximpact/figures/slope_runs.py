@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from ..columns import DEGREE, INPUT_COLUMNS
 from ..distributions import Fit
+from ..formats.columns import DEGREE, INPUT_COLUMNS
 from ..runout import Ending, Runs
 from ..runout.biplanar import (
     ASPECT_RATIOS,

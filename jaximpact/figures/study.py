@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ..accuracy import Accuracy
+from ..formats.provenance import scene_values
 from ..parametric_sets import TABLE_1, check_ground, parametric_set
-from ..provenance import scene_values
 from ..runout import FullModel, Runs, simulate_runout
 from ..runout.biplanar import BiplanarCase
 from ..scene import Scene

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..block import Block
-from ..foundation import support_radius, tangency_arm
+from ..mechanics.foundation import support_radius, tangency_arm
 from ..scene import Impact
 from .velocities import Rebound
 

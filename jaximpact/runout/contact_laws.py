@@ -9,6 +9,7 @@ import numpy as np
 
 from ..accuracy import DEFAULT_ACCURACY, PRESETS
 from ..errors import InputError
+from ..formats.toml_values import choice, number, typed, unknown
 from ..rebound import (
     BozzoloPamini,
     ConstantCoefficients,
@@ -16,7 +17,6 @@ from ..rebound import (
     PfeifferBowen,
     RigidEllipsoid,
 )
-from ..toml_values import choice, number, typed, unknown
 from .ground import Ground, spread
 from .profile import Profile
 from .rebounds import ClosedForm, Contacts, FullModel

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from ..files import replacing
+from ..formats.files import replacing
 from ..plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, SOIL, VERMILION
 from .profile import Profile
 from .runs import Ending, Runs

@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 
 from ..accuracy import get_accuracy
+from ..formats.provenance import law_names, versions
 from ..precision import require_float64
-from ..provenance import law_names, versions
 from .dual import Dual, carrying, plain, tangent_of
 from .ground import Ground
 from .motion import Body

@@ -6,7 +6,7 @@ import jax
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..columns import DEGREE, INPUT_COLUMNS, InputColumn
+from ..formats.columns import DEGREE, INPUT_COLUMNS, InputColumn
 from ..soil import Soil
 from .profile import ROLLING_COLUMN, ROUGHEST, ROUGHNESS_COLUMN, Profile
 

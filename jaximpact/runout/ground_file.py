@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
+from ..formats.toml_values import known_table, typed, unknown
 from ..soil import Soil
-from ..toml_values import known_table, typed, unknown
 from .calibrated import Calibrated, read_calibrated
 from .ground import GROUND_COLUMNS, Ground
 from .profile import ROLLING_FRICTION_ANGLE, Profile, read_profile

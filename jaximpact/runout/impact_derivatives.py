@@ -6,11 +6,11 @@ import jax
 import numpy as np
 
 from ..accuracy import Accuracy
-from ..laws import Laws
-from ..machine import compile_native_along, computes_on_cpu, solve_rows
-from ..marching import CORES
-from ..model import MODELS, model_places
-from ..problem import Assembly
+from ..engines.machine import compile_native_along, computes_on_cpu, solve_rows
+from ..engines.marching import CORES
+from ..mechanics.laws import Laws
+from ..mechanics.model import MODELS, model_places
+from ..mechanics.problem import Assembly
 from ..scene import Scene
 from .contact import Blow
 from .dual import Dual, carries, plain, tangent_of

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from ..align import align
-from ..files import write_text
-from ..netcdf import write_netcdf
+from ..formats.files import write_text
+from ..formats.netcdf import write_netcdf
+from ..solver.align import align
 from . import drawing
 from .runs import Ending
 from .slope_file import SlopeStudy

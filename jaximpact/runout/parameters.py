@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..columns import DEGREE, INPUT_COLUMNS, InputColumn
 from ..errors import InputError, nearest
+from ..formats.columns import DEGREE, INPUT_COLUMNS, InputColumn
 from .dual import Dual, plain
 from .ground import Ground
 from .profile import ROLLING_COLUMN, Profile

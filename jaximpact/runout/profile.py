@@ -10,8 +10,8 @@ import jax
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..columns import DEGREE, INPUT_COLUMNS
 from ..errors import InputError, nearest
+from ..formats.columns import DEGREE, INPUT_COLUMNS
 from ..soil import Soil
 
 ROLLING_FRICTION_ANGLE = math.radians(20.0)

@@ -13,8 +13,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..marching import CORES
-from ..native import Kernel, compile_kernel
+from ..engines.marching import CORES
+from ..engines.native import Kernel, compile_kernel
 from .dual import Dual, carries, carrying
 
 LANES_OF_A_THREAD = 512

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from ..columns import InputColumn
 from ..errors import InputError
-from ..toml_values import allowed, number, unknown
+from ..formats.columns import InputColumn
+from ..formats.toml_values import allowed, number, unknown
 from .quantities import Normal, Quantity, Uniform
 
 

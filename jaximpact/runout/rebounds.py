@@ -10,10 +10,10 @@ import numpy as np
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ..batch import order_by_effort, run_groups
 from ..block import Block
-from ..laws import Laws
-from ..model import MODELS, model_places
-from ..outcomes import Outcome
-from ..problem import Assembly
+from ..mechanics.laws import Laws
+from ..mechanics.model import MODELS, model_places
+from ..mechanics.outcomes import Outcome
+from ..mechanics.problem import Assembly
 from ..rebound import Rebound
 from ..scene import Impact, Scene
 from ..soil import Soil

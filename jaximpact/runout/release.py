@@ -6,7 +6,7 @@ import jax
 import numpy as np
 
 from ..block import Block
-from ..checks import check_scene
+from ..formats.checks import check_scene
 from ..scene import Scene
 from .contact import Matter
 from .contact_search import begin

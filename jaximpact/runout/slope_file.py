@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..block import Block
-from ..columns import DEGREE, INPUT_COLUMNS
 from ..errors import InputError
-from ..toml_values import known_table, load_toml, number, typed, unknown, whole
+from ..formats.columns import DEGREE, INPUT_COLUMNS
+from ..formats.toml_values import known_table, load_toml, number, typed, unknown, whole
 from .clearance import lying_height
 from .contact_laws import check_law, read_laws
 from .ground import GROUND_COLUMNS, Ground

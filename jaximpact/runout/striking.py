@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..outcomes import Outcome
+from ..mechanics.outcomes import Outcome
 from .contact import Blow, Touch, impact_of, settle, touch
 from .grounded import SMALL_RISE, small_speed, stand
 from .motion import support_of as support

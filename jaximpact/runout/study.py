@@ -16,9 +16,9 @@ import jax
 import numpy as np
 import xarray as xr
 
-from ..columns import DEGREE, column_of_field
-from ..journal import Journal
-from ..provenance import versions
+from ..formats.columns import DEGREE, column_of_field
+from ..formats.journal import Journal
+from ..formats.provenance import versions
 from .collectors import first_passages, passages
 from .envelopes import Maxima, maxima_along
 from .ground import GROUND_COLUMNS

@@ -7,12 +7,12 @@ import jax
 import numpy as np
 
 from ..accuracy import Accuracy
-from ..columns import InputColumn
-from ..laws import Laws
-from ..machine import compile_native, solve_side_by_side
-from ..marching import CORES
-from ..model import MODELS, model_places
-from ..problem import Assembly
+from ..engines.machine import compile_native, solve_side_by_side
+from ..engines.marching import CORES
+from ..formats.columns import InputColumn
+from ..mechanics.laws import Laws
+from ..mechanics.model import MODELS, model_places
+from ..mechanics.problem import Assembly
 from ..scene import Scene
 from ..summary import Numbers, numbers_of_no_value
 from .names import leaf_of

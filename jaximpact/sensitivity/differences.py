@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..batch import simulate_batch
-from ..columns import InputColumn, ResultColumn
+from ..formats.columns import InputColumn, ResultColumn
 from ..scene import Scene
 from .names import scene_with, value_of
 

@@ -12,17 +12,17 @@ import xarray as xr
 
 from ..accuracy import Accuracy, get_accuracy
 from ..batch import broadcast_scene
-from ..checks import check_scene
-from ..columns import (
+from ..formats.checks import check_scene
+from ..formats.columns import (
     INPUT_COLUMNS,
     OUTCOME_COLUMN,
     OUTCOME_MEANING,
     InputColumn,
     ResultColumn,
 )
-from ..outcomes import Outcome
+from ..formats.provenance import scene_values, versions
+from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
-from ..provenance import scene_values, versions
 from ..scene import Scene
 from ..summary import Numbers
 from ..sweeping import Axes, check_axes, coordinates_of, spread

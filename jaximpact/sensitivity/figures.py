@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..files import replacing
+from ..formats.files import replacing
 
 MOST_COLUMNS = 4
 DIMENSIONS = {"parameter", "output"}

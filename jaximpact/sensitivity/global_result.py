@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from ..accuracy import Accuracy
-from ..columns import INPUT_COLUMNS, ResultColumn
-from ..provenance import scene_values, version_of, versions
+from ..formats.columns import INPUT_COLUMNS, ResultColumn
+from ..formats.provenance import scene_values, version_of, versions
 from ..scene import Scene
 from .elasticity import axes_of_names
 from .estimators import Morris, Sobol

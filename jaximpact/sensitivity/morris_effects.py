@@ -6,8 +6,8 @@ from pathlib import Path
 import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from ..checks import check_scene
 from ..errors import InputError
+from ..formats.checks import check_scene
 from ..precision import require_float64
 from ..scene import Scene
 from .estimators import LEVELS, morris_of, problem_of

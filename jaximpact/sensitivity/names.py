@@ -7,14 +7,14 @@ import jax
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..columns import (
+from ..errors import InputError, nearest
+from ..formats.columns import (
     INPUT_COLUMNS,
     RESULT_COLUMNS,
     InputColumn,
     ResultColumn,
     column_of_field,
 )
-from ..errors import InputError, nearest
 from ..scene import PARTS, Scene
 from ..sweeping import OUTPUT_COLUMNS
 

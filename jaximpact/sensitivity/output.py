@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from ..files import replacing
+from ..formats.files import replacing
 from . import drawing
 from .study_file import ELASTICITIES, MORRIS, SOBOL, SensitivityStudy
 from .verdicts import Check, State

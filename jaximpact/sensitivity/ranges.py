@@ -6,8 +6,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..columns import INPUT_COLUMNS
 from ..errors import InputError, nearest
+from ..formats.columns import INPUT_COLUMNS
 from .names import parameter_columns
 
 UNIFORM, LOG_UNIFORM = DISTRIBUTIONS = ("uniform", "log-uniform")

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY
-from ..files import make_directory
+from ..formats.files import make_directory
 from ..precision import require_float64
 from . import elasticity
 from .elasticity import elasticities

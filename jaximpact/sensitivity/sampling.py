@@ -8,9 +8,9 @@ from jaxtyping import Float
 
 from ..accuracy import Accuracy
 from ..batch import simulate_batch
-from ..columns import ResultColumn
 from ..errors import InputError
-from ..results import count_outcomes
+from ..formats.columns import ResultColumn
+from ..formats.results import count_outcomes
 from ..scene import Scene
 from .names import scene_with
 from .ranges import Range

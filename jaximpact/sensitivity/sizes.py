@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..accuracy import Accuracy
-from ..columns import ResultColumn
+from ..formats.columns import ResultColumn
 from ..scene import GRAVITY, Scene
 
 ZERO_WITHIN = 0.1

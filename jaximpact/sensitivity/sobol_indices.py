@@ -7,8 +7,8 @@ import numpy as np
 import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from ..checks import check_scene
 from ..errors import InputError
+from ..formats.checks import check_scene
 from ..precision import require_float64
 from ..scene import Scene
 from .estimators import problem_of, sobol_of

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..errors import InputError
+from ..formats.scene_file import scene_from
+from ..formats.toml_values import allowed, choice, load_toml, typed, unknown, whole
 from ..scene import Scene
-from ..scene_file import scene_from
-from ..toml_values import allowed, choice, load_toml, typed, unknown, whole
 from .morris_effects import DEFAULT_TRAJECTORIES, check_trajectories
 from .names import (
     DEFAULT_OUTPUTS,

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..accuracy import Accuracy
 from ..block import Block
-from ..journal import Journal
+from ..formats.journal import Journal
 from ..runout.contact import Blow
 from ..runout.rebounds import Blows, FullModel
 from ..scene import Impact

@@ -6,9 +6,9 @@ import jax
 import numpy as np
 
 from ..block import Block
-from ..columns import DEGREE, INPUT_COLUMNS
 from ..errors import InputError
-from ..outcomes import Outcome
+from ..formats.columns import DEGREE, INPUT_COLUMNS
+from ..mechanics.outcomes import Outcome
 from ..runout.contact import Blow
 from ..runout.rebounds import Blows
 from ..scene import Impact

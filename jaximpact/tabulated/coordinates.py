@@ -15,7 +15,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..block import Block
-from ..foundation import support_radius, tangency_arm
+from ..mechanics.foundation import support_radius, tangency_arm
 from ..scene import GRAVITY, Impact
 
 Scalar = Float[Array, ""]

@@ -4,7 +4,7 @@ import jax
 import numpy as np
 
 from ..accuracy import Accuracy
-from ..outcomes import Outcome
+from ..mechanics.outcomes import Outcome
 from ..scene import Impact
 from .computing import compute
 from .coordinates import SLIP_FACTOR, Direction, impact_from

@@ -11,14 +11,14 @@ import pandas as pd
 import xarray as xr
 
 from ..accuracy import Accuracy
-from ..columns import DEGREE, OUTCOME_COLUMN
 from ..errors import InputError
-from ..files import replacing
-from ..laws import Laws
-from ..netcdf import read_netcdf, write_netcdf
-from ..outcomes import Outcome
-from ..provenance import law_names, scene_values, versions
-from ..results import manifest_path
+from ..formats.columns import DEGREE, OUTCOME_COLUMN
+from ..formats.files import replacing
+from ..formats.netcdf import read_netcdf, write_netcdf
+from ..formats.provenance import law_names, scene_values, versions
+from ..formats.results import manifest_path
+from ..mechanics.laws import Laws
+from ..mechanics.outcomes import Outcome
 from ..scene import Scene
 from ..sweeping import scene_of_values
 from .coordinates import Direction, gravity_speed, impact_from

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 
 from ..accuracy import Accuracy, get_accuracy
 from ..block import Block
-from ..checks import check_scene
-from ..journal import Journal
+from ..formats.checks import check_scene
+from ..formats.journal import Journal
+from ..formats.provenance import scene_values, versions
 from ..precision import require_float64
-from ..provenance import scene_values, versions
 from ..runout.contact import Blow
 from ..scene import Scene
 from ..soil import Soil

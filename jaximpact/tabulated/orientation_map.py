@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 
 from ..accuracy import Accuracy
 from ..block import Block
-from ..columns import DEGREE, INPUT_COLUMNS, OUTCOME_COLUMN, RESULT_COLUMNS
-from ..files import replacing
-from ..outcomes import Outcome
-from ..results import manifest_path
+from ..formats.columns import DEGREE, INPUT_COLUMNS, OUTCOME_COLUMN, RESULT_COLUMNS
+from ..formats.files import replacing
+from ..formats.results import manifest_path
+from ..mechanics.outcomes import Outcome
 from ..scene import Impact, Scene
 from ..soil import Soil
 from ..sweeping import sweep

@@ -12,7 +12,7 @@ from jaxtyping import Array, Float, Int
 
 from ..accuracy import Accuracy
 from ..block import Block
-from ..outcomes import Outcome
+from ..mechanics.outcomes import Outcome
 from ..rebound import Rebound
 from ..scene import Impact
 from ..soil import Soil

@@ -7,10 +7,9 @@ import numpy as np
 
 from ..accuracy import PRESETS
 from ..block import Block
-from ..columns import DEGREE, INPUT_COLUMNS
 from ..errors import InputError
-from ..soil import Soil
-from ..toml_values import (
+from ..formats.columns import DEGREE, INPUT_COLUMNS
+from ..formats.toml_values import (
     allowed,
     choice,
     known_table,
@@ -20,6 +19,7 @@ from ..toml_values import (
     unknown,
     whole,
 )
+from ..soil import Soil
 from .making import SPEEDS, Nodes
 from .orientation_map import MapAxes
 

@@ -5,7 +5,7 @@ import enum
 import numpy as np
 import xarray as xr
 
-from ..foundation import tangency_arm
+from ..mechanics.foundation import tangency_arm
 from ..restitution import vijayakumar_coefficient
 from ..scene import Scene
 

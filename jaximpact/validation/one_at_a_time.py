@@ -8,7 +8,7 @@ import numpy as np
 
 from ..batch import simulate_batch
 from ..block import Block
-from ..columns import INPUT_COLUMNS
+from ..formats.columns import INPUT_COLUMNS
 from ..scene import Impact, Scene
 from ..simulation import ImpactResult
 from ..soil import Soil

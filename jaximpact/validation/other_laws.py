@@ -7,8 +7,8 @@ in one thing, which the docstring names.
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..dynamics import INITIAL_HARDENING
-from ..laws import (
+from ..mechanics.dynamics import INITIAL_HARDENING
+from ..mechanics.laws import (
     BearingFactors,
     FlowRate,
     Load,

@@ -7,8 +7,8 @@ enters.
 import dataclasses
 from collections.abc import Mapping
 
-from ..columns import DEGREE
-from ..laws import Laws
+from ..formats.columns import DEGREE
+from ..mechanics.laws import Laws
 from ..runout.biplanar import HOP, SLOPE, BiplanarCase
 from . import other_laws
 from .contact_point import ContactPoint

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from ..block import Block
 from ..engineering_laws import wyllie_normal_restitution
-from ..outcomes import Outcome
+from ..mechanics.outcomes import Outcome
 from ..plotting import BLUE, GREEN, ORANGE, PURPLE
 from ..scene import Impact
 from ..soil import Soil

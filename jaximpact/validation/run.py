@@ -13,9 +13,9 @@ from pathlib import Path
 
 from ..accuracy import get_accuracy
 from ..errors import InputError, nearest
-from ..files import replacing
+from ..formats.files import replacing
+from ..formats.provenance import versions
 from ..precision import require_float64
-from ..provenance import versions
 from .claims import JUDGES, SLOPE_CLAIMS, read_claims
 from .comparison import Comparison
 from .findings import ByReading, Validation

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from ..accuracy import Accuracy
-from ..laws import Laws
+from ..mechanics.laws import Laws
 from ..runout import Ending, FullModel, Runs, Way, passages, simulate_runout
 from ..runout.biplanar import ASPECT_RATIOS, SPINS_DEGPS, BiplanarCase
 from ..runout.jumps import Jumps, jumps, rise_before

@@ -9,11 +9,11 @@ import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY, get_accuracy
 from ..batch import simulate_batch
+from ..engines.marching import CORES
+from ..formats.provenance import scene_values
 from ..history import record_history
-from ..marching import CORES
-from ..outcomes import Outcome
+from ..mechanics.outcomes import Outcome
 from ..parametric_sets import PARAMETRIC_SETS, TABLE_1, parametric_set
-from ..provenance import scene_values
 from ..scene import Scene
 from ..sweeping import Axes, scene_of_values, sweep
 from .contact_point import with_contact_at

@@ -1,0 +1,332 @@
+"""The model in machine code, for lanes on a CPU."""
+
+import functools
+import hashlib
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool
+
+from ..accuracy import Accuracy
+from ..block import Block
+from ..formats.provenance import versions
+from ..mechanics.laws import Laws
+from ..mechanics.problem import Assembly
+from ..scene import Impact, Scene
+from ..soil import Soil
+from ..solver.lanes import Lanes, start_lanes, step_lanes
+from ..summary import Numbers, numbers_of_no_value, summarise_lanes
+from .dependence import depends
+from .native import Code, Kernel, compile_code, host, kept
+
+NATIVE_PART = 128
+"""Impacts that a worker takes at a time in machine code, some 10 ms of work."""
+
+
+def computes_on_cpu() -> bool:
+    """Whether machine code is for what JAX computes on."""
+    return jax.default_backend() == "cpu"
+
+
+@functools.lru_cache(maxsize=32)
+def compile_native(
+    assembly: Assembly, varied: tuple[int, ...] | None = None
+) -> Kernel | None:
+    """Machine code for an assembly of the model, from scenes, tolerance and floor. None
+    if its laws, which may be the user's own, do what has no machine code.
+
+    Args:
+        varied: leaves of the scene by which to differentiate, if any. Results are then
+            a pair: numbers, and numbers of arrays with an entry for each of them.
+    """
+    of_lane = numbers_of_no_value(assembly.ledger)
+    if varied is not None:
+        of_lane = of_lane, jax.tree.map(lambda x: [x] * len(varied), of_lane)
+    structure = jax.tree.structure(of_lane)
+
+    def compile_lanes() -> Code:
+        one = jax.ShapeDtypeStruct((1,), float)
+        scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
+        inputs = scenes, one, one
+        of_lanes = _Lanes(assembly)
+        if varied is not None:
+            of_lanes = _Varied(assembly, varied, inputs)
+        return compile_code(of_lanes.begin, of_lanes.step, of_lanes.finish, inputs)
+
+    code = _kept_or_compiled(assembly, varied, compile_lanes)
+    return None if code is None else Kernel(code, structure)
+
+
+@functools.lru_cache(maxsize=32)
+def compile_native_along(assembly: Assembly, varied: tuple[int, ...]) -> Kernel | None:
+    """Machine code for an assembly of the model, from scenes, tolerance and floor, and
+    a direction. None as for `compile_native`.
+
+    One derivative is taken whatever the number of leaves, so that the code is soon
+    compiled; for several derivatives it is run as often.
+
+    Args:
+        varied: leaves of the scene that may change along the direction; inputs end with
+            a row for each, its derivative along it. Results are a pair: numbers, and
+            their derivatives along the direction.
+    """
+    of_lane = numbers_of_no_value(assembly.ledger)
+
+    def compile_lanes() -> Code:
+        one = jax.ShapeDtypeStruct((1,), float)
+        scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
+        inputs = scenes, one, one
+        of_lanes = _Along(assembly, varied, inputs)
+        both = inputs, [one] * len(varied)
+        return compile_code(of_lanes.begin, of_lanes.step, of_lanes.finish, both)
+
+    code = _kept_or_compiled(assembly, ("along", *varied), compile_lanes)
+    structure = jax.tree.structure((of_lane, of_lane))
+    return None if code is None else Kernel(code, structure)
+
+
+def _kept_or_compiled(
+    assembly: Assembly, choice, compile_lanes: Callable[[], Code]
+) -> Code | None:
+    """The code of an assembly, from the disk if it is there; None if there is none."""
+    try:
+        if assembly.laws == Laws():
+            return kept(_key(assembly, choice), compile_lanes)
+        # Functions of the user's own have no key.
+        return compile_lanes()
+    except NotImplementedError:
+        return None
+
+
+def _key(assembly: Assembly, choice) -> str:
+    """Names all that the code of an assembly of the usual laws depends on."""
+    choices = assembly._replace(laws=None), choice
+    return repr((choices, host(), *installed()))
+
+
+@functools.cache
+def installed() -> tuple[dict[str, str], str]:
+    """Versions, and a digest of this package's source."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parents[1].rglob("*")):
+        if path.suffix in (".py", ".ll"):
+            digest.update(path.read_bytes())
+    return versions(), digest.hexdigest()
+
+
+class _Lanes(NamedTuple):
+    """What lanes do."""
+
+    assembly: Assembly
+
+    def begin(self, inputs) -> Lanes:
+        scenes, tolerance, floor = inputs
+        return start_lanes(self.assembly, scenes, tolerance[0], floor[0])
+
+    def step(self, lanes: Lanes) -> tuple[Lanes, Bool[Array, " lanes"]]:
+        lanes = step_lanes(lanes)
+        return lanes, lanes.going
+
+    def finish(self, inputs, lanes: Lanes) -> Numbers:
+        return summarise_lanes(inputs[0], lanes)
+
+
+class _Varied:
+    """What lanes do, and the derivatives of what they have come to.
+
+    Of the state, course and constants of the problem are differentiated; widths of
+    steps, and with them the time, are not. Derivatives are kept for one varied leaf
+    after another, as lists of those leaves of the lanes that change with it.
+    """
+
+    def __init__(self, assembly: Assembly, varied: tuple[int, ...], inputs):
+        self.lanes, self.varied = _Lanes(assembly), varied
+        traced, lanes = jax.make_jaxpr(self.lanes.begin, return_shape=True)(inputs)
+        self.changing = [_changing(traced, lanes, place) for place in varied]
+
+    def begin(self, inputs):
+        slopes = []
+        for place, changing in zip(self.varied, self.changing, strict=True):
+
+            def of_leaf(value, place=place, changing=changing):
+                lanes = self.lanes.begin(_with_leaves(inputs, [place], [value]))
+                return _leaves(lanes, changing)
+
+            slopes.append(_slope(of_leaf, _leaves(inputs, [place]), [jnp.ones(1)]))
+        return self.lanes.begin(inputs), slopes
+
+    def step(self, state):
+        lanes, slopes = state
+        after, going = self.lanes.step(lanes)
+        slopes_after = []
+        for slope, changing in zip(slopes, self.changing, strict=True):
+
+            def of_changing(*values, changing=changing):
+                after, _ = self.lanes.step(_with_leaves(lanes, changing, values))
+                return _leaves(after, changing)
+
+            slopes_after.append(_slope(of_changing, _leaves(lanes, changing), slope))
+        return (after, slopes_after), going
+
+    def finish(self, inputs, state):
+        lanes, slopes = state
+        columns = []
+        for place, changing, slope in zip(
+            self.varied, self.changing, slopes, strict=True
+        ):
+
+            def of_both(value, *values, place=place, changing=changing):
+                return self.lanes.finish(
+                    _with_leaves(inputs, [place], [value]),
+                    _with_leaves(lanes, changing, values),
+                )
+
+            both = _leaves(inputs, [place]) + _leaves(lanes, changing)
+            columns.append(_slope(of_both, both, [jnp.ones(1), *slope]))
+        numbers = self.lanes.finish(inputs, lanes)
+        return numbers, jax.tree.map(lambda *entries: list(entries), *columns)
+
+
+class _Along:
+    """What lanes do, and the derivative along a direction of what they have come to.
+
+    As for `_Varied`, with one derivative, of the leaves that change with any varied.
+    """
+
+    def __init__(self, assembly: Assembly, varied: tuple[int, ...], inputs):
+        self.lanes, self.varied = _Lanes(assembly), list(varied)
+        traced, lanes = jax.make_jaxpr(self.lanes.begin, return_shape=True)(inputs)
+        places = (_changing(traced, lanes, place) for place in varied)
+        self.changing = sorted(set().union(*places))
+
+    def begin(self, both):
+        inputs, direction = both
+
+        def of_leaves(*values):
+            lanes = self.lanes.begin(_with_leaves(inputs, self.varied, values))
+            return _leaves(lanes, self.changing), lanes
+
+        _, slope, lanes = jax.jvp(
+            of_leaves, _leaves(inputs, self.varied), list(direction), has_aux=True
+        )
+        return lanes, slope
+
+    def step(self, state):
+        lanes, slope = state
+
+        def of_changing(*values):
+            after, going = self.lanes.step(_with_leaves(lanes, self.changing, values))
+            return _leaves(after, self.changing), (after, going)
+
+        _, slope, (after, going) = jax.jvp(
+            of_changing, _leaves(lanes, self.changing), slope, has_aux=True
+        )
+        return (after, slope), going
+
+    def finish(self, both, state):
+        (inputs, direction), (lanes, slope) = both, state
+        count = len(self.varied)
+
+        def of_both(*values):
+            return self.lanes.finish(
+                _with_leaves(inputs, self.varied, values[:count]),
+                _with_leaves(lanes, self.changing, values[count:]),
+            )
+
+        values = _leaves(inputs, self.varied) + _leaves(lanes, self.changing)
+        return jax.jvp(of_both, values, [*direction, *slope])
+
+
+def _changing(traced, lanes: Lanes, place: int) -> list[int]:
+    """Leaves of lanes that change with a leaf of their inputs, in their course or, as
+    constants, from the start."""
+    varied = [i == place for i in range(len(traced.in_avals))]
+    from_start = depends(traced.jaxpr, varied)
+    course = {id(leaf) for leaf in jax.tree.leaves(lanes.course)}
+    constants = {id(leaf) for leaf in jax.tree.leaves(lanes.problem)}
+    return [
+        i
+        for i, leaf in enumerate(jax.tree.leaves(lanes))
+        if jnp.issubdtype(leaf.dtype, jnp.inexact)
+        and (id(leaf) in course or (id(leaf) in constants and from_start[i]))
+    ]
+
+
+def _leaves(tree, places: list[int]) -> list[Array]:
+    leaves = jax.tree.leaves(tree)
+    return [leaves[place] for place in places]
+
+
+def _with_leaves(tree, places: list[int], values):
+    """The tree with other values of some leaves."""
+    leaves, structure = jax.tree.flatten(tree)
+    for place, value in zip(places, values, strict=True):
+        leaves[place] = value
+    return jax.tree.unflatten(structure, leaves)
+
+
+def _slope(function: Callable, values: list[Array], slopes: list[Array]):
+    """Derivative of a function along the slopes of its arguments."""
+    return jax.jvp(function, values, slopes)[1]
+
+
+def kernel_inputs(scene: Scene, accuracy: Accuracy) -> list[np.ndarray]:
+    """Rows of inputs of the machine code, by the lanes of a scene of arrays."""
+    lanes = np.shape(scene.impact.speed)
+    setting = (np.broadcast_to(x, lanes) for x in (accuracy.tolerance, accuracy.floor))
+    return [*jax.tree.leaves(scene), *setting]
+
+
+def solve_alone(kernel: Kernel, inputs: list):
+    """Results of one impact.
+
+    Args:
+        inputs: leaves of the scene, tolerance and floor: scalars.
+    """
+    column = np.array(inputs, float)[:, None]
+    _, results = kernel.workspace().run(np.zeros(1, int), column, wait=False)
+    return jax.tree.unflatten(kernel.structure, list(results[:, 0]))
+
+
+def solve_side_by_side(kernel: Kernel, scene: Scene, accuracy: Accuracy):
+    """Results of scenes `(lanes,)`, in their order, by one core."""
+    return solve_rows(kernel, np.stack(kernel_inputs(scene, accuracy)))
+
+
+def solve_rows(kernel: Kernel, inputs: np.ndarray):
+    """Results of inputs `(rows, lanes)`, in their order, by one core."""
+    names = np.arange(inputs.shape[1])
+    ended, results = kernel.workspace().run(names, inputs, wait=False)
+    ordered = np.empty_like(results)
+    ordered[:, ended] = results
+    return jax.tree.unflatten(kernel.structure, list(ordered))
+
+
+class NativeWorker:
+    """Integrates parts of a batch, as it gets them, in machine code."""
+
+    engine = "machine code"
+    part = NATIVE_PART
+
+    def __init__(self, kernel: Kernel, scene: Scene, accuracy: Accuracy):
+        self.kernel = kernel
+        self.rows = kernel_inputs(scene, accuracy)
+
+    def run(
+        self, parts: Iterator[np.ndarray], stop: threading.Event
+    ) -> Iterator[tuple[np.ndarray, Numbers]]:
+        """Results of the parts, in the order in which lanes come to their ends."""
+        workspace, nothing = self.kernel.workspace(), np.zeros(0, int)
+        more = True
+        while more and not stop.is_set():
+            places = next(parts, nothing)
+            more = len(places) > 0
+            inputs = np.stack([row[places] for row in self.rows])
+            ended, results = workspace.run(places, inputs, wait=more)
+            if len(ended):
+                yield ended, jax.tree.unflatten(self.kernel.structure, list(results))

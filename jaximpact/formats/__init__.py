@@ -1,0 +1,1 @@
+"""Files and tables: names and units of quantities, reading, writing, keeping."""

@@ -1,0 +1,40 @@
+"""Datasets in NetCDF files."""
+
+import os
+from pathlib import Path
+
+import xarray as xr
+
+from ..errors import InputError
+from .files import replacing
+
+ENGINE = "scipy"
+"""NetCDF 3 with 64-bit offsets, which every program reads and JAX's own dependencies
+write."""
+
+
+def write_netcdf(path: Path, dataset: xr.Dataset) -> None:
+    """Write a dataset. The file appears whole or not at all; one of the same name is
+    replaced.
+
+    Raises OSError where the file system refuses.
+    """
+    with replacing(Path(path)) as temporary:
+        dataset.to_netcdf(temporary, engine=ENGINE)
+        with open(temporary, "rb") as file:
+            os.fsync(file.fileno())
+
+
+def read_netcdf(path: Path) -> xr.Dataset:
+    """Read a dataset that `write_netcdf` wrote, whole into memory.
+
+    Raises InputError if the file cannot be read or is no such file.
+    """
+    path = Path(path)
+    try:
+        return xr.load_dataset(path, engine=ENGINE)
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise InputError(f"cannot be read: {why}", file=path) from error
+    except Exception as error:  # SciPy raises whatever the bytes lead it to
+        raise InputError(f"is not a NetCDF 3 file ({error})", file=path) from error

@@ -1,0 +1,405 @@
+r"""Equations of motion: the one place where laws and forces come together.
+
+The block obeys, with the foundation's forces N, T and moment M,
+
+$$ m \dot v_n = m g \cos\omega - N, \quad m \dot v_t = m g \sin\omega - T, \quad
+   I \dot\Omega = T r_n - N r_t - M . $$
+
+Elastic, visco-plastic and slider displacements add up to the contact's:
+
+$$ \dot u_n^{ed} = v_n + T_{low}\Omega - \dot u_n^{vp}, \quad
+   \dot u_t^{ed} = v_t - r_n\Omega - \dot u_t^{vp} - \dot u_t^{ps}, \quad
+   \dot\theta^{ed} = \Omega - \dot\theta^{vp} . $$
+
+The elastic displacements are the unknowns, not the visco-plastic ones that the paper
+integrates: the two differ by a geometric identity ($u_D - u^{ed}_n = u_n^{vp}$ and so
+on), but forces follow from elastic displacements a hundred times smaller than the
+sinking, and the error control should see them.
+
+Source: Dattola et al. (2023), appendix B. Departures: the contact's tangential
+displacement is in rate form, because the block may turn a lot; the paper prints
+$u_t - r_n\theta$.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..block import SemiAxes
+from ..scene import GRAVITY, Scene
+from ..soil import Soil
+from .foundation import Foundation, foundation, support_radius
+from .laws import BearingFactors, Branch, FlowRate, Laws, Load, Stiffness
+
+Scalar = Float[Array, ""]
+
+INITIAL_SINKING = 1e-6
+"""Penetration at the start of the integration, as a part of the semi-axis R."""
+INITIAL_HARDENING = 0.01
+"""rho_c at the start [-]."""
+SMALLEST_FOUNDATION = 1e-6
+"""Sizes of the foundation are not taken below this part of R, so that the laws stay
+finite where the solver probes a state out of contact; at the least sinking of a
+contact, 0.5e-6 R, the foundation is a thousand times larger."""
+
+
+class Motion(NamedTuple):
+    """State of the block and of the ground, the unknowns of the impact."""
+
+    penetration: Scalar  # u_n [m]
+    rotation: Scalar  # theta [rad], since impact
+    normal_velocity: Scalar  # v_n [m/s]
+    tangential_velocity: Scalar  # v_t [m/s]
+    angular_velocity: Scalar  # Omega [rad/s]
+    elastic_normal: Scalar  # u_ed,n [m]
+    elastic_tangential: Scalar  # u_ed,t [m]
+    elastic_rotation: Scalar  # theta_ed [rad]
+    hardening: Scalar  # rho_c [-]
+
+
+class Forces(NamedTuple):
+    """Forces of the ground on the block, as they enter the balance with minus signs."""
+
+    normal: Scalar  # N [N], not negative (within a step, as its branch has it)
+    tangential: Scalar  # T [N]
+    moment: Scalar  # M [N m]
+
+
+FORCE_RELAXATION = Forces(normal=1e-10, tangential=1e-10, moment=1e-8)
+"""Relaxation times of forces with dashpots, as parts of the time in which the block
+moves by its size. Smaller ones are lost in the rounding of time where forces jump;
+larger ones are seen in the results. With a moment as quick as the other two, forces
+swing more often, with no stable state to go to."""
+
+
+class Work(NamedTuple):
+    """Items of the energy ledger (rates in W, or their integrals in J).
+
+    `arm` and `stiffness` are no dissipation: the printed equations imply them. The
+    normal force acts at the foundation's centre, while sinking is measured at the
+    tangency point; and the springs' stiffness changes with the foundation's size.
+    """
+
+    gravity: Scalar
+    viscoplastic: Scalar
+    slider: Scalar
+    dashpot: Scalar
+    arm: Scalar
+    stiffness: Scalar
+
+
+class Ground(NamedTuple):
+    """What the laws and the balance take from the scene, worked out once an impact."""
+
+    soil: Soil
+    axes: SemiAxes
+    mass: Scalar
+    inertia: Scalar
+    sin_start: Scalar  # of theta_0
+    cos_start: Scalar
+    support_at_start: Scalar  # r_y0 [m]
+    gravity_normal: Scalar  # g cos(omega) [m/s2]
+    gravity_tangential: Scalar  # g sin(omega) [m/s2]
+    unit_weight_normal: Scalar  # gamma cos(omega) [N/m3]
+    bearing: BearingFactors
+    slider_friction: Scalar  # tan(phi_b) [-]
+
+
+def prepare(scene: Scene, laws: Laws) -> Ground:
+    """Constants of one impact."""
+    block, soil, impact = scene.block, scene.soil, scene.impact
+    axes = block.semi_axes
+    sin, cos = jnp.sin(impact.orientation), jnp.cos(impact.orientation)
+    cos_slope = jnp.cos(impact.slope)
+    return Ground(
+        soil=soil,
+        axes=axes,
+        mass=block.mass,
+        inertia=block.inertia,
+        sin_start=sin,
+        cos_start=cos,
+        support_at_start=support_radius(axes, sin, cos),
+        gravity_normal=GRAVITY * cos_slope,
+        gravity_tangential=GRAVITY * jnp.sin(impact.slope),
+        unit_weight_normal=soil.unit_weight * cos_slope,
+        bearing=laws.bearing_factors(laws.peak_friction_angle(soil)),
+        slider_friction=laws.slider_friction(soil),
+    )
+
+
+class Contact(NamedTuple):
+    """Everything that is known of the contact at one moment."""
+
+    foundation: Foundation
+    stiffness: Stiffness
+    forces: Forces
+    normal_force_before_cut: Scalar
+    """N before it is cut off at zero, for the event that it ends."""
+    elastic_forces: Forces
+    """Part of the forces that the springs carry; the normal one may be negative."""
+    approach: tuple[Scalar, Scalar, Scalar]
+    """Velocities at which the block presses on the ground: sinking, sliding,
+    turning."""
+    load: Load
+    flow: FlowRate
+    slip: Scalar
+    hardening_rate: Scalar
+    elastic_rates: tuple[Scalar, Scalar, Scalar]
+    """Rates of the elastic displacements: normal, tangential, rotation."""
+
+
+def contact_geometry(
+    ground: Ground, penetration: Scalar, rotation: Scalar
+) -> Foundation:
+    """The equivalent foundation at a penetration u_n [m] and a rotation theta [rad].
+
+    The sinking `u_D = u_n + r_y - r_y0` is taken with the difference of radii as
+    `(r_y^2 - r_y0^2) / (r_y + r_y0)` and
+    `r_y^2 - r_y0^2 = -(H^2 - R^2) sin(2 theta_0 + theta) sin(theta)`, which keeps its
+    digits at small rotations.
+    """
+    axes = ground.axes
+    sin_turn, cos_turn = jnp.sin(rotation), jnp.cos(rotation)
+    sin = ground.sin_start * cos_turn + ground.cos_start * sin_turn
+    cos = ground.cos_start * cos_turn - ground.sin_start * sin_turn
+    sin_sum = sin * ground.cos_start + cos * ground.sin_start
+    difference = -(axes.major**2 - axes.minor**2) * sin_sum * sin_turn
+    support = support_radius(axes, sin, cos)
+    sinking = penetration + difference / (support + ground.support_at_start)
+    return foundation(axes, sin, cos, sinking)
+
+
+def floored_sizes(ground: Ground, base: Foundation) -> tuple[Scalar, Scalar]:
+    """Length and width of the foundation [m], kept positive for the laws."""
+    floor = SMALLEST_FOUNDATION * ground.axes.minor
+    return jnp.maximum(base.length, floor), jnp.maximum(base.width, floor)
+
+
+def contact(
+    ground: Ground,
+    laws: Laws,
+    motion: Motion,
+    forces: Forces | None = None,
+    branch: Branch | None = None,
+) -> Contact:
+    """Foundation, forces and flow at one state.
+
+    Args:
+        ground: constants of the impact.
+        laws: the constitutive functions.
+        motion: the state.
+        forces: what springs and dashpots carry together, the normal one not cut off;
+            None without dashpots, where the springs carry all.
+        branch: the side taken at each switch of the laws, if not the one where the
+            state is.
+
+    Finite for every finite input. Kinks: see the laws.
+    """
+    soil = ground.soil
+    base = contact_geometry(ground, motion.penetration, motion.rotation)
+    length, width = floored_sizes(ground, base)
+    stiffness = laws.elastic_stiffness(
+        length, width, ground.unit_weight_normal, soil, branch=branch
+    )
+    springs = Forces(
+        stiffness.normal * motion.elastic_normal,
+        stiffness.tangential * motion.elastic_tangential,
+        stiffness.rotational * motion.elastic_rotation,
+    )
+    capacity = laws.bearing_capacity(
+        length,
+        width,
+        base.sinking,
+        ground.unit_weight_normal,
+        ground.bearing,
+        branch=branch,
+    )
+    friction_slope = ground.bearing.friction_slope
+    normal_before_cut = springs.normal if forces is None else forces.normal
+    forces = springs if forces is None else forces
+    # The step that lands on N = 0 has stages just beyond: cut off there, they would
+    # leave its value as it is and spoil its derivative.
+    presses = normal_before_cut > 0.0 if branch is None else branch.presses
+    forces = forces._replace(normal=jnp.where(presses, forces.normal, 0.0))
+
+    load = laws.loading_surface(
+        forces.normal / capacity,
+        forces.tangential / (friction_slope * capacity),
+        forces.moment / (soil.psi * length * capacity),
+        soil.beta,
+    )
+    flow = laws.flow_rate(
+        load, motion.hardening, length, friction_slope, soil, branch=branch
+    )
+    slip = laws.slip_rate(
+        forces.tangential,
+        forces.normal,
+        stiffness.tangential,
+        ground.slider_friction,
+        branch=branch,
+    )
+    approach = (
+        motion.normal_velocity + base.tangency_arm * motion.angular_velocity,
+        motion.tangential_velocity - base.normal_arm * motion.angular_velocity,
+        motion.angular_velocity,
+    )
+    return Contact(
+        foundation=base,
+        stiffness=stiffness,
+        forces=forces,
+        normal_force_before_cut=normal_before_cut,
+        elastic_forces=springs,
+        approach=approach,
+        load=load,
+        flow=flow,
+        slip=slip,
+        hardening_rate=laws.hardening_rate(
+            motion.hardening, flow, length, width, soil, branch=branch
+        ),
+        elastic_rates=(
+            approach[0] - flow.normal,
+            approach[1] - flow.tangential - slip,
+            approach[2] - flow.rotational,
+        ),
+    )
+
+
+def force_rate(
+    ground: Ground, laws: Laws, now: Contact, passing_time: Scalar
+) -> Forces:
+    r"""Rates at which forces follow what springs and dashpots carry.
+
+    $$ \tau \dot F = k u^{ed} + c \dot u^{ed} - F $$
+
+    Flow and slip, and with them the rates of the springs and the dashpots' forces,
+    depend on the forces themselves. As $\tau \to 0$ that is an equation for the forces
+    which may have several solutions, and may lose the one the impact is on: flow is not
+    associated. With $\tau > 0$ they go over to another one that is stable.
+
+    Args:
+        passing_time: time in which the block moves by its size [s]; the relaxation
+            times are `FORCE_RELAXATION` of it.
+    """
+    dashpots = laws.dashpots(now.stiffness, ground.mass, ground.inertia, ground.soil)
+    forces = now.forces._replace(normal=now.normal_force_before_cut)
+    return Forces(
+        *(
+            (spring + coefficient * rate - force) / (part * passing_time)
+            for spring, coefficient, rate, force, part in zip(
+                now.elastic_forces,
+                dashpots,
+                now.elastic_rates,
+                forces,
+                FORCE_RELAXATION,
+                strict=True,
+            )
+        )
+    )
+
+
+def motion_rate(ground: Ground, motion: Motion, now: Contact) -> Motion:
+    """Time derivative of the state: balance and kinematics."""
+    forces, base = now.forces, now.foundation
+    moment = (
+        forces.tangential * base.normal_arm
+        - forces.normal * base.tangential_arm
+        - forces.moment
+    )
+    return Motion(
+        motion.normal_velocity,
+        motion.angular_velocity,
+        ground.gravity_normal - forces.normal / ground.mass,
+        ground.gravity_tangential - forces.tangential / ground.mass,
+        moment / ground.inertia,
+        *now.elastic_rates,
+        now.hardening_rate,
+    )
+
+
+def work_rate(
+    ground: Ground,
+    laws: Laws,
+    motion: Motion,
+    now: Contact,
+    branch: Branch | None = None,
+) -> Work:
+    """Power of every item of the ledger [W]."""
+    base, forces = now.foundation, now.forces
+
+    def stiffness_at(penetration, rotation):
+        sizes = floored_sizes(ground, contact_geometry(ground, penetration, rotation))
+        return laws.elastic_stiffness(
+            *sizes, ground.unit_weight_normal, ground.soil, branch=branch
+        )
+
+    _, stiffness_rates = jax.jvp(
+        stiffness_at,
+        (motion.penetration, motion.rotation),
+        (motion.normal_velocity, motion.angular_velocity),
+    )
+    elastic = (
+        motion.elastic_normal,
+        motion.elastic_tangential,
+        motion.elastic_rotation,
+    )
+    return Work(
+        gravity=ground.mass
+        * (
+            ground.gravity_normal * motion.normal_velocity
+            + ground.gravity_tangential * motion.tangential_velocity
+        ),
+        viscoplastic=forces.normal * now.flow.normal
+        + forces.tangential * now.flow.tangential
+        + forces.moment * now.flow.rotational,
+        slider=forces.tangential * now.slip,
+        dashpot=sum(
+            (force - spring) * rate
+            for force, spring, rate in zip(
+                forces, now.elastic_forces, now.elastic_rates, strict=True
+            )
+        ),
+        arm=forces.normal
+        * motion.angular_velocity
+        * (base.tangency_arm - base.tangential_arm),
+        stiffness=sum(
+            0.5 * displacement**2 * rate
+            for displacement, rate in zip(elastic, stiffness_rates, strict=True)
+        ),
+    )
+
+
+def initial_motion(scene: Scene) -> Motion:
+    """State at the start: touching by 1e-6 R, springs pressed by as much."""
+    impact = scene.impact
+    sinking = INITIAL_SINKING * scene.block.semi_axes.minor
+    zero = jnp.zeros_like(sinking)
+    return Motion(
+        penetration=sinking,
+        rotation=zero,
+        normal_velocity=impact.normal_velocity,
+        tangential_velocity=impact.tangential_velocity,
+        angular_velocity=impact.angular_velocity,
+        elastic_normal=sinking,
+        elastic_tangential=zero,
+        elastic_rotation=zero,
+        hardening=zero + INITIAL_HARDENING,
+    )
+
+
+def kinetic_energy(ground: Ground, motion: Motion) -> Scalar:
+    """Translational and rotational kinetic energy [J]."""
+    return 0.5 * (
+        ground.mass * (motion.normal_velocity**2 + motion.tangential_velocity**2)
+        + ground.inertia * motion.angular_velocity**2
+    )
+
+
+def elastic_energy(motion: Motion, stiffness: Stiffness) -> Scalar:
+    """Energy held in the springs [J]."""
+    return 0.5 * (
+        stiffness.normal * motion.elastic_normal**2
+        + stiffness.tangential * motion.elastic_tangential**2
+        + stiffness.rotational * motion.elastic_rotation**2
+    )

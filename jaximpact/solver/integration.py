@@ -1,0 +1,186 @@
+"""One impact integrated from touch to end: diffrax, Rodas5P and the end events.
+
+What is wanted besides the end state is folded over the accepted steps (`folding`).
+diffrax watches one margin, the least of all, and stops when the step size control
+(`landing`) has landed on its root. Step widths are cut from differentiation; a last
+Newton correction, nil in value, carries the derivative of the event's time.
+"""
+
+from typing import ClassVar, NamedTuple
+
+import diffrax
+import jax
+import jax.numpy as jnp
+import optimistix as optx
+from jaxtyping import Array, Float
+
+from ..mechanics.kinks import branch_of
+from ..mechanics.outcomes import TIME_LIMIT, Margins
+from ..mechanics.problem import Observed, Problem, jacobian_pattern
+from .folding import Fold, fold_step, start_fold
+from .landing import LANDING, LandingController
+from .rosenbrock import ORDER, DenseOutput, dense_output, rodas5p_step
+
+Scalar = Float[Array, ""]
+
+
+class Course(NamedTuple):
+    """State of `FoldingSolver`."""
+
+    vector: Float[Array, " n"]
+    fold: Fold
+
+
+TERMS = diffrax.ODETerm(lambda t, y, args: y)
+"""What diffrax wants for a vector field; `advance` takes the problem's own."""
+
+
+@jax.jit
+def advance(
+    problem: Problem, course: Course, time: Scalar, width: Scalar
+) -> tuple[Course, Course]:
+    """One step: the course after it, and its errors in units of what is allowed. (`jit`
+    keeps diffrax from tracing it four times over.)"""
+    branch = branch_of(course.fold.watched.switches)
+    vector, error, stages = rodas5p_step(
+        lambda rows: problem.rates(rows, branch),
+        course.vector,
+        width,
+        jacobian_pattern(problem.model),
+    )
+    size = jnp.maximum(jnp.abs(course.vector), jnp.abs(vector))
+    allowed = problem.allowed_error(size, course.fold.peaks.normal_force)
+    step = DenseOutput(
+        t0=jnp.zeros_like(width),
+        t1=width,
+        **dense_output(course.vector, vector, stages),
+    )
+    after = Course(vector, fold_step(problem, course.fold, time, step, branch))
+    # Where a step ran out of the numbers it is too long, by much.
+    error = jax.lax.stop_gradient(error / allowed)
+    errors = jax.tree.map(jnp.zeros_like, after)
+    return after, errors._replace(vector=jnp.where(jnp.isfinite(error), error, 1e6))
+
+
+class FoldingSolver(diffrax.AbstractAdaptiveSolver):
+    """Rodas5P on the state vector, folding what is wanted over the steps.
+
+    The error it returns is in units of what is allowed, so the step size controller
+    takes a tolerance of one.
+    """
+
+    term_structure: ClassVar = diffrax.ODETerm
+    # Saved are steps and the end, and the event is landed on: nothing interpolates.
+    interpolation_cls: ClassVar = diffrax.LocalLinearInterpolation
+
+    def order(self, terms):
+        return ORDER
+
+    def init(self, terms, t0, t1, y0, args):
+        return None
+
+    def func(self, terms, t0, y0, args):
+        return terms.vf(t0, y0, args)
+
+    def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
+        after, errors = advance(args, y0, t0, terms.contr(t0, t1))
+        info = dict(y0=y0, y1=after)
+        return after, errors, info, solver_state, diffrax.RESULTS.successful
+
+
+def error_norm(course: Course) -> Scalar:
+    """Root mean square of the state's errors."""
+    return optx.rms_norm(course.vector)
+
+
+class End(NamedTuple):
+    """The end of an impact."""
+
+    vector: Float[Array, " n"]
+    time: Scalar
+    fold: Fold
+    margins: Margins
+    event: Scalar
+    """True if a margin came to zero."""
+    finished: Scalar
+    """False if the integration was given up."""
+    steps: Scalar
+    rejected: Scalar
+
+
+def step_size_controller() -> LandingController:
+    """Of the errors that `advance` gives."""
+    return LandingController(
+        diffrax.PIDController(
+            rtol=0.0, atol=1.0, norm=error_norm, pcoeff=0.3, icoeff=0.7
+        )
+    )
+
+
+def diffrax_arguments(problem: Problem, vector: Float[Array, " n"]) -> dict:
+    """What `diffrax.diffeqsolve` is called with, but for what it saves."""
+    return dict(
+        terms=TERMS,
+        solver=FoldingSolver(),
+        t0=0.0,
+        t1=TIME_LIMIT,
+        # Given here, it would be checked in a callback to the host.
+        dt0=None,
+        y0=Course(vector, start_fold(problem, vector)),
+        args=problem,
+        stepsize_controller=step_size_controller(),
+        event=diffrax.Event(
+            lambda t, y, args, **kwargs: y.fold.watched.margin <= LANDING
+        ),
+        adjoint=diffrax.ForwardMode(),
+        max_steps=problem.max_steps,
+        throw=False,
+    )
+
+
+def _peaks_at_the_end(problem: Problem, fold: Fold, time: Scalar, vector) -> Fold:
+    """Peaks reached as the impact ends, taken there: they move with the event's
+    time."""
+    watched = problem.watch(list(vector), fold.peaks.normal_force)
+    peaks = [
+        jnp.where(reached >= time, jnp.abs(value), peak)
+        for peak, reached, value in zip(
+            fold.peaks, fold.peak_times, watched.observed, strict=True
+        )
+    ]
+    return fold._replace(peaks=Observed(*peaks))
+
+
+def integrate(problem: Problem, vector: Float[Array, " n"]) -> End:
+    """Integrate from touch to end. Differentiable in forward mode."""
+    solution = diffrax.diffeqsolve(**diffrax_arguments(problem, vector))
+    event = solution.result == diffrax.RESULTS.event_occurred
+    return end_of(
+        problem,
+        jax.tree.map(lambda x: x[0], solution.ys),
+        solution.ts[0],
+        event,
+        event | (solution.result == diffrax.RESULTS.successful),
+        solution.stats["num_accepted_steps"],
+        solution.stats["num_rejected_steps"],
+    )
+
+
+def end_of(
+    problem: Problem, course: Course, time, event, finished, accepted, rejected
+) -> End:
+    """The end of an impact from the last state of its integration."""
+    margin, slope = course.fold.watched.margin, course.fold.watched_rate.margin
+    falls = event & (slope < 0.0)
+    correction = jnp.where(falls, margin / jnp.where(falls, slope, 1.0), 0.0)
+    vector = course.vector - correction * course.fold.rates
+    return End(
+        vector=vector,
+        time=jax.lax.stop_gradient(time) - correction,
+        fold=_peaks_at_the_end(problem, course.fold, time, vector),
+        margins=problem.margins(vector, course.fold.peaks.normal_force),
+        event=event,
+        finished=finished & jnp.all(jnp.isfinite(vector)),
+        steps=accepted,
+        rejected=rejected,
+    )

@@ -1,0 +1,183 @@
+"""Step size control that lands on the end of the impact and on the switches of the
+laws.
+
+A step that runs past one of them is rejected and taken again, shorter, with the width
+at which the cubic through value and slope at both ends is zero, until a step lands
+there. So state and time are as accurate as the steps themselves, not as their
+interpolant, and no second copy of the step is compiled.
+"""
+
+from typing import NamedTuple
+
+import diffrax
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..mechanics.kinks import SWITCHED_OFF, in_force
+from ..mechanics.problem import Problem
+from .cubic import peak_of_cubic, root_of_cubic
+from .folding import Fold
+
+Scalar = Float[Array, ""]
+
+LANDING = 1e-10
+"""A margin within this counts as zero."""
+ON_SWITCH = 1e-7, 1e-2
+"""A switching function within the first, or within this part of the tolerance, counts
+as zero."""
+SMALLEST_WIDTH = 1e-15
+"""Of a step, as a part of the time reached; a few roundings."""
+PATIENCE = 40
+"""Tries to land after which as many steps are taken as they are. Forces with dashpots
+may swing about a switch where they have no stable state, and land without end."""
+SHORTEST_PART = 0.01
+"""Part to which a step is cut at most in one try to land."""
+
+
+def first_landing(problem: Problem, before: Fold, after: Fold, width):
+    """Whether a step passes the end or a switch, and where the first of them lies.
+
+    Returns:
+        True where it does, and the place as a part of the step. A switch is to be
+        passed by half of what counts as zero, so that the next step starts on the far
+        side.
+
+    The margin may go down to the end and rise again within one step: where its cubic
+    does, the step is taken as one to the cubic's lowest point. A switch that is passed
+    there and back within one step is not seen: the error control resolves what swings,
+    so such an excursion is a small part of the swing.
+    """
+    on = jnp.maximum(ON_SWITCH[0], ON_SWITCH[1] * problem.tolerance)
+    side = [jnp.sign(value) for value in before.watched.switches]
+
+    def both(margin, switches):
+        switches = [s * value for s, value in zip(side, switches, strict=True)]
+        return jnp.stack([margin, *switches])
+
+    start, start_rate, end, end_rate = (
+        both(watched.margin, watched.switches)
+        for watched in (
+            before.watched,
+            before.watched_rate,
+            after.watched,
+            after.watched_rate,
+        )
+    )
+    # The margin only up to its lowest point
+    rate = before.rate_at_start(start[0], start_rate[0], end[0], end_rate[0], width)
+    depth, place = peak_of_cubic(-start[0], -rate, -end[0], -end_rate[0], width)
+    lowest_rate = jnp.where(place < 1.0, 0.0, end_rate[0])
+    end = jnp.concatenate([-depth[None], end[1:]])
+    end_rate = jnp.concatenate([lowest_rate[None], end_rate[1:]])
+    active = in_force(before.watched.switches, problem.ground.soil)
+    counts = jnp.stack(active) & (start[1:] > SWITCHED_OFF)
+    beyond = jnp.concatenate(
+        [end[:1] < -LANDING, counts & (end[1:] < -on)],
+    )
+    # The one that a straight line would put first is looked at closely; if it was
+    # another, the next try will tell.
+    guess = jnp.where(beyond, start / jnp.where(beyond, start - end, 1.0), 2.0)
+    first = jnp.argmin(guess, axis=0)
+    passed = jnp.any(beyond, axis=0)
+
+    def of_first(values, harmless):
+        value = jnp.take_along_axis(values, first[None], axis=0)[0]
+        return jnp.where(passed, value, harmless)
+
+    shift = jnp.where(first == 0, 0.0, 0.5 * on)
+    start, end = of_first(start, 1.0) + shift, of_first(end, -1.0) + shift
+    end_rate = of_first(end_rate, 0.0)
+    share = jnp.where(first == 0, place, 1.0)
+    width = share * width
+    start_rate = before.rate_at_start(
+        start, of_first(start_rate, 0.0), end, end_rate, width
+    )
+    part = share * root_of_cubic(start, start_rate, end, end_rate, width)
+    # A step far too long has a cubic that says little.
+    return passed, jnp.maximum(part, SHORTEST_PART)
+
+
+def first_width(problem: Problem) -> Scalar:
+    """Width of the first step [s]: 1e-12 of the time in which the block moves by R."""
+    return 1e-12 * problem.passing_time
+
+
+class LandingState(NamedTuple):
+    """State of `LandingController`."""
+
+    inner: tuple
+    rejected: Scalar
+    """1 if the last step was too long for the error control, else 0."""
+    tries: Scalar
+    """How often steps have been cut to land since one that met no switch; beyond
+    `PATIENCE` also how many met one and were not cut."""
+    resumed: Scalar
+    """Width of the step that was cut short to land [s]; 0 if none was."""
+
+
+class LandingController(diffrax.AbstractStepSizeController):
+    """Step size control that lands on the end and on the switches of the laws.
+
+    Wraps another controller; a step that passes one of them is rejected and taken again
+    up to the root of the margin, or of the switching function. After a switch the width
+    is what it was before.
+    """
+
+    inner: diffrax.PIDController
+
+    def wrap(self, direction):
+        return LandingController(self.inner.wrap(direction))
+
+    def init(self, terms, t0, t1, y0, dt0, args, func, error_order):
+        if dt0 is None:
+            dt0 = first_width(args)
+        t1, inner = self.inner.init(terms, t0, t1, y0, dt0, args, func, error_order)
+        zero = jnp.zeros_like(t1)
+        return t1, LandingState(inner, zero, zero, zero)
+
+    def adapt_step_size(
+        self, t0, t1, y0, y1_candidate, args, y_error, error_order, controller_state
+    ):
+        before_state, rejected, tries, resumed = controller_state
+        keep, next_t0, next_t1, made_jump, state, result = self.inner.adapt_step_size(
+            t0, t1, y0, y1_candidate, args, y_error, error_order, before_state
+        )
+        before, after = jax.lax.stop_gradient((y0.fold, y1_candidate.fold))
+        width = t1 - t0
+        passed, part = first_landing(args, before, after, width)
+        smallest = SMALLEST_WIDTH * t0
+        passing = tries >= PATIENCE
+        beyond = keep & passed & (width > smallest) & ~passing
+        state = jax.tree.map(
+            lambda old, new: jnp.where(beyond, old, new), before_state, state
+        )
+        landed = keep & ~beyond
+        settled = landed & ((after.turned == 0.0) | (tries >= 2 * PATIENCE))
+        # What has just been found too long is not tried again at once.
+        next_t1 = jnp.where(
+            keep & (rejected > 0.0), jnp.minimum(next_t1, next_t0 + width), next_t1
+        )
+        next_t1 = jnp.where(
+            landed & (after.turned > 0.0),
+            jnp.maximum(next_t1, next_t0 + resumed),
+            next_t1,
+        )
+        # Time must go on where a step was cut to less than its rounding.
+        next_t1 = jnp.where(landed, jnp.maximum(next_t1, next_t0 + smallest), next_t1)
+        cut_t1 = t0 + jnp.maximum(part * width, smallest)
+        longest = jnp.maximum(resumed, width)
+        resumed = jnp.where(beyond, longest, jnp.where(landed, 0.0, resumed))
+        return (
+            landed,
+            jnp.where(beyond, t0, next_t0),
+            jnp.where(beyond, cut_t1, next_t1),
+            made_jump,
+            LandingState(
+                state,
+                jnp.where(keep, 0.0, 1.0),
+                jnp.where(settled, 0.0, tries + (beyond | (landed & passing))),
+                resumed,
+            ),
+            result,
+        )

@@ -1,0 +1,160 @@
+"""Many impacts integrated side by side.
+
+Every array has the impacts, "lanes", on its last axis, so that each operation of the
+laws runs over contiguous memory. Steps, their control and the landing on events are
+those of `integration`; lanes that have ended stand still. What this saves against
+`jax.vmap` of a single integration is memory traffic: the unknowns are rows here, and
+columns there.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from ..mechanics.dynamics import initial_motion
+from ..mechanics.outcomes import TIME_LIMIT, closing_velocity
+from ..mechanics.problem import Problem, pose
+from .folding import start_fold
+from .integration import (
+    TERMS,
+    Course,
+    End,
+    advance,
+    end_of,
+    step_size_controller,
+)
+from .landing import LANDING, LandingState
+from .rosenbrock import ORDER
+
+LaneScalars = Float[Array, " lanes"]
+
+
+class Lanes(NamedTuple):
+    """Impacts under way."""
+
+    problem: Problem
+    course: Course
+    time: LaneScalars
+    until: LaneScalars
+    """End of the step that is tried next [s]."""
+    control: LandingState
+    event: Bool[Array, " lanes"]
+    """True where a margin has come to zero, or the block was separating."""
+    accepted: Int[Array, " lanes"]
+    rejected: Int[Array, " lanes"]
+
+    @property
+    def going(self) -> Bool[Array, " lanes"]:
+        """Which lanes have not come to an end. A lane whose step has become too short
+        to be told from none has been given up."""
+        return (
+            ~self.event
+            & (self.time < TIME_LIMIT)
+            & (self.until > self.time)
+            & (self.accepted + self.rejected < self.problem.max_steps)
+        )
+
+
+def start_lanes(assembly, scenes, tolerance, floor) -> Lanes:
+    """Lanes at the start of their impacts."""
+
+    def of_scene(scene):
+        problem, vector = pose(scene, assembly, tolerance, floor)
+        course = Course(vector, start_fold(problem, vector))
+        start = jnp.zeros_like(problem.force_scale)
+        until, control = step_size_controller().init(
+            TERMS, start, TIME_LIMIT, course, None, problem, None, ORDER
+        )
+        still = jnp.zeros((), int)
+        return Lanes(
+            problem,
+            course,
+            start,
+            until,
+            control,
+            closing_velocity(problem.ground, initial_motion(scene)) <= 0.0,
+            still,
+            still,
+        )
+
+    return jax.vmap(of_scene, out_axes=-1)(scenes)
+
+
+def step_lanes(lanes: Lanes) -> Lanes:
+    """One step tried in every lane that is going."""
+    going = lanes.going
+    controller = step_size_controller()
+
+    def control(time, until, before, after, problem, errors, state):
+        keep, time, until, _, state, _ = controller.adapt_step_size(
+            time, until, before, after, problem, errors, ORDER, state
+        )
+        return keep, time, until, state
+
+    after, errors = advance(
+        lanes.problem, lanes.course, lanes.time, lanes.until - lanes.time
+    )
+    keep, time, until, state = jax.lax.stop_gradient(
+        jax.vmap(control, in_axes=-1, out_axes=-1)(
+            *jax.lax.stop_gradient(
+                (
+                    lanes.time,
+                    lanes.until,
+                    lanes.course,
+                    after,
+                    lanes.problem,
+                    errors,
+                    lanes.control,
+                )
+            )
+        )
+    )
+
+    def where(condition, new, old):
+        return jax.tree.map(lambda n, o: jnp.where(condition, n, o), new, old)
+
+    course = where(going & keep, after, lanes.course)
+    return Lanes(
+        problem=lanes.problem,
+        course=course,
+        time=jnp.where(going, time, lanes.time),
+        until=jnp.where(going, jnp.minimum(until, TIME_LIMIT), lanes.until),
+        control=where(going, state, lanes.control),
+        event=lanes.event | (going & (course.fold.watched.margin <= LANDING)),
+        accepted=lanes.accepted + (going & keep),
+        rejected=lanes.rejected + (going & ~keep),
+    )
+
+
+def march(lanes: Lanes, steps: int | None = None) -> Lanes:
+    """Step all lanes until all have ended, or so many steps."""
+
+    def unfinished(carry):
+        lanes, count = carry
+        more = jnp.any(lanes.going)
+        return more if steps is None else more & (count < steps)
+
+    def body(carry):
+        lanes, count = carry
+        return step_lanes(lanes), count + 1
+
+    return jax.lax.while_loop(unfinished, body, (lanes, 0))[0]
+
+
+def end_lanes(lanes: Lanes) -> End:
+    """The ends of lanes none of which is going."""
+
+    def of_lane(lanes: Lanes) -> End:
+        return end_of(
+            lanes.problem,
+            lanes.course,
+            lanes.time,
+            lanes.event,
+            lanes.event | (lanes.time >= TIME_LIMIT),
+            lanes.accepted,
+            lanes.rejected,
+        )
+
+    return jax.vmap(of_lane, in_axes=-1)(lanes)
