@@ -30,8 +30,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jaximpact.formats.align import align
 from jaximpact.formats.files import replacing
-from jaximpact.solver.align import align
 
 ROOT = Path(__file__).parent.parent
 STUDY = ROOT / "calibration" / "wyllie" / "study.toml"

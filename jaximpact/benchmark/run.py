@@ -20,10 +20,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..errors import InputError, nearest
+from ..formats.align import align
 from ..formats.files import replacing
 from ..formats.provenance import version_of, versions
 from ..precision import require_float64
-from ..solver.align import align
 from .compile_time import COMPILE_TIME
 from .explicit_step import EXPLICIT_STEP
 from .ladder import LADDER

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import InputError
+from ..formats.align import align
 from ..formats.columns import INPUT_COLUMNS
-from ..solver.align import align
 from .candidates import Sigma, checked_axes, checked_measure
 from .design import CRITERIA, choose, merit
 from .engine import LEAVES

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ..formats.align import align
 from ..formats.files import replacing
 from ..formats.provenance import versions
 from ..formats.results import manifest_path
-from ..solver.align import align
 from .fitted_ground import FittedVariant
 from .prediction import Outside, Prediction, VariantPrediction
 from .scores import Scores, score, too_few

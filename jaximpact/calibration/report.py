@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..solver.align import align
+from ..formats.align import align
 from .scatter import LEAST_FREEDOM
 from .stopping import Reason
 from .study import StudyResult, VariantResult

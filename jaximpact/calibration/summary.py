@@ -5,8 +5,8 @@ import textwrap
 
 import numpy as np
 
+from ..formats.align import align
 from ..formats.columns import INPUT_COLUMNS
-from ..solver.align import align
 from .examination import Examination
 from .report import (
     about_cells,

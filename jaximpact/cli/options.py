@@ -3,6 +3,7 @@
 import argparse
 
 from ..accuracy import PRESETS
+from ..formats.align import align
 from ..formats.columns import (
     INPUT_COLUMNS,
     LABEL_COLUMNS,
@@ -10,7 +11,6 @@ from ..formats.columns import (
     OUTCOME_MEANING,
     RESULT_COLUMNS,
 )
-from ..solver.align import align
 
 
 def add_accuracy(parser: argparse.ArgumentParser, *, otherwise: str) -> None:

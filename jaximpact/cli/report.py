@@ -2,6 +2,7 @@
 
 import math
 
+from ..formats.align import align
 from ..formats.columns import (
     FURTHER_COLUMNS,
     OUTCOME_COLUMN,
@@ -9,7 +10,6 @@ from ..formats.columns import (
     RESULT_COLUMNS,
 )
 from ..simulation import ImpactResult
-from ..solver.align import align
 
 ENERGY_ITEMS = {
     "kinetic_in": "kinetic energy at impact",

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
+from ..formats.align import align
 from ..formats.columns import RESULT_COLUMNS
 from ..formats.files import check_writable
-from ..solver.align import align
 from . import options
 from .batch import journal_path
 from .progress import Progress, say

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from ..formats.align import align
 from ..formats.files import write_text
-from ..solver.align import align
 from . import drawing
 from .output import COLLECTOR_COLUMNS, collector_rows
 from .runs import Ending

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from ..formats.align import align
 from ..formats.files import write_text
 from ..formats.netcdf import write_netcdf
-from ..solver.align import align
 from . import drawing
 from .runs import Ending
 from .slope_file import SlopeStudy

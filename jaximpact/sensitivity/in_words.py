@@ -5,8 +5,8 @@ import json
 import numpy as np
 import xarray as xr
 
+from ..formats.align import align
 from ..formats.columns import OUTCOME_COLUMN
-from ..solver.align import align
 from .verdicts import Check, State
 
 MARKS = {Check.differs: "!", Check.undecided: "?"}
