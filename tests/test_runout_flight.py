@@ -170,6 +170,23 @@ def test_nothing_is_reached_before_its_time(seed):
         assert np.all(distance[above] > largest[0] * (1.0 - 1e-9))
 
 
+def test_a_block_that_climbs_out_of_the_ground_comes_down_on_it():
+    """Not into the depth at which it started."""
+    profile = Profile([-50.0, 0.0, 50.0], [0.0, 0.0, 20.0])
+    outline = Outline(np.array([0.6, 0.6]), np.array([0.3, 0.3]))
+    still = np.zeros(2)
+    spin = np.array([0.5, -3.0])
+    body = Body(still - 10.0, still + 0.2, still, still + 8.0, still, spin)
+    ends = follow_flights(body, outline, profile, np.full(2, 10.0))
+    assert np.all(ends.touched)
+    np.testing.assert_allclose(ends.gap, 0.0, atol=1e-8)
+    for i in range(2):
+        one, shape = take(body, [i]), take(outline, [i])
+        over, _ = clearance(one, shape, profile, ends.time[[i]])
+        # Points on the ellipse lie within 1 - cos(pi / 720) of its lowest one.
+        np.testing.assert_allclose(over, 0.0, atol=1e-5)
+
+
 def test_a_search_that_runs_out_of_steps_says_so(monkeypatch):
     monkeypatch.setattr(contact_search, "MAX_STEPS", 2)
     # A function of its own: JAX keeps what it has traced by the function.

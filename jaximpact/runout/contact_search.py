@@ -10,9 +10,18 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from ..scene import GRAVITY
 from .motion import Body, Outline, Scalar, fly
 from .programs import Program
-from .separation import NEVER, Gap, Piece, gaps, sure_time, widest
+from .separation import (
+    NEVER,
+    Gap,
+    Piece,
+    gaps,
+    largest_bending,
+    sure_time,
+    widest,
+)
 
 TOUCHING = 1e-9
 """Gap, by the block's larger semi-axis, within which it touches; rounding of the
@@ -33,7 +42,8 @@ class Watch(NamedTuple):
     pieces: tuple[Piece, ...]
     depths: tuple[Scalar, ...]
     """How deep the block sits in each piece [m]: it is followed as if the piece lay
-    deeper by that. More than 0 only where it started in the ground."""
+    deeper by that, until it is out of it. More than 0 only where it started in the
+    ground."""
     slack: Scalar
     until: Scalar
     """Time for which the pieces suffice [s]."""
@@ -102,6 +112,7 @@ def step(watch: Watch) -> tuple[Watch, Bool[Array, " lanes"]]:
     """One step of certain length, or the contact found."""
     body = fly(watch.body, watch.time)
     axis = jnp.sin(body.orientation), jnp.cos(body.orientation)
+    bending = body.angular_velocity**2 * largest_bending(watch.outline)
     advance = jnp.full_like(watch.time, NEVER)
     touched, place, met = watch.touched, watch.piece, watch.gap
     depths = []
@@ -114,6 +125,8 @@ def step(watch: Watch) -> tuple[Watch, Bool[Array, " lanes"]]:
         opens = gap.opening >= -APPROACHING
         deeper = opens & (gap.width + depth < -watch.slack)
         depth = jnp.where(deeper, -gap.width, depth)
+        # Once it is out, the piece lies where it lies.
+        depth = jnp.where(gap.width > watch.slack, 0.0, depth)
         depths.append(depth)
         touches = (gap.width + depth <= watch.slack) & (gap.opening < -APPROACHING)
         first = touches & ~touched
@@ -121,6 +134,9 @@ def step(watch: Watch) -> tuple[Watch, Bool[Array, " lanes"]]:
         place = jnp.where(first, float(number), place)
         met = Gap(*(jnp.where(first, a, b) for a, b in zip(gap, met, strict=True)))
         sure = sure_time(body, watch.outline, piece, candidates, depth, watch.slack)
+        # A step must not take it out and in again: some of the time of such a fall.
+        short = 0.5 * jnp.sqrt(depth / (GRAVITY + bending))
+        sure = jnp.where(depth > watch.slack, jnp.minimum(sure, short), sure)
         advance = jnp.minimum(advance, sure)
     time = jnp.minimum(watch.time + advance, watch.until)
     steps = watch.steps + 1.0
