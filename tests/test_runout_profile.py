@@ -25,9 +25,16 @@ def test_segments_descend_and_rise():
         (([0.0], [0.0]), "a profile needs at least two points, but got 1"),
         (([0.0, 1.0], [0.0]), "needs as many y as x"),
         (([0.0, 2.0, 1.0], [0.0] * 3), "x goes from 2 to 1 at point 3"),
-        (([0.0, 0.0], [0.0, 1.0]), "x goes from 0 to 0 at point 2"),
+        (([0.0, 0.0], [0.0, 1.0]), "x goes from 0 to 0 at point 2; a wall"),
         (([0.0, 1.0], [0.0, np.nan]), "point 2 has none"),
-        (([0, 1], [0, 0], Soil(), -0.1), r"must be in \[0, pi/2\), but holds -0.1"),
+        (
+            ([0, 1], [0, 0], Soil(), np.radians(-6.0)),
+            r"rolling_friction_angle must be in \[0, 90\) deg, but is -6 on segment 1",
+        ),
+        (
+            ([0, 1, 2], [0, 0, 0], Soil(), 0.1, [0.1, np.nan]),
+            r"roughness must be in \[0, 30\] deg, but is nan on segment 2",
+        ),
         (([0, 1], [0, 0], Soil(), [0.1, 0.1]), "takes one rolling_friction_angle"),
         (([0, 1], [0, 0], Soil(c_v=[1.0, 2.0])), "takes one Soil.c_v or as many"),
         (
@@ -65,6 +72,8 @@ def test_a_file_gives_points_and_ground(tmp_path):
         ("x_m\n0\n1\n", "row 1: needs a column y_m"),
         ("x_m,y_m,gama_v\n0,0,1\n1,0,1\n", "column gama_v: .* did you mean gamma_v"),
         ("x_m,x_m,y_m\n0,0,0\n", "stands twice"),
+        ("x_m;y_m\n0;0\n1;0\n", "row 1: needs commas .* but has semicolons"),
+        ("x_m\ty_m\n0\t0\n", "row 1: needs commas .* but has tabs"),
         ("x_m,y_m\n0,0\n1\n", "row 3: has 1 cells, but the header has 2"),
         ("x_m,y_m\n0,0\n1,low\n", "row 3, column y_m: must be a number, but is 'low'"),
         ("x_m,y_m\n0,0\n1,nan\n", "point 2 has none"),

@@ -117,6 +117,20 @@ def test_draws_follow_their_distributions():
     assert abs(np.corrcoef(drawn["normal"], drawn["uniform"])[0, 1]) < 5.0 / 200.0
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_far_tails_keep_their_distribution(side):
+    """Beyond 12 standard deviations what is left is near exponential, with a mean of
+    1 / (12 + 1 / 12) or so; shares of 1e-33 must not be rounded away."""
+    shares = (np.arange(1000) + 0.5) / 1000
+    ends = (12.0, np.inf) if side > 0.0 else (-np.inf, -12.0)
+    values = Normal(0.0, 1.0, *ends).values(shares)
+    beyond = side * values - 12.0
+    assert np.all(np.isfinite(values))
+    assert np.all(np.diff(values) > 0.0)
+    # 1 / 12 to its next order, 1 / 12**3; a thousand shares cut the tail off by 1e-3.
+    assert np.mean(beyond) == pytest.approx(1 / 12 - 2 / 12**3, rel=0.01)
+
+
 def test_lists_make_every_combination():
     drawn = draw({"a": (1.0, 2.0), "b": (5.0, 6.0, 7.0)}, 8, 0)
     assert list(drawn["a"]) == [1, 1, 1, 2, 2, 2, 1, 1]
@@ -333,6 +347,9 @@ def test_the_full_model_takes_an_accuracy(slope):
         ("[50, 20], ", "[90, 20], ", ("profile.points_m", "x that increases")),
         ("[50, 20], ", "[50], ", ("profile.points_m", "list of [x, y]")),
         ("[50, 20], ", "[50, nan], ", ("profile.points_m", "finite")),
+        ("[50, 20], ", '["50", 20], ', ("profile.points_m", "list of [x, y]")),
+        ("segment.2", "segment.02", ("ground.segment.02", "number of a segment")),
+        ("least = 20", "least = 20000", ("block.mass_kg", "holds nothing between")),
         ("points_m", "ponits_m", ("profile.ponits_m", "did you mean points_m?")),
         ("c_v = 0.5", "c_w = 0.5", ("ground.segment.2.c_w", "did you mean c_v?")),
         ("c_v = 0.5", "c_v = -1", ("ground.segment.2.c_v", "at least 0")),

@@ -2,6 +2,7 @@
 
 import dataclasses
 import hashlib
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -38,7 +39,7 @@ class ToldGround(NamedTuple):
         segments = {}
         for name, values in typed(path, table, "segment", dict, {}).items():
             key = f"ground.segment.{name}"
-            if not name.isdecimal():
+            if not re.fullmatch("[1-9][0-9]*|0", name):
                 raise InputError("must be the number of a segment", file=path, key=key)
             values = typed(path, table["segment"], name, dict)
             segments[int(name) - 1] = _ground_quantities(path, values, key)
@@ -166,6 +167,8 @@ def read_ground_profile(
     else:
         points = typed(path, table, "points_m", list)
         try:
+            if not all(type(c) in (int, float) for point in points for c in point):
+                raise TypeError
             x, y = np.array(points, float).reshape(len(points), 2).T
             profile = Profile(x, y, Soil(**soil), **angles)
         except (TypeError, ValueError) as error:

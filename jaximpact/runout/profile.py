@@ -64,18 +64,19 @@ class Profile:
                 ) from None
 
         rolling = of_segments("rolling_friction_angle", self.rolling_friction_angle)
-        if not np.all((rolling >= 0.0) & (rolling < 0.5 * np.pi)):
-            raise ValueError(
-                "a profile's rolling_friction_angle must be in [0, pi/2), but holds "
-                f"{rolling[~((rolling >= 0.0) & (rolling < 0.5 * np.pi))][0]:g}"
-            )
+        _check_angle(
+            "rolling_friction_angle",
+            rolling,
+            (rolling >= 0.0) & (rolling < 0.5 * np.pi),
+            "[0, 90)",
+        )
         roughness = of_segments("roughness", self.roughness)
-        bad = ~((roughness >= 0.0) & (roughness <= ROUGHEST))
-        if np.any(bad):
-            raise ValueError(
-                f"a profile's roughness must be in [0, {ROUGHEST:.4g}], but holds "
-                f"{roughness[bad][0]:g}"
-            )
+        _check_angle(
+            "roughness",
+            roughness,
+            (roughness >= 0.0) & (roughness <= ROUGHEST),
+            f"[0, {ROUGHEST / DEGREE:g}]",
+        )
         soil = {}
         for field in dataclasses.fields(Soil):
             soil[field.name] = of_segments(
@@ -121,11 +122,21 @@ def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
     back = np.diff(x) <= 0.0
     if np.any(back):
         i = int(np.argmax(back))
+        wall = "; a wall needs some width, such as 0.01 m" if x[i] == x[i + 1] else ""
         return (
             f"needs x that increases from point to point, but x goes from {x[i]:g} to "
-            f"{x[i + 1]:g} at point {i + 2}"
+            f"{x[i + 1]:g} at point {i + 2}{wall}"
         )
     return None
+
+
+def _check_angle(name: str, values: np.ndarray, allowed: np.ndarray, range_deg: str):
+    if not np.all(allowed):
+        i = int(np.argmin(allowed))
+        raise ValueError(
+            f"a profile's {name} must be in {range_deg} deg, but is "
+            f"{values[i] / DEGREE:g} on segment {i + 1}"
+        )
 
 
 def _check_soil(field: str, values: np.ndarray) -> None:
@@ -205,6 +216,11 @@ def read_profile(
 def _check_header(path: Path, line: int, names: list[str]) -> None:
     of_soil = tuple(c.name for c in INPUT_COLUMNS.values() if c.part == "soil")
     known = (*POINT_COLUMNS, *of_soil, ROLLING_COLUMN, ROUGHNESS_COLUMN)
+    for mark, marks in ((";", "semicolons"), ("\t", "tabs")):
+        if len(names) == 1 and mark in names[0]:
+            raise InputError(
+                f"needs commas between columns, but has {marks}", file=path, row=line
+            )
     for place, name in enumerate(names):
         if name not in known:
             raise InputError(

@@ -30,11 +30,25 @@ class Normal(NamedTuple):
 
     def values(self, shares: Numbers) -> Numbers:
         """At shares of the distribution, in (0, 1)."""
-        ends = (np.array([self.least, self.most]) - self.mean) / self.sd
-        low, high = np.asarray(jax.scipy.special.ndtr(ends))
-        inside = low + (high - low) * shares
-        standard = np.asarray(jax.scipy.special.ndtri(inside))
+        low, high, sign = self._ends()
+        inside = low + (high - low) * (shares if sign > 0.0 else 1.0 - shares)
+        standard = sign * np.asarray(jax.scipy.special.ndtri(inside))
         return np.clip(self.mean + self.sd * standard, self.least, self.most)
+
+    @property
+    def share_inside(self) -> float:
+        """Of the distribution, between the ends; 0 where that is too little for a
+        number."""
+        low, high, _ = self._ends()
+        return high - low
+
+    def _ends(self) -> tuple[float, float, float]:
+        """Shares of the distribution below both ends, and 1; or, where both lie above
+        the mean, those above them, which keep their digits, and -1."""
+        ends = (np.array([self.least, self.most]) - self.mean) / self.sd
+        sign = 1.0 if self.least <= self.mean else -1.0
+        low, high = np.sort(np.asarray(jax.scipy.special.ndtr(sign * ends)))
+        return float(low), float(high), sign
 
 
 class Uniform(NamedTuple):

@@ -61,4 +61,12 @@ def read_quantity(path: Path, key: str, value, column: InputColumn | None) -> Qu
             file=path,
             key=key,
         )
+    if not normal.share_inside > 0.0:
+        raise InputError(
+            f"holds nothing between least and most, {normal.least:g} and "
+            f"{normal.most:g}, so far from a mean of {normal.mean:g} with sd "
+            f"{normal.sd:g}",
+            file=path,
+            key=key,
+        )
     return normal
