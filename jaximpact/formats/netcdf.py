@@ -11,6 +11,8 @@ from .files import replacing
 ENGINE = "scipy"
 """NetCDF 3 with 64-bit offsets, which every program reads and JAX's own dependencies
 write."""
+MAGIC = b"CDF"
+"""How such a file begins."""
 
 
 def write_netcdf(path: Path, dataset: xr.Dataset) -> None:
@@ -37,4 +39,7 @@ def read_netcdf(path: Path) -> xr.Dataset:
         why = error.strerror or str(error)
         raise InputError(f"cannot be read: {why}", file=path) from error
     except Exception as error:  # SciPy raises whatever the bytes lead it to
-        raise InputError(f"is not a NetCDF 3 file ({error})", file=path) from error
+        # What it says of other files is of libraries to install.
+        cut = path.read_bytes().startswith(MAGIC)
+        why = "is a damaged NetCDF 3 file" if cut else "is not a NetCDF 3 file"
+        raise InputError(why, file=path) from error

@@ -181,6 +181,8 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
         if not np.all(np.isfinite(covariance)) or not np.all(np.isfinite(mean)):
             raise ValueError("no finite covariance")
         np.linalg.cholesky(covariance)
+    except InputError:
+        raise
     except (KeyError, TypeError, ValueError, np.linalg.LinAlgError) as error:
         raise InputError(
             f"holds no calibration that can be drawn from ({error!r}); a fit.json of "
