@@ -59,3 +59,26 @@ def test_both_codes_and_xla_agree(study, monkeypatch):
             received.jacobian / largest, expected.jacobian / largest, atol=1e-4
         )
         np.testing.assert_array_equal(received.outcomes, expected.outcomes)
+
+
+def test_a_derivative_without_bound_spoils_no_fit(study):
+    """It counts as none, like that of a result that could not be computed; the other
+    lane and the other target keep theirs."""
+
+    class Steep:
+        engine = engine_of(study)
+
+        def run(self, *arguments):
+            values, derivatives, outcomes = self.engine.run(*arguments)
+            derivatives = np.array(derivatives)
+            flat = derivatives.reshape(-1, len(study.targets))
+            flat[0, 0], flat[1, 0] = np.inf, 1e200
+            return values, derivatives, outcomes
+
+    x = Objective(study, study.variants[0], None).bounds.coordinate(SOILS)
+    usual = Objective(study, study.variants[0], Steep.engine)(x)
+    found = Objective(study, study.variants[0], Steep())(x)
+    assert np.all(np.isfinite(found.hessian))
+    assert np.all(np.isfinite(found.gradient))
+    np.testing.assert_array_equal(found.hessian[1], usual.hessian[1])
+    assert np.any(found.hessian[0] != usual.hessian[0])

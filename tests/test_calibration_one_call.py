@@ -10,8 +10,13 @@ from command_line import assert_one_line_error
 
 import jaximpact
 from jaximpact import Block, Impact, Scene, Soil, calibrate, predict, simulate_batch
+from jaximpact.accuracy import PRESETS
+from jaximpact.calibration.campaigns import joined_tables
+from jaximpact.calibration.fitted_ground import fitted_of
 from jaximpact.calibration.given import table_given
+from jaximpact.calibration.objective import Objective, engine_of
 from jaximpact.calibration.one_call import _study
+from jaximpact.calibration.prediction import _predict, held_out_study
 from jaximpact.calibration.study_file import read_study
 from jaximpact.cli import main
 from jaximpact.errors import InputError
@@ -112,6 +117,7 @@ def test_a_summary_says_what_is_not_determined(written):
     assert "not determined" in str(found)
     assert "determine none of the parameters by itself" in str(found)
     assert "Against trusting it" in str(found)
+    assert "Against trusting it" in (written / "report.txt").read_text()
     # The command line's numbers are these: there is no second way.
     tree = json.loads((written / "fit.json").read_text())
     assert tree["variants"][0]["parameters"] == found.parameters
@@ -242,6 +248,24 @@ def test_limits_and_gaps_are_respected(found, new):
     assert "Scores" not in str(bare)
 
 
+def test_draws_are_predicted_as_exactly_as_they_were_drawn(found):
+    """One draw alone: what the model gives for it at the accuracy of the draws."""
+    ground = fitted_of(found.as_json())
+    study = held_out_study(ground, joined_tables((table_given(NEW),)))
+    (fitted,) = ground.variants
+    alone = fitted._replace(draws=fitted.draws[:1], weights=np.ones(1))
+    engine = engine_of(study)
+    low = {}
+    for name in ("fast", "balanced"):
+        of_one = alone._replace(accuracy=PRESETS[name])
+        low[name] = _predict(study, ground, of_one, engine).model_low
+    objective = Objective(study, fitted.variant, engine, PRESETS["balanced"])
+    x = objective.bounds.coordinate(fitted.draws[:1])
+    exact = objective.glance(x, np.zeros(x.shape, bool)).predicted[0]
+    np.testing.assert_array_equal(low["balanced"], exact)
+    assert not np.array_equal(low["fast"], exact)
+
+
 def test_a_result_that_was_not_fitted(found, new):
     """It is predicted too; its scatter is nobody's statement."""
     prediction = predict(found, NEW | {"duration_s": [0.05, None, None, None]})
@@ -268,6 +292,7 @@ def test_what_is_not_determined_widens_the_intervals(written, tmp_path, capsys):
     assert high > 2.0 * low
     tree = json.loads((tmp_path / "predicted.csv.manifest.json").read_text())
     assert tree["variants"][0]["undetermined"] == ["c_v", "gamma_v", "k_E"]
+    assert tree["variants"][0]["accuracy_of_draws"] == "balanced"
     assert tree["manifest"]["tests"][0]["file"] == "new.csv"
 
 

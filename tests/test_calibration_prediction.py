@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm, t
 
+from jaximpact.accuracy import PRESETS
 from jaximpact.calibration.campaigns import joined_tables
 from jaximpact.calibration.draws import draw
 from jaximpact.calibration.fit import fit
@@ -120,6 +121,7 @@ def variant_of(unknowns, draws, **changed):
         estimated={"e_n": False},
         inflation=4.0,
         freedom={"e_n": 7.0},
+        accuracy=PRESETS["balanced"],
     )
     return FittedVariant(**fields | changed)
 

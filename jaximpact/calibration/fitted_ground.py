@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..accuracy import Accuracy
 from ..errors import InputError
 from .draws import FEWEST
 from .nuisance import Prior
@@ -36,6 +37,8 @@ class FittedVariant(NamedTuple):
     """Of the sigmas' squares."""
     freedom: dict[str, float]
     """Degrees of freedom that the fit left of each target."""
+    accuracy: Accuracy
+    """Of impacts, that the draws were found to need."""
 
     @property
     def trusted(self) -> bool:
@@ -136,4 +139,5 @@ def _variant(tree: dict, entry: dict) -> FittedVariant:
         estimated={name: not given for name, given in tree["sigma_given"].items()},
         inflation=entry["inflation"],
         freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},
+        accuracy=Accuracy(**draws["accuracy"]),
     )

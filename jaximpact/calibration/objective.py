@@ -27,6 +27,8 @@ from .turned_ground import ANGLE, SIGN, as_stated, needed
 FAILED_COST = 5e5
 """Stands, with derivative zero, for the loss of a result that could not be computed:
 large, so that a fit keeps away, and finite, so that it does not spoil the rest."""
+STEEPEST = 1e100
+"""Derivatives above, whose squares could overflow, tell nothing."""
 
 
 class Points(NamedTuple):
@@ -239,7 +241,9 @@ class Objective:
             )
         values = values.reshape(len(runs), tests, targets)
         derivatives = derivatives.reshape(len(runs), tests, targets)
-        derivatives = np.where(np.isfinite(values), derivatives, 0.0)
+        # Where an outcome changes a derivative may have no bound; its square is worse.
+        told = np.isfinite(values) & (np.abs(derivatives) < STEEPEST)
+        derivatives = np.where(told, derivatives, 0.0)
         predicted = np.empty((lanes, tests, targets))
         predicted[of_lane] = values
         codes = np.empty((lanes, tests))

@@ -16,6 +16,7 @@ from .examination import Examination
 from .further_tests import Suggestions
 from .left_out import LeftOut
 from .report import as_text, fit_of_target, interval, standard_error
+from .reservations import of_all
 from .sampling import Samples, to_inference_data
 from .study import StudyResult, VariantResult
 from .study_file import Study
@@ -57,7 +58,8 @@ def write_all(result: StudyResult, examined: list[Examination], out: Path) -> No
             with replacing(out / f"posterior{several}.nc") as temporary:
                 to_inference_data(variant, looked.samples).to_netcdf(str(temporary))
     with replacing(out / "report.txt") as temporary:
-        temporary.write_text(as_text(result), encoding="utf-8")
+        text = as_text(result, of_all(result, examined))
+        temporary.write_text(text, encoding="utf-8")
     with replacing(out / "fit.json") as temporary:
         text = json.dumps(as_json(result, examined), indent=1, allow_nan=False)
         temporary.write_text(text + "\n", encoding="utf-8")

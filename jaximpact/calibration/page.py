@@ -10,7 +10,7 @@ from ..formats.columns import RESULT_COLUMNS
 from ..formats.provenance import versions
 from . import agreement, drawings, further_tests, left_out, residuals
 from .document import Block, Box, Heading, Paragraph, Picture, Pictures, Points, Table
-from .draws import FEWEST, Draws
+from .draws import Draws
 from .examination import Examination
 from .left_out import LeftOut
 from .report import (
@@ -26,6 +26,7 @@ from .report import (
     target_rows,
     variant_rows,
 )
+from .reservations import reservations
 from .sampling import Samples
 from .study import StudyResult, VariantResult
 from .uncertainty import USELESS_ERROR
@@ -88,58 +89,6 @@ def verdict(variant: VariantResult, name: str = "") -> list[str]:
         lines.append(
             f"The errors of the others hold near this fit only: they move with {held}."
         )
-    return lines
-
-
-def reservations(
-    result: StudyResult, variant: VariantResult, looked: Examination
-) -> list[str]:
-    """Why not to trust the errors, if there is a reason."""
-    uncertainty, lines = variant.uncertainty, []
-    if not variant.reason.at_minimum:
-        lines.append(f"The best fit is no minimum: {variant.reason.words}.")
-    if uncertainty.inflation > 1.0:
-        lines.append(
-            "The misfit is larger than the sigmas given allow. Standard errors are "
-            f"multiplied by {np.sqrt(uncertainty.inflation):.3g}, which is right only "
-            "if the misfit is random."
-        )
-    if uncertainty.degrees_of_freedom < 3.0:
-        lines.append(
-            f"{uncertainty.degrees_of_freedom:.2g} degrees of freedom are left: there "
-            "is next to nothing to tell how good the fit is."
-        )
-    for target in dict.fromkeys(trend.target for trend in looked.residuals.trends):
-        against = [t.against for t in looked.residuals.trends if t.target == target]
-        lines.append(
-            f"The residuals of {target} follow {' and '.join(against)}: the model "
-            "misses something, and errors that take the misfit for random are too "
-            "small."
-        )
-    for left, what in ((looked.each, "test"), (looked.campaigns, "campaign")):
-        if left is not None:
-            words = left_out.in_words(left, variant.objective, what)
-            lines += [line for line in words if "fewer than chance" in line]
-    if not looked.draws.trusted:
-        lines.append(
-            f"Of the draws fewer than {100 * FEWEST:g} % count: the bands are rough. "
-            "Sample the posterior instead (--posterior)."
-        )
-    for what in (looked.draws, looked.samples):
-        if what is not None and what.rough:
-            lines.append(
-                f"At the accuracy {what.accuracy.name} costs are off by up to "
-                f"{what.error:.2g}: the sigmas are too small for it. The "
-                + (
-                    "bands are rough."
-                    if what is looked.draws
-                    else "posterior is rough."
-                )
-            )
-    if np.sum(variant.reached) == 1 and len(variant.start_costs) > 1:
-        lines.append("One start alone found the best fit: there may be a better one.")
-    if variant.failed:
-        lines.append(f"{variant.failed} predictions could not be computed.")
     return lines
 
 
@@ -211,7 +160,7 @@ def _parameters(result, variant, looked, prefix) -> list[Block]:
                     for a, b in pairs
                 ]
             ),
-            Paragraph(_about_draws(result, draws)),
+            Paragraph(_about_draws(result, variant, draws)),
         ]
     if looked.samples is not None:
         blocks += _posterior(variant, looked)
@@ -223,10 +172,19 @@ def _parameters(result, variant, looked, prefix) -> list[Block]:
     return blocks
 
 
-def _about_draws(result: StudyResult, draws: Draws) -> str:
+def _about_draws(result: StudyResult, variant: VariantResult, draws: Draws) -> str:
     first, last = draws.effective_part[0], draws.effective_part[-1]
     words = f"Of {len(draws.x)} draws about the best fit {100 * first:.0f} % count: "
-    if first >= NEARLY_NORMAL:
+    unknown = [v.name for v in variant.verdicts if not v.determined]
+    if first >= NEARLY_NORMAL and unknown:
+        # Draws are made between the bounds, so that cut off there they may all count.
+        words += (
+            "they follow the posterior between the bounds. But of what is not "
+            f"determined, {', '.join(unknown)}, the bounds say where it ends: believe "
+            "the verdict, and of the other parameters the dots rather than the "
+            "standard errors."
+        )
+    elif first >= NEARLY_NORMAL:
         words += "the posterior is nearly normal, and standard errors tell its shape."
     else:
         words += (

@@ -24,7 +24,6 @@ from ..precision import require_float64
 from .campaigns import Measurements, joined_tables
 from .candidates import Candidates
 from .engine import Engine
-from .fit import rough_of
 from .fitted_ground import FittedGround, FittedVariant, fitted_of, read_fitted
 from .given import table_given
 from .least_squares import Progress
@@ -254,7 +253,7 @@ def _predict(
     objective = Objective(study, fitted.variant, engine, PRESETS[ground.accuracy])
     best, draws, weights = unknowns(study, fitted, ground.seed)
     at_best = _modelled(objective, best[None])
-    of_draws = _modelled(rough_of(objective), draws)
+    of_draws = _modelled(objective.at(fitted.accuracy), draws)
     outcomes = at_best.outcomes[0]
     alike = of_draws.outcomes == outcomes
     sigma, freedom = scatter(study, fitted)

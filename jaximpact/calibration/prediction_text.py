@@ -104,7 +104,11 @@ def remarks_on(
     for name in fitted.undetermined:
         lines += _about_undetermined(prediction, fitted, name)
     if not fitted.trusted:
-        lines.append("Few of the fit's draws count: the intervals are rough.")
+        count = 1.0 / np.sum(fitted.weights**2)
+        lines.append(
+            f"Of the fit's {len(fitted.weights)} draws only about {count:.0f} count: "
+            "the intervals may be far off, to either side. Do not rely on them."
+        )
     unknown = [
         name
         for place, name in enumerate(prediction.targets)
@@ -256,6 +260,7 @@ def as_json(prediction: Prediction) -> dict:
                     for name, one in score(prediction, variant).items()
                 },
                 "undetermined": list(variant.fitted.undetermined),
+                "accuracy_of_draws": variant.fitted.accuracy.name,
             }
             for variant in prediction.variants
         ],

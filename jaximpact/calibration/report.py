@@ -8,12 +8,20 @@ from .stopping import Reason
 from .study import StudyResult, VariantResult
 from .study_file import Study
 
+TOO_FEW_FOR_SIGMA = (
+    "Too few measurements to estimate their errors: standard errors follow from the "
+    "nominal sigmas, a guess."
+)
 ONE_ROW = 1e-3
 """Relative difference of costs within which starts share a row."""
 
 
-def as_text(result: StudyResult) -> str:
-    """The report: for each variant values, errors, verdicts, directions and fit."""
+def as_text(result: StudyResult, doubts: list[list[str]]) -> str:
+    """The report: for each variant values, errors, verdicts, directions and fit.
+
+    Args:
+        doubts: of each variant, what stands against trusting it.
+    """
     study = result.study
     accuracy = f"accuracy {study.accuracy}, {study.starts} starts, seed {study.seed}"
     files = ", ".join(table.path.name for table in study.tests.files)
@@ -29,8 +37,8 @@ def as_text(result: StudyResult) -> str:
     ]
     if len(result.variants) > 1:
         lines += ["", "Variants", align(variant_rows(result))]
-    for variant in result.variants:
-        lines += ["", *_variant(result, variant)]
+    for variant, of_one in zip(result.variants, doubts, strict=True):
+        lines += ["", *_variant(result, variant, of_one)]
     return "\n".join(lines) + "\n"
 
 
@@ -96,7 +104,9 @@ def variant_rows(result: StudyResult) -> list[tuple[str, ...]]:
     return rows
 
 
-def _variant(result: StudyResult, variant: VariantResult) -> list[str]:
+def _variant(
+    result: StudyResult, variant: VariantResult, doubts: list[str]
+) -> list[str]:
     title = variant.variant.name if len(result.variants) > 1 else "Fit"
     lines = [title, "-" * len(title), align(parameter_rows(variant))]
     undetermined = [v for v in variant.verdicts if not v.determined]
@@ -111,6 +121,8 @@ def _variant(result: StudyResult, variant: VariantResult) -> list[str]:
         lines.append(
             f"The errors of {rest} hold near this fit only: they move with {held}."
         )
+    if doubts:
+        lines += ["", "Against trusting it", *(f"  {doubt}" for doubt in doubts)]
     if len(variant.names) > len(variant.verdicts):
         lines += [
             "",
@@ -233,8 +245,10 @@ def target_rows(result: StudyResult, variant: VariantResult) -> list[tuple[str, 
     for place, name in enumerate(study.targets):
         values = fit_of_target(result, variant, place)
         sigma = variant.sigma[study.known[:, place], place]
-        given = study.sigma_given[place]
-        text = f"{np.median(sigma):.3g} ({'given' if given else 'estimated'})"
+        few = variant.uncertainty.degrees_of_freedom < LEAST_FREEDOM
+        origin = "guessed" if few else "estimated"
+        origin = "given" if study.sigma_given[place] else origin
+        text = f"{np.median(sigma):.3g} ({origin})"
         row = (name, *(_number(values[key]) for key in ("rms", "max", "bias")), text)
         rows.append((*row, str(values["limits_broken"])) if limits else row)
     return rows
@@ -242,9 +256,10 @@ def target_rows(result: StudyResult, variant: VariantResult) -> list[tuple[str, 
 
 def statistics(result: StudyResult, variant: VariantResult) -> list[str]:
     uncertainty = variant.uncertainty
+    freedom, words = uncertainty.degrees_of_freedom, variant.reason.words
     lines = [
-        f"Cost {variant.cost:.6g}, {uncertainty.degrees_of_freedom:.3g} degrees of "
-        f"freedom. {variant.reason.words[0].upper()}{variant.reason.words[1:]}."
+        f"Cost {variant.cost:.6g}, {freedom_text(freedom)} degrees of freedom. "
+        f"{words[0].upper()}{words[1:]}."
     ]
     if np.all(result.study.sigma_given) and np.isfinite(uncertainty.reduced_chi_square):
         lines.append(f"Reduced chi-square {uncertainty.reduced_chi_square:.3g}.")
@@ -257,13 +272,15 @@ def statistics(result: StudyResult, variant: VariantResult) -> list[str]:
         not np.all(result.study.sigma_given)
         and uncertainty.degrees_of_freedom < LEAST_FREEDOM
     ):
-        lines.append(
-            "Too few measurements to estimate their errors: standard errors follow "
-            "from the nominal sigmas, a guess."
-        )
+        lines.append(TOO_FEW_FOR_SIGMA)
     if variant.failed:
         lines.append(f"{variant.failed} predictions could not be computed.")
     return lines
+
+
+def freedom_text(freedom: float) -> str:
+    """Degrees of freedom; what rounding leaves of none is none."""
+    return f"{max(0.0, round(freedom, 2)):.3g}"
 
 
 def starts_in_words(variant: VariantResult) -> str:

@@ -255,9 +255,10 @@ def _parameter(path: Path, name: str, entry) -> Parameter:
             key=f"{key}.upper",
         )
     if not values["lower"] < values["start"] < values["upper"]:
+        stated = "is" if "start" in entry else "is not given, and the usual value is"
         raise InputError(
-            f"must lie between {values['lower']:g} and {values['upper']:g}, but is "
-            f"{values['start']:g}",
+            f"must lie between {values['lower']:g} and {values['upper']:g}, but "
+            f"{stated} {values['start']:g}",
             file=path,
             key=f"{key}.start",
         )
@@ -348,7 +349,7 @@ def _targets(path: Path, content: dict, tests: Measurements, nuisances):
         if targets.count(name) > 1:
             raise InputError(f"{name} stands twice", file=path, key="targets")
         if not np.any(np.isfinite(tests.measured[name])):
-            raise InputError("holds no measurement", file=first, column=name)
+            raise InputError("holds no measurement; remove it", file=first, column=name)
     angles = tests.inputs.get("angle_deg", np.zeros(len(tests)))
     moved = any(nuisance.name == "angle_deg" for nuisance in nuisances)
     if "e_t" in targets and not moved:
@@ -397,8 +398,8 @@ def _sigma(path, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
         for test in np.flatnonzero(np.isfinite(measured) & ~np.isfinite(sigma))[:1]:
             file, row = tests.place(test)
             raise InputError(
-                f"has no sigma_{name}, but other rows have; give all, or "
-                f"default_sigma.{name} in {path.name}",
+                f"has no sigma_{name}, but other rows have; give all, or a sigma for "
+                f"the rest, default_sigma.{name} in a study",
                 file=file,
                 row=row,
                 column=name,

@@ -16,6 +16,7 @@ from .report import (
     starts_in_words,
     target_rows,
 )
+from .reservations import reservations
 from .study import StudyResult, VariantResult
 from .study_file import Study
 
@@ -47,7 +48,7 @@ def _of_variant(
     result: StudyResult, variant: VariantResult, looked: Examination
 ) -> list[str]:
     # It draws, and Matplotlib takes half a second to import.
-    from .page import reservations, verdict
+    from .page import verdict
 
     lines = ["Parameters", align(_parameters(variant))]
     if len(variant.names) > len(variant.verdicts):

@@ -64,8 +64,9 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "study",
         type=Path,
-        metavar="STUDY.toml",
-        help="what to fit to which data, and how; or tests.csv, the tests alone",
+        metavar="STUDY",
+        help="study.toml, what to fit to which data and how; or tests.csv, the tests "
+        "alone",
     )
     parser.add_argument(
         "--out",
@@ -86,23 +87,27 @@ def add_parser(commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Fit."""
     from ..calibration.report import as_text
-    from ..calibration.run import UNFINISHED, run_study
+    from ..calibration.reservations import of_all
+    from ..calibration.run import UNFINISHED, fit_and_examine
+    from ..calibration.study_file import read_study
 
     begin = time.monotonic()
     try:
         with Lines() as progress:
-            result = run_study(
-                arguments.study,
+            result, examined = fit_and_examine(
+                read_study(arguments.study),
                 arguments.out,
                 posterior=arguments.posterior,
                 progress=progress,
             )
     except KeyboardInterrupt:
+        kept = arguments.out / UNFINISHED
         raise KeyboardInterrupt(
-            f"finished fits are kept in {arguments.out / UNFINISHED}; the same command "
-            "goes on from there"
+            f"finished fits are kept in {kept}; the same command goes on from there"
+            if kept.is_dir() and any(kept.iterdir())
+            else "no fit was finished; the same command starts anew"
         ) from None
-    print(as_text(result), end="")
+    print(as_text(result, of_all(result, examined)), end="")
     seconds = time.monotonic() - begin
     say(f"{result.seconds:.0f} s for the fits, {seconds:.0f} s in all")
     say(f"the report is {arguments.out / 'report.html'}")
