@@ -265,6 +265,9 @@ def test_what_residuals_follow_is_found(tmp_path):
     assert {trend.against for trend in found.trends} == {"speed_mps"}
     assert abs(found.trends[0].correlation) < 0.1
     assert found.trends[0].likeness > 0.6
+    # The same, far below sigma: what an integration leaves, not a model.
+    objective, points, _ = linear(tmp_path, matrix, 1e-4 * SIGMA * z**2)
+    assert residuals_of(objective, points, 1.0).trends == []
     said = 0
     for seed in range(60):
         objective, points, _ = linear(tmp_path, *line(16, seed))

@@ -1,6 +1,8 @@
 """Predictive distributions and their scores; coverage over repeated fits."""
 
 import dataclasses
+import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,11 +10,17 @@ from scipy.stats import norm, t
 
 from jaximpact.accuracy import PRESETS
 from jaximpact.calibration.campaigns import joined_tables
+from jaximpact.calibration.chance import too_few
 from jaximpact.calibration.draws import draw
 from jaximpact.calibration.fit import fit
-from jaximpact.calibration.fitted_ground import FittedGround, FittedVariant
+from jaximpact.calibration.fitted_ground import (
+    FittedGround,
+    FittedVariant,
+    read_fitted,
+)
 from jaximpact.calibration.given import table_given
 from jaximpact.calibration.objective import Objective, engine_of
+from jaximpact.calibration.output import in_lines
 from jaximpact.calibration.prediction import (
     _predict,
     held_out_study,
@@ -22,12 +30,12 @@ from jaximpact.calibration.prediction import (
 )
 from jaximpact.calibration.predictive import predictive
 from jaximpact.calibration.scatter import settle
-from jaximpact.calibration.scores import too_few
 from jaximpact.calibration.study import best_fit
 from jaximpact.calibration.study_file import Parameter, Variant, study_of
 from jaximpact.calibration.uncertainty import estimate
 from jaximpact.calibration.unknown_scale import freedom_of_targets, weights_of
 from jaximpact.errors import InputError
+from jaximpact.formats.columns import INPUT_COLUMNS
 
 ONE = np.ones(1)
 
@@ -86,10 +94,11 @@ def test_plain_forecast_is_that_of_a_normal_sample():
 
 
 def test_too_few_is_beyond_chance():
-    assert not too_few(19, 20)
-    assert not too_few(17, 20)
-    assert too_few(15, 20)
-    assert not too_few(1, 1)
+    """Of one interval of 95 % a twentieth misses; that both of two do is not chance."""
+    for inside, count in ((19, 20), (17, 20), (1, 1), (0, 1), (1, 2)):
+        assert not too_few(inside, count, 0.95)
+    for inside, count in ((15, 20), (0, 2), (2, 4)):
+        assert too_few(inside, count, 0.95)
 
 
 def ground_of(nuisances, variant):
@@ -303,3 +312,26 @@ def test_intervals_cover_what_is_measured_next():
     assert 0.42 <= np.mean(half) <= 0.58
     # Errors of two parameters in 40 repeats: 80 numbers, 95 +- 2.4 %.
     assert 0.87 <= np.mean(of_model) <= 0.995
+
+
+SHIPPED = sorted((Path(__file__).parent.parent / "calibration").rglob("fit.json"))
+
+
+def test_results_shipped_can_be_predicted_from():
+    """They are of this version: draws with weights, and the range of their tests."""
+    assert len(SHIPPED) == 12
+    for path in SHIPPED:
+        ground = read_fitted(path)
+        for variant in ground.variants:
+            assert variant.draws.shape == (len(variant.weights), len(variant.unknowns))
+            assert np.sum(variant.weights) == pytest.approx(1.0)
+        assert set(INPUT_COLUMNS) <= set(ground.ranges) | {
+            parameter.name for parameter in ground.parameters
+        }
+
+
+def test_lists_of_numbers_are_lines_of_the_same_json():
+    tree = {"a [\n 1 ]": [[1.5, None], [-2e-7, True]], "b": ["[\n2\n]", []], "c": {}}
+    text = in_lines(tree)
+    assert json.loads(text) == tree
+    assert "[1.5, null]" in text

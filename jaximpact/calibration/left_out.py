@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .chance import too_few
 from .fit import fit, no_finer_than_sigmas
 from .least_squares import Progress, bounded_step
 from .objective import Objective, Points
@@ -196,9 +197,7 @@ def in_words(left: LeftOut, objective: Objective, what: str) -> list[str]:
             f"{inside} of {count} measurements lie in the band of "
             f"{100 * CONFIDENCE:g} % that the fit without their {what} gives them."
         )
-        expected = CONFIDENCE * count
-        spread = np.sqrt(max(expected * (1.0 - CONFIDENCE), 1e-12))
-        if inside < expected - 2.0 * spread - 0.5:
+        if too_few(inside, count, CONFIDENCE):
             lines.append(
                 f"That is fewer than chance allows: the fit does not predict a new "
                 f"{what} as well as its errors say."

@@ -4,6 +4,7 @@ fit.png."""
 import dataclasses
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ from .study import StudyResult, VariantResult
 from .study_file import Study
 from .unknown_scale import freedom_of_targets, weights_of
 
+NUMBERS = re.compile(r"\[\n\s*([^\[\]{}\"]+?)\n\s*\]")
 CSV_COLUMNS = (
     *("variant", "row", "file", "target", "limit", "measured", "sigma", "fitted"),
     *("residual", "standardised", "model_low", "model_high", "low", "high"),
@@ -61,13 +63,20 @@ def write_all(result: StudyResult, examined: list[Examination], out: Path) -> No
         text = as_text(result, of_all(result, examined))
         temporary.write_text(text, encoding="utf-8")
     with replacing(out / "fit.json") as temporary:
-        text = json.dumps(as_json(result, examined), indent=1, allow_nan=False)
+        text = in_lines(as_json(result, examined))
         temporary.write_text(text + "\n", encoding="utf-8")
     with replacing(out / "fitted.csv") as temporary:
         temporary.write_text(as_csv(result, examined), encoding="utf-8")
     figure = plot_study(result)
     with replacing(out / "fit.png") as temporary:
         figure.savefig(temporary, dpi=120)
+
+
+def in_lines(tree: dict) -> str:
+    """JSON, a list of numbers in a line: there are thousands."""
+    text = json.dumps(tree, indent=1, allow_nan=False)
+    # A line end within brackets stands in no string, where it would be escaped.
+    return NUMBERS.sub(lambda found: f"[{' '.join(found[1].split())}]", text)
 
 
 def as_csv(result: StudyResult, examined: list[Examination]) -> str:

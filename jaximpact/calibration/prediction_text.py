@@ -12,9 +12,10 @@ from ..formats.align import align
 from ..formats.files import replacing
 from ..formats.provenance import versions
 from ..formats.results import manifest_path
+from .chance import too_few
 from .fitted_ground import FittedVariant
-from .prediction import Outside, Prediction, VariantPrediction
-from .scores import Scores, score, too_few
+from .prediction import CONFIDENCES, Outside, Prediction, VariantPrediction
+from .scores import Scores, score
 
 WIDTH = 88
 MOST_TESTS = 30
@@ -88,7 +89,7 @@ def remarks_on(
     inside = sum(one.inside_95 for one in scores.values())
     if count:
         words = f"{inside} of {count} measurements lie in their intervals of 95 %"
-        few = too_few(inside, count)
+        few = too_few(inside, count, CONFIDENCES[1])
         lines.append(words + (", fewer than chance allows." if few else "."))
     for name, one in scores.items():
         if one.limits:

@@ -21,6 +21,9 @@ IMPROBABLE = 0.05
 """Chance, over all trends looked for, that one is found where there is none."""
 LARGE = 3.0
 """Residuals beyond are named."""
+NOTHING = 0.01
+"""Standard deviations below which residuals are those of the integration, not of the
+model."""
 LEAST_LEFT = 1e-6
 """Least of 1 - h: a measurement that the fit takes up wholly has no residual."""
 
@@ -82,6 +85,8 @@ def _trends(objective: Objective, values, predicted) -> tuple[list[Trend], int]:
     study, found, count = objective.study, [], 0
     for place, target in enumerate(study.targets):
         there = np.isfinite(values[:, place])
+        if not np.any(np.abs(values[there, place]) > NOTHING):
+            continue
         against = varying_inputs(objective) | {"prediction": predicted[:, place]}
         for name, along in against.items():
             x, back = np.unique(along[there], return_inverse=True)

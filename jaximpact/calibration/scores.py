@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .prediction import CONFIDENCES, Prediction, VariantPrediction
+from .prediction import Prediction, VariantPrediction
 
 
 class Scores(NamedTuple):
@@ -73,13 +73,6 @@ def _score(prediction, variant, name: str, place: int, known) -> Scores:
         limits=int(np.sum(limit & there)),
         limits_expected=float(np.sum(variant.limit_chance[limit & there, place])),
     )
-
-
-def too_few(inside: int, count: int, confidence: float = CONFIDENCES[1]) -> bool:
-    """Whether fewer lie inside than chance allows, two standard deviations."""
-    expected = confidence * count
-    spread = np.sqrt(expected * (1.0 - confidence))
-    return inside < expected - 2.0 * spread - 0.5
 
 
 def _mean(values) -> float | None:
