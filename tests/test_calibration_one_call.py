@@ -11,6 +11,7 @@ from command_line import assert_one_line_error
 import jaximpact
 from jaximpact import Block, Impact, Scene, Soil, calibrate, predict, simulate_batch
 from jaximpact.accuracy import PRESETS
+from jaximpact.calibration import prediction
 from jaximpact.calibration.campaigns import joined_tables
 from jaximpact.calibration.fitted_ground import fitted_of
 from jaximpact.calibration.given import table_given
@@ -264,6 +265,17 @@ def test_draws_are_predicted_as_exactly_as_they_were_drawn(found):
     exact = objective.glance(x, np.zeros(x.shape, bool)).predicted[0]
     np.testing.assert_array_equal(low["balanced"], exact)
     assert not np.array_equal(low["fast"], exact)
+
+
+def test_many_tests_are_predicted_some_draws_at_a_time(found, monkeypatch):
+    """With the same numbers, and a line of progress for each."""
+    whole, lines = predict(found, NEW).variants[0], []
+    monkeypatch.setattr(prediction, "AT_ONCE", 400)
+    parts = predict(found, NEW, progress=lines.append).variants[0]
+    np.testing.assert_array_equal(parts.low_95, whole.low_95)
+    np.testing.assert_array_equal(parts.outcome_share, whole.outcome_share)
+    assert "variant 1 of 1: 300 of 512 draws" in lines
+    assert "variant 1 of 1: intervals of 3 of 4 tests" in lines
 
 
 def test_a_result_that_was_not_fitted(found, new):

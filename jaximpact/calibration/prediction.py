@@ -35,6 +35,8 @@ from .predictive import Predictive, predictive
 from .study_file import METHODS, Study
 
 CONFIDENCES = (0.5, 0.95)
+AT_ONCE = 20_000
+"""Impacts between two lines of progress: bounds time and memory."""
 BESIDE = 1e-6
 """Part of a range, or of its larger end, by which a test may lie outside."""
 
@@ -140,8 +142,16 @@ def predict(
     engine = engine_of(study)
     variants = []
     for number, fitted in enumerate(ground.variants, 1):
-        progress(f"predicting, variant {number} of {len(ground.variants)}")
-        variants.append(_predict(study, ground, fitted, engine))
+        start = f"variant {number} of {len(ground.variants)}: "
+        variants.append(
+            _predict(
+                study,
+                ground,
+                fitted,
+                engine,
+                lambda text, start=start: progress(start + text),
+            )
+        )
     return Prediction(
         ground=ground,
         tests=measurements,
@@ -248,17 +258,21 @@ def unknowns(
 
 
 def _predict(
-    study: Study, ground: FittedGround, fitted: FittedVariant, engine: Engine
+    study: Study,
+    ground: FittedGround,
+    fitted: FittedVariant,
+    engine: Engine,
+    progress: Progress = lambda text: None,
 ) -> VariantPrediction:
     objective = Objective(study, fitted.variant, engine, PRESETS[ground.accuracy])
     best, draws, weights = unknowns(study, fitted, ground.seed)
     at_best = _modelled(objective, best[None])
-    of_draws = _modelled(objective.at(fitted.accuracy), draws)
+    predicted, ends = _of_draws(objective.at(fitted.accuracy), draws, progress)
     outcomes = at_best.outcomes[0]
-    alike = of_draws.outcomes == outcomes
+    alike = ends == outcomes
     sigma, freedom = scatter(study, fitted)
-    cells = _of_cells(study, ground, weights, of_draws.predicted, sigma, freedom)
-    there = np.isfinite(of_draws.predicted)
+    cells = _of_cells(study, ground, weights, predicted, sigma, freedom, progress)
+    there = np.isfinite(predicted)
     return VariantPrediction(
         fitted=fitted,
         outcomes=[str(Outcome(int(code))) for code in outcomes],
@@ -275,6 +289,21 @@ def _modelled(objective: Objective, parameters: np.ndarray):
     bounds = objective.bounds
     x = bounds.coordinate(np.clip(parameters, bounds.lower, bounds.upper))
     return objective.glance(x, np.zeros(x.shape, bool))
+
+
+def _of_draws(
+    objective: Objective, draws: np.ndarray, progress: Progress
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the model gives for draws, `(draws, tests, targets)`, and how the impacts
+    end, `(draws, tests)`: some draws at a time."""
+    at_once = max(1, AT_ONCE // len(objective.study.tests))
+    parts = []
+    for first in range(0, len(draws), at_once):
+        progress(f"{first} of {len(draws)} draws")
+        points = _modelled(objective, draws[first : first + at_once])
+        parts.append((points.predicted, points.outcomes))
+    predicted, outcomes = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return predicted, outcomes
 
 
 def scatter(study: Study, fitted: FittedVariant) -> tuple[np.ndarray, np.ndarray]:
@@ -296,7 +325,9 @@ def scatter(study: Study, fitted: FittedVariant) -> tuple[np.ndarray, np.ndarray
     return sigma, freedom
 
 
-def _of_cells(study, ground, weights, predicted, sigma, freedom) -> dict:
+def _of_cells(
+    study, ground, weights, predicted, sigma, freedom, progress: Progress
+) -> dict:
     """Quantiles and scores of every test and target."""
     shape = study.measured.shape
     names = ("model_low", "model_high", "middle", "low_50", "high_50", "low_95")
@@ -305,6 +336,8 @@ def _of_cells(study, ground, weights, predicted, sigma, freedom) -> dict:
     tails = [(1.0 - confidence) / 2.0 for confidence in CONFIDENCES]
     plain = [plain_forecast(ground.results.get(name)) for name in study.targets]
     for cell in np.ndindex(*shape):
+        if not cell[1]:
+            progress(f"intervals of {cell[0]} of {shape[0]} tests")
         values = predicted[:, *cell]
         model = predictive(values, weights, 0.0)
         if model is None:
