@@ -27,6 +27,7 @@ from jaximpact.runout import (
     Profile,
     Release,
     Way,
+    passages,
     simulate_runout,
 )
 
@@ -508,3 +509,19 @@ def test_progress_comes_to_all():
     assert said[0] == (0, 9)
     assert said[-1] == (9, 9)
     assert said == sorted(said)
+
+
+def test_no_block_is_carried_through_a_wall_while_in_contact():
+    """Spheres that skim along the ground get on by half a metre during a contact, and
+    the wall is 0.1 m thick."""
+    wall = Profile([0, 30, 30.001, 30.1, 30.101, 90], [0, 0, 5, 5, 0, 0])
+    release = Release(Block(), x=np.linspace(20.0, 29.0, 24), y=0.6, v_x=14.0, v_y=-0.6)
+    for how in (release, mirror(release, 60.1)):
+        runs = simulate_runout(wall, how, FullModel("fast"), time_limit=5.0)
+        assert np.max(runs.contacts.duration * 14.0) > 0.2
+        assert not len(passages(runs, 30.05).time)
+
+
+def mirror(release, twice):
+    """Blocks that go the other way about half of twice."""
+    return dataclasses.replace(release, x=twice - release.x, v_x=-release.v_x)

@@ -3,7 +3,9 @@
 import numpy as np
 
 from ..mechanics.outcomes import Outcome
+from ..scene import GRAVITY
 from .contact import Blow, Touch, impact_of, settle, touch
+from .dual import plain
 from .grounded import SMALL_RISE, small_speed, stand
 from .motion import support_of as support
 from .motion import take
@@ -12,6 +14,7 @@ from .record import Way
 from .roughness import lift, meet
 from .runs import Ending
 from .state import Phase, State
+from .travel import free_share
 
 NO_IMPACT = -1
 """Outcome of a touch that is too slow to be an impact."""
@@ -51,8 +54,20 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
         state.impacts[striking] += 1
     settled = settle(outline, matter, met, gap, blow)
     sin, cos = np.sin(met.slope), np.cos(met.slope)
-    x = body.x + settled.rise * sin + settled.travel * cos
-    y = body.y + settled.rise * cos - settled.travel * sin
+    x, y = body.x + settled.rise * sin, body.y + settled.rise * cos
+    along_x, along_y = settled.travel * cos, -settled.travel * sin
+    free = free_share(
+        *(state.profile, segment, body, outline, x, y),
+        *(settled.orientation + met.slope, (along_x, along_y)),
+    )
+    x, y = x + free * along_x, y + free * along_y
+    kept = _kept(matter, settled, (free - 1.0) * plain(along_y))
+    settled = settled._replace(
+        normal_velocity=kept * settled.normal_velocity,
+        tangential_velocity=kept * settled.tangential_velocity,
+        angular_velocity=kept * settled.angular_velocity,
+        leaving=kept * settled.leaving,
+    )
     leaves = settled.leaving >= slow
     stuck = settled.climbs == 0.0
     theta, along = settled.orientation, settled.tangential_velocity
@@ -106,6 +121,16 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
         along[stands],
         settled.angular_velocity[stands],
     )
+
+
+def _kept(matter, settled, higher: np.ndarray) -> np.ndarray:
+    """Share of its velocities that a block keeps which was held up, and so stays higher
+    than gravity had moved it in the contact [m]."""
+    mass, inertia, v_n, v_t, spin = plain((*matter, *settled[3:6]))
+    kinetic = 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
+    lost = mass * GRAVITY * np.maximum(higher, 0.0)
+    left = np.maximum(kinetic - lost, 0.0)
+    return np.sqrt(np.where(lost > 0.0, left / np.where(kinetic > 0.0, kinetic, 1), 1))
 
 
 def _planes_met(state, lanes, touched, is_impact, slow) -> Touch:
