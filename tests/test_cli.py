@@ -73,7 +73,7 @@ def test_help_explains_every_command_option_and_column(capsys):
         (["batch"], ["--out", "--timing", "--accuracy", *INPUT_COLUMNS]),
         (["batch"], [*RESULT_COLUMNS, "outcome"]),
         (["simulate"], ["--json", "--plot", "--accuracy", *INPUT_COLUMNS]),
-        (["calibrate"], ["--out", "STUDY.toml"]),
+        (["calibrate"], ["--out", "STUDY"]),
     ):
         with pytest.raises(SystemExit) as exit_:
             main([*command, "--help"])
