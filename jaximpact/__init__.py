@@ -1,13 +1,13 @@
 """jaximpact: differentiable impacts of rock blocks on deformable ground."""
 
+import importlib
+
 from .accuracy import PRESETS, Accuracy
 from .batch import simulate_batch
 from .block import Block
-from .formats.netcdf import read_netcdf, write_netcdf
 from .mechanics.laws import Laws
 from .mechanics.model import select_model
 from .mechanics.outcomes import Outcome
-from .parametric_sets import parametric_set
 from .rebound import (
     BozzoloPamini,
     ConstantCoefficients,
@@ -18,11 +18,9 @@ from .rebound import (
 )
 from .restitution import energetic_coefficient, vijayakumar_coefficient
 from .scene import Impact, Scene
-from .sensitivity import Range, elasticities, morris, sobol
 from .simulation import ImpactResult, simulate
 from .soil import Soil
 from .summary import EnergyLedger
-from .sweeping import repeat_sweep, sweep
 
 __all__ = [
     "PRESETS",
@@ -59,13 +57,23 @@ __all__ = [
     "write_netcdf",
 ]
 
-_TAKES_LONG = ("calibrate", "predict")
-"""Imported when asked for: statistics and drawing take a second to load."""
+_LATER = {
+    "calibration": ("calibrate", "predict"),
+    "formats.netcdf": ("read_netcdf", "write_netcdf"),
+    "parametric_sets": ("parametric_set",),
+    "sensitivity": ("Range", "elasticities", "morris", "sobol"),
+    "sweeping": ("repeat_sweep", "sweep"),
+}
+"""By module, what is imported when asked for: xarray, statistics and drawing take a
+second to load."""
 
 
 def __getattr__(name: str):
-    if name in _TAKES_LONG:
-        from . import calibration
-
-        return getattr(calibration, name)
+    for module, names in _LATER.items():
+        if name in names:
+            return getattr(importlib.import_module(f".{module}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
