@@ -11,6 +11,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 FLOAT, INTEGER, TRUTH = "double", "i64", "i1"
+INPUT = "input"
+"""The operation of what is not worked out but given."""
 KINDS = {float: FLOAT, int: INTEGER, bool: TRUTH}
 PYTHON = {kind: python for python, kind in KINDS.items()}
 
@@ -20,10 +22,12 @@ Number = float | int | bool
 class Node:
     """The result of one operation."""
 
-    __slots__ = ("arguments", "kind", "operation")
+    __slots__ = ("arguments", "kind", "number", "operation")
 
-    def __init__(self, operation: str, kind: str, arguments: tuple):
+    def __init__(self, operation: str, kind: str, arguments: tuple, number: int):
         self.operation, self.kind, self.arguments = operation, kind, arguments
+        self.number = number
+        """In the order of making: higher than its arguments'."""
 
 
 Value = Node | Number
@@ -129,24 +133,23 @@ class Graph:
 
     def __init__(self):
         self._known: dict[tuple, Node] = {}
-        self._order: dict[int, int] = {}
 
     def _key(self, value: Value):
         if isinstance(value, Node):
-            return self._order[id(value)]
+            return value.number
         # 0.0 and -0.0 are equal, and NaN is not equal to itself.
         return type(value).__name__, value.hex() if type(value) is float else value
 
     def _remember(self, key: tuple, kind: str, arguments: tuple) -> Node:
         node = self._known.get(key)
         if node is None:
-            node = self._known[key] = Node(key[0], kind, arguments)
-            self._order[id(node)] = len(self._order)
+            node = Node(key[0], kind, arguments, len(self._known))
+            self._known[key] = node
         return node
 
     def input(self, place: int, kind: str) -> Node:
         """The value at a place of what the kernel works on."""
-        return self._remember(("input", place), kind, (place,))
+        return self._remember((INPUT, place), kind, (place,))
 
     def apply(self, name: str, *arguments: Value) -> Value:
         """An operation of `OPERATIONS`, worked out at once where it can be."""

@@ -17,7 +17,7 @@ import jax
 import numpy as np
 
 from .code import PACK, Output, compile_text, load, write_driver, write_function
-from .graph import FLOAT, INTEGER, TRUTH, Graph, Node, kind_of
+from .graph import FLOAT, INPUT, INTEGER, TRUTH, Graph, Node, kind_of
 from .translation import Translator
 
 KINDS = {"f": FLOAT, "i": INTEGER, "b": TRUTH}
@@ -180,5 +180,5 @@ def _written(
 def _stays(output: Output) -> bool:
     """Whether a value is what is in its row already."""
     value = output.value
-    is_input = isinstance(value, Node) and value.operation == "input"
+    is_input = isinstance(value, Node) and value.operation == INPUT
     return is_input and value.arguments == (output.row,)
