@@ -3,6 +3,7 @@ figures and claims take from runs."""
 
 import numpy as np
 import pytest
+from runout_scenes import SPHERE, G, R
 
 from jaximpact import Block, ConstantCoefficients, Impact, Soil, simulate
 from jaximpact.runout import (
@@ -29,9 +30,6 @@ from jaximpact.validation.slope import (
     paths_apart,
 )
 
-G = 9.81
-SPHERE = Block()
-R = float(SPHERE.semi_axes.minor)
 SHAPE = len(ASPECT_RATIOS), len(SPINS_DEGPS)
 
 

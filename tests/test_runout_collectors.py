@@ -4,8 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
+from runout_scenes import DEAD, FLAT, SPHERE, G, R
 
-from jaximpact import Block, ConstantCoefficients, FrictionalEllipsoid
+from jaximpact import Block, FrictionalEllipsoid
 from jaximpact.runout import (
     ClosedForm,
     Pieces,
@@ -19,11 +20,6 @@ from jaximpact.runout import (
 )
 from jaximpact.runout.clearance import lying_height
 
-G = 9.81
-SPHERE = Block()
-R = float(SPHERE.semi_axes.minor)
-FLAT = Profile([0.0, 1000.0], [0.0, 0.0])
-DEAD = ClosedForm(ConstantCoefficients(0.0, 1.0))
 SPACING = 2e-3
 """Between samples of a way [s]."""
 

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from runout_scenes import BIPLANAR, DEAD, FLAT, SPHERE, G, R
 
 from jaximpact import (
     Block,
@@ -32,12 +33,6 @@ from jaximpact.runout import (
 from jaximpact.runout.collectors import first_passages, passages
 from jaximpact.runout.programs import closed_form
 
-G = 9.81
-SPHERE = Block()
-R = float(SPHERE.semi_axes.minor)
-FLAT = Profile([0.0, 1000.0], [0.0, 0.0])
-BIPLANAR = Profile([0.0, 400.0, 1000.0], [230.0, 0.0, 0.0])
-DEAD = ClosedForm(ConstantCoefficients(0.0, 1.0))
 DEGREE = np.pi / 180.0
 
 

@@ -6,14 +6,18 @@ import json
 import numpy as np
 import pytest
 from command_line import assert_one_line_error
+from runout_scenes import (
+    BIPLANAR,
+    LAWS,
+    G,
+    gain_between_pieces,
+    gain_over_contacts,
+    pieces_of,
+)
 
 from jaximpact import (
     Block,
-    BozzoloPamini,
     ConstantCoefficients,
-    FrictionalEllipsoid,
-    PfeifferBowen,
-    RigidEllipsoid,
     Soil,
     read_netcdf,
 )
@@ -25,6 +29,7 @@ from jaximpact.runout import (
     Ground,
     Profile,
     Release,
+    Way,
     read_slope_study,
     simulate_runout,
 )
@@ -32,17 +37,7 @@ from jaximpact.runout.clearance import lying_height
 from jaximpact.runout.motion import Outline
 from jaximpact.runout.philox import philox
 
-G = 9.81
-LAWS = (
-    ConstantCoefficients(0.5, 0.8),
-    ConstantCoefficients(0.95, 1.0),
-    PfeifferBowen(0.35, 0.85),
-    RigidEllipsoid(0.6),
-    FrictionalEllipsoid(0.5, 0.5),
-    BozzoloPamini(),
-)
 ELASTIC = ClosedForm(ConstantCoefficients(1.0, 1.0))
-BIPLANAR = Profile([0.0, 400.0, 1000.0], [230.0, 0.0, 0.0])
 HILLS = Profile([0.0, 40.0, 60.0, 110.0, 300.0], [70.0, 40.0, 42.0, 0.0, 0.0])
 WIDE = Profile([-1e4, 1e4], [0.0, 0.0])
 
@@ -150,17 +145,10 @@ def test_energy_never_grows_over_facets(law):
         assert set(runs.ending) <= {Ending.stopped, Ending.left_profile}
         c = runs.contacts
         assert np.sum(c.slope != profile.slope[c.segment.astype(int)]) > 150
-        same = np.diff(runs.pieces.trajectory) == 0
-        gain = np.diff(runs.energy_of_pieces())[same]
-        mass = release.matter.mass[runs.pieces.trajectory[1:]][same]
+        gain, mass = gain_between_pieces(runs)
         # of a lift by 1e-7 m: a touch may be early by 1e-9 of the block
         assert np.max(gain / (mass * G)) < 1e-7
-        mass, inertia = (v[c.trajectory] for v in release.matter)
-
-        def energy(v_n, v_t, spin, y, mass=mass, inertia=inertia):
-            return 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2) + mass * G * y
-
-        gain = energy(*c[10:13], c.y_after) - energy(*c[7:10], c.y)
+        gain, mass = gain_over_contacts(runs)
         assert np.max(gain / (mass * G)) < 1e-7
 
 
@@ -172,9 +160,8 @@ def test_no_block_is_sent_into_the_ground(contacts):
     plane = rough(plane, 10.0)
     release = blocks_above(plane, 40)
     runs = simulate_runout(plane, release, contacts, time_limit=6.0)
-    c, flights = runs.contacts, runs.pieces.way == 0
-    assert np.max(np.abs(c.slope - angle)) > np.radians(20.0)
-    p = type(runs.pieces)(*(column[flights] for column in runs.pieces))
+    assert np.max(np.abs(runs.contacts.slope - angle)) > np.radians(20.0)
+    p = pieces_of(runs, Way.flight)
     outline = Outline(*(np.asarray(a)[p.trajectory] for a in release.outline))
     lowest = lying_height(plane, outline, p.x, p.orientation)
     # Touches may be early by 1e-9 of the block, and are of 0.1 to 1 m.

@@ -1,0 +1,56 @@
+"""What the tests of run-outs share: simple blocks and slopes, laws of contact, and the
+energy that runs gain."""
+
+import numpy as np
+
+from jaximpact import (
+    Block,
+    BozzoloPamini,
+    ConstantCoefficients,
+    FrictionalEllipsoid,
+    PfeifferBowen,
+    RigidEllipsoid,
+)
+from jaximpact.runout import ClosedForm, Profile
+
+G = 9.81
+SPHERE = Block()
+R = float(SPHERE.semi_axes.minor)
+FLAT = Profile([0.0, 1000.0], [0.0, 0.0])
+BIPLANAR = Profile([0.0, 400.0, 1000.0], [230.0, 0.0, 0.0])
+DEAD = ClosedForm(ConstantCoefficients(0.0, 1.0))
+"""No bounce, and nothing lost along the ground."""
+LAWS = (
+    ConstantCoefficients(0.5, 0.8),
+    ConstantCoefficients(0.95, 1.0),
+    PfeifferBowen(0.35, 0.85),
+    RigidEllipsoid(0.6),
+    FrictionalEllipsoid(0.5, 0.5),
+    BozzoloPamini(),
+)
+
+
+def pieces_of(runs, way):
+    """The pieces of one way of going on."""
+    chosen = runs.pieces.way == way
+    return type(runs.pieces)(*(column[chosen] for column in runs.pieces))
+
+
+def gain_between_pieces(runs):
+    """Energy [J] gained from each piece to the next of its block, and the block's mass
+    [kg]."""
+    same = np.diff(runs.pieces.trajectory) == 0
+    gain = np.diff(runs.energy_of_pieces())[same]
+    return gain, runs.release.matter.mass[runs.pieces.trajectory[1:]][same]
+
+
+def gain_over_contacts(runs):
+    """Energy [J] gained over each contact, and the block's mass [kg]."""
+    contacts = runs.contacts
+    mass, inertia = (value[contacts.trajectory] for value in runs.release.matter)
+
+    def energy(v_n, v_t, spin, y):
+        return 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2) + mass * G * y
+
+    before = energy(*contacts[7:10], contacts.y)
+    return energy(*contacts[10:13], contacts.y_after) - before, mass
