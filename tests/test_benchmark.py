@@ -1,7 +1,6 @@
 """The benchmark: what it counts, that it goes on after an interruption, and that peers
 solve the same impacts."""
 
-import csv
 import importlib
 import json
 import sys
@@ -11,6 +10,7 @@ import jax
 import numpy as np
 import pytest
 from command_line import assert_one_line_error
+from csv_files import rows_of
 
 from jaximpact import Accuracy, Impact, Scene, simulate_batch
 from jaximpact.benchmark import Settings, run, run_benchmark
@@ -97,11 +97,6 @@ def peers(tmp_path, monkeypatch):
     (place / "absent_peer.py").write_text("import no_such_package\n")
     monkeypatch.setattr(sys, "path", list(sys.path))
     return place
-
-
-def rows_of(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def test_failures_count_as_infinitely_wrong_and_unknowns_not_at_all():

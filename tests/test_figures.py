@@ -1,7 +1,6 @@
 """The paper's figures: their numbers against the independent implementation, what is
 drawn from them, and the command."""
 
-import csv
 import json
 
 import numpy as np
@@ -9,6 +8,7 @@ import oracle
 import pandas as pd
 import pytest
 from command_line import assert_one_line_error
+from csv_files import rows_of
 
 from jaximpact import Accuracy, Block, Impact, Soil, simulate
 from jaximpact.cli import main
@@ -59,8 +59,7 @@ TEXTS = (OUTCOME_COLUMN, ENDING_COLUMN, LINE)
 
 def read_table(path):
     """A table from its file, by no more than its text."""
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(path)
     return pd.DataFrame(
         {
             name: [r[name] if name in TEXTS else float(r[name]) for r in rows]

@@ -4,11 +4,11 @@
 solved by `oracle.py` with SciPy; see `make_oracle_scenes.py`.
 """
 
-import csv
 from pathlib import Path
 
 import numpy as np
 import pytest
+from csv_files import rows_of
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate_batch
 from jaximpact.formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
@@ -31,12 +31,7 @@ TOPPLES_AS_IT_LIFTS = 47
 
 def read_scenes():
     """Columns of the file as arrays, knife edges left out."""
-    with open(DATA, newline="", encoding="utf-8") as file:
-        rows = [
-            row
-            for row in csv.DictReader(file)
-            if float(row["oracle_error"]) < ORACLE_IS_SURE
-        ]
+    rows = [row for row in rows_of(DATA) if float(row["oracle_error"]) < ORACLE_IS_SURE]
     words = ("outcome", "outcome_loose")
     return {
         name: np.array(

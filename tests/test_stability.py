@@ -5,7 +5,6 @@ the ends that "reference" gives them; see `make_stability_scenes.py`. An answer 
 if it agrees with those, with the independent implementation, or with an exact fact.
 """
 
-import csv
 import itertools
 import math
 from pathlib import Path
@@ -14,6 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from csv_files import rows_of
 from make_stability_scenes import DEGREE, ENDS, USUAL, scene_of
 
 from jaximpact import Laws, Outcome, simulate_batch
@@ -32,8 +32,7 @@ def columns_of(rows):
 
 
 def read_map():
-    with open(DATA, newline="", encoding="utf-8") as file:
-        return columns_of(list(csv.DictReader(file)))
+    return columns_of(rows_of(DATA))
 
 
 def grid(**axes):

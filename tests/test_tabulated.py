@@ -1,17 +1,18 @@
 """Tables of the model's impacts: exact at their nodes, sharp at jumps, true in a
 run-out."""
 
-import csv
 import dataclasses
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from csv_files import rows_of
+from runout_scenes import BIPLANAR
 
 from jaximpact import Block, Impact, Outcome, Soil, simulate
 from jaximpact.errors import InputError
-from jaximpact.runout import FullModel, Profile, Release, simulate_runout
+from jaximpact.runout import FullModel, Release, simulate_runout
 from jaximpact.tabulated import (
     Nodes,
     Tabulated,
@@ -30,7 +31,6 @@ from jaximpact.tabulated.table import look_up_many
 
 SPHERE, ELONGATED = Block(), Block(aspect_ratio=2.0)
 STEEP = float(np.arctan2(230.0, 400.0))
-BIPLANAR = Profile([0.0, 400.0, 1000.0], [230.0, 0.0, 0.0])
 
 
 @pytest.fixture(scope="module")
@@ -256,8 +256,7 @@ def test_a_table_is_read_as_it_was_written(of_elongated, tmp_path):
 def test_the_rows_for_other_programs_are_the_models_impacts(of_elongated, tmp_path):
     path = tmp_path / "table.csv"
     write_csv(path, of_elongated)
-    with open(path, newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(path)
     assert len(rows) == of_elongated.outcomes.size
     assert tuple(rows[0])[:5] == DIMENSIONS
     places = np.unravel_index(1234, of_elongated.outcomes.shape)

@@ -1,7 +1,6 @@
 """Validation: how claims are judged, on sets made up so that they hold, hold partly and
 fail; the readings; the command; and the page that shows its result."""
 
-import csv
 import dataclasses
 import json
 import math
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from command_line import assert_one_line_error
+from csv_files import rows_of
 from made_up_sets import A_R, ANGLE, LONG, ideal
 from matplotlib.figure import Figure
 from validation_page import assert_page_shows, page
@@ -523,8 +523,7 @@ def test_the_command_writes_what_it_finds(out, capsys):
         assert (row["where"], row["claim"]) == (claim.where, claim.claim)
         assert (row["verdict"] == "not computed") == (row["id"] not in JUDGES)
         assert bool(row["numbers"]) == (row["id"] in JUDGES)
-    with open(out / "validation.csv", encoding="utf-8", newline="") as file:
-        table = list(csv.DictReader(file))
+    table = rows_of(out / "validation.csv")
     for key in ("id", "verdict", "evidence", "criterion"):
         assert [row[key] for row in table] == [row[key] for row in rows]
     manifest = json.loads((out / "validation.json").read_text())["manifest"]
@@ -608,8 +607,7 @@ def test_readings_go_on_where_they_stopped(tmp_path, monkeypatch, capsys):
     printed, errors = capsys.readouterr()
     assert "1 readings computed before" in errors
     assert re.search(r"C06  H    F  ·", printed)
-    with open(tmp_path / "readings.csv", encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(tmp_path / "readings.csv")
     assert [(row["reading"], row["id"]) for row in rows] == [
         (reading, name) for reading in ("firm", "soft") for name in ("C01", "C06")
     ]
