@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from calibration_studies import objective_of, write_study_of
 from command_line import assert_one_line_error
 
 from jaximpact import Block, Impact, Soil, simulate
@@ -46,24 +47,14 @@ max_normal_force_N = 5000.0
 def write_study(folder, text=STUDY, measured=None):
     """A study in a folder, its targets the ones given, else ones."""
     measured = np.ones((len(TESTS), len(TARGETS))) if measured is None else measured
-    lines = [",".join(("mass_kg", "speed_mps", *TARGETS))]
-    for test, values in zip(TESTS, measured, strict=True):
-        lines.append(",".join(repr(float(x)) for x in (*test, *values)))
-    (folder / "tests.csv").write_text("\n".join(lines) + "\n")
-    path = folder / "study.toml"
-    path.write_text(text)
-    return path
+    columns = "mass_kg", "speed_mps", *TARGETS
+    return write_study_of(folder, text, columns, np.hstack([TESTS, measured]))
 
 
 @pytest.fixture(scope="module")
 def engine(tmp_path_factory):
     """The machine code of `STUDY`, which all tests share."""
     return engine_of(read_study(write_study(tmp_path_factory.mktemp("engine"))))
-
-
-def objective_of(path, engine, accuracy=None):
-    study = read_study(path)
-    return Objective(study, study.variants[0], engine, accuracy)
 
 
 def true_point(objective):

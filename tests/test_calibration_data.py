@@ -3,7 +3,9 @@ that nobody measured."""
 
 import numpy as np
 import pytest
+from calibration_studies import objective_of
 from command_line import assert_one_line_error
+from csv_files import write_rows
 from scipy.integrate import quad
 from scipy.stats import norm
 
@@ -15,7 +17,6 @@ from jaximpact.calibration.losses import (
     true_curvature,
 )
 from jaximpact.calibration.objective import (
-    Objective,
     engine_of,
     names_of,
     start_of,
@@ -97,14 +98,14 @@ def test_far_limits_have_finite_losses():
     assert np.all(np.isfinite(found.curvature))
 
 
-def write_study(folder, text=STUDY, cells=None, labels=None):
+def write_study(folder, text=STUDY, cells=None):
     """A study of two campaigns; `cells` replaces targets, by file and row."""
     for name, tests in (("north", NORTH), ("south", SOUTH)):
-        lines = [HEADER]
-        for row, test in enumerate(tests):
-            targets = (cells or {}).get((name, row), ("0.1", "0.5", "0.2"))
-            lines.append(",".join((*map(str, test), *targets)))
-        (folder / f"{name}.csv").write_text("\n".join(lines) + "\n")
+        rows = [
+            (*test, *(cells or {}).get((name, row), ("0.1", "0.5", "0.2")))
+            for row, test in enumerate(tests)
+        ]
+        write_rows(folder / f"{name}.csv", HEADER.split(","), rows)
     path = folder / "study.toml"
     path.write_text(text)
     return path
@@ -114,11 +115,6 @@ def write_study(folder, text=STUDY, cells=None, labels=None):
 def engine(tmp_path_factory):
     folder = tmp_path_factory.mktemp("engine")
     return engine_of(read_study(write_study(folder, STUDY + SLOPE)))
-
-
-def objective_of(path, engine):
-    study = read_study(path)
-    return Objective(study, study.variants[0], engine)
 
 
 @pytest.fixture(scope="module")

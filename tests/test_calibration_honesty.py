@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from calibration_studies import Linear, objective_of, write_study_of
 from command_line import assert_one_line_error
 from scipy.optimize import lsq_linear
 
@@ -51,33 +52,18 @@ HALF_WIDTH = 0.5 * np.log(1e6)
 """Of the range of each unknown, in x."""
 
 
-class Linear(Objective):
-    """Predictions that are linear in x: `matrix @ x`, one target."""
-
-    matrix = None
-
-    def _predict(self, x, wanted):
-        predicted = (x @ self.matrix.T)[:, :, None]
-        jacobian = np.where(wanted.T[:, None, None, :], self.matrix[:, None, :], 0.0)
-        return predicted, np.zeros((len(x), len(self.matrix))), jacobian
-
-
 def linear(tmp_path, matrix, measured, campaigns=None):
     """A study of a linear model, its fit (points of one lane) and uncertainty."""
-    head, labels = "speed_mps,e_n", [""] * len(measured)
+    tests = {"speed_mps": np.arange(len(measured)) + 1.0, "e_n": measured}
     if campaigns is not None:
-        head, labels = head + ",campaign", [f",{name}" for name in campaigns]
-    rows = [
-        f"{place + 1.0},{value:.17g}{label}"
-        for place, (value, label) in enumerate(zip(measured, labels, strict=True))
-    ]
-    (tmp_path / "tests.csv").write_text("\n".join([head, *rows]) + "\n")
+        tests["campaign"] = campaigns
     names = ("c_v", "gamma_v", "k_E")[: matrix.shape[1]]
     bounds = "{ start = 1.0, lower = 1e-3, upper = 1e3 }"
     text = 'data = "tests.csv"\n[parameters]\n'
     text += "".join(f"{name} = {bounds}\n" for name in names)
-    (tmp_path / "study.toml").write_text(f"{text}[default_sigma]\ne_n = {SIGMA}\n")
-    study = read_study(tmp_path / "study.toml")
+    text += f"[default_sigma]\ne_n = {SIGMA}\n"
+    rows = zip(*tests.values(), strict=True)
+    study = read_study(write_study_of(tmp_path, text, tests, rows))
     objective = Linear(study, study.variants[0], None)
     objective.matrix = matrix
     fits = fit(objective, np.zeros((1, matrix.shape[1])))
@@ -338,20 +324,18 @@ BY_ONE = "[further_tests]\ncandidates = { speed_mps = [5, 20], angle_deg = [0, 4
 
 def write_study(folder, measured=None, text=STUDY, tests=TESTS, campaigns=None):
     measured = np.ones((len(tests), len(TARGETS))) if measured is None else measured
-    lines = [",".join(("mass_kg", "speed_mps", "campaign", *TARGETS))]
     campaigns = campaigns or ["a"] * len(tests)
-    for test, name, values in zip(tests, campaigns, measured, strict=True):
-        cells = *(repr(float(v)) for v in test), name, *(f"{v:.17g}" for v in values)
-        lines.append(",".join(cells))
-    (folder / "tests.csv").write_text("\n".join(lines) + "\n")
-    (folder / "study.toml").write_text(text)
-    return folder / "study.toml"
+    rows = [
+        (*test, name, *values)
+        for test, name, values in zip(tests, campaigns, measured, strict=True)
+    ]
+    columns = "mass_kg", "speed_mps", "campaign", *TARGETS
+    return write_study_of(folder, text, columns, rows)
 
 
 def model(folder, engine, tests):
     """What the model gives at the true soil."""
-    study = read_study(write_study(folder, tests=tests))
-    objective = Objective(study, study.variants[0], engine)
+    objective = objective_of(write_study(folder, tests=tests), engine)
     return objective(objective.bounds.coordinate(TRUE)[None]).predicted[0]
 
 
@@ -377,8 +361,7 @@ def test_a_gap_among_given_sigmas(tmp_path, engine):
         "10,0.2,0.01,,\n20,0.2,0.02,0.1,0.01\n"
     )
     path.write_text(STUDY[: STUDY.index("[default_sigma]")])
-    study = read_study(path)
-    objective = Objective(study, study.variants[0], engine)
+    objective = objective_of(path, engine)
     points = objective(objective.bounds.coordinate(TRUE)[None])
     assert np.all(np.isfinite(points.gradient))
     assert np.all(np.isfinite(points.hessian))
@@ -393,8 +376,7 @@ def test_a_further_test_shrinks_errors_as_promised(tmp_path, engine, fitted):
     added = best.scene["mass_kg"], best.scene["speed_mps"]
     tests = (*TESTS, added)
     measured = model(tmp_path, engine, tests)
-    study = read_study(write_study(tmp_path, measured, tests=tests))
-    objective = Objective(study, study.variants[0], engine)
+    objective = objective_of(write_study(tmp_path, measured, tests=tests), engine)
     again = fit(objective, fitted.points.x)
     errors = estimate(objective, again.points).standard_errors
     # The bounds, as a prior, add 1e-3; derivatives are to 1e-3 at this accuracy.
@@ -405,8 +387,8 @@ def test_a_further_test_shrinks_errors_as_promised(tmp_path, engine, fitted):
     volumes = []
     for other in zip(*found.candidates.values(), strict=True):
         measured = model(tmp_path, engine, (*TESTS, other))
-        study = read_study(write_study(tmp_path, measured, tests=(*TESTS, other)))
-        objective = Objective(study, study.variants[0], engine)
+        path = write_study(tmp_path, measured, tests=(*TESTS, other))
+        objective = objective_of(path, engine)
         covariance = estimate(objective, objective(fitted.points.x)).covariance
         volumes.append(np.linalg.slogdet(covariance)[1])
     places = list(zip(*found.candidates.values(), strict=True))
@@ -519,8 +501,7 @@ def test_a_sigma_in_words():
 
 
 def test_finished_fits_are_not_made_again(tmp_path, engine, monkeypatch):
-    study = read_study(write_study(tmp_path, np.full((4, 2), 0.2)))
-    objective = Objective(study, study.variants[0], engine)
+    objective = objective_of(write_study(tmp_path, np.full((4, 2), 0.2)), engine)
     objective.memory = Memory(tmp_path / "kept")
     x = objective.bounds.coordinate(TRUE)[None]
     first = fit(objective, x)

@@ -1,12 +1,12 @@
 """Calibration in one call, from a path or columns, and predictions with its result."""
 
-import csv
 import json
 
 import jax
 import numpy as np
 import pytest
 from command_line import assert_one_line_error
+from csv_files import rows_of, write_rows
 
 import jaximpact
 from jaximpact import Block, Impact, Scene, Soil, calibrate, predict, simulate_batch
@@ -66,11 +66,8 @@ def found(tests):
     return calibrate(tests, ground={"dilatancy": 0.5}, sigma=SIGMA)
 
 
-def write_csv(path, columns):
-    with open(path, "w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(columns)
-        writer.writerows(zip(*columns.values(), strict=True))
+def write_columns(path, columns):
+    write_rows(path, columns, zip(*columns.values(), strict=True))
     return path
 
 
@@ -80,7 +77,7 @@ def written(tmp_path_factory):
     folder = tmp_path_factory.mktemp("drops")
     jax.config.update("jax_enable_x64", True)
     tests = {"mass_kg": [100, 500], "speed_mps": [6, 15], "e_n": [0.15, 0.13]}
-    path = write_csv(folder / "drops.csv", tests | {"sigma_e_n": [0.02, 0.02]})
+    path = write_columns(folder / "drops.csv", tests | {"sigma_e_n": [0.02, 0.02]})
     assert main(["calibrate", str(path), "--out", str(folder / "out")]) == 0
     return folder / "out"
 
@@ -141,7 +138,7 @@ def test_columns_are_read_as_their_table_is(tmp_path, tests):
         def __getitem__(self, name):
             return np.array(tests[name])
 
-    path = write_csv(tmp_path / "tests.csv", tests)
+    path = write_columns(tmp_path / "tests.csv", tests)
     of_path = read_study(path)
     for given in (tests, Frame(), path):
         study = _study(given, None, None, None, None, None)
@@ -289,14 +286,13 @@ def test_what_is_not_determined_widens_the_intervals(written, tmp_path, capsys):
     """Two numbers do not tell three parameters: the draws go as far as the bounds, and
     with them the depth that is predicted."""
     tests = {"mass_kg": [300], "speed_mps": [10], "max_penetration_m": [0.2]}
-    path = write_csv(tmp_path / "new.csv", tests)
+    path = write_columns(tmp_path / "new.csv", tests)
     out = tmp_path / "predicted.csv"
     assert main(["predict", str(written), str(path), "--out", str(out)]) == 0
     text = capsys.readouterr().out
     for name in ("c_v", "gamma_v", "k_E"):
         assert f"The fit did not determine {name}" in text
-    with open(out) as file:
-        rows = {row["target"]: row for row in csv.DictReader(file)}
+    rows = {row["target"]: row for row in rows_of(out)}
     low, high = (
         float(rows["max_penetration_m"][n]) for n in ("model_low", "model_high")
     )
@@ -309,7 +305,7 @@ def test_what_is_not_determined_widens_the_intervals(written, tmp_path, capsys):
 
 
 def test_bad_predictions_are_one_line(written, tmp_path, capsys):
-    path = write_csv(tmp_path / "new.csv", {"mass_kg": [300], "c_v": [1.0]})
+    path = write_columns(tmp_path / "new.csv", {"mass_kg": [300], "c_v": [1.0]})
     assert main(["predict", str(written), str(path)]) == 2
     assert_one_line_error(capsys, "new.csv", "column c_v", "was fitted")
     assert main(["predict", str(tmp_path), str(path)]) == 2

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from calibration_studies import Linear
 from scipy.stats import norm, t
 
 from jaximpact.accuracy import PRESETS
@@ -201,25 +202,18 @@ def test_scatter_as_the_fit_states_it():
     assert freedom[0] == 7.0
 
 
-class Linear(Objective):
-    """Predictions that are linear in x, one target: every answer is known."""
-
-    matrix = np.stack([np.ones(6), np.linspace(-1.0, 1.0, 6)], axis=1)
-
-    def _predict(self, x, wanted):
-        predicted = (x @ self.matrix.T)[:, :, None]
-        jacobian = np.where(wanted.T[:, None, None, :], self.matrix[:, None, :], 0.0)
-        return predicted, np.zeros((len(x), 6)), jacobian
+LINE = np.stack([np.ones(6), np.linspace(-1.0, 1.0, 6)], axis=1)
 
 
 def linear():
     """A line fitted to six measurements, its scatter estimated."""
     noise = 0.05 * np.random.default_rng(3).normal(size=6)
-    measured = Linear.matrix @ [0.2, 0.3] + noise
+    measured = LINE @ [0.2, 0.3] + noise
     tests = joined_tables((table_given({"e_n": measured}),))
     bounds = {"start": 1.0, "lower": 1e-3, "upper": 1e3}
     study = study_of(tests, {"parameters": {"c_v": bounds, "gamma_v": bounds}})
     objective = Linear(study, study.variants[0], None)
+    objective.matrix = LINE
     return settle(objective, fit(objective, np.zeros((1, 2))), fit, lambda text: None)
 
 

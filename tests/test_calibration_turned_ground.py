@@ -3,6 +3,7 @@
 import jax
 import numpy as np
 import pytest
+from calibration_studies import write_study_of
 from command_line import assert_one_line_error
 
 from jaximpact import Block, Impact, Soil, calibrate, predict, simulate
@@ -43,13 +44,8 @@ def write_study(folder, text=STUDY, measured=None):
     measured = (
         np.full((len(TESTS), len(TARGETS)), 0.5) if measured is None else measured
     )
-    lines = [",".join((HEADER, *TARGETS))]
-    for test, values in zip(TESTS, measured, strict=True):
-        lines.append(",".join((*map(str, test), *(repr(float(v)) for v in values))))
-    (folder / "tests.csv").write_text("\n".join(lines) + "\n")
-    path = folder / "study.toml"
-    path.write_text(text)
-    return path
+    rows = [(*test, *values) for test, values in zip(TESTS, measured, strict=True)]
+    return write_study_of(folder, text, (*HEADER.split(","), *TARGETS), rows)
 
 
 @pytest.fixture(scope="module")
