@@ -1,6 +1,5 @@
 """The command line: exit codes, what goes to which stream, and what is left behind."""
 
-import csv
 import math
 import os
 import subprocess
@@ -10,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import assert_one_line_error
+from csv_files import rows_of
 
 from jaximpact import PRESETS, Block, Impact, Outcome, Soil, simulate
 from jaximpact.cli import main
@@ -57,11 +57,10 @@ def fake_batch(monkeypatch):
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """An empty working directory with one table of scenes."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "scenes.csv").write_text(SCENES)
-    return tmp_path
+def folder(folder):
+    """A working directory with one table of scenes."""
+    (folder / "scenes.csv").write_text(SCENES)
+    return folder
 
 
 # --- arguments and help
@@ -131,8 +130,7 @@ def test_wrong_arguments_are_one_line_and_leave_nothing(
 def test_results_stand_in_the_order_of_the_scenes(folder, fake_batch, capsys):
     used = fake_batch()
     assert main(["batch", "scenes.csv", "--out", "results.csv"]) == 0
-    with open("results.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of("results.csv")
     assert [row["name"] for row in rows] == ["c", "a", "b"]
     assert [float(row["e_n"]) for row in rows] == list(MASSES)
     assert [row["outcome"] for row in rows] == ["detached"] * 3
@@ -158,8 +156,7 @@ def test_a_scene_that_cannot_be_solved_does_not_stop_the_rest(
 
     fake_batch(fail_the_second)
     assert main(["batch", "scenes.csv", "--out", "results.csv"]) == 0
-    with open("results.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of("results.csv")
     assert [row["outcome"] for row in rows] == ["detached", "failed", "detached"]
     assert {rows[1][name] for name in RESULT_COLUMNS} == {"nan"}
     assert float(rows[2]["e_bar"]) == MASSES[2]
@@ -218,8 +215,7 @@ def test_a_batch_gives_what_single_impacts_give(folder):
         main(["batch", "scenes.csv", "--out", "results.csv", "--accuracy", "reference"])
         == 0
     )
-    with open("results.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of("results.csv")
     for row, angle, c_v in zip(rows, (0.0, 40.0), (1.0, 2.0), strict=True):
         impact = Impact(angle=math.radians(angle))
         single = simulate(Block(), Soil(c_v=c_v), impact, accuracy="reference")

@@ -15,13 +15,6 @@ from jaximpact.cli.report import ENERGY_ITEMS
 from jaximpact.formats.columns import FURTHER_COLUMNS, RESULT_COLUMNS
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """An empty working directory."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 @pytest.fixture(scope="module")
 def impact_along_the_normal():
     """An impact of which e_t has no meaning."""

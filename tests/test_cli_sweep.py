@@ -15,9 +15,8 @@ aspect_ratio = { from = 1, to = 2, count = 2 }
 
 
 @pytest.fixture
-def study(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    path = tmp_path / "angles.toml"
+def study(folder):
+    path = folder / "angles.toml"
     path.write_text(STUDY)
     return path
 

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from changed_files import write_changed
 from command_line import assert_one_line_error
 
 from jaximpact import read_netcdf
@@ -70,12 +71,11 @@ def fit(**changes):
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "fit").mkdir()
-    write(tmp_path, fit())
-    (tmp_path / "slope.toml").write_text(SLOPE)
-    return tmp_path
+def here(folder):
+    (folder / "fit").mkdir()
+    write(folder, fit())
+    (folder / "slope.toml").write_text(SLOPE)
+    return folder
 
 
 def write(path, content):
@@ -83,12 +83,7 @@ def write(path, content):
 
 
 def slope_with(path, *pairs):
-    text = SLOPE
-    for old, new in pairs:
-        assert old in text
-        text = text.replace(old, new)
-    (path / "slope.toml").write_text(text)
-    return path / "slope.toml"
+    return write_changed(path / "slope.toml", SLOPE, *pairs)
 
 
 def coordinates(study):

@@ -1,12 +1,12 @@
 """Laws of contact beside each other: the same blocks, and each as it goes alone."""
 
-import csv
 import json
 
 import numpy as np
 import pytest
 import xarray as xr
 from command_line import assert_one_line_error
+from csv_files import rows_of
 
 from jaximpact import FrictionalEllipsoid, read_netcdf
 from jaximpact.cli import main
@@ -57,9 +57,8 @@ SMOOTHER = FRICTIONAL.replace("0.6", "0.2")
 
 
 @pytest.fixture
-def slope(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    path = tmp_path / "slope.toml"
+def slope(folder):
+    path = folder / "slope.toml"
     path.write_text(SLOPE + CONSTANT + FRICTIONAL + SMOOTHER)
     return path
 
@@ -100,10 +99,8 @@ def test_the_command_compares(slope, tmp_path, capsys):
         *("comparison.png", "comparison_collectors.png", "manifest.json"),
     }
     assert not list((tmp_path / "out").glob("*/*.journal"))
-    with open(tmp_path / "out" / "comparison.csv", newline="") as file:
-        rows = {row["law"]: row for row in csv.DictReader(file)}
-    with open(tmp_path / "out" / "comparison_collectors.csv", newline="") as file:
-        passages = list(csv.DictReader(file))
+    rows = {row["law"]: row for row in rows_of(tmp_path / "out" / "comparison.csv")}
+    passages = rows_of(tmp_path / "out" / "comparison_collectors.csv")
     manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
     for study in read_slope_studies(slope):
         # Each as it would be by itself.

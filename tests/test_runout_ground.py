@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from changed_files import write_changed
 from command_line import assert_one_line_error
 from runout_scenes import (
     BIPLANAR,
@@ -251,19 +252,13 @@ friction_coefficient = 0.6
 
 
 @pytest.fixture
-def slope(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "slope.toml").write_text(SLOPE)
-    return tmp_path / "slope.toml"
+def slope(folder):
+    (folder / "slope.toml").write_text(SLOPE)
+    return folder / "slope.toml"
 
 
 def changed(path, *pairs):
-    text = SLOPE
-    for old, new in pairs:
-        assert old in text
-        text = text.replace(old, new)
-    path.write_text(text)
-    return path
+    return write_changed(path, SLOPE, *pairs)
 
 
 def test_ground_drawn_changes_no_other_number(slope):

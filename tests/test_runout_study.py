@@ -1,13 +1,14 @@
 """Many blocks from a file: draws, portions, journal, endings, files, and bad input."""
 
-import csv
 import json
 
 import jax
 import numpy as np
 import pytest
 import xarray as xr
+from changed_files import write_changed
 from command_line import assert_one_line_error
+from csv_files import rows_of
 
 from jaximpact import ConstantCoefficients, read_netcdf
 from jaximpact.cli import main
@@ -64,20 +65,14 @@ FIRST_DRAWS = [1.098990039096864, 2.7912608936625847, 1.141582449641262]
 
 
 @pytest.fixture
-def slope(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    path = tmp_path / "slope.toml"
+def slope(folder):
+    path = folder / "slope.toml"
     path.write_text(SLOPE)
     return path
 
 
 def changed(path, *pairs):
-    text = SLOPE
-    for old, new in pairs:
-        assert old in text
-        text = text.replace(old, new)
-    path.write_text(text)
-    return path
+    return write_changed(path, SLOPE, *pairs)
 
 
 def test_draws_depend_on_seed_and_name_alone():
@@ -275,15 +270,13 @@ def test_the_command_writes_all(slope, tmp_path, capsys):
     assert dict(dataset.sizes) == {
         **{"block": 60, "collector": 2, "percentile": 4, "bin": 20},
     }
-    with open(tmp_path / "out" / "stops.csv", newline="") as file:
-        stops = list(csv.DictReader(file))
+    stops = rows_of(tmp_path / "out" / "stops.csv")
     assert len(stops) == 60
     assert [row["ending"] for row in stops] == list(dataset.ending.values)
     np.testing.assert_array_equal(
         [float(row["x_m"]) for row in stops], dataset.x_m.values
     )
-    with open(tmp_path / "out" / "collectors.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(tmp_path / "out" / "collectors.csv")
     speed = next(r for r in rows if r["quantity"] == "speed_mps")
     assert float(speed["p95"]) == dataset.passage_speed_mps_percentiles.sel(
         percentile=95, collector=40.0

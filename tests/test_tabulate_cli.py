@@ -1,12 +1,13 @@
 """Tables through the command: made, used, refused; and maps over all orientations."""
 
-import csv
 import json
 
 import numpy as np
 import pytest
 import xarray as xr
+from changed_files import write_changed
 from command_line import assert_one_line_error
+from csv_files import rows_of
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, read_netcdf, simulate_batch
 from jaximpact.cli import main
@@ -62,11 +63,10 @@ files = ["table.nc"]
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "table.toml").write_text(TABLE)
-    (tmp_path / "slope.toml").write_text(SLOPE)
-    return tmp_path
+def here(folder):
+    (folder / "table.toml").write_text(TABLE)
+    (folder / "slope.toml").write_text(SLOPE)
+    return folder
 
 
 @pytest.fixture(scope="module")
@@ -89,8 +89,7 @@ def test_the_command_makes_the_table(made):
     np.testing.assert_allclose(np.degrees(table.slopes), [-10.0, 0.0, 40.0])
     assert 0.0 < table.error.median < table.error.of_90_percent
     assert table.error.impacts > 9000
-    with open(made / "table.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(made / "table.csv")
     assert len(rows) == table.outcomes.size
     assert {"speed_mps", "angle_deg", "e_n", "duration_s"} <= set(rows[0])
     manifest = json.loads((made / "table.csv.manifest.json").read_text())
@@ -99,8 +98,7 @@ def test_the_command_makes_the_table(made):
 
 
 def test_the_map_is_that_of_the_model(made):
-    with open(made / "map.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(made / "map.csv")
     assert len(rows) == 8
     assert (made / "map.png").stat().st_size > 10_000
     # A sphere has one orientation: its map is the model.
@@ -190,8 +188,7 @@ def test_the_slope_uses_the_table(here, made):
 )
 def test_other_blocks_and_grounds_are_refused(here, made, capsys, old, new, parts):
     (here / "table.nc").write_bytes((made / "table.nc").read_bytes())
-    assert old in SLOPE
-    (here / "slope.toml").write_text(SLOPE.replace(old, new))
+    write_changed(here / "slope.toml", SLOPE, (old, new))
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
     assert_one_line_error(capsys, *parts)
 
@@ -249,8 +246,7 @@ def test_the_file_is_that_of_python(made):
     ],
 )
 def test_bad_files_are_refused_in_one_line(here, capsys, old, new, parts):
-    assert old in TABLE
-    (here / "table.toml").write_text(TABLE.replace(old, new, 1))
+    write_changed(here / "table.toml", TABLE, (old, new))
     assert main(["tabulate", "table.toml", "--out", "table.nc"]) == 2
     assert_one_line_error(capsys, "table.toml", *parts)
 
