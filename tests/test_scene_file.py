@@ -5,6 +5,7 @@ from pathlib import Path
 
 import jax
 import pytest
+from refusals import assert_one_line
 
 from jaximpact import Block, Impact, Scene, Soil
 from jaximpact.errors import InputError
@@ -71,11 +72,7 @@ REFUSED = {
 def test_bad_scenes_are_refused_in_one_line_that_says_where(scene_of, content, needed):
     with pytest.raises(InputError) as caught:
         scene_of(content)
-    message = str(caught.value)
-    assert "\n" not in message
-    assert "scene.toml" in message
-    for part in needed:
-        assert part in message
+    assert_one_line(caught.value, "scene.toml", *needed)
 
 
 def test_a_scene_that_cannot_be_read_is_refused(tmp_path):

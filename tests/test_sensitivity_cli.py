@@ -1,10 +1,11 @@
 """`jaximpact sensitivity`: from a study to tables, drawings and a manifest."""
 
-import csv
 import json
 
 import pytest
 from command_line import assert_one_line_error
+from csv_files import rows_of
+from refusals import assert_one_line
 
 from jaximpact.cli import main
 from jaximpact.cli.sensitivity import METHODS
@@ -37,16 +38,10 @@ ALWAYS = {"report.txt", "manifest.json"}
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
+def folder(folder):
     """A working directory with a study."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "study.toml").write_text(STUDY)
-    return tmp_path
-
-
-def rows_of(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
+    (folder / "study.toml").write_text(STUDY)
+    return folder
 
 
 def names_in(path):
@@ -220,11 +215,7 @@ REFUSED = {
 def test_bad_studies_are_refused_in_one_line_that_says_where(folder, text, needed):
     with pytest.raises(InputError) as caught:
         read(folder, text)
-    message = str(caught.value)
-    assert "\n" not in message
-    assert "study.toml" in message
-    for part in needed:
-        assert part in message
+    assert_one_line(caught.value, "study.toml", *needed)
 
 
 @pytest.mark.parametrize(

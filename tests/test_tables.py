@@ -9,6 +9,7 @@ import os
 
 import numpy as np
 import pytest
+from refusals import assert_one_line
 
 from jaximpact import PRESETS, Block, Impact, Outcome, Soil
 from jaximpact.errors import InputError
@@ -138,11 +139,7 @@ REFUSED = {
 def test_bad_tables_are_refused_in_one_line_that_says_where(table_of, content, needed):
     with pytest.raises(InputError) as caught:
         table_of(content)
-    message = str(caught.value)
-    assert "\n" not in message
-    assert "scenes.csv" in message
-    for part in needed:
-        assert part in message
+    assert_one_line(caught.value, "scenes.csv", *needed)
 
 
 @pytest.mark.parametrize("column", INPUT_COLUMNS.values(), ids=INPUT_COLUMNS)
