@@ -9,24 +9,10 @@ from pathlib import Path
 import jax
 import numpy as np
 import pytest
+from impact_scenes import mixed_scenes
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate, simulate_batch
 from jaximpact.engines.marching import WIDTH
-
-
-def mixed_scenes(count, seed=0):
-    """Short and long contacts, some that are none, in no order."""
-    draw = np.random.default_rng(seed).uniform
-    return Scene(
-        Block(mass=draw(1.0, 500.0, count), aspect_ratio=draw(0.6, 3.0, count)),
-        Soil(gamma_v=draw(1.0, 10.0, count)),
-        Impact(
-            speed=draw(2.0, 30.0, count),
-            angle=draw(-1.2, 1.2, count),
-            orientation=draw(0.0, np.pi, count),
-            angular_velocity=draw(-100.0, 100.0, count),
-        ),
-    )
 
 
 def chosen(scenes, places):
@@ -91,7 +77,7 @@ DEVICES = """
 import sys, jax, numpy as np
 jax.config.update("jax_enable_x64", True)
 assert jax.local_device_count() == int(sys.argv[1])
-from test_batch import mixed_scenes
+from impact_scenes import mixed_scenes
 from jaximpact import simulate_batch
 from jaximpact import batch
 batch.computes_on_cpu = lambda: False  # as on other devices

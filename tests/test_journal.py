@@ -9,7 +9,7 @@ import time
 import jax
 import numpy as np
 import pytest
-from test_batch import mixed_scenes
+from impact_scenes import mixed_scenes
 
 from jaximpact import Laws, simulate_batch
 from jaximpact.cli import main
