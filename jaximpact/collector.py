@@ -1,4 +1,5 @@
-"""Python's garbage collector, out of the way of tables of a million rows."""
+"""Python's garbage collector, out of the way of tables of a million rows, and of
+tracing and compiling."""
 
 import contextlib
 import gc
@@ -9,7 +10,8 @@ from collections.abc import Iterator
 def collector_paused() -> Iterator[None]:
     """No collection of reference cycles inside; for code that makes none.
 
-    Many rows make it run often, and it takes a third of the time. And JAX has a
+    Many rows make it run often, and so does a graph that is traced; it goes through all
+    that is being built again and again, and takes a third of the time. And JAX has a
     callback in it: Ctrl-C that arrives there is reported as ignored, and is lost.
     """
     was_enabled = gc.isenabled()

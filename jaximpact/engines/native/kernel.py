@@ -6,16 +6,15 @@ has come to its end gives its place to the next. Lanes know nothing of each othe
 lane's results do not depend, to the last bit, on what runs beside it.
 """
 
-import contextlib
 import ctypes
-import gc
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
 import numpy as np
 
+from ...collector import collector_paused
 from .code import PACK, Output, compile_text, load, write_driver, write_function
 from .graph import FLOAT, INPUT, INTEGER, TRUTH, Graph, Node, kind_of
 from .translation import Translator
@@ -121,7 +120,7 @@ def compile_code(begin: Callable, step: Callable, finish: Callable, inputs) -> C
 
     Raises NotImplementedError if a function does what has no native code.
     """
-    with _no_collection():
+    with collector_paused():
         trace_begin, state = jax.make_jaxpr(begin, return_shape=True)(inputs)
         trace_step = jax.make_jaxpr(step)(state)
         trace_finish, results = jax.make_jaxpr(finish, return_shape=True)(inputs, state)
@@ -136,19 +135,6 @@ def compile_code(begin: Callable, step: Callable, finish: Callable, inputs) -> C
     return Code(
         compile_text("\n".join(text)), input_rows, result_rows, at_results + result_rows
     )
-
-
-@contextlib.contextmanager
-def _no_collection() -> Iterator[None]:
-    """Without Python's search for cyclic garbage: it goes through all that is being
-    built again and again, finds none, and takes a third of the time."""
-    was_on = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_on:
-            gc.enable()
 
 
 def _count(tree) -> int:
