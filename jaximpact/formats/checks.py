@@ -1,10 +1,12 @@
-"""Checks at the boundary: values that a scene may have."""
+"""Checks at the boundary: values that a scene may have, and names that are chosen."""
 
 import dataclasses
+from collections.abc import Collection, Iterable
 
 import jax
 import numpy as np
 
+from ..errors import InputError, nearest
 from ..scene import PARTS, Scene
 from .columns import column_of_field
 
@@ -39,3 +41,23 @@ def check_scene(scene: Scene, *, batched: bool = False) -> None:
                     f"{name} must be {column.requirement}, but is "
                     f"{float(np.ravel(values)[np.argmax(bad)]):g}{where}"
                 )
+
+
+def checked_names(
+    kind: str, names: Iterable[str], known: Collection[str]
+) -> tuple[str, ...]:
+    """The names, of a `kind` in one word. Raises InputError for a name that is unknown,
+    with the nearest known, or stands twice, and for none."""
+    if isinstance(names, str):
+        raise InputError(f"{kind}s must be a list of names, but is {names!r}")
+    names = tuple(names)
+    if not names:
+        raise InputError(f"at least one {kind} is needed, but none is given")
+    for name in names:
+        if not isinstance(name, str) or name not in known:
+            raise InputError(
+                f"{kind} {name} is unknown; did you mean {nearest(name, known)}?"
+            )
+        if names.count(name) > 1:
+            raise InputError(f"{kind} {name} stands twice; remove one")
+    return names

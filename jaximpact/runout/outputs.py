@@ -4,7 +4,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..errors import InputError, nearest
+from ..errors import InputError
+from ..formats.checks import checked_names
 from .collectors import Passages, passages
 from .dual import plain
 from .envelopes import candidates
@@ -37,24 +38,14 @@ def chosen_outputs(names: Iterable[str], collectors: Iterable[float]) -> dict[st
     Raises InputError for a name that is unknown, with the nearest known, or stands
     twice, and where there is none.
     """
-    if isinstance(names, str):
-        raise InputError(f"outputs must be a list of names, but is {names!r}")
-    names, collectors, units = tuple(names), tuple(map(float, collectors)), {}
-    for name in names:
-        if name not in KNOWN:
-            raise InputError(
-                f"output {name} is unknown; did you mean {nearest(name, KNOWN)}?"
-            )
-        if names.count(name) > 1:
-            raise InputError(f"output {name} stands twice; remove one")
+    collectors, units = tuple(map(float, collectors)), {}
+    for name in checked_names("output", names, KNOWN):
         if name in OF_PASSAGES:
             if not collectors:
                 raise InputError(f"output {name} needs a collector, but there is none")
             units |= {f"{name} at {x!r}": OF_PASSAGES[name][0] for x in collectors}
         else:
             units[name] = LARGEST[name] if name in LARGEST else OF_ENDS[name][0]
-    if not units:
-        raise InputError("at least one output is needed, but none is given")
     return units
 
 

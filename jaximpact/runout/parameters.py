@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError, nearest
+from ..formats.checks import checked_names
 from ..formats.columns import DEGREE, INPUT_COLUMNS, InputColumn
 from .dual import Dual, plain
 from .ground import Ground
@@ -69,19 +69,8 @@ class Parameter:
 def chosen_parameters(case: Case, names: Iterable[str]) -> tuple[Parameter, ...]:
     """The parameters of some names. Raises InputError for a name that is unknown, with
     the nearest known, or stands twice, and for none."""
-    if isinstance(names, str):
-        raise InputError(f"parameters must be a list of names, but is {names!r}")
-    names, known = tuple(names), _known(case)
-    if not names:
-        raise InputError("at least one parameter is needed, but none is given")
-    for name in names:
-        if name not in known:
-            raise InputError(
-                f"parameter {name} is unknown; did you mean {nearest(name, known)}?"
-            )
-        if names.count(name) > 1:
-            raise InputError(f"parameter {name} stands twice; remove one")
-    return tuple(known[name] for name in names)
+    known = _known(case)
+    return tuple(known[name] for name in checked_names("parameter", names, known))
 
 
 def replaced(instance, **fields):

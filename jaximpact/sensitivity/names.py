@@ -7,7 +7,7 @@ import jax
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import InputError, nearest
+from ..formats.checks import checked_names
 from ..formats.columns import (
     INPUT_COLUMNS,
     RESULT_COLUMNS,
@@ -27,28 +27,13 @@ WATCHED = {name: c for name, c in OUTPUT_COLUMNS.items() if name != "steps"}
 def parameter_columns(names: Iterable[str]) -> tuple[InputColumn, ...]:
     """The columns of parameters. Raises InputError for a name that is unknown or stands
     twice, and for none."""
-    return _columns("parameter", names, INPUT_COLUMNS)
+    names = checked_names("parameter", names, INPUT_COLUMNS)
+    return tuple(INPUT_COLUMNS[name] for name in names)
 
 
 def output_columns(names: Iterable[str]) -> tuple[ResultColumn, ...]:
     """The columns of outputs. Raises InputError as `parameter_columns` does."""
-    return _columns("output", names, WATCHED)
-
-
-def _columns(kind: str, names: Iterable[str], known: Mapping) -> tuple:
-    if isinstance(names, str):
-        raise InputError(f"{kind}s must be a list of names, but is {names!r}")
-    names = tuple(names)
-    if not names:
-        raise InputError(f"at least one {kind} is needed, but none is given")
-    for name in names:
-        if not isinstance(name, str) or name not in known:
-            raise InputError(
-                f"{kind} {name} is unknown; did you mean {nearest(name, known)}?"
-            )
-        if names.count(name) > 1:
-            raise InputError(f"{kind} {name} stands twice; remove one")
-    return tuple(known[name] for name in names)
+    return tuple(WATCHED[name] for name in checked_names("output", names, WATCHED))
 
 
 def value_of(scene: Scene, column: InputColumn) -> np.ndarray:
