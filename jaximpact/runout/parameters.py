@@ -6,6 +6,7 @@ by nothing with a derivative of one (`Dual`), to carry derivatives.
 
 import copy
 import dataclasses
+import operator
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
@@ -82,85 +83,51 @@ def replaced(instance, **fields):
 
 
 def _known(case: Case) -> dict[str, Parameter]:
-    columns = INPUT_COLUMNS.values()
-    known = [_of_soil(column) for column in columns if column.part == "soil"]
-    known += [_ROLLING]
-    known += [_of_block(column) for column in columns if column.part == "block"]
-    known += _OF_RELEASE
+    known = [*_OF_SOIL, _ROLLING, *_OF_BLOCK, *_OF_RELEASE]
     law = getattr(case.contacts, "law", None)
     if dataclasses.is_dataclass(law):
-        known += [_of_law(field.name) for field in dataclasses.fields(law)]
+        names = [field.name for field in dataclasses.fields(law)]
+        known += [_field(f"contacts.law.{name}", name, "-") for name in names]
     return {parameter.name: parameter for parameter in known}
 
 
-def _of_soil(column: InputColumn) -> Parameter:
-    """A field of the soil, of all segments alike."""
-
-    def move(case: Case, amount: Amount) -> Case:
-        soil = case.ground.soil
-        moved = getattr(soil, column.field) + amount
-        soil = replaced(soil, **{column.field: moved})
-        return case._replace(ground=replaced(case.ground, soil=soil))
-
-    return Parameter(
-        column.name,
-        column.unit,
-        column.factor,
-        lambda case: getattr(case.ground.soil, column.field),
-        move,
-        column,
-    )
-
-
-def _of_block(column: InputColumn) -> Parameter:
-    def move(case: Case, amount: Amount) -> Case:
-        block = case.release.block
-        moved = getattr(block, column.field) + amount
-        block = replaced(block, **{column.field: moved})
-        return case._replace(release=replaced(case.release, block=block))
-
-    return Parameter(
-        column.name,
-        column.unit,
-        column.factor,
-        lambda case: getattr(case.release.block, column.field),
-        move,
-        column,
-        of_blocks=True,
-    )
-
-
-def _of_release(name: str, unit: str, field: str, factor: float = 1.0) -> Parameter:
-    def move(case: Case, amount: Amount) -> Case:
-        moved = getattr(case.release, field) + amount
-        return case._replace(release=replaced(case.release, **{field: moved}))
-
-    return Parameter(
-        name,
-        unit,
-        factor,
-        lambda case: getattr(case.release, field),
-        move,
-        of_blocks=True,
-    )
-
-
-def _of_law(field: str) -> Parameter:
-    """A field of a law in closed form."""
+def _field(
+    path: str,
+    name: str,
+    unit: str,
+    factor: float = 1.0,
+    column: InputColumn | None = None,
+    of_blocks: bool = False,
+) -> Parameter:
+    """A field that lies in a case at a path of names; all its values move alike."""
+    get = operator.attrgetter(path)
+    part, *inner = path.split(".")
 
     def value(case: Case) -> np.ndarray:
-        return np.asarray(getattr(case.contacts.law, field))
+        return np.asarray(get(case))
 
     def move(case: Case, amount: Amount) -> Case:
-        law = replaced(case.contacts.law, **{field: value(case) + amount})
-        return case._replace(contacts=replaced(case.contacts, law=law))
+        moved = _with(getattr(case, part), inner, value(case) + amount)
+        return case._replace(**{part: moved})
 
-    return Parameter(field, "-", 1.0, value, move)
+    return Parameter(name, unit, factor, value, move, column, of_blocks)
 
 
-def _move_rolling(case: Case, amount: Amount) -> Case:
-    angle = case.ground.rolling_friction_angle + amount
-    return case._replace(ground=replaced(case.ground, rolling_friction_angle=angle))
+def _with(owner, path: list[str], value):
+    """A copy with another value of what lies at a path in it."""
+    name, *inner = path
+    if inner:
+        value = _with(getattr(owner, name), inner, value)
+    return replaced(owner, **{name: value})
+
+
+def _fields(part: str, path: str, of_blocks: bool = False) -> list[Parameter]:
+    """Those of a part of the scene."""
+    return [
+        _field(f"{path}.{c.field}", c.name, c.unit, c.factor, c, of_blocks)
+        for c in INPUT_COLUMNS.values()
+        if c.part == part
+    ]
 
 
 def _speed(case: Case) -> np.ndarray:
@@ -193,18 +160,17 @@ def _turn(case: Case, amount: Amount) -> Case:
     )
 
 
-_ROLLING = Parameter(
-    ROLLING_COLUMN,
-    "deg",
-    DEGREE,
-    lambda case: case.ground.rolling_friction_angle,
-    _move_rolling,
-)
+_OF_SOIL = _fields("soil", "ground.soil")
+_ROLLING = _field("ground.rolling_friction_angle", ROLLING_COLUMN, "deg", DEGREE)
+_OF_BLOCK = _fields("block", "release.block", of_blocks=True)
 _OF_RELEASE = [
-    _of_release("x_m", "m", "x"),
-    _of_release("y_m", "m", "y"),
+    _field("release.x", "x_m", "m", of_blocks=True),
+    _field("release.y", "y_m", "m", of_blocks=True),
     Parameter("speed_mps", "m/s", 1.0, _speed, _move_speed, of_blocks=True),
     Parameter("direction_deg", "deg", DEGREE, _direction, _turn, of_blocks=True),
-    _of_release("orientation_deg", "deg", "orientation", DEGREE),
-    _of_release("angular_velocity_degps", "deg/s", "angular_velocity", DEGREE),
+    _field("release.orientation", "orientation_deg", "deg", DEGREE, of_blocks=True),
+    _field(
+        *("release.angular_velocity", "angular_velocity_degps", "deg/s", DEGREE),
+        of_blocks=True,
+    ),
 ]
