@@ -21,7 +21,7 @@ from pathlib import Path
 
 from ..errors import InputError, nearest
 from ..formats.align import align
-from ..formats.files import replacing
+from ..formats.files import make_directory, replacing
 from ..formats.provenance import version_of, versions
 from ..precision import require_float64
 from .compile_time import COMPILE_TIME
@@ -94,10 +94,7 @@ def run_benchmark(
     settings = settings or Settings()
     say = say or (lambda text: None)
     sections = choose_sections(only)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"--out {out} cannot be made: {error.strerror}") from error
+    make_directory(out, option="--out")
     methods = [Ours(), *find_peers(peers, say)]
     directory = str((peers or Path("benchmarks")).resolve()) if methods[1:] else ""
     bench = Bench(settings, methods, directory, progress or (lambda text: None))

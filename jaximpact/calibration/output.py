@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from ..accuracy import PRESETS
-from ..errors import InputError
 from ..formats.files import replacing
 from ..formats.provenance import version_of, versions
 from .examination import Examination
@@ -29,14 +28,6 @@ CSV_COLUMNS = (
     *("residual", "standardised", "model_low", "model_high", "low", "high"),
     *("left_out", "left_out_deviation"),
 )
-
-
-def make_directory(path: Path) -> None:
-    """Make the directory; InputError where that cannot be."""
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"--out {path} cannot be made: {error.strerror}") from error
 
 
 def write_all(result: StudyResult, examined: list[Examination], out: Path) -> None:

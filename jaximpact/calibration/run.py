@@ -2,11 +2,12 @@
 
 from pathlib import Path
 
+from ..formats.files import make_directory
 from ..precision import require_float64
 from .examination import Examination, examine
 from .least_squares import Progress
 from .memory import Memory
-from .output import make_directory, write_all
+from .output import write_all
 from .sampling import check_extra
 from .study import StudyResult, fit_study
 from .study_file import Study, read_study
@@ -61,7 +62,7 @@ def fit_and_examine(
         check_extra()
     memory = None
     if out_dir is not None:
-        make_directory(out_dir)
+        make_directory(out_dir, option="--out")
         memory = Memory(out_dir / UNFINISHED)
     progress = progress or (lambda text: None)
     result = fit_study(study, memory=memory, progress=progress)

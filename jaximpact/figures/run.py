@@ -15,7 +15,7 @@ import pandas as pd
 from ..accuracy import get_accuracy
 from ..errors import InputError, nearest
 from ..formats.columns import OUTCOME_COLUMN
-from ..formats.files import replacing
+from ..formats.files import make_directory, replacing
 from ..formats.provenance import law_names, scene_values, versions
 from ..formats.results import manifest_path
 from ..mechanics.laws import Laws
@@ -92,10 +92,7 @@ def write_figures(
     require_float64()
     figures = choose_figures(only)
     study = study or Study()
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"--out {out} cannot be made: {error.strerror}") from error
+    make_directory(out, option="--out")
     for figure in figures:
         begin = time.perf_counter()
         table = figure.compute(_naming(study, figure))

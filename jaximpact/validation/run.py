@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ..accuracy import get_accuracy
 from ..errors import InputError, nearest
-from ..formats.files import replacing
+from ..formats.files import make_directory, replacing
 from ..formats.provenance import versions
 from ..precision import require_float64
 from .claims import JUDGES, SLOPE_CLAIMS, read_claims
@@ -61,10 +61,7 @@ def validate(
     claims = read_claims()
     chosen = _choose(only, claims)
     if out is not None:
-        try:
-            out.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"--out {out} cannot be made: {error.strerror}") from error
+        make_directory(out, option="--out")
     study = Study(say=progress)
     found = []
     for name, claim in claims.items():
