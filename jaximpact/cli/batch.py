@@ -8,6 +8,7 @@ from pathlib import Path
 from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
 from ..formats.files import check_writable
+from ..interruption import resumable
 from . import options
 from .progress import Progress, say
 
@@ -92,7 +93,7 @@ def run(arguments: argparse.Namespace) -> None:
     table = tables.read_table(scenes)
     timing = {}
     journal = journal_path(out)
-    try:
+    with resumable():
         with Progress("impacts") as progress:
             progress(0, len(table.rows))
             result = batch.simulate_batch(
@@ -104,8 +105,6 @@ def run(arguments: argparse.Namespace) -> None:
                 timing=timing,
             )
         results.write_results(out, table, result)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt("the same command goes on from here") from None
     journal.unlink()
     if arguments.timing:
         rate = timing["impacts"] / timing["run_s"]

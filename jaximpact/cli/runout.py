@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from ..interruption import resumable
 from . import options
 from .progress import Progress, say
 
@@ -112,7 +113,7 @@ def run(arguments: argparse.Namespace) -> None:
     studies = read_slope_studies(arguments.study, arguments.accuracy)
     several = len(studies) > 1
     datasets, journals = {}, []
-    try:
+    with resumable():
         for study in studies:
             out = arguments.out / study.law_directory if several else arguments.out
             make_directory(out, option="--out")
@@ -127,8 +128,6 @@ def run(arguments: argparse.Namespace) -> None:
             datasets[study.law_name] = dataset
         if several:
             comparison.write_comparison(studies[0], datasets, arguments.out)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt("the same command goes on from here") from None
     for journal in journals:
         journal.unlink()
     print(comparison.in_words(datasets) if several else in_words(dataset))

@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from ..interruption import resumable
 from . import options
 from .progress import Progress, say
 
@@ -74,7 +75,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Compute the study."""
     from ..sensitivity.run import run_study
 
-    try:
+    with resumable():
         result = run_study(
             arguments.study,
             arguments.out,
@@ -82,7 +83,5 @@ def run(arguments: argparse.Namespace) -> None:
             accuracy=arguments.accuracy,
             progress=lambda name: Progress(f"impacts for {name}"),
         )
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt("the same command goes on from here") from None
     print(result.in_words())
     say(f"tables and drawings written to {arguments.out}")

@@ -9,6 +9,7 @@ from ..errors import InputError
 from ..formats.align import align
 from ..formats.columns import RESULT_COLUMNS
 from ..formats.files import check_writable
+from ..interruption import resumable
 from . import options
 from .batch import journal_path
 from .progress import Progress, say
@@ -88,7 +89,7 @@ def run(arguments: argparse.Namespace) -> None:
         raise InputError(f"--out must end in {SUFFIX}, but is {out}")
     check_writable(out, option="--out")
     journal = journal_path(out)
-    try:
+    with resumable():
         with Progress("impacts") as progress:
             dataset = sweep(
                 base,
@@ -98,8 +99,6 @@ def run(arguments: argparse.Namespace) -> None:
                 progress=progress,
             )
         write_netcdf(out, dataset)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt("the same command goes on from here") from None
     journal.unlink()
     print(in_words(dataset))
     say(f"{dataset.e_n.size} impacts written to {out}")

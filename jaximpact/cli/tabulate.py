@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import InputError
 from ..formats.files import check_writable
+from ..interruption import resumable
 from . import options
 from .batch import journal_path
 from .progress import Progress, say
@@ -95,7 +96,7 @@ def run(arguments: argparse.Namespace) -> None:
             raise InputError(f"{name} must end in {suffix}, but is {path}")
         check_writable(path, option=name)
     journals = []
-    try:
+    with resumable():
         if arguments.out or arguments.csv:
             journals.append(journal_path(arguments.out or arguments.csv))
             with Progress("impacts of the table") as progress:
@@ -127,8 +128,6 @@ def run(arguments: argparse.Namespace) -> None:
                 )
             write_map(arguments.map, dataset)
             print(map_in_words(dataset))
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt("the same command goes on from here") from None
     for journal in journals:
         journal.unlink()
     say(f"written to {', '.join(str(path) for path, _ in wanted.values())}")

@@ -5,6 +5,7 @@ verdicts under every reading of the model, written after each of them, so that a
 interrupted run goes on. What the laws are compared by is drawn.
 """
 
+import contextlib
 import csv
 import json
 import math
@@ -15,6 +16,7 @@ from ..accuracy import get_accuracy
 from ..errors import InputError, nearest
 from ..formats.files import make_directory, replacing
 from ..formats.provenance import versions
+from ..interruption import resumable
 from ..precision import require_float64
 from .claims import JUDGES, SLOPE_CLAIMS, read_claims
 from .comparison import Comparison
@@ -77,12 +79,8 @@ def validate(
     if readings:
         ids = [name for name in JUDGES if name in chosen and name != SUPPLEMENT]
         by_reading = {AS_IT_IS.name: {f.id: f.judgement for f in found if f.id in ids}}
-        try:
+        with contextlib.nullcontext() if out is None else resumable():
             by_reading |= _judge_readings(ids, out, progress, say)
-        except KeyboardInterrupt:
-            if out is None:
-                raise
-            raise KeyboardInterrupt("the same command goes on from here") from None
     validation = Validation(found, as_findings(comparisons), by_reading)
     if out is not None:
         _write_all(out, validation, comparisons)
