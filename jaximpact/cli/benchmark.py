@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from . import options
 from .calibrate import Lines
 from .progress import say
 
@@ -37,13 +38,7 @@ def add_parser(commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument(
-        "--out",
-        type=Path,
-        required=True,
-        metavar="DIR",
-        help="directory for charts and data; made if need be",
-    )
+    options.add_directory(parser, "charts and data")
     parser.add_argument(
         "--only",
         nargs="+",

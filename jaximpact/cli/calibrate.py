@@ -5,6 +5,7 @@ import sys
 import time
 from pathlib import Path
 
+from . import options
 from .progress import say
 
 DESCRIPTION = """\
@@ -68,13 +69,7 @@ def add_parser(commands) -> None:
         help="study.toml, what to fit to which data and how; or tests.csv, the tests "
         "alone",
     )
-    parser.add_argument(
-        "--out",
-        type=Path,
-        required=True,
-        metavar="DIR",
-        help="directory for report, fitted values and plot; made if need be",
-    )
+    options.add_directory(parser, "report, fitted values and plot")
     parser.add_argument(
         "--posterior",
         action="store_true",

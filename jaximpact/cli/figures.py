@@ -1,7 +1,6 @@
 """`jaximpact figures`: the paper's figures, computed again."""
 
 import argparse
-from pathlib import Path
 
 from . import options
 from .calibrate import Lines
@@ -36,13 +35,7 @@ def add_parser(commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument(
-        "--out",
-        type=Path,
-        required=True,
-        metavar="DIR",
-        help="directory for drawings and tables; made if need be",
-    )
+    options.add_directory(parser, "drawings and tables")
     parser.add_argument(
         "--only",
         nargs="+",

@@ -1,6 +1,7 @@
 """Options and help that several commands share."""
 
 import argparse
+from pathlib import Path
 
 from ..accuracy import PRESETS
 from ..formats.align import align
@@ -23,6 +24,19 @@ def add_accuracy(parser: argparse.ArgumentParser, *, otherwise: str) -> None:
             + ", ".join(f"{name} {p.tolerance:g}" for name, p in PRESETS.items())
             + f" (default: {otherwise})"
         ),
+    )
+
+
+def add_directory(
+    parser: argparse.ArgumentParser, holds: str, *, required: bool = True
+) -> None:
+    """Add `--out`, a directory; help says what it `holds`."""
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=required,
+        metavar="DIR",
+        help=f"directory for {holds}; made if need be",
     )
 
 

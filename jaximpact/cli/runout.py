@@ -93,13 +93,7 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "study", type=Path, metavar="slope.toml", help="profile, blocks and releases"
     )
-    parser.add_argument(
-        "--out",
-        type=Path,
-        required=True,
-        metavar="DIR",
-        help="directory for report, tables and drawings; made if need be",
-    )
+    options.add_directory(parser, "report, tables and drawings")
     options.add_accuracy(parser, otherwise="the study's, else balanced")
     parser.set_defaults(run=run)
 

@@ -50,13 +50,7 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "study", type=Path, metavar="study.toml", help="scene and parameters"
     )
-    parser.add_argument(
-        "--out",
-        type=Path,
-        required=True,
-        metavar="DIR",
-        help="directory for report, tables and drawings; made if need be",
-    )
+    options.add_directory(parser, "report, tables and drawings")
     parser.add_argument(
         "--method",
         choices=METHODS,

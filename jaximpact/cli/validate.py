@@ -1,9 +1,9 @@
 """`jaximpact validate`: the paper's claims and laws of others, against the model."""
 
 import argparse
-from pathlib import Path
 
 from ..errors import IncompleteError
+from . import options
 from .calibrate import Lines
 from .progress import say
 
@@ -30,12 +30,7 @@ def add_parser(commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument(
-        "--out",
-        type=Path,
-        metavar="DIR",
-        help="directory for tables and drawings; made if need be",
-    )
+    options.add_directory(parser, "tables and drawings", required=False)
     parser.add_argument(
         "--only",
         nargs="+",
