@@ -3,7 +3,6 @@
 import csv
 import io
 import json
-import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +15,8 @@ from .chance import too_few
 from .fitted_ground import FittedVariant
 from .prediction import CONFIDENCES, Outside, Prediction, VariantPrediction
 from .scores import Scores, score
+from .wrapping import listed, wrapped
 
-WIDTH = 88
 MOST_TESTS = 30
 """Tests that are listed one by one; of more the table holds all."""
 MOST_NAMES = 6
@@ -35,9 +34,9 @@ def as_text(prediction: Prediction) -> str:
     """Scores, remarks, and the tests one by one where they are few."""
     files = ", ".join(table.path.name for table in prediction.tests.files)
     head = f"{len(prediction.tests)} tests of {files}, predicted by the fit of "
-    lines = _wrapped(f"{head}{prediction.ground.title!r}.", "")
+    lines = wrapped(f"{head}{prediction.ground.title!r}.", 0, 2)
     for outside in prediction.outside:
-        lines += _wrapped(_about_outside(prediction, outside), "")
+        lines += wrapped(_about_outside(prediction, outside), 0, 2)
     several = len(prediction.variants) > 1
     for variant in prediction.variants:
         name = variant.fitted.variant.name
@@ -52,7 +51,7 @@ def _of_variant(prediction: Prediction, variant: VariantPrediction) -> list[str]
         lines += ["Scores (predicted less measured)", align(_score_rows(scores))]
     remarks = remarks_on(prediction, variant, scores)
     if remarks:
-        lines += ["Remarks", *(line for r in remarks for line in _wrapped(r, "  "))]
+        lines += ["Remarks", *listed(remarks)]
     if len(prediction.tests) <= MOST_TESTS:
         lines += ["Tests: median (95 %); measured", align(_rows(prediction, variant))]
     return lines
@@ -306,13 +305,3 @@ def _digits(value: float) -> str:
 
 def _number(value: float | None) -> str:
     return "none" if value is None else f"{value:.3g}"
-
-
-def _wrapped(text: str, indent: str) -> list[str]:
-    return textwrap.wrap(
-        text,
-        WIDTH,
-        initial_indent=indent,
-        subsequent_indent=indent + "  ",
-        break_on_hyphens=False,
-    )

@@ -1,7 +1,6 @@
 """A calibration at a glance, to be printed."""
 
 import itertools
-import textwrap
 
 import numpy as np
 
@@ -19,8 +18,8 @@ from .report import (
 from .reservations import reservations
 from .study import StudyResult, VariantResult
 from .study_file import Study
+from .wrapping import listed, wrapped
 
-WIDTH = 88
 LEAST_CORRELATION = 0.1
 """Smaller ones are left out."""
 
@@ -30,12 +29,12 @@ def in_brief(result: StudyResult, examined: list[Examination]) -> str:
     study = result.study
     files = ", ".join(table.path.name for table in study.tests.files)
     lines = [
-        *_wrapped(
+        *wrapped(
             f"{len(study.tests)} tests of {files}, fitted to "
             f"{', '.join(study.targets)}. {' '.join(about_cells(study))}"
         ),
-        *_wrapped(about_sigma(study)),
-        *_wrapped(_held(study)),
+        *wrapped(about_sigma(study)),
+        *wrapped(_held(study)),
     ]
     for variant, looked in zip(result.variants, examined, strict=True):
         if len(result.variants) > 1:
@@ -60,10 +59,10 @@ def _of_variant(
     if pairs:
         lines += [f"Correlations (above {LEAST_CORRELATION:g})", align(pairs)]
     lines += ["Fit (predicted less measured)", align(target_rows(result, variant))]
-    lines += ["Verdict", *_listed(verdict(variant)), *_listed([_starts(variant)])]
+    lines += ["Verdict", *listed(verdict(variant)), *listed([_starts(variant)])]
     doubts = reservations(result, variant, looked)
     if doubts:
-        lines += ["Against trusting it", *_listed(doubts)]
+        lines += ["Against trusting it", *listed(doubts)]
     return lines
 
 
@@ -123,21 +122,3 @@ def _held(study: Study) -> str:
         taken = ", ".join(f"{name} {value:g}" for name, value in missing.items())
         words = f"Not in the table, and taken as: {taken}. {words}"
     return words
-
-
-def _wrapped(text: str) -> list[str]:
-    return textwrap.wrap(text, WIDTH, break_on_hyphens=False)
-
-
-def _listed(lines: list[str]) -> list[str]:
-    return [
-        line
-        for text in lines
-        for line in textwrap.wrap(
-            text,
-            WIDTH,
-            initial_indent="  ",
-            subsequent_indent="    ",
-            break_on_hyphens=False,
-        )
-    ]
