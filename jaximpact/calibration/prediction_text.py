@@ -14,6 +14,7 @@ from ..formats.results import manifest_path
 from .chance import too_few
 from .fitted_ground import FittedVariant
 from .prediction import CONFIDENCES, Outside, Prediction, VariantPrediction
+from .predictive import predictive
 from .scores import Scores, score
 from .wrapping import listed, wrapped
 
@@ -134,7 +135,8 @@ def _about_undetermined(
     """How far the draws of a parameter go, and whether that is far enough."""
     parameter = next(p for p in prediction.ground.parameters if p.name == name)
     values = fitted.draws[:, fitted.unknowns.index(name)]
-    low, high = _span(values, fitted.weights)
+    spread = predictive(values, fitted.weights, 0.0)
+    low, high = spread.quantile(0.025), spread.quantile(0.975)
     lines = [
         f"The fit did not determine {name}: 95 % of its draws lie between {low:.3g} "
         f"and {high:.3g}, in bounds of {parameter.lower:g} and {parameter.upper:g}, "
@@ -150,13 +152,6 @@ def _about_undetermined(
             "enough, and the intervals are too narrow."
         )
     return lines
-
-
-def _span(values, weights) -> tuple[float, float]:
-    order = np.argsort(values)
-    upto = np.cumsum(weights[order]) - 0.5 * weights[order]
-    low, high = np.interp((0.025, 0.975), upto / np.sum(weights), values[order])
-    return float(low), float(high)
 
 
 def _about_outside(prediction: Prediction, outside: Outside) -> str:
