@@ -36,14 +36,20 @@ class Tabulated:
 
     def __init__(self, tables: ReboundTable | Sequence[ReboundTable]):
         self.tables = [tables] if isinstance(tables, ReboundTable) else list(tables)
+        # As floats, once: they are compared with in every contact.
+        self._pairs = [
+            [float(leaf) for leaf in jax.tree.leaves((table.block, table.soil))]
+            for table in self.tables
+        ]
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> Blows:
         impact = jax.tree.map(np.asarray, impact)
         count = len(impact.speed)
         columns = np.full((len(Entry._fields), count), np.nan)
         open_yet = np.ones(count, bool)
-        for table in self.tables:
-            chosen = open_yet & _same((block, soil), (table.block, table.soil), count)
+        ours = _leaves(block, soil)
+        for table, pair in zip(self.tables, self._pairs, strict=True):
+            chosen = open_yet & _same(ours, pair, count)
             if np.any(chosen):
                 columns[:, chosen] = _in_parts(
                     table,
@@ -80,8 +86,9 @@ class Tabulated:
         shape = least_slope.shape
         block = jax.tree.map(lambda leaf: np.asarray(leaf)[:, None], block)
         held, flat = np.zeros(shape, bool), np.zeros(shape, bool)
-        for table in self.tables:
-            same = _same((block, soil), (table.block, table.soil), shape)
+        ours = _leaves(block, soil)
+        for table, pair in zip(self.tables, self._pairs, strict=True):
+            same = _same(ours, pair, shape)
             low, high = (float(table.slopes[end]) for end in (0, -1))
             held |= same
             flat |= (
@@ -112,16 +119,20 @@ class Tabulated:
         return f"holds no table of {where}: its {nearest}"
 
 
-def _same(ours, theirs, shape) -> np.ndarray:
+def _leaves(block: Block, soil: Soil) -> list[np.ndarray]:
+    return [np.asarray(leaf) for leaf in jax.tree.leaves((block, soil))]
+
+
+def _same(ours: list[np.ndarray], theirs: list[float], shape) -> np.ndarray:
     """Where all numbers are the same, but for the rounding of a file's units."""
     same = np.ones(shape, bool)
-    for a, b in zip(jax.tree.leaves(ours), jax.tree.leaves(theirs), strict=True):
+    for a, b in zip(ours, theirs, strict=True):
         same &= _alike(a, b)
     return same
 
 
-def _alike(a, b) -> np.ndarray:
-    return np.abs(np.asarray(a) - float(b)) <= ROUNDING * abs(float(b))
+def _alike(a, b: float) -> np.ndarray:
+    return np.abs(a - b) <= ROUNDING * abs(b)
 
 
 def _difference(block: Block, soil: Soil, table: ReboundTable) -> str:
