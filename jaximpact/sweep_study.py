@@ -8,7 +8,15 @@ import numpy as np
 from .errors import InputError
 from .formats.columns import INPUT_COLUMNS
 from .formats.scene_file import scene_from
-from .formats.toml_values import choice, load_toml, number, typed, unknown, whole
+from .formats.toml_values import (
+    check_keys,
+    choice,
+    load_toml,
+    number,
+    typed,
+    unknown,
+    whole,
+)
 from .scene import Scene
 from .sweeping import Axes, check_axes
 
@@ -75,9 +83,7 @@ def _values(path: Path, key: str, value):
             file=path,
             key=key,
         )
-    for name in value:
-        if name not in RANGE_KEYS:
-            unknown(path, f"{key}.{name}", name, RANGE_KEYS)
+    check_keys(path, key, value, RANGE_KEYS)
     for name in ("from", "to", "count"):
         if name not in value:
             raise InputError(f"needs {name}", file=path, key=key)

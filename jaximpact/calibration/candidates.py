@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import InputError, nearest
 from ..formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
-from ..formats.toml_values import choice, number, typed, unknown, whole
+from ..formats.toml_values import check_keys, choice, known_table, number, typed, whole
 from .design import CRITERIA
 
 COUNT = 3
@@ -105,10 +105,7 @@ def read_candidates(path: Path, content: dict, fitted: tuple[str, ...]) -> Candi
         fitted: names of the parameters that are fitted.
     """
     where = "further_tests"
-    entries = typed(path, content, where, dict, {})
-    for key in entries:
-        if key not in KEYS:
-            unknown(path, f"{where}.{key}", key, KEYS)
+    entries = known_table(path, content, where, KEYS)
     key = f"{where}.candidates"
     axes = checked_axes(
         typed(path, entries, "candidates", dict, {}), fitted, key=key, file=path
@@ -130,7 +127,5 @@ def _sigma(path: Path, key: str, entry) -> Sigma:
     """A number, or a table like { absolute = 0.01, relative = 0.1 }."""
     if not isinstance(entry, dict):
         return Sigma(absolute=number(path, key, entry))
-    for name in entry:
-        if name not in Sigma._fields:
-            unknown(path, f"{key}.{name}", name, Sigma._fields)
+    check_keys(path, key, entry, Sigma._fields)
     return Sigma(**{n: number(path, f"{key}.{n}", v) for n, v in entry.items()})

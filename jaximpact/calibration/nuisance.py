@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..formats.columns import INPUT_COLUMNS, LABEL_COLUMNS
-from ..formats.toml_values import choice, number, typed, unknown
+from ..formats.toml_values import check_keys, choice, number, typed, unknown
 from .campaigns import Measurements
 from .turned_ground import ANGLE
 
@@ -70,9 +70,7 @@ def read_prior(path: Path, key: str, entry, mean: float | None = None) -> Prior:
             file=path,
             key=key,
         )
-    for name in entry:
-        if name not in ("mean", "sd"):
-            unknown(path, f"{key}.{name}", name, ("mean", "sd"))
+    check_keys(path, key, entry, ("mean", "sd"))
     values = {"mean": mean} | entry
     for name in ("mean", "sd"):
         if values.get(name) is None:
@@ -111,9 +109,7 @@ def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisan
             file=path,
             key=key,
         )
-    for inner in entry:
-        if inner not in KEYS:
-            unknown(path, f"{key}.{inner}", inner, KEYS)
+    check_keys(path, key, entry, KEYS)
     by = choice(path, entry, "by", "campaign", (*LABEL_COLUMNS, EACH_TEST))
     if "prior" not in entry:
         raise InputError(

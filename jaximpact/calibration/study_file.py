@@ -12,6 +12,7 @@ from ..formats.columns import RESULT_COLUMNS
 from ..formats.toml_values import (
     SOIL_COLUMNS,
     allowed,
+    check_keys,
     choice,
     load_toml,
     number,
@@ -154,9 +155,7 @@ def study_of(tests: Measurements, content: dict) -> Study:
 
 
 def _study(path: Path, content: dict, tests: Measurements) -> Study:
-    for key in content:
-        if key not in KEYS:
-            unknown(path, key, key, KEYS)
+    check_keys(path, "", content, KEYS)
     parameters = _parameters(path, content)
     fixed = soil_values(path, typed(path, content, "soil", dict, {}), "soil")
     variants = _variants(path, content)
@@ -229,10 +228,7 @@ def _parameter(path: Path, name: str, entry) -> Parameter:
             file=path,
             key=key,
         )
-    known = ("start", "lower", "upper", "prior")
-    for inner in entry:
-        if inner not in known:
-            unknown(path, f"{key}.{inner}", inner, known)
+    check_keys(path, key, entry, ("start", "lower", "upper", "prior"))
     column = SOIL_COLUMNS[name]
     lower, upper = DEFAULT_BOUNDS.get(name, (None, None))
     prior = (

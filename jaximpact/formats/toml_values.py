@@ -2,6 +2,7 @@
 
 import math
 import tomllib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NoReturn
 
@@ -30,6 +31,14 @@ def unknown(path: Path, key: str, name: str, known) -> NoReturn:
     )
 
 
+def check_keys(path: Path, where: str, keys: Iterable[str], known) -> None:
+    """Raise InputError for a key that is unknown; `where` is the name of its table, ""
+    at the top of the file."""
+    for key in keys:
+        if key not in known:
+            unknown(path, f"{where}.{key}" if where else key, key, known)
+
+
 KIND_WORDS = {str: "a text", dict: "a table", list: "a list", int: "a whole number"}
 REQUIRED = object()
 
@@ -48,9 +57,7 @@ def typed(path: Path, content: dict, key: str, kind: type, default=REQUIRED):
 def known_table(path: Path, content: dict, name: str, known: tuple[str, ...]) -> dict:
     """A table of the file, with known keys only."""
     table = typed(path, content, name, dict, {})
-    for key in table:
-        if key not in known:
-            unknown(path, f"{name}.{key}", key, known)
+    check_keys(path, name, table, known)
     return table
 
 

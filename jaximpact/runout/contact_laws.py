@@ -9,7 +9,7 @@ import numpy as np
 
 from ..accuracy import DEFAULT_ACCURACY, PRESETS
 from ..errors import InputError
-from ..formats.toml_values import choice, number, typed, unknown
+from ..formats.toml_values import check_keys, choice, number, typed
 from ..rebound import (
     BozzoloPamini,
     ConstantCoefficients,
@@ -108,10 +108,7 @@ def _law(path: Path, content: dict, table, accuracy: str | None) -> NamedLaw:
     coefficients = {FULL_MODEL: {}, TABLE: {"files": None}} | {
         known: of_law for known, (_, of_law) in CLOSED_FORMS.items()
     }
-    for key in table:
-        known = ("law", "name", *coefficients[law])
-        if key not in known:
-            unknown(path, f"contacts.{key}", key, known)
+    check_keys(path, "contacts", table, ("law", "name", *coefficients[law]))
     if law == FULL_MODEL:
         accuracy = accuracy or choice(
             path, content, "accuracy", DEFAULT_ACCURACY, tuple(PRESETS)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..formats.columns import InputColumn
-from ..formats.toml_values import allowed, number, unknown
+from ..formats.toml_values import allowed, check_keys, number
 from .quantities import Normal, Quantity, Uniform
 
 
@@ -29,9 +29,7 @@ def read_quantity(path: Path, key: str, value, column: InputColumn | None) -> Qu
     if not isinstance(value, dict):
         return one(value)
     kinds = (("mean", "sd", "least", "most"), ("from", "to"))
-    for name in value:
-        if name not in kinds[0] + kinds[1]:
-            unknown(path, f"{key}.{name}", name, kinds[0] + kinds[1])
+    check_keys(path, key, value, kinds[0] + kinds[1])
     if set(value) == set(kinds[1]):
         ends = [one(value[n], f"{key}.{n}") for n in kinds[1]]
         if not ends[0] < ends[1]:

@@ -9,7 +9,14 @@ import numpy as np
 from ..block import Block
 from ..errors import InputError
 from ..formats.columns import DEGREE, INPUT_COLUMNS
-from ..formats.toml_values import known_table, load_toml, number, typed, unknown, whole
+from ..formats.toml_values import (
+    check_keys,
+    known_table,
+    load_toml,
+    number,
+    typed,
+    whole,
+)
 from .clearance import lying_height
 from .contact_laws import check_law, read_laws
 from .ground import GROUND_COLUMNS, Ground
@@ -97,9 +104,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     blocks, releases and ground. See `read_slope_study`."""
     path = Path(path)
     content = load_toml(path)
-    for key in content:
-        if key not in (*TABLES, *NUMBERS):
-            unknown(path, key, key, (*TABLES, *NUMBERS))
+    check_keys(path, "", content, (*TABLES, *NUMBERS))
     checksums = {path.name: hashlib.sha256(path.read_bytes()).hexdigest()}
     told_ground = ToldGround.read(path, content)
     profile = read_ground_profile(path, content, told_ground, checksums)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..errors import InputError
 from ..formats.scene_file import scene_from
-from ..formats.toml_values import allowed, choice, load_toml, typed, unknown, whole
+from ..formats.toml_values import allowed, check_keys, choice, load_toml, typed, whole
 from ..scene import Scene
 from .morris_effects import DEFAULT_TRAJECTORIES, check_trajectories
 from .names import (
@@ -128,9 +128,7 @@ def _range(path: Path, name: str, entry) -> Range | None:
             file=path,
             key=key,
         )
-    for inner in entry:
-        if inner not in RANGE_KEYS:
-            unknown(path, f"{key}.{inner}", inner, RANGE_KEYS)
+    check_keys(path, key, entry, RANGE_KEYS)
     if not entry:
         return None
     column = parameter_columns([name])[0]

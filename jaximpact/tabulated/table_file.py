@@ -11,12 +11,12 @@ from ..errors import InputError
 from ..formats.columns import DEGREE, INPUT_COLUMNS
 from ..formats.toml_values import (
     allowed,
+    check_keys,
     choice,
     known_table,
     load_toml,
     number,
     typed,
-    unknown,
     whole,
 )
 from ..soil import Soil
@@ -58,9 +58,7 @@ def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
     """
     path = Path(path)
     content = load_toml(path)
-    for key in content:
-        if key not in (*TABLES, "accuracy"):
-            unknown(path, key, key, (*TABLES, "accuracy"))
+    check_keys(path, "", content, (*TABLES, "accuracy"))
     table = known_table(path, content, "table", TABLE_KEYS)
     slopes = np.array(_list(path, table, "table", "slopes_deg", [0.0]))
     ends = _list(path, table, "table", "total_speeds_mps", list(SPEEDS))
@@ -71,9 +69,7 @@ def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
             key="table.total_speeds_mps",
         )
     counts = typed(path, table, "nodes", dict, {})
-    for name in counts:
-        if name not in Nodes._fields:
-            unknown(path, f"table.nodes.{name}", name, Nodes._fields)
+    check_keys(path, "table.nodes", counts, Nodes._fields)
     nodes = Nodes(
         *(
             whole(path, counts, name, default, 1 if name == "orientation" else 2)
