@@ -21,6 +21,7 @@ from ..errors import InputError
 from ..formats.columns import INPUT_COLUMNS
 from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
+from . import prediction_text
 from .campaigns import Measurements, joined_tables
 from .candidates import Candidates
 from .engine import Engine
@@ -31,10 +32,9 @@ from .losses import LOSSES
 from .nuisance import EACH_TEST, Nuisance, read_nuisances
 from .objective import Objective, engine_of, names_of
 from .one_call import Calibration
-from .predictive import Predictive, predictive
+from .predictive import CONFIDENCES, Predictive, predictive
 from .study_file import METHODS, Study
 
-CONFIDENCES = (0.5, 0.95)
 AT_ONCE = 20_000
 """Impacts between two lines of progress: bounds time and memory."""
 BESIDE = 1e-6
@@ -99,15 +99,11 @@ class Prediction(NamedTuple):
     variants: list[VariantPrediction]
 
     def __str__(self) -> str:
-        from .prediction_text import as_text
-
-        return as_text(self)
+        return prediction_text.as_text(self)
 
     def write(self, path: str | os.PathLike) -> None:
         """Write a table of all predictions, and scores and origin beside it."""
-        from .prediction_text import write
-
-        write(self, Path(path))
+        prediction_text.write(self, Path(path))
 
 
 def predict(

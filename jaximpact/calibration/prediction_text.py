@@ -4,6 +4,7 @@ import csv
 import io
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,10 +14,12 @@ from ..formats.provenance import versions
 from ..formats.results import manifest_path
 from .chance import too_few
 from .fitted_ground import FittedVariant
-from .prediction import CONFIDENCES, Outside, Prediction, VariantPrediction
-from .predictive import predictive
+from .predictive import CONFIDENCES, predictive
 from .scores import Scores, score
 from .wrapping import listed, wrapped
+
+if TYPE_CHECKING:
+    from .prediction import Outside, Prediction, VariantPrediction
 
 MOST_TESTS = 30
 """Tests that are listed one by one; of more the table holds all."""
@@ -31,7 +34,7 @@ CSV_COLUMNS = (
 )
 
 
-def as_text(prediction: Prediction) -> str:
+def as_text(prediction: "Prediction") -> str:
     """Scores, remarks, and the tests one by one where they are few."""
     files = ", ".join(table.path.name for table in prediction.tests.files)
     head = f"{len(prediction.tests)} tests of {files}, predicted by the fit of "
@@ -46,7 +49,7 @@ def as_text(prediction: Prediction) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _of_variant(prediction: Prediction, variant: VariantPrediction) -> list[str]:
+def _of_variant(prediction: "Prediction", variant: "VariantPrediction") -> list[str]:
     lines, scores = [], score(prediction, variant)
     if scores:
         lines += ["Scores (predicted less measured)", align(_score_rows(scores))]
@@ -76,7 +79,7 @@ def _score_rows(scores: dict[str, Scores]) -> list[tuple[str, ...]]:
 
 
 def remarks_on(
-    prediction: Prediction, variant: VariantPrediction, scores: dict[str, Scores]
+    prediction: "Prediction", variant: "VariantPrediction", scores: dict[str, Scores]
 ) -> list[str]:
     """What is to be known of a variant's predictions before they are used."""
     fitted, lines = variant.fitted, []
@@ -130,7 +133,7 @@ def remarks_on(
 
 
 def _about_undetermined(
-    prediction: Prediction, fitted: FittedVariant, name: str
+    prediction: "Prediction", fitted: FittedVariant, name: str
 ) -> list[str]:
     """How far the draws of a parameter go, and whether that is far enough."""
     parameter = next(p for p in prediction.ground.parameters if p.name == name)
@@ -154,7 +157,7 @@ def _about_undetermined(
     return lines
 
 
-def _about_outside(prediction: Prediction, outside: Outside) -> str:
+def _about_outside(prediction: "Prediction", outside: "Outside") -> str:
     values = prediction.tests.columns(prediction.ground.soil)[outside.column]
     beyond = values[outside.tests]
     fitted = f"{outside.low:g} to {outside.high:g}"
@@ -169,7 +172,7 @@ def _about_outside(prediction: Prediction, outside: Outside) -> str:
     )
 
 
-def _named(prediction: Prediction, tests: np.ndarray) -> str:
+def _named(prediction: "Prediction", tests: np.ndarray) -> str:
     names = [prediction.tests.name(int(test)) for test in tests[:MOST_NAMES]]
     if len(tests) == len(prediction.tests) and len(tests) > 1:
         return f"all {len(tests)} tests"
@@ -177,7 +180,9 @@ def _named(prediction: Prediction, tests: np.ndarray) -> str:
     return ", ".join(names) + more
 
 
-def _rows(prediction: Prediction, variant: VariantPrediction) -> list[tuple[str, ...]]:
+def _rows(
+    prediction: "Prediction", variant: "VariantPrediction"
+) -> list[tuple[str, ...]]:
     rows = [("test", "outcome", *prediction.targets)]
     for test in range(len(prediction.tests)):
         cells = []
@@ -197,11 +202,11 @@ def _rows(prediction: Prediction, variant: VariantPrediction) -> list[tuple[str,
     return rows
 
 
-def _limit(prediction: Prediction, cell) -> str:
+def _limit(prediction: "Prediction", cell) -> str:
     return {1: ">", -1: "<", 0: ""}[int(prediction.censored[cell])]
 
 
-def as_csv(prediction: Prediction) -> str:
+def as_csv(prediction: "Prediction") -> str:
     """A line for each variant, test and target.
 
     `predicted` is the median of a measurement, `low_` and `high_` hold as many per cent
@@ -243,7 +248,7 @@ def as_csv(prediction: Prediction) -> str:
     return text.getvalue()
 
 
-def as_json(prediction: Prediction) -> dict:
+def as_json(prediction: "Prediction") -> dict:
     """Scores and origin, as a tree of plain values."""
     return {
         "fit": prediction.ground.title,
@@ -280,7 +285,7 @@ def as_json(prediction: Prediction) -> dict:
     }
 
 
-def write(prediction: Prediction, path: Path) -> None:
+def write(prediction: "Prediction", path: Path) -> None:
     """Write the table, and scores and origin beside it; each whole or not at all.
 
     Raises OSError where the file system refuses.

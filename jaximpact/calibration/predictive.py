@@ -17,6 +17,8 @@ import numpy as np
 # Not scipy.stats, which takes 0.6 s to import.
 from scipy.special import ndtri, stdtrit
 
+CONFIDENCES = (0.5, 0.95)
+"""Of the intervals that are told."""
 PLACES = 101
 """Of the scatter, about each draw: the outermost leave half a per cent beyond."""
 NORMAL_FROM = 200.0

@@ -1,10 +1,11 @@
 """How good predictions of tests were that the fit had not seen."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .prediction import Prediction, VariantPrediction
+if TYPE_CHECKING:
+    from .prediction import Prediction, VariantPrediction
 
 
 class Scores(NamedTuple):
@@ -33,7 +34,7 @@ class Scores(NamedTuple):
     """How many of them the prediction expects to be kept, as a sum of chances."""
 
 
-def score(prediction: Prediction, variant: VariantPrediction) -> dict[str, Scores]:
+def score(prediction: "Prediction", variant: "VariantPrediction") -> dict[str, Scores]:
     """Scores of every target of which anything was measured."""
     found = {}
     for place, name in enumerate(prediction.targets):
