@@ -8,6 +8,7 @@ import xarray as xr
 from command_line import assert_one_line_error
 from csv_files import rows_of
 
+import jaximpact.runout.output  # noqa: F401, takes `simulate` before a test replaces it
 from jaximpact import FrictionalEllipsoid, read_netcdf
 from jaximpact.cli import main
 from jaximpact.errors import InputError

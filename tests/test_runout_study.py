@@ -10,6 +10,7 @@ from changed_files import write_changed
 from command_line import assert_one_line_error
 from csv_files import rows_of
 
+import jaximpact.runout.output  # noqa: F401, takes `simulate` before a test replaces it
 from jaximpact import ConstantCoefficients, read_netcdf
 from jaximpact.cli import main
 from jaximpact.errors import InputError
