@@ -17,6 +17,9 @@ fitted on."""
 SMALL_BESIDE = 1e-3
 """Part of a measurement; of a sigma above it, errors of impacts at "balanced", 1e-6 and
 their derivatives' 5e-4, move a fit by less than a hundredth of a standard error."""
+MANY_TESTS, SOME_TESTS = 200, 100
+"""Of more tests than the first, starts are told apart by the second number, drawn with
+the study's seed: where minima lie, to some standard errors, needs no more."""
 ONE_PLACE = 0.3
 """Ends of fits that are as near in x, and as good, are at one minimum."""
 SAME = 1e-3
@@ -105,10 +108,51 @@ def no_finer_than_sigmas(objective: Objective) -> Objective:
 def fit_starts(
     objective: Objective, x: np.ndarray, method: str, progress: Progress
 ) -> Fits:
-    """Fit from every start: roughly, then to the end those that may be the best."""
+    """Fit from every start: roughly, and where there are many tests to some of them;
+    then to the end those that may be the best."""
     rough = rough_of(objective)
-    fits = fit(rough, x, method=method, patience=ROUGH, progress=progress)
-    return go_on(objective, fits, progress)
+
+    def fitted(objective: Objective, progress: Progress) -> Fits:
+        return fit(objective, x, method=method, patience=ROUGH, progress=progress)
+
+    tests = len(objective.study.measured)
+    if tests <= MANY_TESTS:
+        return go_on(objective, fitted(rough, progress), progress)
+    random = np.random.default_rng(objective.study.seed)
+    some = np.sort(random.choice(tests, SOME_TESTS, replace=False))
+    part = rough.of_tests(some)
+    fits = fitted(part, lambda text: progress(f"{SOME_TESTS} tests, {text}"))
+    return go_on(objective, _to_all(rough, part, fits, progress), progress)
+
+
+def _to_all(
+    objective: Objective, part: Objective, fits: Fits, progress: Progress
+) -> Fits:
+    """Fits to a part of the tests, taken on to all of them where they ended at a
+    minimum; elsewhere they stay."""
+    leader = _leaders(part, fits, np.arange(len(fits.reasons)))
+    leaders = np.unique(leader)
+    x = fits.points.x[leaders]
+    ends = objective.glance(x, np.zeros(x.shape, bool))
+    ended = np.array([fits.reasons[lane].at_minimum for lane in leaders])
+    if not np.any(ended):
+        ended[np.argmin(ends.cost)] = True
+    again = fit(
+        objective,
+        x[ended],
+        patience=ROUGH,
+        progress=lambda text: progress(f"all tests, {text}"),
+    )
+    ends = ends.put(ended, again.points)
+    place = np.searchsorted(leaders, leader)
+    reasons, steps = list(fits.reasons), fits.steps.copy()
+    steps[leaders[ended]] += again.steps
+    found = dict(zip(leaders[ended], again.reasons, strict=True))
+    for lane, to in enumerate(leader):
+        if to in found:
+            joined = lane != to and found[to].at_minimum
+            reasons[lane] = Reason.joined if joined else found[to]
+    return Fits(ends.take(place), reasons, steps)
 
 
 def go_on(objective: Objective, fits: Fits, progress: Progress) -> Fits:

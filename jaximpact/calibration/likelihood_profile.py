@@ -7,7 +7,7 @@ import numpy as np
 
 from .fit import fit, rough_of
 from .least_squares import Progress
-from .objective import Objective
+from .objective import Objective, Points
 from .stopping import ROUGH
 from .uncertainty import Uncertainty
 
@@ -23,6 +23,9 @@ AGAIN = 2
 """How often points are fitted again from their neighbours."""
 LOWER = 1e-2
 """Fall of the cost, in s^2, that counts as one."""
+MATTERS = 50.0
+"""Rise of the cost, in s^2, beyond which no point is started from: ten standard
+deviations."""
 ALL_HELD = -1
 
 
@@ -51,15 +54,18 @@ class LikelihoodProfile(NamedTuple):
 
 
 def profile_all(
-    objective: Objective, best: np.ndarray, uncertainty: Uncertainty, progress: Progress
+    objective: Objective, points: Points, uncertainty: Uncertainty, progress: Progress
 ) -> list[LikelihoodProfile]:
-    """Profiles of the soil's parameters, all points side by side.
+    """Profiles of the soil's parameters about a fit (points of one lane), all of their
+    points side by side.
 
-    Every point starts with the other unknowns at the best fit, x `(unknowns,)`; the
-    last one, with all of them held there, gives its cost to the accuracy of the others.
+    Near the best fit a point starts with the other unknowns where the curvature there
+    has them, farther off at the best fit; the last one, with all of them held there,
+    gives its cost to the accuracy of the others.
     """
     rough = rough_of(objective)
     bounds, names = objective.bounds, objective.study.parameters
+    best = points.x[0]
     starts, held = [], []
     for place in range(len(names)):
         error = uncertainty.standard_errors[place]
@@ -67,8 +73,15 @@ def profile_all(
         wide = bounds.at_part(np.array(PARTS)[:, None])[:, place]
         low, high = bounds.low[place], bounds.high[place]
         near = near[(near > low) & (near < high)]
+        follow = _following(points.hessian[0], place)
         for value in np.unique(np.concatenate([near, wide])):
-            starts.append(np.where(np.arange(len(best)) == place, value, best))
+            apart = value - best[place]
+            if abs(apart) <= NEAR[-1] * error:
+                start = np.clip(best + follow * apart, bounds.low, bounds.high)
+            else:
+                start = best.copy()
+            start[place] = value
+            starts.append(start)
             held.append(place)
     x, held = np.array([*starts, best]), np.array([*held, ALL_HELD])
     free = np.arange(len(best)) != held[:, None]
@@ -83,7 +96,10 @@ def profile_all(
     x, cost = fits.points.x, fits.points.cost
     doubtful = np.array([not reason.at_minimum for reason in fits.reasons])
     for number in range(1, AGAIN + 1):
-        lanes, begin = _from_neighbours(x, cost, held, doubtful)
+        within = cost - np.min(cost) <= MATTERS * rough.unit(np.min(cost))
+        lanes, begin = _from_neighbours(
+            x, np.where(within, cost, np.inf), held, doubtful
+        )
         if not len(lanes):
             break
         again = fit(
@@ -105,6 +121,16 @@ def profile_all(
         _profile(objective, place, x, cost, held, uncertainty)
         for place in range(len(names))
     ]
+
+
+def _following(hessian: np.ndarray, place: int) -> np.ndarray:
+    """How the unknowns follow one that is held, by a quadratic cost: their derivatives
+    by it."""
+    others = np.arange(len(hessian)) != place
+    follow = (~others).astype(float)
+    curvature = hessian[np.ix_(others, others)]
+    follow[others] = -np.linalg.pinv(curvature, hermitian=True) @ hessian[others, place]
+    return follow
 
 
 def _from_neighbours(x, cost, held, doubtful) -> tuple[np.ndarray, np.ndarray]:

@@ -115,6 +115,28 @@ class Objective:
         left = np.where(tests[:, None], np.nan, self.study.measured)
         return self._changed(study=dataclasses.replace(self.study, measured=left))
 
+    def of_tests(self, tests: np.ndarray) -> "Objective":
+        """The same of some tests alone, to be fitted: its study holds their numbers,
+        but still names all."""
+        study = self.study
+        nuisances = (
+            dataclasses.replace(n, group=n.group[tests], base=n.base[tests])
+            for n in study.nuisances
+        )
+        part = dataclasses.replace(
+            study,
+            measured=study.measured[tests],
+            censored=study.censored[tests],
+            sigma=study.sigma[tests],
+            nuisances=tuple(nuisances),
+        )
+        kinds = [
+            kind._replace(base=kind.base[tests], unknown=kind.unknown[tests])
+            for kind in self._kinds
+        ]
+        leaves, sigma = self._leaves[:, tests], self.sigma[tests]
+        return self._changed(study=part, sigma=sigma, _leaves=leaves, _kinds=kinds)
+
     def _changed(self, **changed) -> "Objective":
         other = copy.copy(self)
         vars(other).update(changed)
@@ -205,7 +227,7 @@ class Objective:
     def _predict(self, x, wanted):
         """Predictions, outcomes and the Jacobian."""
         study, bounds = self.study, self.bounds
-        lanes, tests, targets = len(x), len(study.tests), len(study.targets)
+        lanes, tests, targets = len(x), *study.measured.shape
         p, by_x = bounds.parameter(x), bounds.slope(x)
         leaves = np.repeat(self._leaves[:, None], lanes, axis=1)
         for kind in self._kinds:

@@ -156,7 +156,7 @@ def _fit_variant(
     uncertainty = estimate(objective, best.points)
 
     def profiled(best: Fits) -> list[LikelihoodProfile]:
-        return profile_all(objective, best.points.x[0], uncertainty, progress)
+        return profile_all(objective, best.points, uncertainty, progress)
 
     profiles = profiled(best)
     lowest = min(profiles, key=lambda found: found.lowest_cost)
