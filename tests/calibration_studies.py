@@ -31,3 +31,6 @@ class Linear(Objective):
         predicted = (x @ self.matrix.T)[:, :, None]
         jacobian = np.where(wanted.T[:, None, None, :], self.matrix[:, None, :], 0.0)
         return predicted, np.zeros((len(x), len(self.matrix))), jacobian
+
+    def values(self, x):
+        return self.glance(x, np.zeros(x.shape, bool))

@@ -5,6 +5,7 @@ import pytest
 
 from jaximpact.calibration.engine import LEAVES, USUAL, Engine
 from jaximpact.calibration.objective import Objective, engine_of
+from jaximpact.calibration.study import fit_study
 from jaximpact.calibration.study_file import read_study
 from jaximpact.formats.columns import INPUT_COLUMNS
 
@@ -59,6 +60,55 @@ def test_both_codes_and_xla_agree(study, monkeypatch):
             received.jacobian / largest, expected.jacobian / largest, atol=1e-4
         )
         np.testing.assert_array_equal(received.outcomes, expected.outcomes)
+
+
+def test_values_alone_are_the_same_numbers(study, monkeypatch):
+    """To the last bit: which code computes them depends on their number alone, and
+    nobody shall see it."""
+    objective = Objective(study, study.variants[0], engine_of(study))
+    x = objective.bounds.coordinate(SOILS)
+    expected = objective(x)
+    for many in (1, 10**6):
+        monkeypatch.setattr("jaximpact.calibration.engine.MANY", many)
+        found = objective.values(x)
+        for name in ("predicted", "outcomes", "cost"):
+            np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+        assert not np.any(found.jacobian)
+        assert not np.any(found.gradient)
+
+
+def test_a_part_of_the_tests(study):
+    """Costs of the parts add up to that of all, which without priors is a sum."""
+    objective = Objective(study, study.variants[0], engine_of(study))
+    x = objective.bounds.coordinate(SOILS)
+    parts = [objective.of_tests(np.array([test]))(x) for test in range(2)]
+    whole = objective(x)
+    for name in ("cost", "gradient", "hessian"):
+        received = sum(getattr(part, name) for part in parts)
+        np.testing.assert_allclose(received, getattr(whole, name), rtol=1e-12)
+
+
+def test_many_tests_are_begun_with_some(tmp_path, monkeypatch):
+    """A fit whose starts saw half of the tests ends where one ends that saw all."""
+    angles = np.linspace(0.0, 60.0, 12)
+    restitution = 0.3 - 0.2 * angles / 60.0
+    rows = (f"{a},{e}" for a, e in zip(angles, restitution, strict=True))
+    (tmp_path / "tests.csv").write_text("\n".join(["angle_deg,e_n", *rows]))
+    (tmp_path / "study.toml").write_text(STUDY + "starts = 6\n")
+    study = read_study(tmp_path / "study.toml")
+    expected = fit_study(study).variants[0]
+    told = []
+    monkeypatch.setattr("jaximpact.calibration.fit.MANY_TESTS", 8)
+    monkeypatch.setattr("jaximpact.calibration.fit.SOME_TESTS", 6)
+    found = fit_study(study, progress=told.append).variants[0]
+    assert any(line.startswith("6 tests, step 0: 6 of 6 fits") for line in told)
+    assert found.predicted.shape == (12, 1)
+    # Both end some thousandths of a standard error from the minimum.
+    error = 1e-2 * found.sigma[0, 0]
+    assert found.cost == pytest.approx(expected.cost, rel=1e-5)
+    np.testing.assert_allclose(found.predicted, expected.predicted, atol=error)
+    assert np.sum(found.reached) >= 1
+    assert np.all(found.start_costs >= found.cost * (1.0 - 1e-9))
 
 
 def test_a_derivative_without_bound_spoils_no_fit(study):

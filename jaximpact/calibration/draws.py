@@ -47,6 +47,7 @@ LADDER = (
 CHECKED = 64
 """Draws computed again: an error that one in twenty has is among them, 96 of 100
 times."""
+IMPACTS_AT_ONCE = 50_000
 ROUGH = 0.05
 """Error of a cost, over s^2, above which it is not let pass: that of a weight."""
 
@@ -58,6 +59,8 @@ class Draws(NamedTuple):
     """`(draws, unknowns)`"""
     weights: np.ndarray
     """They sum to 1."""
+    cost: np.ndarray
+    """What each costs, `(draws,)`."""
     predicted: np.ndarray
     """`(draws, tests, targets)`, NaN where there is no prediction."""
     effective_part: np.ndarray
@@ -113,10 +116,14 @@ def draw(
     centre = points.x[0]
     covariance = laplace_covariance(objective, points, inflation)
     best, parts = None, []
+
+    def telling(what: str) -> Progress:
+        return lambda text: progress(f"predictive bands: {what}, {text}")
+
     for number in range(1, ROUNDS + 1):
-        progress(f"predictive bands: draws, round {number}")
         x, log_density = _proposed(random, objective, centre, covariance, count)
-        found = _weighted(at_first, x, log_density, inflation)
+        tell = telling(f"draws, round {number}")
+        found = _weighted(at_first, x, log_density, inflation, tell)
         parts.append(found.effective_part[-1])
         if best is None or parts[-1] > best.effective_part[-1]:
             best = found._replace(effective_part=np.array(parts))
@@ -127,47 +134,74 @@ def draw(
         # Of few draws the covariance is that of noise: some of the proposal's is kept.
         share = best.effective_part[-1]
         covariance = WIDER * best.covariance() + max(0.1, 0.5 - share) * covariance
-    progress("predictive bands: some of the draws again, closer")
-    best = best._replace(error=_error_of(best, objective, inflation))
+    tell = telling("some of the draws again, closer")
+    best = best._replace(error=_error_of(best, objective, inflation, tell))
     if best.error <= ROUGH:
         return best
-    progress("predictive bands: all draws again, closer")
-    found = _weighted(objective.at(LADDER[1]), best.x, density_of_best, inflation)
+    closer, tell = objective.at(LADDER[1]), telling("all draws again, closer")
+    found = _weighted(closer, best.x, density_of_best, inflation, tell)
     parts = np.append(best.effective_part[:-1], found.effective_part)
     found = found._replace(effective_part=parts)
-    return found._replace(error=_error_of(found, objective, inflation))
+    return found._replace(error=_error_of(found, objective, inflation, tell))
 
 
-def _weighted(objective: Objective, x, log_density, inflation: float) -> Draws:
-    there = objective.glance(x, np.zeros(x.shape, bool))
-    log_weight = -there.cost / inflation - log_density
+def _weighted(
+    objective: Objective, x, log_density, inflation: float, progress: Progress
+) -> Draws:
+    cost, predicted = _costs(objective, x, progress)
+    log_weight = -cost / inflation - log_density
     weights = np.exp(log_weight - np.max(log_weight))
     weights = weights / np.sum(weights)
-    part = 1.0 / (len(x) * np.sum(weights**2))
-    return Draws(
-        x, weights, there.predicted, np.array([part]), objective.accuracy, np.nan
-    )
+    part = np.array([1.0 / (len(x) * np.sum(weights**2))])
+    return Draws(x, weights, cost, predicted, part, objective.accuracy, np.nan)
 
 
-def _error_of(draws: Draws, objective: Objective, inflation: float) -> float:
+def _costs(objective: Objective, x, progress: Progress):
+    """What draws cost, and the predictions: some draws at a time."""
+    at_once = max(1, IMPACTS_AT_ONCE // len(objective.study.measured))
+    cost, predicted = [], []
+    for first in range(0, len(x), at_once):
+        progress(f"{first} of {len(x)}")
+        points = objective.values(x[first : first + at_once])
+        cost.append(points.cost)
+        predicted.append(points.predicted)
+    return np.concatenate(cost), np.concatenate(predicted)
+
+
+def _error_of(
+    draws: Draws, objective: Objective, inflation: float, progress: Progress
+) -> float:
     """Error of the costs, of draws chosen by their weights."""
     sums = np.cumsum(draws.weights)
     places = (np.arange(CHECKED) + 0.5) / CHECKED * sums[-1]
-    chosen = draws.x[np.unique(np.searchsorted(sums, places))]
-    return error_of_costs(objective.at(draws.accuracy), chosen, inflation)
+    chosen = np.unique(np.searchsorted(sums, places))
+    return error_of_costs(
+        objective.at(draws.accuracy),
+        draws.x[chosen],
+        draws.cost[chosen],
+        inflation,
+        progress,
+    )
 
 
-def error_of_costs(objective: Objective, x: np.ndarray, inflation: float) -> float:
+def error_of_costs(
+    objective: Objective,
+    x: np.ndarray,
+    cost: np.ndarray,
+    inflation: float,
+    progress: Progress = lambda text: None,
+) -> float:
     """Largest error of the cost, over s^2, against the next closer accuracy of the
     ladder. What the errors have in common moves no weight, and counts for none.
 
     Args:
         x: where it is looked for, `(lanes, unknowns)`.
+        cost: there, by this objective.
         inflation: s^2.
+        progress: called with a line of text now and then.
     """
     closer = objective.at(LADDER[LADDER.index(objective.accuracy) + 1])
-    nothing = np.zeros(x.shape, bool)
-    apart = objective.glance(x, nothing).cost - closer.glance(x, nothing).cost
+    apart = cost - _costs(closer, x, progress)[0]
     return float(np.max(np.abs(apart - np.median(apart)))) / inflation
 
 

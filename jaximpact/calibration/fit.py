@@ -133,7 +133,7 @@ def _to_all(
     leader = _leaders(part, fits, np.arange(len(fits.reasons)))
     leaders = np.unique(leader)
     x = fits.points.x[leaders]
-    ends = objective.glance(x, np.zeros(x.shape, bool))
+    ends = objective.values(x)
     ended = np.array([fits.reasons[lane].at_minimum for lane in leaders])
     if not np.any(ended):
         ended[np.argmin(ends.cost)] = True

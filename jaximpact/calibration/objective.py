@@ -152,6 +152,19 @@ class Objective:
         x = np.asarray(x, float)
         return self.weigh(x, *self._predict(x, self._wanted(x, free)))
 
+    def values(self, x: np.ndarray) -> Points:
+        """The objective at x without derivatives: they are 0."""
+        x = np.asarray(x, float)
+        leaves, turn = self._impacts(x)
+        impacts = leaves.reshape(len(leaves), -1)
+        values, outcomes = self.engine.run_values(impacts, self.accuracy)
+        nothing = np.zeros_like(values)
+        directions = np.zeros_like(impacts)
+        values, _ = self._as_stated(values, nothing, turn.ravel(), impacts, directions)
+        predicted = values.reshape(len(x), *self.study.measured.shape)
+        jacobian = np.zeros((*predicted.shape, x.shape[1]))
+        return self.weigh(x, predicted, outcomes.reshape(turn.shape), jacobian)
+
     def glance(self, x: np.ndarray, free: np.ndarray) -> Points:
         """The objective at x, with no more derivatives than come with its value: one
         run. To be made whole by `complete`."""
@@ -224,20 +237,26 @@ class Objective:
         """What the priors say about each unknown, `(unknowns,)`, at one x."""
         return (self.bounds.slope(x) / self.prior_sd) ** 2
 
-    def _predict(self, x, wanted):
-        """Predictions, outcomes and the Jacobian."""
-        study, bounds = self.study, self.bounds
-        lanes, tests, targets = len(x), *study.measured.shape
-        p, by_x = bounds.parameter(x), bounds.slope(x)
-        leaves = np.repeat(self._leaves[:, None], lanes, axis=1)
+    def _impacts(self, x) -> tuple[np.ndarray, np.ndarray]:
+        """Leaves of the scenes `(leaves, lanes, tests)`, and by how much the ground of
+        each test is turned [rad]."""
+        p = self.bounds.parameter(x)
+        leaves = np.repeat(self._leaves[:, None], len(x), axis=1)
+        turn = np.zeros(leaves.shape[1:])
         for kind in self._kinds:
             leaves[kind.leaf] = kind.factor * (kind.base + p[:, kind.unknown])
-        turn = np.zeros((lanes, tests))
-        for kind in self._kinds:
             if kind.turns_ground:
                 turn += kind.factor * p[:, kind.unknown]
         for name, sign in SIGN.items():
             leaves[LEAVES[name]] += sign * turn
+        return leaves, turn
+
+    def _predict(self, x, wanted):
+        """Predictions, outcomes and the Jacobian."""
+        study = self.study
+        lanes, tests, targets = len(x), *study.measured.shape
+        leaves, turn = self._impacts(x)
+        by_x = self.bounds.slope(x)
         runs, of_lane = np.nonzero(wanted)
         impacts = leaves[:, of_lane].reshape(len(leaves), -1)
         directions = np.zeros((len(leaves), len(runs), tests))
@@ -249,18 +268,9 @@ class Objective:
         values, derivatives, outcomes = self.engine.run(
             impacts, directions, self.accuracy
         )
-        if any(kind.turns_ground for kind in self._kinds):
-            turned = turn[of_lane].ravel()
-            speed, angle, slope = (LEAVES[n] for n in ("speed_mps", ANGLE, SLOPE))
-            # No two nuisances change the slope.
-            values, derivatives = as_stated(
-                study.targets,
-                values,
-                derivatives,
-                (turned, directions[slope]),
-                (impacts[speed], directions[speed]),
-                impacts[angle] - turned,
-            )
+        values, derivatives = self._as_stated(
+            values, derivatives, turn[of_lane].ravel(), impacts, directions
+        )
         values = values.reshape(len(runs), tests, targets)
         derivatives = derivatives.reshape(len(runs), tests, targets)
         # Where an outcome changes a derivative may have no bound; its square is worse.
@@ -278,6 +288,27 @@ class Objective:
             # Each test knows one group alone.
             jacobian[here[:, None], each, :, kind.unknown] = column
         return predicted, codes, jacobian
+
+    def _as_stated(self, values, derivatives, turn, impacts, directions):
+        """Results and their derivatives along the axes that the tests are stated in.
+
+        Args:
+            turn: of the ground, `(impacts,)`.
+            impacts, directions: leaves of the scenes and their derivatives, `(leaves,
+                impacts)`.
+        """
+        if not any(kind.turns_ground for kind in self._kinds):
+            return values, derivatives
+        speed, angle, slope = (LEAVES[n] for n in ("speed_mps", ANGLE, SLOPE))
+        # No two nuisances change the slope.
+        return as_stated(
+            self.study.targets,
+            values,
+            derivatives,
+            (turn, directions[slope]),
+            (impacts[speed], directions[speed]),
+            impacts[angle] - turn,
+        )
 
 
 class _Kind(NamedTuple):

@@ -284,7 +284,7 @@ def _modelled(objective: Objective, parameters: np.ndarray):
     """What the model gives for unknowns in the units of the columns."""
     bounds = objective.bounds
     x = bounds.coordinate(np.clip(parameters, bounds.lower, bounds.upper))
-    return objective.glance(x, np.zeros(x.shape, bool))
+    return objective.values(x)
 
 
 def _of_draws(

@@ -204,7 +204,9 @@ def sample_posterior(
         evaluations=host.calls,
         seconds=time.perf_counter() - begin,
         accuracy=objective.accuracy,
-        error=error_of_costs(objective, chosen, inflation),
+        error=error_of_costs(
+            objective, chosen, objective.values(chosen).cost, inflation
+        ),
     )
 
 
@@ -314,7 +316,7 @@ def to_inference_data(
     ]
     chains, count, size = samples.x.shape
     x = samples.x.reshape(-1, size)
-    predicted = objective.glance(x, np.zeros(x.shape, bool)).predicted[:, tests, places]
+    predicted = objective.values(x).predicted[:, tests, places]
     sigma = objective.sigma[tests, places] * np.sqrt(fitted.uncertainty.inflation)
     measured = study.measured[tests, places]
     scatter = np.random.default_rng(seed).normal(size=predicted.shape)
