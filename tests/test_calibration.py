@@ -4,13 +4,17 @@ import json
 
 import numpy as np
 import pytest
-from calibration_studies import objective_of, write_study_of
+from calibration_studies import Linear, objective_of, write_study_of
 from command_line import assert_one_line_error
 
 from jaximpact import Block, Impact, Soil, simulate
 from jaximpact.accuracy import PRESETS, Accuracy
-from jaximpact.calibration.fit import fit, spread_starts, told_apart
-from jaximpact.calibration.least_squares import bounded_step, levenberg_marquardt
+from jaximpact.calibration.fit import fit, fit_starts, spread_starts, told_apart
+from jaximpact.calibration.least_squares import (
+    Fits,
+    bounded_step,
+    levenberg_marquardt,
+)
 from jaximpact.calibration.objective import (
     Objective,
     Points,
@@ -471,14 +475,55 @@ def test_the_same_study_gives_the_same_numbers(tmp_path, engine, predicted):
 def test_fits_above_the_best_say_so(tmp_path, engine):
     objective = objective_of(write_study(tmp_path), engine)
     points = objective(np.stack([true_point(objective), start_of(objective.study)]))
-    from jaximpact.calibration.least_squares import Fits
-
     best = float(np.min(points.cost))
     worse = int(np.argmax(points.cost))
     fits = Fits(points, [Reason.converged, Reason.converged], np.zeros(2, int))
     reasons = told_apart(objective, fits, best)
     assert reasons[worse] is Reason.above
     assert reasons[1 - worse] is Reason.converged
+
+
+def test_stuck_starts_begin_anew(tmp_path, monkeypatch):
+    """Elsewhere, within the bounds, a few times; they end there only if that is lower,
+    and how often is told."""
+    study = linear_study(tmp_path, 3, sigma=0.1)
+    objective = Linear(study, study.variants[0], None)
+    objective.matrix = np.eye(3)[:, :2]
+    stuck, ended = Reason.stuck, Reason.converged
+    # Of the starts 0 is never stuck, 1 once, 2 always, and 3 until it is at its third.
+    rounds = [
+        (
+            [[0.1, 0.0], [0.5, 0.0], [0.2, 0.0], [0.6, 0.0]],
+            [ended, stuck, stuck, stuck],
+        ),
+        ([[0.1, 0.0], [0.3, 0.0], [0.7, 0.0]], [ended, stuck, stuck]),
+        ([[0.3, 0.0], [0.4, 0.0]], [stuck, stuck]),
+        ([[0.4, 0.0], [0.1, 0.0]], [Reason.jump, ended]),
+    ]
+    begun = []
+
+    def made(objective, x, **how):
+        begun.append(x)
+        ends, reasons = rounds[len(begun) - 1]
+        points = objective(np.array(ends))
+        return Fits(points, reasons, np.full(len(ends), 5))
+
+    monkeypatch.setattr("jaximpact.calibration.fit.fit", made)
+    monkeypatch.setattr(
+        "jaximpact.calibration.fit.go_on", lambda objective, fits, progress: fits
+    )
+    monkeypatch.setattr(
+        "jaximpact.calibration.fit.rough_of", lambda objective: objective
+    )
+    fits = fit_starts(objective, np.zeros((4, 2)), "levenberg-marquardt", print)
+    assert [len(x) for x in begun] == [4, 3, 2, 2]
+    assert len({tuple(row) for x in begun[1:] for row in x}) == 7
+    for x in begun:
+        assert np.all((x >= objective.bounds.low) & (x <= objective.bounds.high))
+    np.testing.assert_array_equal(fits.points.x[:, 0], [0.1, 0.1, 0.2, 0.1])
+    assert fits.reasons == [ended, ended, stuck, ended]
+    np.testing.assert_array_equal(fits.anew, [0, 1, 3, 3])
+    np.testing.assert_array_equal(fits.steps, [5, 10, 20, 20])
 
 
 @pytest.mark.parametrize("method", ["adam", "l-bfgs"])

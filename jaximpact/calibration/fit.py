@@ -20,6 +20,9 @@ their derivatives' 5e-4, move a fit by less than a hundredth of a standard error
 MANY_TESTS, SOME_TESTS = 200, 100
 """Of more tests than the first, starts are told apart by the second number, drawn with
 the study's seed: where minima lie, to some standard errors, needs no more."""
+ANEW = 3
+"""How often a start that is stuck begins anew."""
+STUCK = Reason.stuck, Reason.jump, Reason.failed
 ONE_PLACE = 0.3
 """Ends of fits that are as near in x, and as good, are at one minimum."""
 SAME = 1e-3
@@ -28,7 +31,7 @@ have found it."""
 
 
 def spread_starts(
-    bounds: Bounds, start: np.ndarray, mean, sd, count: int, seed: int
+    bounds: Bounds, start: np.ndarray, mean, sd, count: int, seed: int | tuple[int, ...]
 ) -> np.ndarray:
     """Starts `(count, unknowns)` in x: the one given, then a Latin hypercube.
 
@@ -113,7 +116,8 @@ def fit_starts(
     rough = rough_of(objective)
 
     def fitted(objective: Objective, progress: Progress) -> Fits:
-        return fit(objective, x, method=method, patience=ROUGH, progress=progress)
+        fits = fit(objective, x, method=method, patience=ROUGH, progress=progress)
+        return _begun_anew(objective, fits, method, progress)
 
     tests = len(objective.study.measured)
     if tests <= MANY_TESTS:
@@ -123,6 +127,41 @@ def fit_starts(
     part = rough.of_tests(some)
     fits = fitted(part, lambda text: progress(f"{SOME_TESTS} tests, {text}"))
     return go_on(objective, _to_all(rough, part, fits, progress), progress)
+
+
+def _begun_anew(
+    objective: Objective, fits: Fits, method: str, progress: Progress
+) -> Fits:
+    """The fits, of which those that are stuck begin anew elsewhere in the range, and
+    end there if that is lower."""
+    reasons, steps = list(fits.reasons), fits.steps.copy()
+    points, anew = fits.points, np.zeros(len(reasons), int)
+    for number in range(1, ANEW + 1):
+        lanes = np.flatnonzero([reason in STUCK for reason in reasons])
+        if not len(lanes):
+            break
+        x = spread_starts(
+            objective.bounds,
+            points.x[0],
+            objective.prior_mean,
+            objective.prior_sd,
+            len(lanes) + 1,
+            (objective.study.seed, number),
+        )[1:]
+        again = fit(
+            objective,
+            x,
+            method=method,
+            patience=ROUGH,
+            progress=lambda text, number=number: progress(f"anew {number}, {text}"),
+        )
+        anew[lanes] += 1
+        steps[lanes] += again.steps
+        lower = again.points.cost < points.cost[lanes]
+        points = points.put(lanes[lower], again.points.take(lower))
+        for lane, place in zip(lanes[lower], np.flatnonzero(lower), strict=True):
+            reasons[lane] = again.reasons[place]
+    return Fits(points, reasons, steps, anew)
 
 
 def _to_all(
@@ -152,7 +191,7 @@ def _to_all(
         if to in found:
             joined = lane != to and found[to].at_minimum
             reasons[lane] = Reason.joined if joined else found[to]
-    return Fits(ends.take(place), reasons, steps)
+    return Fits(ends.take(place), reasons, steps, fits.anew)
 
 
 def go_on(objective: Objective, fits: Fits, progress: Progress) -> Fits:
@@ -180,7 +219,7 @@ def refit(objective: Objective, fits: Fits, lanes, progress: Progress) -> Fits:
             points = points.put([lane], points.take([place]))
             alike = reasons[place].at_minimum
             reasons[lane] = Reason.joined if alike else reasons[place]
-    return Fits(points, reasons, steps)
+    return Fits(points, reasons, steps, fits.anew)
 
 
 def _leaders(objective: Objective, fits: Fits, lanes: np.ndarray) -> np.ndarray:

@@ -36,6 +36,8 @@ class Fits(NamedTuple):
     points: Points
     reasons: list[Reason]
     steps: np.ndarray
+    anew: np.ndarray | int = 0
+    """How often each was begun anew, elsewhere."""
 
     @property
     def best(self) -> int:

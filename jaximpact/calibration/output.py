@@ -237,6 +237,7 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
                 "end": _plain(variant.end_parameters[i]),
                 "cost": _plain(variant.start_costs[i]),
                 "steps": int(variant.start_steps[i]),
+                "begun_anew": int(variant.start_anew[i]),
                 "found_best": bool(variant.reached[i]),
                 "stopped": variant.start_reasons[i].words,
             }

@@ -286,7 +286,9 @@ def freedom_text(freedom: float) -> str:
 def starts_in_words(variant: VariantResult) -> str:
     """How many found the best fit."""
     found, total = int(np.sum(variant.reached)), len(variant.start_costs)
-    return f"{found} of {total} starts found the best fit"
+    anew = int(np.sum(variant.start_anew > 0))
+    also = f"; {anew} were stuck and begun anew elsewhere" if anew else ""
+    return f"{found} of {total} starts found the best fit{also}"
 
 
 def start_rows(variant: VariantResult) -> list[tuple[str, ...]]:

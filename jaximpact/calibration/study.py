@@ -56,6 +56,8 @@ class VariantResult(NamedTuple):
     """There."""
     start_reasons: list[Reason]
     start_steps: np.ndarray
+    start_anew: np.ndarray
+    """How often each was stuck and begun anew, elsewhere."""
     reason: Reason
     """Why the fit that is reported stopped."""
     objective: Objective
@@ -128,7 +130,7 @@ def best_fit(
     objective, best = settle(objective, _one(ends, ends.best), fit, progress)
     if not np.all(study.sigma_given):
         # What was the best depends on the sigmas.
-        ends = Fits(objective.reweigh(ends.points), ends.reasons, ends.steps)
+        ends = ends._replace(points=objective.reweigh(ends.points))
         ends = go_on(objective, ends, progress)
         if ends.points.cost[ends.best] < best.points.cost[0]:
             objective, best = settle(objective, _one(ends, ends.best), fit, progress)
@@ -172,9 +174,9 @@ def _fit_variant(
             uncertainty = estimate(objective, best.points)
             profiles = profiled(best)
     # Sigmas may have changed since the starts ended.
-    ends = Fits(objective.reweigh(ends.points), ends.reasons, ends.steps)
+    ends = ends._replace(points=objective.reweigh(ends.points))
     reasons = told_apart(objective, ends, float(best.points.cost[0]))
-    ends = Fits(ends.points, reasons, ends.steps)
+    ends = ends._replace(reasons=reasons)
     by_name = {profile.name: profile for profile in profiles}
     soil = [parameter.name for parameter in study.parameters]
     point = best.points
@@ -197,6 +199,7 @@ def _fit_variant(
         start_costs=ends.points.cost,
         start_reasons=reasons,
         start_steps=ends.steps,
+        start_anew=np.broadcast_to(ends.anew, len(starts)),
         reason=best.reasons[0],
         objective=objective,
         points=point,
