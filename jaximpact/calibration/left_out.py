@@ -9,9 +9,10 @@ with C the covariance of the rest, the bounds a weak prior, and J the derivative
 Sigmas that were estimated, and the inflation s^2, are those of the whole fit. Impacts
 are computed at "balanced" where their errors are small beside the sigmas.
 
-Without a fit, one Gauss-Newton step from the best fit to all tells roughly where the
-rest would lead; it decides which tests are worth the time where there are many, and a
-step of less than a fifth of every standard error is taken for the fit.
+One Gauss-Newton step from the best fit to all tells roughly where the rest would lead.
+It is taken for the fit where it is less than a fifth of a standard error of every soil
+parameter, and of more than `AT_MOST` tests that move the fit farther for those that
+move it least.
 """
 
 from typing import NamedTuple
@@ -26,7 +27,7 @@ from .stopping import Patience, Reason
 from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 
 AT_MOST = 60
-"""Fits that are made; of more tests those that move the fit most are left out."""
+"""Fits that are made without a test."""
 LEFT_OUT = Patience(
     1e-4, 1e-4, 1e-3, 1e-2, rejected=8, flat=1e-3, steps=40, joins=False
 )
@@ -44,7 +45,7 @@ class LeftOut(NamedTuple):
 
     groups: tuple[str, ...]
     group: np.ndarray
-    """Place of each test's group, `(tests,)`; -1 for one that was not left out."""
+    """Place of each test's group, `(tests,)`; -1 for one without a measurement."""
     x: np.ndarray
     """Fits to the rest, `(groups, unknowns)`."""
     reasons: list[Reason]
@@ -89,18 +90,19 @@ def leave_out_each(
     """
     study = objective.study
     measured = np.flatnonzero(np.any(study.known, axis=1))
-    if len(measured) > at_most:
-        steps = np.abs(
-            linearised(objective, points, np.eye(len(study.tests), dtype=bool))
-        )
-        far = np.max(steps / uncertainty.standard_errors, axis=1)
-        measured = np.sort(measured[np.argsort(-far[measured])[:at_most]])
     group = np.full(len(study.tests), -1)
     group[measured] = np.arange(len(measured))
+    each = np.eye(len(study.tests), dtype=bool)[measured]
+    steps = linearised(objective, points, each)
+    soil = len(study.parameters)
+    far = np.max(np.abs(steps / uncertainty.standard_errors)[:, :soil], axis=1)
+    fitted = far > SMALL_STEP
+    fitted[np.argsort(-far, kind="stable")[at_most:]] = False
+    steps[fitted] = np.nan
     names = tuple(study.tests.name(test) for test in measured)
     starts = points.x[0][None]
     return _leave_out(
-        objective, points, uncertainty, names, group, starts, "tests", progress
+        objective, points, uncertainty, names, group, starts, steps, "tests", progress
     )
 
 
@@ -126,8 +128,10 @@ def leave_out_campaigns(
     starts = points.x[0][None]
     if ends is not None:
         starts = np.concatenate([starts, ends[:OTHER_STARTS]])
+    steps = np.full((len(names), points.x.shape[1]), np.nan)
     return _leave_out(
-        objective, points, uncertainty, names, group, starts, "campaigns", progress
+        *(objective, points, uncertainty, names, group, starts, steps),
+        *("campaigns", progress),
     )
 
 
@@ -149,8 +153,10 @@ def linearised(objective: Objective, points: Points, left: np.ndarray) -> np.nda
 
 
 def _leave_out(
-    objective, points, uncertainty, names, group, starts, what, progress
+    objective, points, uncertainty, names, group, starts, steps, what, progress
 ) -> LeftOut:
+    """Leave out one group after the other: by its step, or by a fit where that is
+    NaN."""
     study, size = objective.study, points.x.shape[1]
     predicted = np.full(study.measured.shape, np.nan)
     deviation = np.full(study.measured.shape, np.nan)
@@ -158,11 +164,10 @@ def _leave_out(
     scatter = objective.sigma**2 * uncertainty.inflation
     coarser = no_finer_than_sigmas(objective)
     errors = uncertainty.standard_errors
-    for number in range(len(names)):
+    for number, step in enumerate(steps):
         progress(f"{what} left out: {number} of {len(names)}")
         tests = group == number
-        step = linearised(objective, points, tests[None])[0]
-        if len(starts) == 1 and np.all(np.abs(step) <= SMALL_STEP * errors):
+        if np.all(np.isfinite(step)):
             rest, reason = objective.without(tests), Reason.converged
             best = _moved(rest, points, step)
         else:
