@@ -128,6 +128,7 @@ def variant_of(unknowns, draws, **changed):
         undetermined=(),
         allowed={},
         sigma={"e_n": 0.05},
+        proportional={},
         estimated={"e_n": False},
         inflation=4.0,
         freedom={"e_n": 7.0},
@@ -191,13 +192,14 @@ def test_a_slope_that_the_new_table_knows():
 def test_scatter_as_the_fit_states_it():
     columns = {"campaign": ["a", "b"], "e_n": [0.1, 0.2], "sigma_e_n": [0.02, None]}
     study, variant = study_and_variant(columns | {"duration_s": [0.1, None]})
-    sigma, freedom = scatter(study, variant)
+    predicted = np.ones((1, *study.measured.shape))
+    sigma, freedom = scatter(study, variant, predicted, ONE)
     # Given: the new table's own, else the fit's; times the root of the inflation.
     np.testing.assert_allclose(sigma[:, 0], [0.04, 0.1])
     np.testing.assert_array_equal(sigma[:, 1], 0.0)
     assert np.all(np.isinf(freedom))
     estimated = variant._replace(estimated={"e_n": True}, inflation=1.0)
-    sigma, freedom = scatter(study, estimated)
+    sigma, freedom = scatter(study, estimated, predicted, ONE)
     np.testing.assert_allclose(sigma[:, 0], 0.05)
     assert freedom[0] == 7.0
 

@@ -10,6 +10,7 @@ from ..accuracy import Accuracy
 from ..errors import InputError
 from .draws import FEWEST
 from .nuisance import Prior
+from .proportional import PartOfSize
 from .study_file import Parameter, Variant
 
 FILE = "fit.json"
@@ -30,7 +31,10 @@ class FittedVariant(NamedTuple):
     allowed: dict[str, tuple[float | None, float | None]]
     """What the profile of each parameter leaves at 95 %; None for the bound."""
     sigma: dict[str, float]
-    """Scatter of each target's measurements about the model."""
+    """Scatter of each target's measurements about the model; their median where it is
+    proportional."""
+    proportional: dict[str, PartOfSize]
+    """Of the targets whose scatter was estimated as a part of the value."""
     estimated: dict[str, bool]
     """Whether it comes from the scatter about the fit."""
     inflation: float
@@ -136,6 +140,11 @@ def _variant(tree: dict, entry: dict) -> FittedVariant:
             for name, one in entry["profiles"].items()
         },
         sigma={name: one["sigma"] for name, one in entry["fit"].items()},
+        proportional={
+            name: PartOfSize(one["part_of_size"], one["least_size"])
+            for name, one in entry["fit"].items()
+            if "part_of_size" in one
+        },
         estimated={name: not given for name, given in tree["sigma_given"].items()},
         inflation=entry["inflation"],
         freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},

@@ -19,6 +19,7 @@ from ..formats.columns import INPUT_COLUMNS
 from .candidates import Sigma, checked_axes, checked_measure
 from .design import CRITERIA, choose, merit
 from .engine import LEAVES
+from .proportional import least_size, part_of_size
 from .study import VariantResult
 from .turned_ground import SIGN
 from .uncertainty import bounds_information, regular_covariance
@@ -201,7 +202,13 @@ def default_measure(fitted: VariantResult) -> dict[str, Sigma]:
     study = fitted.objective.study
     measure = {}
     scale = np.sqrt(fitted.uncertainty.inflation)
+    parts = scale * part_of_size(study, fitted.sigma, fitted.predicted)
+    least = least_size(study.measured)
     for place, name in enumerate(study.targets):
+        if study.proportional[place]:
+            part = float(parts[place])
+            measure[name] = Sigma(part * float(least[place]), part)
+            continue
         known = study.known[:, place]
         sigma = scale * fitted.sigma[known, place]
         size = np.abs(study.measured[known, place])

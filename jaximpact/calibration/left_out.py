@@ -6,8 +6,9 @@ left out has the standard deviation
 $$ \sqrt{s^2 \sigma^2 + J C J^T} , $$
 
 with C the covariance of the rest, the bounds a weak prior, and J the derivative of y.
-Sigmas that were estimated, and the inflation s^2, are those of the whole fit. Impacts
-are computed at "balanced" where their errors are small beside the sigmas.
+Sigmas that were estimated, and the inflation s^2, are those of the whole fit; a sigma
+that is a part of the value is the same part of what the rest predicts. Impacts are
+computed at "balanced" where their errors are small beside the sigmas.
 
 One Gauss-Newton step from the best fit to all tells roughly where the rest would lead.
 It is taken for the fit where it is less than a fifth of a standard error of every soil
@@ -23,6 +24,7 @@ from .chance import too_few
 from .fit import fit, no_finer_than_sigmas
 from .least_squares import Progress, bounded_step
 from .objective import Objective, Points
+from .proportional import sizes
 from .stopping import Patience, Reason
 from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 
@@ -161,7 +163,7 @@ def _leave_out(
     predicted = np.full(study.measured.shape, np.nan)
     deviation = np.full(study.measured.shape, np.nan)
     ends, reasons = np.empty((len(names), size)), []
-    scatter = objective.sigma**2 * uncertainty.inflation
+    of_whole = sizes(study, points.predicted[0])
     coarser = no_finer_than_sigmas(objective)
     errors = uncertainty.standard_errors
     for number, step in enumerate(steps):
@@ -178,6 +180,8 @@ def _leave_out(
         rows = best.jacobian[0, tests]
         variance = np.einsum("rtp,pq,rtq->rt", rows, covariance, rows)
         predicted[tests] = best.predicted[0, tests]
+        size = sizes(study, best.predicted[0]) / of_whole
+        scatter = (objective.sigma * size) ** 2 * uncertainty.inflation
         deviation[tests] = np.sqrt(scatter[tests] + variance)
         ends[number] = best.x[0]
         reasons.append(reason)

@@ -140,6 +140,7 @@ def calibrate(
     ground: Soil | Mapping[str, float] | None = None,
     targets: Iterable[str] | None = None,
     sigma: Mapping[str, float] | None = None,
+    scatter: str | Mapping[str, str] | None = None,
     out: str | os.PathLike | None = None,
     seed: int | None = None,
     progress: Progress | None = None,
@@ -160,6 +161,9 @@ def calibrate(
         targets: result columns to fit. Default: all that the table holds.
         sigma: standard deviation of a target's measurements, where the table has no
             column for it. Default: estimated from the scatter.
+        scatter: "constant" or "proportional", one for all targets whose sigmas are
+            estimated, or of each: whether sigma is the same in all tests, or the same
+            part of the value. Default: "constant".
         out: directory for the report; a call that was interrupted goes on there.
         seed: of the starts and draws. Default: 0.
         progress: called with lines of text.
@@ -170,7 +174,8 @@ def calibrate(
     RuntimeError if JAX is set to float32.
     """
     require_float64()
-    options = dict(fit=fit, ground=ground, targets=targets, sigma=sigma, seed=seed)
+    options = dict(fit=fit, ground=ground, targets=targets, sigma=sigma)
+    options |= dict(scatter=scatter, seed=seed)
     if isinstance(tests, str | os.PathLike) and Path(tests).suffix.lower() == TOML:
         for name, value in options.items():
             if value is not None:
@@ -182,7 +187,7 @@ def calibrate(
     return Calibration(*fit_and_examine(study, directory, progress=progress))
 
 
-def _study(tests, fit, ground, targets, sigma, seed) -> Study:
+def _study(tests, fit, ground, targets, sigma, scatter, seed) -> Study:
     """The study that a call stands for."""
     measurements = joined_tables((table_given(tests),))
     if isinstance(fit, str):
@@ -205,6 +210,7 @@ def _study(tests, fit, ground, targets, sigma, seed) -> Study:
         _check_names("ground", held)
     content = {"parameters": parameters, "soil": held, "default_sigma": sigma}
     content |= {"targets": None if targets is None else list(targets), "seed": seed}
+    content["scatter"] = dict(scatter) if isinstance(scatter, Mapping) else scatter
     return study_of(
         measurements,
         {key: value for key, value in content.items() if value is not None},

@@ -15,6 +15,7 @@ from ..formats.provenance import version_of, versions
 from .examination import Examination
 from .further_tests import Suggestions
 from .left_out import LeftOut
+from .proportional import SCATTERS, least_size, part_of_size
 from .report import as_text, fit_of_target, interval, standard_error
 from .reservations import of_all
 from .sampling import Samples, to_inference_data
@@ -146,6 +147,11 @@ def as_json(result: StudyResult, examined: list[Examination]) -> dict:
             },
             "targets": list(study.targets),
             "weights": dict(zip(study.targets, _plain(study.weights), strict=True)),
+            "scatter": {
+                name: SCATTERS[int(study.proportional[place])]
+                for place, name in enumerate(study.targets)
+                if not study.sigma_given[place]
+            },
             "loss": study.loss,
             "starts": study.starts,
             "seed": study.seed,
@@ -195,11 +201,19 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
         for place in range(count, len(variant.names))
     }
     freedom = freedom_of_targets(variant.objective, variant.points)
+    study = result.study
+    part = part_of_size(study, variant.sigma, variant.predicted)
+    least = least_size(study.measured)
     fit = {
         name: fit_of_target(result, variant, place)
         | {"sigma": _plain(np.median(variant.sigma[:, place]))}
         | {"degrees_of_freedom": _plain(freedom[place])}
-        for place, name in enumerate(result.study.targets)
+        | (
+            {"part_of_size": _plain(part[place]), "least_size": _plain(least[place])}
+            if study.proportional[place]
+            else {}
+        )
+        for place, name in enumerate(study.targets)
     }
     order = np.argsort(variant.start_costs, kind="stable")
     return {

@@ -196,7 +196,8 @@ def _about_draws(result: StudyResult, variant: VariantResult, draws: Draws) -> s
     if not np.all(result.study.sigma_given):
         words += (
             " The draws take the estimated scatter of a target for the same in all "
-            "tests; the standard errors, where measurements are many, do not."
+            "tests, or the same part of the value; the standard errors, where "
+            "measurements are many, do not."
         )
     return f"{words} {_accuracy(draws)}"
 

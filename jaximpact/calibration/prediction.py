@@ -3,7 +3,8 @@ r"""Tests that a fit has not seen, predicted with the fitted ground, and scored.
 A measurement of such a test is what the model gives for each of the fit's draws of the
 unknowns, and scatter about it: the fit's sigma, times the root of its inflation. Where
 sigmas were given to the fit, a sigma in the table of the new tests takes its place;
-where the scatter was estimated it is Student's, of the degrees of freedom left.
+where the scatter was estimated it is Student's, of the degrees of freedom left. Scatter
+that was estimated as a part of the value is that part of the draws' median.
 
 A nuisance of a group that the fit knows has the fit's values; that of another is drawn
 from its prior, once a group and draw.
@@ -187,6 +188,7 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
         censored=np.stack(censored, axis=1),
         sigma=np.ones((len(tests), len(targets))),
         sigma_given=np.ones(len(targets), bool),
+        proportional=np.zeros(len(targets), bool),
         weights=np.ones(len(targets)),
         loss=LOSSES[0],
         starts=1,
@@ -266,7 +268,7 @@ def _predict(
     predicted, ends = _of_draws(objective.at(fitted.accuracy), draws, progress)
     outcomes = at_best.outcomes[0]
     alike = ends == outcomes
-    sigma, freedom = scatter(study, fitted)
+    sigma, freedom = scatter(study, fitted, predicted, weights)
     cells = _of_cells(study, ground, weights, predicted, sigma, freedom, progress)
     there = np.isfinite(predicted)
     return VariantPrediction(
@@ -302,15 +304,25 @@ def _of_draws(
     return predicted, outcomes
 
 
-def scatter(study: Study, fitted: FittedVariant) -> tuple[np.ndarray, np.ndarray]:
+def scatter(
+    study: Study, fitted: FittedVariant, predicted: np.ndarray, weights: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Sigma of a measurement about the model `(tests, targets)`, 0 where nobody stated
-    it, and the degrees of freedom from which it was estimated `(targets,)`."""
+    it, and the degrees of freedom from which it was estimated `(targets,)`.
+
+    Args:
+        predicted: by the draws, `(draws, tests, targets)`.
+        weights: of the draws.
+    """
     sigma = np.zeros(study.measured.shape)
     freedom = np.full(len(study.targets), np.inf)
     for place, name in enumerate(study.targets):
         own = study.tests.sigmas.get(name, np.full(len(study.tests), np.nan))
         if fitted.estimated.get(name, False):
             sigma[:, place] = fitted.sigma[name]
+            if name in fitted.proportional:
+                middle = _medians(predicted[:, :, place], weights)
+                sigma[:, place] = fitted.proportional[name].sigma(middle)
             freedom[place] = max(fitted.freedom[name], 1.0)
             continue
         otherwise = fitted.sigma.get(name, 0.0)
@@ -319,6 +331,12 @@ def scatter(study: Study, fitted: FittedVariant) -> tuple[np.ndarray, np.ndarray
             of_tests = of_tests * np.sqrt(fitted.inflation)
         sigma[:, place] = of_tests
     return sigma, freedom
+
+
+def _medians(predicted: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Of what the draws give for each test, `(tests,)`; 0 where no draw gives any."""
+    found = [predictive(values, weights, 0.0) for values in predicted.T]
+    return np.array([0.0 if one is None else one.quantile(0.5) for one in found])
 
 
 def _of_cells(

@@ -113,6 +113,12 @@ def remarks_on(
             f"Of the fit's {len(fitted.weights)} draws only about {count:.0f} count: "
             "the intervals may be far off, to either side. Do not rely on them."
         )
+    for name in prediction.targets:
+        if name in fitted.proportional:
+            part = 100 * fitted.proportional[name].part
+            lines.append(
+                f"The scatter of {name} is {part:.3g} % of the value predicted."
+            )
     unknown = [
         name
         for place, name in enumerate(prediction.targets)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..formats.align import align
+from .proportional import part_of_size
 from .scatter import LEAST_FREEDOM
 from .stopping import Reason
 from .study import StudyResult, VariantResult
@@ -64,7 +65,15 @@ def about_sigma(study: Study) -> str:
         if len(names) == len(study.targets)
         else (f"No sigma is given for {', '.join(names)}")
     )
-    return f"{which}: it is estimated from the scatter about the fit, as if random."
+    words = f"{which}: it is estimated from the scatter about the fit, as if random."
+    pairs = zip(study.targets, study.proportional, strict=True)
+    in_parts = [name for name, proportional in pairs if proportional]
+    if in_parts:
+        words += (
+            f" That of {', '.join(in_parts)} is taken to be the same part of the value "
+            "in all tests."
+        )
+    return words
 
 
 def fit_of_target(result: StudyResult, variant: VariantResult, place: int) -> dict:
@@ -242,13 +251,17 @@ def target_rows(result: StudyResult, variant: VariantResult) -> list[tuple[str, 
     limits = bool(np.any(study.known & (study.censored != 0)))
     rows = [("target", "rms", "max", "bias", "sigma")]
     rows[0] += ("limits broken",) if limits else ()
+    parts = part_of_size(study, variant.sigma, variant.predicted)
     for place, name in enumerate(study.targets):
         values = fit_of_target(result, variant, place)
         sigma = variant.sigma[study.known[:, place], place]
         few = variant.uncertainty.degrees_of_freedom < LEAST_FREEDOM
         origin = "guessed" if few else "estimated"
         origin = "given" if study.sigma_given[place] else origin
-        text = f"{np.median(sigma):.3g} ({origin})"
+        size = f"{np.median(sigma):.3g}"
+        if study.proportional[place]:
+            size = f"{100 * parts[place]:.3g} % of the value"
+        text = f"{size} ({origin})"
         row = (name, *(_number(values[key]) for key in ("rms", "max", "bias")), text)
         rows.append((*row, str(values["limits_broken"])) if limits else row)
     return rows

@@ -9,6 +9,7 @@ from .report import TOO_FEW_FOR_SIGMA, fit_of_target, freedom_text
 from .scatter import LEAST_FREEDOM, LEAST_PART
 from .study import StudyResult, VariantResult
 from .study_file import Study
+from .which_scatter import doubtful_scatter
 
 WORSE = 1.1
 """Times the scatter about their mean by which a fit may miss measurements: of repeated
@@ -39,6 +40,7 @@ def reservations(
         lines.append(f"The best fit is no minimum: {variant.reason.words}.")
     for place, name in enumerate(result.study.targets):
         lines += _large_misfit(result, variant, place, name)
+    lines += doubtful_scatter(variant.objective, variant.points)
     if uncertainty.inflation > 1.0:
         lines.append(
             "The misfit is larger than the sigmas given allow. Standard errors are "
@@ -126,6 +128,8 @@ def _large_misfit(
     measured = study.measured[exact, place]
     of_mean = float(np.std(measured))
     sigma = float(np.median(variant.sigma[exact, place]))
+    if study.proportional[place]:
+        sigma = float(np.sqrt(np.mean(variant.sigma[exact, place] ** 2)))
     given = study.sigma_given[place]
     least = LEAST_PART * float(np.sqrt(np.mean(measured**2)))
     if rms > max(WORSE * of_mean, sigma if given else least):
@@ -135,9 +139,11 @@ def _large_misfit(
             "do what was measured, or inputs or units are not what they are taken for."
         ]
     if not given and sigma > max(HALF * of_mean, least):
+        mean = " in the mean" if study.proportional[place] else ""
         return [
-            f"The scatter estimated for {name}, {sigma:.3g}, is more than half of what "
-            f"its measurements differ by, {of_mean:.3g} about their mean. If they were "
-            "measured better than that, the model misses something: state their sigma."
+            f"The scatter estimated for {name}, {sigma:.3g}{mean}, is more than half "
+            f"of what its measurements differ by, {of_mean:.3g} about their mean. If "
+            "they were measured better than that, the model misses something: state "
+            "their sigma."
         ]
     return []

@@ -8,6 +8,11 @@ $$ \sum_i u_i \rho'(u_i) + \sum_{\text{limits}} u_i \rho'(u_i) = \kappa \, (n - 
 with u the residuals in units of sigma and kappa the mean of u rho' under Gaussian
 scatter: the restricted maximum likelihood where all is Gaussian and measured. For a
 robust loss it is Huber's second proposal.
+
+Where scatter is proportional (`proportional`) the sigmas of a target are a factor r on
+the sizes of what the fit predicts, and r is found likewise. A fit takes its sigmas for
+given, so that it gains nothing by predicting more in order to have larger ones; they
+follow it in turns.
 """
 
 import numpy as np
@@ -15,12 +20,14 @@ import numpy as np
 from .least_squares import Fits, Progress
 from .losses import losses, scale_of_normal
 from .objective import Objective, Points
+from .proportional import resized, root_mean_square, sizes
 from .stopping import FINE
 from .uncertainty import leverages
 
 LEAST_PART = 1e-3
-"""Part of a target's root mean square below which no sigma is taken: nothing is
-measured better, and targets without noise would give 0."""
+"""Part of a target's root mean square, or of its size where scatter is proportional,
+below which no sigma is taken: nothing is measured better, and targets without noise
+would give 0."""
 LEAST_FREEDOM = 0.99
 """Degrees of freedom that a target needs for a sigma of its own: one, to rounding."""
 ROUNDS = 20
@@ -34,8 +41,9 @@ def estimate_sigma(objective: Objective, points: Points) -> np.ndarray:
     A target with too few measurements for a sigma of its own shares, with those like
     it, one factor on the nominal sigmas; without degrees of freedom it keeps them.
     """
-    study, sigma = objective.study, objective.sigma.copy()
-    predicted = points.predicted[0]
+    study, predicted = objective.study, points.predicted[0]
+    sigma = resized(study, objective.sigma, predicted)
+    objective = objective.with_sigma(sigma.copy())
     used = study.known & np.isfinite(predicted)
     u = np.where(used, (predicted - study.measured) / sigma, 0.0)
     work = np.where(used, u * losses(u, study.censored, study.loss).slope, 0.0)
@@ -61,8 +69,8 @@ def estimate_sigma(objective: Objective, points: Points) -> np.ndarray:
     together = np.flatnonzero(wanted & ~alone)
     if len(together):
         sigma[:, together] *= factor(together)
-    scale = np.sqrt(np.nanmean(study.measured**2, axis=0))
-    least = LEAST_PART * np.where(scale > 0.0, scale, 1.0)
+    scale = np.where(study.proportional, 1.0, root_mean_square(study.measured))
+    least = LEAST_PART * scale * sizes(study, predicted)
     return np.where(wanted, np.maximum(sigma, least), sigma)
 
 
@@ -79,7 +87,9 @@ def settle(
         return objective, fits
     for number in range(1, ROUNDS + 1):
         sigma = estimate_sigma(objective, fits.points)
-        change = np.max(np.abs(np.log(sigma / objective.sigma)))
+        # Of a cell without measurement the sigma moves no fit.
+        known = objective.study.known
+        change = np.max(np.abs(np.log(sigma / objective.sigma)[known]))
         objective = objective.with_sigma(sigma)
         points = objective.reweigh(fits.points)
         fits = Fits(points, fits.reasons, fits.steps)

@@ -1,7 +1,6 @@
 """A study: what is fitted to which data, from TOML and CSV, or from a CSV alone."""
 
 import dataclasses
-import math
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +24,7 @@ from .campaigns import Measurements, read_tests
 from .candidates import Candidates, read_candidates
 from .losses import LOSSES
 from .nuisance import Nuisance, Prior, read_nuisances, read_prior
+from .proportional import PROPORTIONAL, SCATTERS, least_size, root_mean_square
 
 KEYS = (
     "title",
@@ -41,6 +41,7 @@ KEYS = (
     "nuisance",
     "soil",
     "default_sigma",
+    "scatter",
     "weights",
     "variants",
     "further_tests",
@@ -58,8 +59,8 @@ DEFAULT_BOUNDS = {
 }
 """Of the parameters that are fitted unless a study says otherwise."""
 NOMINAL_SIGMA = 0.05
-"""Part of a target's root mean square that stands at first for a sigma that is not
-given."""
+"""Part of a target's root mean square, or of each value where scatter is proportional,
+that stands at first for a sigma that is not given."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -104,9 +105,12 @@ class Study:
     censored: np.ndarray
     """Likewise: 1 where the true value is above, -1 where it is below, else 0."""
     sigma: np.ndarray
-    """Likewise; for a target without sigmas a nominal one, the same for all tests."""
+    """Likewise; for a target without sigmas a nominal one: the same for all tests, or
+    in proportion to what was measured."""
     sigma_given: np.ndarray
     """`(targets,)`"""
+    proportional: np.ndarray
+    """Of which targets the sigma is estimated as a part of the value, likewise."""
     weights: np.ndarray
     """`(targets,)`, on the losses."""
     loss: str
@@ -163,6 +167,9 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
     _check_given_once(path, tests, parameters, nuisances, fixed, variants)
     targets = _targets(path, content, tests, nuisances)
     sigma, sigma_given = _sigma(path, content, tests, targets)
+    proportional = _proportional(path, content, targets, sigma_given)
+    measured = np.stack([tests.measured[name] for name in targets], axis=1)
+    size = np.fmax(np.abs(measured), least_size(measured))
     return Study(
         path=path,
         title=typed(path, content, "title", str),
@@ -173,10 +180,11 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
         nuisances=nuisances,
         soil=fixed,
         targets=targets,
-        measured=np.stack([tests.measured[name] for name in targets], axis=1),
+        measured=measured,
         censored=np.stack([tests.censored[name] for name in targets], axis=1),
-        sigma=sigma,
+        sigma=np.where(proportional, NOMINAL_SIGMA * size, sigma),
         sigma_given=sigma_given,
+        proportional=proportional,
         weights=_weights(path, content, targets),
         loss=choice(path, content, "loss", LOSSES[0], LOSSES),
         starts=whole(path, content, "starts", STARTS, 1),
@@ -389,7 +397,7 @@ def _sigma(path, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
             sigma = np.where(np.isfinite(sigma), sigma, float(defaults[name]))
         stated = bool(np.any(np.isfinite(sigma)))
         if not stated:
-            scale = math.sqrt(np.nanmean(measured**2)) or 1.0
+            scale = root_mean_square(measured)
             sigma = np.full(len(tests), NOMINAL_SIGMA * scale)
         for test in np.flatnonzero(np.isfinite(measured) & ~np.isfinite(sigma))[:1]:
             file, row = tests.place(test)
@@ -404,3 +412,38 @@ def _sigma(path, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
         columns.append(np.where(np.isfinite(sigma), sigma, np.nanmedian(sigma)))
         given.append(stated)
     return np.stack(columns, axis=1), np.array(given)
+
+
+def _proportional(path, content, targets, sigma_given) -> np.ndarray:
+    """Of which targets the scatter is said to be proportional, `(targets,)`."""
+    key = "scatter"
+    stated = content.get(key, {})
+    if isinstance(stated, str):
+        # One word stands for all targets whose sigmas are left to be estimated.
+        choice(path, content, key, stated, SCATTERS)
+        if np.all(sigma_given):
+            raise InputError(
+                "is for sigmas that are estimated, but all are given",
+                file=path,
+                key=key,
+            )
+        return ~sigma_given & (stated == PROPORTIONAL)
+    if not isinstance(stated, dict):
+        raise InputError(
+            f"must be one of {', '.join(SCATTERS)}, or a table of them by target, but "
+            f"is {stated!r}",
+            file=path,
+            key=key,
+        )
+    for name, word in stated.items():
+        where = f"{key}.{name}"
+        if name not in RESULT_COLUMNS:
+            unknown(path, where, name, RESULT_COLUMNS)
+        choice(path, {where: word}, where, word, SCATTERS)
+        if name in targets and sigma_given[targets.index(name)]:
+            raise InputError(
+                f"is for a sigma that is estimated, but that of {name} is given",
+                file=path,
+                key=where,
+            )
+    return np.array([stated.get(name) == PROPORTIONAL for name in targets])

@@ -37,6 +37,9 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
   [soil]                fixed values in place of the defaults
   [default_sigma]       for each target, where the tables have no column for it; where
                         neither is there, sigma is estimated from the scatter
+  [scatter]             for each target whose sigma is estimated, "constant" or
+                        "proportional" to its value; or scatter = one of them for all
+                        (default: constant)
   [weights]             for each target, on its losses (default: 1)
   [[variants]]          soil values to be changed; each is fitted by itself
   [further_tests]       what could be measured next (default: usual impacts, and the

@@ -1,0 +1,182 @@
+"""How many new measurements lie in the intervals of 95 % predicted for them.
+
+    python -m benchmarks.predicted_coverage [--campaigns 60] [--starts 4]
+        [--noise proportional|constant] [--targets v_n_mps,v_t_mps] [--spread even|log]
+
+A campaign is 15 impacts of 500 kg on the usual ground at 10 to 70 degrees and 2 to 30
+m/s, evenly spread or in the logarithm of the speed, with noise of 3 % of each value, or
+of 3 % of the target's root mean square. Sigmas are not given; c_v, gamma_v and k_E are
+fitted twice, with constant and with proportional scatter, and 20 further impacts of the
+same range are predicted, and measured with the same noise.
+"""
+
+import argparse
+import time
+
+import jax
+import numpy as np
+
+TESTS, NEW = 15, 20
+ANGLES, SPEEDS, MASS = (10.0, 70.0), (2.0, 30.0), 500.0
+NOISE = 0.03
+DRAWS = 256
+
+
+def main() -> None:
+    jax.config.update("jax_enable_x64", True)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--campaigns", type=int, default=60)
+    parser.add_argument("--starts", type=int, default=4)
+    kinds = ("proportional", "constant")
+    parser.add_argument("--noise", choices=kinds, default=kinds[0])
+    parser.add_argument("--targets", default="v_n_mps,v_t_mps")
+    parser.add_argument("--spread", choices=("even", "log"), default="even")
+    arguments = parser.parse_args()
+    targets, begin = arguments.targets.split(","), time.perf_counter()
+    engine, inside, parts, skipped = None, {kind: [] for kind in kinds}, [], 0
+    for seed in range(arguments.campaigns):
+        random = np.random.default_rng(seed)
+        columns, truth = _impacts(random, targets, arguments.spread)
+        scale = np.abs(truth)
+        if arguments.noise == "constant":
+            scale = np.broadcast_to(np.sqrt(np.mean(truth**2, axis=0)), truth.shape)
+        measured = truth + NOISE * scale * random.normal(size=truth.shape)
+        found = {}
+        for kind in kinds:
+            study = _study(columns, measured, targets, kind, arguments.starts)
+            engine = engine or _engine(study)
+            found[kind] = _fit_and_predict(study, engine, columns, measured, targets)
+        if any(one is None for one in found.values()):
+            skipped += 1
+            continue
+        for kind in kinds:
+            inside[kind].append(found[kind][0])
+        parts.append(found["proportional"][1])
+    print(
+        f"noise {arguments.noise}, {arguments.spread} speeds, {len(parts)} campaigns, "
+        f"{skipped} without a trusted fit, {time.perf_counter() - begin:.0f} s"
+    )
+    for kind in kinds:
+        every = np.array(inside[kind])
+        each = " ".join(
+            f"{name} {100 * np.mean(every[:, :, place]):.1f} %"
+            for place, name in enumerate(targets)
+        )
+        of_campaign = np.mean(every, axis=(1, 2))
+        error = np.std(of_campaign, ddof=1) / np.sqrt(len(of_campaign))
+        print(
+            f"{kind:13} {100 * np.mean(every):.1f} +- {100 * error:.1f} % of "
+            f"{every.size} inside; {each}"
+        )
+    middle = np.round(100 * np.mean(parts, axis=0), 3)
+    print(f"r estimated, per cent: {dict(zip(targets, middle.tolist(), strict=True))}")
+
+
+def _impacts(random, targets, spread):
+    """Columns of all impacts, and what the model gives for them."""
+    from jaximpact.calibration.campaigns import joined_tables
+    from jaximpact.calibration.given import table_given
+    from jaximpact.calibration.objective import Objective
+    from jaximpact.calibration.study_file import study_of
+
+    count = TESTS + NEW
+    low, high = SPEEDS
+    speeds = random.uniform(low, high, count)
+    if spread == "log":
+        speeds = np.exp(random.uniform(np.log(low), np.log(high), count))
+    columns = {"mass_kg": np.full(count, MASS), "speed_mps": speeds}
+    columns["angle_deg"] = random.uniform(*ANGLES, count)
+    nothing = columns | {name: np.ones(count) for name in targets}
+    study = study_of(joined_tables((table_given(nothing),)), {})
+    objective = Objective(study, study.variants[0], _engine(study))
+    x = objective.bounds.coordinate(np.array([[p.start for p in study.parameters]]))
+    return columns, objective.glance(x, np.zeros(x.shape, bool)).predicted[0]
+
+
+def _engine(study):
+    from jaximpact.calibration.objective import engine_of
+
+    return engine_of(study)
+
+
+def _rows(columns, measured, targets, chosen):
+    from jaximpact.calibration.campaigns import joined_tables
+    from jaximpact.calibration.given import table_given
+
+    rows = columns | dict(zip(targets, measured.T, strict=True))
+    rows = {name: np.asarray(values)[chosen] for name, values in rows.items()}
+    return joined_tables((table_given(rows),))
+
+
+def _study(columns, measured, targets, kind, starts):
+    from jaximpact.calibration.study_file import study_of
+
+    tests = _rows(columns, measured, targets, slice(None, TESTS))
+    content = {"starts": starts, "scatter": kind, "accuracy": "balanced"}
+    return study_of(tests, content)
+
+
+def _fit_and_predict(study, engine, columns, measured, targets):
+    """Which new measurements lie in their intervals, and r; None where the fit's draws
+    are not to be trusted."""
+    from jaximpact.calibration.draws import draw
+    from jaximpact.calibration.fitted_ground import FittedGround, FittedVariant
+    from jaximpact.calibration.objective import Objective
+    from jaximpact.calibration.prediction import _predict, held_out_study
+    from jaximpact.calibration.proportional import (
+        PartOfSize,
+        least_size,
+        part_of_size,
+    )
+    from jaximpact.calibration.study import best_fit
+    from jaximpact.calibration.uncertainty import estimate
+    from jaximpact.calibration.unknown_scale import freedom_of_targets, weights_of
+
+    objective, _, best = best_fit(Objective(study, study.variants[0], engine))
+    points, bounds = best.points, objective.bounds
+    uncertainty = estimate(objective, points)
+    draws = draw(objective, points, uncertainty.inflation, count=DRAWS)
+    parts = part_of_size(study, objective.sigma, points.predicted[0])
+    least = least_size(study.measured)
+    named = enumerate(targets)
+    fitted = FittedVariant(
+        variant=study.variants[0],
+        unknowns=tuple(p.name for p in study.parameters),
+        best=bounds.parameter(points.x[0]),
+        draws=bounds.parameter(draws.x),
+        weights=weights_of(objective, points, draws),
+        undetermined=(),
+        allowed={},
+        sigma=dict(zip(targets, np.median(objective.sigma, axis=0), strict=True)),
+        proportional={
+            name: PartOfSize(parts[place], least[place])
+            for place, name in named
+            if study.proportional[place]
+        },
+        estimated=dict.fromkeys(targets, True),
+        inflation=uncertainty.inflation,
+        freedom=dict(zip(targets, freedom_of_targets(objective, points), strict=True)),
+        accuracy=draws.accuracy,
+    )
+    if not fitted.trusted:
+        return None
+    ground = FittedGround(
+        title="campaign",
+        variants=(fitted,),
+        parameters=study.parameters,
+        soil={},
+        nuisances={},
+        targets=study.targets,
+        accuracy="balanced",
+        seed=0,
+        ranges={},
+        results={},
+        versions={},
+    )
+    new = held_out_study(ground, _rows(columns, measured, targets, slice(TESTS, None)))
+    found = _predict(new, ground, fitted, engine)
+    return (new.measured >= found.low_95) & (new.measured <= found.high_95), parts
+
+
+if __name__ == "__main__":
+    main()
