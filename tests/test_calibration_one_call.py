@@ -185,6 +185,10 @@ BAD = {
     "nothing": (dict(fit=[]), "names no parameter"),
     "target": (dict(targets=["e_nn"]), "did you mean e_n"),
     "sigma": (dict(sigma={"e_n": 0.0}), "must be above 0"),
+    "scatter": (
+        dict(scatter={"e_n": "const"}),
+        r"scatter\.e_n.* did you mean constant",
+    ),
     "many soils": (dict(ground=Soil(beta=np.array([0.8, 0.9]))), "must be one soil"),
 }
 
