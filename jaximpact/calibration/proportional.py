@@ -9,9 +9,12 @@ was measured: a value that passes zero would otherwise have next to no sigma, an
 test would rule the fit, however little the model is off there.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from .study_file import Study
 
 CONSTANT, PROPORTIONAL = SCATTERS = ("constant", "proportional")
 LEAST_SIZE = 0.02
@@ -30,7 +33,7 @@ def least_size(measured: np.ndarray) -> np.ndarray:
     return LEAST_SIZE * root_mean_square(measured)
 
 
-def sizes(study, values: np.ndarray) -> np.ndarray:
+def sizes(study: "Study", values: np.ndarray) -> np.ndarray:
     """What sigmas are in proportion to, `(tests, targets)`; 1 where they are constant.
 
     Args:
@@ -43,7 +46,9 @@ def sizes(study, values: np.ndarray) -> np.ndarray:
     return np.where(study.proportional, floored, 1.0)
 
 
-def part_of_size(study, sigma: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+def part_of_size(
+    study: "Study", sigma: np.ndarray, predicted: np.ndarray
+) -> np.ndarray:
     """r of each target that sigmas have at a fit, `(targets,)`; NaN where they are
     constant.
 
@@ -55,7 +60,7 @@ def part_of_size(study, sigma: np.ndarray, predicted: np.ndarray) -> np.ndarray:
     return np.where(study.proportional, np.nanmedian(ratio, axis=0), np.nan)
 
 
-def resized(study, sigma: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+def resized(study: "Study", sigma: np.ndarray, predicted: np.ndarray) -> np.ndarray:
     """Sigmas with the same r, in proportion to other values, `(tests, targets)`."""
     r = part_of_size(study, sigma, predicted)
     return np.where(study.proportional, r * sizes(study, predicted), sigma)
