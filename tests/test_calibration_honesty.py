@@ -205,11 +205,11 @@ def test_of_many_only_the_most_telling_are_fitted(tmp_path, monkeypatch):
     measured[4] += 10.0 * SIGMA
     objective, points, uncertainty = linear(tmp_path, matrix, measured)
     expected = leave_out_each(objective, points, uncertainty)
-    assert len(made) > 3
+    assert 2 < len(made) < 12
     made.clear()
-    found = leave_out_each(objective, points, uncertainty, at_most=3)
+    found = leave_out_each(objective, points, uncertainty, at_most=2)
     assert [4] in [list(left) for left in made]
-    assert len(made) == 3
+    assert len(made) == 2
     for name in ("predicted", "deviation"):
         np.testing.assert_allclose(
             *(getattr(left, name) for left in (found, expected)), atol=1e-2 * SIGMA

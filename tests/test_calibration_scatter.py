@@ -238,6 +238,9 @@ def test_nothing_is_said_of_the_right_one():
 def test_where_residuals_cannot_tell():
     measured = noisy(SLOPES, 0)
     assert doubts(measured, CONSTANT)
+    fit_of_it = fitted(objective_of(SLOPES, measured, CONSTANT))
+    assert not doubtful_scatter(*fit_of_it, astray=["v_t_mps"])
+    assert doubtful_scatter(*fit_of_it, astray=["e_n"])
     few = np.geomspace(1.0, 30.0, 7)
     assert not doubts(noisy(few, 0), CONSTANT, few)
     assert not doubts(measured, CONSTANT, loss="student")

@@ -180,8 +180,8 @@ def _leave_out(
         rows = best.jacobian[0, tests]
         variance = np.einsum("rtp,pq,rtq->rt", rows, covariance, rows)
         predicted[tests] = best.predicted[0, tests]
-        size = sizes(study, best.predicted[0]) / of_whole
-        scatter = (objective.sigma * size) ** 2 * uncertainty.inflation
+        part = sizes(study, best.predicted[0]) / of_whole
+        scatter = (objective.sigma * part) ** 2 * uncertainty.inflation
         deviation[tests] = np.sqrt(scatter[tests] + variance)
         ends[number] = best.x[0]
         reasons.append(reason)

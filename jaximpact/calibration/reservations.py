@@ -40,7 +40,8 @@ def reservations(
         lines.append(f"The best fit is no minimum: {variant.reason.words}.")
     for place, name in enumerate(result.study.targets):
         lines += _large_misfit(result, variant, place, name)
-    lines += doubtful_scatter(variant.objective, variant.points)
+    astray = dict.fromkeys(trend.target for trend in looked.residuals.trends)
+    lines += doubtful_scatter(variant.objective, variant.points, astray)
     if uncertainty.inflation > 1.0:
         lines.append(
             "The misfit is larger than the sigmas given allow. Standard errors are "
@@ -55,7 +56,7 @@ def reservations(
         )
     if freedom < LEAST_FREEDOM and not np.all(result.study.sigma_given):
         lines.append(TOO_FEW_FOR_SIGMA)
-    for target in dict.fromkeys(trend.target for trend in looked.residuals.trends):
+    for target in astray:
         against = [t.against for t in looked.residuals.trends if t.target == target]
         lines.append(
             f"The residuals of {target} follow {' and '.join(against)}: the model "

@@ -9,6 +9,8 @@ $$ \ln \frac{L_p}{L_c} = \frac{n}{2} \left( \ln \overline{e^2} -
 Either has one number that is estimated. Where all z are alike it is 0.
 """
 
+from collections.abc import Collection
+
 import numpy as np
 
 from .losses import LOSSES
@@ -25,7 +27,9 @@ MOST_TIMES = 1e3
 """Beyond which nobody asks how many times."""
 
 
-def doubtful_scatter(objective: Objective, points: Points) -> list[str]:
+def doubtful_scatter(
+    objective: Objective, points: Points, astray: Collection[str] = ()
+) -> list[str]:
     """What to set instead, of every target whose residuals clearly say so.
 
     Of exact measurements alone, all predicted with one sign, and of Gaussian losses: an
@@ -33,6 +37,8 @@ def doubtful_scatter(objective: Objective, points: Points) -> list[str]:
 
     Args:
         points: the best fit, of one lane.
+        astray: targets that are passed over, for their residuals follow something: they
+            are what the model misses, not scatter.
     """
     study = objective.study
     if study.loss != LOSSES[0]:
@@ -43,6 +49,8 @@ def doubtful_scatter(objective: Objective, points: Points) -> list[str]:
     least = least_size(study.measured)
     lines = []
     for place in np.flatnonzero(~study.sigma_given):
+        if study.targets[place] in astray:
+            continue
         told = exact[:, place] & (left[:, place] > LEAST_LEFT)
         value, measured = predicted[told, place], study.measured[told, place]
         if len(value) < FEWEST or np.min(value) * np.max(value) <= 0.0:
