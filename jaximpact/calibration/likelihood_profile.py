@@ -15,6 +15,9 @@ PARTS = (0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0)
 """Where in its range a parameter is held."""
 NEAR = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)
 """And where about the best fit, in standard errors."""
+FOLLOWED = 0.3
+"""Standard errors, in x, up to which the curvature at the best fit says where the
+others go: beyond, costs are no parabolas."""
 ONE_SIGMA = 1.0
 """Rise of twice the cost, over the inflation, at one standard deviation."""
 
@@ -59,9 +62,9 @@ def profile_all(
     """Profiles of the soil's parameters about a fit (points of one lane), all of their
     points side by side.
 
-    Near the best fit a point starts with the other unknowns where the curvature there
-    has them, farther off at the best fit; the last one, with all of them held there,
-    gives its cost to the accuracy of the others.
+    Near the best fit, of a parameter that is well known, a point starts with the other
+    unknowns where the curvature there has them, else at the best fit; the last one,
+    with all of them held there, gives its cost to the accuracy of the others.
     """
     rough = rough_of(objective)
     bounds, names = objective.bounds, objective.study.parameters
@@ -76,7 +79,7 @@ def profile_all(
         follow = _following(points.hessian[0], place)
         for value in np.unique(np.concatenate([near, wide])):
             apart = value - best[place]
-            if abs(apart) <= NEAR[-1] * error:
+            if error <= FOLLOWED and abs(apart) <= NEAR[-1] * error:
                 start = np.clip(best + follow * apart, bounds.low, bounds.high)
             else:
                 start = best.copy()
