@@ -142,12 +142,9 @@ def _fit_and_predict(study, engine, columns, measured, targets):
     from jaximpact.calibration.draws import draw
     from jaximpact.calibration.fitted_ground import FittedGround, FittedVariant
     from jaximpact.calibration.objective import Objective
-    from jaximpact.calibration.prediction import _predict, held_out_study
-    from jaximpact.calibration.proportional import (
-        PartOfSize,
-        least_size,
-        part_of_size,
-    )
+    from jaximpact.calibration.prediction import held_out_study, predict_variant
+    from jaximpact.calibration.proportional import PartOfSize, least_size
+    from jaximpact.calibration.scatter import part_of_size
     from jaximpact.calibration.study import best_fit
     from jaximpact.calibration.uncertainty import estimate
     from jaximpact.calibration.unknown_scale import freedom_of_targets, weights_of
@@ -196,7 +193,7 @@ def _fit_and_predict(study, engine, columns, measured, targets):
     if np.any(study.sigma_given):
         columns = columns | _sigmas(measured, targets)
     new = held_out_study(ground, _rows(columns, measured, targets, slice(TESTS, None)))
-    found = _predict(new, ground, fitted, engine)
+    found = predict_variant(new, ground, fitted, engine)
     inside = (new.measured >= found.low_95) & (new.measured <= found.high_95)
     width = (found.high_95 - found.low_95) / np.abs(new.measured)
     order = np.argsort(np.abs(new.measured), axis=0)

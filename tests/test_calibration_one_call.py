@@ -17,7 +17,7 @@ from jaximpact.calibration.fitted_ground import fitted_of
 from jaximpact.calibration.given import table_given
 from jaximpact.calibration.objective import Objective, engine_of
 from jaximpact.calibration.one_call import _study
-from jaximpact.calibration.prediction import _predict, held_out_study
+from jaximpact.calibration.prediction import held_out_study, predict_variant
 from jaximpact.calibration.study_file import read_study
 from jaximpact.cli import main
 from jaximpact.errors import InputError
@@ -260,7 +260,7 @@ def test_draws_are_predicted_as_exactly_as_they_were_drawn(found):
     low = {}
     for name in ("fast", "balanced"):
         of_one = alone._replace(accuracy=PRESETS[name])
-        low[name] = _predict(study, ground, of_one, engine).model_low
+        low[name] = predict_variant(study, ground, of_one, engine).model_low
     objective = Objective(study, fitted.variant, engine, PRESETS["balanced"])
     x = objective.bounds.coordinate(fitted.draws[:1])
     exact = objective.glance(x, np.zeros(x.shape, bool)).predicted[0]

@@ -18,9 +18,9 @@ from jaximpact.calibration.losses import LOSSES
 from jaximpact.calibration.memory import Memory
 from jaximpact.calibration.output import as_json, in_lines
 from jaximpact.calibration.prediction import predict
-from jaximpact.calibration.proportional import LEAST_SIZE, part_of_size
+from jaximpact.calibration.proportional import LEAST_SIZE
 from jaximpact.calibration.report import target_rows
-from jaximpact.calibration.scatter import SETTLED, settle
+from jaximpact.calibration.scatter import SETTLED, part_of_size, settle
 from jaximpact.calibration.study import fit_study
 from jaximpact.calibration.study_file import NOMINAL_SIGMA, read_study, study_of
 from jaximpact.calibration.summary import in_brief

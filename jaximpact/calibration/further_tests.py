@@ -19,7 +19,8 @@ from ..formats.columns import INPUT_COLUMNS
 from .candidates import Sigma, checked_axes, checked_measure
 from .design import CRITERIA, choose, merit
 from .engine import LEAVES
-from .proportional import least_size, part_of_size
+from .proportional import least_size
+from .scatter import part_of_size
 from .study import VariantResult
 from .turned_ground import SIGN
 from .uncertainty import bounds_information, regular_covariance

@@ -24,7 +24,7 @@ from .chance import too_few
 from .fit import fit, no_finer_than_sigmas
 from .least_squares import Progress, bounded_step
 from .objective import Objective, Points
-from .proportional import sizes
+from .scatter import sizes
 from .stopping import Patience, Reason
 from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 

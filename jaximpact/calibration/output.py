@@ -15,10 +15,11 @@ from ..formats.provenance import version_of, versions
 from .examination import Examination
 from .further_tests import Suggestions
 from .left_out import LeftOut
-from .proportional import SCATTERS, least_size, part_of_size
+from .proportional import SCATTERS, least_size
 from .report import as_text, fit_of_target, interval, standard_error
 from .reservations import of_all
 from .sampling import Samples, to_inference_data
+from .scatter import part_of_size
 from .study import StudyResult, VariantResult
 from .study_file import Study
 from .unknown_scale import freedom_of_targets, weights_of

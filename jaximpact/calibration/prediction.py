@@ -141,7 +141,7 @@ def predict(
     for number, fitted in enumerate(ground.variants, 1):
         start = f"variant {number} of {len(ground.variants)}: "
         variants.append(
-            _predict(
+            predict_variant(
                 study,
                 ground,
                 fitted,
@@ -255,7 +255,7 @@ def unknowns(
     return np.array(best), np.stack(draws, axis=1), weights
 
 
-def _predict(
+def predict_variant(
     study: Study,
     ground: FittedGround,
     fitted: FittedVariant,

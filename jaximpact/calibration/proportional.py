@@ -9,12 +9,9 @@ was measured: a value that passes zero would otherwise have next to no sigma, an
 test would rule the fit, however little the model is off there.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from .study_file import Study
 
 CONSTANT, PROPORTIONAL = SCATTERS = ("constant", "proportional")
 LEAST_SIZE = 0.02
@@ -31,39 +28,6 @@ def root_mean_square(measured: np.ndarray) -> np.ndarray:
 def least_size(measured: np.ndarray) -> np.ndarray:
     """y_0 of each column."""
     return LEAST_SIZE * root_mean_square(measured)
-
-
-def sizes(study: "Study", values: np.ndarray) -> np.ndarray:
-    """What sigmas are in proportion to, `(tests, targets)`; 1 where they are constant.
-
-    Args:
-        values: of the targets, likewise. Where one is NaN the measured value stands for
-            it, and y_0 where there is none either.
-    """
-    values = np.where(np.isfinite(values), values, study.measured)
-    values = np.where(np.isfinite(values), np.abs(values), 0.0)
-    floored = np.maximum(values, least_size(study.measured))
-    return np.where(study.proportional, floored, 1.0)
-
-
-def part_of_size(
-    study: "Study", sigma: np.ndarray, predicted: np.ndarray
-) -> np.ndarray:
-    """r of each target that sigmas have at a fit, `(targets,)`; NaN where they are
-    constant.
-
-    Args:
-        sigma, predicted: `(tests, targets)`. Sigmas that are not of this fit, nominal
-            ones or those of a step before, have no one r: it is the median's.
-    """
-    ratio = np.where(study.known, sigma / sizes(study, predicted), np.nan)
-    return np.where(study.proportional, np.nanmedian(ratio, axis=0), np.nan)
-
-
-def resized(study: "Study", sigma: np.ndarray, predicted: np.ndarray) -> np.ndarray:
-    """Sigmas with the same r, in proportion to other values, `(tests, targets)`."""
-    r = part_of_size(study, sigma, predicted)
-    return np.where(study.proportional, r * sizes(study, predicted), sigma)
 
 
 class PartOfSize(NamedTuple):

@@ -3,8 +3,7 @@
 import numpy as np
 
 from ..formats.align import align
-from .proportional import part_of_size
-from .scatter import LEAST_FREEDOM
+from .scatter import LEAST_FREEDOM, part_of_size
 from .stopping import Reason
 from .study import StudyResult, VariantResult
 from .study_file import Study

@@ -20,8 +20,9 @@ import numpy as np
 from .least_squares import Fits, Progress
 from .losses import losses, scale_of_normal
 from .objective import Objective, Points
-from .proportional import resized, root_mean_square, sizes
+from .proportional import least_size, root_mean_square
 from .stopping import FINE
+from .study_file import Study
 from .uncertainty import leverages
 
 LEAST_PART = 1e-3
@@ -33,6 +34,37 @@ LEAST_FREEDOM = 0.99
 ROUNDS = 20
 SETTLED = 3e-3
 """Relative change of every sigma at which they have settled."""
+
+
+def sizes(study: Study, values: np.ndarray) -> np.ndarray:
+    """What sigmas are in proportion to, `(tests, targets)`; 1 where they are constant.
+
+    Args:
+        values: of the targets, likewise. Where one is NaN the measured value stands for
+            it, and y_0 where there is none either.
+    """
+    values = np.where(np.isfinite(values), values, study.measured)
+    values = np.where(np.isfinite(values), np.abs(values), 0.0)
+    floored = np.maximum(values, least_size(study.measured))
+    return np.where(study.proportional, floored, 1.0)
+
+
+def part_of_size(study: Study, sigma: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+    """r of each target that sigmas have at a fit, `(targets,)`; NaN where they are
+    constant.
+
+    Args:
+        sigma, predicted: `(tests, targets)`. Sigmas that are not of this fit, nominal
+            ones or those of a step before, have no one r: it is the median's.
+    """
+    ratio = np.where(study.known, sigma / sizes(study, predicted), np.nan)
+    return np.where(study.proportional, np.nanmedian(ratio, axis=0), np.nan)
+
+
+def resized(study: Study, sigma: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+    """Sigmas with the same r, in proportion to other values, `(tests, targets)`."""
+    r = part_of_size(study, sigma, predicted)
+    return np.where(study.proportional, r * sizes(study, predicted), sigma)
 
 
 def estimate_sigma(objective: Objective, points: Points) -> np.ndarray:
