@@ -17,7 +17,13 @@ from jax.custom_derivatives import SymbolicZero
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
 from .engines.compilation import unfused_jit
-from .engines.machine import compile_native, computes_on_cpu, solve_alone
+from .engines.machine import (
+    compile_native,
+    compile_native_along,
+    computes_on_cpu,
+    solve_alone,
+    solve_by_leaves,
+)
 from .formats import provenance
 from .formats.checks import check_scene
 from .history import History, record_history
@@ -91,12 +97,12 @@ def _solve_jvp(assembly, structure, primals, tangents):
     )
     found = _in_machine_code(assembly, leaves, tolerance, floor, varied)
     if found is None:
-        found = _compiled_with_columns(
+        numbers, columns = _compiled_with_columns(
             assembly, structure, varied, leaves, tolerance, floor
         )
-    numbers, columns = found
-    steps = [tangents[0][place] for place in varied]
-    return numbers, _along(_by_leaf(columns, len(varied)), steps)
+        found = numbers, _by_leaf(columns, len(varied))
+    numbers, by_leaf = found
+    return numbers, _along(by_leaf, [tangents[0][place] for place in varied])
 
 
 @jax.jit
@@ -110,21 +116,20 @@ def _along(columns: list[Numbers], steps: list) -> Numbers:
     return jax.tree.map(of_result, *columns)
 
 
-MOST_VARIED = 4
-"""Leaves by which machine code differentiates; it is made for each choice of them, and
-takes some seconds for each leaf."""
-
-
 def _in_machine_code(assembly, leaves, tolerance, floor, varied=None):
-    """Numbers, with `varied` also their derivatives by these leaves. None where there
-    is no machine code: for another device, for laws that have none, while something is
-    being traced, and for many leaves."""
+    """Numbers, with `varied` also a list of their derivatives by these leaves. None
+    where there is no machine code: for another device, for laws that have none, and
+    while something is being traced."""
     inputs = [*leaves, tolerance, floor]
-    traced = any(isinstance(x, jax.core.Tracer) for x in inputs)
-    if traced or not computes_on_cpu() or len(varied or ()) > MOST_VARIED:
+    if any(isinstance(x, jax.core.Tracer) for x in inputs) or not computes_on_cpu():
         return None
-    kernel = compile_native(assembly, varied)
-    return None if kernel is None else jax.device_put(solve_alone(kernel, inputs))
+    make = compile_native if varied is None else compile_native_along
+    kernel = make(assembly)
+    if kernel is None:
+        return None
+    if varied is None:
+        return jax.device_put(solve_alone(kernel, inputs))
+    return jax.device_put(solve_by_leaves(kernel, inputs, varied))
 
 
 def _by_leaf(columns, count):

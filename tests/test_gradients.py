@@ -12,7 +12,12 @@ from jaximpact import Accuracy, Block, Impact, Laws, Scene, Soil, simulate
 from jaximpact.accuracy import PRESETS
 from jaximpact.calibration.engine import LEAVES
 from jaximpact.engines.compilation import unfused_jit
-from jaximpact.engines.machine import compile_native, solve_side_by_side
+from jaximpact.engines.machine import (
+    along_leaves,
+    compile_native_along,
+    kernel_inputs,
+    solve_rows,
+)
 from jaximpact.mechanics.model import PLANAR, PLANAR_DAMPED, select_model
 from jaximpact.simulation import Assembly, compute
 
@@ -190,16 +195,17 @@ def test_stages_beyond_the_end_keep_the_derivative(accuracy, allowed):
     logs = np.log(6.74) + 1e-3 * np.arange(-40, 41)
     soil = Soil(c_v=0.987, gamma_v=jnp.exp(logs), k_E=801.0)
     scene = broadcast(Scene(block, soil, impact), len(logs))
-    kernel = compile_native(
-        Assembly(Laws(), select_model(block, soil, impact), False), (LEAVES["gamma_v"],)
+    kernel = compile_native_along(
+        Assembly(Laws(), select_model(block, soil, impact), False)
     )
 
     def solved(accuracy):
-        return solve_side_by_side(kernel, scene, PRESETS[accuracy])
+        inputs = np.stack(kernel_inputs(scene, PRESETS[accuracy]))
+        return solve_rows(kernel, along_leaves(inputs, LEAVES["gamma_v"]))
 
     values = solved("reference")[0].e_n
     differences = (values[2:] - values[:-2]) / 2e-3
-    (derivatives,) = solved(accuracy)[1].e_n
+    derivatives = solved(accuracy)[1].e_n
     by_log = (derivatives * np.exp(logs))[1:-1]
     np.testing.assert_allclose(by_log, differences, rtol=0.0, atol=allowed)
 

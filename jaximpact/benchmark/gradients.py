@@ -10,7 +10,12 @@ import numpy as np
 
 from ..accuracy import Accuracy
 from ..block import Block
-from ..engines.machine import compile_native, solve_side_by_side
+from ..engines.machine import (
+    along_leaves,
+    compile_native_along,
+    kernel_inputs,
+    solve_rows,
+)
 from ..engines.marching import CORES
 from ..mechanics.laws import Laws
 from ..mechanics.model import MODELS, model_places
@@ -41,12 +46,12 @@ def forward_gradient(
     Each scene with the cheapest model that is exact, as in `simulate`.
     """
     accuracy = Accuracy("measured", tolerance, FLOOR)
-    varied = tuple(_leaf_names().index(name) for name in PARAMETERS)
+    varied = [_leaf_names().index(name) for name in PARAMETERS]
     places = model_places(scenes)
     kernels, parts = {}, []
     for place in np.unique(places):
         assembly = Assembly(Laws(), MODELS[place], ledger=False)
-        kernels[place] = compile_native(assembly, varied)
+        kernels[place] = compile_native_along(assembly)
         own = np.flatnonzero(places == place)
         pieces = CORES if batch else len(own)
         parts += [(place, piece) for piece in np.array_split(own, pieces) if len(piece)]
@@ -54,10 +59,13 @@ def forward_gradient(
     def compute(part) -> np.ndarray:
         place, own = part
         here = choose(scenes, own)
-        _, columns = solve_side_by_side(kernels[place], here, accuracy)
+        inputs = np.stack(kernel_inputs(here, accuracy))
+        rows = np.repeat(inputs, len(varied), axis=1)
+        leaves = np.tile(varied, inputs.shape[1])
+        _, along = solve_rows(kernels[place], along_leaves(rows, leaves))
         # By the parameter's logarithm
         values = [getattr(here.soil, name) for name in PARAMETERS]
-        return np.stack(columns.e_n, axis=1) * np.stack(values, axis=1)
+        return along.e_n.reshape(-1, len(varied)) * np.stack(values, axis=1)
 
     found = np.empty((count_of(scenes), len(PARAMETERS)))
     begin = time.perf_counter()

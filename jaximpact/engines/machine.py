@@ -33,61 +33,60 @@ def computes_on_cpu() -> bool:
     return jax.default_backend() == "cpu"
 
 
-@functools.lru_cache(maxsize=32)
-def compile_native(
-    assembly: Assembly, varied: tuple[int, ...] | None = None
-) -> Kernel | None:
-    """Machine code for an assembly of the model, from scenes, tolerance and floor. None
-    if its laws, which may be the user's own, do what has no machine code.
+LEAF_COUNT = jax.tree.structure(Scene(Block(), Soil(), Impact())).num_leaves
+"""Of a scene."""
 
-    Args:
-        varied: leaves of the scene by which to differentiate, if any. Results are then
-            a pair: numbers, and numbers of arrays with an entry for each of them.
-    """
-    of_lane = numbers_of_no_value(assembly.ledger)
-    if varied is not None:
-        of_lane = of_lane, jax.tree.map(lambda x: [x] * len(varied), of_lane)
-    structure = jax.tree.structure(of_lane)
+
+@functools.lru_cache(maxsize=32)
+def compile_native(assembly: Assembly) -> Kernel | None:
+    """Machine code for an assembly of the model, from scenes, tolerance and floor. None
+    if its laws, which may be the user's own, do what has no machine code."""
+    structure = jax.tree.structure(numbers_of_no_value(assembly.ledger))
 
     def compile_lanes() -> Code:
-        one = jax.ShapeDtypeStruct((1,), float)
-        scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
-        inputs = scenes, one, one
         of_lanes = _Lanes(assembly)
-        if varied is not None:
-            of_lanes = _Varied(assembly, varied, inputs)
-        return compile_code(of_lanes.begin, of_lanes.step, of_lanes.finish, inputs)
+        return compile_code(of_lanes.begin, of_lanes.step, of_lanes.finish, _inputs())
 
-    code = _kept_or_compiled(assembly, varied, compile_lanes)
+    code = _kept_or_compiled(assembly, None, compile_lanes)
     return None if code is None else Kernel(code, structure)
 
 
 @functools.lru_cache(maxsize=32)
-def compile_native_along(assembly: Assembly, varied: tuple[int, ...]) -> Kernel | None:
+def compile_native_along(
+    assembly: Assembly, varied: tuple[int, ...] = tuple(range(LEAF_COUNT))
+) -> Kernel | None:
     """Machine code for an assembly of the model, from scenes, tolerance and floor, and
     a direction. None as for `compile_native`.
 
     One derivative is taken whatever the number of leaves, so that the code is soon
-    compiled; for several derivatives it is run as often.
+    compiled; for several derivatives it is run as often, in lanes side by side.
 
     Args:
-        varied: leaves of the scene that may change along the direction; inputs end with
-            a row for each, its derivative along it. Results are a pair: numbers, and
-            their derivatives along the direction.
+        varied: leaves of the scene that may change along the direction, all if not
+            told; inputs end with a row for each, its derivative along it. Results are a
+            pair: numbers, and their derivatives along the direction.
+
+    Of the state, course and constants of the problem are differentiated; widths of
+    steps, and with them the time, are not.
     """
     of_lane = numbers_of_no_value(assembly.ledger)
 
     def compile_lanes() -> Code:
-        one = jax.ShapeDtypeStruct((1,), float)
-        scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
-        inputs = scenes, one, one
+        inputs = _inputs()
         of_lanes = _Along(assembly, varied, inputs)
-        both = inputs, [one] * len(varied)
+        both = inputs, [inputs[1]] * len(varied)
         return compile_code(of_lanes.begin, of_lanes.step, of_lanes.finish, both)
 
     code = _kept_or_compiled(assembly, ("along", *varied), compile_lanes)
     structure = jax.tree.structure((of_lane, of_lane))
     return None if code is None else Kernel(code, structure)
+
+
+def _inputs():
+    """What stands for scenes, tolerance and floor of one lane."""
+    one = jax.ShapeDtypeStruct((1,), float)
+    scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
+    return scenes, one, one
 
 
 def _kept_or_compiled(
@@ -136,66 +135,10 @@ class _Lanes(NamedTuple):
         return summarise_lanes(inputs[0], lanes)
 
 
-class _Varied:
-    """What lanes do, and the derivatives of what they have come to.
-
-    Of the state, course and constants of the problem are differentiated; widths of
-    steps, and with them the time, are not. Derivatives are kept for one varied leaf
-    after another, as lists of those leaves of the lanes that change with it.
-    """
-
-    def __init__(self, assembly: Assembly, varied: tuple[int, ...], inputs):
-        self.lanes, self.varied = _Lanes(assembly), varied
-        traced, lanes = jax.make_jaxpr(self.lanes.begin, return_shape=True)(inputs)
-        self.changing = [_changing(traced, lanes, place) for place in varied]
-
-    def begin(self, inputs):
-        slopes = []
-        for place, changing in zip(self.varied, self.changing, strict=True):
-
-            def of_leaf(value, place=place, changing=changing):
-                lanes = self.lanes.begin(_with_leaves(inputs, [place], [value]))
-                return _leaves(lanes, changing)
-
-            slopes.append(_slope(of_leaf, _leaves(inputs, [place]), [jnp.ones(1)]))
-        return self.lanes.begin(inputs), slopes
-
-    def step(self, state):
-        lanes, slopes = state
-        after, going = self.lanes.step(lanes)
-        slopes_after = []
-        for slope, changing in zip(slopes, self.changing, strict=True):
-
-            def of_changing(*values, changing=changing):
-                after, _ = self.lanes.step(_with_leaves(lanes, changing, values))
-                return _leaves(after, changing)
-
-            slopes_after.append(_slope(of_changing, _leaves(lanes, changing), slope))
-        return (after, slopes_after), going
-
-    def finish(self, inputs, state):
-        lanes, slopes = state
-        columns = []
-        for place, changing, slope in zip(
-            self.varied, self.changing, slopes, strict=True
-        ):
-
-            def of_both(value, *values, place=place, changing=changing):
-                return self.lanes.finish(
-                    _with_leaves(inputs, [place], [value]),
-                    _with_leaves(lanes, changing, values),
-                )
-
-            both = _leaves(inputs, [place]) + _leaves(lanes, changing)
-            columns.append(_slope(of_both, both, [jnp.ones(1), *slope]))
-        numbers = self.lanes.finish(inputs, lanes)
-        return numbers, jax.tree.map(lambda *entries: list(entries), *columns)
-
-
 class _Along:
     """What lanes do, and the derivative along a direction of what they have come to.
 
-    As for `_Varied`, with one derivative, of the leaves that change with any varied.
+    Of the lanes those leaves are differentiated that change with any leaf varied.
     """
 
     def __init__(self, assembly: Assembly, varied: tuple[int, ...], inputs):
@@ -270,11 +213,6 @@ def _with_leaves(tree, places: list[int], values):
     return jax.tree.unflatten(structure, leaves)
 
 
-def _slope(function: Callable, values: list[Array], slopes: list[Array]):
-    """Derivative of a function along the slopes of its arguments."""
-    return jax.jvp(function, values, slopes)[1]
-
-
 def kernel_inputs(scene: Scene, accuracy: Accuracy) -> list[np.ndarray]:
     """Rows of inputs of the machine code, by the lanes of a scene of arrays."""
     lanes = np.shape(scene.impact.speed)
@@ -288,9 +226,36 @@ def solve_alone(kernel: Kernel, inputs: list):
     Args:
         inputs: leaves of the scene, tolerance and floor: scalars.
     """
+    results = solve_rows(kernel, np.array(inputs, float)[:, None])
+    return jax.tree.map(lambda row: row[0], results)
+
+
+def solve_by_leaves(kernel: Kernel, inputs: list, leaves: tuple[int, ...]):
+    """Results of one impact, and a list of their derivatives by leaves of the scene.
+
+    Args:
+        kernel: of `compile_native_along`, by all leaves.
+        inputs: as for `solve_alone`.
+        leaves: one or more.
+    """
     column = np.array(inputs, float)[:, None]
-    _, results = kernel.workspace().run(np.zeros(1, int), column, wait=False)
-    return jax.tree.unflatten(kernel.structure, list(results[:, 0]))
+    rows = np.repeat(column, len(leaves), axis=1)
+    numbers, along = solve_rows(kernel, along_leaves(rows, leaves))
+    by_leaf = [jax.tree.map(lambda x, k=k: x[k], along) for k in range(len(leaves))]
+    return jax.tree.map(lambda x: x[0], numbers), by_leaf
+
+
+def along_leaves(inputs: np.ndarray, leaves) -> np.ndarray:
+    """Rows of inputs of the code of `compile_native_along`, by all leaves.
+
+    Args:
+        inputs: `(rows, lanes)`, of the code without a direction.
+        leaves: by which each lane is differentiated, `(lanes,)`, or one for all.
+    """
+    lanes = inputs.shape[1]
+    directions = np.zeros((LEAF_COUNT, lanes))
+    directions[leaves, np.arange(lanes)] = 1.0
+    return np.concatenate([inputs, directions])
 
 
 def solve_side_by_side(kernel: Kernel, scene: Scene, accuracy: Accuracy):

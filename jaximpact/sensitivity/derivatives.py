@@ -7,7 +7,12 @@ import jax
 import numpy as np
 
 from ..accuracy import Accuracy
-from ..engines.machine import compile_native, solve_side_by_side
+from ..engines.machine import (
+    along_leaves,
+    compile_native_along,
+    kernel_inputs,
+    solve_rows,
+)
 from ..engines.marching import CORES
 from ..formats.columns import InputColumn
 from ..mechanics.laws import Laws
@@ -29,8 +34,7 @@ def derivatives(
 ) -> tuple[Numbers, Numbers]:
     """Results, and their derivatives by one parameter in SI units.
 
-    One parameter at a time: a program takes some 4 s to make for each parameter, in
-    whatever company, and what was made for one serves every later choice that holds it.
+    One parameter at a time, by the same program for all: it takes some 4 s to make.
 
     Args:
         scene: fields `(n,)`.
@@ -54,7 +58,7 @@ def derivatives(
     values, slopes = np.empty((rows, count)), np.empty((rows, count))
     jobs = []
     for model in np.unique(models):
-        kernel = compile_native(Assembly(Laws(), MODELS[model], False), (leaf,))
+        kernel = compile_native_along(Assembly(Laws(), MODELS[model], False))
         chosen = np.flatnonzero(models == model)
         jobs += [
             (kernel, chosen[start : start + PART])
@@ -64,9 +68,10 @@ def derivatives(
     def solve(job) -> None:
         kernel, places = job
         part = jax.tree.unflatten(structure, [x[places] for x in leaves])
-        numbers, columns = solve_side_by_side(kernel, part, accuracy)
+        inputs = along_leaves(np.stack(kernel_inputs(part, accuracy)), leaf)
+        numbers, along = solve_rows(kernel, inputs)
         values[:, places] = jax.tree.leaves(numbers)
-        slopes[:, places] = jax.tree.leaves(columns)  # lists of one
+        slopes[:, places] = jax.tree.leaves(along)
         done(len(places))
 
     pool = concurrent.futures.ThreadPoolExecutor(CORES)
