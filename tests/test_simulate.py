@@ -3,6 +3,9 @@ scenes."""
 
 import dataclasses
 import math
+import os
+import subprocess
+import sys
 
 import jax
 import jax.numpy as jnp
@@ -327,6 +330,13 @@ def test_refusals_say_what_is_needed(wrong, said):
     accuracy = arguments.pop("accuracy", "fast")
     with pytest.raises(ValueError, match=said):
         simulate(*arguments.values(), accuracy=accuracy)
+
+
+def test_importing_needs_no_float64():
+    """JAX may be set up after jaximpact is imported, as its commands do."""
+    script = "import jaximpact, jaximpact.calibration, jaximpact.runout"
+    environment = os.environ | {"JAX_ENABLE_X64": "0"}
+    subprocess.run([sys.executable, "-c", script], env=environment, check=True)
 
 
 def test_float32_is_refused():
