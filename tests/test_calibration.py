@@ -484,17 +484,18 @@ def test_fits_above_the_best_say_so(tmp_path, engine):
 
 
 def test_stuck_starts_begin_anew(tmp_path, monkeypatch):
-    """Elsewhere, within the bounds, a few times; they end there only if that is lower,
-    and how often is told."""
+    """Elsewhere, within the bounds, a few times, but not those that are near the best;
+    they end there only if that is lower, and how often is told."""
     study = linear_study(tmp_path, 3, sigma=0.1)
     objective = Linear(study, study.variants[0], None)
     objective.matrix = np.eye(3)[:, :2]
     stuck, ended = Reason.stuck, Reason.converged
-    # Of the starts 0 is never stuck, 1 once, 2 always, and 3 until it is at its third.
+    # Of the starts 0 is never stuck, 1 once, 2 always, 3 until it is at its third, and
+    # 4 within a tenth of sigma from the best.
     rounds = [
         (
-            [[0.1, 0.0], [0.5, 0.0], [0.2, 0.0], [0.6, 0.0]],
-            [ended, stuck, stuck, stuck],
+            [[0.1, 0.0], [0.5, 0.0], [0.2, 0.0], [0.6, 0.0], [0.11, 0.0]],
+            [ended, stuck, stuck, stuck, stuck],
         ),
         ([[0.1, 0.0], [0.3, 0.0], [0.7, 0.0]], [ended, stuck, stuck]),
         ([[0.3, 0.0], [0.4, 0.0]], [stuck, stuck]),
@@ -515,15 +516,15 @@ def test_stuck_starts_begin_anew(tmp_path, monkeypatch):
     monkeypatch.setattr(
         "jaximpact.calibration.fit.rough_of", lambda objective: objective
     )
-    fits = fit_starts(objective, np.zeros((4, 2)), "levenberg-marquardt", print)
-    assert [len(x) for x in begun] == [4, 3, 2, 2]
+    fits = fit_starts(objective, np.zeros((5, 2)), "levenberg-marquardt", print)
+    assert [len(x) for x in begun] == [5, 3, 2, 2]
     assert len({tuple(row) for x in begun[1:] for row in x}) == 7
     for x in begun:
         assert np.all((x >= objective.bounds.low) & (x <= objective.bounds.high))
-    np.testing.assert_array_equal(fits.points.x[:, 0], [0.1, 0.1, 0.2, 0.1])
-    assert fits.reasons == [ended, ended, stuck, ended]
-    np.testing.assert_array_equal(fits.anew, [0, 1, 3, 3])
-    np.testing.assert_array_equal(fits.steps, [5, 10, 20, 20])
+    np.testing.assert_array_equal(fits.points.x[:, 0], [0.1, 0.1, 0.2, 0.1, 0.11])
+    assert fits.reasons == [ended, ended, stuck, ended, stuck]
+    np.testing.assert_array_equal(fits.anew, [0, 1, 3, 3, 0])
+    np.testing.assert_array_equal(fits.steps, [5, 10, 20, 20, 5])
 
 
 @pytest.mark.parametrize("method", ["adam", "l-bfgs"])

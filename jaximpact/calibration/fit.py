@@ -132,12 +132,13 @@ def fit_starts(
 def _begun_anew(
     objective: Objective, fits: Fits, method: str, progress: Progress
 ) -> Fits:
-    """The fits, of which those that are stuck begin anew elsewhere in the range, and
-    end there if that is lower."""
+    """The fits, of which those that are stuck, and will not be fitted on, begin anew
+    elsewhere in the range, and end there if that is lower."""
     reasons, steps = list(fits.reasons), fits.steps.copy()
     points, anew = fits.points, np.zeros(len(reasons), int)
     for number in range(1, ANEW + 1):
-        lanes = np.flatnonzero([reason in STUCK for reason in reasons])
+        stuck = np.array([reason in STUCK for reason in reasons])
+        lanes = np.flatnonzero(stuck & ~_is_running(objective, points.cost))
         if not len(lanes):
             break
         x = spread_starts(
@@ -196,11 +197,15 @@ def _to_all(
 
 def go_on(objective: Objective, fits: Fits, progress: Progress) -> Fits:
     """Fit those to the end that may be the best."""
-    cost = fits.points.cost
+    running = np.flatnonzero(_is_running(objective, fits.points.cost))
+    return refit(objective, fits, running, lambda text: progress(f"refining, {text}"))
+
+
+def _is_running(objective: Objective, cost: np.ndarray) -> np.ndarray:
+    """Which ends may be the best."""
     times, more = RUNNING
     least = np.min(cost)
-    running = np.flatnonzero(cost <= times * least + more * objective.unit(least))
-    return refit(objective, fits, running, lambda text: progress(f"refining, {text}"))
+    return cost <= times * least + more * objective.unit(least)
 
 
 def refit(objective: Objective, fits: Fits, lanes, progress: Progress) -> Fits:
