@@ -23,9 +23,9 @@ from jaximpact.calibration.given import table_given
 from jaximpact.calibration.objective import Objective, engine_of
 from jaximpact.calibration.output import in_lines
 from jaximpact.calibration.prediction import (
-    _predict,
     held_out_study,
     plain_forecast,
+    predict_variant,
     scatter,
     unknowns,
 )
@@ -299,7 +299,7 @@ def test_intervals_cover_what_is_measured_next():
             parameters=study.parameters, targets=study.targets, accuracy="balanced"
         )
         new = held_out_study(ground, study_of_columns(anew).tests)
-        found = _predict(new, ground, variant, engine)
+        found = predict_variant(new, ground, variant, engine)
         inside.append((anew >= found.low_95) & (anew <= found.high_95))
         half.append((anew >= found.low_50) & (anew <= found.high_50))
         of_model.append((truth >= found.model_low) & (truth <= found.model_high))
