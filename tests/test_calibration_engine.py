@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from jaximpact.calibration.engine import LEAVES, USUAL, Engine
+from jaximpact.calibration.fit import SOME_TESTS, some_tests
 from jaximpact.calibration.objective import Objective, engine_of
 from jaximpact.calibration.study import fit_study
 from jaximpact.calibration.study_file import read_study
@@ -109,6 +110,21 @@ def test_many_tests_are_begun_with_some(tmp_path, monkeypatch):
     np.testing.assert_allclose(found.predicted, expected.predicted, atol=error)
     assert np.sum(found.reached) >= 1
     assert np.all(found.start_costs >= found.cost * (1.0 - 1e-9))
+
+
+def test_some_tests_hold_what_is_seldom_measured(tmp_path):
+    """Of 1000 tests of e_n, five with a depth and one without anything."""
+    rows = [f"{i % 80},0.2," for i in range(1000)]
+    rows[10] = "10,,"
+    for place in (3, 500, 700, 800, 999):
+        rows[place] = f"{place % 80},0.2,0.1"
+    (tmp_path / "tests.csv").write_text(
+        "\n".join(["angle_deg,e_n,max_sinking_m", *rows])
+    )
+    chosen = some_tests(read_study(tmp_path / "tests.csv"))
+    assert {3, 500, 700, 800, 999} <= set(chosen)
+    assert 10 not in chosen
+    assert SOME_TESTS // 2 <= len(chosen) <= SOME_TESTS
 
 
 def test_a_derivative_without_bound_spoils_no_fit(study):

@@ -7,6 +7,7 @@ from ..accuracy import PRESETS
 from .least_squares import Fits, Progress, is_near, levenberg_marquardt
 from .objective import Objective
 from .stopping import FINE, ROUGH, Patience, Reason
+from .study_file import Study
 from .transforms import Bounds
 
 SPREAD = 0.02
@@ -18,8 +19,8 @@ SMALL_BESIDE = 1e-3
 """Part of a measurement; of a sigma above it, errors of impacts at "balanced", 1e-6 and
 their derivatives' 5e-4, move a fit by less than a hundredth of a standard error."""
 MANY_TESTS, SOME_TESTS = 200, 100
-"""Of more tests than the first, starts are told apart by the second number, drawn with
-the study's seed: where minima lie, to some standard errors, needs no more."""
+"""Of more tests than the first, starts are told apart by about the second number, drawn
+with the study's seed: where minima lie, to some standard errors, needs no more."""
 ANEW = 3
 """How often a start that is stuck begins anew."""
 STUCK = Reason.stuck, Reason.jump, Reason.failed
@@ -119,14 +120,24 @@ def fit_starts(
         fits = fit(objective, x, method=method, patience=ROUGH, progress=progress)
         return _begun_anew(objective, fits, method, progress)
 
-    tests = len(objective.study.measured)
-    if tests <= MANY_TESTS:
+    if len(objective.study.measured) <= MANY_TESTS:
         return go_on(objective, fitted(rough, progress), progress)
-    random = np.random.default_rng(objective.study.seed)
-    some = np.sort(random.choice(tests, SOME_TESTS, replace=False))
+    some = some_tests(objective.study)
     part = rough.of_tests(some)
-    fits = fitted(part, lambda text: progress(f"{SOME_TESTS} tests, {text}"))
+    fits = fitted(part, lambda text: progress(f"{len(some)} tests, {text}"))
     return go_on(objective, _to_all(rough, part, fits, progress), progress)
+
+
+def some_tests(study: Study) -> np.ndarray:
+    """Places of tests that stand for all: of every target as many, or all that there
+    are, so that none is lost that is seldom measured."""
+    random = np.random.default_rng(study.seed)
+    of_each = -(-SOME_TESTS // len(study.targets))
+    chosen = [
+        random.permutation(np.flatnonzero(measured))[:of_each]
+        for measured in study.known.T
+    ]
+    return np.unique(np.concatenate(chosen))
 
 
 def _begun_anew(
