@@ -182,28 +182,17 @@ def _to_all(
     """Fits to a part of the tests, taken on to all of them where they ended at a
     minimum; elsewhere they stay."""
     leader = _leaders(part, fits, np.arange(len(fits.reasons)))
-    leaders = np.unique(leader)
-    x = fits.points.x[leaders]
-    ends = objective.values(x)
+    leaders, place = np.unique(leader, return_inverse=True)
+    ends = objective.values(fits.points.x[leaders])
     ended = np.array([fits.reasons[lane].at_minimum for lane in leaders])
     if not np.any(ended):
         ended[np.argmin(ends.cost)] = True
-    again = fit(
-        objective,
-        x[ended],
-        patience=ROUGH,
-        progress=lambda text: progress(f"all tests, {text}"),
+    lanes = np.flatnonzero(ended[place])
+    fits = fits._replace(points=ends.take(place))
+    return _fitted_on(
+        *(objective, fits, lanes, leader[lanes], ROUGH),
+        lambda text: progress(f"all tests, {text}"),
     )
-    ends = ends.put(ended, again.points)
-    place = np.searchsorted(leaders, leader)
-    reasons, steps = list(fits.reasons), fits.steps.copy()
-    steps[leaders[ended]] += again.steps
-    found = dict(zip(leaders[ended], again.reasons, strict=True))
-    for lane, to in enumerate(leader):
-        if to in found:
-            joined = lane != to and found[to].at_minimum
-            reasons[lane] = Reason.joined if joined else found[to]
-    return Fits(ends.take(place), reasons, steps, fits.anew)
 
 
 def go_on(objective: Objective, fits: Fits, progress: Progress) -> Fits:
@@ -223,8 +212,20 @@ def refit(objective: Objective, fits: Fits, lanes, progress: Progress) -> Fits:
     """Fit some of the lanes on, from where they are. Those that are at one minimum go
     on as one."""
     leader = _leaders(objective, fits, lanes)
+    return _fitted_on(objective, fits, lanes, leader, FINE, progress)
+
+
+def _fitted_on(
+    objective: Objective,
+    fits: Fits,
+    lanes: np.ndarray,
+    leader: np.ndarray,
+    patience: Patience,
+    progress: Progress,
+) -> Fits:
+    """The fits, of which some lanes go on as their leaders, one for each of them."""
     leaders = np.unique(leader)
-    again = fit(objective, fits.points.x[leaders], patience=FINE, progress=progress)
+    again = fit(objective, fits.points.x[leaders], patience=patience, progress=progress)
     reasons, steps = list(fits.reasons), fits.steps.copy()
     for place, reason in zip(leaders, again.reasons, strict=True):
         reasons[place] = reason
