@@ -11,7 +11,6 @@ from csv_files import rows_of, write_rows
 import jaximpact
 from jaximpact import Block, Impact, Scene, Soil, calibrate, predict, simulate_batch
 from jaximpact.accuracy import PRESETS
-from jaximpact.calibration import prediction
 from jaximpact.calibration.campaigns import joined_tables
 from jaximpact.calibration.fitted_ground import fitted_of
 from jaximpact.calibration.given import table_given
@@ -271,7 +270,7 @@ def test_draws_are_predicted_as_exactly_as_they_were_drawn(found):
 def test_many_tests_are_predicted_some_draws_at_a_time(found, monkeypatch):
     """With the same numbers, and a line of progress for each."""
     whole, lines = predict(found, NEW).variants[0], []
-    monkeypatch.setattr(prediction, "AT_ONCE", 400)
+    monkeypatch.setattr("jaximpact.calibration.objective.AT_ONCE", 400)
     parts = predict(found, NEW, progress=lines.append).variants[0]
     np.testing.assert_array_equal(parts.low_95, whole.low_95)
     np.testing.assert_array_equal(parts.outcome_share, whole.outcome_share)

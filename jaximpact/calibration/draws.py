@@ -47,7 +47,6 @@ LADDER = (
 CHECKED = 64
 """Draws computed again: an error that one in twenty has is among them, 96 of 100
 times."""
-IMPACTS_AT_ONCE = 50_000
 ROUGH = 0.05
 """Error of a cost, over s^2, above which it is not let pass: that of a weight."""
 
@@ -148,24 +147,12 @@ def draw(
 def _weighted(
     objective: Objective, x, log_density, inflation: float, progress: Progress
 ) -> Draws:
-    cost, predicted = _costs(objective, x, progress)
+    cost, predicted, _ = objective.values_by_parts(x, progress)
     log_weight = -cost / inflation - log_density
     weights = np.exp(log_weight - np.max(log_weight))
     weights = weights / np.sum(weights)
     part = np.array([1.0 / (len(x) * np.sum(weights**2))])
     return Draws(x, weights, cost, predicted, part, objective.accuracy, np.nan)
-
-
-def _costs(objective: Objective, x, progress: Progress):
-    """What draws cost, and the predictions: some draws at a time."""
-    at_once = max(1, IMPACTS_AT_ONCE // len(objective.study.measured))
-    cost, predicted = [], []
-    for first in range(0, len(x), at_once):
-        progress(f"{first} of {len(x)}")
-        points = objective.values(x[first : first + at_once])
-        cost.append(points.cost)
-        predicted.append(points.predicted)
-    return np.concatenate(cost), np.concatenate(predicted)
 
 
 def _error_of(
@@ -201,7 +188,7 @@ def error_of_costs(
         progress: called with a line of text now and then.
     """
     closer = objective.at(LADDER[LADDER.index(objective.accuracy) + 1])
-    apart = cost - _costs(closer, x, progress)[0]
+    apart = cost - closer.values_by_parts(x, progress)[0]
     return float(np.max(np.abs(apart - np.median(apart)))) / inflation
 
 

@@ -6,6 +6,7 @@ group by group. Many x are taken at once; each is a lane.
 
 import copy
 import dataclasses
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
@@ -27,6 +28,8 @@ from .turned_ground import ANGLE, SIGN, as_stated, needed
 FAILED_COST = 5e5
 """Stands, with derivative zero, for the loss of a result that could not be computed:
 large, so that a fit keeps away, and finite, so that it does not spoil the rest."""
+AT_ONCE = 50_000
+"""Impacts between two lines of progress: bounds time and memory."""
 STEEPEST = 1e100
 """Derivatives above, whose squares could overflow, tell nothing."""
 
@@ -164,6 +167,23 @@ class Objective:
         predicted = values.reshape(len(x), *self.study.measured.shape)
         jacobian = np.zeros((*predicted.shape, x.shape[1]))
         return self.weigh(x, predicted, outcomes.reshape(turn.shape), jacobian)
+
+    def values_by_parts(
+        self, x: np.ndarray, progress: Callable[[str], None]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Costs, predictions and outcomes of `values`, some lanes at a time.
+
+        Args:
+            progress: called with "so many of so many" before each part.
+        """
+        at_once = max(1, AT_ONCE // len(self.study.measured))
+        parts = []
+        for first in range(0, len(x), at_once):
+            progress(f"{first} of {len(x)}")
+            points = self.values(x[first : first + at_once])
+            parts.append((points.cost, points.predicted, points.outcomes))
+        cost, predicted, outcomes = map(np.concatenate, zip(*parts, strict=True))
+        return cost, predicted, outcomes
 
     def glance(self, x: np.ndarray, free: np.ndarray) -> Points:
         """The objective at x, with no more derivatives than come with its value: one

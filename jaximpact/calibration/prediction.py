@@ -36,8 +36,6 @@ from .one_call import Calibration
 from .predictive import CONFIDENCES, Predictive, predictive
 from .study_file import METHODS, Study
 
-AT_ONCE = 20_000
-"""Impacts between two lines of progress: bounds time and memory."""
 BESIDE = 1e-6
 """Part of a range, or of its larger end, by which a test may lie outside."""
 
@@ -264,8 +262,10 @@ def predict_variant(
 ) -> VariantPrediction:
     objective = Objective(study, fitted.variant, engine, PRESETS[ground.accuracy])
     best, draws, weights = unknowns(study, fitted, ground.seed)
-    at_best = _modelled(objective, best[None])
-    predicted, ends = _of_draws(objective.at(fitted.accuracy), draws, progress)
+    at_best = objective.values(_coordinates(objective, best[None]))
+    _, predicted, ends = objective.at(fitted.accuracy).values_by_parts(
+        _coordinates(objective, draws), lambda text: progress(f"{text} draws")
+    )
     outcomes = at_best.outcomes[0]
     alike = ends == outcomes
     sigma, freedom = scatter(study, fitted, predicted, weights)
@@ -282,26 +282,10 @@ def predict_variant(
     )
 
 
-def _modelled(objective: Objective, parameters: np.ndarray):
-    """What the model gives for unknowns in the units of the columns."""
+def _coordinates(objective: Objective, parameters: np.ndarray) -> np.ndarray:
+    """x of unknowns in the units of the columns."""
     bounds = objective.bounds
-    x = bounds.coordinate(np.clip(parameters, bounds.lower, bounds.upper))
-    return objective.values(x)
-
-
-def _of_draws(
-    objective: Objective, draws: np.ndarray, progress: Progress
-) -> tuple[np.ndarray, np.ndarray]:
-    """What the model gives for draws, `(draws, tests, targets)`, and how the impacts
-    end, `(draws, tests)`: some draws at a time."""
-    at_once = max(1, AT_ONCE // len(objective.study.tests))
-    parts = []
-    for first in range(0, len(draws), at_once):
-        progress(f"{first} of {len(draws)} draws")
-        points = _modelled(objective, draws[first : first + at_once])
-        parts.append((points.predicted, points.outcomes))
-    predicted, outcomes = (np.concatenate(each) for each in zip(*parts, strict=True))
-    return predicted, outcomes
+    return bounds.coordinate(np.clip(parameters, bounds.lower, bounds.upper))
 
 
 def scatter(
