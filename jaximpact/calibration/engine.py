@@ -23,6 +23,7 @@ from ..engines.machine import (
     compile_native_along,
     computes_on_cpu,
     solve_rows,
+    with_setting,
 )
 from ..engines.marching import CORES
 from ..formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
@@ -105,7 +106,7 @@ class Engine:
             parts = [np.arange(i, min(i + size, count)) for i in range(0, count, size)]
             found = [self._in_xla(leaves, directions, p, accuracy) for p in parts]
         else:
-            rows = _with_setting(leaves, accuracy)
+            rows = with_setting(leaves, accuracy)
             rows = np.concatenate([rows, directions[list(self.varied)]])
             found = _on_all_cores(
                 lambda part: tuple(map(self._chosen, solve_rows(self.kernel, part))),
@@ -131,7 +132,7 @@ class Engine:
         kernel = compile_native(self.assembly)
         found = _on_all_cores(
             lambda part: self._chosen(solve_rows(kernel, part)),
-            _with_setting(leaves, accuracy),
+            with_setting(leaves, accuracy),
         )
         values = np.concatenate(found, axis=1)
         return values[:-1].T, values[-1]
@@ -152,13 +153,6 @@ class Engine:
     def _chosen(self, numbers) -> np.ndarray:
         """The wanted results, a row each."""
         return np.stack([np.asarray(getattr(numbers, name)) for name in self.fields])
-
-
-def _with_setting(leaves: np.ndarray, accuracy: Accuracy) -> np.ndarray:
-    """Rows of inputs of machine code."""
-    lanes = leaves.shape[1]
-    setting = [np.full(lanes, x) for x in (accuracy.tolerance, accuracy.floor)]
-    return np.concatenate([leaves, setting])
 
 
 def _on_all_cores(work: Callable, rows: np.ndarray) -> list:

@@ -216,9 +216,19 @@ def _with_leaves(tree, places: list[int], values):
 
 def kernel_inputs(scene: Scene, accuracy: Accuracy) -> list[np.ndarray]:
     """Rows of inputs of the machine code, by the lanes of a scene of arrays."""
-    lanes = np.shape(scene.impact.speed)
-    setting = (np.broadcast_to(x, lanes) for x in (accuracy.tolerance, accuracy.floor))
+    setting = _setting(accuracy, len(scene.impact.speed))
     return [*jax.tree.leaves(scene), *setting]
+
+
+def with_setting(leaves: np.ndarray, accuracy: Accuracy) -> np.ndarray:
+    """The same of leaves of scenes `(leaves, lanes)`, as one array."""
+    return np.concatenate([leaves, _setting(accuracy, leaves.shape[1])])
+
+
+def _setting(accuracy: Accuracy, lanes: int) -> np.ndarray:
+    """Tolerance and floor, `(2, lanes)`."""
+    setting = np.array([[accuracy.tolerance], [accuracy.floor]])
+    return np.broadcast_to(setting, (2, lanes))
 
 
 def solve_alone(kernel: Kernel, inputs: list):

@@ -6,7 +6,12 @@ import jax
 import numpy as np
 
 from ..accuracy import Accuracy
-from ..engines.machine import compile_native_along, computes_on_cpu, solve_rows
+from ..engines.machine import (
+    compile_native_along,
+    computes_on_cpu,
+    solve_rows,
+    with_setting,
+)
 from ..engines.marching import CORES
 from ..mechanics.laws import Laws
 from ..mechanics.model import MODELS, model_places
@@ -49,11 +54,10 @@ def differentiate_impacts(
     # A derivative leaves the symmetry that a cheaper model rests on.
     known = np.where(np.any(slopes != 0.0, axis=0), np.nan, values)
     places = model_places(jax.tree.unflatten(structure, list(known)))
-    varied = tuple(range(len(leaves)))
     jobs = []
     for place in np.unique(places):
         assembly = Assembly(laws, MODELS[place], ledger=False)
-        kernel = compile_native_along(assembly, varied) if computes_on_cpu() else None
+        kernel = compile_native_along(assembly) if computes_on_cpu() else None
         if kernel is None:
             raise NotImplementedError(
                 "derivatives of a run-out need machine code, which is for laws of "
@@ -61,19 +65,13 @@ def differentiate_impacts(
             )
         pairs = np.argwhere(np.broadcast_to(places == place, (count, lanes)))
         jobs += [(kernel, pairs[i : i + PART].T) for i in range(0, len(pairs), PART)]
-    setting = np.array([[accuracy.tolerance], [accuracy.floor]])
     found = np.full((len(FIELDS) + 1, lanes), np.nan)
     tangents = np.full((len(FIELDS), count, lanes), np.nan)
 
     def solve(job) -> None:
         kernel, (parameter, lane) = job
-        rows = np.concatenate(
-            [
-                values[:, lane],
-                np.broadcast_to(setting, (2, len(lane))),
-                slopes[parameter, :, lane].T,
-            ]
-        )
+        inputs = with_setting(values[:, lane], accuracy)
+        rows = np.concatenate([inputs, slopes[parameter, :, lane].T])
         numbers, along = solve_rows(kernel, rows)
         found[:, lane] = [getattr(numbers, n) for n in (*FIELDS, "outcome_code")]
         tangents[:, parameter, lane] = [getattr(along, name) for name in FIELDS]
