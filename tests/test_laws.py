@@ -451,7 +451,7 @@ def rates_of(laws, *, damped):
     )
     forces = Forces(*map(jnp.asarray, (4e3, 1e3, 2e2))) if damped else None
     now = contact(ground, laws, motion, forces)
-    leaves = jax.tree.leaves((now, force_rate(ground, laws, now, 0.01)))
+    leaves = jax.tree.leaves((now, force_rate(ground, laws, now, 0.01, 0.0)))
     return np.array([float(leaf) for leaf in leaves])
 
 

@@ -13,10 +13,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool
 
-from ..accuracy import Accuracy
+from ..accuracy import MAX_STEPS, RETRIES, Accuracy
 from ..block import Block
 from ..formats.provenance import versions
 from ..mechanics.laws import Laws
+from ..mechanics.outcomes import Outcome
 from ..mechanics.problem import Assembly
 from ..scene import Impact, Scene
 from ..soil import Soil
@@ -276,11 +277,33 @@ def solve_side_by_side(kernel: Kernel, scene: Scene, accuracy: Accuracy):
 
 def solve_rows(kernel: Kernel, inputs: np.ndarray):
     """Results of inputs `(rows, lanes)`, in their order, by one core."""
+    results = _try_again(kernel, inputs, _solve_rows(kernel, inputs))
+    return jax.tree.unflatten(kernel.structure, list(results))
+
+
+def _solve_rows(kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
     names = np.arange(inputs.shape[1])
     ended, results = kernel.workspace().run(names, inputs, wait=False)
     ordered = np.empty_like(results)
     ordered[:, ended] = results
-    return jax.tree.unflatten(kernel.structure, list(ordered))
+    return ordered
+
+
+def _try_again(kernel: Kernel, inputs: np.ndarray, results: np.ndarray) -> np.ndarray:
+    """The results, failed lanes computed again with finer tolerances; not those that
+    ran out of steps, and would do so again."""
+    rows = jax.tree.unflatten(kernel.structure, list(range(len(results))))
+    numbers = rows if isinstance(rows, Numbers) else rows[0]
+    finite = np.all(np.isfinite(inputs), axis=0)
+    for factor in RETRIES:
+        failed = finite & (results[numbers.outcome_code] == Outcome.failed)
+        failed &= results[numbers.steps] < MAX_STEPS
+        if not np.any(failed):
+            break
+        finer = inputs[:, failed]
+        finer[LEAF_COUNT] *= factor  # the row of the tolerance
+        results[:, failed] = _solve_rows(kernel, finer)
+    return results
 
 
 class NativeWorker:
@@ -305,4 +328,6 @@ class NativeWorker:
             inputs = np.stack([row[places] for row in self.rows])
             ended, results = workspace.run(places, inputs, wait=more)
             if len(ended):
+                inputs = np.stack([row[ended] for row in self.rows])
+                results = _try_again(self.kernel, inputs, results)
                 yield ended, jax.tree.unflatten(self.kernel.structure, list(results))

@@ -72,6 +72,13 @@ FORCE_RELAXATION = Forces(normal=1e-10, tangential=1e-10, moment=1e-8)
 moves by its size. Smaller ones are lost in the rounding of time where forces jump;
 larger ones are seen in the results. With a moment as quick as the other two, forces
 swing more often, with no stable state to go to."""
+STALLED_STEPS = 50
+"""Steps without progress at the onset after which forces relax otherwise."""
+STALLED_RELAXATION = ((1.0, 0.1), (1e1, 0.1), (1e2, 0.1), (1e3, 0.1), (1e4, 0.1))
+"""Factors of all relaxation times, and further of that of the tangential force, after
+so many times `STALLED_STEPS`. At the onset, while the foundation is next to nothing,
+forces may swing for ever about a state that is not stable at other factors. Longer
+times are not seen in the results there: the impulse of the forces is nothing yet."""
 
 
 class Work(NamedTuple):
@@ -267,7 +274,7 @@ def contact(
 
 
 def force_rate(
-    ground: Ground, laws: Laws, now: Contact, passing_time: Scalar
+    ground: Ground, laws: Laws, now: Contact, passing_time: Scalar, stalled: Scalar
 ) -> Forces:
     r"""Rates at which forces follow what springs and dashpots carry.
 
@@ -281,18 +288,28 @@ def force_rate(
     Args:
         passing_time: time in which the block moves by its size [s]; the relaxation
             times are `FORCE_RELAXATION` of it.
+        stalled: steps without progress at the onset.
     """
+    relaxation = [part * passing_time for part in FORCE_RELAXATION]
+    factors = jnp.ones(()), jnp.ones(())
+    for times, others in enumerate(STALLED_RELAXATION, 1):
+        factors = [
+            jnp.where(stalled > times * STALLED_STEPS, other, factor)
+            for factor, other in zip(factors, others, strict=True)
+        ]
+    relaxation = [factors[0] * time for time in relaxation]
+    relaxation[1] = factors[1] * relaxation[1]
     dashpots = laws.dashpots(now.stiffness, ground.mass, ground.inertia, ground.soil)
     forces = now.forces._replace(normal=now.normal_force_before_cut)
     return Forces(
         *(
-            (spring + coefficient * rate - force) / (part * passing_time)
-            for spring, coefficient, rate, force, part in zip(
+            (spring + coefficient * rate - force) / time
+            for spring, coefficient, rate, force, time in zip(
                 now.elastic_forces,
                 dashpots,
                 now.elastic_rates,
                 forces,
-                FORCE_RELAXATION,
+                relaxation,
                 strict=True,
             )
         )
@@ -323,10 +340,26 @@ def work_rate(
     laws: Laws,
     motion: Motion,
     now: Contact,
-    branch: Branch | None = None,
+    elastic_rates: tuple[Scalar, Scalar, Scalar],
+    branch: Branch,
 ) -> Work:
-    """Power of every item of the ledger [W]."""
+    """Power of every item of the ledger [W].
+
+    Args:
+        ground, laws, motion, now, branch: as for `contact`, and what it gives.
+        elastic_rates: rates of the elastic displacements as the integration has them.
+
+    What the ground dissipates is its force times the part of the block's motion that
+    the springs do not take up. The laws' own rates of flow and slip would not do: they
+    relax in much less than a step, and multiply the error of a state between two steps
+    by its width over their relaxation time.
+    """
     base, forces = now.foundation, now.forces
+    inelastic = [
+        velocity - rate
+        for velocity, rate in zip(now.approach, elastic_rates, strict=True)
+    ]
+    slip = jnp.where(now.slip == 0.0, 0.0, inelastic[1] - now.flow.tangential)
 
     def stiffness_at(penetration, rotation):
         sizes = floored_sizes(ground, contact_geometry(ground, penetration, rotation))
@@ -350,14 +383,14 @@ def work_rate(
             ground.gravity_normal * motion.normal_velocity
             + ground.gravity_tangential * motion.tangential_velocity
         ),
-        viscoplastic=forces.normal * now.flow.normal
-        + forces.tangential * now.flow.tangential
-        + forces.moment * now.flow.rotational,
-        slider=forces.tangential * now.slip,
+        viscoplastic=forces.normal * inelastic[0]
+        + forces.tangential * (inelastic[1] - slip)
+        + forces.moment * inelastic[2],
+        slider=forces.tangential * slip,
         dashpot=sum(
             (force - spring) * rate
             for force, spring, rate in zip(
-                forces, now.elastic_forces, now.elastic_rates, strict=True
+                forces, now.elastic_forces, elastic_rates, strict=True
             )
         ),
         arm=forces.normal

@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..accuracy import MAX_STEPS
+from ..accuracy import MAX_STEPS, MAX_STEPS_DAMPED
 from ..scene import Scene
 from .dynamics import (
     Contact,
@@ -43,7 +43,6 @@ class Assembly(NamedTuple):
     laws: Laws
     model: Model
     ledger: bool
-    max_steps: int = MAX_STEPS
 
 
 def assemble(scene: Scene, laws: Laws) -> Assembly:
@@ -135,7 +134,11 @@ class Problem(eqx.Module):
     laws: Laws = eqx.field(static=True)
     model: Model = eqx.field(static=True)
     ledger: bool = eqx.field(static=True)
-    max_steps: int = eqx.field(static=True)
+
+    @property
+    def max_steps(self) -> int:
+        """Steps after which the impact is given up."""
+        return MAX_STEPS_DAMPED if self.model.damped else MAX_STEPS
 
     def allowed_error(self, size, largest_force) -> Float[Array, " n"]:
         """Error of each unknown that a step may make: `tolerance (size + floor scale)`,
@@ -198,13 +201,18 @@ class Problem(eqx.Module):
         absent = [place for place, n in enumerate(names) if n not in model.unknowns]
         return leave_out_known(of_all, dict.fromkeys(absent, 0.0))(*rows)
 
-    def rates(self, rows, branch: Branch | None = None) -> list[Scalar]:
-        """Rates of all unknowns, rows to rows."""
+    def rates(
+        self, rows, branch: Branch | None = None, stalled: Scalar | float = 0.0
+    ) -> list[Scalar]:
+        """Rates of all unknowns, rows to rows; with dashpots after so many steps
+        without progress at the onset."""
 
         def of_contact(motion, now):
             rates = motion_rate(self.ground, motion, now)._asdict()
             if self.model.damped:
-                forces = force_rate(self.ground, self.laws, now, self.passing_time)
+                forces = force_rate(
+                    self.ground, self.laws, now, self.passing_time, stalled
+                )
                 rates |= zip(FORCES, forces, strict=True)
             return [rates[name] for name in self.model.unknowns]
 
@@ -242,10 +250,16 @@ class Problem(eqx.Module):
             (list(rates),),
         )
 
-    def power(self, vector, branch: Branch) -> Work:
-        """Power of the ledger's items [W]."""
+    def power(self, vector, rates, branch: Branch) -> Work:
+        """Power of the ledger's items [W], by the unknowns and their rates."""
         motion, now = self.contact(vector, branch)
-        return work_rate(self.ground, self.laws, motion, now, branch)
+        known = dict(zip(self.model.unknowns, rates, strict=True))
+        elastic_rates = tuple(
+            known.get(name, 0.0)
+            for name in Motion._fields
+            if name.startswith("elastic")
+        )
+        return work_rate(self.ground, self.laws, motion, now, elastic_rates, branch)
 
     def margins(self, vector, largest_force) -> Margins:
         """Distances to the ends of the impact."""

@@ -22,6 +22,10 @@ Scalar = Float[Array, ""]
 INITIAL_MARGIN = 1e-6
 """Margin that stands for the one before the first step, whose true value may be less
 than what counts as zero."""
+PROGRESS = 0.01
+"""Part of the time reached by which a step must take it on, at the onset."""
+ONSET = 1e-3
+"""The onset of an impact, by the time in which the block moves by its size."""
 
 
 class Fold(NamedTuple):
@@ -40,6 +44,8 @@ class Fold(NamedTuple):
     """1 where the next step takes another branch, on which the rates are others; else
     0. They are the same at the switch itself; but slip relaxes in a microsecond, so
     that its rate is off by much where the switch has been missed by little."""
+    stalled: Scalar | None
+    """With dashpots: steps without progress at the onset."""
 
     def rate_at_start(self, start, start_rate, end, end_rate, width):
         """Rate at the start of the next step, on its branch: the one known, or after a
@@ -66,6 +72,7 @@ def start_fold(problem: Problem, vector) -> Fold:
         watched_rate=Watched(nothing, zero, still),
         rates=jnp.zeros_like(vector),
         turned=zero,
+        stalled=zero if problem.model.damped else None,
     )
 
 
@@ -102,7 +109,8 @@ def fold_step(
         nodes = jnp.asarray(GAUSS_NODES)
 
         def power_at(node):
-            return problem.power(step.evaluate(step.t0 + node * width), branch)
+            vector = step.evaluate(step.t0 + node * width)
+            return problem.power(vector, step.rate(node), branch)
 
         powers = jax.lax.map(power_at, nodes)
         work = jax.tree.map(
@@ -123,4 +131,13 @@ def fold_step(
         watched_rate=watched_rate,
         rates=rates,
         turned=jnp.where(turned, 1.0, 0.0),
+        stalled=_stalled_steps(problem, fold, time, width),
     )
+
+
+def _stalled_steps(problem: Problem, fold: Fold, time, width) -> Scalar | None:
+    """Steps without progress at the onset, one step later."""
+    if fold.stalled is None:
+        return None
+    progresses = (width > PROGRESS * time) | (time > ONSET * problem.passing_time)
+    return jax.lax.stop_gradient(jnp.where(progresses, 0.0, fold.stalled + 1.0))

@@ -24,6 +24,11 @@ from .rosenbrock import ORDER, DenseOutput, dense_output, rodas5p_step
 Scalar = Float[Array, ""]
 
 
+LARGEST_CORRECTION = 1e-6
+"""Of the event's time, as a fraction of the duration; where a step has landed it is
+some 1e-10."""
+
+
 class Course(NamedTuple):
     """State of `FoldingSolver`."""
 
@@ -43,7 +48,7 @@ def advance(
     keeps diffrax from tracing it four times over.)"""
     branch = branch_of(course.fold.watched.switches)
     vector, error, stages = rodas5p_step(
-        lambda rows: problem.rates(rows, branch),
+        lambda rows: problem.rates(rows, branch, course.fold.stalled),
         course.vector,
         width,
         jacobian_pattern(problem.model),
@@ -169,10 +174,17 @@ def integrate(problem: Problem, vector: Float[Array, " n"]) -> End:
 def end_of(
     problem: Problem, course: Course, time, event, finished, accepted, rejected
 ) -> End:
-    """The end of an impact from the last state of its integration."""
+    """The end of an impact from the last state of its integration.
+
+    The event's time takes one Newton correction, which carries its derivative. Where
+    the step that met the event could not land on it, or its margin fades to zero, the
+    correction would be a leap, back in time even: there its value is left out.
+    """
     margin, slope = course.fold.watched.margin, course.fold.watched_rate.margin
-    falls = event & (slope < 0.0)
+    falls = event & (slope * time < -LANDING)
     correction = jnp.where(falls, margin / jnp.where(falls, slope, 1.0), 0.0)
+    is_leap = jnp.abs(correction) > LARGEST_CORRECTION * time
+    correction = correction - jnp.where(is_leap, jax.lax.stop_gradient(correction), 0.0)
     vector = course.vector - correction * course.fold.rates
     return End(
         vector=vector,

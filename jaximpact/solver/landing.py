@@ -147,6 +147,12 @@ class LandingController(diffrax.AbstractStepSizeController):
         width = t1 - t0
         passed, part = first_landing(args, before, after, width)
         smallest = SMALLEST_WIDTH * t0
+        # Forces that jump leave an error at every width: the jump is taken in one step
+        # that is too short to move anything else.
+        jumps = ~keep & (width <= smallest) & jnp.all(jnp.isfinite(y1_candidate.vector))
+        keep = keep | jumps
+        next_t0 = jnp.where(jumps, t1, next_t0)
+        next_t1 = jnp.where(jumps, t1 + 2.0 * width, next_t1)
         passing = tries >= PATIENCE
         beyond = keep & passed & (width > smallest) & ~passing
         state = jax.tree.map(

@@ -156,6 +156,13 @@ class DenseOutput(diffrax.AbstractLocalInterpolation):
         bend = self.k[0] + s * (self.k[1] + s * self.k[2])
         return (1.0 - s) * self.y0 + s * (self.y1 + (1.0 - s) * bend)
 
+    def rate(self, s: float) -> Float[Array, " n"]:
+        """Rate of change at a fraction of the step; 0 for a step of no width."""
+        bend = self.k[0] + s * (self.k[1] + s * self.k[2])
+        turn = self.k[1] + 2.0 * s * self.k[2]
+        change = self.y1 - self.y0 + (1.0 - 2.0 * s) * bend + s * (1.0 - s) * turn
+        return per_width(change, self.t1 - self.t0)
+
     def rate_at_end(self) -> Float[Array, " n"]:
         """Rate of change at t1; 0 for a step of no width."""
         change = self.y1 - self.y0 - jnp.sum(self.k, axis=0)
