@@ -8,8 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ._jax_internals import Tracer, is_inside_jit
 from .accuracy import MAX_STEPS, Accuracy
-from .engines.compilation import is_inside_jit, unfused_jit
+from .engines.compilation import unfused_jit
 from .mechanics.dynamics import elastic_energy, kinetic_energy
 from .mechanics.laws import Laws
 from .mechanics.problem import Problem, assemble, pose
@@ -102,7 +103,7 @@ def record_history(scene: Scene, accuracy: Accuracy, laws: Laws) -> History:
     there.
     """
     if is_inside_jit(scene) or any(
-        isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(scene)
+        isinstance(leaf, Tracer) for leaf in jax.tree.leaves(scene)
     ):
         raise ValueError(
             "history=True cannot be used inside a JAX transformation; differentiate or "

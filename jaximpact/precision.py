@@ -4,6 +4,8 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ._jax_internals import Tracer
+
 MESSAGE = (
     "jaximpact computes in float64, but JAX is set to float32: call "
     "jax.config.update('jax_enable_x64', True) before the first use of jaximpact, "
@@ -24,7 +26,7 @@ def float64_leaf(value) -> Float[Array, "..."]:
     can still see there that a scene has no dashpots.
     """
     require_float64()
-    if isinstance(value, jax.core.Tracer):
+    if isinstance(value, Tracer):
         return jnp.asarray(value, dtype=jnp.float64)
     with jax.ensure_compile_time_eval():
         return jnp.asarray(value, dtype=jnp.float64)

@@ -14,6 +14,7 @@ import jax
 import jax.numpy as jnp
 from jax.custom_derivatives import SymbolicZero
 
+from ._jax_internals import Tracer
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
 from .engines.compilation import unfused_jit
@@ -121,7 +122,7 @@ def _in_machine_code(assembly, leaves, tolerance, floor, varied=None):
     where there is no machine code: for another device, for laws that have none, and
     while something is being traced."""
     inputs = [*leaves, tolerance, floor]
-    if any(isinstance(x, jax.core.Tracer) for x in inputs) or not computes_on_cpu():
+    if any(isinstance(x, Tracer) for x in inputs) or not computes_on_cpu():
         return None
     make = compile_native if varied is None else compile_native_along
     kernel = make(assembly)

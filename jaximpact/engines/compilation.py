@@ -9,29 +9,10 @@ as slowly and runs eight times as slowly as it does with the pass switched off (
 from collections.abc import Callable
 
 import jax
-import jax.numpy as jnp
+
+from .._jax_internals import is_inside_jit
 
 UNFUSED = {"xla_disable_hlo_passes": "fusion"}
-EAGER_TRACES = {"EvalTrace", "LinearizeTrace", "JVPTrace", "JaxprTrace", "BatchTrace"}
-
-
-def _traces(value) -> set[str]:
-    names, trace = set(), getattr(value, "_trace", None)
-    while trace is not None:
-        names.add(type(trace).__name__)
-        trace = getattr(trace, "parent_trace", None)
-    return names
-
-
-def is_inside_jit(*arguments) -> bool:
-    """Whether a call with these arguments is being traced for compilation.
-
-    Looks at the names of JAX's traces; a name it does not know counts as compilation,
-    which costs speed and no correctness.
-    """
-    probe = jnp.zeros(()) + 0.0  # a tracer inside jit, even where no argument is
-    leaves = [*jax.tree.leaves(arguments), probe]
-    return any(not _traces(leaf) <= EAGER_TRACES for leaf in leaves)
 
 
 def compile_unfused(function: Callable, *arguments) -> Callable:

@@ -3,9 +3,9 @@
 import dataclasses
 from collections.abc import Collection, Iterable
 
-import jax
 import numpy as np
 
+from .._jax_internals import Tracer
 from ..errors import InputError, nearest
 from ..scene import PARTS, Scene
 from .columns import column_of_field
@@ -30,7 +30,7 @@ def check_scene(scene: Scene, *, batched: bool = False) -> None:
                     f"{name} must be a scalar, but has shape {np.shape(value)}; use "
                     "simulate_batch, or jax.vmap around simulate, for many scenes"
                 )
-            if isinstance(value, jax.core.Tracer):
+            if isinstance(value, Tracer):
                 continue
             column = column_of_field(part, field.name)
             values = np.asarray(value) / column.factor

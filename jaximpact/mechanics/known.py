@@ -9,7 +9,8 @@ from collections.abc import Callable
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.extend import core
+
+from .._jax_internals import Literal, bind, called
 
 _ZERO_TIMES = {"mul": (0, 1), "div": (0,)}
 """Operations that give zero if one of these operands is, the others being finite."""
@@ -77,7 +78,7 @@ def _evaluate(closed, arguments) -> list:
     values = {}
 
     def read(atom):
-        if isinstance(atom, core.Literal):
+        if isinstance(atom, Literal):
             return _Known(atom.val, atom.aval) if np.ndim(atom.val) == 0 else atom.val
         return values[atom]
 
@@ -94,10 +95,9 @@ def _evaluate(closed, arguments) -> list:
 def _apply(equation, operands) -> list:
     """Results of one operation, known as far as they can be."""
     primitive, name = equation.primitive, equation.primitive.name
-    inner = equation.params.get("jaxpr", equation.params.get("call_jaxpr"))
     if not any(isinstance(x, _Known) for x in operands):
-        return _bind(equation, operands)
-    if inner is not None and name in ("pjit", "jit", "custom_jvp_call"):
+        return bind(equation, operands)
+    if (inner := called(equation)) is not None:
         return _evaluate(inner, operands)
     aval = equation.outvars[0].aval
     if all(isinstance(x, _Known) for x in operands):
@@ -114,14 +114,8 @@ def _apply(equation, operands) -> list:
             return [jnp.broadcast_to(operands[1 - place], aval.shape)]
     if name == "select_n" and isinstance(operands[0], _Known):
         return [operands[1 + int(operands[0].value)]]
-    return _bind(equation, [_as_array(x) for x in operands])
+    return bind(equation, [_as_array(x) for x in operands])
 
 
 def _is(operand, value: float) -> bool:
     return isinstance(operand, _Known) and operand.value == value
-
-
-def _bind(equation, operands) -> list:
-    primitive = equation.primitive
-    results = primitive.bind(*operands, **primitive.get_bind_params(equation.params))
-    return results if primitive.multiple_results else [results]

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import jax
 import numpy as np
 
+from .._jax_internals import Tracer
 from ..block import Block
 from ..scene import Impact, Scene
 from ..soil import Soil, has_dashpots, is_above_zero
@@ -78,7 +79,7 @@ def select_model(
     """
     scene = Scene(block, soil, impact)
     known = jax.tree.map(
-        lambda x: np.nan if isinstance(x, jax.core.Tracer) else np.asarray(x), scene
+        lambda x: np.nan if isinstance(x, Tracer) else np.asarray(x), scene
     )
     return MODELS[int(np.max(model_places(known, tolerance)))]
 

@@ -11,6 +11,7 @@ from functools import reduce
 import jax
 import numpy as np
 
+from ..._jax_internals import Literal, called, scan_counts
 from . import elementary
 from .graph import FLOAT, INTEGER, TRUTH, Graph, Node, Value, kind_of
 
@@ -47,7 +48,7 @@ class Translator:
         known |= zip(jaxpr.invars, arguments, strict=True)
 
         def read(atom) -> Values:
-            if isinstance(atom, jax.extend.core.Literal):
+            if isinstance(atom, Literal):
                 return values_of(np.asarray(atom.val, atom.aval.dtype))
             return known[atom]
 
@@ -59,18 +60,16 @@ class Translator:
     def apply(self, equation, inputs: list[Values]) -> list[Values]:
         """Values of the outputs of one equation."""
         name, params = equation.primitive.name, equation.params
-        if name in ("jit", "pjit"):
-            inner = params["jaxpr"]
-            return self.run(inner.jaxpr, inner.consts, inputs)
-        if name == "custom_jvp_call":
-            inner = params["call_jaxpr"]
+        if (inner := called(equation)) is not None:
             return self.run(inner.jaxpr, inner.consts, inputs)
         if name == "scan":
-            return self.scan(params, inputs)
+            return self.scan(equation, inputs)
         if name in SAME:
             return [_each(lambda x: x, inputs[0])]
         if name in STRUCTURE:
             return [STRUCTURE[name](params, *inputs)]
+        if name in PARTS:
+            return PARTS[name](params, *inputs)
         if name in ELEMENTWISE:
             function = ELEMENTWISE[name]
             return [_each(lambda *x: function(self.graph, *x), *inputs)]
@@ -81,12 +80,9 @@ class Translator:
             raise NotImplementedError(f"no native code for the primitive '{name}'")
         return [method(params, *inputs).reshape(equation.outvars[0].aval.shape)]
 
-    def scan(self, params, inputs: list[Values]) -> list[Values]:
-        inner, count, carried = (
-            params["jaxpr"],
-            params["num_consts"],
-            params["num_carry"],
-        )
+    def scan(self, equation, inputs: list[Values]) -> list[Values]:
+        params = equation.params
+        inner, (count, carried) = params["jaxpr"], scan_counts(equation)
         constants, carry = inputs[:count], inputs[count : count + carried]
         sequences = inputs[count + carried :]
         turns = range(params["length"])
@@ -284,7 +280,16 @@ STRUCTURE = {
     "dynamic_slice": _dynamic_slice,
     "concatenate": lambda params, *x: np.concatenate(x, params["dimension"]),
     "stack": lambda params, *x: np.stack(x, params["axis"]),
+    "rev": lambda params, x: np.flip(x, params["dimensions"]),
+    "tile": lambda params, x: np.tile(x, params["reps"]),
 }
+PARTS = {
+    "unstack": lambda params, x: list(np.moveaxis(x, params["axis"], 0)),
+    "split": lambda params, x: np.split(
+        x, np.cumsum(params["sizes"])[:-1], params["axis"]
+    ),
+}
+"""What takes an array apart."""
 
 
 def _plain(name: str, integer: str | None = None, truth: str | None = None) -> Callable:

@@ -1,0 +1,67 @@
+"""What the package takes of JAX that is not its public interface, in one place.
+
+A new version of JAX that moves any of it is met here, and in the table of primitives
+that have machine code (`engines.native.translation`).
+"""
+
+from collections.abc import Sequence
+
+import jax
+import jax.numpy as jnp
+from jax.core import Tracer
+from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
+
+__all__ = [
+    "ClosedJaxpr",
+    "Jaxpr",
+    "Literal",
+    "Tracer",
+    "bind",
+    "called",
+    "is_inside_jit",
+    "scan_counts",
+]
+
+_CALLS = {"jit": "jaxpr", "pjit": "jaxpr", "custom_jvp_call": "call_jaxpr"}
+_EAGER_TRACES = {"EvalTrace", "LinearizeTrace", "JVPTrace", "JaxprTrace", "BatchTrace"}
+
+
+def called(equation) -> ClosedJaxpr | None:
+    """The function that an equation calls as it stands; None if it calls none."""
+    name = _CALLS.get(equation.primitive.name)
+    return None if name is None else equation.params[name]
+
+
+def scan_counts(equation) -> tuple[int, int]:
+    """How many of the operands of a `scan` are constants, and how many are carried."""
+    params = equation.params
+    if "ft_in" in params:  # JAX 0.12 and later
+        constants, carried, _ = params["ft_in"].update(equation.invars).unpack()
+        return len(list(constants)), len(list(carried))
+    return params["num_consts"], params["num_carry"]
+
+
+def bind(equation, operands: Sequence) -> list:
+    """Results of an equation's operation on other operands."""
+    primitive = equation.primitive
+    results = primitive.bind(*operands, **primitive.get_bind_params(equation.params))
+    return results if primitive.multiple_results else [results]
+
+
+def is_inside_jit(*arguments) -> bool:
+    """Whether a call with these arguments is being traced for compilation.
+
+    Looks at the names of JAX's traces; a name it does not know counts as compilation,
+    which costs speed and no correctness.
+    """
+    probe = jnp.zeros(()) + 0.0  # a tracer inside jit, even where no argument is
+    leaves = [*jax.tree.leaves(arguments), probe]
+    return any(not _traces(leaf) <= _EAGER_TRACES for leaf in leaves)
+
+
+def _traces(value) -> set[str]:
+    names, trace = set(), getattr(value, "_trace", None)
+    while trace is not None:
+        names.add(type(trace).__name__)
+        trace = getattr(trace, "parent_trace", None)
+    return names
