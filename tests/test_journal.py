@@ -23,7 +23,7 @@ SUBJECT = {"of": "a test"}
 def fill(path, blocks=3):
     """A journal of two rows a block, and where each block ends."""
     ends = []
-    with Journal(path, SUBJECT, COLUMNS) as journal:
+    with Journal(path, SUBJECT, COLUMNS, 100) as journal:
         ends.append(path.stat().st_size)
         for k in range(blocks):
             places = np.array([2 * k, 2 * k + 1])
@@ -33,7 +33,7 @@ def fill(path, blocks=3):
 
 
 def read(path):
-    with Journal(path, SUBJECT, COLUMNS) as journal:
+    with Journal(path, SUBJECT, COLUMNS, 100) as journal:
         return journal.rows()
 
 
@@ -53,7 +53,7 @@ def test_cut_anywhere_it_keeps_the_whole_blocks(tmp_path):
         places, _ = read(path)
         assert len(places) == 2 * sum(end <= length for end in ends[1:])
         # and what is appended then is found again
-        with Journal(path, SUBJECT, COLUMNS) as journal:
+        with Journal(path, SUBJECT, COLUMNS, 100) as journal:
             journal.append(np.array([77]), np.zeros((1, 3)))
         assert read(path)[0][-1] == 77
 
@@ -75,7 +75,7 @@ def test_another_file_is_refused_and_left_as_it_is(tmp_path, content):
     path = tmp_path / "j"
     path.write_bytes(content)
     with pytest.raises(InputError, match="no journal of this run"):
-        Journal(path, SUBJECT, COLUMNS)
+        Journal(path, SUBJECT, COLUMNS, 100)
     assert path.read_bytes() == content
 
 

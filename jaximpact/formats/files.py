@@ -2,7 +2,7 @@
 
 import contextlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from ..errors import InputError
@@ -65,6 +65,21 @@ def check_writable(path: Path, *, option: str) -> None:
         raise InputError(
             f"{option} {path} cannot be written: {error.strerror}"
         ) from error
+
+
+def refuse_inputs(outputs: Mapping[str, Path], inputs: Iterable[Path]) -> None:
+    """Raise InputError if an output, by what it is called, is an input too, by whatever
+    name or link."""
+    inputs = [*inputs]
+    for what, path in outputs.items():
+        for read in inputs:
+            # What is not there is no other file.
+            with contextlib.suppress(OSError):
+                if os.path.samefile(path, read):
+                    raise InputError(
+                        f"{what} must be another file than {read}, which is read, but "
+                        f"is {path}"
+                    )
 
 
 def _target(path: Path) -> Path:
