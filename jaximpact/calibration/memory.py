@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from ..engines.machine import installed
-from ..formats.files import replacing
+from ..formats.files import make_directory, replacing
 from .least_squares import Fits
 from .objective import Objective, Points
 from .stopping import Reason
@@ -56,7 +56,7 @@ class Memory:
                 self.found += 1
             return fits
         fits = make()
-        self.folder.mkdir(parents=True, exist_ok=True)
+        make_directory(self.folder, option="the directory")
         with replacing(path) as temporary:
             np.savez(
                 temporary,

@@ -297,7 +297,7 @@ def write(prediction: "Prediction", path: Path) -> None:
     Raises InputError for a path that would replace what the predictions were made from,
     OSError where the file system refuses.
     """
-    outputs = {"the table of predictions": path, "its manifest": manifest_path(path)}
+    outputs = [("the predictions", path), ("their manifest", manifest_path(path))]
     refuse_inputs(outputs, prediction.inputs)
     with (
         replacing(manifest_path(path)) as beside,

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path, PurePosixPath
 
 from ..errors import InputError
-from .files import make_directory, refuse_inputs, write_text
+from .files import check_writable, make_directory, same_file, write_text
 from .lock import locked
 
 LIST = "jaximpact-files.json"
@@ -80,14 +80,17 @@ def output_directory(
     for files in the way and for inputs that would be overwritten or removed;
     BlockingIOError while another process writes there.
     """
-    path, names = Path(path), [*names]
+    path, names, inputs = Path(path), [*names], [*inputs]
     make_directory(path, option="--out")
+    check_writable(path / LIST, option="--out")
     with locked(path):
         run = _Run(path, command, names, study)
-        old = {f"the earlier file {name} in --out,": name for name in run.list.files}
-        new = {f"{name} in --out,": name for name in names}
-        for what, name in (old | new).items():
-            refuse_inputs({what: path / name}, inputs)
+        for name in {*run.list.files, *names}:
+            if (read := same_file(path / name, inputs)) is not None:
+                raise InputError(
+                    f"--out {path} would replace or remove {read}, which is read; "
+                    "choose another directory"
+                )
         for name in names:
             run.check(name)
         yield run.new

@@ -2,7 +2,7 @@
 
 import contextlib
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ..errors import InputError
@@ -67,19 +67,25 @@ def check_writable(path: Path, *, option: str) -> None:
         ) from error
 
 
-def refuse_inputs(outputs: Mapping[str, Path], inputs: Iterable[Path]) -> None:
-    """Raise InputError if an output, by what it is called, is an input too, by whatever
-    name or link."""
+def refuse_inputs(outputs: Iterable[tuple[str, Path]], inputs: Iterable[Path]) -> None:
+    """Raise InputError if an output, each with what it is called, is an input too."""
     inputs = [*inputs]
-    for what, path in outputs.items():
-        for read in inputs:
-            # What is not there is no other file.
-            with contextlib.suppress(OSError):
-                if os.path.samefile(path, read):
-                    raise InputError(
-                        f"{what} must be another file than {read}, which is read, but "
-                        f"is {path}"
-                    )
+    for what, path in outputs:
+        if (read := same_file(path, inputs)) is not None:
+            raise InputError(
+                f"{what} {path} would replace {read}, which is read; choose another "
+                "name"
+            )
+
+
+def same_file(path: Path, others: Iterable[Path]) -> Path | None:
+    """The first of some files that is this one, by whatever name or link; None where
+    none is, or this one is not there."""
+    for other in others:
+        with contextlib.suppress(OSError):
+            if os.path.samefile(path, other):
+                return other
+    return None
 
 
 def _target(path: Path) -> Path:

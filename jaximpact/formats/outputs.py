@@ -7,12 +7,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from ..errors import InputError
-from .directory import Listed
+from .directory import LIST, Listed
 from .files import check_writable, refuse_inputs
 from .lock import locked
 
 MANIFEST = ".manifest.json"
 JOURNAL = ".journal"
+BESIDE = "the file beside it"
+"""How messages call a file that the user did not name."""
 
 
 def manifest_path(path: Path) -> Path:
@@ -48,12 +50,11 @@ def output_files(
     """
     beside = dict(beside or {})
     journals = [*journals]
-    options = {**outputs}
-    options |= {f"{path.name} beside --out,": path for path in (*beside, *journals)}
-    refuse_inputs(options, inputs)
-    _check_different(options)
-    for option, path in options.items():
-        check_writable(path, option=option)
+    written = [*outputs.items(), *((BESIDE, path) for path in (*beside, *journals))]
+    refuse_inputs(written, inputs)
+    _check_different(written)
+    for what, path in written:
+        check_writable(path, option=what)
     for option, path in outputs.items():
         _check_unowned(option, path)
     for path, manifest in beside.items():
@@ -70,21 +71,21 @@ def output_files(
             journal.unlink(missing_ok=True)
 
 
-def _check_different(options: Mapping[str, Path]) -> None:
+def _check_different(written: Iterable[tuple[str, Path]]) -> None:
     seen = {}
-    for option, path in options.items():
-        other = seen.setdefault(os.path.realpath(path), option)
-        if other != option:
-            raise InputError(f"{other} and {option} must differ, but both are {path}")
+    for what, path in written:
+        other = seen.setdefault(os.path.realpath(path), (what, path))
+        if other != (what, path):
+            raise InputError(f"{other[0]} and {what} must differ, but both are {path}")
 
 
 def _check_unowned(option: str, path: Path) -> None:
     """Raise InputError for a file that belongs to other results."""
-    for suffix in (MANIFEST, JOURNAL):
+    for suffix in (MANIFEST, JOURNAL, LIST):
         if path.name.endswith(suffix):
             raise InputError(
-                f"{option} must not end in {suffix}, which belongs to other results, "
-                f"but is {path}"
+                f"{option} must not end in {suffix}, as what belongs to other results "
+                f"does, but is {path}"
             )
     target = Path(os.path.realpath(path))
     for directory in target.parents[:2]:

@@ -42,7 +42,7 @@ def write_results(path: Path, table: Table, result: ImpactResult) -> None:
     the file system refuses.
     """
     path = Path(path)
-    outputs = {"the table of results": path, "its manifest": manifest_path(path)}
+    outputs = [("the table of results", path), ("its manifest", manifest_path(path))]
     refuse_inputs(outputs, [table.path])
     manifest = batch_manifest(
         table.path,
