@@ -162,6 +162,23 @@ def test_another_study_takes_the_place_of_the_earlier_one(tmp_path):
     assert [len(digest) for digest in listed["files"].values()] == [64]
 
 
+def test_a_command_renews_its_directory(folder):
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    (folder / "out" / "mine.txt").write_text("mine")
+    single = names_in(folder / "out")
+    two = SLOPE.replace("collectors_m = [50]\n", "").replace(
+        "[contacts]", "[[contacts]]"
+    )
+    two += '[[contacts]]\nlaw = "constant coefficients"\ne_n = 0.3\ne_t = 0.8\n'
+    (folder / "two.toml").write_text(two)
+    assert main(["runout", "two.toml", "--out", "out"]) == 0
+    found = names_in(folder / "out")
+    assert {"mine.txt", "constant-coefficients/blocks.nc", "comparison.csv"} <= found
+    assert not {"blocks.nc", "collectors.csv", "stops.png"} & found
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    assert names_in(folder / "out") == single
+
+
 def test_what_was_changed_is_not_removed(tmp_path):
     write(tmp_path, "report.txt", "old.csv", "gone.csv")
     (tmp_path / "old.csv").write_text("changed")

@@ -18,6 +18,7 @@ def write_report(
     Raises OSError where the file system refuses.
     """
     blocks = study_page(result, examined)
-    write_text(new("report.html"), as_html(blocks))
+    # First, since their names, which depend on the fit, are not checked beforehand.
     save_pictures(blocks, FOLDER, new)
+    write_text(new("report.html"), as_html(blocks))
     write_text(new("report.md"), as_markdown(blocks, FOLDER))

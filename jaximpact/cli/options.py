@@ -38,8 +38,7 @@ def add_directory(
         required=required,
         metavar="DIR",
         help=f"directory for {holds}; made if need be. Its {LIST} lists what was "
-        "written: a later run replaces these files, or removes those of another study, "
-        "and touches no others",
+        "written: a later run replaces or removes these files and touches no others",
     )
 
 

@@ -50,7 +50,8 @@ class Listed:
 
     def write(self) -> None:
         """Write the list."""
-        tree = {"command": self.command, "study": self.study, "files": self.files}
+        files = dict(sorted(self.files.items()))
+        tree = {"command": self.command, "study": self.study, "files": files}
         write_text(self.path, json.dumps(tree, indent=1) + "\n")
 
 
