@@ -121,6 +121,7 @@ def test_no_input_is_replaced(folder, capsys, command, new, make):
         ("tabulate table.toml --csv m.csv --map ./m.csv", None, "must differ"),
         ("figures --out sub --only 5", "sub/figure-5.png", "sub holds figure-5.png"),
         ("calibrate tests.csv --out sub", "sub/report.md", "sub holds report.md"),
+        ("calibrate tests.csv --out sub", "sub/report", "needs a directory"),
         ("benchmark --out sub --only ladder", "sub/manifest.json", "holds manifest"),
         ("validate --out sub --only C01", "sub/validation.md", "holds validation.md"),
         ("figures --out sub --only 5", f"sub/{LIST}", "is no list of files"),

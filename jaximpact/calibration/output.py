@@ -39,10 +39,13 @@ def study_directory(
     study: Study, out: Path, *, posterior: bool
 ) -> contextlib.AbstractContextManager[NewFile]:
     """The directory of a study's files; see `output_directory`."""
-    names = FILES
-    if posterior:
-        count = len(study.variants)
-        names += tuple(_posterior_name(i, count) for i in range(1, count + 1))
+    names, count = [*FILES], len(study.variants)
+    for number in range(1, count + 1):
+        # Of the pictures only these are known before the fit.
+        prefix = f"{number}-" if count > 1 else ""
+        names += [f"report/{prefix}fit-{target}.png" for target in study.targets]
+        if posterior:
+            names.append(_posterior_name(number, count))
     return output_directory(out, "calibrate", names, inputs=study.inputs)
 
 
