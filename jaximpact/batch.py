@@ -126,7 +126,7 @@ def simulate_batch(
         kept = None
         if journal is not None:
             subject = _subject(scene, count, setting, laws, model_tolerance)
-            kept = stack.enter_context(Journal(journal, subject, names))
+            kept = stack.enter_context(Journal(journal, subject, names, count))
             places, rows = kept.rows()
             numbers[:, places], missing[places] = rows.T, False
             done = len(places)

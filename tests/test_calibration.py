@@ -433,6 +433,7 @@ def test_files_of_the_twin(twin):
         "fit.json",
         "fit.png",
         "fitted.csv",
+        "jaximpact-files.json",
         "report",
         "report.html",
         "report.md",

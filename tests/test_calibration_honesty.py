@@ -614,8 +614,8 @@ def written(tmp_path_factory, engine):
 
 def test_the_files_are_there(written):
     assert sorted(p.name for p in written.iterdir()) == [
-        *("fit.json", "fit.png", "fitted.csv", "report", "report.html", "report.md"),
-        "report.txt",
+        *("fit.json", "fit.png", "fitted.csv", "jaximpact-files.json"),
+        *("report", "report.html", "report.md", "report.txt"),
     ]
 
 

@@ -108,7 +108,7 @@ def test_the_module_runs_as_a_program():
             "at least 0",
         ),
         (["batch", "scenes.csv", "--out", os.devnull], "must be a file"),
-        (["batch", "scenes.csv", "--out", "./scenes.csv"], "another file"),
+        (["batch", "scenes.csv", "--out", "./scenes.csv"], "which is read"),
         (["simulate", "none.toml"], "none.toml: cannot be read"),
         (["simulate", "scene.toml", "--plot", "plot.csv"], ".png"),
         (["simulate", "scene.toml", "--plot", "none/plot.png"], "existing directory"),

@@ -477,7 +477,10 @@ def test_command_writes_drawing_table_and_manifest(tmp_path, capsys):
     assert main(["figures", *arguments, "--accuracy", "fast"]) == 0
     assert "figure-5.png" in capsys.readouterr().err
     names = ["figure-5.csv", "figure-5.csv.manifest.json", "figure-5.png"]
-    assert sorted(path.name for path in out.iterdir()) == names
+    assert sorted(path.name for path in out.iterdir()) == [
+        *names,
+        "jaximpact-files.json",
+    ]
     table = read_table(out / "figure-5.csv")
     assert len(table) == 14
     expected = simulate(
@@ -531,12 +534,13 @@ def test_an_interruption_leaves_no_half_file(tables, tmp_path, capsys, monkeypat
         monkeypatch.setitem(run.PAPER_FIGURES, number, figure)
     arguments = ["figures", "--out", str(tmp_path), "--only", "5"]
     assert main(arguments) == 0
-    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    before = {path: path.read_bytes() for path in tmp_path.glob("figure-*")}
     assert len(before) == 3
     monkeypatch.setattr(run, "save_png", interrupted)
     assert main([*arguments, "9"]) == 130
     assert "interrupted" in capsys.readouterr().err
-    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+    after = {path: path.read_bytes() for path in tmp_path.glob("*figure-*")}
+    assert after == before
 
 
 def test_table_is_a_plain_one(tables):

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+import zlib
 
 import jax
 import numpy as np
@@ -14,7 +15,7 @@ from impact_scenes import mixed_scenes
 from jaximpact import Laws, simulate_batch
 from jaximpact.cli import main
 from jaximpact.errors import InputError
-from jaximpact.formats.journal import Journal
+from jaximpact.formats.journal import HEAD, Journal
 
 COLUMNS = ["a", "b", "c"]
 SUBJECT = {"of": "a test"}
@@ -23,7 +24,7 @@ SUBJECT = {"of": "a test"}
 def fill(path, blocks=3):
     """A journal of two rows a block, and where each block ends."""
     ends = []
-    with Journal(path, SUBJECT, COLUMNS) as journal:
+    with Journal(path, SUBJECT, COLUMNS, 100) as journal:
         ends.append(path.stat().st_size)
         for k in range(blocks):
             places = np.array([2 * k, 2 * k + 1])
@@ -33,7 +34,7 @@ def fill(path, blocks=3):
 
 
 def read(path):
-    with Journal(path, SUBJECT, COLUMNS) as journal:
+    with Journal(path, SUBJECT, COLUMNS, 100) as journal:
         return journal.rows()
 
 
@@ -53,7 +54,7 @@ def test_cut_anywhere_it_keeps_the_whole_blocks(tmp_path):
         places, _ = read(path)
         assert len(places) == 2 * sum(end <= length for end in ends[1:])
         # and what is appended then is found again
-        with Journal(path, SUBJECT, COLUMNS) as journal:
+        with Journal(path, SUBJECT, COLUMNS, 100) as journal:
             journal.append(np.array([77]), np.zeros((1, 3)))
         assert read(path)[0][-1] == 77
 
@@ -70,13 +71,66 @@ def test_noise_at_the_end_is_left_out(tmp_path):
     assert len(read(path)[0]) == 4
 
 
-@pytest.mark.parametrize("content", [b"other\n", b'{"of": "another"}\n', b"x" * 5000])
+@pytest.mark.parametrize(
+    "content", [b"other\n", b'{"of": "another"}\n', b"x" * 5000, b"\0\xff" * 99]
+)
 def test_another_file_is_refused_and_left_as_it_is(tmp_path, content):
     path = tmp_path / "j"
     path.write_bytes(content)
     with pytest.raises(InputError, match="no journal of this run"):
-        Journal(path, SUBJECT, COLUMNS)
+        Journal(path, SUBJECT, COLUMNS, 100)
     assert path.read_bytes() == content
+
+
+@pytest.mark.parametrize(
+    "places",
+    [[-1], [100], [2**62], [-(2**63)], [50, 50], [50, 3], [50, -100], [0]],
+)
+def test_places_that_are_none_are_cut_off(tmp_path, places):
+    path = tmp_path / "j"
+    ends = fill(path)
+    with Journal(path, SUBJECT, COLUMNS, 100) as journal:
+        journal.append(np.array(places), np.zeros((len(places), 3)))
+        journal.append(np.array([60]), np.zeros((1, 3)))
+    np.testing.assert_array_equal(read(path)[0], range(6))
+    assert path.stat().st_size == ends[-1]
+
+
+def test_a_block_of_no_whole_rows_is_cut_off(tmp_path):
+    path = tmp_path / "j"
+    ends = fill(path)
+    rows = b"\0" * 40
+    for count in (0, 1, 2):  # rows are of 32 bytes
+        with open(path, "ab") as file:
+            file.write(HEAD.pack(count, zlib.crc32(rows)) + rows)
+        np.testing.assert_array_equal(read(path)[0], range(6))
+        assert path.stat().st_size == ends[-1]
+
+
+def test_what_is_no_file_is_refused(tmp_path):
+    (tmp_path / "j").mkdir()
+    with pytest.raises(InputError, match="must be a file"):
+        read(tmp_path / "j")
+
+
+def test_a_file_that_cannot_be_opened_is_refused(tmp_path, monkeypatch):
+    def denied(*arguments):
+        raise PermissionError(13, "Permission denied")
+
+    # For root every file can be written.
+    monkeypatch.setattr("jaximpact.formats.journal.open", denied, raising=False)
+    with pytest.raises(InputError, match="j: cannot be written: Permission denied"):
+        read(tmp_path / "j")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_journal_is_of_one_process(tmp_path):
+    with (
+        Journal(tmp_path / "j", SUBJECT, COLUMNS, 100),
+        pytest.raises(BlockingIOError, match="is being written by another"),
+    ):
+        read(tmp_path / "j")
+    assert len(read(tmp_path / "j")[0]) == 0
 
 
 class Stop(Exception):

@@ -34,7 +34,7 @@ FILES = {
     "morris": {"morris.csv", "morris.png"},
     "sobol": {"sobol.csv", "sobol.png"},
 }
-ALWAYS = {"report.txt", "manifest.json"}
+ALWAYS = {"report.txt", "manifest.json", "jaximpact-files.json"}
 
 
 @pytest.fixture
@@ -106,11 +106,11 @@ def test_a_method_may_be_chosen(folder, capsys):
 def test_a_run_that_was_cut_short_goes_on(folder, capsys, monkeypatch):
     command = ["sensitivity", "study.toml", "--out", "out", "--method", "sobol"]
 
-    def full(name, dataset, out):
+    def full(study, datasets, report, new):
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr("jaximpact.sensitivity.run.write_method", full)
+        patch.setattr("jaximpact.sensitivity.run.write_study", full)
         assert main(command) == 1
     assert_one_line_error(capsys, "No space left on device")
     assert names_in(folder / "out") == {"sobol.journal"}

@@ -20,7 +20,8 @@ from jaximpact.formats.columns import (
     RESULT_COLUMNS,
 )
 from jaximpact.formats.files import check_writable, replacing
-from jaximpact.formats.results import count_outcomes, manifest_path, write_results
+from jaximpact.formats.outputs import manifest_path
+from jaximpact.formats.results import count_outcomes, write_results
 from jaximpact.formats.tables import SIGMA_COLUMNS, SLICE_ROWS, read_table
 
 

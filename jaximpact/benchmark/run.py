@@ -21,7 +21,8 @@ from pathlib import Path
 
 from ..errors import InputError, nearest
 from ..formats.align import align
-from ..formats.files import make_directory, replacing
+from ..formats.directory import NewFile, output_directory
+from ..formats.files import replacing, write_text
 from ..formats.provenance import version_of, versions
 from ..precision import require_float64
 from .compile_time import COMPILE_TIME
@@ -48,6 +49,7 @@ SECTIONS = {
         EXPLICIT_STEP,
     )
 }
+MANIFEST = "manifest.json"
 PEER_PACKAGES = ("numba", "numbalsoda", "scipy", "scikit-sundae")
 
 
@@ -77,7 +79,8 @@ def run_benchmark(
     """Measure and draw.
 
     Args:
-        out: directory, made if need be.
+        out: directory, made if need be; what was measured there with other settings is
+            removed.
         only: names of sections; all for none.
         peers: directory of other methods; None for `benchmarks` where it is run.
         settings: how much is measured.
@@ -87,22 +90,28 @@ def run_benchmark(
     Returns:
         The tables of the sections, as Markdown.
 
-    Raises InputError for unknown sections or a directory without peers, RuntimeError if
-    JAX is set to float32, OSError where the file system refuses.
+    Raises InputError for unknown sections, a directory without peers, or one that
+    cannot be used, RuntimeError if JAX is set to float32, OSError where the file system
+    refuses or another process writes there.
     """
     require_float64()
     settings = settings or Settings()
     say = say or (lambda text: None)
     sections = choose_sections(only)
-    make_directory(out, option="--out")
     methods = [Ours(), *find_peers(peers, say)]
     directory = str((peers or Path("benchmarks")).resolve()) if methods[1:] else ""
     bench = Bench(settings, methods, directory, progress or (lambda text: None))
-    texts = [_run_section(section, bench, out, say) for section in sections]
+    names = [f"{s.name}.{kind}" for s in sections for kind in ("csv", "png", "md")]
+    told = dataclasses.asdict(settings)
+    names.append(MANIFEST)
+    read = Path(directory).glob("*_peer.py") if directory else ()
+    files = output_directory(out, "benchmark", names, inputs=read, study=told)
+    with files as new:
+        texts = [_run_section(section, bench, out, new, say) for section in sections]
     return "\n".join(texts)
 
 
-def _run_section(section: Section, bench: Bench, out: Path, say) -> str:
+def _run_section(section: Section, bench: Bench, out: Path, new: NewFile, say) -> str:
     settings = json.loads(json.dumps(dataclasses.asdict(bench.settings)))
     conditions = {
         "settings": settings,
@@ -121,7 +130,7 @@ def _run_section(section: Section, bench: Bench, out: Path, say) -> str:
         rows = section.measure(
             bench._replace(say=lambda text: bench.say(f"{section.name}: {text}"))
         )
-        _write(data, as_csv(rows))
+        write_text(new(data.name), as_csv(rows))
         seconds = time.perf_counter() - begin
         record = conditions | {
             "sha256": _digest(data),
@@ -130,15 +139,17 @@ def _run_section(section: Section, bench: Bench, out: Path, say) -> str:
             "load_before_and_after": [load, _load()],
             "machine": machine(),
         }
-        manifest = _read_manifest(out) | {section.name: record}
-        _write(out / "manifest.json", json.dumps(manifest, indent=1) + "\n")
+        others = _read_manifest(out).items()
+        manifest = {name: r for name, r in others if r["settings"] == settings}
+        manifest[section.name] = record
+        write_text(new(MANIFEST), json.dumps(manifest, indent=1) + "\n")
         say(f"{section.name}: measured in {seconds:.0f} s")
     rows = read_csv(data)
     figure = section.draw(rows)
-    with replacing(out / f"{section.name}.png") as temporary:
+    with replacing(new(f"{section.name}.png")) as temporary:
         figure.savefig(temporary, dpi=120)
     lines = section.table(rows)
-    _write(out / f"{section.name}.md", as_markdown(lines))
+    write_text(new(f"{section.name}.md"), as_markdown(lines))
     return f"{section.name}\n{align(lines)}\n"
 
 
@@ -192,14 +203,14 @@ def _load() -> float | None:
 
 
 def _read_manifest(out: Path) -> dict:
-    path = out / "manifest.json"
-    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    path = out / MANIFEST
+    if not path.is_file():
+        return {}
+    try:
+        return dict(json.loads(path.read_bytes()))
+    except ValueError as error:
+        raise InputError(f"is no manifest: {error}; remove it", file=path) from None
 
 
 def _digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def _write(path: Path, text: str) -> None:
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")

@@ -3,9 +3,9 @@
 import base64
 import html
 import re
-from pathlib import Path
 from typing import NamedTuple
 
+from ..formats.directory import NewFile
 from ..formats.files import replacing
 
 STYLE = """\
@@ -119,16 +119,11 @@ def pictures_of(blocks: list[Block]) -> list[Picture]:
     ]
 
 
-def save_pictures(blocks: list[Block], folder: Path) -> None:
-    """Write the pictures, and remove others that an earlier run has left."""
-    folder.mkdir(parents=True, exist_ok=True)
-    names = {picture.name for picture in pictures_of(blocks)}
+def save_pictures(blocks: list[Block], folder: str, new: NewFile) -> None:
+    """Write the pictures, in a folder of that name."""
     for picture in pictures_of(blocks):
-        with replacing(folder / picture.name) as temporary:
+        with replacing(new(f"{folder}/{picture.name}")) as temporary:
             temporary.write_bytes(picture.png)
-    for path in folder.glob("*.png"):
-        if path.name not in names:
-            path.unlink()
 
 
 def _html(block: Block) -> str:

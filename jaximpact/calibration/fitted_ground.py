@@ -14,6 +14,8 @@ from .proportional import PartOfSize
 from .study_file import Parameter, Variant
 
 FILE = "fit.json"
+FILES = ("report.html", "report.md", "report.txt", FILE, "fitted.csv", "fit.png")
+"""That every calibration writes."""
 
 
 class FittedVariant(NamedTuple):
@@ -94,6 +96,12 @@ def read_fitted(path: Path) -> FittedGround:
         raise InputError(
             f"is no {FILE} of this version (no {error}); calibrate again", file=path
         ) from error
+
+
+def files_of_fit(path: Path) -> list[Path]:
+    """The files of a calibration, named as for `read_fitted`; not its pictures."""
+    directory = path if path.is_dir() else path.parent
+    return [path, *(directory / name for name in FILES)]
 
 
 def fitted_of(tree: dict) -> FittedGround:

@@ -7,6 +7,7 @@ the study or in its data, is fitted anew.
 
 import contextlib
 import hashlib
+import re
 import threading
 import zipfile
 from collections.abc import Callable
@@ -15,19 +16,21 @@ from pathlib import Path
 import numpy as np
 
 from ..engines.machine import installed
-from ..formats.files import replacing
+from ..formats.files import make_directory, replacing
 from .least_squares import Fits
 from .objective import Objective, Points
 from .stopping import Reason
 
 SUFFIX = ".npz"
+KEPT = re.compile(r"\.?[0-9a-f]{64}(\.[0-9]+\.partial)?\.npz")
+"""Names of fits, and of those that a kill left half-written."""
 
 
 class Memory:
     """Finished fits in a folder, which is made when there is one to keep.
 
     Args:
-        folder: holds nothing else.
+        folder: whatever else it holds is left alone.
     """
 
     def __init__(self, folder: Path):
@@ -53,7 +56,7 @@ class Memory:
                 self.found += 1
             return fits
         fits = make()
-        self.folder.mkdir(parents=True, exist_ok=True)
+        make_directory(self.folder, option="the directory")
         with replacing(path) as temporary:
             np.savez(
                 temporary,
@@ -64,10 +67,12 @@ class Memory:
         return fits
 
     def forget(self) -> None:
-        """Remove the files, and the folder if that leaves it empty."""
-        for path in self.folder.glob("*" + SUFFIX):
-            path.unlink()
+        """Remove all fits, of whatever study, and the folder if that leaves it
+        empty."""
         with contextlib.suppress(OSError):
+            for path in self.folder.iterdir():
+                if KEPT.fullmatch(path.name):
+                    path.unlink()
             self.folder.rmdir()
 
 

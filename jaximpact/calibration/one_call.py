@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import InputError, nearest
 from ..formats.columns import INPUT_COLUMNS
-from ..formats.files import make_directory, replacing
+from ..formats.files import replacing
 from ..formats.toml_values import SOIL_COLUMNS
 from ..precision import require_float64
 from ..soil import Soil
@@ -17,7 +17,7 @@ from .campaigns import joined_tables
 from .examination import Examination
 from .given import table_given
 from .least_squares import Progress
-from .output import as_json, write_all
+from .output import as_json, study_directory, write_all
 from .run import fit_and_examine
 from .study import StudyResult, VariantResult
 from .study_file import DEFAULT_BOUNDS, TOML, Study, read_study, study_of
@@ -117,8 +117,9 @@ class Calibration:
 
     def write(self, out: str | os.PathLike) -> None:
         """Write the report and its numbers, as `jaximpact calibrate` does."""
-        make_directory(Path(out), option="--out")
-        write_all(self.result, self.examined, Path(out))
+        sampled = any(looked.samples is not None for looked in self.examined)
+        with study_directory(self.result.study, Path(out), posterior=sampled) as new:
+            write_all(self.result, self.examined, new)
 
     def _chosen(self, name: str | None) -> VariantResult:
         if name is None and len(self.variants) > 1:

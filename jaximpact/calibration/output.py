@@ -1,6 +1,7 @@
 """The files of a study: report.html, report.md, report.txt, fit.json, fitted.csv and
 fit.png."""
 
+import contextlib
 import dataclasses
 import json
 import math
@@ -10,9 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from ..accuracy import PRESETS
-from ..formats.files import replacing
+from ..formats.directory import NewFile, output_directory
+from ..formats.files import replacing, write_text
 from ..formats.provenance import version_of, versions
 from .examination import Examination
+from .fitted_ground import FILES
 from .further_tests import Suggestions
 from .left_out import LeftOut
 from .proportional import SCATTERS, least_size
@@ -32,11 +35,26 @@ CSV_COLUMNS = (
 )
 
 
-def write_all(result: StudyResult, examined: list[Examination], out: Path) -> None:
+def study_directory(
+    study: Study, out: Path, *, posterior: bool
+) -> contextlib.AbstractContextManager[NewFile]:
+    """The directory of a study's files; see `output_directory`."""
+    names, count = [*FILES], len(study.variants)
+    for number in range(1, count + 1):
+        # Of the pictures only these are known before the fit.
+        prefix = f"{number}-" if count > 1 else ""
+        names += [f"report/{prefix}fit-{target}.png" for target in study.targets]
+        if posterior:
+            names.append(_posterior_name(number, count))
+    return output_directory(out, "calibrate", names, inputs=study.inputs)
+
+
+def write_all(result: StudyResult, examined: list[Examination], new: NewFile) -> None:
     """Write the files, each whole or not at all.
 
     Args:
         examined: of every variant.
+        new: gives the path of a file.
 
     Raises OSError where the file system refuses.
     """
@@ -44,25 +62,23 @@ def write_all(result: StudyResult, examined: list[Examination], out: Path) -> No
     from .plot import plot_study
     from .report_files import write_report
 
-    write_report(result, examined, out)
+    write_report(result, examined, new)
     for number, (variant, looked) in enumerate(
         zip(result.variants, examined, strict=True), 1
     ):
         if looked.samples is not None:
-            several = f"-{number}" if len(examined) > 1 else ""
-            with replacing(out / f"posterior{several}.nc") as temporary:
+            with replacing(new(_posterior_name(number, len(examined)))) as temporary:
                 to_inference_data(variant, looked.samples).to_netcdf(str(temporary))
-    with replacing(out / "report.txt") as temporary:
-        text = as_text(result, of_all(result, examined))
-        temporary.write_text(text, encoding="utf-8")
-    with replacing(out / "fit.json") as temporary:
-        text = in_lines(as_json(result, examined))
-        temporary.write_text(text + "\n", encoding="utf-8")
-    with replacing(out / "fitted.csv") as temporary:
-        temporary.write_text(as_csv(result, examined), encoding="utf-8")
+    write_text(new("report.txt"), as_text(result, of_all(result, examined)))
+    write_text(new("fit.json"), in_lines(as_json(result, examined)) + "\n")
+    write_text(new("fitted.csv"), as_csv(result, examined))
     figure = plot_study(result)
-    with replacing(out / "fit.png") as temporary:
+    with replacing(new("fit.png")) as temporary:
         figure.savefig(temporary, dpi=120)
+
+
+def _posterior_name(number: int, variants: int) -> str:
+    return f"posterior-{number}.nc" if variants > 1 else "posterior.nc"
 
 
 def in_lines(tree: dict) -> str:

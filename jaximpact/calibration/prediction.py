@@ -26,7 +26,13 @@ from . import prediction_text
 from .campaigns import Measurements, joined_tables
 from .candidates import Candidates
 from .engine import Engine
-from .fitted_ground import FittedGround, FittedVariant, fitted_of, read_fitted
+from .fitted_ground import (
+    FittedGround,
+    FittedVariant,
+    files_of_fit,
+    fitted_of,
+    read_fitted,
+)
 from .given import table_given
 from .least_squares import Progress
 from .losses import LOSSES
@@ -96,12 +102,17 @@ class Prediction(NamedTuple):
     """1 where the true value is above, -1 where it is below, else 0."""
     outside: list[Outside]
     variants: list[VariantPrediction]
+    inputs: list[Path]
+    """Files that it was made from."""
 
     def __str__(self) -> str:
         return prediction_text.as_text(self)
 
     def write(self, path: str | os.PathLike) -> None:
-        """Write a table of all predictions, and scores and origin beside it."""
+        """Write a table of all predictions, and scores and origin beside it.
+
+        Raises InputError for a path that would replace what they were made from.
+        """
         prediction_text.write(self, Path(path))
 
 
@@ -127,9 +138,9 @@ def predict(
     """
     require_float64()
     if isinstance(result, Calibration):
-        ground = fitted_of(result.as_json())
+        ground, inputs = fitted_of(result.as_json()), result.result.study.inputs
     else:
-        ground = read_fitted(Path(result))
+        ground, inputs = read_fitted(Path(result)), files_of_fit(Path(result))
     measurements = joined_tables((table_given(tests),))
     study = held_out_study(ground, measurements)
     progress = progress or (lambda text: None)
@@ -155,6 +166,7 @@ def predict(
         censored=study.censored,
         outside=_outside(ground, measurements),
         variants=variants,
+        inputs=[*inputs, *(table.path for table in measurements.files)],
     )
 
 

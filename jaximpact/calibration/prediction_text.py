@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..formats.align import align
-from ..formats.files import replacing
+from ..formats.files import refuse_inputs, replacing
+from ..formats.outputs import manifest_path
 from ..formats.provenance import versions
-from ..formats.results import manifest_path
 from .chance import too_few
 from .fitted_ground import FittedVariant
 from .predictive import CONFIDENCES, predictive
@@ -294,8 +294,11 @@ def as_json(prediction: "Prediction") -> dict:
 def write(prediction: "Prediction", path: Path) -> None:
     """Write the table, and scores and origin beside it; each whole or not at all.
 
-    Raises OSError where the file system refuses.
+    Raises InputError for a path that would replace what the predictions were made from,
+    OSError where the file system refuses.
     """
+    outputs = [("the predictions", path), ("their manifest", manifest_path(path))]
+    refuse_inputs(outputs, prediction.inputs)
     with (
         replacing(manifest_path(path)) as beside,
         replacing(path) as temporary,

@@ -2,12 +2,11 @@
 
 from pathlib import Path
 
-from ..formats.files import make_directory
 from ..precision import require_float64
 from .examination import Examination, examine
 from .least_squares import Progress
 from .memory import Memory
-from .output import write_all
+from .output import study_directory, write_all
 from .sampling import check_extra
 from .study import StudyResult, fit_study
 from .study_file import Study, read_study
@@ -31,14 +30,14 @@ def run_study(
     Args:
         study_path: the TOML file, the tables it names lying relative to it; or a table
             of tests alone.
-        out_dir: made if need be; files of the same names are replaced, each once it is
-            whole.
+        out_dir: made if need be; files of an earlier study there are replaced or
+            removed, each new one once it is whole.
         posterior: whether to sample it too, by NUTS, and write posterior.nc for ArviZ,
             one for each variant; needs the extra `jaximpact[bayes]`.
         progress: called with lines of text.
 
-    Raises InputError for a study that cannot be used, RuntimeError if JAX is set to
-    float32.
+    Raises InputError for a study or a directory that cannot be used, BlockingIOError
+    while another process writes there, RuntimeError if JAX is set to float32.
     """
     require_float64()
     study = read_study(study_path)
@@ -60,15 +59,15 @@ def fit_and_examine(
     require_float64()
     if posterior:
         check_extra()
-    memory = None
-    if out_dir is not None:
-        make_directory(out_dir, option="--out")
-        memory = Memory(out_dir / UNFINISHED)
     progress = progress or (lambda text: None)
-    result = fit_study(study, memory=memory, progress=progress)
-    examined = examine(result, posterior=posterior, progress=progress)
-    if memory is not None:
+    if out_dir is None:
+        result = fit_study(study, progress=progress)
+        return result, examine(result, posterior=posterior, progress=progress)
+    with study_directory(study, out_dir, posterior=posterior) as new:
+        memory = Memory(out_dir / UNFINISHED)
+        result = fit_study(study, memory=memory, progress=progress)
+        examined = examine(result, posterior=posterior, progress=progress)
         progress("drawing")
-        write_all(result, examined, out_dir)
+        write_all(result, examined, new)
         memory.forget()
     return result, examined

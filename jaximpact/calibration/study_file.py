@@ -123,6 +123,11 @@ class Study:
     """For further tests."""
 
     @property
+    def inputs(self) -> list[Path]:
+        """The files that it was read from."""
+        return [self.path, *(table.path for table in self.tests.files)]
+
+    @property
     def known(self) -> np.ndarray:
         """Which cells hold a measurement or a limit, `(tests, targets)`."""
         return np.isfinite(self.measured)

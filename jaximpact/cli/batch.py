@@ -2,12 +2,10 @@
 
 import argparse
 import math
-import os
 from pathlib import Path
 
 from ..accuracy import DEFAULT_ACCURACY
-from ..errors import InputError
-from ..formats.files import check_writable
+from ..formats.outputs import journal_path, manifest_path, output_files
 from ..interruption import resumable
 from . import options
 from .progress import Progress, say
@@ -21,11 +19,6 @@ checksum of the scenes is written beside the results.
 
 Results are kept in results.csv.journal as they come. After a run that was cut short, by
 Ctrl-C, kill or a power cut, the same command goes on where it stopped."""
-
-
-def journal_path(path: Path) -> Path:
-    """Where the journal of a table of results lies: beside it."""
-    return path.with_name(path.name + ".journal")
 
 
 def add_parser(commands) -> None:
@@ -86,14 +79,16 @@ def run(arguments: argparse.Namespace) -> None:
     from ..formats import results, tables
 
     scenes, out = arguments.scenes, arguments.out
-    if os.path.realpath(scenes) == os.path.realpath(out):
-        raise InputError(f"--out must be another file than the scenes, but is {out}")
-    check_writable(out, option="--out")
-    check_writable(results.manifest_path(out), option="the manifest beside --out,")
-    table = tables.read_table(scenes)
     timing = {}
-    journal = journal_path(out)
-    with resumable():
+    manifest, journal = manifest_path(out), journal_path(out)
+    files = output_files(
+        {"--out": out},
+        inputs=[scenes],
+        beside={manifest: manifest},
+        journals=[journal],
+    )
+    with files, resumable():
+        table = tables.read_table(scenes)
         with Progress("impacts") as progress:
             progress(0, len(table.rows))
             result = batch.simulate_batch(
@@ -105,7 +100,6 @@ def run(arguments: argparse.Namespace) -> None:
                 timing=timing,
             )
         results.write_results(out, table, result)
-    journal.unlink()
     if arguments.timing:
         rate = timing["impacts"] / timing["run_s"]
         say(

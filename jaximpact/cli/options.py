@@ -12,6 +12,7 @@ from ..formats.columns import (
     OUTCOME_MEANING,
     RESULT_COLUMNS,
 )
+from ..formats.directory import LIST
 
 
 def add_accuracy(parser: argparse.ArgumentParser, *, otherwise: str) -> None:
@@ -36,7 +37,8 @@ def add_directory(
         type=Path,
         required=required,
         metavar="DIR",
-        help=f"directory for {holds}; made if need be",
+        help=f"directory for {holds}; made if need be. Its {LIST} lists what was "
+        "written: a later run replaces or removes these files and touches no others",
     )
 
 

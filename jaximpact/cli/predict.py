@@ -1,9 +1,10 @@
 """`jaximpact predict`: tests that a calibration has not seen."""
 
 import argparse
+import contextlib
 from pathlib import Path
 
-from ..formats.files import check_writable
+from ..formats.outputs import manifest_path, output_files
 
 DESCRIPTION = """\
 Predict tests with the ground that `jaximpact calibrate` fitted, and score what was
@@ -50,17 +51,20 @@ def add_parser(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Predict."""
+    from ..calibration.fitted_ground import files_of_fit
     from ..calibration.prediction import predict
-    from ..formats.results import manifest_path
     from .calibrate import Lines
 
-    if arguments.out is not None:
-        check_writable(arguments.out, option="--out")
-        check_writable(
-            manifest_path(arguments.out), option="the manifest beside --out,"
+    out, files = arguments.out, contextlib.nullcontext()
+    if out is not None:
+        files = output_files(
+            {"--out": out},
+            inputs=[arguments.tests, *files_of_fit(arguments.result)],
+            beside={manifest_path(out): manifest_path(out)},
         )
-    with Lines() as progress:
-        found = predict(arguments.result, arguments.tests, progress=progress)
-    if arguments.out is not None:
-        found.write(arguments.out)
+    with files:
+        with Lines() as progress:
+            found = predict(arguments.result, arguments.tests, progress=progress)
+        if out is not None:
+            found.write(out)
     print(found, end="")

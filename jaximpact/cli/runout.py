@@ -100,29 +100,41 @@ def add_parser(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the study."""
+    from ..formats.directory import output_directory
     from ..formats.files import make_directory
     from ..runout import comparison, read_slope_studies, run_slope_study
-    from ..runout.output import in_words, write_slope_study
+    from ..runout.output import in_words, names_of_files, write_slope_study
 
     studies = read_slope_studies(arguments.study, arguments.accuracy)
     several = len(studies) > 1
+    folders = [Path(study.law_directory if several else "") for study in studies]
+    names = [str(f / name) for f in folders for name in names_of_files(studies[0])]
+    if several:
+        names += comparison.names_of_files(studies[0])
     datasets, journals = {}, []
-    with resumable():
-        for study in studies:
-            out = arguments.out / study.law_directory if several else arguments.out
-            make_directory(out, option="--out")
-            journals.append(out / "blocks.journal")
+    directory = output_directory(
+        arguments.out, "runout", names, inputs=studies[0].inputs
+    )
+    with resumable(), directory as new:
+        for study, folder in zip(studies, folders, strict=True):
+            make_directory(arguments.out / folder, option="--out")
+            journals.append(arguments.out / folder / "blocks.journal")
             if several:
                 say(f"contacts by {study.law_name}")
             with Progress("blocks") as progress:
                 dataset = run_slope_study(
                     study, journal=journals[-1], progress=progress
                 )
-            write_slope_study(study, dataset, out)
             datasets[study.law_name] = dataset
+        for study, folder in zip(studies, folders, strict=True):
+            write_slope_study(
+                study,
+                datasets[study.law_name],
+                lambda name, folder=folder: new(str(folder / name)),
+            )
         if several:
-            comparison.write_comparison(studies[0], datasets, arguments.out)
-    for journal in journals:
-        journal.unlink()
+            comparison.write_comparison(studies[0], datasets, new)
+        for journal in journals:
+            journal.unlink()
     print(comparison.in_words(datasets) if several else in_words(dataset))
     say(f"tables and drawings written to {arguments.out}")

@@ -1,12 +1,14 @@
 """`jaximpact simulate`: one impact from a file."""
 
 import argparse
+import contextlib
 import json
 from pathlib import Path
 
 from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
-from ..formats.files import check_writable, replacing
+from ..formats.files import replacing
+from ..formats.outputs import output_files
 from . import options
 
 PLOT_SUFFIXES = (".png", ".pdf", ".svg")
@@ -53,23 +55,24 @@ def run(arguments: argparse.Namespace) -> None:
     from ..simulation import simulate
     from . import report
 
-    plot = arguments.plot
+    plot, files = arguments.plot, contextlib.nullcontext()
     if plot is not None:
         if plot.suffix not in PLOT_SUFFIXES:
             raise InputError(
                 f"--plot must end in one of {', '.join(PLOT_SUFFIXES)}, but is {plot}"
             )
-        check_writable(plot, option="--plot")
-    scene, accuracy = read_scene(arguments.scene)
-    result = simulate(
-        scene.block,
-        scene.soil,
-        scene.impact,
-        accuracy=arguments.accuracy or accuracy or DEFAULT_ACCURACY,
-    )
-    if plot is not None:
-        with replacing(plot) as temporary:
-            result.plot(temporary)
+        files = output_files({"--plot": plot}, inputs=[arguments.scene])
+    with files:
+        scene, accuracy = read_scene(arguments.scene)
+        result = simulate(
+            scene.block,
+            scene.soil,
+            scene.impact,
+            accuracy=arguments.accuracy or accuracy or DEFAULT_ACCURACY,
+        )
+        if plot is not None:
+            with replacing(plot) as temporary:
+                result.plot(temporary)
     if arguments.json:
         print(json.dumps(report.as_json(result), indent=2, allow_nan=False))
     else:

@@ -8,10 +8,9 @@ from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
 from ..formats.align import align
 from ..formats.columns import RESULT_COLUMNS
-from ..formats.files import check_writable
+from ..formats.outputs import journal_path, output_files
 from ..interruption import resumable
 from . import options
-from .batch import journal_path
 from .progress import Progress, say
 
 if TYPE_CHECKING:
@@ -87,9 +86,10 @@ def run(arguments: argparse.Namespace) -> None:
     out = arguments.out or Path(name + SUFFIX)
     if out.suffix != SUFFIX:
         raise InputError(f"--out must end in {SUFFIX}, but is {out}")
-    check_writable(out, option="--out")
     journal = journal_path(out)
-    with resumable():
+    inputs = [arguments.study] if arguments.set is None else []
+    files = output_files({"--out": out}, inputs=inputs, journals=[journal])
+    with files, resumable():
         with Progress("impacts") as progress:
             dataset = sweep(
                 base,
@@ -99,7 +99,6 @@ def run(arguments: argparse.Namespace) -> None:
                 progress=progress,
             )
         write_netcdf(out, dataset)
-    journal.unlink()
     print(in_words(dataset))
     say(f"{dataset.e_n.size} impacts written to {out}")
 

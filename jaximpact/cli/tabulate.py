@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from ..formats.files import check_writable
+from ..formats.outputs import journal_path, manifest_path, output_files
 from ..interruption import resumable
 from . import options
-from .batch import journal_path
 from .progress import Progress, say
 
 if TYPE_CHECKING:
@@ -88,17 +87,27 @@ def run(arguments: argparse.Namespace) -> None:
     wanted = {name: pair for name, pair in wanted.items() if pair[0] is not None}
     if not wanted:
         raise InputError("one of --out, --csv and --map is needed")
-    if arguments.csv is not None and arguments.csv == arguments.map:
-        raise InputError(f"--csv and --map must differ, but both are {arguments.csv}")
     study = read_table_study(arguments.study, arguments.accuracy)
     for name, (path, suffix) in wanted.items():
         if path.suffix != suffix:
             raise InputError(f"{name} must end in {suffix}, but is {path}")
-        check_writable(path, option=name)
-    journals = []
-    with resumable():
+    beside, journals = {}, []
+    if arguments.out or arguments.csv:
+        journals.append(journal_path(arguments.out or arguments.csv))
+    if arguments.csv:
+        beside[manifest_path(arguments.csv)] = manifest_path(arguments.csv)
+    if arguments.map:
+        journals.append(journal_path(arguments.map))
+        for path in (manifest_path(arguments.map), arguments.map.with_suffix(".png")):
+            beside[path] = manifest_path(arguments.map)
+    files = output_files(
+        {name: path for name, (path, _) in wanted.items()},
+        inputs=[arguments.study],
+        beside=beside,
+        journals=journals,
+    )
+    with files, resumable():
         if arguments.out or arguments.csv:
-            journals.append(journal_path(arguments.out or arguments.csv))
             with Progress("impacts of the table") as progress:
                 table = tabulate(
                     study.block,
@@ -107,7 +116,7 @@ def run(arguments: argparse.Namespace) -> None:
                     speeds=study.speeds,
                     nodes=study.nodes,
                     accuracy=study.accuracy,
-                    journal=journals[-1],
+                    journal=journals[0],
                     progress=progress,
                 )
             if arguments.out:
@@ -116,7 +125,6 @@ def run(arguments: argparse.Namespace) -> None:
                 write_csv(arguments.csv, table)
             print(in_words(table))
         if arguments.map:
-            journals.append(journal_path(arguments.map))
             with Progress("impacts of the map") as progress:
                 dataset = orientation_map(
                     study.block,
@@ -128,8 +136,6 @@ def run(arguments: argparse.Namespace) -> None:
                 )
             write_map(arguments.map, dataset)
             print(map_in_words(dataset))
-    for journal in journals:
-        journal.unlink()
     say(f"written to {', '.join(str(path) for path, _ in wanted.values())}")
 
 

@@ -15,9 +15,10 @@ import pandas as pd
 from ..accuracy import get_accuracy
 from ..errors import InputError, nearest
 from ..formats.columns import OUTCOME_COLUMN
-from ..formats.files import make_directory, replacing
+from ..formats.directory import NewFile, output_directory
+from ..formats.files import replacing
+from ..formats.outputs import manifest_path
 from ..formats.provenance import law_names, scene_values, versions
-from ..formats.results import manifest_path
 from ..mechanics.laws import Laws
 from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
@@ -80,30 +81,34 @@ def write_figures(
     """Compute, draw and write.
 
     Args:
-        out: directory, made if need be. Files of the same names are replaced, each
-            figure's together.
+        out: directory, made if need be. Figures that are there of another ground or
+            accuracy are removed; of these ones, each figure's files are replaced
+            together.
         only: numbers of figures; all for none.
         study: ground and accuracy; Table 1 at `reference` if not given.
         say: called with a line for each figure written.
 
-    Raises InputError for unknown figures or a directory that cannot be made,
-    RuntimeError if JAX is set to float32, OSError where the file system refuses.
+    Raises InputError for unknown figures or a directory that cannot be used,
+    RuntimeError if JAX is set to float32, OSError where the file system refuses or
+    another process writes there.
     """
     require_float64()
     figures = choose_figures(only)
     study = study or Study()
-    make_directory(out, option="--out")
-    for figure in figures:
-        begin = time.perf_counter()
-        table = figure.compute(_naming(study, figure))
-        _write(out, figure, study, table)
-        if say is not None:
-            seconds = time.perf_counter() - begin
-            failed = _rows(table).get(str(Outcome.failed), 0)
-            say(
-                f"{out / figure.name}.png: {figure.title} ({seconds:.1f} s)"
-                + (f"; {failed} of {len(table)} rows failed" if failed else "")
-            )
+    names = [name for figure in figures for name in _names(figure)]
+    told = _conditions(study)
+    with output_directory(out, "figures", names, study=told) as new:
+        for figure in figures:
+            begin = time.perf_counter()
+            table = figure.compute(_naming(study, figure))
+            _write(new, figure, study, table)
+            if say is not None:
+                seconds = time.perf_counter() - begin
+                failed = _rows(table).get(str(Outcome.failed), 0)
+                say(
+                    f"{out / figure.name}.png: {figure.title} ({seconds:.1f} s)"
+                    + (f"; {failed} of {len(table)} rows failed" if failed else "")
+                )
 
 
 def _naming(study: Study, figure: PaperFigure) -> Study:
@@ -113,12 +118,18 @@ def _naming(study: Study, figure: PaperFigure) -> Study:
     )
 
 
-def _write(out: Path, figure: PaperFigure, study: Study, table: pd.DataFrame) -> None:
+def _names(figure: PaperFigure) -> tuple[str, str, str]:
+    """Names of a figure's manifest, drawing and table."""
+    data = f"{figure.name}.csv"
+    return str(manifest_path(Path(data))), f"{figure.name}.png", data
+
+
+def _write(new: NewFile, figure: PaperFigure, study: Study, table) -> None:
     """The three files of a figure, whole or not at all."""
-    data = out / f"{figure.name}.csv"
+    manifest, drawing, data = map(new, _names(figure))
     with (
-        replacing(manifest_path(data)) as manifest_temporary,
-        replacing(out / f"{figure.name}.png") as drawing_temporary,
+        replacing(manifest) as manifest_temporary,
+        replacing(drawing) as drawing_temporary,
         replacing(data) as data_temporary,
     ):
         write_table(data_temporary, table)
@@ -142,18 +153,25 @@ def _rows(table: pd.DataFrame) -> dict[str, int]:
     return {}
 
 
+def _conditions(study: Study) -> dict:
+    """What the figures of one directory have in common, ready for JSON."""
+    return {
+        "ground": study.ground,
+        "accuracy": dataclasses.asdict(get_accuracy(study.accuracy)),
+        "laws": law_names(Laws()),
+        "versions": versions(),
+    }
+
+
 def _manifest(figure: PaperFigure, study: Study, table: pd.DataFrame) -> dict:
     """What the figure was computed from and with; what varies is in its table."""
     return {
         "figure": figure.number,
         "title": figure.title,
-        "ground": study.ground,
         "sets": {
             name: scene_values(study.parametric_set(name)[0]) for name in figure.sets
         },
         **({"slope": case_values(study)} if figure.on_the_slope else {}),
         "rows": _rows(table),
-        "accuracy": dataclasses.asdict(get_accuracy(study.accuracy)),
-        "laws": law_names(Laws()),
-        "versions": versions(),
+        **_conditions(study),
     }

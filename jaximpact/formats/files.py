@@ -2,7 +2,7 @@
 
 import contextlib
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ..errors import InputError
@@ -65,6 +65,27 @@ def check_writable(path: Path, *, option: str) -> None:
         raise InputError(
             f"{option} {path} cannot be written: {error.strerror}"
         ) from error
+
+
+def refuse_inputs(outputs: Iterable[tuple[str, Path]], inputs: Iterable[Path]) -> None:
+    """Raise InputError if an output, each with what it is called, is an input too."""
+    inputs = [*inputs]
+    for what, path in outputs:
+        if (read := same_file(path, inputs)) is not None:
+            raise InputError(
+                f"{what} {path} would replace {read}, which is read; choose another "
+                "name"
+            )
+
+
+def same_file(path: Path, others: Iterable[Path]) -> Path | None:
+    """The first of some files that is this one, by whatever name or link; None where
+    none is, or this one is not there."""
+    for other in others:
+        with contextlib.suppress(OSError):
+            if os.path.samefile(path, other):
+                return other
+    return None
 
 
 def _target(path: Path) -> Path:

@@ -3,18 +3,22 @@
 The file is a line of JSON that says what is computed, then blocks: a count of rows and
 a checksum, then the rows. A block that a kill or a power cut left unfinished does not
 match its checksum; it and whatever follows is cut off when the journal is opened again.
+So is a block with rows of no place, or of one that came before.
 """
 
+import contextlib
 import json
 import os
 import struct
 import zlib
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import InputError
 from .files import check_writable
+from .lock import locked
 
 HEAD = struct.Struct("<QI")
 """Of a block: count of rows, CRC-32 of their bytes."""
@@ -27,25 +31,34 @@ class Journal:
         path: the file; made if it is not there.
         subject: what is computed, ready for JSON: equal subjects, equal results.
         columns: names of the numbers in a row.
+        count: how many places there are, from 0.
 
     Raises InputError if the file is a journal of something else, or none, or cannot be
-    written.
+    written; BlockingIOError while another process writes it.
     """
 
-    def __init__(self, path: Path, subject: dict, columns: list[str]):
-        self.path = Path(path)
+    def __init__(self, path: Path, subject: dict, columns: list[str], count: int):
+        self.path, self.count = Path(path), count
         check_writable(self.path, option="the journal")
         self.row = np.dtype([("place", "<i8"), ("numbers", "<f8", (len(columns),))])
         line = json.dumps(subject | {"columns": columns}, sort_keys=True) + "\n"
         self.first_line = line.encode()
-        self._cut_off_what_is_not_whole()
-        self.file = open(self.path, "ab")  # noqa: SIM115  (open as long as this is)
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(locked(self.path))
+            try:
+                self.file = stack.enter_context(open(self.path, "a+b"))
+            except OSError as error:
+                raise InputError(
+                    f"cannot be written: {error.strerror}", file=self.path
+                ) from error
+            self._cut_off_what_is_not_whole()
+            self._open = stack.pop_all()
 
     def __enter__(self) -> "Journal":
         return self
 
     def __exit__(self, *exception) -> None:
-        self.file.close()
+        self._open.close()
 
     def append(self, places: np.ndarray, numbers: np.ndarray) -> None:
         """Add rows: places `(n,)`, numbers `(n, columns)`. Out of this process's hands
@@ -58,35 +71,45 @@ class Journal:
 
     def rows(self) -> tuple[np.ndarray, np.ndarray]:
         """Places and numbers of all rows that are there."""
-        parts = [np.empty(0, self.row)]
-        with open(self.path, "rb") as file:
-            file.seek(len(self.first_line))
-            while block := self._read_block(file):
-                parts.append(np.frombuffer(block, self.row))
-        rows = np.concatenate(parts)
+        rows = np.concatenate([np.empty(0, self.row), *self._whole_blocks()])
         return rows["place"], rows["numbers"]
 
     def _cut_off_what_is_not_whole(self) -> None:
-        with open(self.path, "a+b") as file:
-            file.seek(0)
-            first = file.readline()
-            if not self.first_line.startswith(first):
-                raise InputError(
-                    "is no journal of this run, but of other scenes, settings or "
-                    "versions; run what it belongs to, or remove it",
-                    file=self.path,
-                )
-            if first != self.first_line:
-                file.truncate(0)
-                file.write(self.first_line)
-                return
+        file = self.file
+        file.seek(0)
+        first = file.readline(len(self.first_line) + 1)
+        if not self.first_line.startswith(first):
+            raise InputError(
+                "is no journal of this run, but of other scenes, settings or "
+                "versions; run what it belongs to, or remove it",
+                file=self.path,
+            )
+        if first != self.first_line:
+            file.truncate(0)
+            file.write(self.first_line)
+            file.flush()
+        whole = len(self.first_line)
+        for _ in self._whole_blocks():
             whole = file.tell()
-            while self._read_block(file):
-                whole = file.tell()
-            file.truncate(whole)
+        file.truncate(whole)
 
-    def _read_block(self, file) -> bytes:
+    def _whole_blocks(self) -> Iterator[np.ndarray]:
+        """The rows of one block after another, up to the first that is not whole."""
+        self.file.seek(len(self.first_line))
+        missing = np.ones(self.count, bool)
+        while block := self._read_block():
+            rows = np.frombuffer(block, self.row)
+            places = rows["place"]
+            if np.min(places) < 0 or np.max(places) >= self.count:
+                return
+            if len(np.unique(places)) < len(places) or not np.all(missing[places]):
+                return
+            missing[places] = False
+            yield rows
+
+    def _read_block(self) -> bytes:
         """The next block's rows; empty where there is none that is whole."""
+        file = self.file
         head = file.read(HEAD.size)
         if len(head) < HEAD.size:
             return b""

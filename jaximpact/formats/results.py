@@ -12,7 +12,8 @@ from ..collector import collector_paused
 from ..mechanics.outcomes import Outcome
 from ..simulation import ImpactResult
 from .columns import OUTCOME_COLUMN, RESULT_COLUMNS
-from .files import replacing
+from .files import refuse_inputs, replacing
+from .outputs import manifest_path
 from .provenance import batch_manifest
 from .tables import SLICE_ROWS, Table
 
@@ -28,11 +29,6 @@ def count_outcomes(result: ImpactResult) -> dict[str, int]:
     }
 
 
-def manifest_path(path: Path) -> Path:
-    """Where the manifest of a table of results lies: beside it."""
-    return path.with_name(path.name + ".manifest.json")
-
-
 @collector_paused()
 def write_results(path: Path, table: Table, result: ImpactResult) -> None:
     """Write the table with its results, and the manifest beside it.
@@ -42,9 +38,12 @@ def write_results(path: Path, table: Table, result: ImpactResult) -> None:
     is none. Both files appear whole or not at all; files of the same names are
     replaced.
 
-    Raises OSError where the file system refuses.
+    Raises InputError for a path that would replace the table of scenes, OSError where
+    the file system refuses.
     """
     path = Path(path)
+    outputs = [("the table of results", path), ("its manifest", manifest_path(path))]
+    refuse_inputs(outputs, [table.path])
     manifest = batch_manifest(
         table.path,
         table.sha256,

@@ -2,12 +2,12 @@
 
 import json
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from ..formats.align import align
+from ..formats.directory import NewFile
 from ..formats.files import write_text
 from . import drawing
 from .output import COLLECTOR_COLUMNS, collector_rows
@@ -16,10 +16,17 @@ from .slope_file import SlopeStudy
 from .study import PERCENTILES
 
 STOPS = (*PERCENTILES, 100)
+FILES = ("comparison.csv", "comparison.png", "report.txt", "manifest.json")
+COLLECTOR_FILES = ("comparison_collectors.csv", "comparison_collectors.png")
+
+
+def names_of_files(study: SlopeStudy) -> tuple[str, ...]:
+    """Names of the files that compare the laws of a study."""
+    return FILES + (COLLECTOR_FILES if len(study.collectors) else ())
 
 
 def write_comparison(
-    study: SlopeStudy, datasets: Mapping[str, xr.Dataset], out: Path
+    study: SlopeStudy, datasets: Mapping[str, xr.Dataset], new: NewFile
 ) -> None:
     """Write comparison.csv, comparison_collectors.csv, report.txt, manifest.json and
     drawings, each whole or not at all.
@@ -27,11 +34,12 @@ def write_comparison(
     Args:
         study: any of those compared.
         datasets: of each law, by its name.
+        new: gives the path of a file.
 
     Raises OSError where the file system refuses.
     """
-    write_text(out / "comparison.csv", _csv(_law_columns(), _law_rows(datasets)))
-    drawing.plot_comparison(datasets, study.profile, out / "comparison.png")
+    write_text(new("comparison.csv"), _csv(_law_columns(), _law_rows(datasets)))
+    drawing.plot_comparison(datasets, study.profile, new("comparison.png"))
     if len(study.collectors):
         rows = [
             (_quoted(law), *row)
@@ -39,16 +47,16 @@ def write_comparison(
             for row in collector_rows(dataset)
         ]
         write_text(
-            out / "comparison_collectors.csv", _csv(("law", *COLLECTOR_COLUMNS), rows)
+            new("comparison_collectors.csv"), _csv(("law", *COLLECTOR_COLUMNS), rows)
         )
-        drawing.plot_compared_collectors(datasets, out / "comparison_collectors.png")
-    write_text(out / "report.txt", in_words(datasets) + "\n")
+        drawing.plot_compared_collectors(datasets, new("comparison_collectors.png"))
+    write_text(new("report.txt"), in_words(datasets) + "\n")
     manifest = {"title": study.title, "laws": {}}
     for law, dataset in datasets.items():
         manifest["laws"][law] = {
             k: json.loads(v) for k, v in dataset.attrs.items() if k != "title"
         }
-    write_text(out / "manifest.json", json.dumps(manifest, indent=1) + "\n")
+    write_text(new("manifest.json"), json.dumps(manifest, indent=1) + "\n")
 
 
 def in_words(datasets: Mapping[str, xr.Dataset]) -> str:

@@ -52,7 +52,7 @@ class NamedLaw(NamedTuple):
     contacts: Contacts
     told: dict
     """In words, ready for JSON."""
-    checksums: dict[str, str]
+    checksums: dict[Path, str]
     """SHA-256 of the files that it is read from."""
 
     @property
@@ -148,12 +148,10 @@ def _tables(path: Path, name: str, table: dict) -> NamedLaw:
         )
     files = [path.parent / n for n in names]
     tables = [read_table(file) for file in files]
-    checksums = {
-        file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in files
-    }
+    checksums = {file: hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
     told = {
         "law": TABLE,
-        "files": list(checksums),
+        "files": list(dict.fromkeys(file.name for file in files)),
         "median error": [float(f"{t.error.median:.3g}") for t in tables],
         "99 % error": [float(f"{t.error.of_99_percent:.3g}") for t in tables],
     }

@@ -146,12 +146,12 @@ def _calibrated(path: Path, table: dict, said: dict) -> Calibrated | None:
 
 
 def read_ground_profile(
-    path: Path, content: dict, ground: ToldGround, checksums: dict[str, str]
+    path: Path, content: dict, ground: ToldGround, checksums: dict[Path, str]
 ) -> Profile:
     """The profile, with what of the ground is alike for all blocks. Checksums of files
     that are read are added."""
     if ground.calibrated is not None:
-        checksums[ground.calibrated.file.name] = ground.calibrated.checksum
+        checksums[ground.calibrated.file] = ground.calibrated.checksum
     table = known_table(path, content, "profile", ("points_m", "csv"))
     if len(table) != 1:
         raise InputError(
@@ -162,7 +162,7 @@ def read_ground_profile(
     if "csv" in table:
         csv = path.parent / typed(path, table, "csv", str)
         profile = read_profile(csv, Soil(**soil), **angles)
-        checksums[csv.name] = hashlib.sha256(csv.read_bytes()).hexdigest()
+        checksums[csv] = hashlib.sha256(csv.read_bytes()).hexdigest()
         _check_said_once(ground, csv)
     else:
         points = typed(path, table, "points_m", list)

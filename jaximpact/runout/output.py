@@ -1,12 +1,12 @@
 """The files of a run-out study, and what it says in words."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from ..formats.align import align
+from ..formats.directory import NewFile
 from ..formats.files import write_text
 from ..formats.netcdf import write_netcdf
 from . import drawing
@@ -29,27 +29,42 @@ QUANTITIES = (
 )
 
 
-def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, out: Path) -> None:
+FILES = (
+    *("blocks.nc", "stops.csv", "profile.png", "envelopes.png", "stops.png"),
+    *("report.txt", "manifest.json"),
+)
+COLLECTOR_FILES = ("collectors.csv", "collectors.png")
+
+
+def names_of_files(study: SlopeStudy) -> tuple[str, ...]:
+    """Names of the files of a study."""
+    return FILES + (COLLECTOR_FILES if len(study.collectors) else ())
+
+
+def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> None:
     """Write blocks.nc, stops.csv, collectors.csv, report.txt, manifest.json and the
     drawings, each whole or not at all.
 
+    Args:
+        new: gives the path of a file.
+
     Raises OSError where the file system refuses.
     """
-    write_netcdf(out / "blocks.nc", dataset)
-    write_text(out / "stops.csv", _stops(dataset))
+    write_netcdf(new("blocks.nc"), dataset)
+    write_text(new("stops.csv"), _stops(dataset))
     drawn = np.arange(min(DRAWN, study.release.count))
     drawing.plot_trajectories(
-        simulate(study, drawn), study.collectors, study.title, out / "profile.png"
+        simulate(study, drawn), study.collectors, study.title, new("profile.png")
     )
-    drawing.plot_envelopes(dataset, study.profile, out / "envelopes.png")
-    drawing.plot_stops(dataset, out / "stops.png")
+    drawing.plot_envelopes(dataset, study.profile, new("envelopes.png"))
+    drawing.plot_stops(dataset, new("stops.png"))
     if len(study.collectors):
-        write_text(out / "collectors.csv", _collectors(dataset))
-        drawing.plot_collectors(dataset, out / "collectors.png")
-    write_text(out / "report.txt", in_words(dataset) + "\n")
+        write_text(new("collectors.csv"), _collectors(dataset))
+        drawing.plot_collectors(dataset, new("collectors.png"))
+    write_text(new("report.txt"), in_words(dataset) + "\n")
     attributes = {k: json.loads(v) for k, v in dataset.attrs.items() if k != "title"}
     manifest = {"title": dataset.title} | attributes
-    write_text(out / "manifest.json", json.dumps(manifest, indent=1) + "\n")
+    write_text(new("manifest.json"), json.dumps(manifest, indent=1) + "\n")
 
 
 def in_words(dataset: xr.Dataset) -> str:

@@ -51,6 +51,8 @@ class SlopeStudy(NamedTuple):
     path: Path
     checksums: dict[str, str]
     """SHA-256 of the file, and of those that it names, by name."""
+    inputs: list[Path]
+    """These files."""
     title: str
     profile: Profile
     release: Release
@@ -105,7 +107,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     path = Path(path)
     content = load_toml(path)
     check_keys(path, "", content, (*TABLES, *NUMBERS))
-    checksums = {path.name: hashlib.sha256(path.read_bytes()).hexdigest()}
+    checksums = {path: hashlib.sha256(path.read_bytes()).hexdigest()}
     told_ground = ToldGround.read(path, content)
     profile = read_ground_profile(path, content, told_ground, checksums)
     laws = read_laws(path, content, accuracy)
@@ -136,10 +138,12 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     ground = told_ground.of_blocks(profile, drawn, seed)
     for law in laws:
         check_law(path, law, profile, release, ground)
+    inputs = [*checksums, *(file for law in laws for file in law.checksums)]
     return [
         SlopeStudy(
             path=path,
-            checksums=checksums | law.checksums,
+            checksums={f.name: c for f, c in (checksums | law.checksums).items()},
+            inputs=inputs,
             title=typed(path, content, "title", str, path.stem),
             profile=profile,
             release=release,

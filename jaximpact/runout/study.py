@@ -92,7 +92,7 @@ def run_slope_study(
     done = np.zeros(len(rows), bool)
     kept = contextlib.nullcontext()
     if journal is not None:
-        kept = Journal(journal, _subject(study), _columns(study))
+        kept = Journal(journal, _subject(study), _columns(study), len(rows))
     with kept as store:
         if store is not None:
             places, numbers = store.rows()

@@ -1,12 +1,12 @@
 """The files of a study."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from ..formats.files import replacing
+from ..formats.directory import NewFile
+from ..formats.files import write_text
 from . import drawing
 from .study_file import ELASTICITIES, MORRIS, SOBOL, SensitivityStudy
 from .verdicts import Check, State
@@ -23,29 +23,29 @@ CODES = {"state": State, "check": Check}
 ATTRIBUTES = ("accuracy", "outcomes", "versions")
 
 
-def write_method(name: str, dataset: xr.Dataset, out: Path) -> None:
-    """Write the table and the drawings of a method, each whole or not at all.
-
-    Raises OSError where the file system refuses.
-    """
-    with replacing(out / f"{name}.csv") as temporary:
-        temporary.write_text(as_csv(dataset), encoding="utf-8")
-    for file, draw in DRAWINGS[name].items():
-        draw(dataset, out / file)
+def files_of_method(name: str) -> list[str]:
+    """Names of the files of a method: its table, and its drawings."""
+    return [f"{name}.csv", *DRAWINGS[name]]
 
 
 def write_study(
-    study: SensitivityStudy, datasets: dict[str, xr.Dataset], report: str, out: Path
+    study: SensitivityStudy, datasets: dict[str, xr.Dataset], report: str, new: NewFile
 ) -> None:
-    """Write report and manifest, each whole or not at all.
+    """Write tables and drawings of all methods, report and manifest, each whole or not
+    at all.
+
+    Args:
+        new: gives the path of a file.
 
     Raises OSError where the file system refuses.
     """
-    with replacing(out / "report.txt") as temporary:
-        temporary.write_text(f"{study.title}\n\n{report}\n", encoding="utf-8")
-    with replacing(out / "manifest.json") as temporary:
-        text = json.dumps(manifest(study, datasets), indent=1, allow_nan=False)
-        temporary.write_text(text + "\n", encoding="utf-8")
+    for name, dataset in datasets.items():
+        write_text(new(f"{name}.csv"), as_csv(dataset))
+        for file, draw in DRAWINGS[name].items():
+            draw(dataset, new(file))
+    write_text(new("report.txt"), f"{study.title}\n\n{report}\n")
+    text = json.dumps(manifest(study, datasets), indent=1, allow_nan=False)
+    write_text(new("manifest.json"), text + "\n")
 
 
 def as_csv(dataset: xr.Dataset) -> str:
@@ -72,7 +72,7 @@ def manifest(study: SensitivityStudy, datasets: dict[str, xr.Dataset]) -> dict:
     first = next(iter(datasets.values()))
     methods = {}
     for name, dataset in datasets.items():
-        about = {"files": [f"{name}.csv", *DRAWINGS[name]]}
+        about = {"files": files_of_method(name)}
         about |= {
             key: json.loads(dataset.attrs[key])
             for key in ATTRIBUTES

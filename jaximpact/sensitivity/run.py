@@ -8,13 +8,13 @@ from typing import NamedTuple
 import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY
-from ..formats.files import make_directory
+from ..formats.directory import output_directory
 from ..precision import require_float64
 from . import elasticity
 from .elasticity import elasticities
 from .in_words import in_words
 from .morris_effects import morris
-from .output import write_method, write_study
+from .output import files_of_method, write_study
 from .sobol_indices import sobol
 from .study_file import ELASTICITIES, MORRIS, SensitivityStudy, read_study
 
@@ -49,32 +49,34 @@ def run_study(
 
     Args:
         path: the TOML file.
-        out: made if need be; files of the same names are replaced, each once it is
-            whole. Journals lie there until all is written, so that a run that was cut
-            short goes on.
+        out: made if need be; files of an earlier study there are replaced or removed,
+            each new one once it is whole. Journals lie there until all is written, so
+            that a run that was cut short goes on.
         method: in place of the file's.
         accuracy: in place of the file's; "reference" for elasticities and "balanced"
             for the rest where neither says.
         progress: see `Progress`.
 
-    Raises InputError for a study that cannot be used, RuntimeError if JAX is set to
-    float32.
+    Raises InputError for a study or a directory that cannot be used, BlockingIOError
+    while another process writes there, RuntimeError if JAX is set to float32.
     """
     require_float64()
     study = read_study(path, method)
     out = Path(out)
-    make_directory(out, option="--out")
     accuracy = accuracy or study.accuracy
     journals = {name: out / f"{name}.journal" for name in study.methods}
+    names = [file for name in study.methods for file in files_of_method(name)]
+    names += ["report.txt", "manifest.json"]
     datasets = {}
-    for name, journal in journals.items():
-        with progress(name) as told:
-            datasets[name] = _compute(study, name, accuracy, journal, told)
-        write_method(name, datasets[name], out)
-    result = StudyResult(study, datasets)
-    write_study(study, datasets, result.in_words(), out)
-    for journal in journals.values():
-        journal.unlink(missing_ok=True)
+    with output_directory(out, "sensitivity", names, inputs=[study.path]) as new:
+        for name, journal in journals.items():
+            with progress(name) as told:
+                datasets[name] = _compute(study, name, accuracy, journal, told)
+        result = StudyResult(study, datasets)
+        write_study(study, datasets, result.in_words(), new)
+        for name in study.methods:
+            if name != ELASTICITIES:  # which keeps none
+                journals[name].unlink()
     return result
 
 

@@ -15,8 +15,8 @@ from ..errors import InputError
 from ..formats.columns import DEGREE, OUTCOME_COLUMN
 from ..formats.files import replacing
 from ..formats.netcdf import read_netcdf, write_netcdf
+from ..formats.outputs import manifest_path
 from ..formats.provenance import law_names, scene_values, versions
-from ..formats.results import manifest_path
 from ..mechanics.laws import Laws
 from ..mechanics.outcomes import Outcome
 from ..scene import Scene

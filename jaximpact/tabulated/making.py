@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -133,7 +134,8 @@ def _opened(journal: Path | None, block, soil, accuracy: Accuracy, axes):
         "accuracy": dataclasses.asdict(accuracy),
         "versions": versions(),
     }
-    return Journal(journal, subject, [*Blow._fields, "outcome"])
+    count = math.prod(map(len, axes))
+    return Journal(journal, subject, [*Blow._fields, "outcome"], count)
 
 
 def axes_of(table: ReboundTable) -> list[np.ndarray]:

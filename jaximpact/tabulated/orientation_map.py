@@ -16,7 +16,7 @@ from ..accuracy import Accuracy
 from ..block import Block
 from ..formats.columns import DEGREE, INPUT_COLUMNS, OUTCOME_COLUMN, RESULT_COLUMNS
 from ..formats.files import replacing
-from ..formats.results import manifest_path
+from ..formats.outputs import manifest_path
 from ..mechanics.outcomes import Outcome
 from ..scene import Impact, Scene
 from ..soil import Soil
@@ -136,16 +136,18 @@ def write_map(path: Path, dataset: xr.Dataset) -> None:
     Raises OSError where the file system refuses.
     """
     path = Path(path)
-    plot_map(dataset, path.with_suffix(".png"))
     decoded = ("base", "accuracy", "laws", "versions")
     manifest = {
         key: json.loads(value) if key in decoded else value
         for key, value in dataset.attrs.items()
     }
+    # The manifest takes its name first: by it a later run knows the drawing.
     with (
-        replacing(manifest_path(path)) as manifest_temporary,
+        replacing(path.with_suffix(".png")) as drawing_temporary,
         replacing(path) as temporary,
+        replacing(manifest_path(path)) as manifest_temporary,
     ):
+        plot_map(dataset, drawing_temporary)
         manifest_temporary.write_text(json.dumps(manifest, indent=2) + "\n")
         dataset.to_dataframe().to_csv(temporary, na_rep="nan", lineterminator="\n")
 
@@ -194,8 +196,7 @@ def plot_map(dataset: xr.Dataset, path: Path) -> None:
         f"restitution over {dataset.attrs['orientations']} orientations, all alike "
         "likely"
     )
-    with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=150)
+    figure.savefig(path, dpi=150)
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:

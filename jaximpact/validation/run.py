@@ -14,7 +14,8 @@ from pathlib import Path
 
 from ..accuracy import get_accuracy
 from ..errors import InputError, nearest
-from ..formats.files import make_directory, replacing
+from ..formats.directory import NewFile, output_directory
+from ..formats.files import replacing, write_text
 from ..formats.provenance import versions
 from ..interruption import resumable
 from ..precision import require_float64
@@ -29,6 +30,8 @@ from .study import ACCURACY, RANDOM_IMPACTS, SEED, Study
 from .verdict import Finding, Judgement, NotComputed, Verdict
 
 LAWS = "laws"
+FILES = ("validation.csv", "validation.md", "validation.json")
+READINGS_FILES = READINGS_TABLE, READINGS_CONDITIONS = "readings.csv", "readings.json"
 SUPPLEMENT = "C38"
 """The claim about other grounds, which is not asked again under every reading."""
 Say = Callable[[str], None]
@@ -45,7 +48,8 @@ def validate(
     """Judge the paper's claims, and compare the model with laws of others.
 
     Args:
-        out: directory for the files, made if need be; None writes none.
+        out: directory for the files, made if need be; those of an earlier run there are
+            replaced or removed, but for readings of the same model. None writes none.
         only: ids of claims, and `laws`; all for none.
         readings: also judge the claims under every reading of `READINGS`, those on runs
             down a slope under `SLOPE_READINGS`, and write them to `out`.
@@ -55,35 +59,45 @@ def validate(
     A claim that fails is a finding like any other. One whose impacts could not be
     computed has the verdict `not computed`, and its evidence says why.
 
-    Raises InputError for an unknown id or a directory that cannot be made, RuntimeError
-    if JAX is set to float32, OSError where the file system refuses.
+    Raises InputError for an unknown id or a directory that cannot be used, RuntimeError
+    if JAX is set to float32, OSError where the file system refuses or another process
+    writes there.
     """
     require_float64()
     progress, say = (what or (lambda text: None) for what in (progress, say))
     claims = read_claims()
     chosen = _choose(only, claims)
+    directory = contextlib.nullcontext()
     if out is not None:
-        make_directory(out, option="--out")
-    study = Study(say=progress)
-    found = []
-    for name, claim in claims.items():
-        if name in chosen:
-            progress(f"{name}: {claim.claim}")
-            found.append(Finding(*claim, _judge(name, study, claim.criterion)))
-    comparisons: list[Comparison] = []
-    if LAWS in chosen:
-        comparisons = compare_with_laws(
-            lambda done, count: progress(f"laws: {done} of {count}")
-        )
-    by_reading = {}
-    if readings:
-        ids = [name for name in JUDGES if name in chosen and name != SUPPLEMENT]
-        by_reading = {AS_IT_IS.name: {f.id: f.judgement for f in found if f.id in ids}}
-        with contextlib.nullcontext() if out is None else resumable():
-            by_reading |= _judge_readings(ids, out, progress, say)
-    validation = Validation(found, as_findings(comparisons), by_reading)
-    if out is not None:
-        _write_all(out, validation, comparisons)
+        out = Path(out)
+        names = FILES + (READINGS_FILES if readings or _read_readings(out) else ())
+        directory = output_directory(out, "validate", names)
+    with directory as new:
+        study = Study(say=progress)
+        found = []
+        for name, claim in claims.items():
+            if name in chosen:
+                progress(f"{name}: {claim.claim}")
+                found.append(Finding(*claim, _judge(name, study, claim.criterion)))
+        comparisons: list[Comparison] = []
+        if LAWS in chosen:
+            comparisons = compare_with_laws(
+                lambda done, count: progress(f"laws: {done} of {count}")
+            )
+        by_reading = {}
+        if readings:
+            ids = [name for name in JUDGES if name in chosen and name != SUPPLEMENT]
+            own = {f.id: f.judgement for f in found if f.id in ids}
+            by_reading = {AS_IT_IS.name: own}
+            with contextlib.nullcontext() if out is None else resumable():
+                by_reading |= _judge_readings(ids, out, new, progress, say)
+        validation = Validation(found, as_findings(comparisons), by_reading)
+        if out is not None:
+            _write_all(new, validation, comparisons)
+            if _read_readings(out):
+                # Those of an earlier run are of the same model, and stay.
+                for name in READINGS_FILES:
+                    new(name)
     return validation
 
 
@@ -108,7 +122,11 @@ def _judge(name: str, study: Study, criterion: str) -> Judgement:
 
 
 def _judge_readings(
-    ids: Sequence[str], out: Path | None, progress: Say, say: Say
+    ids: Sequence[str],
+    out: Path | None,
+    new: NewFile | None,
+    progress: Say,
+    say: Say,
 ) -> ByReading:
     """Judgements under every reading; those of an earlier run into the same directory
     are taken over."""
@@ -116,7 +134,7 @@ def _judge_readings(
     known = {} if out is None else _read_readings(out)
     if known:
         say(
-            f"{len(known)} readings computed before; remove {_readings_path(out)} to "
+            f"{len(known)} readings computed before; remove {out / READINGS_TABLE} to "
             "compute them again"
         )
     on_slopes = [name for name in ids if name in SLOPE_CLAIMS]
@@ -136,8 +154,8 @@ def _judge_readings(
         }
         if out is not None:
             known[reading.name] = before | found[reading.name]
-            _write(_readings_path(out), readings_csv(known))
-            _write(_conditions_path(out), _as_json(conditions()))
+            write_text(new(READINGS_TABLE), readings_csv(known))
+            write_text(new(READINGS_CONDITIONS), _as_json(conditions()))
     return found
 
 
@@ -156,47 +174,39 @@ def conditions() -> dict:
     }
 
 
-def _readings_path(out: Path) -> Path:
-    return out / "readings.csv"
-
-
-def _conditions_path(out: Path) -> Path:
-    return out / "readings.json"
-
-
 def _read_readings(out: Path) -> ByReading:
-    """What an earlier run under the same conditions has found."""
-    path, stored = _readings_path(out), _conditions_path(out)
-    if not (path.is_file() and stored.is_file()):
-        return {}
-    if json.loads(stored.read_text(encoding="utf-8")) != conditions():
-        return {}
+    """What an earlier run under the same conditions has found; nothing where files are
+    not as such a run left them."""
     known: ByReading = {}
-    with open(path, encoding="utf-8", newline="") as file:
-        for row in csv.DictReader(file):
-            known.setdefault(row["reading"], {})[row["id"]] = Judgement(
-                Verdict(row["verdict"]),
-                row["evidence"],
-                held=int(row["held"]),
-                asked=int(row["asked"]),
-            )
+    try:
+        stored = (out / READINGS_CONDITIONS).read_text(encoding="utf-8")
+        if json.loads(stored) != conditions():
+            return {}
+        with open(out / READINGS_TABLE, encoding="utf-8", newline="") as file:
+            for row in csv.DictReader(file):
+                known.setdefault(row["reading"], {})[row["id"]] = Judgement(
+                    Verdict(row["verdict"]),
+                    row["evidence"],
+                    held=int(row["held"]),
+                    asked=int(row["asked"]),
+                )
+    except (OSError, ValueError, LookupError, TypeError):
+        return {}
     return known
 
 
 def _write_all(
-    out: Path, validation: Validation, comparisons: list[Comparison]
+    new: NewFile, validation: Validation, comparisons: list[Comparison]
 ) -> None:
     figures = {row.figure_name: row.draw for row in comparisons}
     for name, draw in figures.items():
-        with replacing(out / f"{name}.png") as temporary:
+        with replacing(new(f"{name}.png")) as temporary:
             draw().savefig(temporary, dpi=120)
-    _write(out / "validation.csv", as_csv((*validation.claims, *validation.laws)))
-    _write(out / "validation.md", as_markdown(validation))
+    table, page, tree = map(new, FILES)
+    write_text(table, as_csv((*validation.claims, *validation.laws)))
+    write_text(page, as_markdown(validation))
     findings = [_finding_json(f) for f in (*validation.claims, *validation.laws)]
-    _write(
-        out / "validation.json",
-        _as_json({"manifest": conditions(), "findings": findings}),
-    )
+    write_text(tree, _as_json({"manifest": conditions(), "findings": findings}))
 
 
 def _finding_json(finding: Finding) -> dict:
@@ -219,8 +229,3 @@ def _finding_json(finding: Finding) -> dict:
 
 def _as_json(value: dict) -> str:
     return json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def _write(path: Path, text: str) -> None:
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
