@@ -8,6 +8,7 @@ import numpy as np
 
 from ..accuracy import Accuracy
 from ..errors import InputError
+from ..formats.reading import read_text
 from .draws import FEWEST
 from .nuisance import Prior
 from .proportional import PartOfSize
@@ -68,6 +69,10 @@ class FittedGround(NamedTuple):
     versions: dict[str, str]
 
 
+DAMAGED = (LookupError, TypeError, AttributeError, ValueError, ArithmeticError)
+"""What reading a tree of another form leads to."""
+
+
 def read_fitted(path: Path) -> FittedGround:
     """Read what `calibrate` wrote.
 
@@ -79,20 +84,19 @@ def read_fitted(path: Path) -> FittedGround:
     path = Path(path)
     if path.is_dir():
         path = path / FILE
+    text = read_text(path)
     try:
-        tree = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
-    except ValueError as error:
+        tree = json.loads(text)
+    except (ValueError, RecursionError) as error:
         raise InputError(
             f"must be the {FILE} of a calibration, or its directory, but is no JSON",
             file=path,
         ) from error
     try:
         return fitted_of(tree)
-    except (KeyError, TypeError, IndexError, AttributeError) as error:
+    except DAMAGED as error:
         raise InputError(
-            f"is no {FILE} of this version (no {error}); calibrate again", file=path
+            f"is no {FILE} of this version ({error!r}); calibrate again", file=path
         ) from error
 
 

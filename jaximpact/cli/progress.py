@@ -1,6 +1,10 @@
 """Progress of long work, on stderr."""
 
+import contextlib
 import sys
+from typing import TextIO
+
+from ..errors import shown
 
 PARTS = 10
 """Lines of progress in all where stderr is not a terminal."""
@@ -8,7 +12,14 @@ PARTS = 10
 
 def say(text: str) -> None:
     """A line on stderr that tells whose it is."""
-    print(f"jaximpact: {text}", file=sys.stderr)
+    write(sys.stderr, f"jaximpact: {shown(text)}\n")
+
+
+def write(stream: TextIO, text: str) -> None:
+    """Write at once. What cannot be told, on a full disk, ends no computation."""
+    with contextlib.suppress(OSError):
+        stream.write(text)
+        stream.flush()
 
 
 class Progress:
@@ -29,7 +40,7 @@ class Progress:
 
     def __exit__(self, *exception) -> None:
         if self.overwrites and self.part >= 0:
-            self.stream.write("\n")
+            write(self.stream, "\n")
 
     def __call__(self, done: int, total: int) -> None:
         part = PARTS * done // total
@@ -38,5 +49,4 @@ class Progress:
         self.part = part
         percent = 100 * done // total
         text = f"{done} of {total} {self.unit} ({percent} %)"
-        self.stream.write(f"\r{text}" if self.overwrites else f"{text}\n")
-        self.stream.flush()
+        write(self.stream, f"\r{text}" if self.overwrites else f"{text}\n")

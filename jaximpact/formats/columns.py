@@ -29,6 +29,8 @@ class InputColumn:
     upper_allowed: bool
     unit: str
     meaning: str
+    usual: tuple[float, float] = (-math.inf, math.inf)
+    """Values beyond which a unit may have been mistaken, in the column's unit."""
 
     @property
     def range_text(self) -> str:
@@ -47,12 +49,67 @@ class InputColumn:
         has_unit = self.unit != "-" and self.range_text != "finite"
         return f"{self.range_text} {self.unit}" if has_unit else self.range_text
 
+    @property
+    def si_unit(self) -> str:
+        """Unit of the field."""
+        units = UNITS.get(self.unit, {})
+        return next((u for u, size in units.items() if size * self.factor == 1.0), "-")
+
+    def hint(self, number: float, unit: str) -> str:
+        """Which unit may have been meant by a number that was taken to be in `unit`, to
+        follow a message; empty if none makes it usual."""
+        units = UNITS.get(self.unit, {})
+        for other, size in units.items():
+            value = size * number
+            if other == unit or not self.holds(value) or not self.is_usual(value):
+                continue
+            if other != "%" or 1.0 < number <= 100.0:
+                meant = f"{value / units[unit]:.4g} {unit}".removesuffix(" -")
+                return f"; {other}? {number:g} {other} is {meant}"
+        return ""
+
+    def told(self, number: float, unit: str, where: str = "") -> str:
+        """A number in `unit` in words, with the column's unit, its place, the usual
+        values if it is no error, and the unit that may be meant."""
+        value = UNITS.get(self.unit, {}).get(unit, 1.0) * number
+        text = f"{number:g} {unit}".removesuffix(" -")
+        if unit != self.unit:
+            text += f" = {value:.4g} {self.unit}"
+        text += where
+        if self.holds(value):
+            usual = "usual are {:g} to {:g} {}".format(*self.usual, self.unit)
+            text += "; " + usual.removesuffix(" -")
+        return text + self.hint(number, unit)
+
+    def is_usual(self, value: float) -> bool:
+        """Whether a value, in the column's unit, is within the usual ones."""
+        low, high = self.usual
+        return low <= value <= high
+
+    def holds(self, value: float) -> bool:
+        """Whether one value, in the column's unit, is finite and in range."""
+        above = value >= self.lower if self.lower_allowed else value > self.lower
+        below = value <= self.upper if self.upper_allowed else value < self.upper
+        return above and below and math.isfinite(value)
+
     def is_allowed(self, values) -> np.ndarray:
         """Which values, in the column's unit, are finite and in range."""
         values = np.asarray(values, float)
         above = values >= self.lower if self.lower_allowed else values > self.lower
         below = values <= self.upper if self.upper_allowed else values < self.upper
         return np.isfinite(values) & above & below
+
+
+UNITS = {
+    "deg": {"deg": 1.0, "rad": 1.0 / DEGREE},
+    "deg/s": {"deg/s": 1.0, "rad/s": 1.0 / DEGREE},
+    "kN/m3": {"kN/m3": 1.0, "N/m3": 1e-3},
+    "kg/m3": {"kg/m3": 1.0, "g/cm3": 1e3, "g/m3": 1e-3},
+    "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6, "mm/s": 1e-3},
+    "kg": {"kg": 1.0, "g": 1e-3},
+    "-": {"-": 1.0, "%": 1e-2},
+}
+"""Unit of a column -> units that are mistaken for it, with their sizes in it."""
 
 
 def _column(name, part, field, default, interval, unit, meaning, factor=1.0):
@@ -70,8 +127,33 @@ def _column(name, part, field, default, interval, unit, meaning, factor=1.0):
         upper_allowed=right == "]",
         unit=unit,
         meaning=meaning,
+        usual=USUAL.get(name, (-math.inf, math.inf)),
     )
 
+
+USUAL = {
+    "mass_kg": (1e-6, 1e8),
+    "density_kgm3": (100.0, 2e4),
+    "aspect_ratio": (0.02, 50.0),
+    "out_of_plane_ratio": (0.02, 50.0),
+    "speed_mps": (0.0, 300.0),
+    "orientation_deg": (-720.0, 720.0),
+    "angular_velocity_degps": (-3e4, 3e4),
+    "unit_weight_kNm3": (1.0, 100.0),
+    "friction_angle_deg": (2.0, 60.0),
+    "k_E": (1.0, 1e6),
+    "S_ef": (1e-3, 1e3),
+    "eta_N": (0.0, 10.0),
+    "eta_T": (0.0, 10.0),
+    "eta_R": (0.0, 10.0),
+    "c_v": (0.0, 1e3),
+    "gamma_v": (0.0, 1e4),
+    "alpha_vT": (0.0, 1e3),
+    "alpha_vR": (0.0, 1e3),
+    "psi": (1e-2, 1e2),
+    "alpha_s": (0.0, 10.0),
+}
+"""Wide: from glass beads to blocks of a landslide, and a decade beyond any ground."""
 
 _INPUTS = (
     _column("mass_kg", "block", "mass", 100.0, "(0, inf)", "kg", "mass"),

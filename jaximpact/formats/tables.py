@@ -9,6 +9,8 @@ import dataclasses
 import hashlib
 import io
 import itertools
+import re
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,7 +18,7 @@ import numpy as np
 
 from ..block import Block
 from ..collector import collector_paused
-from ..errors import InputError, nearest
+from ..errors import InputError, UnusualValueWarning, nearest
 from ..scene import Impact, Scene
 from ..soil import Soil
 from .columns import (
@@ -26,6 +28,7 @@ from .columns import (
     RESULT_COLUMNS,
     SIGMA_PREFIX,
 )
+from .reading import as_text, read_input
 
 SLICE_ROWS = 2_000
 """Rows converted at once: bounds the memory that cells take as Python strings."""
@@ -88,11 +91,7 @@ def read_table(path: Path, *, measured: bool = False) -> Table:
     several bad cells the one in the leftmost column is named.
     """
     path = Path(path)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
-    return table_of(data, path, measured=measured)
+    return table_of(read_input(path), path, measured=measured)
 
 
 @collector_paused()
@@ -133,16 +132,40 @@ def table_of(data: bytes, path: Path, *, measured: bool = False) -> Table:
                 parts[name].append(_numbers(path, lines, name, cells))
     if not rows:
         raise InputError("has a header but no rows", file=path)
+    numbers = {name: np.concatenate(pieces) for name, pieces in parts.items()}
+    lines = np.concatenate(starts)
+    _warn_of_unusual(path, numbers, lines)
     return Table(
         path=path,
         sha256=hashlib.sha256(data).hexdigest(),
         header=header,
         rows=rows,
-        numbers={name: np.concatenate(pieces) for name, pieces in parts.items()},
-        lines=np.concatenate(starts),
+        numbers=numbers,
+        lines=lines,
         censored={name: np.concatenate(pieces) for name, pieces in limits.items()},
         labels=labels,
     )
+
+
+def _warn_of_unusual(path: Path, numbers: dict[str, np.ndarray], lines) -> None:
+    """One warning for each column of the scene with values that are unusual."""
+    for name, values in numbers.items():
+        column = INPUT_COLUMNS.get(name)
+        if column is None or (
+            column.is_usual(np.min(values)) and column.is_usual(np.max(values))
+        ):
+            continue
+        bad = (values < column.usual[0]) | (values > column.usual[1])
+        place, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
+        where = f" and {more} more rows" if more else ""
+        warnings.warn(
+            UnusualValueWarning(
+                f"{path}, row {lines[place]}, column {name}: is "
+                f"{column.told(values[place], column.unit, where)}",
+                name,
+            ),
+            stacklevel=3,
+        )
 
 
 def _records(path: Path, file: io.TextIOWrapper) -> Iterator[tuple]:
@@ -162,18 +185,20 @@ def _records(path: Path, file: io.TextIOWrapper) -> Iterator[tuple]:
         raise InputError(f"is not valid CSV: {error}", file=path, row=first) from error
 
 
+CONTROLS = bytes({*range(32), 127} - set(b"\t\n\r"))
+"""Control characters but for tabs and line ends."""
+
+
 def _check_encoding(path: Path, data: bytes) -> None:
-    try:
-        data.decode("utf-8")
-    except UnicodeDecodeError as error:
+    as_text(path, data)
+    if len(data.translate(None, CONTROLS)) < len(data):
+        place = re.search(b"[" + re.escape(CONTROLS) + b"]", data).start()
+        byte = data[place : place + 1]
         raise InputError(
-            "is not text in UTF-8; save the file in that encoding",
+            f"holds {'a null byte' if byte == bytes(1) else byte}; is it a CSV?",
             file=path,
-            row=data.count(b"\n", 0, error.start) + 1,
-        ) from None
-    if b"\0" in data:
-        row = data.count(b"\n", 0, data.index(b"\0")) + 1
-        raise InputError("holds a null byte; is it a CSV?", file=path, row=row)
+            row=data.count(b"\n", 0, place) + 1,
+        )
 
 
 def _holds_numbers(name: str) -> bool:
@@ -287,11 +312,14 @@ def _describe_bad_cell(name: str, cell: str) -> str:
     if not _reads_as_number(cell):
         hint = "; write decimals with a point" if "," in cell else ""
         return f"must be a number, but is {cell!r}{hint}"
+    hint = ""
     if name in INPUT_COLUMNS:
-        requirement = INPUT_COLUMNS[name].requirement
+        column = INPUT_COLUMNS[name]
+        requirement = column.requirement
+        hint = column.hint(float(cell), column.unit)
     else:
         requirement = "above 0" if name in SIGMA_COLUMNS else "finite"
-    return f"must be {requirement}, but is {cell.strip()}"
+    return f"must be {requirement}, but is {cell.strip()}{hint}"
 
 
 def _reads_as_number(cell: str) -> bool:

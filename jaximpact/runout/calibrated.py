@@ -24,6 +24,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from ..errors import InputError, nearest
+from ..formats.reading import read_input
 from .ground import GROUND_COLUMNS
 from .quantities import shares
 
@@ -140,10 +141,7 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
     """
     path = Path(path)
     file = path / FILE if path.is_dir() else path
-    try:
-        data = file.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=file) from error
+    data = read_input(file)
     try:
         content = json.loads(data)
         found = _variant(file, content["variants"], variant)
@@ -183,7 +181,10 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
         np.linalg.cholesky(covariance)
     except InputError:
         raise
-    except (KeyError, TypeError, ValueError, np.linalg.LinAlgError) as error:
+    except (
+        *(LookupError, TypeError, AttributeError, ValueError, ArithmeticError),
+        *(np.linalg.LinAlgError, RecursionError),
+    ) as error:
         raise InputError(
             f"holds no calibration that can be drawn from ({error!r}); a fit.json of "
             "jaximpact calibrate is needed",

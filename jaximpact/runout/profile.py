@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import InputError, nearest
 from ..formats.columns import DEGREE, INPUT_COLUMNS
+from ..formats.reading import read_text
 from ..soil import Soil
 
 ROLLING_FRICTION_ANGLE = math.radians(20.0)
@@ -173,12 +174,7 @@ def read_profile(
     Raises InputError, naming file and row, for whatever cannot be used.
     """
     path = Path(path)
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
-    except UnicodeDecodeError:
-        raise InputError("is not text in UTF-8", file=path) from None
+    text = read_text(path)
     reader = csv.reader(io.StringIO(text, newline=""))
     rows = [(reader.line_num, cells) for cells in reader if any(map(str.strip, cells))]
     if not rows:

@@ -9,11 +9,12 @@ import numpy as np
 from ..block import Block
 from ..errors import InputError
 from ..formats.columns import DEGREE, INPUT_COLUMNS
+from ..formats.reading import read_input
 from ..formats.toml_values import (
     check_keys,
     known_table,
-    load_toml,
     number,
+    parse_toml,
     typed,
     whole,
 )
@@ -103,9 +104,10 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     """Read a study that may compare laws of contacts: one for each, with the same
     blocks, releases and ground. See `read_slope_study`."""
     path = Path(path)
-    content = load_toml(path)
+    data = read_input(path)
+    content = parse_toml(path, data)
     check_keys(path, "", content, (*TABLES, *NUMBERS))
-    checksums = {path.name: hashlib.sha256(path.read_bytes()).hexdigest()}
+    checksums = {path.name: hashlib.sha256(data).hexdigest()}
     told_ground = ToldGround.read(path, content)
     profile = read_ground_profile(path, content, told_ground, checksums)
     laws = read_laws(path, content, accuracy)

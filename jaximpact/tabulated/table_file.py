@@ -16,6 +16,7 @@ from ..formats.toml_values import (
     known_table,
     load_toml,
     number,
+    quantity,
     typed,
     whole,
 )
@@ -101,7 +102,7 @@ def _part(path: Path, content: dict, name: str):
     for key, value in known_table(path, content, name, tuple(columns)).items():
         column = columns[key]
         where = f"{name}.{key}"
-        fields[column.field] = column.factor * allowed(path, where, column, value)
+        fields[column.field] = column.factor * quantity(path, where, column, value)
     return kind(**fields)
 
 
