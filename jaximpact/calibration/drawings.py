@@ -316,7 +316,7 @@ def draw_left_out(result: StudyResult, left: LeftOut) -> Figure:
             number, y, linestyle="none", markersize=5, label=target, **_style(place)
         )
     if len(number) <= MOST_NAMED:
-        names = [study.tests.name(test) for test in range(len(number))]
+        names = [plain(study.tests.name(test)) for test in range(len(number))]
         axes.set_xticks(number, names, rotation=45, ha="right", fontsize="small")
     else:
         axes.set_xlabel("test, in the order of the tables")

@@ -57,9 +57,8 @@ def plot_trajectories(
     axes.autoscale_view()
     axes.legend(loc="upper right")
     dashed = "; dashed: collectors" if len(collectors) else ""
-    axes.set_title(
-        f"{plain(title)}: the first {runs.release.count} trajectories{dashed}"
-    )
+    told = f"the first {runs.release.count} trajectories{dashed}"
+    axes.set_title(f"{plain(title)}: {told}")
     _save(figure, path)
 
 
@@ -155,10 +154,8 @@ def plot_comparison(datasets: Mapping[str, xr.Dataset], profile, path: Path) -> 
         axes.grid(alpha=0.3)
     _draw_ground(panels[4], profile)
     panels[4].set(xlabel="x [m]", ylabel="y [m]")
-    title = next(iter(datasets.values())).title
-    panels[0].set_title(
-        f"{plain(title)}: the same blocks by {len(datasets)} laws of contact"
-    )
+    title = plain(next(iter(datasets.values())).title)
+    panels[0].set_title(f"{title}: the same blocks by {len(datasets)} laws of contact")
     _save(figure, path)
 
 
@@ -177,9 +174,8 @@ def plot_compared_collectors(datasets: Mapping[str, xr.Dataset], path: Path) -> 
             _finish_exceedance(axes, label)
         rows[row, 0].set_ylabel(f"x = {x:g} m: share of\nblocks that exceed it [-]")
     rows[0, 0].legend()
-    figure.suptitle(
-        f"{plain(first.title)}: exceedance at collectors by laws of contact"
-    )
+    title = plain(first.title)
+    figure.suptitle(f"{title}: exceedance at collectors by laws of contact")
     _save(figure, path)
 
 

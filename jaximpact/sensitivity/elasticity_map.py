@@ -102,7 +102,8 @@ def _mesh(axes: Axes, values: xr.DataArray, title: str, **colours):
     axes.set_title(title, fontsize="medium")
     for axis, dimension in ((axes.xaxis, across), (axes.yaxis, down)):
         if values[dimension].dtype.kind not in "fiu":
-            axis.set_ticks(range(values.sizes[dimension]), values[dimension].values)
+            labels = [plain(str(label)) for label in values[dimension].values]
+            axis.set_ticks(range(len(labels)), labels)
     return image
 
 
