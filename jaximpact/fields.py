@@ -61,7 +61,7 @@ def real_numbers(name: str, value) -> np.ndarray | jax.Array:
         array = np.asarray(value)
         if array.dtype.kind == "O" and all(map(_is_real, array.flat)):
             array = array.astype(float)
-    except (TypeError, ValueError, OverflowError) as error:
+    except (TypeError, ValueError, OverflowError, MemoryError) as error:
         raise InputError(
             f"{name} must be a number or an array of numbers, but is {_told(value)}: "
             f"{error}"

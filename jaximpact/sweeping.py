@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -15,7 +16,8 @@ from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
 from .block import Block
 from .errors import InputError, nearest
-from .formats.checks import check_scene
+from .fields import real_numbers
+from .formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from .formats.columns import (
     FURTHER_COLUMNS,
     INPUT_COLUMNS,
@@ -180,6 +182,8 @@ def check_axes(axes: Axes) -> list[_Axis]:
                 )
             seen[quantity] = name
         grid.append(axis)
+    points = math.prod(axis.length for axis in grid)
+    check_memory(points * NUMBERS_PER_IMPACT, f"{points} points")
     return grid
 
 
@@ -206,7 +210,7 @@ def _read_group(name: str, given: Mapping[str, ArrayLike]) -> _Axis:
     labels, values = None, {}
     for quantity, numbers in given.items():
         if quantity == LABELS:
-            labels = np.asarray(numbers, str)
+            labels = _labels(name, numbers)
         elif quantity not in INPUT_COLUMNS:
             known = (*INPUT_COLUMNS, LABELS)
             raise InputError(
@@ -229,13 +233,17 @@ def _read_group(name: str, given: Mapping[str, ArrayLike]) -> _Axis:
     return _Axis(name, values, labels, next(iter(lengths.values())))
 
 
+def _labels(axis: str, given) -> np.ndarray:
+    texts = [] if isinstance(given, str) else list(given)
+    if not texts or not all(isinstance(text, str) for text in texts):
+        raise InputError(f"axis {axis}: {LABELS} must be texts, but is {given!r}")
+    return np.array(texts)
+
+
 def _numbers(axis: str, quantity: str, given: ArrayLike) -> np.ndarray:
     """Values of a quantity, checked."""
     where = f"axis {axis}" if axis == quantity else f"axis {axis}: {quantity}"
-    try:
-        values = np.asarray(given, float)
-    except (TypeError, ValueError):
-        raise InputError(f"{where} must be numbers, but is {given!r}") from None
+    values = np.asarray(real_numbers(where, given), float)
     if values.ndim != 1 or values.size == 0:
         raise InputError(
             f"{where} must be a list of at least one number, but has shape "
@@ -244,8 +252,10 @@ def _numbers(axis: str, quantity: str, given: ArrayLike) -> np.ndarray:
     column = INPUT_COLUMNS[quantity]
     bad = ~column.is_allowed(values)
     if np.any(bad):
+        value = values[bad][0]
         raise InputError(
-            f"{where} must be {column.requirement}, but holds {values[bad][0]:g}"
+            f"{where} must be {column.requirement}, but holds {value:g}"
+            f"{column.hint(value, column.unit)}"
         )
     return values
 

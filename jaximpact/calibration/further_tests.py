@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from ..errors import InputError
 from ..formats.align import align
 from ..formats.columns import INPUT_COLUMNS
-from .candidates import Sigma, checked_axes, checked_measure
+from .candidates import MOST, Sigma, checked_axes, checked_measure
 from .design import CRITERIA, choose, merit
 from .engine import LEAVES
 from .proportional import least_size
@@ -119,8 +119,10 @@ def suggest_tests(
     """
     if criterion not in CRITERIA:
         raise InputError(f"criterion must be D or A, but is {criterion!r}")
-    if not count >= 1:
-        raise InputError(f"count must be at least 1, but is {count}")
+    if not isinstance(count, int) or not 1 <= count <= MOST:
+        raise InputError(
+            f"count must be a whole number from 1 to {MOST}, but is {count!r}"
+        )
     objective, points = fitted.objective, fitted.points
     inflation = fitted.uncertainty.inflation
     names = tuple(parameter.name for parameter in objective.study.parameters)

@@ -74,6 +74,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return BROKEN_PIPE
     except (OSError, IncompleteError) as error:
         return _report(f"error: {stdout_problem() or error}", SYSTEM_ERROR)
+    except MemoryError as error:
+        return _report(f"error: out of memory: {error}", SYSTEM_ERROR)
     return 0
 
 

@@ -123,13 +123,19 @@ def known_table(path: Path, content: dict, name: str, known: tuple[str, ...]) ->
     return table
 
 
-def whole(path: Path, content: dict, key: str, default: int, least: int) -> int:
-    """A whole number of at least `least`, of 64 bits."""
+def whole(
+    path: Path,
+    content: dict,
+    key: str,
+    default: int,
+    least: int,
+    most: int = LARGEST_WHOLE,
+) -> int:
+    """A whole number from `least` to `most`."""
     value = typed(path, content, key, int, default)
-    if value < least:
-        raise InputError(
-            f"must be at least {least}, but is {value}", file=path, key=key
-        )
+    if not least <= value <= most:
+        end = f"least {least}" if value < least else f"most {most}"
+        raise InputError(f"must be at {end}, but is {value}", file=path, key=key)
     return value
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..block import Block
 from ..errors import InputError
+from ..formats.checks import NUMBERS_PER_IMPACT, check_memory
 from ..formats.columns import DEGREE, INPUT_COLUMNS
 from ..formats.reading import read_input
 from ..formats.toml_values import (
@@ -43,7 +44,6 @@ NOT_NEGATIVE = ("clearance_m", "speed_mps")
 DEFAULT_COUNT = 1000
 """Where something is drawn at random."""
 DEFAULT_BINS = 50
-LARGEST_SEED = 2**63 - 1
 
 
 class SlopeStudy(NamedTuple):
@@ -112,10 +112,6 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     profile = read_ground_profile(path, content, told_ground, checksums)
     laws = read_laws(path, content, accuracy)
     seed = whole(path, content, "seed", 0, 0)
-    if seed > LARGEST_SEED:
-        raise InputError(
-            f"must be at most {LARGEST_SEED}, but is {seed}", file=path, key="seed"
-        )
     time_limit = number(path, "time_limit_s", content.get("time_limit_s", TIME_LIMIT))
     if time_limit <= 0.0:
         raise InputError(
@@ -130,6 +126,13 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     by_chance = is_random(quantities) or is_rough or jointly
     count = DEFAULT_COUNT if by_chance else combinations(quantities)
     count = whole(path, content, "count", count, 1)
+    bins = whole(path, content, "bins", DEFAULT_BINS, 1)
+    check_memory(
+        count * (bins + NUMBERS_PER_IMPACT),
+        f"{count} blocks in {bins} bins of the envelopes",
+        file=path,
+        key="count",
+    )
     drawn = draw(quantities, count, seed)
     drawn |= told_ground.draw_jointly(drawn, count, seed)
     for name, values in drawn.items():
@@ -157,7 +160,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
             law_directory=law.directory,
             seed=seed,
             collectors=_collectors(path, content, profile),
-            bins=whole(path, content, "bins", DEFAULT_BINS, 1),
+            bins=bins,
             time_limit=time_limit,
             event_limit=whole(path, content, "event_limit", EVENT_LIMIT, 1),
         )

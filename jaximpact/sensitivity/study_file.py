@@ -88,8 +88,9 @@ def read_study(path: Path, method: str | None = None) -> SensitivityStudy:
         trajectories=whole(path, content, "trajectories", DEFAULT_TRAJECTORIES, 2),
         seed=whole(path, content, "seed", 0, 0),
     )
-    _in_file(path, "blocks", lambda: check_blocks(study.blocks))
-    _in_file(path, "trajectories", lambda: check_trajectories(study.trajectories))
+    size = len(parameters)
+    _in_file(path, "blocks", lambda: check_blocks(study.blocks, size))
+    _in_file(path, "trajectories", lambda: check_trajectories(study.trajectories, size))
     _in_file(path, "seed", lambda: check_seed(study.seed))
     return study
 
