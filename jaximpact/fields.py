@@ -1,7 +1,8 @@
-"""Named real numbers: what every field of block, ground and impact must be."""
+"""Values given in Python: each of its kind, or an error that names it."""
 
 import dataclasses
 import functools
+import math
 
 import equinox as eqx
 import jax
@@ -71,6 +72,32 @@ def real_numbers(name: str, value) -> np.ndarray | jax.Array:
             f"{name} must be a number or an array of numbers, but is {_told(value)}"
         )
     return array.astype(float, copy=False)
+
+
+def real_number(name: str, value, *, least: float = -math.inf) -> float:
+    """One finite number of at least `least`; InputError for anything else."""
+    numbers = real_numbers(name, value)
+    if numbers.ndim or not (math.isfinite(numbers) and numbers >= least):
+        need = "" if least == -math.inf else f" of at least {least:g}"
+        raise InputError(f"{name} must be a finite number{need}, but is {value!r}")
+    return float(numbers)
+
+
+def whole_number(name: str, value, least: int, most: int = 2**63 - 1) -> int:
+    """A whole number from `least` to `most`; InputError for anything else."""
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        raise InputError(f"{name} must be a whole number, but is {_told(value)}")
+    if not least <= value <= most:
+        end = f"least {least}" if value < least else f"most {most}"
+        raise InputError(f"{name} must be at {end}, but is {value}")
+    return int(value)
+
+
+def expect(name: str, value, *kinds: type) -> None:
+    """Raise InputError unless a value is of one of the kinds."""
+    if not isinstance(value, kinds):
+        needed = " or ".join(kind.__name__ for kind in kinds)
+        raise InputError(f"{name} must be of type {needed}, but is {_told(value)}")
 
 
 def _is_real(value) -> bool:

@@ -3,7 +3,7 @@
 import dataclasses
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
 from .block import Block
 from .errors import InputError, nearest
-from .fields import real_numbers
+from .fields import expect, real_numbers
 from .formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from .formats.columns import (
     FURTHER_COLUMNS,
@@ -109,6 +109,7 @@ def repeat_sweep(dataset: xr.Dataset, *, laws: Laws | None = None, **how) -> xr.
 
     Raises InputError if the dataset is no sweep, or was made with other laws.
     """
+    expect("dataset", dataset, xr.Dataset)
     try:
         values = json.loads(dataset.attrs["base"])
         accuracy = Accuracy(**json.loads(dataset.attrs["accuracy"]))
@@ -170,6 +171,7 @@ def scene_of_values(values: Mapping[str, ArrayLike]) -> Scene:
 
 def check_axes(axes: Axes) -> list[_Axis]:
     """The axes, checked. Raises InputError as `sweep` does."""
+    expect("axes", axes, Mapping)
     if not axes:
         raise InputError("a sweep needs at least one axis, but got none")
     grid, seen = [], {}
@@ -234,7 +236,8 @@ def _read_group(name: str, given: Mapping[str, ArrayLike]) -> _Axis:
 
 
 def _labels(axis: str, given) -> np.ndarray:
-    texts = [] if isinstance(given, str) else list(given)
+    several = isinstance(given, Iterable) and not isinstance(given, str)
+    texts = list(given) if several else []
     if not texts or not all(isinstance(text, str) for text in texts):
         raise InputError(f"axis {axis}: {LABELS} must be texts, but is {given!r}")
     return np.array(texts)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import InputError
+from ..fields import whole_number
 from ..formats.align import align
 from ..formats.columns import INPUT_COLUMNS
 from .candidates import MOST, Sigma, checked_axes, checked_measure
@@ -119,10 +120,7 @@ def suggest_tests(
     """
     if criterion not in CRITERIA:
         raise InputError(f"criterion must be D or A, but is {criterion!r}")
-    if not isinstance(count, int) or not 1 <= count <= MOST:
-        raise InputError(
-            f"count must be a whole number from 1 to {MOST}, but is {count!r}"
-        )
+    whole_number("count", count, 1, MOST)
     objective, points = fitted.objective, fitted.points
     inflation = fitted.uncertainty.inflation
     names = tuple(parameter.name for parameter in objective.study.parameters)

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..accuracy import PRESETS
 from ..errors import InputError
+from ..fields import expect
 from ..formats.columns import INPUT_COLUMNS
 from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
@@ -126,6 +127,7 @@ def predict(
     RuntimeError if JAX is set to float32.
     """
     require_float64()
+    expect("result", result, Calibration, str, os.PathLike)
     if isinstance(result, Calibration):
         ground = fitted_of(result.as_json())
     else:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..block import Block
 from ..errors import InputError, UnusualValueWarning, nearest
+from ..fields import expect
 from ..scene import Impact, Scene
 from ..soil import Soil
 from .columns import INPUT_COLUMNS, RESULT_COLUMNS, InputColumn, column_of_field
@@ -33,13 +34,10 @@ def check_scene(scene: Scene, *, batched: bool = False, warn: bool = False) -> N
         batched: allow arrays; else every field must be a scalar.
         warn: also of values that are unusual, in the name of the caller's caller.
     """
+    expect("scene", scene, Scene)
     for part, kind in KINDS.items():
         owner = getattr(scene, part)
-        if not isinstance(owner, kind):
-            raise InputError(
-                f"{part} must be of type {kind.__name__}, but is of type "
-                f"{type(owner).__name__}"
-            )
+        expect(part, owner, kind)
         for field in dataclasses.fields(owner):
             value = getattr(owner, field.name)
             name = f"{kind.__name__}.{field.name}"
@@ -110,7 +108,7 @@ def checked_names(
 ) -> tuple[str, ...]:
     """The names, of a `kind` in one word. Raises InputError for a name that is unknown,
     with the nearest known, or stands twice, and for none."""
-    if isinstance(names, str):
+    if isinstance(names, str) or not isinstance(names, Iterable):
         raise InputError(f"{kind}s must be a list of names, but is {names!r}")
     names = tuple(names)
     if not names:

@@ -2,6 +2,7 @@
 
 import math
 import re
+import sys
 import tomllib
 import warnings
 from collections.abc import Iterable
@@ -156,7 +157,7 @@ def number(path: Path, key: str, value) -> float:
     """A finite number."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"must be a number, but is {value!r}", file=path, key=key)
-    if not math.isfinite(value):
+    if abs(value) > sys.float_info.max or math.isnan(value):
         raise InputError(f"must be finite, but is {value}", file=path, key=key)
     return float(value)
 

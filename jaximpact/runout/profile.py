@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import InputError, nearest
+from ..fields import expect, real_numbers
 from ..formats.columns import DEGREE, INPUT_COLUMNS
 from ..formats.reading import read_text
 from ..soil import Soil
@@ -49,15 +50,20 @@ class Profile:
     roughness: ArrayLike = 0.0
 
     def __post_init__(self):
-        x, y = (np.array(values, float) for values in (self.x, self.y))
+        x, y = (
+            np.array(real_numbers(f"a profile's {name}", getattr(self, name)))
+            for name in ("x", "y")
+        )
+        expect("a profile's soil", self.soil, Soil)
         problem = _problem_with_points(x, y)
         if problem:
             raise ValueError(f"a profile {problem}")
         segments = (len(x) - 1,)
 
         def of_segments(name: str, values) -> np.ndarray:
+            numbers = real_numbers(f"a profile's {name}", values)
             try:
-                return np.array(np.broadcast_to(np.asarray(values, float), segments))
+                return np.array(np.broadcast_to(numbers, segments), float)
             except ValueError:
                 raise ValueError(
                     f"a profile of {segments[0]} segments takes one {name} or as many, "

@@ -10,6 +10,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..errors import InputError
+from ..fields import expect, real_number, whole_number
 from ..precision import require_float64
 from .airborne import fly_on
 from .edges import cross_edges
@@ -66,6 +68,14 @@ def simulate_runout(
     """
     require_float64()
     check_release(release, profile)
+    if contacts is not None and not callable(contacts):
+        raise InputError(f"contacts must be a law of contacts, but is {contacts!r}")
+    if ground is not None:
+        expect("ground", ground, Ground)
+    if real_number("time_limit", time_limit) <= 0.0:
+        raise InputError(f"time_limit must be above 0 s, but is {time_limit!r}")
+    whole_number("event_limit", event_limit, 1)
+    whole_number("width", width, 1)
     state = State.at_release(profile, release, ground)
     return follow(
         state, contacts or FullModel(), time_limit, event_limit, width, progress

@@ -6,7 +6,7 @@ from pathlib import Path
 import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from ..errors import InputError
+from ..fields import whole_number
 from ..formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..precision import require_float64
 from ..scene import Scene
@@ -95,11 +95,7 @@ def morris(
 def check_trajectories(trajectories: int, parameters: int) -> None:
     """Raise InputError for too few to have a deviation, and for more than fit into
     memory."""
-    if not isinstance(trajectories, int) or trajectories < 2:
-        raise InputError(
-            "trajectories must be a whole number of at least 2, but is "
-            f"{trajectories!r}"
-        )
+    whole_number("trajectories", trajectories, 2)
     impacts = trajectories * (parameters + 1)
     check_memory(
         impacts * NUMBERS_PER_IMPACT, f"{trajectories} trajectories, {impacts} impacts,"
