@@ -48,6 +48,9 @@ class UnusualValueWarning(UserWarning):
         super().__init__(shown(message))
         self.quantity = quantity
 
+    def __reduce__(self):
+        return type(self), (str(self), self.quantity)
+
 
 class IncompleteError(Exception):
     """Something that a command was asked for could not be computed; the rest was. The
