@@ -1,6 +1,7 @@
 """What a finished calibration says of the ground, read again from its numbers."""
 
 import json
+import os
 from pathlib import Path
 from typing import NamedTuple
 
@@ -82,7 +83,7 @@ def read_fitted(path: Path) -> FittedGround:
     Raises InputError for anything else.
     """
     path = Path(path)
-    if path.is_dir():
+    if os.path.isdir(path):
         path = path / FILE
     text = read_text(path)
     try:

@@ -80,6 +80,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(argv: Sequence[str] | None) -> None:
+    if any("\0" in text for text in argv or ()):
+        raise InputError("an argument holds a null character, which no name may hold")
     try:
         arguments = _parser().parse_args(argv)
     except SystemExit:  # --help and --version are done

@@ -23,7 +23,9 @@ NUMBERS_PER_IMPACT = len(INPUT_COLUMNS) + len(RESULT_COLUMNS)
 """At the least: what a batch takes and gives."""
 
 
-def check_scene(scene: Scene, *, batched: bool = False, warn: bool = False) -> None:
+def check_scene(
+    scene: Scene, *, batched: bool = False, warn: bool = False, of: str = "scene"
+) -> None:
     """Raise InputError, in one sentence, for the first value that is out of range, and
     for a part of another kind.
 
@@ -33,6 +35,7 @@ def check_scene(scene: Scene, *, batched: bool = False, warn: bool = False) -> N
         scene: what to check.
         batched: allow arrays; else every field must be a scalar.
         warn: also of values that are unusual, in the name of the caller's caller.
+        of: what an entry of an array is called.
     """
     expect("scene", scene, Scene)
     for part, kind in KINDS.items():
@@ -48,11 +51,17 @@ def check_scene(scene: Scene, *, batched: bool = False, warn: bool = False) -> N
                 )
             if isinstance(value, jax.core.Tracer) or not np.size(value):
                 continue
-            check_field(name, column_of_field(part, field.name), value, warn=warn)
+            column = column_of_field(part, field.name)
+            _check_field(name, column, value, warn=warn, of=of)
 
 
-def check_field(
-    name: str, column: InputColumn, value: ArrayLike, *, warn: bool = False
+def _check_field(
+    name: str,
+    column: InputColumn,
+    value: ArrayLike,
+    *,
+    warn: bool,
+    of: str,
 ) -> None:
     """Raise InputError for the first value of a field, in SI, that its column may not
     hold.
@@ -61,6 +70,7 @@ def check_field(
         name: what messages call it.
         warn: also of values that are unusual, in the name of the caller of the caller's
             caller.
+        of: what an entry of an array is called.
     """
     values = np.asarray(value)
     # Both ends tell whether there is anything to look for; NaN is both.
@@ -69,19 +79,20 @@ def check_field(
     if not (column.holds(low) and column.holds(high)):
         bad = ~column.is_allowed(values / column.factor)
         raise InputError(
-            f"{name} must be {column.requirement}, but is {_told(column, values, bad)}"
+            f"{name} must be {column.requirement}, but is "
+            f"{_told(column, values, bad, of)}"
         )
     if warn and not (column.is_usual(low) and column.is_usual(high)):
         inside = values / column.factor
         bad = (inside < column.usual[0]) | (inside > column.usual[1])
-        text = f"{name} is {_told(column, values, bad)}"
+        text = f"{name} is {_told(column, values, bad, of)}"
         warnings.warn(UnusualValueWarning(text, column.name), stacklevel=4)
 
 
-def _told(column: InputColumn, values: np.ndarray, bad: np.ndarray) -> str:
+def _told(column: InputColumn, values: np.ndarray, bad: np.ndarray, of: str) -> str:
     """The first of the bad values, with its place."""
     place, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
-    where = f" (scene {place}" + (f" and {more} more)" if more else ")")
+    where = f" ({of} {place}" + (f" and {more} more)" if more else ")")
     value = float(np.ravel(values)[place])
     return column.told(value, column.si_unit, where if values.ndim else "")
 

@@ -137,7 +137,7 @@ USUAL = {
     "aspect_ratio": (0.02, 50.0),
     "out_of_plane_ratio": (0.02, 50.0),
     "speed_mps": (0.0, 300.0),
-    "orientation_deg": (-720.0, 720.0),
+    "orientation_deg": (-360.0, 360.0),
     "angular_velocity_degps": (-3e4, 3e4),
     "unit_weight_kNm3": (1.0, 100.0),
     "friction_angle_deg": (2.0, 60.0),

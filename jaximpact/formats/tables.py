@@ -13,6 +13,7 @@ import re
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
@@ -103,7 +104,7 @@ def table_of(data: bytes, path: Path, *, measured: bool = False) -> Table:
     """
     _check_encoding(path, data)
     file = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
-    records = _records(path, file)
+    records = records_of(path, file)
     first = next(records, None)
     if first is None:
         raise InputError("is empty; a header and rows are needed", file=path)
@@ -168,8 +169,9 @@ def _warn_of_unusual(path: Path, numbers: dict[str, np.ndarray], lines) -> None:
         )
 
 
-def _records(path: Path, file: io.TextIOWrapper) -> Iterator[tuple]:
-    """Line number, text and cells of each record that is not blank."""
+def records_of(path: Path, file: TextIO) -> Iterator[tuple[int, str, list[str]]]:
+    """Line number, text and cells of each record of a CSV that is not blank. Raises
+    InputError, naming the row, for what is no CSV."""
     lines, same_lines = itertools.tee(file)
     reader = csv.reader(lines, strict=True)
     first = 1
@@ -229,7 +231,7 @@ def _problem_with_name(name: str, before: list[str], measured: bool) -> str | No
     known = (*INPUT_COLUMNS, *LABEL_COLUMNS, *(results if measured else ()))
     if not name:
         return "has no name"
-    if _reads_as_number(name):
+    if reads_as_number(name):
         return "is a number; the first row must name the columns"
     if name in before:
         return "stands twice in the header"
@@ -285,9 +287,8 @@ def _numbers(path: Path, lines, name: str, cells) -> np.ndarray:
     try:
         values = np.fromiter(map(float, cells), float, len(cells))
     except ValueError:
-        values = np.array([float(c) if _reads_as_number(c) else np.nan for c in cells])
+        values = np.array([float(c) if reads_as_number(c) else np.nan for c in cells])
     allowed = _allowed(name, values)
-    # Python reads 1_000 as a number, no other program does.
     if "_" in "".join(cells):
         allowed &= np.array(["_" not in cell for cell in cells])
     if np.all(allowed):
@@ -309,7 +310,7 @@ def _allowed(name: str, values: np.ndarray) -> np.ndarray:
 def _describe_bad_cell(name: str, cell: str) -> str:
     if not cell.strip():
         return "is empty, but a number is needed"
-    if not _reads_as_number(cell):
+    if not reads_as_number(cell):
         hint = "; write decimals with a point" if "," in cell else ""
         return f"must be a number, but is {cell!r}{hint}"
     hint = ""
@@ -322,7 +323,8 @@ def _describe_bad_cell(name: str, cell: str) -> str:
     return f"must be {requirement}, but is {cell.strip()}{hint}"
 
 
-def _reads_as_number(cell: str) -> bool:
+def reads_as_number(cell: str) -> bool:
+    """Whether a cell is a number. Python reads 1_000 as one, no other program does."""
     try:
         float(cell)
     except ValueError:

@@ -16,6 +16,7 @@ $$ \mu_o + C_{og} C_{gg}^{-1} (x_g - \mu_g), \qquad
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -140,7 +141,7 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
     Raises InputError, naming the file, for whatever cannot be used.
     """
     path = Path(path)
-    file = path / FILE if path.is_dir() else path
+    file = path / FILE if os.path.isdir(path) else path
     data = read_input(file)
     try:
         content = json.loads(data)

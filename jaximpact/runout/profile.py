@@ -1,6 +1,5 @@
 """The slope: a polyline, and what its ground is made of."""
 
-import csv
 import dataclasses
 import io
 import math
@@ -14,6 +13,7 @@ from ..errors import InputError, nearest
 from ..fields import expect, real_numbers
 from ..formats.columns import DEGREE, INPUT_COLUMNS
 from ..formats.reading import read_text
+from ..formats.tables import reads_as_number, records_of
 from ..soil import Soil
 
 ROLLING_FRICTION_ANGLE = math.radians(20.0)
@@ -155,7 +155,7 @@ def _check_soil(field: str, values: np.ndarray) -> None:
         i = int(np.argmax(bad))
         raise ValueError(
             f"a profile's {column.name} must be {column.requirement}, but is "
-            f"{values[i] / column.factor:g} on segment {i + 1}"
+            f"{column.told(values[i], column.si_unit, f' on segment {i + 1}')}"
         )
 
 
@@ -180,9 +180,12 @@ def read_profile(
     Raises InputError, naming file and row, for whatever cannot be used.
     """
     path = Path(path)
-    text = read_text(path)
-    reader = csv.reader(io.StringIO(text, newline=""))
-    rows = [(reader.line_num, cells) for cells in reader if any(map(str.strip, cells))]
+    file = io.StringIO(read_text(path), newline="")
+    rows = [
+        (line, cells)
+        for line, _, cells in records_of(path, file)
+        if any(map(str.strip, cells))
+    ]
     if not rows:
         raise InputError("is empty; a header and points are needed", file=path)
     (line, header), *rows = rows
@@ -241,12 +244,11 @@ def _check_header(path: Path, line: int, names: list[str]) -> None:
 
 
 def _number(path: Path, line: int, name: str, cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
+    if not reads_as_number(cell):
         raise InputError(
             f"must be a number, but is {cell.strip()!r}",
             file=path,
             row=line,
             column=name,
-        ) from None
+        )
+    return float(cell)

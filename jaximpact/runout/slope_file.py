@@ -36,6 +36,9 @@ NUMBERS = (
     *("time_limit_s", "event_limit"),
 )
 BLOCK_COLUMNS = {n: c for n, c in INPUT_COLUMNS.items() if c.part == "block"}
+QUANTITY_COLUMNS = BLOCK_COLUMNS | {
+    name: INPUT_COLUMNS[name] for name in ("orientation_deg", "angular_velocity_degps")
+}
 RELEASE_KEYS = (
     *("x_m", "y_m", "clearance_m", "speed_mps", "direction_deg", "v_x_mps", "v_y_mps"),
     *("orientation_deg", "angular_velocity_degps"),
@@ -189,7 +192,7 @@ def _quantities(path: Path, content: dict) -> dict[str, Quantity]:
     quantities = {}
     for where, known in (("block", tuple(BLOCK_COLUMNS)), ("release", RELEASE_KEYS)):
         for name, value in known_table(path, content, where, known).items():
-            column = BLOCK_COLUMNS.get(name)
+            column = QUANTITY_COLUMNS.get(name)
             quantities[name] = read_quantity(path, f"{where}.{name}", value, column)
     _check_alternatives(path, quantities)
     return quantities

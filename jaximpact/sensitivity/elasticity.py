@@ -117,7 +117,7 @@ def elasticities(
         coordinates = coordinates_of(grid)
         scene = spread(scene, grid, shape)
     else:
-        check_scene(scene, batched=True, warn=True)
+        check_scene(scene, batched=True)
         if any(np.ndim(leaf) for leaf in jax.tree.leaves(scene)):
             scene, count = broadcast_scene(scene)
             shape, dimensions = (count,), (SCENE_DIMENSION,)
