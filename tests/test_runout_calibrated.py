@@ -189,7 +189,8 @@ def test_undetermined_parameters_must_be_said(here, capsys):
     assert "ground_c_v" not in dataset
     assert len(np.unique(dataset.ground_gamma_v)) == 20
     manifest = json.loads((here / "out" / "manifest.json").read_text())
-    assert manifest["ground"] == {"from": "fit", "c_v": 0.5}
+    defaults = {"rolling_friction_angle_deg": 20.0, "roughness_deg": 0.0}
+    assert manifest["ground"] == defaults | {"from": "fit", "c_v": 0.5}
     assert "fit.json" in manifest["files"]
 
 

@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..fields import whole_number
 from ..formats.align import align
 from ..formats.columns import INPUT_COLUMNS
-from .candidates import MOST, Sigma, checked_axes, checked_measure
+from .candidates import COUNT, MOST, Sigma, checked_axes, checked_measure
 from .design import CRITERIA, choose, merit
 from .engine import LEAVES
 from .proportional import least_size
@@ -94,7 +94,7 @@ def suggest_tests(
     measure: Mapping[str, float | Sigma] | None = None,
     *,
     together: bool = False,
-    count: int = 3,
+    count: int = COUNT,
     criterion: str = CRITERIA[0],
 ) -> Suggestions:
     """Choose further tests that would shrink the uncertainty most.

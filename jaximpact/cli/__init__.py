@@ -27,13 +27,8 @@ from . import (
     tabulate,
     validate,
 )
-from .progress import say
-from .streams import (
-    forget_stdout,
-    prepare_streams,
-    stdout_problem,
-    warnings_in_one_line,
-)
+from .progress import forget, say
+from .streams import prepare_streams, stdout_problem, warnings_in_one_line
 
 USER_ERROR = 2
 SYSTEM_ERROR = 1
@@ -70,7 +65,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _report("; ".join(("interrupted", *error.args)), INTERRUPTED)
     except BrokenPipeError:
         # The reader of stdout has left (`| head`).
-        forget_stdout()
+        forget(sys.stdout)
         return BROKEN_PIPE
     except (OSError, IncompleteError) as error:
         return _report(f"error: {stdout_problem() or error}", SYSTEM_ERROR)

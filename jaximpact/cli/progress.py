@@ -1,6 +1,7 @@
 """Progress of long work, on stderr."""
 
 import contextlib
+import os
 import sys
 from typing import TextIO
 
@@ -17,9 +18,17 @@ def say(text: str) -> None:
 
 def write(stream: TextIO, text: str) -> None:
     """Write at once. What cannot be told, on a full disk, ends no computation."""
-    with contextlib.suppress(OSError):
+    try:
         stream.write(text)
         stream.flush()
+    except OSError:
+        forget(stream)
+
+
+def forget(stream: TextIO) -> None:
+    """Let go of what could not be written: Python must not try again at exit."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 class Progress:

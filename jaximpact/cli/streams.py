@@ -6,7 +6,7 @@ import sys
 import warnings
 
 from ..errors import UnusualValueWarning
-from .progress import say
+from .progress import forget, say
 
 
 def prepare_streams() -> None:
@@ -32,19 +32,13 @@ def prepare_streams() -> None:
             stream.reconfigure(errors=errors)
 
 
-def forget_stdout() -> None:
-    """Let go of what could not be written: Python must not try again at exit."""
-    with contextlib.suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
 def stdout_problem() -> str | None:
     """Why stdout cannot be written to; then what it holds is let go of. None if it
     can."""
     try:
         sys.stdout.flush()
     except OSError as error:
-        forget_stdout()
+        forget(sys.stdout)
         return f"stdout cannot be written: {error.strerror}"
     return None
 

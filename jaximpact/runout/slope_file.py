@@ -64,7 +64,8 @@ class SlopeStudy(NamedTuple):
     """What of it differs from block to block, `(blocks,)`, in the units of the names:
     quantities of the whole ground, and of segments as `segment_2_c_v`."""
     ground_told: dict
-    """The ground as the file says it, ready for JSON."""
+    """The ground as the file says it, with the angles that are left to their defaults,
+    ready for JSON."""
     contacts: Contacts
     law: dict
     """The contacts in words, ready for JSON."""
@@ -156,7 +157,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
                 key.removeprefix("ground.").replace(".", "_"): drawn[key]
                 for key in (*jointly, *varied)
             },
-            ground_told=content.get("ground", {}),
+            ground_told=_default_angles(profile) | content.get("ground", {}),
             contacts=law.contacts,
             law=law.told,
             law_name=law.name,
@@ -169,6 +170,16 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         )
         for law in laws
     ]
+
+
+def _default_angles(profile: Profile) -> dict[str, float]:
+    """Angles of the ground that have their defaults on every segment."""
+    return {
+        name: column.default
+        for name, column in GROUND_COLUMNS.items()
+        if column.part == "ground"
+        and np.all(getattr(profile, column.field) == column.factor * column.default)
+    }
 
 
 def _collectors(path: Path, content: dict, profile: Profile) -> np.ndarray:
