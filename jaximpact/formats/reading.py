@@ -9,6 +9,7 @@ from ..errors import InputError
 
 CONTROLS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 """Control characters but for tabs and line ends."""
+CONTROL_BYTES = bytes({*range(32), 127} - set(b"\t\n\r"))
 
 
 def read_input(path: str | os.PathLike) -> bytes:
@@ -48,3 +49,18 @@ def as_text(path: Path, data: bytes) -> str:
             file=path,
             row=data.count(b"\n", 0, error.start) + 1,
         ) from None
+
+
+def check_text(path: Path, data: bytes) -> None:
+    """Raise InputError, naming the row, for bytes of a file that are no text in UTF-8
+    or hold control characters."""
+    as_text(path, data)
+    # To delete them takes a third of the time that it takes to search for them.
+    if len(data.translate(None, CONTROL_BYTES)) < len(data):
+        place = re.search(b"[" + re.escape(CONTROL_BYTES) + b"]", data).start()
+        byte = data[place : place + 1]
+        raise InputError(
+            f"holds {'a null byte' if byte == bytes(1) else byte}; is it a CSV?",
+            file=path,
+            row=data.count(b"\n", 0, place) + 1,
+        )

@@ -9,7 +9,6 @@ import dataclasses
 import hashlib
 import io
 import itertools
-import re
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -29,7 +28,7 @@ from .columns import (
     RESULT_COLUMNS,
     SIGMA_PREFIX,
 )
-from .reading import as_text, read_input
+from .reading import check_text, read_input
 
 SLICE_ROWS = 2_000
 """Rows converted at once: bounds the memory that cells take as Python strings."""
@@ -102,7 +101,7 @@ def table_of(data: bytes, path: Path, *, measured: bool = False) -> Table:
     Args:
         path: what errors call it.
     """
-    _check_encoding(path, data)
+    check_text(path, data)
     file = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
     records = records_of(path, file)
     first = next(records, None)
@@ -185,22 +184,6 @@ def records_of(path: Path, file: TextIO) -> Iterator[tuple[int, str, list[str]]]
             first += count
     except csv.Error as error:
         raise InputError(f"is not valid CSV: {error}", file=path, row=first) from error
-
-
-CONTROLS = bytes({*range(32), 127} - set(b"\t\n\r"))
-"""Control characters but for tabs and line ends."""
-
-
-def _check_encoding(path: Path, data: bytes) -> None:
-    as_text(path, data)
-    if len(data.translate(None, CONTROLS)) < len(data):
-        place = re.search(b"[" + re.escape(CONTROLS) + b"]", data).start()
-        byte = data[place : place + 1]
-        raise InputError(
-            f"holds {'a null byte' if byte == bytes(1) else byte}; is it a CSV?",
-            file=path,
-            row=data.count(b"\n", 0, place) + 1,
-        )
 
 
 def _holds_numbers(name: str) -> bool:
