@@ -86,6 +86,7 @@ def refused(capsys, *arguments):
         ("simulate", "mass_kg = '" + 5_000 * "x" + "'", "must be a number, but is 'xx"),
         ("simulate", "a = " + 9_000 * "[" + 9_000 * "]", "more than 20 deep"),
         ("simulate", "a" + 300 * ".a" + " = 1", "more than 20 deep"),
+        ("simulate", "[a" + 100_000 * ".a" + "]", "more than 20 deep"),
         ("simulate", '"\\u001b[2J" = 1', "key \\x1b[2J: holds a control character"),
         ("simulate", '"\\u202ekg" = 1', "key \\u202ekg: is unknown"),
         ("simulate", "mass_kg = 1\nmass_kg = 1", "is not valid TOML"),

@@ -20,6 +20,8 @@ LARGEST_WHOLE = 2**63 - 1
 """What TOML promises to hold."""
 DEEPEST = 20
 """Tables and lists inside one another."""
+DOTTED = re.compile(r"^\[*(?:[\w-]+\.){500}", re.MULTILINE)
+"""A key that tomllib takes minutes to read."""
 DIGITS = re.compile(r"[0-9_]{1000,}")
 
 
@@ -32,6 +34,8 @@ def parse_toml(path: Path, data: bytes) -> dict:
     """The content of the bytes of a file, of which every value can be shown and every
     text printed; InputError where that is not so."""
     text = as_text(path, data)
+    if DOTTED.search(text):
+        raise InputError(TOO_DEEP, file=path)
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
