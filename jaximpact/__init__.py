@@ -2,26 +2,6 @@
 
 import importlib
 
-from .accuracy import PRESETS, Accuracy
-from .batch import simulate_batch
-from .block import Block
-from .mechanics.laws import Laws
-from .mechanics.model import select_model
-from .mechanics.outcomes import Outcome
-from .rebound import (
-    BozzoloPamini,
-    ConstantCoefficients,
-    FrictionalEllipsoid,
-    PfeifferBowen,
-    Rebound,
-    RigidEllipsoid,
-)
-from .restitution import energetic_coefficient, vijayakumar_coefficient
-from .scene import Impact, Scene
-from .simulation import ImpactResult, simulate
-from .soil import Soil
-from .summary import EnergyLedger
-
 __all__ = [
     "PRESETS",
     "Accuracy",
@@ -57,21 +37,38 @@ __all__ = [
     "write_netcdf",
 ]
 
-_LATER = {
+_MODULES = {
+    "accuracy": ("PRESETS", "Accuracy"),
+    "batch": ("simulate_batch",),
+    "block": ("Block",),
     "calibration": ("calibrate", "predict"),
     "formats.netcdf": ("read_netcdf", "write_netcdf"),
+    "mechanics.laws": ("Laws",),
+    "mechanics.model": ("select_model",),
+    "mechanics.outcomes": ("Outcome",),
     "parametric_sets": ("parametric_set",),
+    "rebound": (
+        *("BozzoloPamini", "ConstantCoefficients", "FrictionalEllipsoid"),
+        *("PfeifferBowen", "Rebound", "RigidEllipsoid"),
+    ),
+    "restitution": ("energetic_coefficient", "vijayakumar_coefficient"),
+    "scene": ("Impact", "Scene"),
     "sensitivity": ("Range", "elasticities", "morris", "sobol"),
+    "simulation": ("ImpactResult", "simulate"),
+    "soil": ("Soil",),
+    "summary": ("EnergyLedger",),
     "sweeping": ("repeat_sweep", "sweep"),
 }
-"""By module, what is imported when asked for: xarray, statistics and drawing take a
-second to load."""
+"""By module, what is imported when asked for: the command line answers without JAX, and
+can say what is wrong where JAX cannot be imported."""
 
 
 def __getattr__(name: str):
-    for module, names in _LATER.items():
+    for module, names in _MODULES.items():
         if name in names:
-            return getattr(importlib.import_module(f".{module}", __name__), name)
+            found = getattr(importlib.import_module(f".{module}", __name__), name)
+            globals()[name] = found
+            return found
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -1,8 +1,9 @@
 """How exactly an impact is integrated: the named settings."""
 
 import dataclasses
+import math
 
-from .errors import nearest
+from .errors import InputError, nearest
 
 MAX_STEPS = 300_000
 """Steps after which an impact is given up as failed. Small blocks on very hard ground
@@ -37,6 +38,14 @@ class Accuracy:
     tolerance: float
     floor: float
 
+    def __post_init__(self):
+        for name in ("tolerance", "floor"):
+            value = getattr(self, name)
+            if not isinstance(value, float | int) or not 0.0 < value < math.inf:
+                raise InputError(
+                    f"{name} of an accuracy must be a number above 0, but is {value!r}"
+                )
+
 
 PRESETS = {
     "fast": Accuracy("fast", 1e-3, 1e-2),
@@ -55,8 +64,8 @@ def get_accuracy(accuracy: str | Accuracy) -> Accuracy:
     """
     if isinstance(accuracy, Accuracy):
         return accuracy
-    if accuracy not in PRESETS:
-        raise ValueError(
+    if not isinstance(accuracy, str) or accuracy not in PRESETS:
+        raise InputError(
             f"accuracy must be one of {', '.join(PRESETS)}, but {accuracy!r} was "
             f"given; did you mean {nearest(accuracy, PRESETS)!r}?"
         )

@@ -27,6 +27,8 @@ from .engines.marching import (
     lanes_of_worker,
     worker_devices,
 )
+from .errors import InputError
+from .fields import expect, real_number
 from .formats.checks import check_scene
 from .formats.journal import Journal
 from .formats.provenance import law_names, versions
@@ -45,7 +47,14 @@ def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
     Raises ValueError if the fields do not broadcast to one axis, or there are none.
     """
     shapes = [np.shape(leaf) for leaf in jax.tree.leaves(scene)]
-    shape = np.broadcast_shapes(*shapes)
+    try:
+        shape = np.broadcast_shapes(*shapes)
+    except ValueError:
+        told = ", ".join(sorted({str(shape) for shape in shapes if shape}))
+        raise InputError(
+            "fields of a scene must be scalars or of one length, but have shapes "
+            f"{told}"
+        ) from None
     if len(shape) > 1:
         raise ValueError(
             f"simulate_batch takes scenes along one axis, but their fields have shape "
@@ -112,8 +121,10 @@ def simulate_batch(
     """
     require_float64()
     setting = get_accuracy(accuracy)
-    laws = laws or Laws()
-    check_scene(scene, batched=True)
+    laws = Laws() if laws is None else laws
+    expect("laws", laws, Laws)
+    real_number("model_tolerance", model_tolerance, least=0.0)
+    check_scene(scene, batched=True, warn=True)
     scene, count = broadcast_scene(scene)
     timing = {} if timing is None else timing
     names, structure = _columns(numbers_of_no_value(ledger))

@@ -6,6 +6,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from .fields import Parameters
 from .precision import float64_leaf
 
 
@@ -20,7 +21,7 @@ class SemiAxes(NamedTuple):
     """W, normal to the plane of motion."""
 
 
-class Block(eqx.Module):
+class Block(Parameters):
     r"""A homogeneous ellipsoidal block.
 
     With the aspect ratio $A_r = H/R$ and the out-of-plane ratio $W/R$,

@@ -4,12 +4,16 @@ not be had."""
 import difflib
 import os
 
+LONGEST = 600
+"""Characters of a message."""
+
 
 class InputError(ValueError):
     """A file, or a value in it, that cannot be used.
 
     The message is one line: file, row and column as far as they apply, then what was
-    got and what is needed. Rows are lines of the file, the first being 1.
+    got and what is needed. Rows are lines of the file, the first being 1. What it
+    quotes of the input is `shown`.
     """
 
     def __init__(
@@ -29,7 +33,23 @@ class InputError(ValueError):
         )
         place = ", ".join(text.format(item) for item, text in where if item is not None)
         message = f"{place}: {problem}" if place else problem
-        super().__init__(" ".join(message.split("\n")))
+        super().__init__(shown(message))
+
+
+class UnusualValueWarning(UserWarning):
+    """A value far from what blocks and grounds have; its unit may be mistaken.
+
+    Args:
+        message: one line.
+        quantity: name of its column.
+    """
+
+    def __init__(self, message: str, quantity: str):
+        super().__init__(shown(message))
+        self.quantity = quantity
+
+    def __reduce__(self):
+        return type(self), (str(self), self.quantity)
 
 
 class IncompleteError(Exception):
@@ -37,8 +57,23 @@ class IncompleteError(Exception):
     message is one line."""
 
 
+def shown(text: str) -> str:
+    """A text as one line that a terminal can print: control characters, marks that turn
+    the direction of writing and halves of characters are escaped, and what is too long
+    loses its middle."""
+    if len(text) > LONGEST:
+        half = LONGEST // 2
+        text = f"{text[:half]} ... {text[-half:]}"
+    return "".join(
+        c if c.isprintable() or c == "\u00a0" else c.encode("unicode_escape").decode()
+        for c in text
+    )
+
+
 def nearest(name: str, known) -> str:
     """The known name most like a given one."""
     folded = {str(k).lower(): str(k) for k in known}
-    matches = difflib.get_close_matches(str(name).lower(), folded, n=1, cutoff=0.0)
+    # Comparing takes as long as the name is.
+    asked = str(name)[:LONGEST].lower()
+    matches = difflib.get_close_matches(asked, folded, n=1, cutoff=0.0)
     return folded[matches[0]]

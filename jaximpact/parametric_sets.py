@@ -55,7 +55,7 @@ def parametric_set(name: str, ground: str | None = None) -> tuple[Scene, Axes]:
 
     Raises InputError for unknown names, with the nearest known.
     """
-    if name not in _SETS:
+    if not isinstance(name, str) or name not in _SETS:
         raise InputError(
             f"{name} is no parametric set; did you mean {nearest(name, _SETS)}?"
         )

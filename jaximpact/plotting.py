@@ -74,6 +74,11 @@ def plot_impact(result: "ImpactResult", path: str | Path | None = None) -> Figur
     return figure
 
 
+def plain(text: str) -> str:
+    """A text of the user's for a drawing, in which dollars begin no formula."""
+    return text.replace("$", r"\$")
+
+
 def _history_of(result: "ImpactResult") -> History:
     if result.history is not None:
         return result.history

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .block import Block
+from .fields import Parameters
 from .precision import float64_leaf
 from .soil import Soil
 
@@ -14,7 +15,7 @@ GRAVITY = 9.81
 """Acceleration of gravity [m/s2]."""
 
 
-class Impact(eqx.Module):
+class Impact(Parameters):
     """State of the block as it touches the ground.
 
     Positive: n into the ground, t down-slope, rotation clockwise when down-slope is to

@@ -25,6 +25,7 @@ from .engines.machine import (
     solve_alone,
     solve_by_leaves,
 )
+from .fields import expect
 from .formats import provenance
 from .formats.checks import check_scene
 from .history import History, record_history
@@ -211,9 +212,10 @@ def simulate(
     """
     require_float64()
     setting = get_accuracy(accuracy)
-    laws = laws or Laws()
+    laws = Laws() if laws is None else laws
+    expect("laws", laws, Laws)
     scene = Scene(block, soil, impact)
-    check_scene(scene)
+    check_scene(scene, warn=True)
     numbers = solve_scene(scene, setting, laws)
     result = ImpactResult(**vars(numbers), scene=scene, accuracy=setting)
     if not history:

@@ -7,6 +7,7 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Array, Float
 
+from .fields import Parameters
 from .precision import float64_leaf
 
 
@@ -14,7 +15,7 @@ def _parameter(default: float) -> Float[Array, ""]:
     return eqx.field(default=default, converter=float64_leaf)
 
 
-class Soil(eqx.Module):
+class Soil(Parameters):
     """Parameters of the ground; the defaults are Table 1, a very dense sand.
 
     Any field can be swept, batched and differentiated. Angles in radians, unit weight

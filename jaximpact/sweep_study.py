@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .errors import InputError
+from .formats.checks import check_memory
 from .formats.columns import INPUT_COLUMNS
 from .formats.scene_file import scene_from
 from .formats.toml_values import (
@@ -18,7 +19,7 @@ from .formats.toml_values import (
     whole,
 )
 from .scene import Scene
-from .sweeping import Axes, check_axes
+from .sweeping import LABELS, Axes, check_axes
 
 AXES_KEY = "axes"
 RANGE_KEYS = ("from", "to", "count", "spacing")
@@ -67,15 +68,15 @@ def _axis(path: Path, key: str, name: str, value):
     if not isinstance(value, dict) or set(value) <= set(RANGE_KEYS):
         unknown(path, key, name, INPUT_COLUMNS)
     return {
-        quantity: _values(path, f"{key}.{quantity}", values)
+        quantity: _values(path, f"{key}.{quantity}", values, labels=quantity == LABELS)
         for quantity, values in value.items()
     }
 
 
-def _values(path: Path, key: str, value):
+def _values(path: Path, key: str, value, *, labels: bool = False):
     """A list as it stands, or what a range stands for."""
     if isinstance(value, list):
-        return value
+        return value if labels else [number(path, key, one) for one in value]
     if not isinstance(value, dict):
         raise InputError(
             "must be a list of numbers, or a range {from, to, count}, but is "
@@ -89,6 +90,7 @@ def _values(path: Path, key: str, value):
             raise InputError(f"needs {name}", file=path, key=key)
     ends = [number(path, f"{key}.{end}", value[end]) for end in ("from", "to")]
     count = whole(path, value, "count", 1, 1)
+    check_memory(count, f"{count} values", file=path, key=f"{key}.count")
     spacing = choice(path, value, "spacing", "linear", tuple(SPACINGS))
     if spacing == "logarithmic" and min(ends) <= 0.0:
         raise InputError(

@@ -2,7 +2,8 @@
 
 import dataclasses
 import json
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,7 +16,8 @@ from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
 from .block import Block
 from .errors import InputError, nearest
-from .formats.checks import check_scene
+from .fields import expect, real_numbers
+from .formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from .formats.columns import (
     FURTHER_COLUMNS,
     INPUT_COLUMNS,
@@ -107,6 +109,7 @@ def repeat_sweep(dataset: xr.Dataset, *, laws: Laws | None = None, **how) -> xr.
 
     Raises InputError if the dataset is no sweep, or was made with other laws.
     """
+    expect("dataset", dataset, xr.Dataset)
     try:
         values = json.loads(dataset.attrs["base"])
         accuracy = Accuracy(**json.loads(dataset.attrs["accuracy"]))
@@ -168,6 +171,7 @@ def scene_of_values(values: Mapping[str, ArrayLike]) -> Scene:
 
 def check_axes(axes: Axes) -> list[_Axis]:
     """The axes, checked. Raises InputError as `sweep` does."""
+    expect("axes", axes, Mapping)
     if not axes:
         raise InputError("a sweep needs at least one axis, but got none")
     grid, seen = [], {}
@@ -180,6 +184,8 @@ def check_axes(axes: Axes) -> list[_Axis]:
                 )
             seen[quantity] = name
         grid.append(axis)
+    points = math.prod(axis.length for axis in grid)
+    check_memory(points * NUMBERS_PER_IMPACT, f"{points} points")
     return grid
 
 
@@ -206,7 +212,7 @@ def _read_group(name: str, given: Mapping[str, ArrayLike]) -> _Axis:
     labels, values = None, {}
     for quantity, numbers in given.items():
         if quantity == LABELS:
-            labels = np.asarray(numbers, str)
+            labels = _labels(name, numbers)
         elif quantity not in INPUT_COLUMNS:
             known = (*INPUT_COLUMNS, LABELS)
             raise InputError(
@@ -229,13 +235,18 @@ def _read_group(name: str, given: Mapping[str, ArrayLike]) -> _Axis:
     return _Axis(name, values, labels, next(iter(lengths.values())))
 
 
+def _labels(axis: str, given) -> np.ndarray:
+    several = isinstance(given, Iterable) and not isinstance(given, str)
+    texts = list(given) if several else []
+    if not texts or not all(isinstance(text, str) for text in texts):
+        raise InputError(f"axis {axis}: {LABELS} must be texts, but is {given!r}")
+    return np.array(texts)
+
+
 def _numbers(axis: str, quantity: str, given: ArrayLike) -> np.ndarray:
     """Values of a quantity, checked."""
     where = f"axis {axis}" if axis == quantity else f"axis {axis}: {quantity}"
-    try:
-        values = np.asarray(given, float)
-    except (TypeError, ValueError):
-        raise InputError(f"{where} must be numbers, but is {given!r}") from None
+    values = np.asarray(real_numbers(where, given), float)
     if values.ndim != 1 or values.size == 0:
         raise InputError(
             f"{where} must be a list of at least one number, but has shape "
@@ -244,8 +255,10 @@ def _numbers(axis: str, quantity: str, given: ArrayLike) -> np.ndarray:
     column = INPUT_COLUMNS[quantity]
     bad = ~column.is_allowed(values)
     if np.any(bad):
+        value = values[bad][0]
         raise InputError(
-            f"{where} must be {column.requirement}, but holds {values[bad][0]:g}"
+            f"{where} must be {column.requirement}, but holds {value:g}"
+            f"{column.hint(value, column.unit)}"
         )
     return values
 

@@ -1,6 +1,8 @@
 """Calibration in one call, from a path or columns, and predictions with its result."""
 
+import copy
 import json
+import pickle
 
 import jax
 import numpy as np
@@ -63,6 +65,14 @@ def new():
 def found(tests):
     """The fit of noise-free tests, on a ground that differs from Table 1."""
     return calibrate(tests, ground={"dilatancy": 0.5}, sigma=SIGMA)
+
+
+def test_a_fit_is_pickled_and_copied(found, new):
+    for again in (pickle.loads(pickle.dumps(found)), copy.deepcopy(found)):
+        assert str(again) == str(found)
+        assert float(again.soil.c_v) == float(found.soil.c_v)
+    predicted = predict(found, new)
+    assert str(pickle.loads(pickle.dumps(predicted))) == str(predicted)
 
 
 def write_columns(path, columns):

@@ -40,6 +40,9 @@ law = "rigid ellipsoid"
 e_contact = 0.3
 """
 
+DEFAULTS = {"rolling_friction_angle_deg": 20.0, "roughness_deg": 0.0}
+"""Of a ground, as the manifest says them."""
+
 
 def fit(**changes):
     """As `jaximpact calibrate` writes it, as far as it is read."""
@@ -112,7 +115,7 @@ def test_blocks_get_soils_as_the_calibration_left_them(here):
     np.testing.assert_array_equal(study.profile.soil.k_E, 700.0)
     np.testing.assert_array_equal(study.profile.soil.beta, 0.8)
     assert len(study.checksums["fit.json"]) == 64
-    assert study.ground_told == {"from": "fit"}
+    assert study.ground_told == DEFAULTS | {"from": "fit"}
 
 
 def test_neither_the_count_nor_other_draws_matter(here):
@@ -189,7 +192,7 @@ def test_undetermined_parameters_must_be_said(here, capsys):
     assert "ground_c_v" not in dataset
     assert len(np.unique(dataset.ground_gamma_v)) == 20
     manifest = json.loads((here / "out" / "manifest.json").read_text())
-    assert manifest["ground"] == {"from": "fit", "c_v": 0.5}
+    assert manifest["ground"] == DEFAULTS | {"from": "fit", "c_v": 0.5}
     assert "fit.json" in manifest["files"]
 
 

@@ -191,7 +191,7 @@ def test_wrong_sizes_of_samples_are_refused():
         sobol(Scene(), ranges, blocks=1000)
     with pytest.raises(InputError, match="at least 2, but is 1"):
         morris(Scene(), ranges, trajectories=1)
-    with pytest.raises(InputError, match="seed must be a whole number from 0"):
+    with pytest.raises(InputError, match="seed must be at least 0, but is -1"):
         sobol(Scene(), ranges, seed=-1)
     with pytest.raises(ValueError, match="must be a scalar"):
         sobol(Scene(Block(mass=[1.0, 2.0])), ranges)

@@ -132,7 +132,7 @@ def test_a_journal_is_taken_up(dataset, tmp_path):
         ({"angle_deg": [10.0, 95.0]}, "must be in \\(-90, 90\\) deg, but holds 95"),
         ({"angle_deg": 10.0}, "must be a list of at least one number"),
         ({"angle_deg": []}, "must be a list of at least one number"),
-        ({"angle_deg": ["steep"]}, "must be numbers"),
+        ({"angle_deg": ["steep"]}, "must be a number or an array of numbers"),
         ({"g": {"c_v": [1.0], "gamma_v": [1.0, 2.0]}}, "c_v 1, gamma_v 2"),
         ({"g": {"c_v": [1.0], "name": ["a", "b"]}}, "c_v 1, name 2"),
         ({"g": {"gamma": [1.0]}}, "axis g: gamma is unknown; did you mean gamma_v"),

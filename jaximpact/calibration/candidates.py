@@ -1,6 +1,7 @@
 """Which further tests could be made, and how well their results be measured."""
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -9,11 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import InputError, nearest
+from ..fields import real_numbers
+from ..formats.checks import NUMBERS_PER_IMPACT, check_memory
 from ..formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
 from ..formats.toml_values import check_keys, choice, known_table, number, typed, whole
 from .design import CRITERIA
 
 COUNT = 3
+MOST = 1000
+"""Further tests that can be chosen: one after the other."""
 KEYS = ("candidates", "measure", "count", "criterion")
 
 
@@ -68,14 +73,16 @@ def checked_axes(
             raise InputError("is fitted; a test cannot choose it", **place)
         column = INPUT_COLUMNS[name]
         try:
-            values = np.atleast_1d(np.asarray(given, float))
-        except (TypeError, ValueError):
+            values = np.atleast_1d(real_numbers(name, given))
+        except InputError:
             values = np.empty(0)
         if values.ndim != 1 or not values.size or not np.all(column.is_allowed(values)):
             raise InputError(
                 f"must hold numbers {column.requirement}, but is {given!r}", **place
             )
         axes[name] = values
+    size = math.prod(map(len, axes.values()))
+    check_memory(size * NUMBERS_PER_IMPACT, f"{size} candidates", file=file, key=key)
     return axes
 
 
@@ -118,7 +125,7 @@ def read_candidates(path: Path, content: dict, fitted: tuple[str, ...]) -> Candi
     return Candidates(
         axes or None,
         checked_measure(sigmas, key=key, file=path) or None,
-        whole(path, entries, "count", COUNT, 1),
+        whole(path, entries, "count", COUNT, 1, MOST),
         choice(path, entries, "criterion", CRITERIA[0], CRITERIA),
     )
 

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
-from ..plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from ..plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, plain
 from .bands import Bands
 from .draws import Draws
 from .further_tests import Suggestions
@@ -56,7 +56,7 @@ def label_of(name: str) -> str:
     """A quantity with its unit, for an axis."""
     column = INPUT_COLUMNS.get(name) or RESULT_COLUMNS.get(name)
     if column is None or column.unit == "-":
-        return name
+        return plain(name)
     unit = column.unit.replace("/", "p").replace(" ", "")
     # Names leave out the stroke: kgm3.
     short = unit.replace("pm3", "m3")
@@ -316,7 +316,7 @@ def draw_left_out(result: StudyResult, left: LeftOut) -> Figure:
             number, y, linestyle="none", markersize=5, label=target, **_style(place)
         )
     if len(number) <= MOST_NAMED:
-        names = [study.tests.name(test) for test in range(len(number))]
+        names = [plain(study.tests.name(test)) for test in range(len(number))]
         axes.set_xticks(number, names, rotation=45, ha="right", fontsize="small")
     else:
         axes.set_xlabel("test, in the order of the tables")

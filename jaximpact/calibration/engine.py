@@ -9,6 +9,7 @@ fixed number of impacts.
 import concurrent.futures
 import copy
 import dataclasses
+import functools
 from collections.abc import Callable
 
 import jax
@@ -74,11 +75,18 @@ class Engine:
         )
         self.assembly, self.varied = assembly, tuple(chosen)
         self.fields = _fields_of(targets)
-        kernel = None
-        if computes_on_cpu():
-            kernel = compile_native_along(assembly, self.varied)
-        self.kernel = kernel
-        self.name = "XLA" if kernel is None else "machine code"
+        self.name = "XLA" if self.kernel is None else "machine code"
+
+    @functools.cached_property
+    def kernel(self):
+        """Its machine code, None where there is none."""
+        if not computes_on_cpu():
+            return None
+        return compile_native_along(self.assembly, self.varied)
+
+    def __getstate__(self) -> dict:
+        # Machine code belongs to a process; another compiles its own, if it computes.
+        return {name: v for name, v in vars(self).items() if name != "kernel"}
 
     def for_targets(self, targets: tuple[str, ...]) -> "Engine":
         """The same code, for other result columns."""

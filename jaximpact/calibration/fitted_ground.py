@@ -1,6 +1,7 @@
 """What a finished calibration says of the ground, read again from its numbers."""
 
 import json
+import os
 from pathlib import Path
 from typing import NamedTuple
 
@@ -8,6 +9,7 @@ import numpy as np
 
 from ..accuracy import Accuracy
 from ..errors import InputError
+from ..formats.reading import read_text
 from .draws import FEWEST
 from .nuisance import Prior
 from .proportional import PartOfSize
@@ -70,6 +72,10 @@ class FittedGround(NamedTuple):
     versions: dict[str, str]
 
 
+DAMAGED = (LookupError, TypeError, AttributeError, ValueError, ArithmeticError)
+"""What reading a tree of another form leads to."""
+
+
 def read_fitted(path: Path) -> FittedGround:
     """Read what `calibrate` wrote.
 
@@ -79,22 +85,21 @@ def read_fitted(path: Path) -> FittedGround:
     Raises InputError for anything else.
     """
     path = Path(path)
-    if path.is_dir():
+    if os.path.isdir(path):
         path = path / FILE
+    text = read_text(path)
     try:
-        tree = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
-    except ValueError as error:
+        tree = json.loads(text)
+    except (ValueError, RecursionError) as error:
         raise InputError(
             f"must be the {FILE} of a calibration, or its directory, but is no JSON",
             file=path,
         ) from error
     try:
         return fitted_of(tree)
-    except (KeyError, TypeError, IndexError, AttributeError) as error:
+    except DAMAGED as error:
         raise InputError(
-            f"is no {FILE} of this version (no {error}); calibrate again", file=path
+            f"is no {FILE} of this version ({error!r}); calibrate again", file=path
         ) from error
 
 

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import InputError
+from ..fields import whole_number
 from ..formats.align import align
 from ..formats.columns import INPUT_COLUMNS
-from .candidates import Sigma, checked_axes, checked_measure
+from .candidates import COUNT, MOST, Sigma, checked_axes, checked_measure
 from .design import CRITERIA, choose, merit
 from .engine import LEAVES
 from .proportional import least_size
@@ -93,7 +94,7 @@ def suggest_tests(
     measure: Mapping[str, float | Sigma] | None = None,
     *,
     together: bool = False,
-    count: int = 3,
+    count: int = COUNT,
     criterion: str = CRITERIA[0],
 ) -> Suggestions:
     """Choose further tests that would shrink the uncertainty most.
@@ -119,8 +120,7 @@ def suggest_tests(
     """
     if criterion not in CRITERIA:
         raise InputError(f"criterion must be D or A, but is {criterion!r}")
-    if not count >= 1:
-        raise InputError(f"count must be at least 1, but is {count}")
+    whole_number("count", count, 1, MOST)
     objective, points = fitted.objective, fitted.points
     inflation = fitted.uncertainty.inflation
     names = tuple(parameter.name for parameter in objective.study.parameters)

@@ -9,10 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..formats.tables import Table, read_table, table_of
+from ..formats.columns import INPUT_COLUMNS, LABEL_COLUMNS, RESULT_COLUMNS
+from ..formats.tables import SIGMA_COLUMNS, Table, read_table, table_of
 
 COLUMNS = Path("columns given")
 """Stands in errors, and in the manifest, for the name of a file."""
+NAMES = (*INPUT_COLUMNS, *LABEL_COLUMNS, *RESULT_COLUMNS, *SIGMA_COLUMNS)
 MISSING = ("nan", "NaN", "<NA>", "NaT", "None")
 """How numpy and pandas write a cell without a value."""
 
@@ -32,13 +34,7 @@ def table_given(tests: str | os.PathLike | Mapping) -> Table:
     """
     if isinstance(tests, str | os.PathLike):
         return read_table(Path(tests), measured=True)
-    names = tests.keys() if hasattr(tests, "keys") else getattr(tests, "columns", None)
-    if names is None:
-        raise InputError(
-            "tests must be the path of a table, or columns by name, but are of type "
-            f"{type(tests).__name__}"
-        )
-    columns = {str(name): np.asarray(tests[name], object) for name in names}
+    columns = _columns(tests)
     lengths = {name: len(c) for name, c in columns.items() if c.ndim == 1}
     for name, column in columns.items():
         if column.ndim > 1:
@@ -55,6 +51,8 @@ def table_given(tests: str | os.PathLike | Mapping) -> Table:
                 file=COLUMNS,
                 column=name,
             )
+    if not columns:
+        raise InputError("hold no column; tests are needed", file=COLUMNS)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -62,7 +60,47 @@ def table_given(tests: str | os.PathLike | Mapping) -> Table:
     writer.writerows(
         [_cell(value) for value in row] for row in zip(*cells, strict=True)
     )
-    return table_of(text.getvalue().encode(), COLUMNS, measured=True)
+    # Halves of characters are written as such, and told as no UTF-8.
+    data = text.getvalue().encode("utf-8", "surrogatepass")
+    return table_of(data, COLUMNS, measured=True)
+
+
+def _columns(tests: Mapping) -> dict[str, np.ndarray]:
+    """Columns by name, with cells as they are; masked ones are None.
+
+    Of a data frame the index too, where it has the name of a column.
+    """
+    names = tests.keys() if hasattr(tests, "keys") else getattr(tests, "columns", None)
+    if names is None:
+        raise InputError(
+            "tests must be the path of a table, or columns by name, but are of type "
+            f"{type(tests).__name__}"
+        )
+    if hasattr(tests, "reset_index"):
+        index = [name for name in tests.index.names if name in NAMES]
+        twice = [name for name in index if name in names]
+        tests = tests if twice else tests.reset_index(index)
+        names = [*twice, *tests.keys()]
+    names = list(names)
+    for place, name in enumerate(names):
+        if not isinstance(name, str):
+            raise InputError(
+                f"columns must be named by a text each, but one is {name!r}",
+                file=COLUMNS,
+            )
+        if name in names[:place]:
+            raise InputError(
+                "stands twice among the columns and the index",
+                file=COLUMNS,
+                column=name,
+            )
+    return {name: _cells(tests[name]) for name in names}
+
+
+def _cells(values) -> np.ndarray:
+    if isinstance(values, np.ma.MaskedArray):
+        return np.where(np.ma.getmaskarray(values), None, values.data)
+    return np.asarray(values, object)
 
 
 def _cell(value) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import InputError, nearest
+from ..fields import expect
 from ..formats.columns import INPUT_COLUMNS
 from ..formats.files import replacing
 from ..formats.toml_values import SOIL_COLUMNS
@@ -184,6 +185,7 @@ def calibrate(
         study = read_study(Path(tests))
     else:
         study = _study(tests, **options)
+    expect("out", out, str, os.PathLike, type(None))
     directory = None if out is None else Path(out)
     return Calibration(*fit_and_examine(study, directory, progress=progress))
 
@@ -193,9 +195,14 @@ def _study(tests, fit, ground, targets, sigma, scatter, seed) -> Study:
     measurements = joined_tables((table_given(tests),))
     if isinstance(fit, str):
         fit = (fit,)
+    expect("fit", fit, Iterable, type(None))
+    expect("ground", ground, Soil, Mapping, type(None))
+    expect("targets", targets, Iterable, type(None))
     if not isinstance(fit, Mapping):
         fit = {name: {} for name in (DEFAULT_BOUNDS if fit is None else fit)}
     _check_names("fit", fit)
+    for name, entry in fit.items():
+        expect(f"fit of {name}", entry, Mapping)
     parameters = {name: dict(entry) for name, entry in fit.items()}
     if isinstance(ground, Soil):
         values = _columns(ground)

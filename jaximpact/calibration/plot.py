@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from ..plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, plain
 from .study import StudyResult
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
@@ -25,7 +25,7 @@ def plot_study(result: StudyResult) -> Figure:
     columns = min(panels, COLUMNS)
     rows = -(-panels // columns)
     figure = Figure(figsize=(4.6 * columns, 4.0 * rows + 0.5), layout="constrained")
-    figure.suptitle(study.title)
+    figure.suptitle(plain(study.title))
     axes = [figure.add_subplot(rows, columns, i + 1) for i in range(panels)]
     varying = [n for n, v in _inputs(result).items() if np.ptp(v) > 0.0]
     for place in range(len(study.targets)):
@@ -78,7 +78,7 @@ def _draw_against_angle(axes: Axes, result: StudyResult, place: int) -> None:
         axes.plot(
             angle[order],
             variant.predicted[order, place],
-            label=variant.variant.name,
+            label=plain(variant.variant.name),
             markersize=4,
             **_style(number),
         )
@@ -99,7 +99,7 @@ def _draw_against_measured(axes: Axes, result: StudyResult, place: int) -> None:
             fitted[exact],
             xerr=study.sigma[exact, place] if study.sigma_given[place] else None,
             linestyle="none",
-            label=variant.variant.name,
+            label=plain(variant.variant.name),
             **style,
         )
         if np.any(limits):
@@ -127,7 +127,7 @@ def _draw_waterfall(axes: Axes, result: StudyResult) -> None:
             rank[reached],
             costs[reached],
             linestyle="none",
-            label=variant.variant.name,
+            label=plain(variant.variant.name),
             markersize=4,
             **style,
         )

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..accuracy import PRESETS
 from ..errors import InputError
+from ..fields import expect
 from ..formats.columns import INPUT_COLUMNS
 from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
@@ -137,6 +138,7 @@ def predict(
     RuntimeError if JAX is set to float32.
     """
     require_float64()
+    expect("result", result, Calibration, str, os.PathLike)
     if isinstance(result, Calibration):
         ground, inputs = fitted_of(result.as_json()), result.result.study.inputs
     else:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..accuracy import PRESETS
 from ..errors import InputError, nearest
+from ..formats.checks import check_memory
 from ..formats.columns import RESULT_COLUMNS
 from ..formats.toml_values import (
     SOIL_COLUMNS,
@@ -174,6 +175,9 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
     sigma, sigma_given = _sigma(path, content, tests, targets)
     proportional = _proportional(path, content, targets, sigma_given)
     measured = np.stack([tests.measured[name] for name in targets], axis=1)
+    starts = whole(path, content, "starts", STARTS, 1)
+    numbers = starts * measured.size * len(parameters)
+    check_memory(numbers, f"{starts} starts", file=path, key="starts")
     size = np.fmax(np.abs(measured), least_size(measured))
     return Study(
         path=path,
@@ -192,7 +196,7 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
         proportional=proportional,
         weights=_weights(path, content, targets),
         loss=choice(path, content, "loss", LOSSES[0], LOSSES),
-        starts=whole(path, content, "starts", STARTS, 1),
+        starts=starts,
         seed=whole(path, content, "seed", 0, 0),
         accuracy=choice(path, content, "accuracy", ACCURACY, tuple(PRESETS)),
         method=choice(path, content, "method", METHODS[0], METHODS),
@@ -215,10 +219,24 @@ def _data(path: Path, content: dict) -> list[Path]:
             file=path,
             key="data",
         )
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"{name} stands twice", file=path, key="data")
-    return [path.parent / name for name in names]
+    files = [path.parent / name for name in names]
+    for place, file in enumerate(files):
+        for before in range(place):
+            if _is_same(file, files[before]):
+                raise InputError(
+                    f"names one file twice: {names[before]} and {names[place]}",
+                    file=path,
+                    key="data",
+                )
+    return files
+
+
+def _is_same(first: Path, second: Path) -> bool:
+    """Whether two paths lead to one file, by links too."""
+    try:
+        return first == second or first.samefile(second)
+    except (OSError, ValueError):  # what is wrong with it is told where it is read
+        return False
 
 
 def _parameters(path: Path, content: dict) -> tuple[Parameter, ...]:

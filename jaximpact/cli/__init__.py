@@ -27,7 +27,8 @@ from . import (
     tabulate,
     validate,
 )
-from .progress import say
+from .progress import forget, say
+from .streams import prepare_streams, stdout_problem, warnings_in_one_line
 
 USER_ERROR = 2
 SYSTEM_ERROR = 1
@@ -41,6 +42,10 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message):
         raise InputError(f"{message}; see {self.prog} --help")
 
+    def _print_message(self, message, file=None):
+        # argparse passes over help that cannot be written.
+        (file or sys.stderr).write(message)
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code.
@@ -50,22 +55,37 @@ def main(argv: Sequence[str] | None = None) -> int:
     went wrong is one line on stderr. Sets JAX to float64, and to keep compiled programs
     in the user's cache if `JAX_COMPILATION_CACHE_DIR` does not say where.
     """
+    prepare_streams()
     try:
-        arguments = _parser().parse_args(argv)
-        _set_up_jax()
-        arguments.run(arguments)
-        sys.stdout.flush()
+        with warnings_in_one_line():
+            _run(argv)
     except InputError as error:
         return _report(f"error: {error}", USER_ERROR)
     except KeyboardInterrupt as error:
         return _report("; ".join(("interrupted", *error.args)), INTERRUPTED)
     except BrokenPipeError:
-        # The reader of stdout has left (`| head`); Python must not write at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # The reader of stdout has left (`| head`).
+        forget(sys.stdout)
         return BROKEN_PIPE
     except (OSError, IncompleteError) as error:
-        return _report(f"error: {error}", SYSTEM_ERROR)
+        return _report(f"error: {stdout_problem() or error}", SYSTEM_ERROR)
+    except MemoryError as error:
+        return _report(f"error: out of memory: {error}", SYSTEM_ERROR)
     return 0
+
+
+def _run(argv: Sequence[str] | None) -> None:
+    if any("\0" in text for text in argv or ()):
+        raise InputError("an argument holds a null character, which no name may hold")
+    try:
+        arguments = _parser().parse_args(argv)
+    except SystemExit:  # --help and --version are done
+        sys.stdout.flush()
+        raise
+    _set_up_jax()
+    os.environ["MPLBACKEND"] = "agg"  # drawings go to files
+    arguments.run(arguments)
+    sys.stdout.flush()
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -96,9 +116,13 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _set_up_jax() -> None:
-    import jax
+    try:
+        import jax
+    except ValueError as error:  # of a setting in the environment
+        raise InputError(f"JAX cannot be set up: {error}") from None
 
     jax.config.update("jax_enable_x64", True)
+    _check_platforms(jax)
     if jax.config.jax_compilation_cache_dir is not None:
         return
     # A home that cannot be written to is no reason to complain: it costs time only.
@@ -107,6 +131,22 @@ def _set_up_jax() -> None:
         directory.mkdir(parents=True, exist_ok=True)
         jax.config.update("jax_compilation_cache_dir", str(directory))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)
+
+
+def _check_platforms(jax) -> None:
+    """Raise InputError where JAX was told to compute on what is not there."""
+    asked = jax.config.jax_platforms
+    if not asked:
+        return
+    try:
+        jax.devices()
+    except (RuntimeError, AssertionError):
+        jax.config.update("jax_platforms", None)
+        there = jax.devices()[0].platform
+        raise InputError(
+            f"JAX_PLATFORMS asks for {asked!r}, which JAX cannot use here; there is "
+            f"{there}: unset JAX_PLATFORMS, or set it to {there}"
+        ) from None
 
 
 def _cache_directory() -> Path:

@@ -5,8 +5,9 @@ import sys
 import time
 from pathlib import Path
 
+from ..errors import shown
 from . import options
-from .progress import say
+from .progress import say, write
 
 DESCRIPTION = """\
 Fit soil parameters to a table of measured impacts, and say what the data do not
@@ -126,14 +127,13 @@ class Lines:
 
     def __exit__(self, *exception) -> None:
         if self.length:
-            self.stream.write("\n")
+            write(self.stream, "\n")
 
     def __call__(self, text: str) -> None:
-        now = time.monotonic()
+        text, now = shown(text), time.monotonic()
         if self.overwrites:
-            self.stream.write("\r" + text.ljust(self.length))
+            write(self.stream, "\r" + text.ljust(self.length))
             self.length = len(text)
         elif now - self.last >= SAY_EVERY:
-            self.stream.write(f"{text}\n")
+            write(self.stream, f"{text}\n")
             self.last = now
-        self.stream.flush()

@@ -1,6 +1,11 @@
 """Progress of long work, on stderr."""
 
+import contextlib
+import os
 import sys
+from typing import TextIO
+
+from ..errors import shown
 
 PARTS = 10
 """Lines of progress in all where stderr is not a terminal."""
@@ -8,7 +13,22 @@ PARTS = 10
 
 def say(text: str) -> None:
     """A line on stderr that tells whose it is."""
-    print(f"jaximpact: {text}", file=sys.stderr)
+    write(sys.stderr, f"jaximpact: {shown(text)}\n")
+
+
+def write(stream: TextIO, text: str) -> None:
+    """Write at once. What cannot be told, on a full disk, ends no computation."""
+    try:
+        stream.write(text)
+        stream.flush()
+    except OSError:
+        forget(stream)
+
+
+def forget(stream: TextIO) -> None:
+    """Let go of what could not be written: Python must not try again at exit."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 class Progress:
@@ -29,7 +49,7 @@ class Progress:
 
     def __exit__(self, *exception) -> None:
         if self.overwrites and self.part >= 0:
-            self.stream.write("\n")
+            write(self.stream, "\n")
 
     def __call__(self, done: int, total: int) -> None:
         part = PARTS * done // total
@@ -38,5 +58,4 @@ class Progress:
         self.part = part
         percent = 100 * done // total
         text = f"{done} of {total} {self.unit} ({percent} %)"
-        self.stream.write(f"\r{text}" if self.overwrites else f"{text}\n")
-        self.stream.flush()
+        write(self.stream, f"\r{text}" if self.overwrites else f"{text}\n")

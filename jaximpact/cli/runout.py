@@ -44,6 +44,8 @@ cut off at least and most if they are given; { from, to }, a uniform one; or a l
 is drawn once for each block, and so is the ground: a block finds one c_v wherever it
 goes, or one on each segment that has its own. Lists make every combination, those of
 the ground slowest, the last one fastest, and over again until there are enough blocks.
+What [ground] does not say has its default below; rolling_friction_angle_deg is 20,
+an assumption, and roughness_deg 0.
 [ground] may name a calibration, from = "out/wyllie", the directory that `jaximpact
 calibrate` wrote, with variant = "..." where the study has several. Each block then gets
 parameters of its own as the tests leave them, with their correlations, and what the fit

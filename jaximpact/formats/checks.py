@@ -1,46 +1,117 @@
 """Checks at the boundary: values that a scene may have, and names that are chosen."""
 
 import dataclasses
+import os
+import warnings
 from collections.abc import Collection, Iterable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .._jax_internals import Tracer
-from ..errors import InputError, nearest
-from ..scene import PARTS, Scene
-from .columns import column_of_field
+from ..block import Block
+from ..errors import InputError, UnusualValueWarning, nearest
+from ..fields import expect
+from ..scene import Impact, Scene
+from ..soil import Soil
+from .columns import INPUT_COLUMNS, RESULT_COLUMNS, InputColumn, column_of_field
+
+KINDS = {"block": Block, "soil": Soil, "impact": Impact}
+MEMORY = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+"""Of this machine [bytes]."""
+NUMBERS_PER_IMPACT = len(INPUT_COLUMNS) + len(RESULT_COLUMNS)
+"""At the least: what a batch takes and gives."""
 
 
-def check_scene(scene: Scene, *, batched: bool = False) -> None:
-    """Raise ValueError, in one sentence, for the first value that is out of range.
+def check_scene(
+    scene: Scene, *, batched: bool = False, warn: bool = False, of: str = "scene"
+) -> None:
+    """Raise InputError, in one sentence, for the first value that is out of range, and
+    for a part of another kind.
 
     Values that are being traced by JAX cannot be looked at and pass.
 
     Args:
         scene: what to check.
         batched: allow arrays; else every field must be a scalar.
+        warn: also of values that are unusual, in the name of the caller's caller.
+        of: what an entry of an array is called.
     """
-    for part in PARTS:
+    expect("scene", scene, Scene)
+    for part, kind in KINDS.items():
         owner = getattr(scene, part)
+        expect(part, owner, kind)
         for field in dataclasses.fields(owner):
             value = getattr(owner, field.name)
-            name = f"{type(owner).__name__}.{field.name}"
+            name = f"{kind.__name__}.{field.name}"
             if np.ndim(value) > 0 and not batched:
-                raise ValueError(
+                raise InputError(
                     f"{name} must be a scalar, but has shape {np.shape(value)}; use "
                     "simulate_batch, or jax.vmap around simulate, for many scenes"
                 )
-            if isinstance(value, Tracer):
+            if isinstance(value, Tracer) or not np.size(value):
                 continue
             column = column_of_field(part, field.name)
-            values = np.asarray(value) / column.factor
-            bad = ~column.is_allowed(values)
-            if np.any(bad):
-                where = f" (scene {int(np.argmax(bad))})" if np.ndim(value) else ""
-                raise ValueError(
-                    f"{name} must be {column.requirement}, but is "
-                    f"{float(np.ravel(values)[np.argmax(bad)]):g}{where}"
-                )
+            _check_field(name, column, value, warn=warn, of=of)
+
+
+def _check_field(
+    name: str,
+    column: InputColumn,
+    value: ArrayLike,
+    *,
+    warn: bool,
+    of: str,
+) -> None:
+    """Raise InputError for the first value of a field, in SI, that its column may not
+    hold.
+
+    Args:
+        name: what messages call it.
+        warn: also of values that are unusual, in the name of the caller of the caller's
+            caller.
+        of: what an entry of an array is called.
+    """
+    values = np.asarray(value)
+    # Both ends tell whether there is anything to look for; NaN is both.
+    ends = (values,) if values.ndim == 0 else (np.min(values), np.max(values))
+    low, high = float(ends[0]) / column.factor, float(ends[-1]) / column.factor
+    if not (column.holds(low) and column.holds(high)):
+        bad = ~column.is_allowed(values / column.factor)
+        raise InputError(
+            f"{name} must be {column.requirement}, but is "
+            f"{_told(column, values, bad, of)}"
+        )
+    if warn and not (column.is_usual(low) and column.is_usual(high)):
+        inside = values / column.factor
+        bad = (inside < column.usual[0]) | (inside > column.usual[1])
+        text = f"{name} is {_told(column, values, bad, of)}"
+        warnings.warn(UnusualValueWarning(text, column.name), stacklevel=4)
+
+
+def _told(column: InputColumn, values: np.ndarray, bad: np.ndarray, of: str) -> str:
+    """The first of the bad values, with its place."""
+    place, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
+    where = f" ({of} {place}" + (f" and {more} more)" if more else ")")
+    value = float(np.ravel(values)[place])
+    return column.told(value, column.si_unit, where if values.ndim else "")
+
+
+def check_memory(numbers: float, what: str, **place) -> None:
+    """Raise InputError unless so many numbers fit into this machine's memory.
+
+    Args:
+        numbers: how many of eight bytes there will be, at the least.
+        what: what they are of, to stand before "would take".
+        place: file, row, column and key of the error.
+    """
+    needed = 8.0 * numbers
+    if needed > MEMORY:
+        raise InputError(
+            f"{what} would take {needed / 2**30:.3g} GiB of memory or more, but this "
+            f"machine has {MEMORY / 2**30:.3g} GiB",
+            **place,
+        )
 
 
 def checked_names(
@@ -48,7 +119,7 @@ def checked_names(
 ) -> tuple[str, ...]:
     """The names, of a `kind` in one word. Raises InputError for a name that is unknown,
     with the nearest known, or stands twice, and for none."""
-    if isinstance(names, str):
+    if isinstance(names, str) or not isinstance(names, Iterable):
         raise InputError(f"{kind}s must be a list of names, but is {names!r}")
     names = tuple(names)
     if not names:

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-DEGREE = math.pi / 180.0
+from .units import DEGREE, UNITS, USUAL
 
 
 @dataclasses.dataclass(frozen=True)
@@ -29,6 +29,8 @@ class InputColumn:
     upper_allowed: bool
     unit: str
     meaning: str
+    usual: tuple[float, float] = (-math.inf, math.inf)
+    """Values beyond which a unit may have been mistaken, in the column's unit."""
 
     @property
     def range_text(self) -> str:
@@ -46,6 +48,49 @@ class InputColumn:
         """The range with its unit, to follow "must be"."""
         has_unit = self.unit != "-" and self.range_text != "finite"
         return f"{self.range_text} {self.unit}" if has_unit else self.range_text
+
+    @property
+    def si_unit(self) -> str:
+        """Unit of the field."""
+        units = UNITS.get(self.unit, {})
+        return next((u for u, size in units.items() if size * self.factor == 1.0), "-")
+
+    def hint(self, number: float, unit: str) -> str:
+        """Which unit may have been meant by a number that was taken to be in `unit`, to
+        follow a message; empty if none makes it usual."""
+        units = UNITS.get(self.unit, {})
+        for other, size in units.items():
+            value = size * number
+            if other == unit or not self.holds(value) or not self.is_usual(value):
+                continue
+            if other != "%" or 1.0 < number <= 100.0:
+                meant = f"{value / units[unit]:.4g} {unit}".removesuffix(" -")
+                return f"; {other}? {number:g} {other} is {meant}"
+        return ""
+
+    def told(self, number: float, unit: str, where: str = "") -> str:
+        """A number in `unit` in words, with the column's unit, its place, the usual
+        values if it is no error, and the unit that may be meant."""
+        value = UNITS.get(self.unit, {}).get(unit, 1.0) * number
+        text = f"{number:g} {unit}".removesuffix(" -")
+        if unit != self.unit:
+            text += f" = {value:.4g} {self.unit}"
+        text += where
+        if self.holds(value):
+            usual = "usual are {:g} to {:g} {}".format(*self.usual, self.unit)
+            text += "; " + usual.removesuffix(" -")
+        return text + self.hint(number, unit)
+
+    def is_usual(self, value: float) -> bool:
+        """Whether a value, in the column's unit, is within the usual ones."""
+        low, high = self.usual
+        return low <= value <= high
+
+    def holds(self, value: float) -> bool:
+        """Whether one value, in the column's unit, is finite and in range."""
+        above = value >= self.lower if self.lower_allowed else value > self.lower
+        below = value <= self.upper if self.upper_allowed else value < self.upper
+        return above and below and math.isfinite(value)
 
     def is_allowed(self, values) -> np.ndarray:
         """Which values, in the column's unit, are finite and in range."""
@@ -70,6 +115,7 @@ def _column(name, part, field, default, interval, unit, meaning, factor=1.0):
         upper_allowed=right == "]",
         unit=unit,
         meaning=meaning,
+        usual=USUAL.get(name, (-math.inf, math.inf)),
     )
 
 

@@ -7,6 +7,7 @@ import xarray as xr
 
 from ..errors import InputError
 from .files import replacing
+from .reading import read_input
 
 ENGINE = "scipy"
 """NetCDF 3 with 64-bit offsets, which every program reads and JAX's own dependencies
@@ -33,6 +34,7 @@ def read_netcdf(path: Path) -> xr.Dataset:
     Raises InputError if the file cannot be read or is no such file.
     """
     path = Path(path)
+    start = read_input(path)[: len(MAGIC)]
     try:
         return xr.load_dataset(path, engine=ENGINE)
     except OSError as error:
@@ -40,6 +42,6 @@ def read_netcdf(path: Path) -> xr.Dataset:
         raise InputError(f"cannot be read: {why}", file=path) from error
     except Exception as error:  # SciPy raises whatever the bytes lead it to
         # What it says of other files is of libraries to install.
-        cut = path.read_bytes().startswith(MAGIC)
-        why = "is a damaged NetCDF 3 file" if cut else "is not a NetCDF 3 file"
+        damaged = start == MAGIC
+        why = "is a damaged NetCDF 3 file" if damaged else "is not a NetCDF 3 file"
         raise InputError(why, file=path) from error

@@ -9,7 +9,7 @@ from ..errors import InputError
 from ..scene import PARTS, Impact, Scene
 from ..soil import Soil
 from .columns import INPUT_COLUMNS, InputColumn
-from .toml_values import allowed, load_toml, unknown
+from .toml_values import load_toml, quantity, unknown
 
 ACCURACY_KEY = "accuracy"
 
@@ -93,7 +93,7 @@ def _column(
 
 
 def _si_value(path: Path, column: InputColumn, value) -> float:
-    return column.factor * allowed(path, column.name, column, value)
+    return column.factor * quantity(path, column.name, column, value)
 
 
 def _accuracy(path: Path, value) -> str:

@@ -9,14 +9,16 @@ import dataclasses
 import hashlib
 import io
 import itertools
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
 from ..block import Block
 from ..collector import collector_paused
-from ..errors import InputError, nearest
+from ..errors import InputError, UnusualValueWarning, nearest
 from ..scene import Impact, Scene
 from ..soil import Soil
 from .columns import (
@@ -26,6 +28,7 @@ from .columns import (
     RESULT_COLUMNS,
     SIGMA_PREFIX,
 )
+from .reading import check_text, read_input
 
 SLICE_ROWS = 2_000
 """Rows converted at once: bounds the memory that cells take as Python strings."""
@@ -88,11 +91,7 @@ def read_table(path: Path, *, measured: bool = False) -> Table:
     several bad cells the one in the leftmost column is named.
     """
     path = Path(path)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
-    return table_of(data, path, measured=measured)
+    return table_of(read_input(path), path, measured=measured)
 
 
 @collector_paused()
@@ -102,9 +101,9 @@ def table_of(data: bytes, path: Path, *, measured: bool = False) -> Table:
     Args:
         path: what errors call it.
     """
-    _check_encoding(path, data)
+    check_text(path, data)
     file = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
-    records = _records(path, file)
+    records = records_of(path, file)
     first = next(records, None)
     if first is None:
         raise InputError("is empty; a header and rows are needed", file=path)
@@ -133,20 +132,45 @@ def table_of(data: bytes, path: Path, *, measured: bool = False) -> Table:
                 parts[name].append(_numbers(path, lines, name, cells))
     if not rows:
         raise InputError("has a header but no rows", file=path)
+    numbers = {name: np.concatenate(pieces) for name, pieces in parts.items()}
+    lines = np.concatenate(starts)
+    _warn_of_unusual(path, numbers, lines)
     return Table(
         path=path,
         sha256=hashlib.sha256(data).hexdigest(),
         header=header,
         rows=rows,
-        numbers={name: np.concatenate(pieces) for name, pieces in parts.items()},
-        lines=np.concatenate(starts),
+        numbers=numbers,
+        lines=lines,
         censored={name: np.concatenate(pieces) for name, pieces in limits.items()},
         labels=labels,
     )
 
 
-def _records(path: Path, file: io.TextIOWrapper) -> Iterator[tuple]:
-    """Line number, text and cells of each record that is not blank."""
+def _warn_of_unusual(path: Path, numbers: dict[str, np.ndarray], lines) -> None:
+    """One warning for each column of the scene with values that are unusual."""
+    for name, values in numbers.items():
+        column = INPUT_COLUMNS.get(name)
+        if column is None or (
+            column.is_usual(np.min(values)) and column.is_usual(np.max(values))
+        ):
+            continue
+        bad = (values < column.usual[0]) | (values > column.usual[1])
+        place, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
+        where = f" and {more} more rows" if more else ""
+        warnings.warn(
+            UnusualValueWarning(
+                f"{path}, row {lines[place]}, column {name}: is "
+                f"{column.told(values[place], column.unit, where)}",
+                name,
+            ),
+            stacklevel=3,
+        )
+
+
+def records_of(path: Path, file: TextIO) -> Iterator[tuple[int, str, list[str]]]:
+    """Line number, text and cells of each record of a CSV that is not blank. Raises
+    InputError, naming the row, for what is no CSV."""
     lines, same_lines = itertools.tee(file)
     reader = csv.reader(lines, strict=True)
     first = 1
@@ -160,20 +184,6 @@ def _records(path: Path, file: io.TextIOWrapper) -> Iterator[tuple]:
             first += count
     except csv.Error as error:
         raise InputError(f"is not valid CSV: {error}", file=path, row=first) from error
-
-
-def _check_encoding(path: Path, data: bytes) -> None:
-    try:
-        data.decode("utf-8")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            "is not text in UTF-8; save the file in that encoding",
-            file=path,
-            row=data.count(b"\n", 0, error.start) + 1,
-        ) from None
-    if b"\0" in data:
-        row = data.count(b"\n", 0, data.index(b"\0")) + 1
-        raise InputError("holds a null byte; is it a CSV?", file=path, row=row)
 
 
 def _holds_numbers(name: str) -> bool:
@@ -204,7 +214,7 @@ def _problem_with_name(name: str, before: list[str], measured: bool) -> str | No
     known = (*INPUT_COLUMNS, *LABEL_COLUMNS, *(results if measured else ()))
     if not name:
         return "has no name"
-    if _reads_as_number(name):
+    if reads_as_number(name):
         return "is a number; the first row must name the columns"
     if name in before:
         return "stands twice in the header"
@@ -260,9 +270,8 @@ def _numbers(path: Path, lines, name: str, cells) -> np.ndarray:
     try:
         values = np.fromiter(map(float, cells), float, len(cells))
     except ValueError:
-        values = np.array([float(c) if _reads_as_number(c) else np.nan for c in cells])
+        values = np.array([float(c) if reads_as_number(c) else np.nan for c in cells])
     allowed = _allowed(name, values)
-    # Python reads 1_000 as a number, no other program does.
     if "_" in "".join(cells):
         allowed &= np.array(["_" not in cell for cell in cells])
     if np.all(allowed):
@@ -284,17 +293,21 @@ def _allowed(name: str, values: np.ndarray) -> np.ndarray:
 def _describe_bad_cell(name: str, cell: str) -> str:
     if not cell.strip():
         return "is empty, but a number is needed"
-    if not _reads_as_number(cell):
+    if not reads_as_number(cell):
         hint = "; write decimals with a point" if "," in cell else ""
         return f"must be a number, but is {cell!r}{hint}"
+    hint = ""
     if name in INPUT_COLUMNS:
-        requirement = INPUT_COLUMNS[name].requirement
+        column = INPUT_COLUMNS[name]
+        requirement = column.requirement
+        hint = column.hint(float(cell), column.unit)
     else:
         requirement = "above 0" if name in SIGMA_COLUMNS else "finite"
-    return f"must be {requirement}, but is {cell.strip()}"
+    return f"must be {requirement}, but is {cell.strip()}{hint}"
 
 
-def _reads_as_number(cell: str) -> bool:
+def reads_as_number(cell: str) -> bool:
+    """Whether a cell is a number. Python reads 1_000 as one, no other program does."""
     try:
         float(cell)
     except ValueError:

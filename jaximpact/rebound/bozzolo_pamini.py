@@ -1,15 +1,15 @@
 """A rigid ellipse that turns about the point at which it touches."""
 
-import equinox as eqx
 import jax.numpy as jnp
 
 from ..block import Block
+from ..fields import Parameters
 from ..scene import Impact
 from .contact_point import contact_point
 from .velocities import Rebound
 
 
-class BozzoloPamini(eqx.Module):
+class BozzoloPamini(Parameters):
     r"""Rotation about the contact point, after Bozzolo and Pamini (1986).
 
     The contact point sticks; the block turns rigidly about it, with the angular

@@ -4,6 +4,7 @@ import equinox as eqx
 from jaxtyping import Array, Float
 
 from ..block import Block
+from ..fields import Parameters
 from ..precision import float64_leaf
 from ..scene import Impact
 from .velocities import Rebound
@@ -11,7 +12,7 @@ from .velocities import Rebound
 Scalar = Float[Array, ""]
 
 
-class ConstantCoefficients(eqx.Module):
+class ConstantCoefficients(Parameters):
     r"""$v_n' = -e_n v_n$, $v_t' = e_t v_t$; the rotation stays as it is."""
 
     e_n: Scalar = eqx.field(converter=float64_leaf)

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..block import Block
+from ..fields import Parameters
 from ..precision import float64_leaf
 from ..scene import Impact
 from .contact_point import contact_point, rebound_of_impulse
@@ -13,7 +14,7 @@ from .velocities import Rebound
 Scalar = Float[Array, ""]
 
 
-class FrictionalEllipsoid(eqx.Module):
+class FrictionalEllipsoid(Parameters):
     r"""An impulse with Coulomb friction at the deepest point of a rigid ellipse.
 
     As the normal impulse $N$ grows, the velocities of approach $\dot n$ and of slip

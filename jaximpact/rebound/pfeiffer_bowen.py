@@ -5,6 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..block import Block
+from ..fields import Parameters
 from ..precision import float64_leaf
 from ..safe import safe_sqrt
 from ..scene import Impact
@@ -16,7 +17,7 @@ FOOT = 0.3048
 """[m]"""
 
 
-class PfeifferBowen(eqx.Module):
+class PfeifferBowen(Parameters):
     r"""Coefficients that fall with speed, after Pfeiffer and Bowen (1989).
 
     $$ v_n' = -\frac{R_n v_n}{1 + (v_n/9.144)^2}, \qquad

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..block import Block
+from ..fields import Parameters
 from ..precision import float64_leaf
 from ..scene import Impact
 from .contact_point import contact_point, rebound_of_impulse
@@ -13,7 +14,7 @@ from .velocities import Rebound
 Scalar = Float[Array, ""]
 
 
-class RigidEllipsoid(eqx.Module):
+class RigidEllipsoid(Parameters):
     r"""An instantaneous impulse along the normal, at the deepest point of a rigid
     ellipse, after Vijayakumar et al. (2012).
 

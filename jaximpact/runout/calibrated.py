@@ -16,6 +16,7 @@ $$ \mu_o + C_{og} C_{gg}^{-1} (x_g - \mu_g), \qquad
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -24,6 +25,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from ..errors import InputError, nearest
+from ..formats.reading import read_input
 from .ground import GROUND_COLUMNS
 from .quantities import shares
 
@@ -139,11 +141,8 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
     Raises InputError, naming the file, for whatever cannot be used.
     """
     path = Path(path)
-    file = path / FILE if path.is_dir() else path
-    try:
-        data = file.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=file) from error
+    file = path / FILE if os.path.isdir(path) else path
+    data = read_input(file)
     try:
         content = json.loads(data)
         found = _variant(file, content["variants"], variant)
@@ -183,7 +182,10 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
         np.linalg.cholesky(covariance)
     except InputError:
         raise
-    except (KeyError, TypeError, ValueError, np.linalg.LinAlgError) as error:
+    except (
+        *(LookupError, TypeError, AttributeError, ValueError, ArithmeticError),
+        *(np.linalg.LinAlgError, RecursionError),
+    ) as error:
         raise InputError(
             f"holds no calibration that can be drawn from ({error!r}); a fit.json of "
             "jaximpact calibrate is needed",

@@ -9,7 +9,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from ..formats.files import replacing
-from ..plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, SOIL, VERMILION
+from ..plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, SOIL, VERMILION, plain
 from .profile import Profile
 from .runs import Ending, Runs
 
@@ -57,7 +57,8 @@ def plot_trajectories(
     axes.autoscale_view()
     axes.legend(loc="upper right")
     dashed = "; dashed: collectors" if len(collectors) else ""
-    axes.set_title(f"{title}: the first {runs.release.count} trajectories{dashed}")
+    told = f"the first {runs.release.count} trajectories{dashed}"
+    axes.set_title(f"{plain(title)}: {told}")
     _save(figure, path)
 
 
@@ -77,7 +78,7 @@ def plot_envelopes(dataset: xr.Dataset, profile: Profile, path: Path) -> None:
         axes.set_ylabel(label)
         axes.set_ylim(bottom=0.0)
     panels[0].legend(ncols=4, loc="upper right")
-    panels[0].set_title(f"{dataset.title}: along the profile, in bins of x")
+    panels[0].set_title(f"{plain(dataset.title)}: along the profile, in bins of x")
     _draw_ground(panels[3], profile)
     panels[3].set(xlabel="x [m]", ylabel="y [m]")
     beside = panels[3].twinx()
@@ -105,7 +106,7 @@ def plot_stops(dataset: xr.Dataset, path: Path) -> None:
     axes.set(xlabel="x where the block stopped [m]", ylabel="blocks")
     names, counts = np.unique(dataset.ending.values, return_counts=True)
     told = ", ".join(f"{c} {n}" for n, c in zip(names, counts, strict=True))
-    axes.set_title(f"{dataset.title}: {told}")
+    axes.set_title(f"{plain(dataset.title)}: {told}")
     _save(figure, path)
 
 
@@ -123,7 +124,7 @@ def plot_collectors(dataset: xr.Dataset, path: Path) -> None:
         _finish_exceedance(axes, label)
     figure.axes[0].set_ylabel("share of blocks that exceed it [-]")
     figure.axes[0].legend()
-    figure.suptitle(f"{dataset.title}: exceedance at collectors")
+    figure.suptitle(f"{plain(dataset.title)}: exceedance at collectors")
     _save(figure, path)
 
 
@@ -138,7 +139,7 @@ def plot_comparison(datasets: Mapping[str, xr.Dataset], profile, path: Path) -> 
         places = np.concatenate([profile.x[:1], x, profile.x[-1:]])
         share = np.concatenate([[0.0], share, share[-1:] if len(x) else [0.0]])
         look = _look(place)
-        panels[0].step(places, share, where="post", label=law, **look)
+        panels[0].step(places, share, where="post", label=plain(law), **look)
         edges = np.append(dataset.bin_left_m.values, dataset.bin_right_m.values[-1])
         for axes, (name, _, factor) in zip(panels[1:], ENVELOPES, strict=False):
             values = dataset[f"{name}_percentiles"].sel(percentile=95).values
@@ -153,7 +154,7 @@ def plot_comparison(datasets: Mapping[str, xr.Dataset], profile, path: Path) -> 
         axes.grid(alpha=0.3)
     _draw_ground(panels[4], profile)
     panels[4].set(xlabel="x [m]", ylabel="y [m]")
-    title = next(iter(datasets.values())).title
+    title = plain(next(iter(datasets.values())).title)
     panels[0].set_title(f"{title}: the same blocks by {len(datasets)} laws of contact")
     _save(figure, path)
 
@@ -173,7 +174,8 @@ def plot_compared_collectors(datasets: Mapping[str, xr.Dataset], path: Path) -> 
             _finish_exceedance(axes, label)
         rows[row, 0].set_ylabel(f"x = {x:g} m: share of\nblocks that exceed it [-]")
     rows[0, 0].legend()
-    figure.suptitle(f"{first.title}: exceedance at collectors by laws of contact")
+    title = plain(first.title)
+    figure.suptitle(f"{title}: exceedance at collectors by laws of contact")
     _save(figure, path)
 
 
@@ -193,7 +195,7 @@ def _exceedance(axes, values: np.ndarray, place: int, label: str) -> None:
     axes.step(
         np.concatenate([[0.0], passing]),
         np.concatenate([share[:1] if len(share) else [0.0], share]),
-        label=label,
+        label=plain(label),
         **_look(place),
     )
 

@@ -6,25 +6,36 @@ import jax
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import InputError
+from ..fields import expect, real_numbers, whole_number
 from ..formats.columns import DEGREE, INPUT_COLUMNS, InputColumn
 from ..soil import Soil
-from .profile import ROLLING_COLUMN, ROUGHEST, ROUGHNESS_COLUMN, Profile
+from .profile import (
+    ROLLING_COLUMN,
+    ROLLING_FRICTION_ANGLE,
+    ROUGHEST,
+    ROUGHNESS_COLUMN,
+    Profile,
+)
 
 
-def _angle(name: str, upper: float, upper_allowed: bool, meaning: str) -> InputColumn:
+def _angle(
+    name: str, default: float, upper: float, upper_allowed: bool, meaning: str
+) -> InputColumn:
     return InputColumn(
-        *(name, "ground", name.removesuffix("_deg"), DEGREE, 0.0),
+        *(name, "ground", name.removesuffix("_deg"), DEGREE, default / DEGREE),
         *(0.0, upper, True, upper_allowed, "deg", meaning),
     )
 
 
 GROUND_COLUMNS: dict[str, InputColumn] = {
     **{n: c for n, c in INPUT_COLUMNS.items() if c.part == "soil"},
-    ROLLING_COLUMN: _angle(ROLLING_COLUMN, 90.0, False, "angle of rolling friction"),
+    ROLLING_COLUMN: _angle(
+        *(ROLLING_COLUMN, ROLLING_FRICTION_ANGLE, 90.0, False),
+        "angle of rolling friction",
+    ),
     ROUGHNESS_COLUMN: _angle(
-        ROUGHNESS_COLUMN,
-        ROUGHEST / DEGREE,
-        True,
+        *(ROUGHNESS_COLUMN, 0.0, ROUGHEST / DEGREE, True),
         "standard deviation of the angle of the ground's facets",
     ),
 }
@@ -36,7 +47,8 @@ class Ground:
 
     Args:
         soil: fields that broadcast to `(blocks, segments)`.
-        rolling_friction_angle: likewise [rad], in [0, pi/2).
+        rolling_friction_angle: likewise [rad], in [0, pi/2); as a profile's if not
+            given.
         roughness: standard deviation of the angle of facets [rad], likewise, from 0 to
             `ROUGHEST`; see `roughness`.
         seed: of the facets.
@@ -47,24 +59,28 @@ class Ground:
     """
 
     soil: Soil = dataclasses.field(default_factory=Soil)
-    rolling_friction_angle: ArrayLike = 0.0
+    rolling_friction_angle: ArrayLike = ROLLING_FRICTION_ANGLE
     roughness: ArrayLike = 0.0
     seed: int = 0
     numbers: np.ndarray | None = None
 
     def __post_init__(self):
         # Arrays of NumPy: they are looked up lane by lane.
+        expect("a ground's soil", self.soil, Soil)
+        whole_number("a ground's seed", self.seed, 0)
         soil = jax.tree.map(lambda leaf: np.asarray(leaf, float), self.soil)
         object.__setattr__(self, "soil", soil)
         for name in ("rolling_friction_angle", "roughness"):
-            object.__setattr__(self, name, np.asarray(getattr(self, name), float))
+            values = real_numbers(f"a ground's {name}", getattr(self, name))
+            object.__setattr__(self, name, np.asarray(values, float))
         for column in GROUND_COLUMNS.values():
             values = getattr(soil if column.part == "soil" else self, column.field)
             allowed = column.is_allowed(values / column.factor)
             if not np.all(allowed):
-                raise ValueError(
+                value = float(np.asarray(values)[~allowed].flat[0])
+                raise InputError(
                     f"a ground's {column.name} must be {column.requirement}, but holds "
-                    f"{(values / column.factor)[~allowed].flat[0]:g}"
+                    f"{column.told(value, column.si_unit)}"
                 )
 
     @classmethod

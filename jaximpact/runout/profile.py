@@ -1,6 +1,5 @@
 """The slope: a polyline, and what its ground is made of."""
 
-import csv
 import dataclasses
 import io
 import math
@@ -11,7 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import InputError, nearest
+from ..fields import expect, real_numbers
 from ..formats.columns import DEGREE, INPUT_COLUMNS
+from ..formats.reading import read_text
+from ..formats.tables import reads_as_number, records_of
 from ..soil import Soil
 
 ROLLING_FRICTION_ANGLE = math.radians(20.0)
@@ -48,15 +50,20 @@ class Profile:
     roughness: ArrayLike = 0.0
 
     def __post_init__(self):
-        x, y = (np.array(values, float) for values in (self.x, self.y))
+        x, y = (
+            np.array(real_numbers(f"a profile's {name}", getattr(self, name)))
+            for name in ("x", "y")
+        )
+        expect("a profile's soil", self.soil, Soil)
         problem = _problem_with_points(x, y)
         if problem:
             raise ValueError(f"a profile {problem}")
         segments = (len(x) - 1,)
 
         def of_segments(name: str, values) -> np.ndarray:
+            numbers = real_numbers(f"a profile's {name}", values)
             try:
-                return np.array(np.broadcast_to(np.asarray(values, float), segments))
+                return np.array(np.broadcast_to(numbers, segments), float)
             except ValueError:
                 raise ValueError(
                     f"a profile of {segments[0]} segments takes one {name} or as many, "
@@ -148,7 +155,7 @@ def _check_soil(field: str, values: np.ndarray) -> None:
         i = int(np.argmax(bad))
         raise ValueError(
             f"a profile's {column.name} must be {column.requirement}, but is "
-            f"{values[i] / column.factor:g} on segment {i + 1}"
+            f"{column.told(values[i], column.si_unit, f' on segment {i + 1}')}"
         )
 
 
@@ -173,14 +180,12 @@ def read_profile(
     Raises InputError, naming file and row, for whatever cannot be used.
     """
     path = Path(path)
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
-    except UnicodeDecodeError:
-        raise InputError("is not text in UTF-8", file=path) from None
-    reader = csv.reader(io.StringIO(text, newline=""))
-    rows = [(reader.line_num, cells) for cells in reader if any(map(str.strip, cells))]
+    file = io.StringIO(read_text(path), newline="")
+    rows = [
+        (line, cells)
+        for line, _, cells in records_of(path, file)
+        if any(map(str.strip, cells))
+    ]
     if not rows:
         raise InputError("is empty; a header and points are needed", file=path)
     (line, header), *rows = rows
@@ -239,12 +244,11 @@ def _check_header(path: Path, line: int, names: list[str]) -> None:
 
 
 def _number(path: Path, line: int, name: str, cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
+    if not reads_as_number(cell):
         raise InputError(
             f"must be a number, but is {cell.strip()!r}",
             file=path,
             row=line,
             column=name,
-        ) from None
+        )
+    return float(cell)

@@ -17,6 +17,9 @@ from typing import NamedTuple
 import jax
 import numpy as np
 
+from ..fields import real_number, whole_number
+from ..formats.checks import check_memory
+
 Numbers = np.ndarray
 
 
@@ -85,6 +88,8 @@ def draw(
     Lists make every combination, in their order, the last one fastest; block i takes
     combination i, and after the last the first again.
     """
+    whole_number("count", count, 0)
+    check_memory(count * len(quantities), f"{count} blocks")
     drawn, repeats = {}, combinations(quantities)
     for name, quantity in quantities.items():
         if _is_list(quantity):
@@ -94,7 +99,7 @@ def draw(
         elif isinstance(quantity, Normal | Uniform):
             drawn[name] = quantity.values(shares(seed, name, count))
         else:
-            drawn[name] = np.full(count, quantity)
+            drawn[name] = np.full(count, real_number(name, quantity))
     return drawn
 
 
@@ -112,6 +117,7 @@ def key_of(seed: int, name: str) -> tuple[int, int]:
 
 
 def _sequence(seed: int, name: str) -> np.random.SeedSequence:
+    whole_number("seed", seed, 0)
     entropy: Sequence[int] = (seed, zlib.crc32(name.encode()))
     return np.random.SeedSequence(entropy)
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..formats.columns import InputColumn
-from ..formats.toml_values import allowed, check_keys, number
+from ..formats.toml_values import check_keys, number, quantity
 from .quantities import Normal, Quantity, Uniform
 
 
@@ -20,7 +20,7 @@ def read_quantity(path: Path, key: str, value, column: InputColumn | None) -> Qu
     def one(value, key=key) -> float:
         if column is None:
             return number(path, key, value)
-        return allowed(path, key, column, value)
+        return quantity(path, key, column, value)
 
     if isinstance(value, list):
         if not value:

@@ -10,6 +10,8 @@ import numpy as np
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ..batch import order_by_effort, run_groups
 from ..block import Block
+from ..errors import InputError
+from ..fields import expect
 from ..mechanics.laws import Laws
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.outcomes import Outcome
@@ -49,6 +51,10 @@ class FullModel:
 
     accuracy: str | Accuracy = DEFAULT_ACCURACY
     laws: Laws = dataclasses.field(default_factory=Laws)
+
+    def __post_init__(self):
+        get_accuracy(self.accuracy)
+        expect("laws", self.laws, Laws)
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> Blows:
         scene = Scene(block, soil, impact)
@@ -90,6 +96,10 @@ class ClosedForm:
     """
 
     law: Callable[[Block, Impact], Rebound]
+
+    def __post_init__(self):
+        if not callable(self.law):
+            raise InputError(f"law must be a law of rebound, but is {self.law!r}")
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> Blows:
         after = _rebound(self.law, block, impact)

@@ -6,6 +6,7 @@ import jax
 import numpy as np
 
 from ..block import Block
+from ..fields import expect, real_numbers
 from ..formats.checks import check_scene
 from ..scene import Scene
 from .contact import Matter
@@ -43,6 +44,10 @@ class Release:
     angular_velocity: np.ndarray = 0.0
 
     def __post_init__(self):
+        expect("a release's block", self.block, Block)
+        for name in NUMBERS:
+            values = real_numbers(f"a release's {name}", getattr(self, name))
+            object.__setattr__(self, name, values)
         leaves = [*jax.tree.leaves(self.block), *(getattr(self, n) for n in NUMBERS)]
         shapes = [np.shape(leaf) for leaf in leaves]
         try:
@@ -111,6 +116,8 @@ def _depths(*inputs):
 def check_release(release: Release, profile: Profile) -> None:
     """Raise ValueError, in one sentence, for a block that does not start on or above
     the ground of the profile."""
+    expect("profile", profile, Profile)
+    expect("release", release, Release)
     outside = ~((release.x >= profile.x[0]) & (release.x <= profile.x[-1]))
     if np.any(outside):
         i = int(np.argmax(outside))

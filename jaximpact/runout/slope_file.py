@@ -8,12 +8,14 @@ import numpy as np
 
 from ..block import Block
 from ..errors import InputError
+from ..formats.checks import NUMBERS_PER_IMPACT, check_memory
 from ..formats.columns import DEGREE, INPUT_COLUMNS
+from ..formats.reading import read_input
 from ..formats.toml_values import (
     check_keys,
     known_table,
-    load_toml,
     number,
+    parse_toml,
     typed,
     whole,
 )
@@ -34,6 +36,9 @@ NUMBERS = (
     *("time_limit_s", "event_limit"),
 )
 BLOCK_COLUMNS = {n: c for n, c in INPUT_COLUMNS.items() if c.part == "block"}
+QUANTITY_COLUMNS = BLOCK_COLUMNS | {
+    name: INPUT_COLUMNS[name] for name in ("orientation_deg", "angular_velocity_degps")
+}
 RELEASE_KEYS = (
     *("x_m", "y_m", "clearance_m", "speed_mps", "direction_deg", "v_x_mps", "v_y_mps"),
     *("orientation_deg", "angular_velocity_degps"),
@@ -42,7 +47,6 @@ NOT_NEGATIVE = ("clearance_m", "speed_mps")
 DEFAULT_COUNT = 1000
 """Where something is drawn at random."""
 DEFAULT_BINS = 50
-LARGEST_SEED = 2**63 - 1
 
 
 class SlopeStudy(NamedTuple):
@@ -62,7 +66,8 @@ class SlopeStudy(NamedTuple):
     """What of it differs from block to block, `(blocks,)`, in the units of the names:
     quantities of the whole ground, and of segments as `segment_2_c_v`."""
     ground_told: dict
-    """The ground as the file says it, ready for JSON."""
+    """The ground as the file says it, with the angles that are left to their defaults,
+    ready for JSON."""
     contacts: Contacts
     law: dict
     """The contacts in words, ready for JSON."""
@@ -105,17 +110,14 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     """Read a study that may compare laws of contacts: one for each, with the same
     blocks, releases and ground. See `read_slope_study`."""
     path = Path(path)
-    content = load_toml(path)
+    data = read_input(path)
+    content = parse_toml(path, data)
     check_keys(path, "", content, (*TABLES, *NUMBERS))
-    checksums = {path: hashlib.sha256(path.read_bytes()).hexdigest()}
+    checksums = {path: hashlib.sha256(data).hexdigest()}
     told_ground = ToldGround.read(path, content)
     profile = read_ground_profile(path, content, told_ground, checksums)
     laws = read_laws(path, content, accuracy)
     seed = whole(path, content, "seed", 0, 0)
-    if seed > LARGEST_SEED:
-        raise InputError(
-            f"must be at most {LARGEST_SEED}, but is {seed}", file=path, key="seed"
-        )
     time_limit = number(path, "time_limit_s", content.get("time_limit_s", TIME_LIMIT))
     if time_limit <= 0.0:
         raise InputError(
@@ -130,6 +132,13 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     by_chance = is_random(quantities) or is_rough or jointly
     count = DEFAULT_COUNT if by_chance else combinations(quantities)
     count = whole(path, content, "count", count, 1)
+    bins = whole(path, content, "bins", DEFAULT_BINS, 1)
+    check_memory(
+        count * (bins + NUMBERS_PER_IMPACT),
+        f"{count} blocks in {bins} bins of the envelopes",
+        file=path,
+        key="count",
+    )
     drawn = draw(quantities, count, seed)
     drawn |= told_ground.draw_jointly(drawn, count, seed)
     for name, values in drawn.items():
@@ -152,19 +161,29 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
                 key.removeprefix("ground.").replace(".", "_"): drawn[key]
                 for key in (*jointly, *varied)
             },
-            ground_told=content.get("ground", {}),
+            ground_told=_default_angles(profile) | content.get("ground", {}),
             contacts=law.contacts,
             law=law.told,
             law_name=law.name,
             law_directory=law.directory,
             seed=seed,
             collectors=_collectors(path, content, profile),
-            bins=whole(path, content, "bins", DEFAULT_BINS, 1),
+            bins=bins,
             time_limit=time_limit,
             event_limit=whole(path, content, "event_limit", EVENT_LIMIT, 1),
         )
         for law in laws
     ]
+
+
+def _default_angles(profile: Profile) -> dict[str, float]:
+    """Angles of the ground that have their defaults on every segment."""
+    return {
+        name: column.default
+        for name, column in GROUND_COLUMNS.items()
+        if column.part == "ground"
+        and np.all(getattr(profile, column.field) == column.factor * column.default)
+    }
 
 
 def _collectors(path: Path, content: dict, profile: Profile) -> np.ndarray:
@@ -188,7 +207,7 @@ def _quantities(path: Path, content: dict) -> dict[str, Quantity]:
     quantities = {}
     for where, known in (("block", tuple(BLOCK_COLUMNS)), ("release", RELEASE_KEYS)):
         for name, value in known_table(path, content, where, known).items():
-            column = BLOCK_COLUMNS.get(name)
+            column = QUANTITY_COLUMNS.get(name)
             quantities[name] = read_quantity(path, f"{where}.{name}", value, column)
     _check_alternatives(path, quantities)
     return quantities

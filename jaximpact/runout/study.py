@@ -25,8 +25,9 @@ from .ground import GROUND_COLUMNS
 from .release import Release
 from .runs import Ending, Runs
 from .slope_file import SlopeStudy
+from .state import State
 from .stretches import stretches_of
-from .trajectories import WIDTH, simulate_runout
+from .trajectories import WIDTH, follow
 
 BLOCK_NUMBERS = {
     "x_m": ("m", "where it ended: the centre; nan where a contact failed"),
@@ -127,14 +128,14 @@ def simulate(
         jax.tree.map(lambda leaf: np.asarray(leaf)[chosen], release.block),
         *(column[chosen] for column in release.body),
     )
-    return simulate_runout(
-        study.profile,
-        some,
+    # All that `simulate_runout` checks was checked as the study was read.
+    return follow(
+        State.at_release(study.profile, some, study.ground.of_blocks(chosen)),
         study.contacts,
-        ground=study.ground.of_blocks(chosen),
-        time_limit=study.time_limit,
-        event_limit=study.event_limit,
-        progress=progress,
+        study.time_limit,
+        study.event_limit,
+        WIDTH,
+        progress,
     )
 
 

@@ -10,7 +10,11 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..errors import InputError
+from ..fields import expect, real_number, whole_number
+from ..formats.checks import check_scene
 from ..precision import require_float64
+from ..scene import Impact, Scene
 from .airborne import fly_on
 from .edges import cross_edges
 from .ground import Ground
@@ -66,6 +70,23 @@ def simulate_runout(
     """
     require_float64()
     check_release(release, profile)
+    if contacts is not None and not callable(contacts):
+        raise InputError(f"contacts must be a law of contacts, but is {contacts!r}")
+    if ground is not None:
+        expect("ground", ground, Ground)
+    if real_number("time_limit", time_limit) <= 0.0:
+        raise InputError(f"time_limit must be above 0 s, but is {time_limit!r}")
+    whole_number("event_limit", event_limit, 1)
+    whole_number("width", width, 1)
+    scenes = Scene(
+        release.block,
+        (ground or profile).soil,
+        Impact(
+            orientation=release.orientation,
+            angular_velocity=release.angular_velocity,
+        ),
+    )
+    check_scene(scenes, batched=True, warn=True, of="entry")
     state = State.at_release(profile, release, ground)
     return follow(
         state, contacts or FullModel(), time_limit, event_limit, width, progress

@@ -9,7 +9,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from ..plotting import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from ..plotting import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, plain
 from .figures import check_dimensions, panels, save
 
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY)
@@ -98,11 +98,12 @@ def _mesh(axes: Axes, values: xr.DataArray, title: str, **colours):
         **colours,
     )
     axes.set_facecolor("0.8")
-    axes.set(xlabel=str(across), ylabel=str(down))
+    axes.set(xlabel=plain(str(across)), ylabel=plain(str(down)))
     axes.set_title(title, fontsize="medium")
     for axis, dimension in ((axes.xaxis, across), (axes.yaxis, down)):
         if values[dimension].dtype.kind not in "fiu":
-            axis.set_ticks(range(values.sizes[dimension]), values[dimension].values)
+            labels = [plain(str(label)) for label in values[dimension].values]
+            axis.set_ticks(range(len(labels)), labels)
     return image
 
 

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..formats.files import replacing
+from ..plotting import plain
 
 MOST_COLUMNS = 4
 DIMENSIONS = {"parameter", "output"}
@@ -33,7 +34,7 @@ def panels(count: int, width: float, height: float, title: str):
     figure = Figure(
         figsize=(max(5.0, width * columns), height * rows + 0.7), layout="constrained"
     )
-    figure.suptitle(title)
+    figure.suptitle(plain(title))
     axes = [figure.add_subplot(rows, columns, i + 1) for i in range(count)]
     return figure, axes
 

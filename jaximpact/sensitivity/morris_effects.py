@@ -6,8 +6,8 @@ from pathlib import Path
 import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from ..errors import InputError
-from ..formats.checks import check_scene
+from ..fields import whole_number
+from ..formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..precision import require_float64
 from ..scene import Scene
 from .estimators import LEVELS, morris_of, problem_of
@@ -57,7 +57,7 @@ def morris(
     check_scene(base)
     checked, columns = check_ranges(ranges), output_columns(outputs)
     check_seed(seed)
-    check_trajectories(trajectories)
+    check_trajectories(trajectories, len(checked))
     setting = get_accuracy(accuracy)
     from SALib.sample import morris as salib  # a second, for pandas and SciPy
 
@@ -92,10 +92,11 @@ def morris(
     )
 
 
-def check_trajectories(trajectories: int) -> None:
-    """Raise InputError for too few to have a deviation."""
-    if not isinstance(trajectories, int) or trajectories < 2:
-        raise InputError(
-            "trajectories must be a whole number of at least 2, but is "
-            f"{trajectories!r}"
-        )
+def check_trajectories(trajectories: int, parameters: int) -> None:
+    """Raise InputError for too few to have a deviation, and for more than fit into
+    memory."""
+    whole_number("trajectories", trajectories, 2)
+    impacts = trajectories * (parameters + 1)
+    check_memory(
+        impacts * NUMBERS_PER_IMPACT, f"{trajectories} trajectories, {impacts} impacts,"
+    )

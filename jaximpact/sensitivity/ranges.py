@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import InputError, nearest
+from ..fields import expect, real_number
 from ..formats.columns import INPUT_COLUMNS
 from .names import parameter_columns
 
@@ -42,6 +43,7 @@ def check_ranges(ranges: Mapping[str, Range | tuple[float, float]]) -> dict[str,
     Raises InputError for an unknown name, ends out of the column's range or in the
     wrong order, an unknown distribution, and for fewer than two parameters.
     """
+    expect("ranges", ranges, Mapping)
     checked = {}
     for column in parameter_columns(ranges):
         given = ranges[column.name]
@@ -53,7 +55,7 @@ def check_ranges(ranges: Mapping[str, Range | tuple[float, float]]) -> dict[str,
                     f"the range of {column.name} must be Range(lower, upper) or a pair "
                     f"of numbers, but is {given!r}"
                 ) from None
-            given = Range(float(lower), float(upper))
+            given = Range(lower, upper)
         check_range(column.name, given)
         checked[column.name] = given
     if len(checked) < 2:
@@ -73,7 +75,8 @@ def check_range(name: str, given: Range) -> None:
             f"but is {given.distribution!r}; did you mean "
             f"{nearest(given.distribution, DISTRIBUTIONS)}?"
         )
-    for end in (given.lower, given.upper):
+    for name_of_end in ("lower", "upper"):
+        end = real_number(f"{name_of_end} of {name}", getattr(given, name_of_end))
         if not column.is_allowed(end):
             raise InputError(
                 f"{name} must be {column.requirement}, but ranges to {end:g}"

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from ..accuracy import Accuracy
 from ..batch import simulate_batch
-from ..errors import InputError
+from ..fields import whole_number
 from ..formats.columns import ResultColumn
 from ..formats.results import count_outcomes
 from ..scene import Scene
@@ -46,7 +46,4 @@ def sampled_outputs(
 
 def check_seed(seed: int) -> None:
     """Raise InputError for what is no seed."""
-    if not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
-        raise InputError(
-            f"seed must be a whole number from 0 to {LARGEST_SEED}, but is {seed!r}"
-        )
+    whole_number("seed", seed, 0, LARGEST_SEED)

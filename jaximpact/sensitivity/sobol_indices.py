@@ -1,14 +1,14 @@
 """Sobol indices: which parameters the spread of an output comes from."""
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ..errors import InputError
-from ..formats.checks import check_scene
+from ..formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..precision import require_float64
 from ..scene import Scene
 from .estimators import problem_of, sobol_of
@@ -71,7 +71,7 @@ def sobol(
     check_scene(base)
     checked, columns = check_ranges(ranges), output_columns(outputs)
     check_seed(seed)
-    check_blocks(blocks)
+    check_blocks(blocks, len(checked))
     setting = get_accuracy(accuracy)
     from SALib.sample import sobol as salib  # a second, for pandas and SciPy
 
@@ -106,15 +106,15 @@ def sobol(
     return dataset
 
 
-def check_blocks(blocks: int) -> None:
+def check_blocks(blocks: int, parameters: int) -> None:
     """Raise InputError unless it is a power of two, which Sobol's sequence needs for
-    its balance."""
+    its balance, and the sample fits into memory."""
     if not isinstance(blocks, int) or blocks < 2 or blocks & (blocks - 1):
-        near = 2 ** max(1, round(np.log2(blocks))) if _is_count(blocks) else 1024
+        near = 1024
+        if isinstance(blocks, int) and blocks >= 1:
+            near = 2 ** max(1, round(math.log2(blocks)))
         raise InputError(
             f"blocks must be a power of two, but is {blocks!r}; take {near}"
         )
-
-
-def _is_count(value) -> bool:
-    return isinstance(value, int) and value >= 1
+    impacts = blocks * (parameters + 2)
+    check_memory(impacts * NUMBERS_PER_IMPACT, f"{blocks} blocks, {impacts} impacts,")

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..errors import InputError
+from ..formats.reading import read_input
 from ..formats.scene_file import scene_from
-from ..formats.toml_values import allowed, check_keys, choice, load_toml, typed, whole
+from ..formats.toml_values import allowed, check_keys, choice, parse_toml, typed, whole
 from ..scene import Scene
 from .morris_effects import DEFAULT_TRAJECTORIES, check_trajectories
 from .names import (
@@ -56,7 +57,8 @@ def read_study(path: Path, method: str | None = None) -> SensitivityStudy:
     Raises InputError, naming file and key, for whatever cannot be used.
     """
     path = Path(path)
-    content = load_toml(path)
+    data = read_input(path)
+    content = parse_toml(path, data)
     base, accuracy = scene_from(path, content, KEYS)
     entries = typed(
         path, content, "parameters", dict, {name: {} for name in DEFAULT_PARAMETERS}
@@ -74,7 +76,7 @@ def read_study(path: Path, method: str | None = None) -> SensitivityStudy:
         method = choice(path, content, "method", ALL, (*METHODS, ALL))
     study = SensitivityStudy(
         path=path,
-        sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
+        sha256=hashlib.sha256(data).hexdigest(),
         title=typed(path, content, "title", str, path.stem),
         base=base,
         accuracy=accuracy,
@@ -86,8 +88,9 @@ def read_study(path: Path, method: str | None = None) -> SensitivityStudy:
         trajectories=whole(path, content, "trajectories", DEFAULT_TRAJECTORIES, 2),
         seed=whole(path, content, "seed", 0, 0),
     )
-    _in_file(path, "blocks", lambda: check_blocks(study.blocks))
-    _in_file(path, "trajectories", lambda: check_trajectories(study.trajectories))
+    size = len(parameters)
+    _in_file(path, "blocks", lambda: check_blocks(study.blocks, size))
+    _in_file(path, "trajectories", lambda: check_trajectories(study.trajectories, size))
     _in_file(path, "seed", lambda: check_seed(study.seed))
     return study
 

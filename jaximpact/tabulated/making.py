@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..accuracy import Accuracy, get_accuracy
 from ..block import Block
-from ..formats.checks import check_scene
+from ..formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..formats.journal import Journal
 from ..formats.provenance import scene_values, versions
 from ..precision import require_float64
@@ -176,3 +176,5 @@ def _check(block, soil, slopes, speeds, nodes) -> None:
             raise ValueError(
                 f"a table needs at least 2 nodes of {name}, but got {count}"
             )
+    size = math.prod(nodes) * len(slopes)
+    check_memory(size * NUMBERS_PER_IMPACT, f"a table of {size} nodes")

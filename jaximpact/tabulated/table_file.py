@@ -1,5 +1,6 @@
 """What to tabulate, from a TOML file."""
 
+import math
 from pathlib import Path
 from typing import NamedTuple
 
@@ -8,6 +9,7 @@ import numpy as np
 from ..accuracy import PRESETS
 from ..block import Block
 from ..errors import InputError
+from ..formats.checks import NUMBERS_PER_IMPACT, check_memory
 from ..formats.columns import DEGREE, INPUT_COLUMNS
 from ..formats.toml_values import (
     allowed,
@@ -16,6 +18,7 @@ from ..formats.toml_values import (
     known_table,
     load_toml,
     number,
+    quantity,
     typed,
     whole,
 )
@@ -76,6 +79,7 @@ def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
             for name, default in zip(Nodes._fields, Nodes(), strict=True)
         )
     )
+    _check_size(path, "table.nodes", (*nodes, len(slopes)))
     if accuracy is None:
         accuracy = choice(path, content, "accuracy", "fast", tuple(PRESETS))
     if np.any(np.diff(slopes) <= 0.0):
@@ -101,7 +105,7 @@ def _part(path: Path, content: dict, name: str):
     for key, value in known_table(path, content, name, tuple(columns)).items():
         column = columns[key]
         where = f"{name}.{key}"
-        fields[column.field] = column.factor * allowed(path, where, column, value)
+        fields[column.field] = column.factor * quantity(path, where, column, value)
     return kind(**fields)
 
 
@@ -123,7 +127,14 @@ def _map_axes(path: Path, content: dict) -> MapAxes:
     slope = table.get("slope_deg", default.slope_deg)
     slope = allowed(path, "map.slope_deg", INPUT_COLUMNS["slope_deg"], slope)
     orientations = whole(path, table, "orientations", default.orientations, 2)
+    _check_size(path, "map", (*map(len, axes), orientations))
     return MapAxes(*axes, slope, orientations)
+
+
+def _check_size(path: Path, key: str, counts: tuple[int, ...]) -> None:
+    """Raise InputError for more impacts than fit into memory."""
+    impacts = math.prod(counts)
+    check_memory(impacts * NUMBERS_PER_IMPACT, f"{impacts} impacts", file=path, key=key)
 
 
 def _list(path: Path, table: dict, where: str, key: str, default: list) -> list[float]:
