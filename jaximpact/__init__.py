@@ -2,77 +2,46 @@
 
 import importlib
 
-from .accuracy import PRESETS, Accuracy
-from .batch import simulate_batch
-from .block import Block
-from .mechanics.laws import Laws
-from .mechanics.model import select_model
-from .mechanics.outcomes import Outcome
-from .rebound import (
-    BozzoloPamini,
-    ConstantCoefficients,
-    FrictionalEllipsoid,
-    PfeifferBowen,
-    Rebound,
-    RigidEllipsoid,
-)
-from .restitution import energetic_coefficient, vijayakumar_coefficient
-from .scene import Impact, Scene
-from .simulation import ImpactResult, simulate
-from .soil import Soil
-from .summary import EnergyLedger
-
-__all__ = [
-    "PRESETS",
-    "Accuracy",
-    "Block",
-    "BozzoloPamini",
-    "ConstantCoefficients",
-    "EnergyLedger",
-    "FrictionalEllipsoid",
-    "Impact",
-    "ImpactResult",
-    "Laws",
-    "Outcome",
-    "PfeifferBowen",
-    "Range",
-    "Rebound",
-    "RigidEllipsoid",
-    "Scene",
-    "Soil",
-    "calibrate",
-    "elasticities",
-    "energetic_coefficient",
-    "morris",
-    "parametric_set",
-    "predict",
-    "read_netcdf",
-    "repeat_sweep",
-    "select_model",
-    "simulate",
-    "simulate_batch",
-    "sobol",
-    "sweep",
-    "vijayakumar_coefficient",
-    "write_netcdf",
-]
-
-_LATER = {
+_MODULES = {
+    "accuracy": ("PRESETS", "Accuracy"),
+    "batch": ("simulate_batch",),
+    "block": ("Block",),
     "calibration": ("calibrate", "predict"),
     "formats.netcdf": ("read_netcdf", "write_netcdf"),
+    "mechanics.laws": ("Laws",),
+    "mechanics.model": ("select_model",),
+    "mechanics.outcomes": ("Outcome",),
     "parametric_sets": ("parametric_set",),
+    "rebound": (
+        "BozzoloPamini",
+        "ConstantCoefficients",
+        "FrictionalEllipsoid",
+        "PfeifferBowen",
+        "Rebound",
+        "RigidEllipsoid",
+    ),
+    "restitution": ("energetic_coefficient", "vijayakumar_coefficient"),
+    "scene": ("Impact", "Scene"),
     "sensitivity": ("Range", "elasticities", "morris", "sobol"),
+    "simulation": ("ImpactResult", "simulate"),
+    "soil": ("Soil",),
+    "summary": ("EnergyLedger",),
     "sweeping": ("repeat_sweep", "sweep"),
 }
-"""By module, what is imported when asked for: xarray, statistics and drawing take a
-second to load."""
+"""Where the public names are. Each module is imported when it is asked for: JAX takes a
+second to load, in which the commands must serve Ctrl-C already, and xarray, statistics
+and drawing take another."""
+
+_PLACES = {name: module for module, names in _MODULES.items() for name in names}
+__all__ = sorted(_PLACES)
 
 
 def __getattr__(name: str):
-    for module, names in _LATER.items():
-        if name in names:
-            return getattr(importlib.import_module(f".{module}", __name__), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module = importlib.import_module(f".{_PLACES[name]}", __name__)
+    value = globals()[name] = getattr(module, name)
+    return value
 
 
 def __dir__() -> list[str]:
