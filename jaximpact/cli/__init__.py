@@ -5,12 +5,10 @@ What needs JAX is imported by `run`.
 """
 
 import argparse
-import contextlib
 import os
-import platform
 import sys
+import warnings
 from collections.abc import Sequence
-from pathlib import Path
 
 from ..errors import IncompleteError, InputError
 from ..formats.provenance import version_of
@@ -48,7 +46,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     0: done. 1: the system refused, for example a full disk, or something could not be
     computed. 2: wrong arguments or input. 130: interrupted from the keyboard. Whatever
     went wrong is one line on stderr. Sets JAX to float64, and to keep compiled programs
-    in the user's cache if `JAX_COMPILATION_CACHE_DIR` does not say where.
+    in the package's cache if `JAX_COMPILATION_CACHE_DIR` does not say where.
     """
     try:
         arguments = _parser().parse_args(argv)
@@ -99,20 +97,17 @@ def _set_up_jax() -> None:
     import jax
 
     jax.config.update("jax_enable_x64", True)
-    if jax.config.jax_compilation_cache_dir is not None:
-        return
-    # A home that cannot be written to is no reason to complain: it costs time only.
-    with contextlib.suppress(OSError):
-        directory = _cache_directory()
-        directory.mkdir(parents=True, exist_ok=True)
-        jax.config.update("jax_compilation_cache_dir", str(directory))
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)
+    _keep_programs()
 
 
-def _cache_directory() -> Path:
-    """Where compiled programs are kept, by machine: they suit its processor alone."""
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home) / "jaximpact" / (platform.node() or "machine")
+def _keep_programs() -> None:
+    from ..engines.kept_programs import keep_programs
+
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        keep_programs()
+    for warning in found:
+        say(f"warning: {warning.message}")
 
 
 def _report(message: str, code: int) -> int:
