@@ -162,6 +162,8 @@ def main() -> int:
     parser.add_argument("--terminate", action="store_true", help="by SIGTERM")
     arguments = parser.parse_args()
     number = signal.SIGTERM if arguments.terminate else signal.SIGINT
+    # A shell lets what it runs in the background ignore Ctrl-C, commands included.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     rng, failures = random.Random(arguments.seed), 0
     with tempfile.TemporaryDirectory() as directory, busy():
         for name in arguments.only:

@@ -25,6 +25,8 @@ _unfinished: dict[os.PathLike, int] = {}
 """Files being written, and the thread of each."""
 _beginning = threading.Lock()
 """Held by who begins a file, and for good once the process is ending."""
+_ending = threading.RLock()
+"""Held by who ends the process, whom a second signal may interrupt."""
 
 
 def _goes_on() -> str:
@@ -72,10 +74,10 @@ def ending_on_signals() -> Iterator[None]:
     ready, wake = os.pipe()
     os.set_blocking(wake, False)
     signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
-    threading.Thread(target=_serve, args=(ready,), daemon=True).start()
     for number in ENDINGS:
         if signal.getsignal(number) is not signal.SIG_IGN:
-            signal.signal(number, _wait_for_the_end)
+            signal.signal(number, _end)
+    threading.Thread(target=_watch, args=(ready,), daemon=True).start()
     try:
         yield
     finally:
@@ -83,17 +85,19 @@ def ending_on_signals() -> Iterator[None]:
             signal.signal(number, signal.SIG_IGN)
 
 
-def _wait_for_the_end(number, frame) -> None:
-    """Keep the main thread from beginning anything more."""
-    while True:
-        time.sleep(60.0)
-
-
-def _serve(ready: int) -> None:
-    """Wait for a signal, whose number is written to the pipe, and end the process."""
+def _watch(ready: int) -> None:
+    """End the process where the main thread cannot, since it is in native code: signals
+    are written to the pipe as they come."""
     number = 0
     while number not in ENDINGS:
         number = os.read(ready, 1)[0]
+    _end(number)
+
+
+def _end(number: int, frame=None) -> None:
+    """End the process: by the main thread, which a signal stops here, or another."""
+    # Not released: of the two threads the second waits here for the end.
+    _ending.acquire()
     code, word = ENDINGS[number]
     try:
         _remove_unfinished()

@@ -97,6 +97,14 @@ with ending_on_signals():
 """
 
 
+@pytest.fixture(autouse=True)
+def _interrupts():
+    """Commands do not ignore Ctrl-C, even where the tests do: in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def start_script(script, folder, **options):
     """A process that serves signals, once it has said that it is ready."""
     run = subprocess.Popen(
