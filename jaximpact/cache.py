@@ -47,8 +47,8 @@ class Cache:
     def __init__(self, path: Path, *, own: bool):
         self.path = path
         _make_directory(path)
-        if path.is_symlink():
-            raise Refused(f"{path} is a link")
+        # Before it is opened, which the file system may refuse for another user's.
+        self._check_owner(os.lstat(path))
         # Files are looked up in the directory that was checked, not by its path, where
         # another one may lie by then.
         self._directory = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
@@ -66,7 +66,9 @@ class Cache:
             data = self._read(name, OTHERS_WRITE)
             content = data[CODE_BYTES:]
             if hmac.compare_digest(data[:CODE_BYTES], self._code(name, content)):
-                os.utime(name, dir_fd=self._directory)
+                # The time of use; a directory may be for reading only.
+                with contextlib.suppress(OSError):
+                    os.utime(name, dir_fd=self._directory)
                 return content
         return None
 
@@ -83,10 +85,15 @@ class Cache:
         code.update(content)
         return code.digest()
 
-    def _check_directory(self, own: bool) -> None:
-        status = os.fstat(self._directory)
+    def _check_owner(self, status: os.stat_result) -> None:
+        if stat.S_ISLNK(status.st_mode):
+            raise Refused(f"{self.path} is a link")
         if status.st_uid != os.geteuid():
             raise Refused(f"{self.path} belongs to another user")
+
+    def _check_directory(self, own: bool) -> None:
+        status = os.fstat(self._directory)
+        self._check_owner(status)
         if not status.st_mode & OTHERS:
             return
         files = os.listdir(self._directory)

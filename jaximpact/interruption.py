@@ -100,8 +100,9 @@ def _end(number: int, frame=None) -> None:
     _ending.acquire()
     code, word = ENDINGS[number]
     try:
-        _remove_unfinished()
-        with contextlib.suppress(IndexError):
+        with contextlib.suppress(Exception):
+            _remove_unfinished()
+        with contextlib.suppress(Exception):
             word = f"{word}; {_prospects[-1]()}"
         # A line of progress may stand open on a terminal.
         begin = "\n" if os.isatty(2) else ""

@@ -105,7 +105,7 @@ def _interrupts():
     signal.signal(signal.SIGINT, before)
 
 
-def start_script(script, folder, **options):
+def start_script(script, folder):
     """A process that serves signals, once it has said that it is ready."""
     run = subprocess.Popen(
         [sys.executable, "-c", script],
@@ -113,7 +113,6 @@ def start_script(script, folder, **options):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        **options,
     )
     assert run.stdout.readline() == "ready\n", run.stderr.read()
     return run
@@ -148,9 +147,10 @@ def test_a_request_to_terminate_is_served(folder):
     ids=["once the work is done", "ignored from the start, as by nohup"],
 )
 def test_an_interrupt_that_is_to_be_ignored(folder, before, after):
-    script = f"{PREAMBLE}    {before or 'pass'}\n{after}\n"
-    ignored = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_IGN)}
-    run = start_script(script, folder, **(ignored if before else {}))
+    if before:
+        # What is started inherits this.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    run = start_script(f"{PREAMBLE}    {before or 'pass'}\n{after}\n", folder)
     run.send_signal(signal.SIGINT)
     assert run.communicate(timeout=60)[1] == ""
     assert run.returncode == 0
