@@ -141,6 +141,7 @@ def as_rows(compared: list[Compared]) -> list[tuple[str, ...]]:
 def _child(command: list[str], cache: Path) -> tuple[str, float, float]:
     """What a command prints, its wall time and its processor time."""
     environment = os.environ | {
+        "JAXIMPACT_CACHE_DIR": str(cache / "jaximpact"),
         "JAX_COMPILATION_CACHE_DIR": str(cache),
         "JAX_ENABLE_X64": "1",
     }

@@ -2,41 +2,6 @@
 
 import importlib
 
-__all__ = [
-    "PRESETS",
-    "Accuracy",
-    "Block",
-    "BozzoloPamini",
-    "ConstantCoefficients",
-    "EnergyLedger",
-    "FrictionalEllipsoid",
-    "Impact",
-    "ImpactResult",
-    "Laws",
-    "Outcome",
-    "PfeifferBowen",
-    "Range",
-    "Rebound",
-    "RigidEllipsoid",
-    "Scene",
-    "Soil",
-    "calibrate",
-    "elasticities",
-    "energetic_coefficient",
-    "morris",
-    "parametric_set",
-    "predict",
-    "read_netcdf",
-    "repeat_sweep",
-    "select_model",
-    "simulate",
-    "simulate_batch",
-    "sobol",
-    "sweep",
-    "vijayakumar_coefficient",
-    "write_netcdf",
-]
-
 _MODULES = {
     "accuracy": ("PRESETS", "Accuracy"),
     "batch": ("simulate_batch",),
@@ -48,8 +13,12 @@ _MODULES = {
     "mechanics.outcomes": ("Outcome",),
     "parametric_sets": ("parametric_set",),
     "rebound": (
-        *("BozzoloPamini", "ConstantCoefficients", "FrictionalEllipsoid"),
-        *("PfeifferBowen", "Rebound", "RigidEllipsoid"),
+        "BozzoloPamini",
+        "ConstantCoefficients",
+        "FrictionalEllipsoid",
+        "PfeifferBowen",
+        "Rebound",
+        "RigidEllipsoid",
     ),
     "restitution": ("energetic_coefficient", "vijayakumar_coefficient"),
     "scene": ("Impact", "Scene"),
@@ -59,17 +28,20 @@ _MODULES = {
     "summary": ("EnergyLedger",),
     "sweeping": ("repeat_sweep", "sweep"),
 }
-"""By module, what is imported when asked for: the command line answers without JAX, and
-can say what is wrong where JAX cannot be imported."""
+"""Where the public names are. Each module is imported when it is asked for: JAX takes a
+second to load, in which the commands must serve Ctrl-C already, and xarray, statistics
+and drawing take another."""
+
+_PLACES = {name: module for module, names in _MODULES.items() for name in names}
+__all__ = sorted(_PLACES)
 
 
 def __getattr__(name: str):
-    for module, names in _MODULES.items():
-        if name in names:
-            found = getattr(importlib.import_module(f".{module}", __name__), name)
-            globals()[name] = found
-            return found
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module = importlib.import_module(f".{_PLACES[name]}", __name__)
+    value = globals()[name] = getattr(module, name)
+    return value
 
 
 def __dir__() -> list[str]:

@@ -4,7 +4,8 @@ A new version of JAX that moves any of it is met here, and in the table of primi
 that have machine code (`engines.native.translation`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -19,6 +20,7 @@ __all__ = [
     "bind",
     "called",
     "is_inside_jit",
+    "keep_programs_by",
     "scan_counts",
 ]
 
@@ -65,3 +67,37 @@ def _traces(value) -> set[str]:
         names.add(type(trace).__name__)
         trace = getattr(trace, "parent_trace", None)
     return names
+
+
+def keep_programs_by(
+    directory: Path,
+    get: Callable[[str], bytes | None],
+    put: Callable[[str, bytes], None],
+) -> bool:
+    """Have JAX call two functions for the compiled programs of a directory, in place of
+    reading and writing its files. False where this version of JAX does not allow it.
+    """
+    try:
+        from jax._src import compilation_cache
+        from jax._src.compilation_cache_interface import CacheInterface
+
+        of_jax = compilation_cache.get_file_cache
+    except (ImportError, AttributeError):
+        return False
+
+    class Programs(CacheInterface):
+        """The programs as JAX calls for them."""
+
+        _path = directory
+
+        def get(self, key: str) -> bytes | None:
+            return get(key)
+
+        def put(self, key: str, value: bytes) -> None:
+            put(key, value)
+
+    def get_file_cache(path: str):
+        return (Programs(), path) if path == str(directory) else of_jax(path)
+
+    compilation_cache.get_file_cache = get_file_cache
+    return True

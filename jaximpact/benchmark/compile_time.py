@@ -36,6 +36,7 @@ def measure(bench: Bench) -> list[Row]:
 def _in_a_process(name: str, directory: str, cache: Path) -> dict[str, float]:
     root = Path(__file__).parents[2]
     environment = os.environ | {
+        "JAXIMPACT_CACHE_DIR": str(cache / "jaximpact"),
         "JAX_COMPILATION_CACHE_DIR": str(cache / "jax"),
         "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0.5",
         "NUMBA_CACHE_DIR": str(cache / "numba"),

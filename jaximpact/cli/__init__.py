@@ -5,12 +5,9 @@ What needs JAX is imported by `run`.
 """
 
 import argparse
-import contextlib
 import os
-import platform
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
 from ..errors import IncompleteError, InputError
 from ..formats.provenance import version_of
@@ -53,7 +50,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     0: done. 1: the system refused, for example a full disk, or something could not be
     computed. 2: wrong arguments or input. 130: interrupted from the keyboard. Whatever
     went wrong is one line on stderr. Sets JAX to float64, and to keep compiled programs
-    in the user's cache if `JAX_COMPILATION_CACHE_DIR` does not say where.
+    in the package's cache if `JAX_COMPILATION_CACHE_DIR` does not say where.
     """
     prepare_streams()
     try:
@@ -118,19 +115,14 @@ def _parser() -> argparse.ArgumentParser:
 def _set_up_jax() -> None:
     try:
         import jax
+
+        from ..engines.kept_programs import keep_programs
     except ValueError as error:  # of a setting in the environment
         raise InputError(f"JAX cannot be set up: {error}") from None
 
     jax.config.update("jax_enable_x64", True)
     _check_platforms(jax)
-    if jax.config.jax_compilation_cache_dir is not None:
-        return
-    # A home that cannot be written to is no reason to complain: it costs time only.
-    with contextlib.suppress(OSError):
-        directory = _cache_directory()
-        directory.mkdir(parents=True, exist_ok=True)
-        jax.config.update("jax_compilation_cache_dir", str(directory))
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)
+    keep_programs()
 
 
 def _check_platforms(jax) -> None:
@@ -147,12 +139,6 @@ def _check_platforms(jax) -> None:
             f"JAX_PLATFORMS asks for {asked!r}, which JAX cannot use here; there is "
             f"{there}: unset JAX_PLATFORMS, or set it to {there}"
         ) from None
-
-
-def _cache_directory() -> Path:
-    """Where compiled programs are kept, by machine: they suit its processor alone."""
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home) / "jaximpact" / (platform.node() or "machine")
 
 
 def _report(message: str, code: int) -> int:

@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 from ..errors import shown
+from ..interruption import resumable
 from . import options
 from .progress import say, write
 
@@ -90,22 +91,21 @@ def run(arguments: argparse.Namespace) -> None:
     from ..calibration.run import UNFINISHED, fit_and_examine
     from ..calibration.study_file import read_study
 
+    kept = arguments.out / UNFINISHED
+
+    def prospect() -> str:
+        if kept.is_dir() and any(kept.iterdir()):
+            return f"finished fits are kept in {kept}; the same command goes on there"
+        return "no fit was finished; the same command starts anew"
+
     begin = time.monotonic()
-    try:
-        with Lines() as progress:
-            result, examined = fit_and_examine(
-                read_study(arguments.study),
-                arguments.out,
-                posterior=arguments.posterior,
-                progress=progress,
-            )
-    except KeyboardInterrupt:
-        kept = arguments.out / UNFINISHED
-        raise KeyboardInterrupt(
-            f"finished fits are kept in {kept}; the same command goes on from there"
-            if kept.is_dir() and any(kept.iterdir())
-            else "no fit was finished; the same command starts anew"
-        ) from None
+    with resumable(prospect), Lines() as progress:
+        result, examined = fit_and_examine(
+            read_study(arguments.study),
+            arguments.out,
+            posterior=arguments.posterior,
+            progress=progress,
+        )
     print(as_text(result, of_all(result, examined)), end="")
     seconds = time.monotonic() - begin
     say(f"{result.seconds:.0f} s for the fits, {seconds:.0f} s in all")

@@ -2,6 +2,7 @@
 
 import argparse
 
+from ..interruption import resumable
 from . import options
 from .calibrate import Lines
 from .progress import say
@@ -58,11 +59,11 @@ def run(arguments: argparse.Namespace) -> None:
     from ..figures import Study, write_figures
     from ..parametric_sets import TABLE_1
 
-    try:
-        with Lines() as progress:
-            study = Study(
-                arguments.ground or TABLE_1, arguments.accuracy or ACCURACY, progress
-            )
-            write_figures(arguments.out, only=arguments.only, study=study, say=say)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt("figures that were written are whole") from None
+    with (
+        resumable(lambda: "figures that were written are whole"),
+        Lines() as progress,
+    ):
+        study = Study(
+            arguments.ground or TABLE_1, arguments.accuracy or ACCURACY, progress
+        )
+        write_figures(arguments.out, only=arguments.only, study=study, say=say)

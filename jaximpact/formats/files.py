@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ..errors import InputError
+from ..interruption import unfinished
 
 
 @contextlib.contextmanager
@@ -13,19 +14,20 @@ def replacing(path: Path) -> Iterator[Path]:
     """A temporary path to write to, which takes the name `path` when the block ends.
 
     It lies beside the target, so that the renaming is atomic, and keeps the target's
-    suffix. It is removed when the block is left by an exception, Ctrl-C included; what
+    suffix. It is removed when the block is left by an exception, and by Ctrl-C; what
     a killed process leaves is hidden and says `partial`. A link is followed.
 
     Raises OSError where the file system refuses.
     """
     target = _target(path)
     temporary = _beside(target)
-    try:
-        yield temporary
-        os.replace(temporary, target)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+    with unfinished(temporary):
+        try:
+            yield temporary
+            os.replace(temporary, target)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
 
 
 def write_text(path: Path, text: str) -> None:
@@ -59,8 +61,9 @@ def check_writable(path: Path, *, option: str) -> None:
                 "is none"
             )
         probe = _beside(target)
-        probe.touch()
-        probe.unlink()
+        with unfinished(probe):
+            probe.touch()
+            probe.unlink()
     except OSError as error:
         raise InputError(
             f"{option} {path} cannot be written: {error.strerror}"
