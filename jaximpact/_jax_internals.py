@@ -21,6 +21,7 @@ __all__ = [
     "called",
     "is_inside_jit",
     "keep_programs_by",
+    "place_of",
     "scan_counts",
 ]
 
@@ -48,6 +49,17 @@ def bind(equation, operands: Sequence) -> list:
     primitive = equation.primitive
     results = primitive.bind(*operands, **primitive.get_bind_params(equation.params))
     return results if primitive.multiple_results else [results]
+
+
+def place_of(equation) -> str:
+    """File, line and function that an equation comes from, outside of JAX; nothing
+    where that is not known."""
+    traceback = equation.source_info.traceback
+    of_jax = str(Path(jax.__file__).parent)
+    for frame in () if traceback is None else traceback.frames:
+        if not frame.file_name.startswith(of_jax):
+            return f"{frame.file_name}:{frame.line_num}, in {frame.function_name}"
+    return ""
 
 
 def is_inside_jit(*arguments) -> bool:

@@ -169,6 +169,7 @@ def simulate_batch(
         scene=scene,
         accuracy=setting,
         model_tolerance=model_tolerance,
+        laws=laws,
     )
 
 

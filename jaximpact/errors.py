@@ -36,6 +36,11 @@ class InputError(ValueError):
         super().__init__(shown(message))
 
 
+class NoMachineCodeWarning(UserWarning):
+    """Impacts are computed the slow way: laws or a version of JAX have no machine
+    code."""
+
+
 class UnusualValueWarning(UserWarning):
     """A value far from what blocks and grounds have; its unit may be mistaken.
 

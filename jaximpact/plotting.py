@@ -14,7 +14,6 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from .formats.files import replacing
 from .history import History, record_history
-from .mechanics.laws import Laws
 from .mechanics.outcomes import Outcome
 from .scene import Scene
 
@@ -82,7 +81,7 @@ def plain(text: str) -> str:
 def _history_of(result: "ImpactResult") -> History:
     if result.history is not None:
         return result.history
-    return record_history(result.scene, result.accuracy, Laws())
+    return record_history(result.scene, result.accuracy, result.laws)
 
 
 def _finite_part(history: History) -> History:

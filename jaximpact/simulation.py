@@ -159,6 +159,8 @@ class ImpactResult(Numbers):
     history: History | None = None
     model_tolerance: float = eqx.field(default=0.0, static=True)
     """Error for which a model that leaves something out was allowed."""
+    laws: Laws = eqx.field(default=Laws(), static=True)
+    """The constitutive functions."""
 
     @property
     def outcome(self) -> Outcome:
@@ -174,8 +176,10 @@ class ImpactResult(Numbers):
         return plot_impact(self, path)
 
     def manifest(self) -> dict:
-        """What is needed to compute this again: parameters, versions, accuracy."""
-        return provenance.manifest(self.scene, self.accuracy, self.model_tolerance)
+        """What is needed to compute this again, ready for JSON."""
+        return provenance.manifest(
+            self.scene, self.accuracy, self.model_tolerance, self.laws
+        )
 
 
 def simulate(
@@ -217,7 +221,7 @@ def simulate(
     scene = Scene(block, soil, impact)
     check_scene(scene, warn=True)
     numbers = solve_scene(scene, setting, laws)
-    result = ImpactResult(**vars(numbers), scene=scene, accuracy=setting)
+    result = ImpactResult(**vars(numbers), scene=scene, accuracy=setting, laws=laws)
     if not history:
         return result
     recorded = record_history(scene, setting, laws)

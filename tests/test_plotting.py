@@ -1,11 +1,14 @@
 """The plot of one impact: every kind of outcome gives a figure, and files are whole."""
 
+import dataclasses
+
 import equinox as eqx
 import jax
 import numpy as np
 import pytest
 
-from jaximpact import Block, Impact, Outcome, Soil, simulate
+from jaximpact import Block, Impact, Laws, Outcome, Soil, simulate
+from jaximpact.mechanics.laws import bearing_capacity
 from jaximpact.plotting import outline, plot_impact
 
 PANELS = ["contact force", "depth", "rotation", "energy", "side view, to scale"]
@@ -23,6 +26,18 @@ def result():
 
 def panels(figure):
     return {axes.get_title(): axes for axes in figure.axes if axes.get_title()}
+
+
+def test_shows_the_laws_that_the_result_is_of():
+    def twice_as_strong(*arguments, **branch):
+        return 2.0 * bearing_capacity(*arguments, **branch)
+
+    laws = dataclasses.replace(Laws(), bearing_capacity=twice_as_strong)
+    result = simulate(Block(), Soil(), Impact(), accuracy="fast", laws=laws)
+    (depth, *_) = panels(plot_impact(result))["depth"].get_lines()
+    drawn = np.max(np.abs(depth.get_ydata()))
+    # In cm; of the steps' ends, between two of which the largest lies.
+    np.testing.assert_allclose(0.01 * drawn, result.max_penetration, rtol=5e-3)
 
 
 def test_shows_what_the_history_holds(result):

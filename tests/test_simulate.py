@@ -291,6 +291,8 @@ def test_laws_can_be_replaced_one_by_one():
     theirs = simulate(Block(), Soil(), Impact(), laws=laws)
     assert theirs.max_penetration < 0.9 * ours.max_penetration
     assert theirs.max_normal_force > 1.1 * ours.max_normal_force
+    assert "bearing_capacity" in ours.manifest()["laws"]["bearing_capacity"]
+    assert "twice_as_strong" in theirs.manifest()["laws"]["bearing_capacity"]
 
 
 def test_history_follows_the_impact_to_its_end():

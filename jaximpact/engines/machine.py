@@ -3,7 +3,9 @@
 import dataclasses
 import functools
 import hashlib
+import os
 import threading
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -15,6 +17,7 @@ from jaxtyping import Array, Bool
 
 from ..accuracy import MAX_STEPS, RETRIES, Accuracy
 from ..block import Block
+from ..errors import IncompleteError, NoMachineCodeWarning
 from ..formats.provenance import versions
 from ..mechanics.laws import Laws
 from ..mechanics.outcomes import Outcome
@@ -24,7 +27,7 @@ from ..soil import Soil
 from ..solver.lanes import Lanes, start_lanes, step_lanes
 from ..summary import Numbers, numbers_of_no_value, summarise_lanes
 from .dependence import depends
-from .native import Code, Kernel, compile_code, host, kept
+from .native import Code, Kernel, NoMachineCode, compile_code, host, kept
 
 NATIVE_PART = 128
 """Impacts that a worker takes at a time in machine code, some 10 ms of work."""
@@ -100,8 +103,30 @@ def _kept_or_compiled(
             return kept(_key(assembly, choice), compile_lanes)
         # Functions of the user's own have no key.
         return compile_lanes()
-    except NotImplementedError:
+    except NoMachineCode as problem:
+        reason = f"{problem} ({problem.place})" if problem.place else str(problem)
+        if os.environ.get(REQUIRED):
+            raise IncompleteError(
+                f"the laws have no machine code, which {REQUIRED} asks for: {reason}"
+            ) from problem
+        _tell_slower_way(reason)
         return None
+
+
+REQUIRED = "JAXIMPACT_REQUIRE_MACHINE_CODE"
+"""Variable of the environment; where it is set, the slower way is not taken."""
+
+
+@functools.cache
+def _tell_slower_way(reason: str) -> None:
+    """Warn, once for each reason, that impacts are computed by XLA."""
+    warnings.warn(
+        f"the laws have no machine code, and are computed by XLA: 10 to 20 times "
+        f"slower, after half a minute of compiling: {reason}; set {REQUIRED}=1 to "
+        "refuse this",
+        NoMachineCodeWarning,
+        stacklevel=2,
+    )
 
 
 def _key(assembly: Assembly, choice) -> str:

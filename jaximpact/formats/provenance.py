@@ -52,10 +52,13 @@ def scene_values(scene: "Scene") -> dict:
     return values
 
 
-def manifest(scene: "Scene", accuracy: Accuracy, model_tolerance: float = 0.0) -> dict:
-    """Parameters, versions and accuracy, ready for JSON."""
+def manifest(
+    scene: "Scene", accuracy: Accuracy, model_tolerance: float, laws: "Laws"
+) -> dict:
+    """Parameters, laws, versions and accuracy, ready for JSON."""
     return {
         "scene": scene_values(scene),
+        "laws": law_names(laws),
         "accuracy": dataclasses.asdict(accuracy),
         "model_tolerance": model_tolerance,
         "versions": versions(),

@@ -3,10 +3,12 @@
 from .code import host
 from .kept import kept
 from .kernel import Code, Kernel, Workspace, compile_code, compile_kernel
+from .translation import NoMachineCode
 
 __all__ = [
     "Code",
     "Kernel",
+    "NoMachineCode",
     "Workspace",
     "compile_code",
     "compile_kernel",

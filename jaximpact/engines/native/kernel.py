@@ -118,7 +118,7 @@ def compile_code(begin: Callable, step: Callable, finish: Callable, inputs) -> C
         inputs: a tree of arrays, or of what stands for them, with one lane: every
             array of the functions has one axis of length 1, the lane's.
 
-    Raises NotImplementedError if a function does what has no native code.
+    Raises NoMachineCode if a function does what has no native code.
     """
     with collector_paused():
         trace_begin, state = jax.make_jaxpr(begin, return_shape=True)(inputs)

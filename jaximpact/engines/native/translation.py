@@ -11,7 +11,7 @@ from functools import reduce
 import jax
 import numpy as np
 
-from ..._jax_internals import Literal, called, scan_counts
+from ..._jax_internals import Literal, called, place_of, scan_counts
 from . import elementary
 from .graph import FLOAT, INTEGER, TRUTH, Graph, Node, Value, kind_of
 
@@ -36,6 +36,13 @@ def _each(function: Callable, *arrays: Values) -> Values:
     return values
 
 
+class NoMachineCode(NotImplementedError):
+    """An operation that has no machine code."""
+
+    place = ""
+    """File, line and function that it stands in, where that is known."""
+
+
 class Translator:
     """Works through a jaxpr, equation by equation."""
 
@@ -54,8 +61,24 @@ class Translator:
 
         for equation in jaxpr.eqns:
             inputs = [read(atom) for atom in equation.invars]
-            known |= zip(equation.outvars, self.apply(equation, inputs), strict=True)
+            known |= zip(equation.outvars, self.outputs(equation, inputs), strict=True)
         return [read(atom) for atom in jaxpr.outvars]
+
+    def outputs(self, equation, inputs: list[Values]) -> list[Values]:
+        """The same as `apply`; what it does not do is told with its place."""
+        try:
+            return self.apply(equation, inputs)
+        except NoMachineCode as problem:
+            problem.place = problem.place or place_of(equation)
+            raise
+        except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+            # A version of JAX to come may describe its operations otherwise.
+            problem = NoMachineCode(
+                f"JAX {jax.__version__} describes the primitive "
+                f"'{equation.primitive.name}' in a way that is not known: {error!r}"
+            )
+            problem.place = place_of(equation)
+            raise problem from error
 
     def apply(self, equation, inputs: list[Values]) -> list[Values]:
         """Values of the outputs of one equation."""
@@ -77,7 +100,7 @@ class Translator:
             return [self.reduce(REDUCTIONS[name], params["axes"], *inputs)]
         method = getattr(self, f"_{name}", None)
         if method is None:
-            raise NotImplementedError(f"no native code for the primitive '{name}'")
+            raise NoMachineCode(f"no native code for the primitive '{name}'")
         return [method(params, *inputs).reshape(equation.outvars[0].aval.shape)]
 
     def scan(self, equation, inputs: list[Values]) -> list[Values]:
@@ -112,7 +135,7 @@ class Translator:
 
         def power(x: Value) -> Value:
             if kind_of(x) != FLOAT:
-                raise NotImplementedError(f"no native powers of {kind_of(x)}")
+                raise NoMachineCode(f"no native powers of {kind_of(x)}")
             result, square, left = 1.0, x, abs(exponent)
             while left:
                 if left & 1:
@@ -136,7 +159,7 @@ class Translator:
                 return graph.choose(x, one, zero)
             if kind_of(x) == INTEGER and kind == FLOAT:
                 return graph.apply("to_float", x)
-            raise NotImplementedError(f"no native conversion of {kind_of(x)} to {kind}")
+            raise NoMachineCode(f"no native conversion of {kind_of(x)} to {kind}")
 
         return _each(convert, values)
 
@@ -184,7 +207,7 @@ class Translator:
         at = self.graph.apply
         rows = np.moveaxis(values, axis, 0)
         if kind_of(values.flat[0]) != FLOAT:
-            raise NotImplementedError(f"no native argmin of {kind_of(values.flat[0])}")
+            raise NoMachineCode(f"no native argmin of {kind_of(values.flat[0])}")
         least, place = rows[0], _each(lambda _: 0, rows[0])
         for i, row in enumerate(rows[1:], 1):
             # The first NaN is least.
@@ -210,7 +233,7 @@ class Translator:
             or operand.size != operand.shape[axes[0]]
             or mode not in (modes.FILL_OR_DROP, modes.CLIP)
         ):
-            raise NotImplementedError("no native gather but of one entry of a row")
+            raise NoMachineCode("no native gather but of one entry of a row")
         row, index = operand.ravel(), indices.item()
         at, kind = self.graph.apply, kind_of(row[0])
         if mode == modes.CLIP:  # beyond its ends a row goes on as it ends
@@ -232,9 +255,7 @@ class Translator:
             or tuple(numbers.inserted_window_dims) != (0,)
             or tuple(numbers.scatter_dims_to_operand_dims) != (0,)
         ):
-            raise NotImplementedError(
-                "no native scatter but one row's at a known place"
-            )
+            raise NoMachineCode("no native scatter but one row's at a known place")
         result = operand.copy()
         result[index] = updates
         return result
@@ -260,7 +281,7 @@ def _slice(params, x: Values) -> Values:
 def _dynamic_slice(params, x: Values, *starts: Values) -> Values:
     places = [start.item() for start in starts]
     if any(isinstance(place, Node) for place in places):
-        raise NotImplementedError("no native dynamic_slice at an unknown place")
+        raise NoMachineCode("no native dynamic_slice at an unknown place")
     sizes = params["slice_sizes"]
     return x[
         tuple(
@@ -299,7 +320,7 @@ def _plain(name: str, integer: str | None = None, truth: str | None = None) -> C
         names = {FLOAT: name, INTEGER: integer, TRUTH: truth}
         chosen = names[kind_of(x[-1])]
         if chosen is None:
-            raise NotImplementedError(f"no native '{name}' of {kind_of(x[-1])}")
+            raise NoMachineCode(f"no native '{name}' of {kind_of(x[-1])}")
         return graph.apply(chosen, *x)
 
     return apply
@@ -311,7 +332,7 @@ def _only(kind: str, function: Callable) -> Callable:
     def apply(graph: Graph, *x: Value) -> Value:
         others = {kind_of(value) for value in x} - {kind}
         if others:
-            raise NotImplementedError(f"no native '{function.__name__}' of {others}")
+            raise NoMachineCode(f"no native '{function.__name__}' of {others}")
         return function(graph, *x)
 
     return apply
@@ -360,7 +381,7 @@ def _not(graph: Graph, x: Value) -> Value:
 
 def _select(graph: Graph, which: Value, *cases: Value) -> Value:
     if kind_of(which) != TRUTH:
-        raise NotImplementedError("no native choice between cases by their number")
+        raise NoMachineCode("no native choice between cases by their number")
     no, yes = cases
     return graph.choose(which, yes, no)
 
@@ -368,7 +389,7 @@ def _select(graph: Graph, which: Value, *cases: Value) -> Value:
 def _power(graph: Graph, x: Value, exponent: Value) -> Value:
     """Of numbers that are not negative, by an exponent that is no whole number."""
     if isinstance(exponent, Node) or float(exponent).is_integer():
-        raise NotImplementedError("no native pow but by a known, broken exponent")
+        raise NoMachineCode("no native pow but by a known, broken exponent")
     return elementary.exp(
         graph, graph.apply("multiply", exponent, elementary.log(graph, x))
     )
