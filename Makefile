@@ -1,21 +1,30 @@
 # make calibrate   set up, fit the study calibration/wyllie
 # make test        set up, run the tests
+# make quick       set up, run the quick ones, machine code included
 # make lint        set up, check the style
 # make clean       remove the environment, results and caches
 #
 # Needs Python 3.11 or newer; another one: make test PYTHON=python3.12
 # Another place for the environment: make test VENV=/tmp/venv
 # Some of the tests: make test TESTS=tests/test_laws.py
+# With the oldest dependencies allowed: make quick OLDEST=1 VENV=/tmp/oldest
 
 PYTHON ?= python3
 VENV ?= .venv
 OUT ?= out
 TESTS ?= tests
+OLDEST ?=
 
 PIP = $(VENV)/bin/python -m pip --disable-pip-version-check
 STUDIES = wyllie
 
-.PHONY: help calibrate test lint clean
+# What hangs on the versions of Python, JAX and NumPy, without long compilations by XLA.
+QUICK = $(addprefix tests/test_,native.py cache.py laws.py foundation.py model.py \
+    known.py batch.py journal.py tables.py scene_file.py outputs.py interruption.py \
+    malformed_inputs.py environments.py defaults.py cli_simulate.py \
+    calibration_one_call.py)
+
+.PHONY: help calibrate test quick lint clean
 
 help:
 	@sed -n '/^#/!q; s/^# \{0,1\}//p' Makefile
@@ -30,6 +39,9 @@ calibrate: $(VENV)/.installed
 test: $(VENV)/.installed
 	$(VENV)/bin/python -m pytest -n 2 --dist loadfile $(TESTS)
 
+quick: $(VENV)/.installed
+	$(VENV)/bin/python -m pytest -n 2 --dist loadfile -m "not xla" $(QUICK)
+
 lint: $(VENV)/.linter
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
@@ -41,7 +53,8 @@ $(VENV)/.installed: pyproject.toml
 	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed, but $(PYTHON) is %d.%d; name another: make PYTHON=/path/to/python3" % sys.version_info[:2])'
 	@echo "setting up $(VENV) (once; some minutes)"
 	"$(PYTHON)" -m venv "$(VENV)"
-	$(PIP) install --quiet --editable '.[test]'
+	@if [ -n "$(OLDEST)" ]; then $(VENV)/bin/python .ci/oldest.py > $(VENV)/oldest.txt; fi
+	$(PIP) install --quiet --editable '.[test]' $(if $(OLDEST),--constraint $(VENV)/oldest.txt)
 	@touch "$@"
 
 $(VENV)/.linter: $(VENV)/.installed
