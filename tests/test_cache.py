@@ -242,6 +242,7 @@ def test_python_is_warned_of_a_place_that_is_refused(place):
         assert place(JAXIMPACT_CACHE_DIR="relative") is None
 
 
+@pytest.mark.filterwarnings("default")
 def test_a_command_warns_in_one_line_and_goes_on(place, folder, capsys):
     (folder / "scene.toml").write_text("")
     (folder / "link").symlink_to(folder)

@@ -39,7 +39,8 @@ def test_segments_descend_and_rise():
         (([0, 1], [0, 0], Soil(c_v=[1.0, 2.0])), "takes one Soil.c_v or as many"),
         (
             ([0, 1, 2], [0, 0, 0], Soil(friction_angle=[0.5, 2.0])),
-            r"friction_angle_deg must be in \(0, 60\) deg, but is 114.592 on segment 2",
+            r"friction_angle_deg must be in \(0, 60\) deg, but is 2 rad = 114.6 deg on "
+            r"segment 2; deg\?",
         ),
     ],
 )
