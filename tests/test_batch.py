@@ -21,7 +21,9 @@ def chosen(scenes, places):
     )
 
 
-@pytest.fixture(scope="module", params=["native", "XLA"])
+@pytest.fixture(
+    scope="module", params=["native", pytest.param("XLA", marks=pytest.mark.xla)]
+)
 def batch(request):
     patch = pytest.MonkeyPatch()
     patch.setattr("jaximpact.batch.computes_on_cpu", lambda: request.param == "native")
@@ -87,6 +89,7 @@ np.save(sys.argv[2], [result.e_n, result.max_moment, result.steps])
 """
 
 
+@pytest.mark.xla
 def test_several_devices_share_the_work(tmp_path):
     numbers = []
     for count in (1, 2):

@@ -78,6 +78,7 @@ def vertical_scenes(count, *, damped):
     return broadcast_scene(scene)[0]
 
 
+@pytest.mark.xla
 @pytest.mark.parametrize("damped", [False, True])
 def test_vertical_model_is_the_planar_one(damped):
     scene = vertical_scenes(48, damped=damped)

@@ -275,6 +275,7 @@ def test_every_model_has_machine_code(model, compiled):
     assert compiled(Assembly(Laws(), model, ledger=True)).code.result_rows > 20
 
 
+@pytest.mark.xla
 def test_impacts_as_by_xla(monkeypatch):
     scenes = oblique_scenes(40)
     mine = simulate_batch(scenes, accuracy="reference", ledger=True)
@@ -307,6 +308,7 @@ def laws_without_machine_code():
     return dataclasses.replace(usual, bearing_factors=bearing_factors)
 
 
+@pytest.mark.xla
 def test_laws_without_native_code_run_by_xla_and_say_so():
     laws = laws_without_machine_code()
     scenes = oblique_scenes(4)
@@ -338,6 +340,7 @@ def test_a_primitive_that_a_later_jax_describes_otherwise_is_named(monkeypatch):
         native(OPERATIONS["loop"], *PAIRS)
 
 
+@pytest.mark.xla
 @pytest.mark.parametrize("damping", [0.0, 0.2])
 def test_derivatives_as_by_xla(damping, monkeypatch):
     block = Block(aspect_ratio=2.0)
