@@ -45,7 +45,8 @@ COMMANDS = {
     "simulate": ("simulate", "scene.toml", "--plot", "out.png"),
 }
 VOLATILE = {"report.html", "report.md", "report.txt", "fit.json", "manifest.json"}
-"""Files that tell seconds or dates."""
+VOLATILE |= {"jaximpact-files.json"}
+"""Files that tell seconds or dates, or digests of those."""
 
 
 def prepare(folder: Path) -> None:
