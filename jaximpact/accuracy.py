@@ -8,9 +8,9 @@ from .errors import InputError, nearest
 MAX_STEPS = 300_000
 """Steps after which an impact is given up as failed. Small blocks on very hard ground
 vibrate thousands of times and take tens of thousands of steps."""
-MAX_STEPS_DAMPED = 20_000
+MAX_STEPS_DAMPED = 50_000
 """The same with dashpots, where forces that swing without end are what takes steps."""
-RETRIES = (0.5, 0.1, 0.03, 0.01, 0.003)
+RETRIES = (0.5, 0.2, 0.1, 0.05, 0.03, 0.01, 0.003)
 """Factors of the tolerance with which a failed impact is tried again. Whether the
 forces of dashpots come to rest at the onset hangs on the last digits of the steps."""
 
