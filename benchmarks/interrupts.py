@@ -95,8 +95,9 @@ def judge(code: int, errors: str, folder: Path, was_done: bool) -> str:
     said = [line for line in errors.splitlines() if line.startswith("jaximpact: ")]
     if "Traceback" in errors or "ignored" in errors:
         return "noise"
-    if any(".partial" in path.name for path in folder.rglob("*")):
-        return "half a file"
+    hidden = [path.name for path in folder.rglob(".*")]
+    if any(".partial" in name or name.endswith("-lock") for name in hidden):
+        return "a file left behind"
     if code == 0:
         return "after its work" if was_done else "LOST"
     if code not in (130, 143):

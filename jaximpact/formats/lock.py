@@ -5,6 +5,8 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+from ..interruption import unfinished
+
 try:
     import fcntl
 except ImportError:  # Windows
@@ -28,7 +30,9 @@ def locked(path: Path) -> Iterator[None]:
     file = target / f".{SUFFIX}" if directory else _beside(target)
     descriptor = _lock(file, path)
     try:
-        yield
+        # A signal that ends the process removes it as well.
+        with unfinished(file) if descriptor is not None else contextlib.nullcontext():
+            yield
     finally:
         if descriptor is not None:
             # Removed while it is still locked: see `_lock`.
