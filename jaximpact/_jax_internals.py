@@ -47,7 +47,11 @@ def scan_counts(equation) -> tuple[int, int]:
 def bind(equation, operands: Sequence) -> list:
     """Results of an equation's operation on other operands."""
     primitive = equation.primitive
-    results = primitive.bind(*operands, **primitive.get_bind_params(equation.params))
+    params = primitive.get_bind_params(equation.params)
+    functions = ()
+    if isinstance(params, tuple):  # JAX 0.9
+        functions, params = params
+    results = primitive.bind(*functions, *operands, **params)
     return results if primitive.multiple_results else [results]
 
 
