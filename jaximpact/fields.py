@@ -106,5 +106,6 @@ def _is_real(value) -> bool:
 
 
 def _told(value) -> str:
-    """A value with its kind."""
-    return f"{value!r} ({type(value).__name__})"
+    """A value with its kind; of what has many fields the kind alone."""
+    kind = type(value).__name__
+    return f"of type {kind}" if isinstance(value, eqx.Module) else f"{value!r} ({kind})"
