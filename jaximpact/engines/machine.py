@@ -302,7 +302,8 @@ def solve_side_by_side(kernel: Kernel, scene: Scene, accuracy: Accuracy):
 
 def solve_rows(kernel: Kernel, inputs: np.ndarray):
     """Results of inputs `(rows, lanes)`, in their order, by one core."""
-    results = _try_again(kernel, inputs, _solve_rows(kernel, inputs))
+    results = _solve_rows(kernel, inputs)
+    results = _try_again(kernel, results, lambda lanes: inputs[:, lanes])
     return jax.tree.unflatten(kernel.structure, list(results))
 
 
@@ -314,18 +315,23 @@ def _solve_rows(kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
     return ordered
 
 
-def _try_again(kernel: Kernel, inputs: np.ndarray, results: np.ndarray) -> np.ndarray:
+def _try_again(
+    kernel: Kernel, results: np.ndarray, inputs_of: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
     """The results, failed lanes computed again with finer tolerances; not those that
-    ran out of steps, and would do so again."""
+    ran out of steps, and would do so again.
+
+    Args:
+        inputs_of: gives a copy of the inputs of some lanes, `(rows, lanes)`.
+    """
     rows = jax.tree.unflatten(kernel.structure, list(range(len(results))))
     numbers = rows if isinstance(rows, Numbers) else rows[0]
-    finite = np.all(np.isfinite(inputs), axis=0)
     for factor in RETRIES:
-        failed = finite & (results[numbers.outcome_code] == Outcome.failed)
+        failed = results[numbers.outcome_code] == Outcome.failed
         failed &= results[numbers.steps] < MAX_STEPS
         if not np.any(failed):
             break
-        finer = inputs[:, failed]
+        finer = inputs_of(np.flatnonzero(failed))
         finer[LEAF_COUNT] *= factor  # the row of the tolerance
         results[:, failed] = _solve_rows(kernel, finer)
     return results
@@ -353,6 +359,9 @@ class NativeWorker:
             inputs = np.stack([row[places] for row in self.rows])
             ended, results = workspace.run(places, inputs, wait=more)
             if len(ended):
-                inputs = np.stack([row[ended] for row in self.rows])
-                results = _try_again(self.kernel, inputs, results)
+                results = _try_again(
+                    self.kernel,
+                    results,
+                    lambda lanes, of=ended: np.stack([r[of[lanes]] for r in self.rows]),
+                )
                 yield ended, jax.tree.unflatten(self.kernel.structure, list(results))
