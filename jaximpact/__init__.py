@@ -8,7 +8,6 @@ _MODULES = {
     "block": ("Block",),
     "calibration": ("calibrate", "predict"),
     "formats.netcdf": ("read_netcdf", "write_netcdf"),
-    "mechanics.laws": ("Laws",),
     "mechanics.model": ("select_model",),
     "mechanics.outcomes": ("Outcome",),
     "parametric_sets": ("parametric_set",),

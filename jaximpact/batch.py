@@ -28,11 +28,11 @@ from .engines.marching import (
     worker_devices,
 )
 from .errors import InputError
-from .fields import expect, real_number
+from .fields import real_number
 from .formats.checks import check_scene
 from .formats.journal import Journal
-from .formats.provenance import law_names, versions
-from .mechanics.laws import Laws
+from .formats.provenance import versions
+from .identity import part_names
 from .mechanics.model import MODELS, model_places
 from .mechanics.problem import Assembly
 from .precision import require_float64
@@ -84,7 +84,6 @@ def simulate_batch(
     scene: Scene,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
-    laws: Laws | None = None,
     ledger: bool = False,
     model_tolerance: float = 0.0,
     journal: Path | None = None,
@@ -95,7 +94,7 @@ def simulate_batch(
 
     Args:
         scene: fields that broadcast to one shape `(n,)`.
-        accuracy, laws: as for `simulate`.
+        accuracy: as for `simulate`.
         ledger: also keep the energy ledger of each impact.
         model_tolerance: error in `e_n` and `e_bar` for which a model that leaves
             something out may be taken where it was measured to be within it; see
@@ -121,8 +120,6 @@ def simulate_batch(
     """
     require_float64()
     setting = get_accuracy(accuracy)
-    laws = Laws() if laws is None else laws
-    expect("laws", laws, Laws)
     real_number("model_tolerance", model_tolerance, least=0.0)
     check_scene(scene, batched=True, warn=True)
     scene, count = broadcast_scene(scene)
@@ -136,7 +133,7 @@ def simulate_batch(
     with contextlib.ExitStack() as stack:
         kept = None
         if journal is not None:
-            subject = _subject(scene, count, setting, laws, model_tolerance)
+            subject = _subject(scene, count, setting, model_tolerance)
             kept = stack.enter_context(Journal(journal, subject, names, count))
             places, rows = kept.rows()
             numbers[:, places], missing[places] = rows.T, False
@@ -159,7 +156,7 @@ def simulate_batch(
         wanted = wanted[missing[wanted]]
         places = model_places(scene, model_tolerance)[wanted]
         groups = [
-            (Assembly(laws, MODELS[place], ledger), wanted[places == place])
+            (Assembly(jax.tree.structure(scene), MODELS[place], ledger), wanted[places == place])
             for place in np.unique(places)
         ]
         run_groups(scene, groups, setting, keep, timing)
@@ -169,7 +166,6 @@ def simulate_batch(
         scene=scene,
         accuracy=setting,
         model_tolerance=model_tolerance,
-        laws=laws,
     )
 
 
@@ -180,18 +176,18 @@ def _columns(template: Numbers) -> tuple[list[str], jax.tree_util.PyTreeDef]:
 
 
 def _subject(
-    scene: Scene, count: int, accuracy: Accuracy, laws: Laws, model_tolerance: float
+    scene: Scene, count: int, accuracy: Accuracy, model_tolerance: float
 ) -> dict:
     """What the results depend on, ready for JSON."""
     digest = hashlib.sha256()
     for leaf in jax.tree.leaves(scene):
         digest.update(np.ascontiguousarray(leaf))
-    names = law_names(laws)
-    for law, name in names.items():
-        if "<" in name:
-            raise ValueError(
-                f"a journal tells laws by their names, but {law} is {name}; make it a "
-                "function of a module"
+    names = part_names(scene.block, scene.soil)
+    for slot, name in names.items():
+        if "source not known" in name:
+            raise InputError(
+                f"a journal tells laws by their source, but {slot} is {name}; write "
+                "its class into a file"
             )
     return {
         "scenes": {"count": count, "sha256": digest.hexdigest()},

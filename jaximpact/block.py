@@ -1,77 +1,44 @@
-"""The rock block: a homogeneous ellipsoid given by its mass and its proportions."""
+"""The rock block: homogeneous, given by its mass, its density and its shape."""
 
-from typing import NamedTuple
-
-import equinox as eqx
-import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .fields import Parameters
-from .precision import float64_leaf
+from .parameters import Composite, parameter, part
+from .shapes import AbstractShape, Ellipsoid, SemiAxes
+
+Scalar = Float[Array, ""]
 
 
-class SemiAxes(NamedTuple):
-    """Semi-axes of the ellipsoid [m]."""
+class Block(Composite):
+    """A homogeneous block.
 
-    major: Float[Array, ""]
-    """H, in the plane of motion, along the axis from which orientation is measured."""
-    minor: Float[Array, ""]
-    """R, in the plane of motion, across it."""
-    out_of_plane: Float[Array, ""]
-    """W, normal to the plane of motion."""
+    `Block(aspect_ratio=2.0)` is an ellipsoid of revolution twice as long as thick;
+    `Block(shape=EllipticCylinder(aspect_ratio=2.0))` another shape. Parameters of the
+    shape are set and read by their names alone: `block.aspect_ratio`.
 
-
-class Block(Parameters):
-    r"""A homogeneous ellipsoidal block.
-
-    With the aspect ratio $A_r = H/R$ and the out-of-plane ratio $W/R$,
-
-    $$ R = \left(\frac{3 m}{4 \pi \rho A_r (W/R)}\right)^{1/3},
-       \qquad I = \tfrac{1}{5} m (H^2 + R^2). $$
-
-    An aspect ratio below 1 is an oblate block (the "major" axis is then the short one).
-    Sizes and inertia are recomputed from the fields, so that gradients with respect to
-    any of them are complete.
-
-    Source: Dattola, Crosta and di Prisco (2023), eq. 7; the out-of-plane semi-axis is
-    a parameter of its own here, where the paper sets W = R.
+    Sizes and inertia are recomputed from the parameters, so that gradients with respect
+    to any of them are complete.
     """
 
-    mass: Float[Array, ""] = eqx.field(default=100.0, converter=float64_leaf)  # [kg]
-    density: Float[Array, ""] = eqx.field(  # [kg/m3]
-        default=2577.8, converter=float64_leaf
+    mass: Scalar = parameter(
+        100.0, "kg", "(0, inf)", "mass", column="mass_kg", usual=(1e-6, 1e8)
     )
-    aspect_ratio: Float[Array, ""] = eqx.field(default=1.0, converter=float64_leaf)
-    out_of_plane_ratio: Float[Array, ""] = eqx.field(
-        default=1.0, converter=float64_leaf
+    density: Scalar = parameter(
+        2577.8, "kg/m3", "(0, inf)", "density", column="density_kgm3", usual=(100.0, 2e4)
     )
+    shape: AbstractShape = part(AbstractShape, Ellipsoid)
 
     @property
     def semi_axes(self) -> SemiAxes:
         """H, R and W [m]."""
-        minor = jnp.cbrt(
-            3.0
-            * self.mass
-            / (
-                4.0
-                * jnp.pi
-                * self.density
-                * self.aspect_ratio
-                * self.out_of_plane_ratio
-            )
-        )
-        return SemiAxes(
-            self.aspect_ratio * minor, minor, self.out_of_plane_ratio * minor
-        )
+        return self.shape.semi_axes(self.mass, self.density)
 
     @property
-    def inertia(self) -> Float[Array, ""]:
+    def inertia(self) -> Scalar:
         """Moment of inertia about the out-of-plane axis through the centre [kg m2]."""
-        axes = self.semi_axes
-        return self.mass * (axes.major**2 + axes.minor**2) / 5.0
+        return self.shape.inertia(self.mass, self.semi_axes)
 
     @property
-    def sphericity(self) -> Float[Array, ""]:
+    def sphericity(self) -> Scalar:
         r"""Sphericity index $S_p = A_r^{-2/3}$ (eq. 8 of the paper by our count, see
         docs/model.md; others call it eq. 17)."""
         return self.aspect_ratio ** (-2.0 / 3.0)

@@ -1,42 +1,12 @@
 """Values given in Python: each of its kind, or an error that names it."""
 
-import dataclasses
-import functools
 import math
 
 import equinox as eqx
 import jax
 import numpy as np
 
-from .errors import InputError, nearest
-
-
-class Parameters(eqx.Module):
-    """Fields that are real numbers or arrays of them, as `real_numbers` allows.
-
-    Raises InputError for a value of another kind, TypeError for an unknown field, with
-    the nearest known.
-    """
-
-    def __new__(cls, *given, **named):
-        names = _names(cls)
-        for name in named:
-            if name not in names:
-                raise TypeError(
-                    f"{cls.__name__} has no field {name!r}; did you mean "
-                    f"{nearest(name, names)}?"
-                )
-        # More than there are fields: Python itself complains.
-        pairs = (*zip(names, given, strict=False), *named.items())
-        for name, value in pairs:
-            if type(value) is not float:
-                real_numbers(f"{cls.__name__}.{name}", value)
-        return super().__new__(cls)
-
-
-@functools.cache
-def _names(kind: type) -> tuple[str, ...]:
-    return tuple(field.name for field in dataclasses.fields(kind))
+from .errors import InputError
 
 
 def real_numbers(name: str, value) -> np.ndarray | jax.Array:

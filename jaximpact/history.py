@@ -12,7 +12,6 @@ from ._jax_internals import Tracer, is_inside_jit
 from .accuracy import MAX_STEPS, Accuracy
 from .engines.compilation import unfused_jit
 from .mechanics.dynamics import elastic_energy, kinetic_energy
-from .mechanics.laws import Laws
 from .mechanics.problem import Problem, assemble, pose
 from .scene import Scene
 from .solver.integration import diffrax_arguments
@@ -96,7 +95,7 @@ def _record(assembly, room, scene, tolerance, floor):
 _record_compiled = unfused_jit(_record, static_argnums=(0, 1))
 
 
-def record_history(scene: Scene, accuracy: Accuracy, laws: Laws) -> History:
+def record_history(scene: Scene, accuracy: Accuracy) -> History:
     """Course of one impact as NumPy arrays, one entry for the start and each step.
 
     Raises ValueError under a JAX transformation: the number of steps is not known
@@ -111,7 +110,7 @@ def record_history(scene: Scene, accuracy: Accuracy, laws: Laws) -> History:
         )
     for room in (USUAL_STEPS, MAX_STEPS):
         rows, steps, full = _record_compiled(
-            assemble(scene, laws),
+            assemble(scene),
             room,
             scene,
             jnp.asarray(accuracy.tolerance),

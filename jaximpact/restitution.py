@@ -4,7 +4,6 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .block import Block
-from .mechanics.foundation import tangency_arm
 from .safe import safe_sqrt
 
 Scalar = Float[Array, ""]
@@ -64,7 +63,9 @@ def vijayakumar_coefficient(
     Source: Vijayakumar et al. (2012), as eq. 6 of Dattola et al. (2023), whose last
     term has $r_t^2$ where the dimensions need $r_t$.
     """
-    arm = tangency_arm(block.semi_axes, jnp.sin(orientation), jnp.cos(orientation))
+    arm = block.shape.tangency_arm(
+        block.semi_axes, jnp.sin(orientation), jnp.cos(orientation)
+    )
     turning = block.mass * arm**2
     inertia = block.inertia
     return (inertia * e_contact - turning) / (inertia + turning) + (

@@ -1,14 +1,16 @@
 """How a block arrives, and the scene: block, soil and impact together."""
 
 import dataclasses
+import math
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .block import Block
-from .fields import Parameters
-from .precision import float64_leaf
+from .fields import real_numbers
+from .parameters import Parameters, parameter
 from .soil import Soil
 
 GRAVITY = 9.81
@@ -22,17 +24,52 @@ class Impact(Parameters):
     the right.
     """
 
-    speed: Float[Array, ""] = eqx.field(default=14.0, converter=float64_leaf)
+    speed: Float[Array, ""] = parameter(
+        14.0, "m/s", "(0, inf)", "impact speed", column="speed_mps", usual=(0.0, 300.0)
+    )
     """Speed of the centre of mass [m/s], positive."""
-    angle: Float[Array, ""] = eqx.field(default=0.0, converter=float64_leaf)
+    angle: Float[Array, ""] = parameter(
+        0.0,
+        "deg",
+        "(-90, 90)",
+        "impact angle from the ground's normal; negative up-slope",
+    )
     """Impact angle [rad] from the ground's normal, in (-pi/2, pi/2); negative means
     that the block travels up-slope."""
-    orientation: Float[Array, ""] = eqx.field(default=0.0, converter=float64_leaf)
+    orientation: Float[Array, ""] = parameter(
+        0.0,
+        "deg",
+        "(-inf, inf)",
+        "angle from the ground's normal to the major axis",
+        usual=(-360.0, 360.0),
+    )
     """theta_0 [rad], angle from the ground's normal to the block's major axis."""
-    angular_velocity: Float[Array, ""] = eqx.field(default=0.0, converter=float64_leaf)
+    angular_velocity: Float[Array, ""] = parameter(
+        0.0,
+        "deg/s",
+        "(-inf, inf)",
+        "spin at impact, clockwise positive",
+        usual=(-3e4, 3e4),
+    )
     """Omega_0 [rad/s], clockwise positive."""
-    slope: Float[Array, ""] = eqx.field(default=0.0, converter=float64_leaf)
+    slope: Float[Array, ""] = parameter(0.0, "deg", "(-90, 90)", "slope angle")
     """Slope angle omega [rad], in (-pi/2, pi/2)."""
+
+    @classmethod
+    def from_degrees(
+        cls, speed=14.0, angle=0.0, orientation=0.0, angular_velocity=0.0, slope=0.0
+    ) -> "Impact":
+        """An impact with its angles in degrees, and its spin in degrees a second."""
+        of_degree = math.pi / 180.0
+        angles = (angle, orientation, angular_velocity, slope)
+        names = ("angle", "orientation", "angular_velocity", "slope")
+        angles = {
+            name: value * of_degree
+            if isinstance(value, jax.Array)
+            else of_degree * real_numbers(f"Impact.{name}", value)
+            for name, value in zip(names, angles, strict=True)
+        }
+        return cls(speed=speed, **angles)
 
     @property
     def normal_velocity(self) -> Float[Array, ""]:

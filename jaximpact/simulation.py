@@ -25,11 +25,9 @@ from .engines.machine import (
     solve_alone,
     solve_by_leaves,
 )
-from .fields import expect
 from .formats import provenance
 from .formats.checks import check_scene
 from .history import History, record_history
-from .mechanics.laws import Laws
 from .mechanics.outcomes import Outcome
 from .mechanics.problem import Assembly, assemble, pose
 from .precision import require_float64
@@ -143,12 +141,12 @@ def _by_leaf(columns, count):
     ]
 
 
-def solve_scene(scene: Scene, accuracy: Accuracy, laws: Laws) -> Numbers:
+def solve_scene(scene: Scene, accuracy: Accuracy) -> Numbers:
     """Numbers of one scene, compiled, differentiable in both modes."""
     leaves, structure = jax.tree.flatten(scene)
     tolerance = jnp.asarray(accuracy.tolerance)
     floor = jnp.asarray(accuracy.floor)
-    return _solve(assemble(scene, laws), structure, leaves, tolerance, floor)
+    return _solve(assemble(scene), structure, leaves, tolerance, floor)
 
 
 class ImpactResult(Numbers):
@@ -159,8 +157,6 @@ class ImpactResult(Numbers):
     history: History | None = None
     model_tolerance: float = eqx.field(default=0.0, static=True)
     """Error for which a model that leaves something out was allowed."""
-    laws: Laws = eqx.field(default=Laws(), static=True)
-    """The constitutive functions."""
 
     @property
     def outcome(self) -> Outcome:
@@ -177,9 +173,7 @@ class ImpactResult(Numbers):
 
     def manifest(self) -> dict:
         """What is needed to compute this again, ready for JSON."""
-        return provenance.manifest(
-            self.scene, self.accuracy, self.model_tolerance, self.laws
-        )
+        return provenance.manifest(self.scene, self.accuracy, self.model_tolerance)
 
 
 def simulate(
@@ -189,7 +183,6 @@ def simulate(
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     history: bool = False,
-    laws: Laws | None = None,
 ) -> ImpactResult:
     """Simulate one impact.
 
@@ -199,7 +192,6 @@ def simulate(
         accuracy: "fast", "balanced" or "reference"; see `PRESETS`.
         history: also record the course of the impact (`result.history`); not under a
             JAX transformation.
-        laws: constitutive functions, if not the default ones.
 
     Returns:
         `ImpactResult`. A scene whose integration fails gives NaN and the outcome
@@ -216,15 +208,13 @@ def simulate(
     """
     require_float64()
     setting = get_accuracy(accuracy)
-    laws = Laws() if laws is None else laws
-    expect("laws", laws, Laws)
     scene = Scene(block, soil, impact)
     check_scene(scene, warn=True)
-    numbers = solve_scene(scene, setting, laws)
-    result = ImpactResult(**vars(numbers), scene=scene, accuracy=setting, laws=laws)
+    numbers = solve_scene(scene, setting)
+    result = ImpactResult(**vars(numbers), scene=scene, accuracy=setting)
     if not history:
         return result
-    recorded = record_history(scene, setting, laws)
+    recorded = record_history(scene, setting)
     return eqx.tree_at(
         lambda r: r.history, result, recorded, is_leaf=lambda x: x is None
     )

@@ -1,67 +1,51 @@
-"""The ground: the parameters of the macro-element as array leaves."""
+"""The ground: its geotechnical description, and the laws of the macro-element."""
 
-import functools
-import math
-
-import equinox as eqx
-import numpy as np
 from jaxtyping import Array, Float
 
-from .fields import Parameters
-from .precision import float64_leaf
+from . import laws
+from .parameters import Composite, parameter, part
+
+Scalar = Float[Array, ""]
 
 
-def _parameter(default: float) -> Float[Array, ""]:
-    return eqx.field(default=default, converter=float64_leaf)
+class Soil(Composite):
+    """The ground under an impact; the defaults are Table 1, a very dense sand.
 
-
-class Soil(Parameters):
-    """Parameters of the ground; the defaults are Table 1, a very dense sand.
-
-    Any field can be swept, batched and differentiated. Angles in radians, unit weight
-    in N/m3; the rest is dimensionless but for `gamma_v`, which is a velocity.
+    It is made up of laws, each with parameters of its own and replaceable by another:
+    `Soil(flow=FluidityRate())`. Parameters are set and read by their names alone,
+    wherever they stand: `Soil(gamma_v=5.0)`, `soil.gamma_v`. Any of them can be swept,
+    batched, differentiated and fitted. Angles in radians, unit weight in N/m3.
 
     Source: Dattola, Crosta and di Prisco (2023), Table 1. The paper does not print the
-    functions in which these parameters stand; the module named beside each group holds
-    our reading of its sources. `alpha_s` is blank in Table 1 and is 1 here; `dilatancy`
-    is ours.
+    functions in which these parameters stand; each law says of which source it is our
+    reading.
     """
 
-    # Geotechnical description
-    unit_weight: Float[Array, ""] = _parameter(18e3)  # gamma [N/m3]
-    friction_angle: Float[Array, ""] = _parameter(math.radians(30.0))  # phi' [rad]
-    relative_density: Float[Array, ""] = _parameter(0.90)  # D_r0 [-], 0 to 1
-    # Elasto-damping element (mechanics/laws/: elasticity, damping)
-    k_E: Float[Array, ""] = _parameter(900.0)  # modulus number [-]
-    n_E: Float[Array, ""] = _parameter(0.40)  # modulus exponent [-]
-    poisson: Float[Array, ""] = _parameter(0.30)  # nu [-]
-    S_ef: Float[Array, ""] = _parameter(1.0)  # factor on the modulus [-]
-    eta_N: Float[Array, ""] = _parameter(0.0)  # damping ratio, normal [-]
-    eta_T: Float[Array, ""] = _parameter(0.0)  # damping ratio, tangential [-]
-    eta_R: Float[Array, ""] = _parameter(0.0)  # damping ratio, rotational [-]
-    # Visco-plastic element (mechanics/laws/: bearing_capacity, loading_surface, flow)
-    beta: Float[Array, ""] = _parameter(0.90)  # exponent of the loading surface [-]
-    c_v: Float[Array, ""] = _parameter(1.0)  # hardening per foundation size [-]
-    gamma_v: Float[Array, ""] = _parameter(8.7)  # fluidity [m/s]
-    delta_1: Float[Array, ""] = _parameter(5.0)  # peak friction: slope in D_r0 [-]
-    delta_2: Float[Array, ""] = _parameter(1.0)  # peak friction: offset [-]
-    alpha_vT: Float[Array, ""] = _parameter(2.53)  # hardening by sliding [-]
-    alpha_vR: Float[Array, ""] = _parameter(0.0)  # hardening by rocking [-]
-    psi: Float[Array, ""] = _parameter(0.33)  # moment intercept of the surface [-]
-    # Plastic slider (mechanics/laws/: slider) and flow rule
-    alpha_s: Float[Array, ""] = _parameter(1.0)  # tan(phi_b) / tan(phi') [-]
-    dilatancy: Float[Array, ""] = _parameter(0.0)  # heave admitted, 0 to 1 [-]
-
-
-DAMPING_RATIOS = ("eta_N", "eta_T", "eta_R")
-
-
-def is_above_zero(ratio) -> np.ndarray:
-    """Where a damping ratio is above zero, or NaN: not known."""
-    return ~(np.asarray(ratio) <= 0.0)
-
-
-def has_dashpots(soil: Soil) -> np.ndarray:
-    """Where any damping ratio is above zero, or not known."""
-    ratios = [is_above_zero(getattr(soil, name)) for name in DAMPING_RATIOS]
-    return functools.reduce(np.logical_or, ratios)
+    unit_weight: Scalar = parameter(
+        18.0, "kN/m3", "(0, inf)", "unit weight of the ground", usual=(1.0, 100.0)
+    )
+    friction_angle: Scalar = parameter(
+        30.0, "deg", "(0, 60)", "friction angle phi'", usual=(2.0, 60.0)
+    )
+    relative_density: Scalar = parameter(
+        0.90, "-", "[0, 1]", "relative density D_r0 (0 to 1, not percent)"
+    )
+    elasticity: laws.AbstractElasticity = part(
+        laws.AbstractElasticity, laws.DuncanChang
+    )
+    damping: laws.AbstractDamping = part(laws.AbstractDamping, laws.DampingRatios)
+    peak_friction: laws.AbstractPeakFriction = part(
+        laws.AbstractPeakFriction, laws.Bolton
+    )
+    bearing: laws.AbstractBearing = part(laws.AbstractBearing, laws.Vesic)
+    loading_surface: laws.AbstractLoadingSurface = part(
+        laws.AbstractLoadingSurface, laws.NovaMontrasio
+    )
+    flow: laws.AbstractFlow = part(laws.AbstractFlow, laws.Perzyna)
+    hardening: laws.AbstractHardening = part(
+        laws.AbstractHardening, laws.HardeningPerLength
+    )
+    slider: laws.AbstractSlider = part(laws.AbstractSlider, laws.Coulomb)
+    kinematics: laws.AbstractKinematics = part(
+        laws.AbstractKinematics, laws.DeepestPoint
+    )

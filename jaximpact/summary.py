@@ -113,11 +113,25 @@ DETACHED_WITHIN = 1e-9
 moment the resultant reaches the edge at the same instant: that block has detached."""
 
 
-def outcome_code(end: End, separating: Scalar) -> Scalar:
-    """The outcome as a float, so that it can pass through differentiation."""
+UNDER_LOAD = 0.05
+"""Part of the largest normal force from which an end at the edge of the foundation is
+toppling. Below it the margin is crossed by what the springs' moment has left as the
+force fades: that block has detached."""
+
+
+def outcome_code(end: End, normal_force: Scalar, separating: Scalar) -> Scalar:
+    """The outcome as a float, so that it can pass through differentiation.
+
+    Args:
+        end: of the integration. normal_force: at the end [N].
+        separating: whether there was no impact.
+    """
     margins = jnp.stack(end.margins)
     fired = jnp.argmin(margins)
     fired = jnp.where(margins[0] <= DETACHED_WITHIN, 0, fired)
+    under_load = normal_force >= UNDER_LOAD * end.fold.peaks.normal_force
+    toppling = OUTCOME_OF_MARGIN.index(Outcome.toppled)
+    fired = jnp.where((fired == toppling) & ~under_load, 0, fired)
     codes = jnp.asarray([float(outcome) for outcome in OUTCOME_OF_MARGIN])
     code = jnp.where(end.event, codes[fired], float(Outcome.in_contact))
     code = jnp.where(end.finished, code, float(Outcome.failed))
@@ -222,7 +236,9 @@ def summarise(scene: Scene, problem: Problem, end: End) -> Numbers:
     numbers = jax.tree.map(lambda x: jnp.where(known, x, jnp.nan), numbers)
     return dataclasses.replace(
         numbers,
-        outcome_code=outcome_code(end._replace(finished=known), separating),
+        outcome_code=outcome_code(
+            end._replace(finished=known), now.forces.normal, separating
+        ),
         steps=jax.lax.stop_gradient((end.steps + end.rejected).astype(float)),
     )
 

@@ -141,7 +141,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 def in_words(table: "ReboundTable") -> str:
     """What a table holds and how far it is from the model."""
-    from ..formats.columns import DEGREE
+    from ..units import DEGREE
 
     shape, error = table.outcomes.shape, table.error
     slopes = ", ".join(f"{slope / DEGREE:.4g}" for slope in table.slopes.tolist())

@@ -16,17 +16,15 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from ..accuracy import MAX_STEPS, RETRIES, Accuracy
-from ..block import Block
+from ..dependence import depends
 from ..errors import IncompleteError, NoMachineCodeWarning
 from ..formats.provenance import versions
-from ..mechanics.laws import Laws
+from ..identity import described
 from ..mechanics.outcomes import Outcome
 from ..mechanics.problem import Assembly
-from ..scene import Impact, Scene
-from ..soil import Soil
+from ..scene import Scene
 from ..solver.lanes import Lanes, start_lanes, step_lanes
 from ..summary import Numbers, numbers_of_no_value, summarise_lanes
-from .dependence import depends
 from .native import Code, Kernel, NoMachineCode, compile_code, host, kept
 
 NATIVE_PART = 128
@@ -38,10 +36,6 @@ def computes_on_cpu() -> bool:
     return jax.default_backend() == "cpu"
 
 
-LEAF_COUNT = sum(len(dataclasses.fields(part)) for part in (Block, Soil, Impact))
-"""Of a scene. (None is made at import, where JAX may be in float32 still.)"""
-
-
 @functools.lru_cache(maxsize=32)
 def compile_native(assembly: Assembly) -> Kernel | None:
     """Machine code for an assembly of the model, from scenes, tolerance and floor. None
@@ -50,15 +44,22 @@ def compile_native(assembly: Assembly) -> Kernel | None:
 
     def compile_lanes() -> Code:
         of_lanes = _Lanes(assembly)
-        return compile_code(of_lanes.begin, of_lanes.step, of_lanes.finish, _inputs())
+        return compile_code(
+            of_lanes.begin, of_lanes.step, of_lanes.finish, _inputs(assembly)
+        )
 
     code = _kept_or_compiled(assembly, None, compile_lanes)
-    return None if code is None else Kernel(code, structure)
+    return None if code is None else Kernel(code, structure, _tolerance_row(assembly))
+
+
+def _tolerance_row(assembly: Assembly) -> int:
+    """Place of the tolerance among the rows of inputs: behind the leaves of a scene."""
+    return assembly.structure.num_leaves
 
 
 @functools.lru_cache(maxsize=32)
 def compile_native_along(
-    assembly: Assembly, varied: tuple[int, ...] = tuple(range(LEAF_COUNT))
+    assembly: Assembly, varied: tuple[int, ...] | None = None
 ) -> Kernel | None:
     """Machine code for an assembly of the model, from scenes, tolerance and floor, and
     a direction. None as for `compile_native`.
@@ -75,22 +76,26 @@ def compile_native_along(
     steps, and with them the time, are not.
     """
     of_lane = numbers_of_no_value(assembly.ledger)
+    if varied is None:
+        varied = tuple(range(assembly.structure.num_leaves))
 
     def compile_lanes() -> Code:
-        inputs = _inputs()
+        inputs = _inputs(assembly)
         of_lanes = _Along(assembly, varied, inputs)
         both = inputs, [inputs[1]] * len(varied)
         return compile_code(of_lanes.begin, of_lanes.step, of_lanes.finish, both)
 
     code = _kept_or_compiled(assembly, ("along", *varied), compile_lanes)
     structure = jax.tree.structure((of_lane, of_lane))
-    return None if code is None else Kernel(code, structure)
+    return None if code is None else Kernel(code, structure, _tolerance_row(assembly))
 
 
-def _inputs():
+def _inputs(assembly: Assembly):
     """What stands for scenes, tolerance and floor of one lane."""
     one = jax.ShapeDtypeStruct((1,), float)
-    scenes = jax.tree.map(lambda _: one, Scene(Block(), Soil(), Impact()))
+    scenes = jax.tree.unflatten(
+        assembly.structure, [one] * assembly.structure.num_leaves
+    )
     return scenes, one, one
 
 
@@ -99,10 +104,8 @@ def _kept_or_compiled(
 ) -> Code | None:
     """The code of an assembly, from the disk if it is there; None if there is none."""
     try:
-        if assembly.laws == Laws():
-            return kept(_key(assembly, choice), compile_lanes)
-        # Functions of the user's own have no key.
-        return compile_lanes()
+        key = _key(assembly, choice)
+        return compile_lanes() if key is None else kept(key, compile_lanes)
     except NoMachineCode as problem:
         reason = f"{problem} ({problem.place})" if problem.place else str(problem)
         if os.environ.get(REQUIRED):
@@ -129,9 +132,16 @@ def _tell_slower_way(reason: str) -> None:
     )
 
 
-def _key(assembly: Assembly, choice) -> str:
-    """Names all that the code of an assembly of the usual laws depends on."""
-    choices = assembly._replace(laws=None), choice
+def _key(assembly: Assembly, choice) -> str | None:
+    """Names all that the code of an assembly depends on; None if the source of a law
+    of the user's is not known, as in an interactive session."""
+    structure = assembly.structure
+    parts = described(
+        jax.tree.unflatten(structure, list(range(structure.num_leaves)))
+    )
+    if parts is None:
+        return None
+    choices = assembly._replace(structure=None), parts, choice
     return repr((choices, host(), *installed()))
 
 
@@ -289,8 +299,8 @@ def along_leaves(inputs: np.ndarray, leaves) -> np.ndarray:
         inputs: `(rows, lanes)`, of the code without a direction.
         leaves: by which each lane is differentiated, `(lanes,)`, or one for all.
     """
-    lanes = inputs.shape[1]
-    directions = np.zeros((LEAF_COUNT, lanes))
+    rows, lanes = inputs.shape
+    directions = np.zeros((rows - 2, lanes))  # but tolerance and floor
     directions[leaves, np.arange(lanes)] = 1.0
     return np.concatenate([inputs, directions])
 
@@ -332,7 +342,7 @@ def _try_again(
         if not np.any(failed):
             break
         finer = inputs_of(np.flatnonzero(failed))
-        finer[LEAF_COUNT] *= factor  # the row of the tolerance
+        finer[kernel.tolerance_row] *= factor
         results[:, failed] = _solve_rows(kernel, finer)
     return results
 

@@ -16,10 +16,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..accuracy import Accuracy
-from ..block import Block
 from ..mechanics.problem import Assembly
-from ..scene import Impact, Scene
-from ..soil import Soil
+from ..scene import Scene
 from ..solver.lanes import Lanes, march, start_lanes
 from ..summary import Numbers, summarise_lanes
 from .compilation import compile_unfused
@@ -71,9 +69,9 @@ def compile_programs(assembly: Assembly, width: int, device: jax.Device) -> Prog
         )
 
     scenes = there(
-        jax.tree.map(
-            lambda _: jax.ShapeDtypeStruct((width,), float),
-            Scene(Block(), Soil(), Impact()),
+        jax.tree.unflatten(
+            assembly.structure,
+            [jax.ShapeDtypeStruct((width,), float)] * assembly.structure.num_leaves,
         )
     )
     lanes = there(jax.eval_shape(start, scenes, 1.0, 1.0))

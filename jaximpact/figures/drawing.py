@@ -15,7 +15,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 from PIL import Image
 
-from ..formats.columns import DEGREE, OUTCOME_COLUMN
+from ..formats.columns import OUTCOME_COLUMN
+from ..units import DEGREE
 from ..mechanics.outcomes import Outcome
 from .jumps import BRANCH
 

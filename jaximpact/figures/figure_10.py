@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ..formats.columns import DEGREE
+from ..units import DEGREE
 from ..plotting import BLUE, SOIL
 from ..runout.biplanar import (
     FLAT_LENGTH,

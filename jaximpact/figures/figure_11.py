@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ..formats.columns import DEGREE
+from ..units import DEGREE
 from ..runout import Pieces, Way
 from ..runout.biplanar import FLAT_LENGTH, HEIGHT, SLOPE_LENGTH, SPINS_DEGPS
 from .drawing import aspect_ratio_legend, draw_curves, panels

@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from ..distributions import Fit
-from ..formats.columns import DEGREE, INPUT_COLUMNS
+from ..formats.columns import INPUT_COLUMNS
+from ..units import DEGREE
 from ..runout import Ending, Runs
 from ..runout.biplanar import (
     ASPECT_RATIOS,

@@ -1,6 +1,5 @@
 """Checks at the boundary: values that a scene may have, and names that are chosen."""
 
-import dataclasses
 import os
 import warnings
 from collections.abc import Collection, Iterable
@@ -14,7 +13,7 @@ from ..errors import InputError, UnusualValueWarning, nearest
 from ..fields import expect
 from ..scene import Impact, Scene
 from ..soil import Soil
-from .columns import INPUT_COLUMNS, RESULT_COLUMNS, InputColumn, column_of_field
+from .columns import INPUT_COLUMNS, RESULT_COLUMNS, InputColumn, columns_of
 
 KINDS = {"block": Block, "soil": Soil, "impact": Impact}
 MEMORY = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
@@ -39,20 +38,18 @@ def check_scene(
     """
     expect("scene", scene, Scene)
     for part, kind in KINDS.items():
-        owner = getattr(scene, part)
-        expect(part, owner, kind)
-        for field in dataclasses.fields(owner):
-            value = getattr(owner, field.name)
-            name = f"{kind.__name__}.{field.name}"
-            if np.ndim(value) > 0 and not batched:
-                raise InputError(
-                    f"{name} must be a scalar, but has shape {np.shape(value)}; use "
-                    "simulate_batch, or jax.vmap around simulate, for many scenes"
-                )
-            if isinstance(value, Tracer) or not np.size(value):
-                continue
-            column = column_of_field(part, field.name)
-            _check_field(name, column, value, warn=warn, of=of)
+        expect(part, getattr(scene, part), kind)
+    for column in columns_of(scene).values():
+        value = getattr(getattr(scene, column.part), column.field)
+        name = f"{KINDS[column.part].__name__}.{column.field}"
+        if np.ndim(value) > 0 and not batched:
+            raise InputError(
+                f"{name} must be a scalar, but has shape {np.shape(value)}; use "
+                "simulate_batch, or jax.vmap around simulate, for many scenes"
+            )
+        if isinstance(value, Tracer) or not np.size(value):
+            continue
+        _check_field(name, column, value, warn=warn, of=of)
 
 
 def _check_field(

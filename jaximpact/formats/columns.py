@@ -1,15 +1,21 @@
 """The edge of the package: names and units of every quantity in tables and files.
 
-One row here says how a column of a table, a key of a TOML file and a field of `Block`,
-`Soil` or `Impact` belong together, in which unit, with which default and range.
+A column of a table, a key of a TOML file and a parameter of `Block`, `Soil`, `Impact`,
+a law or a shape belong together. What they are is read off where the parameter is
+declared.
 """
 
 import dataclasses
+import functools
 import math
 
+import jax
 import numpy as np
 
-from .units import DEGREE, UNITS, USUAL
+from ..errors import InputError
+from ..parameters import Composite, Declared, declared_of, parameters_of, parts_of
+from ..scene import PARTS, Scene
+from ..units import UNITS
 
 
 @dataclasses.dataclass(frozen=True)
@@ -100,142 +106,100 @@ class InputColumn:
         return np.isfinite(values) & above & below
 
 
-def _column(name, part, field, default, interval, unit, meaning, factor=1.0):
-    left, right = interval[0], interval[-1]
-    lower, upper = (float(x) for x in interval[1:-1].split(","))
+def _column(part: str, field: str, declared: Declared) -> InputColumn:
+    lower, upper = (float(x) for x in declared.range[1:-1].split(","))
     return InputColumn(
-        name=name,
+        name=declared.column,
         part=part,
         field=field,
-        factor=factor,
-        default=default,
+        factor=declared.factor,
+        default=declared.default,
         lower=lower,
         upper=upper,
-        lower_allowed=left == "[",
-        upper_allowed=right == "]",
-        unit=unit,
-        meaning=meaning,
-        usual=USUAL.get(name, (-math.inf, math.inf)),
+        lower_allowed=declared.range[0] == "[",
+        upper_allowed=declared.range[-1] == "]",
+        unit=declared.unit,
+        meaning=declared.meaning,
+        usual=declared.usual,
     )
 
 
-_INPUTS = (
-    _column("mass_kg", "block", "mass", 100.0, "(0, inf)", "kg", "mass"),
-    _column("density_kgm3", "block", "density", 2577.8, "(0, inf)", "kg/m3", "density"),
-    _column(
-        "aspect_ratio",
-        "block",
-        "aspect_ratio",
-        1.0,
-        "(0, inf)",
-        "-",
-        "H/R; below 1 an oblate block",
-    ),
-    _column(
-        "out_of_plane_ratio", "block", "out_of_plane_ratio", 1.0, "(0, inf)", "-", "W/R"
-    ),
-    _column("speed_mps", "impact", "speed", 14.0, "(0, inf)", "m/s", "impact speed"),
-    _column(
-        "angle_deg",
-        "impact",
-        "angle",
-        0.0,
-        "(-90, 90)",
-        "deg",
-        "impact angle from the ground's normal; negative up-slope",
-        DEGREE,
-    ),
-    _column(
-        "orientation_deg",
-        "impact",
-        "orientation",
-        0.0,
-        "(-inf, inf)",
-        "deg",
-        "angle from the ground's normal to the major axis",
-        DEGREE,
-    ),
-    _column(
-        "angular_velocity_degps",
-        "impact",
-        "angular_velocity",
-        0.0,
-        "(-inf, inf)",
-        "deg/s",
-        "spin at impact, clockwise positive",
-        DEGREE,
-    ),
-    _column(
-        "slope_deg", "impact", "slope", 0.0, "(-90, 90)", "deg", "slope angle", DEGREE
-    ),
-    _column(
-        "unit_weight_kNm3",
-        "soil",
-        "unit_weight",
-        18.0,
-        "(0, inf)",
-        "kN/m3",
-        "unit weight of the ground",
-        1e3,
-    ),
-    _column(
-        "friction_angle_deg",
-        "soil",
-        "friction_angle",
-        30.0,
-        "(0, 60)",
-        "deg",
-        "friction angle phi'",
-        DEGREE,
-    ),
-    _column(
-        "relative_density",
-        "soil",
-        "relative_density",
-        0.90,
-        "[0, 1]",
-        "-",
-        "relative density D_r0 (0 to 1, not percent)",
-    ),
-    _column("k_E", "soil", "k_E", 900.0, "(0, inf)", "-", "modulus number"),
-    _column("n_E", "soil", "n_E", 0.40, "[0, 2]", "-", "modulus exponent"),
-    _column("poisson", "soil", "poisson", 0.30, "[0, 0.5]", "-", "Poisson's ratio"),
-    _column("S_ef", "soil", "S_ef", 1.0, "(0, inf)", "-", "factor on the modulus"),
-    _column("eta_N", "soil", "eta_N", 0.0, "[0, inf)", "-", "damping ratio, normal"),
-    _column(
-        "eta_T", "soil", "eta_T", 0.0, "[0, inf)", "-", "damping ratio, tangential"
-    ),
-    _column(
-        "eta_R", "soil", "eta_R", 0.0, "[0, inf)", "-", "damping ratio, rotational"
-    ),
-    _column("beta", "soil", "beta", 0.90, "(0, 2)", "-", "loading surface exponent"),
-    _column("c_v", "soil", "c_v", 1.0, "[0, inf)", "-", "hardening rate"),
-    _column("gamma_v", "soil", "gamma_v", 8.7, "[0, inf)", "m/s", "fluidity"),
-    _column(
-        "delta_1", "soil", "delta_1", 5.0, "(-inf, inf)", "-", "peak friction slope"
-    ),
-    _column(
-        "delta_2", "soil", "delta_2", 1.0, "(-inf, inf)", "-", "peak friction offset"
-    ),
-    _column(
-        "alpha_vT", "soil", "alpha_vT", 2.53, "[0, inf)", "-", "hardening by sliding"
-    ),
-    _column(
-        "alpha_vR", "soil", "alpha_vR", 0.0, "[0, inf)", "-", "hardening by rocking"
-    ),
-    _column("psi", "soil", "psi", 0.33, "(0, inf)", "-", "moment intercept"),
-    _column(
-        "alpha_s",
-        "soil",
-        "alpha_s",
-        1.0,
-        "[0, inf)",
-        "-",
-        "block-soil over soil friction",
-    ),
-    _column("dilatancy", "soil", "dilatancy", 0.0, "[0, 1]", "-", "heave admitted"),
-)
-INPUT_COLUMNS: dict[str, InputColumn] = {column.name: column for column in _INPUTS}
+def columns_of(scene: Scene) -> dict[str, InputColumn]:
+    """The columns of a scene: those of its parts, with those of the laws and the shape
+    that it has."""
+    return _columns_of(*_parts(scene))
+
+
+def columns_of_part(part: str, whole: Composite) -> dict[str, InputColumn]:
+    """The columns of a soil or a block alone."""
+    return _of_whole(part, type(whole), _declared_parts(whole))
+
+
+def _parts(scene: Scene) -> tuple:
+    return tuple(
+        (part, type(whole), _declared_parts(whole))
+        for part in PARTS
+        for whole in [getattr(scene, part)]
+    )
+
+
+def _declared_parts(whole) -> tuple:
+    return tuple(
+        tuple(parameters_of(getattr(whole, slot)).items())
+        for slot in parts_of(type(whole))
+    )
+
+
+@functools.cache
+def _columns_of(*parts: tuple) -> dict[str, InputColumn]:
+    columns = {}
+    for part in parts:
+        for name, column in _of_whole(*part).items():
+            if name in columns:
+                raise InputError(
+                    f"two parameters have the column {name}: {columns[name].field} of "
+                    f"the {columns[name].part} and {column.field} of the {column.part};"
+                    " rename the one that is yours"
+                )
+            columns[name] = column
+    return columns
+
+
+def _of_whole(part: str, kind: type, declared_parts: tuple) -> dict[str, InputColumn]:
+    declared = list(declared_of(kind).items())
+    for of_part in declared_parts:
+        declared += of_part
+    columns = [_column(part, field, said) for field, said in declared]
+    return {column.name: column for column in columns}
+
+
+def _usual_columns() -> dict[str, InputColumn]:
+    """The columns of a scene with the usual laws and shape, without making one: at
+    import JAX may be in float32 still."""
+    kinds = {field.name: field.default_factory for field in dataclasses.fields(Scene)}
+
+    def parts_declared(kind: type) -> tuple:
+        usual = {f.name: f.default_factory for f in dataclasses.fields(kind)}
+        return tuple(
+            tuple(declared_of(usual[slot]).items()) for slot in parts_of(kind)
+        )
+
+    parts = [(part, kinds[part], parts_declared(kinds[part])) for part in PARTS]
+    return _columns_of(*parts)
+
+
+INPUT_COLUMNS: dict[str, InputColumn] = _usual_columns()
+"""Of a scene with the usual laws and shape; those of another are `columns_of` it."""
+
+
+def leaf_places(scene: Scene) -> dict[str, int]:
+    """Place of each column among the leaves of a scene."""
+    structure = jax.tree.structure(scene)
+    places = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
+    return {
+        name: getattr(getattr(places, column.part), column.field)
+        for name, column in columns_of(scene).items()
+    }
 
 
 @dataclasses.dataclass(frozen=True)
@@ -309,8 +273,3 @@ SIGMA_PREFIX = "sigma_"
 """Before the name of a result column: the standard deviation of a measured value."""
 LABEL_COLUMNS = ("name", "id", "test", "campaign", "source", "note", "comment")
 """Columns of free text, which identify a row and are carried along."""
-
-
-def column_of_field(part: str, field: str) -> InputColumn:
-    """The input column that stands for a field."""
-    return next(c for c in _INPUTS if c.part == part and c.field == field)

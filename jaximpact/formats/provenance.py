@@ -6,13 +6,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ..accuracy import Accuracy
-from .columns import INPUT_COLUMNS
-
 if TYPE_CHECKING:  # the command line names the version without loading JAX
-    from ..mechanics.laws import Laws
     from ..scene import Scene
 
 PACKAGES = (
@@ -35,30 +30,14 @@ def versions() -> dict[str, str]:
     return found | {package: version_of(package) for package in PACKAGES}
 
 
-def law_names(laws: "Laws") -> dict[str, str]:
-    """Where the constitutive functions are defined: law -> module and name."""
-    return {
-        law: f"{function.__module__}.{getattr(function, '__qualname__', '<unnamed>')}"
-        for law, function in vars(laws).items()
-    }
+def manifest(scene: "Scene", accuracy: Accuracy, model_tolerance: float) -> dict:
+    """Parameters, laws, shape, versions and accuracy, ready for JSON."""
+    from ..identity import part_names
+    from .scenes import scene_values
 
-
-def scene_values(scene: "Scene") -> dict:
-    """The scene in the units of the tables."""
-    values = {}
-    for column in INPUT_COLUMNS.values():
-        value = np.asarray(getattr(getattr(scene, column.part), column.field))
-        values[column.name] = (value / column.factor).tolist()
-    return values
-
-
-def manifest(
-    scene: "Scene", accuracy: Accuracy, model_tolerance: float, laws: "Laws"
-) -> dict:
-    """Parameters, laws, versions and accuracy, ready for JSON."""
     return {
         "scene": scene_values(scene),
-        "laws": law_names(laws),
+        "laws": part_names(scene.soil, scene.block),
         "accuracy": dataclasses.asdict(accuracy),
         "model_tolerance": model_tolerance,
         "versions": versions(),

@@ -21,24 +21,21 @@ displacement is in rate form, because the block may turn a lot; the paper prints
 $u_t - r_n\theta$.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..block import SemiAxes
+from ..laws import Branch, FlowRate, Load, Stiffness
 from ..scene import GRAVITY, Scene
+from ..shapes import AbstractShape, Foundation, SemiAxes, foundation
 from ..soil import Soil
-from .foundation import Foundation, foundation, support_radius
-from .laws import BearingFactors, Branch, FlowRate, Laws, Load, Stiffness
 
 Scalar = Float[Array, ""]
 
 INITIAL_SINKING = 1e-6
 """Penetration at the start of the integration, as a part of the semi-axis R."""
-INITIAL_HARDENING = 0.01
-"""rho_c at the start [-]."""
 SMALLEST_FOUNDATION = 1e-6
 """Sizes of the foundation are not taken below this part of R, so that the laws stay
 finite where the solver probes a state out of contact; at the least sinking of a
@@ -101,38 +98,41 @@ class Ground(NamedTuple):
     """What the laws and the balance take from the scene, worked out once an impact."""
 
     soil: Soil
+    shape: AbstractShape
     axes: SemiAxes
     mass: Scalar
     inertia: Scalar
     sin_start: Scalar  # of theta_0
     cos_start: Scalar
-    support_at_start: Scalar  # r_y0 [m]
     gravity_normal: Scalar  # g cos(omega) [m/s2]
     gravity_tangential: Scalar  # g sin(omega) [m/s2]
     unit_weight_normal: Scalar  # gamma cos(omega) [N/m3]
-    bearing: BearingFactors
+    friction_slope: Scalar  # mu = tan(phi_p) [-]
+    bearing_factors: Any  # of the law of bearing
     slider_friction: Scalar  # tan(phi_b) [-]
 
 
-def prepare(scene: Scene, laws: Laws) -> Ground:
+def prepare(scene: Scene) -> Ground:
     """Constants of one impact."""
     block, soil, impact = scene.block, scene.soil, scene.impact
     axes = block.semi_axes
     sin, cos = jnp.sin(impact.orientation), jnp.cos(impact.orientation)
     cos_slope = jnp.cos(impact.slope)
+    friction = soil.peak_friction(soil.friction_angle, soil.relative_density)
     return Ground(
         soil=soil,
+        shape=block.shape,
         axes=axes,
         mass=block.mass,
         inertia=block.inertia,
         sin_start=sin,
         cos_start=cos,
-        support_at_start=support_radius(axes, sin, cos),
         gravity_normal=GRAVITY * cos_slope,
         gravity_tangential=GRAVITY * jnp.sin(impact.slope),
         unit_weight_normal=soil.unit_weight * cos_slope,
-        bearing=laws.bearing_factors(laws.peak_friction_angle(soil)),
-        slider_friction=laws.slider_friction(soil),
+        friction_slope=jnp.tan(friction),
+        bearing_factors=soil.bearing.factors(friction),
+        slider_friction=soil.slider.friction(soil.friction_angle),
     )
 
 
@@ -157,36 +157,41 @@ class Contact(NamedTuple):
     """Rates of the elastic displacements: normal, tangential, rotation."""
 
 
-def contact_geometry(
-    ground: Ground, penetration: Scalar, rotation: Scalar
-) -> Foundation:
-    """The equivalent foundation at a penetration u_n [m] and a rotation theta [rad].
-
-    The sinking `u_D = u_n + r_y - r_y0` is taken with the difference of radii as
-    `(r_y^2 - r_y0^2) / (r_y + r_y0)` and
-    `r_y^2 - r_y0^2 = -(H^2 - R^2) sin(2 theta_0 + theta) sin(theta)`, which keeps its
-    digits at small rotations.
-    """
-    axes = ground.axes
+def turned(ground: Ground, rotation: Scalar) -> tuple[Scalar, Scalar]:
+    """Sine and cosine of the orientation after a rotation theta [rad]."""
     sin_turn, cos_turn = jnp.sin(rotation), jnp.cos(rotation)
-    sin = ground.sin_start * cos_turn + ground.cos_start * sin_turn
-    cos = ground.cos_start * cos_turn - ground.sin_start * sin_turn
-    sin_sum = sin * ground.cos_start + cos * ground.sin_start
-    difference = -(axes.major**2 - axes.minor**2) * sin_sum * sin_turn
-    support = support_radius(axes, sin, cos)
-    sinking = penetration + difference / (support + ground.support_at_start)
-    return foundation(axes, sin, cos, sinking)
+    return (
+        ground.sin_start * cos_turn + ground.cos_start * sin_turn,
+        ground.cos_start * cos_turn - ground.sin_start * sin_turn,
+    )
 
 
-def floored_sizes(ground: Ground, base: Foundation) -> tuple[Scalar, Scalar]:
-    """Length and width of the foundation [m], kept positive for the laws."""
+def contact_geometry(
+    ground: Ground, penetration: Scalar, rotation: Scalar, branch: Branch | None = None
+) -> Foundation:
+    """The equivalent foundation at a penetration u_n [m] and a rotation theta [rad];
+    the sinking is `u_D = u_n + r_y - r_y0`."""
+    side = None if branch is None else branch.side
+    sin, cos = turned(ground, rotation)
+    start = ground.sin_start, ground.cos_start
+    change = ground.shape.support_change(
+        ground.axes, start, (sin, cos), jnp.sin(rotation), side=side
+    )
+    return foundation(
+        ground.shape, ground.axes, sin, cos, penetration + change, side=side
+    )
+
+
+def for_laws(ground: Ground, base: Foundation) -> Foundation:
+    """The foundation as the laws see it: its sizes are kept positive."""
     floor = SMALLEST_FOUNDATION * ground.axes.minor
-    return jnp.maximum(base.length, floor), jnp.maximum(base.width, floor)
+    return base._replace(
+        length=jnp.maximum(base.length, floor), width=jnp.maximum(base.width, floor)
+    )
 
 
 def contact(
     ground: Ground,
-    laws: Laws,
     motion: Motion,
     forces: Forces | None = None,
     branch: Branch | None = None,
@@ -194,8 +199,7 @@ def contact(
     """Foundation, forces and flow at one state.
 
     Args:
-        ground: constants of the impact.
-        laws: the constitutive functions.
+        ground: constants of the impact, and the laws.
         motion: the state.
         forces: what springs and dashpots carry together, the normal one not cut off;
             None without dashpots, where the springs carry all.
@@ -205,25 +209,19 @@ def contact(
     Finite for every finite input. Kinks: see the laws.
     """
     soil = ground.soil
-    base = contact_geometry(ground, motion.penetration, motion.rotation)
-    length, width = floored_sizes(ground, base)
-    stiffness = laws.elastic_stiffness(
-        length, width, ground.unit_weight_normal, soil, branch=branch
+    base = contact_geometry(ground, motion.penetration, motion.rotation, branch)
+    footing = for_laws(ground, base)
+    stiffness = soil.elasticity(
+        footing, ground.unit_weight_normal, motion.elastic_normal, branch=branch
     )
     springs = Forces(
         stiffness.normal * motion.elastic_normal,
         stiffness.tangential * motion.elastic_tangential,
         stiffness.rotational * motion.elastic_rotation,
     )
-    capacity = laws.bearing_capacity(
-        length,
-        width,
-        base.sinking,
-        ground.unit_weight_normal,
-        ground.bearing,
-        branch=branch,
+    capacity = soil.bearing(
+        footing, ground.unit_weight_normal, ground.bearing_factors, branch=branch
     )
-    friction_slope = ground.bearing.friction_slope
     normal_before_cut = springs.normal if forces is None else forces.normal
     forces = springs if forces is None else forces
     # The step that lands on N = 0 has stages just beyond: cut off there, they would
@@ -231,16 +229,9 @@ def contact(
     presses = normal_before_cut > 0.0 if branch is None else branch.presses
     forces = forces._replace(normal=jnp.where(presses, forces.normal, 0.0))
 
-    load = laws.loading_surface(
-        forces.normal / capacity,
-        forces.tangential / (friction_slope * capacity),
-        forces.moment / (soil.psi * length * capacity),
-        soil.beta,
-    )
-    flow = laws.flow_rate(
-        load, motion.hardening, length, friction_slope, soil, branch=branch
-    )
-    slip = laws.slip_rate(
+    load = soil.loading_surface(forces, capacity, footing, ground.friction_slope)
+    flow = soil.flow(load, motion.hardening, footing, branch=branch)
+    slip = soil.slider(
         forces.tangential,
         forces.normal,
         stiffness.tangential,
@@ -248,7 +239,8 @@ def contact(
         branch=branch,
     )
     approach = (
-        motion.normal_velocity + base.tangency_arm * motion.angular_velocity,
+        motion.normal_velocity
+        + soil.kinematics.sinking_arm(base) * motion.angular_velocity,
         motion.tangential_velocity - base.normal_arm * motion.angular_velocity,
         motion.angular_velocity,
     )
@@ -262,9 +254,7 @@ def contact(
         load=load,
         flow=flow,
         slip=slip,
-        hardening_rate=laws.hardening_rate(
-            motion.hardening, flow, length, width, soil, branch=branch
-        ),
+        hardening_rate=soil.hardening(motion.hardening, flow, footing, branch=branch),
         elastic_rates=(
             approach[0] - flow.normal,
             approach[1] - flow.tangential - slip,
@@ -274,7 +264,7 @@ def contact(
 
 
 def force_rate(
-    ground: Ground, laws: Laws, now: Contact, passing_time: Scalar, stalled: Scalar
+    ground: Ground, now: Contact, passing_time: Scalar, stalled: Scalar
 ) -> Forces:
     r"""Rates at which forces follow what springs and dashpots carry.
 
@@ -299,7 +289,7 @@ def force_rate(
         ]
     relaxation = [factors[0] * time for time in relaxation]
     relaxation[1] = factors[1] * relaxation[1]
-    dashpots = laws.dashpots(now.stiffness, ground.mass, ground.inertia, ground.soil)
+    dashpots = ground.soil.damping(now.stiffness, ground.mass, ground.inertia)
     forces = now.forces._replace(normal=now.normal_force_before_cut)
     return Forces(
         *(
@@ -337,7 +327,6 @@ def motion_rate(ground: Ground, motion: Motion, now: Contact) -> Motion:
 
 def work_rate(
     ground: Ground,
-    laws: Laws,
     motion: Motion,
     now: Contact,
     elastic_rates: tuple[Scalar, Scalar, Scalar],
@@ -346,7 +335,7 @@ def work_rate(
     """Power of every item of the ledger [W].
 
     Args:
-        ground, laws, motion, now, branch: as for `contact`, and what it gives.
+        ground, motion, now, branch: as for `contact`, and what it gives.
         elastic_rates: rates of the elastic displacements as the integration has them.
 
     What the ground dissipates is its force times the part of the block's motion that
@@ -361,16 +350,18 @@ def work_rate(
     ]
     slip = jnp.where(now.slip == 0.0, 0.0, inelastic[1] - now.flow.tangential)
 
-    def stiffness_at(penetration, rotation):
-        sizes = floored_sizes(ground, contact_geometry(ground, penetration, rotation))
-        return laws.elastic_stiffness(
-            *sizes, ground.unit_weight_normal, ground.soil, branch=branch
+    def stiffness_at(penetration, rotation, elastic_normal):
+        footing = for_laws(
+            ground, contact_geometry(ground, penetration, rotation, branch)
+        )
+        return ground.soil.elasticity(
+            footing, ground.unit_weight_normal, elastic_normal, branch=branch
         )
 
     _, stiffness_rates = jax.jvp(
         stiffness_at,
-        (motion.penetration, motion.rotation),
-        (motion.normal_velocity, motion.angular_velocity),
+        (motion.penetration, motion.rotation, motion.elastic_normal),
+        (motion.normal_velocity, motion.angular_velocity, elastic_rates[0]),
     )
     elastic = (
         motion.elastic_normal,
@@ -395,7 +386,7 @@ def work_rate(
         ),
         arm=forces.normal
         * motion.angular_velocity
-        * (base.tangency_arm - base.tangential_arm),
+        * (ground.soil.kinematics.sinking_arm(base) - base.tangential_arm),
         stiffness=sum(
             0.5 * displacement**2 * rate
             for displacement, rate in zip(elastic, stiffness_rates, strict=True)
@@ -417,7 +408,7 @@ def initial_motion(scene: Scene) -> Motion:
         elastic_normal=sinking,
         elastic_tangential=zero,
         elastic_rotation=zero,
-        hardening=zero + INITIAL_HARDENING,
+        hardening=zero + scene.soil.hardening.initial,
     )
 
 

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .dynamics import Contact, Ground, Motion
-from .laws import Branch
+from ..laws import AbstractHardening, Branch
+from .dynamics import Contact, Ground, Motion, turned
 
 Scalar = Float[Array, ""]
 
@@ -41,6 +41,8 @@ class Switches(NamedTuple):
     """The same, up-slope."""
     section: Scalar
     """Length less width of the foundation, by R."""
+    side: Scalar | None = None
+    """Of a shape with flat faces: which of its corners lies lowest."""
 
 
 def switches(
@@ -66,6 +68,7 @@ def switches(
         slip_down=tangential - limit,
         slip_up=-tangential - limit,
         section=(now.foundation.length - now.foundation.width) / radius,
+        side=ground.shape.side_of(*turned(ground, motion.rotation)),
     )
 
 
@@ -80,20 +83,23 @@ def branch_of(switches: Switches) -> Branch:
         slips_down=switches.slip_down > 0.0,
         slips_up=switches.slip_up > 0.0,
         oblong=switches.section > 0.0,
+        side=None if switches.side is None else switches.side > 0.0,
     )
 
 
-def in_force(switches: Switches, soil) -> Switches:
+def in_force(switches: Switches, hardening: AbstractHardening) -> Switches:
     """Which of the switches switch anything: those of flow do so while the soil yields,
     those of a hardening that the soil does not have never."""
     yields = switches.yielding > 0.0
+    by_sliding, by_rocking = hardening.heeds_signs()
     return Switches(
         pressing=jnp.ones_like(yields),
         yielding=jnp.ones_like(yields),
         heave=yields,
-        shear=yields & (soil.alpha_vT > 0.0),
-        rocking=yields & (soil.alpha_vR > 0.0),
+        shear=yields & by_sliding,
+        rocking=yields & by_rocking,
         slip_down=jnp.ones_like(yields),
         slip_up=jnp.ones_like(yields),
         section=jnp.ones_like(yields),
+        side=None if switches.side is None else jnp.ones_like(yields),
     )

@@ -12,14 +12,12 @@ import numpy as np
 from .._jax_internals import Tracer
 from ..block import Block
 from ..scene import Impact, Scene
-from ..soil import Soil, has_dashpots, is_above_zero
+from ..soil import Soil
 from .dynamics import Motion
 from .model_error import translational_error, vertical_error
 
 FORCES = ("normal_force", "tangential_force", "moment")
 """The forces as unknowns, in the order of `Forces`."""
-SYMMETRIC_WITHIN = 1e-12
-"""sin(2 theta_0) within this counts as zero: 90 degrees in radians are rounded."""
 
 
 class Model(NamedTuple):
@@ -71,8 +69,7 @@ def select_model(
     in the largest normal force (`model_error`). What such a model leaves out is zero in
     its results, and `e_t` NaN where it leaves out sliding.
 
-    Laws put in place of the usual ones must keep the symmetry: no shear or rocking
-    without shear force and moment.
+    Laws must keep the symmetry: no shear or rocking without shear force and moment.
 
     A value that is not known yet, because it is being differentiated or batched, counts
     as one that rules the cheaper model out: derivatives leave the symmetry.
@@ -91,15 +88,15 @@ def model_places(scene: Scene, tolerance: float = 0.0) -> np.ndarray:
     Fields are arrays that broadcast; NaN stands for what is not known.
     """
     block, soil, impact = scene.block, scene.soil, scene.impact
-    upright = np.abs(np.sin(2.0 * np.asarray(impact.orientation))) <= SYMMETRIC_WITHIN
+    upright = block.shape.is_upright(impact.orientation)
     vertical = (
         (np.asarray(impact.angle) == 0.0)
         & (np.asarray(impact.angular_velocity) == 0.0)
         & (np.asarray(impact.slope) == 0.0)
-        & (upright | (np.asarray(block.aspect_ratio) == 1.0))
+        & upright
     )
     exact = np.where(vertical, 0, MODELS.index(PLANAR)) + np.where(
-        vertical, is_above_zero(soil.eta_N), has_dashpots(soil)
+        vertical, *soil.damping.acts()
     )
     if tolerance == 0.0:
         return exact

@@ -14,7 +14,6 @@ from .dynamics import (
     elastic_energy,
     kinetic_energy,
 )
-from .foundation import tangency_arm
 
 Scalar = Float[Array, ""]
 
@@ -32,7 +31,8 @@ class Outcome(enum.IntEnum):
     detached = 0
     """The normal force, or the sinking, came down to zero."""
     toppled = 1
-    """The resultant reached the edge of the foundation: the block rolls over it."""
+    """The resultant reached the edge of the foundation under load (5 % of the largest
+    normal force, or more): the block rolls over it."""
     arrested = 2
     """Kinetic and elastic energy fell below 1e-4 of the incoming energy."""
     in_contact = 3
@@ -73,7 +73,7 @@ OUTCOME_OF_MARGIN = (
 def closing_velocity(ground: Ground, motion: Motion) -> Scalar:
     """Velocity at which the block's deepest point sinks at touch [m/s]; a block for
     which it is not positive is separating."""
-    arm = tangency_arm(ground.axes, ground.sin_start, ground.cos_start)
+    arm = ground.shape.tangency_arm(ground.axes, ground.sin_start, ground.cos_start)
     return motion.normal_velocity + arm * motion.angular_velocity
 
 

@@ -13,7 +13,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..accuracy import MAX_STEPS, MAX_STEPS_DAMPED
+from ..dependence import depends
+from ..laws import Branch
 from ..scene import Scene
+from ..shapes import Foundation
 from .dynamics import (
     Contact,
     Forces,
@@ -30,7 +33,6 @@ from .dynamics import (
 )
 from .kinks import Switches, switches
 from .known import leave_out_known
-from .laws import Branch, Laws
 from .model import FORCES, PLANAR, PLANAR_DAMPED, Model, select_model
 from .outcomes import Margins, end_margins
 
@@ -40,58 +42,22 @@ Scalar = Float[Array, ""]
 class Assembly(NamedTuple):
     """Choices that change the program; the numbers are in the scene."""
 
-    laws: Laws
+    structure: jax.tree_util.PyTreeDef
+    """Of the scene: its laws and shapes, without the numbers."""
     model: Model
     ledger: bool
 
 
-def assemble(scene: Scene, laws: Laws) -> Assembly:
+def assemble(scene: Scene) -> Assembly:
     """What a single impact is computed with: the cheapest model that is exact, and the
     ledger."""
     model = select_model(scene.block, scene.soil, scene.impact)
-    return Assembly(laws, model, ledger=True)
+    return Assembly(jax.tree.structure(scene), model, ledger=True)
 
 
-# Which rate (row) may depend on which unknown (column), in the order of the rows.
-# Without dashpots the springs give the forces; with them they are unknowns as well.
-_UNDAMPED = """
-    penetration         . . n . . . . . .
-    rotation            . . . . w . . . .
-    normal_velocity     x x . . . N . . .
-    tangential_velocity x x . . . . T . .
-    angular_velocity    x x . . . N T M .
-    elastic_normal      x x n . w N T M c
-    elastic_tangential  x x . t w N T M c
-    elastic_rotation    x x . . w N T M c
-    hardening           x x . . . N T M c
-"""
-_DAMPED = """
-    penetration         . . n . . . . . . . . .
-    rotation            . . . . w . . . . . . .
-    normal_velocity     . . . . . . . . . N . .
-    tangential_velocity . . . . . . . . . . T .
-    angular_velocity    x x . . . . . . . N T M
-    elastic_normal      x x n . w . . . c N T M
-    elastic_tangential  x x . t w . . . c N T M
-    elastic_rotation    x x . . w . . . c N T M
-    hardening           x x . . . . . . c N T M
-    normal_force        x x n . w s . . c N T M
-    tangential_force    x x . t w . s . c N T M
-    moment              x x . . w . . s c N T M
-"""
-
-
-def jacobian_pattern(model: Model) -> tuple[tuple[bool, ...], ...]:
-    """Where the Jacobian may differ from zero."""
-    text = _DAMPED if model.damped else _UNDAMPED
-    marks = {name: row for name, *row in map(str.split, text.strip().split("\n"))}
-    place = {name: i for i, name in enumerate(marks)}
-    return tuple(
-        tuple(marks[row][place[column]] != "." for column in model.unknowns)
-        for row in model.unknowns
-    )
-
-
+ELASTIC_SCALE = 0.01
+"""Elastic displacement over R at which a stiffness that hangs on it is taken for the
+scale of the forces."""
 LOADS = ("elastic_normal", "elastic_tangential", "elastic_rotation", *FORCES)
 """Unknowns that carry the load."""
 
@@ -131,7 +97,6 @@ class Problem(eqx.Module):
     tolerance: Scalar
     floor: Scalar
     """Of the error control; see `Accuracy`."""
-    laws: Laws = eqx.field(static=True)
     model: Model = eqx.field(static=True)
     ledger: bool = eqx.field(static=True)
 
@@ -194,9 +159,7 @@ class Problem(eqx.Module):
         def of_all(*values):
             motion = Motion(*values[:motions])
             forces = Forces(*values[motions:]) if model.damped else None
-            return function(
-                motion, contact(self.ground, self.laws, motion, forces, branch)
-            )
+            return function(motion, contact(self.ground, motion, forces, branch))
 
         absent = [place for place, n in enumerate(names) if n not in model.unknowns]
         return leave_out_known(of_all, dict.fromkeys(absent, 0.0))(*rows)
@@ -210,9 +173,7 @@ class Problem(eqx.Module):
         def of_contact(motion, now):
             rates = motion_rate(self.ground, motion, now)._asdict()
             if self.model.damped:
-                forces = force_rate(
-                    self.ground, self.laws, now, self.passing_time, stalled
-                )
+                forces = force_rate(self.ground, now, self.passing_time, stalled)
                 rates |= zip(FORCES, forces, strict=True)
             return [rates[name] for name in self.model.unknowns]
 
@@ -259,7 +220,7 @@ class Problem(eqx.Module):
             for name in Motion._fields
             if name.startswith("elastic")
         )
-        return work_rate(self.ground, self.laws, motion, now, elastic_rates, branch)
+        return work_rate(self.ground, motion, now, elastic_rates, branch)
 
     def margins(self, vector, largest_force) -> Margins:
         """Distances to the ends of the impact."""
@@ -289,14 +250,15 @@ def pose(
     Args:
         tolerance, floor: of the error control; see `Accuracy`.
     """
-    laws = assembly.laws
-    ground = prepare(scene, laws)
+    ground = prepare(scene)
     motion = initial_motion(scene)
     radius = ground.axes.minor
     speed = scene.impact.speed
     # Displacement of the springs in an elastic impact on a footing of the block's size
-    stiffness = laws.elastic_stiffness(
-        2.0 * radius, 2.0 * radius, ground.unit_weight_normal, scene.soil
+    zero = jnp.zeros_like(radius)
+    size = Foundation(2.0 * radius, 2.0 * radius, zero, radius, zero, zero)
+    stiffness = scene.soil.elasticity(
+        size, ground.unit_weight_normal, ELASTIC_SCALE * radius
     )
     elastic = speed * jnp.sqrt(ground.mass / stiffness.normal)
     one = jnp.ones_like(radius)
@@ -315,7 +277,7 @@ def pose(
     scale |= zip(FORCES, (force_scale, force_scale, force_scale * radius), strict=True)
     start = motion._asdict()
     if assembly.model.damped:
-        start |= zip(FORCES, contact(ground, laws, motion).forces, strict=True)
+        start |= zip(FORCES, contact(ground, motion).forces, strict=True)
     unknowns = assembly.model.unknowns
     problem = Problem(
         ground=ground,
@@ -324,6 +286,19 @@ def pose(
         incoming_energy=kinetic_energy(ground, motion),
         tolerance=jnp.asarray(tolerance, float),
         floor=jnp.asarray(floor, float),
-        **assembly._asdict(),
+        model=assembly.model,
+        ledger=assembly.ledger,
     )
     return problem, jnp.stack([start[name] for name in unknowns])
+
+
+def jacobian_pattern(problem: Problem) -> tuple[tuple[bool, ...], ...]:
+    """Where the Jacobian of the rates (rows) by the unknowns (columns) may differ from
+    zero, read off the equations and laws as they are written."""
+    rows = [jnp.zeros_like(row) for row in problem.scale]
+    traced = jax.make_jaxpr(lambda *rows: problem.rates(list(rows)))(*rows)
+    columns = [
+        depends(traced.jaxpr, [other == column for other in range(len(rows))])
+        for column in range(len(rows))
+    ]
+    return tuple(zip(*columns, strict=True))

@@ -6,7 +6,6 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..block import Block
-from ..mechanics.foundation import support_radius, tangency_arm
 from ..scene import Impact
 from .velocities import Rebound
 
@@ -30,8 +29,8 @@ def contact_point(block: Block, impact: Impact) -> ContactPoint:
     """The contact point as the block arrives."""
     axes = block.semi_axes
     sin, cos = jnp.sin(impact.orientation), jnp.cos(impact.orientation)
-    normal_arm = support_radius(axes, sin, cos)
-    tangential_arm = tangency_arm(axes, sin, cos)
+    normal_arm = block.shape.support(axes, sin, cos)
+    tangential_arm = block.shape.tangency_arm(axes, sin, cos)
     spin = impact.angular_velocity
     return ContactPoint(
         normal_arm,

@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from ..block import Block
-from ..formats.columns import DEGREE
+from ..units import DEGREE
 from ..soil import Soil
 from .profile import ROLLING_FRICTION_ANGLE, Profile
 from .release import Release

@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..fields import expect, real_numbers, whole_number
-from ..formats.columns import DEGREE, INPUT_COLUMNS, InputColumn
+from ..formats.columns import INPUT_COLUMNS, InputColumn
+from ..units import DEGREE
 from ..soil import Soil
 from .profile import (
     ROLLING_COLUMN,

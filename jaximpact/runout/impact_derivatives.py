@@ -13,7 +13,6 @@ from ..engines.machine import (
     with_setting,
 )
 from ..engines.marching import CORES
-from ..mechanics.laws import Laws
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.problem import Assembly
 from ..scene import Scene
@@ -30,7 +29,7 @@ PART = 256
 
 
 def differentiate_impacts(
-    scene: Scene, laws: Laws, accuracy: Accuracy
+    scene: Scene, accuracy: Accuracy
 ) -> tuple[Blow, np.ndarray]:
     """Impacts, and how what they do changes with what their scenes change with.
 
@@ -56,7 +55,7 @@ def differentiate_impacts(
     places = model_places(jax.tree.unflatten(structure, list(known)))
     jobs = []
     for place in np.unique(places):
-        assembly = Assembly(laws, MODELS[place], ledger=False)
+        assembly = Assembly(jax.tree.structure(scene), MODELS[place], ledger=False)
         kernel = compile_native_along(assembly) if computes_on_cpu() else None
         if kernel is None:
             raise NotImplementedError(

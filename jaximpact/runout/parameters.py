@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..formats.checks import checked_names
-from ..formats.columns import DEGREE, INPUT_COLUMNS, InputColumn
+from ..formats.columns import INPUT_COLUMNS, InputColumn
+from ..units import DEGREE
 from .dual import Dual, plain
 from .ground import Ground
 from .profile import ROLLING_COLUMN, Profile

@@ -11,8 +11,6 @@ from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ..batch import order_by_effort, run_groups
 from ..block import Block
 from ..errors import InputError
-from ..fields import expect
-from ..mechanics.laws import Laws
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.outcomes import Outcome
 from ..mechanics.problem import Assembly
@@ -46,26 +44,24 @@ class FullModel:
     """Every contact integrated by the model.
 
     Args:
-        accuracy, laws: as for `simulate`.
+        accuracy: as for `simulate`.
     """
 
     accuracy: str | Accuracy = DEFAULT_ACCURACY
-    laws: Laws = dataclasses.field(default_factory=Laws)
 
     def __post_init__(self):
         get_accuracy(self.accuracy)
-        expect("laws", self.laws, Laws)
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> Blows:
         scene = Scene(block, soil, impact)
         if carries(scene):
             accuracy = get_accuracy(self.accuracy)
-            return Blows(*differentiate_impacts(scene, self.laws, accuracy))
+            return Blows(*differentiate_impacts(scene, accuracy))
         scene = jax.tree.map(np.asarray, scene)
         places = model_places(scene)
         order = order_by_effort(scene)
         groups = [
-            (Assembly(self.laws, MODELS[k], ledger=False), order[places[order] == k])
+            (Assembly(jax.tree.structure(scene), MODELS[k], ledger=False), order[places[order] == k])
             for k in np.unique(places)
         ]
         columns = np.full((len(Blow._fields) + 1, len(order)), np.nan)

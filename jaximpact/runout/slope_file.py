@@ -9,7 +9,8 @@ import numpy as np
 from ..block import Block
 from ..errors import InputError
 from ..formats.checks import NUMBERS_PER_IMPACT, check_memory
-from ..formats.columns import DEGREE, INPUT_COLUMNS
+from ..formats.columns import INPUT_COLUMNS
+from ..units import DEGREE
 from ..formats.reading import read_input
 from ..formats.toml_values import (
     check_keys,

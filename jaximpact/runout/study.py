@@ -16,7 +16,8 @@ import jax
 import numpy as np
 import xarray as xr
 
-from ..formats.columns import DEGREE, column_of_field
+from ..formats.columns import column_of_field
+from ..units import DEGREE
 from ..formats.journal import Journal
 from ..formats.provenance import versions
 from .collectors import first_passages, passages

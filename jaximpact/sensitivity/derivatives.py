@@ -14,13 +14,11 @@ from ..engines.machine import (
     solve_rows,
 )
 from ..engines.marching import CORES
-from ..formats.columns import InputColumn
-from ..mechanics.laws import Laws
+from ..formats.columns import InputColumn, leaf_places
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.problem import Assembly
 from ..scene import Scene
 from ..summary import Numbers, numbers_of_no_value
-from .names import leaf_of
 
 PART = 256
 """Impacts that a core takes at a time; the last of a part leave lanes empty."""
@@ -45,7 +43,7 @@ def derivatives(
         Numbers with fields `(n,)` and the derivatives of each; NaN where the
         integration failed.
     """
-    leaf = leaf_of(column)
+    leaf = leaf_places(scene)[column.name]
     leaves, structure = jax.tree.flatten(scene)
     leaves = [np.asarray(x) for x in leaves]
     # A derivative leaves the symmetry that a cheaper model rests on.
@@ -58,7 +56,7 @@ def derivatives(
     values, slopes = np.empty((rows, count)), np.empty((rows, count))
     jobs = []
     for model in np.unique(models):
-        kernel = compile_native_along(Assembly(Laws(), MODELS[model], False))
+        kernel = compile_native_along(Assembly(structure, MODELS[model], False))
         chosen = np.flatnonzero(models == model)
         jobs += [
             (kernel, chosen[start : start + PART])

@@ -10,9 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..laws import Branch
 from ..mechanics.dynamics import Work
-from ..mechanics.kinks import SWITCHED_OFF, Switches, branch_of
-from ..mechanics.laws import Branch
+from ..mechanics.kinks import SWITCHED_OFF, branch_of
 from ..mechanics.problem import Observed, Problem, Watched
 from .cubic import peak_of_cubic
 from .rosenbrock import DenseOutput, per_width
@@ -62,8 +62,8 @@ def start_fold(problem: Problem, vector) -> Fold:
     """What is gathered before the first step: nothing but the side of the switches."""
     zero = jnp.zeros_like(vector[0])
     nothing = Observed(*[zero] * len(Observed._fields))
-    still = Switches(*[zero] * len(Switches._fields))
     watched = problem.watch(list(vector), zero)
+    still = jax.tree.map(jnp.zeros_like, watched.switches)
     return Fold(
         peaks=nothing._replace(normal_force=watched.observed.normal_force),
         peak_times=nothing,
@@ -120,8 +120,8 @@ def fold_step(
             work,
             powers,
         )
-    sides = jnp.stack(branch), jnp.stack(branch_of(watched.switches))
-    is_on = jnp.abs(jnp.stack(watched.switches)) > SWITCHED_OFF
+    sides = _stacked(branch), _stacked(branch_of(watched.switches))
+    is_on = jnp.abs(_stacked(watched.switches)) > SWITCHED_OFF
     turned = jnp.any((sides[0] != sides[1]) & is_on, axis=0)
     return Fold(
         peaks=Observed(*peaks),
@@ -133,6 +133,10 @@ def fold_step(
         turned=jnp.where(turned, 1.0, 0.0),
         stalled=_stalled_steps(problem, fold, time, width),
     )
+
+
+def _stacked(values):
+    return jnp.stack(jax.tree.leaves(values))
 
 
 def _stalled_steps(problem: Problem, fold: Fold, time, width) -> Scalar | None:

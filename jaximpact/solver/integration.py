@@ -51,7 +51,7 @@ def advance(
         lambda rows: problem.rates(rows, branch, course.fold.stalled),
         course.vector,
         width,
-        jacobian_pattern(problem.model),
+        jacobian_pattern(problem),
     )
     size = jnp.maximum(jnp.abs(course.vector), jnp.abs(vector))
     allowed = problem.allowed_error(size, course.fold.peaks.normal_force)

@@ -49,10 +49,11 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width):
     so such an excursion is a small part of the swing.
     """
     on = jnp.maximum(ON_SWITCH[0], ON_SWITCH[1] * problem.tolerance)
-    side = [jnp.sign(value) for value in before.watched.switches]
+    side = [jnp.sign(value) for value in jax.tree.leaves(before.watched.switches)]
 
     def both(margin, switches):
-        switches = [s * value for s, value in zip(side, switches, strict=True)]
+        values = jax.tree.leaves(switches)
+        switches = [s * value for s, value in zip(side, values, strict=True)]
         return jnp.stack([margin, *switches])
 
     start, start_rate, end, end_rate = (
@@ -70,8 +71,8 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width):
     lowest_rate = jnp.where(place < 1.0, 0.0, end_rate[0])
     end = jnp.concatenate([-depth[None], end[1:]])
     end_rate = jnp.concatenate([lowest_rate[None], end_rate[1:]])
-    active = in_force(before.watched.switches, problem.ground.soil)
-    counts = jnp.stack(active) & (start[1:] > SWITCHED_OFF)
+    active = in_force(before.watched.switches, problem.ground.soil.hardening)
+    counts = jnp.stack(jax.tree.leaves(active)) & (start[1:] > SWITCHED_OFF)
     beyond = jnp.concatenate(
         [end[:1] < -LANDING, counts & (end[1:] < -on)],
     )

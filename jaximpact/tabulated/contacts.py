@@ -7,7 +7,8 @@ import numpy as np
 
 from ..block import Block
 from ..errors import InputError
-from ..formats.columns import DEGREE, INPUT_COLUMNS
+from ..formats.columns import INPUT_COLUMNS
+from ..units import DEGREE
 from ..mechanics.outcomes import Outcome
 from ..runout.contact import Blow
 from ..runout.rebounds import Blows

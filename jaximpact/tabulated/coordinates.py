@@ -15,7 +15,6 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..block import Block
-from ..mechanics.foundation import support_radius, tangency_arm
 from ..scene import GRAVITY, Impact
 
 Scalar = Float[Array, ""]
@@ -48,8 +47,8 @@ def gravity_speed(block: Block) -> Scalar:
 
 def _arms(block: Block, orientation: Scalar) -> tuple[Scalar, Scalar]:
     sin, cos = jnp.sin(orientation), jnp.cos(orientation)
-    axes = block.semi_axes
-    return support_radius(axes, sin, cos), tangency_arm(axes, sin, cos)
+    axes, shape = block.semi_axes, block.shape
+    return shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos)
 
 
 def direction_of(block: Block, impact: Impact) -> Direction:

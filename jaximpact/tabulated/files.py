@@ -12,7 +12,8 @@ import xarray as xr
 
 from ..accuracy import Accuracy
 from ..errors import InputError
-from ..formats.columns import DEGREE, OUTCOME_COLUMN
+from ..formats.columns import OUTCOME_COLUMN
+from ..units import DEGREE
 from ..formats.files import replacing
 from ..formats.netcdf import read_netcdf, write_netcdf
 from ..formats.outputs import manifest_path

@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 
 from ..accuracy import Accuracy
 from ..block import Block
-from ..formats.columns import DEGREE, INPUT_COLUMNS, OUTCOME_COLUMN, RESULT_COLUMNS
+from ..formats.columns import INPUT_COLUMNS, OUTCOME_COLUMN, RESULT_COLUMNS
+from ..units import DEGREE
 from ..formats.files import replacing
 from ..formats.outputs import manifest_path
 from ..mechanics.outcomes import Outcome

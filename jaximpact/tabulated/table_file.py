@@ -10,7 +10,8 @@ from ..accuracy import PRESETS
 from ..block import Block
 from ..errors import InputError
 from ..formats.checks import NUMBERS_PER_IMPACT, check_memory
-from ..formats.columns import DEGREE, INPUT_COLUMNS
+from ..formats.columns import INPUT_COLUMNS
+from ..units import DEGREE
 from ..formats.toml_values import (
     allowed,
     check_keys,

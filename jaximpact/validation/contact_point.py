@@ -5,7 +5,6 @@ import enum
 import numpy as np
 import xarray as xr
 
-from ..mechanics.foundation import tangency_arm
 from ..restitution import vijayakumar_coefficient
 from ..scene import Scene
 
@@ -46,6 +45,6 @@ def with_contact_at(
 
 def _arm(axes, orientation: xr.DataArray) -> xr.DataArray:
     return xr.apply_ufunc(
-        lambda turn: np.asarray(tangency_arm(axes, np.sin(turn), np.cos(turn))),
+        lambda turn: np.asarray(base.block.shape.tangency_arm(axes, np.sin(turn), np.cos(turn))),
         orientation,
     )

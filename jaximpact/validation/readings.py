@@ -7,7 +7,7 @@ enters.
 import dataclasses
 from collections.abc import Mapping
 
-from ..formats.columns import DEGREE
+from ..units import DEGREE
 from ..mechanics.laws import Laws
 from ..runout.biplanar import HOP, SLOPE, BiplanarCase
 from . import other_laws

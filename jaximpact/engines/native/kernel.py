@@ -45,10 +45,13 @@ class Kernel:
     Args:
         code: what lanes do.
         structure: of the results, a tree with a row for each leaf.
+        tolerance_row: of its inputs, the one with the tolerance of the error control,
+            if there is one.
     """
 
-    def __init__(self, code: Code, structure):
+    def __init__(self, code: Code, structure, tolerance_row: int | None = None):
         self.code, self.structure = code, structure
+        self.tolerance_row = tolerance_row
         self.machine = load(code.object_file)
 
     def workspace(self) -> "Workspace":

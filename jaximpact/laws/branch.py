@@ -34,3 +34,5 @@ class Branch(NamedTuple):
     """The same, in the negative direction."""
     oblong: Flag
     """The foundation is longer than wide."""
+    side: Flag | None = None
+    """Of a shape with flat faces: the side on which its lowest corner lies."""

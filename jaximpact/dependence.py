@@ -1,6 +1,6 @@
 """Which results of a traced function depend on one of its arguments."""
 
-from .._jax_internals import Jaxpr, Literal, called
+from ._jax_internals import Jaxpr, Literal, called
 
 
 def depends(jaxpr: Jaxpr, varied: list[bool]) -> list[bool]:

@@ -1,0 +1,133 @@
+"""Laws and shapes by name: the package's own, and users' from files and modules."""
+
+import functools
+import hashlib
+import importlib
+import importlib.util
+import inspect
+import sys
+from pathlib import Path
+
+from .errors import InputError, nearest
+
+
+def find_part(slot: str, base: type, text: str, directory: Path | None = None):
+    """A law or a shape, with its default parameters, by name.
+
+    Args:
+        slot: what it is for, as in "flow"; named in errors.
+        base: the class that it derives from.
+        text: name of one of the package's own ("FluidityRate"; capitals, blanks, `-`
+            and `_` do not matter), or "file.py:Class", or "package.module:Class".
+        directory: from which the file is looked for; the working directory if none.
+
+    A file is run, as `python file.py` would run it: name only files that you trust.
+
+    Raises InputError, with the cure, for what is not there or cannot be used.
+    """
+    kind = find_class(slot, base, text, directory)
+    try:
+        return kind()
+    except TypeError as error:
+        raise InputError(
+            f"{slot} {text!r} cannot be made without arguments: {error}; give every "
+            "parameter a default: name: Scalar = parameter(default, unit, range, "
+            "meaning)"
+        ) from error
+
+
+def find_class(slot: str, base: type, text: str, directory: Path | None = None) -> type:
+    """The class that `find_part` makes a part of."""
+    place, colon, name = text.rpartition(":")
+    if not colon:
+        known = {_folded(kind.__name__): kind for kind in shipped(base)}
+        if _folded(text) in known:
+            return known[_folded(text)]
+        names = [kind.__name__ for kind in shipped(base)]
+        raise InputError(
+            f"{slot} {text!r} is unknown; did you mean {nearest(text, names)}? (there "
+            f"are {', '.join(names)}; one of your own is named as 'file.py:Class')"
+        )
+    if place.endswith(".py"):
+        module = _module_of_file(slot, (directory or Path()) / place)
+    else:
+        try:
+            module = importlib.import_module(place)
+        except Exception as error:
+            raise InputError(
+                f"{slot} {text!r}: the module {place} cannot be imported: {error}; a "
+                "file is named with its ending, as in 'my_laws.py:Class'"
+            ) from error
+    kind = getattr(module, name, None)
+    if not isinstance(kind, type):
+        kinds = [n for n, value in vars(module).items() if isinstance(value, type)]
+        hint = f"; did you mean {nearest(name, kinds)}?" if kinds else ""
+        raise InputError(f"{slot} {text!r}: there is no class {name}{hint}")
+    if not issubclass(kind, base):
+        raise InputError(
+            f"{slot} {text!r}: {name} must derive from {base.__name__} "
+            f"(class {name}({base.__name__}): ...)"
+        )
+    if inspect.isabstract(kind):
+        missing = ", ".join(sorted(kind.__abstractmethods__))
+        raise InputError(f"{slot} {text!r}: {name} does not define {missing}")
+    return kind
+
+
+def shipped(base: type) -> list[type]:
+    """The package's own classes that derive from one, in the order of their files."""
+    kinds = []
+    for kind in base.__subclasses__():
+        if kind.__module__.partition(".")[0] == __name__.partition(".")[0]:
+            kinds += [] if inspect.isabstract(kind) else [kind]
+            kinds += shipped(kind)
+    return kinds
+
+
+def _folded(name: str) -> str:
+    return "".join(c for c in name.lower() if c.isalnum())
+
+
+def _module_of_file(slot: str, path: Path):
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"cannot be read: {error.strerror or error}; it is named as the {slot}",
+            file=path,
+        ) from error
+    return _loaded(path.resolve(), hashlib.sha256(content).hexdigest())
+
+
+@functools.cache
+def _loaded(path: Path, digest: str):
+    """The module of a file, once for each content. It is found under its name by
+    `pickle` in this process."""
+    name = f"{path.stem}_{digest[:12]}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        del sys.modules[name]
+        line = next(
+            (f" (line {at.tb_lineno})" for at in _frames(error, path)),
+            "",
+        )
+        raise InputError(
+            f"cannot be run as the file of a law or a shape{line}: "
+            f"{type(error).__name__}: {error}",
+            file=path,
+        ) from error
+    return module
+
+
+def _frames(error: BaseException, path: Path):
+    """Where in a file an error arose, innermost first."""
+    found, at = [], error.__traceback__
+    while at is not None:
+        if at.tb_frame.f_code.co_filename == str(path):
+            found.insert(0, at)
+        at = at.tb_next
+    return found

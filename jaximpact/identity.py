@@ -1,0 +1,126 @@
+"""What laws and shapes are, for keys and manifests: a law that was edited is another
+law."""
+
+import dataclasses
+import functools
+import hashlib
+import site
+import sys
+import sysconfig
+from pathlib import Path
+from types import ModuleType
+
+import equinox as eqx
+import jax
+
+from .parameters import Composite, Part, parts_of
+
+PACKAGE = __name__.partition(".")[0]
+
+
+def part_names(*wholes: Composite) -> dict[str, str]:
+    """The parts of soil and block as a manifest tells them: what each is for, its class
+    and, of one that is not the package's, a digest of its source."""
+    names = {}
+    for whole in wholes:
+        for slot in parts_of(type(whole)):
+            names[slot] = name_of(type(getattr(whole, slot)))
+    return names
+
+
+def name_of(kind: type[Part]) -> str:
+    """Module and name of a class; a digest of its source behind it if it is not the
+    package's."""
+    name = f"{kind.__module__}.{kind.__qualname__}"
+    if _is_ours(kind.__module__):
+        return name
+    digest = source_digest(kind)
+    return f"{name} ({digest[:16] if digest else 'source not known'})"
+
+
+def described(tree) -> tuple | None:
+    """All of a tree of modules that a program compiled for it depends on: classes,
+    digests of those that are not the package's, and static fields. None if the source
+    of a class is not known."""
+    if not isinstance(tree, eqx.Module):
+        return ("value", jax.tree.structure(tree).num_leaves)
+    digest = source_digest(type(tree))
+    if digest is None:
+        return None
+    fields = []
+    for field in dataclasses.fields(tree):
+        value = getattr(tree, field.name)
+        if field.metadata.get("static"):
+            fields.append((field.name, repr(value)))
+            continue
+        inner = described(value)
+        if inner is None:
+            return None
+        fields.append((field.name, inner))
+    kind = type(tree)
+    return (kind.__module__, kind.__qualname__, digest, tuple(fields))
+
+
+@functools.cache
+def source_digest(kind: type) -> str | None:
+    """Digest of the sources that a class is made of: its module, those of the classes
+    it derives from, and those that they take names from, but for installed packages.
+    "" if all are the package's; None if one has no source, as in an interactive
+    session."""
+    modules: dict[str, ModuleType] = {}
+    for base in kind.__mro__:
+        _gather(sys.modules.get(base.__module__), modules)
+    digest = hashlib.sha256()
+    for name in sorted(modules):
+        source = _source_of(modules[name])
+        if source is None:
+            return None
+        digest.update(source)
+    return digest.hexdigest() if modules else ""
+
+
+def _gather(module: ModuleType | None, found: dict[str, ModuleType]) -> None:
+    """Add a module, and those that it takes names from, unless they are installed."""
+    if module is None or module.__name__ in found or _is_installed(module):
+        return
+    found[module.__name__] = module
+    for value in list(vars(module).values()):
+        if isinstance(value, ModuleType):
+            _gather(value, found)
+        else:
+            _gather(sys.modules.get(getattr(value, "__module__", None) or ""), found)
+
+
+def _is_ours(module: str) -> bool:
+    return module.partition(".")[0] == PACKAGE
+
+
+def _is_installed(module: ModuleType) -> bool:
+    if _is_ours(module.__name__) or module.__name__ in sys.builtin_module_names:
+        return True
+    if module.__name__.partition(".")[0] in sys.stdlib_module_names:
+        return module.__name__ != "__main__"
+    file = getattr(module, "__file__", None)
+    if file is None:
+        return hasattr(module, "__path__")  # a namespace package
+    return any(Path(file).is_relative_to(place) for place in _places())
+
+
+@functools.cache
+def _places() -> tuple[Path, ...]:
+    """Where packages are installed."""
+    names = ("stdlib", "platstdlib", "purelib", "platlib")
+    places = [sysconfig.get_path(name) for name in names]
+    return tuple(Path(place) for place in (*places, *site.getsitepackages()))
+
+
+def _source_of(module: ModuleType) -> bytes | None:
+    file = getattr(module, "__file__", None)
+    if file is not None and file.endswith(".py"):
+        try:
+            return Path(file).read_bytes()
+        except OSError:
+            return None
+    return None
+
+

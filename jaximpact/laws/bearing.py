@@ -1,0 +1,127 @@
+"""Limit load of the equivalent foundation under a central vertical load."""
+
+import abc
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..parameters import Part
+from ..shapes import Foundation
+from .branch import Branch
+
+Scalar = Float[Array, ""]
+
+
+class AbstractBearing(Part):
+    """Limit load of the foundation."""
+
+    def factors(self, friction: Scalar) -> Any:
+        """What the limit load takes from the peak friction angle [rad] alone, worked
+        out once an impact: any tuple of scalars. By default its tangent."""
+        return jnp.tan(friction)
+
+    @abc.abstractmethod
+    def __call__(
+        self,
+        foundation: Foundation,
+        unit_weight_normal: Scalar,
+        factors: Any,
+        *,
+        branch: Branch | None = None,
+    ) -> Scalar:
+        r"""Vertical limit load $V_M$ [N], positive.
+
+        Args:
+            foundation: its sizes are positive; the sinking may be negative within a
+                step.
+            unit_weight_normal: $\gamma_n = \gamma\cos\omega$ [N/m3].
+            factors: of the peak friction angle, from `factors`.
+            branch: the sides taken at switches, if not those where the state is.
+        """
+
+
+class BearingFactors(NamedTuple):
+    """What the limit load takes from the friction angle alone; all dimensionless."""
+
+    friction_slope: Scalar  # mu = tan(phi_p)
+    surcharge: Scalar  # N_q
+    weight: Scalar  # N_gamma
+    depth: Scalar  # 2 tan(phi_p) (1 - sin(phi_p))^2
+
+
+def bearing_factors(friction: Scalar) -> BearingFactors:
+    r"""Vesic's factors at a peak friction angle [rad].
+
+    $$ N_q = e^{\pi\tan\varphi} \tan^2(\pi/4 + \varphi/2), \quad
+       N_\gamma = 2 (N_q + 1) \tan\varphi $$
+
+    Smooth below 90 degrees. Source: a reading; Vesic (1973).
+    """
+    slope = jnp.tan(friction)
+    surcharge = jnp.exp(jnp.pi * slope) * jnp.tan(0.25 * jnp.pi + 0.5 * friction) ** 2
+    return BearingFactors(
+        friction_slope=slope,
+        surcharge=surcharge,
+        weight=2.0 * (surcharge + 1.0) * slope,
+        depth=2.0 * slope * (1.0 - jnp.sin(friction)) ** 2,
+    )
+
+
+class Vesic(AbstractBearing):
+    r"""Vertical limit load of a footing sunk into the ground.
+
+    With $B, L$ the smaller and larger of $B_t, B_w$, $A = \pi B_t B_w/4$ and
+    $u = \max(u_D, 0)$:
+
+    $$ V_M = A\left(\gamma_n u N_q s_q d_q + \tfrac12 \gamma_n B N_\gamma
+    s_\gamma\right) $$
+    $$ s_q = 1 + \tfrac{B}{L}\tan\varphi, \quad s_\gamma = 1 - 0.4 \tfrac{B}{L}, \quad
+       d_q = 1 + 2\tan\varphi\,(1 - \sin\varphi)^2 \arctan(u/B) $$
+
+    Kinked at $B_t = B_w$ and at zero sinking.
+
+    Source: a reading; Vesic (1973) with Hansen's depth factor.
+    """
+
+    def factors(self, friction) -> BearingFactors:
+        return bearing_factors(friction)
+
+    def __call__(self, foundation, unit_weight_normal, factors, *, branch=None):
+        length, width, sinking = (
+            foundation.length,
+            foundation.width,
+            foundation.sinking,
+        )
+        oblong = length > width if branch is None else branch.oblong
+        smaller = jnp.where(oblong, width, length)
+        ratio = smaller / jnp.where(oblong, length, width)
+        depth = jnp.maximum(sinking, 0.0)
+        surcharge_shape = 1.0 + ratio * factors.friction_slope
+        weight_shape = 1.0 - 0.4 * ratio
+        depth_factor = 1.0 + factors.depth * jnp.arctan(depth / smaller)
+        area = 0.25 * jnp.pi * length * width
+        return (
+            area
+            * unit_weight_normal
+            * (
+                depth * factors.surcharge * surcharge_shape * depth_factor
+                + 0.5 * smaller * factors.weight * weight_shape
+            )
+        )
+
+
+class VesicWithoutDepthFactor(Vesic):
+    """Vesic's limit load without $d_q$; a reading to compare with."""
+
+    def factors(self, friction) -> BearingFactors:
+        return bearing_factors(friction)._replace(depth=jnp.zeros_like(friction))
+
+
+class VesicWithoutSurcharge(Vesic):
+    """Vesic's limit load without what grows with depth, $N_q$; a reading to compare
+    with."""
+
+    def factors(self, friction) -> BearingFactors:
+        factors = bearing_factors(friction)
+        return factors._replace(surcharge=jnp.zeros_like(friction))

@@ -1,0 +1,127 @@
+"""Loading surface of the macro-element: how large a load is, and which way is
+outward."""
+
+import abc
+from typing import NamedTuple
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..parameters import Part, parameter
+from ..safe import TINY, safe_power
+from ..shapes import Foundation
+
+Scalar = Float[Array, ""]
+
+VERTEX_ROUNDING = 0.01
+"""e [-], rounds the vertex of the surface on the axis of pure normal load."""
+LARGEST_RATIO = 1e6
+"""Tangential and moment loads count as at most so many times the normal load; at the
+edge of toppling or slip they are of its order. Keeps powers of the ratio finite."""
+TANGENT_FROM = 0.95
+"""Value of w beyond which F is continued by its tangent line."""
+
+
+class Load(NamedTuple):
+    r"""A dimensionless load $(\xi, h, m)$ and the outward gradient there.
+
+    $\xi = N/V_M$; $h$ and $m$ are $T/V_M$ and $M/V_M$ over the two scales, by which the
+    flow rule divides again: so $N \dot u_n + T \dot u_t + M \dot\theta$ is $V_M$ times
+    load times direction.
+    """
+
+    size: Scalar
+    """rho*, size of the surface through the load."""
+    normal: Scalar
+    """Derivative of rho* by xi."""
+    tangential: Scalar
+    """Derivative of rho* by h."""
+    rotational: Scalar
+    """Derivative of rho* by m."""
+    tangential_scale: Scalar
+    """mu: $h = T/(\mu V_M)$ [-]."""
+    rotational_scale: Scalar
+    """psi B_t: $m = M/(\psi B_t V_M)$ [m]."""
+
+
+class AbstractLoadingSurface(Part):
+    """How large a load is, and which way is outward."""
+
+    @abc.abstractmethod
+    def __call__(
+        self,
+        forces,
+        capacity: Scalar,
+        foundation: Foundation,
+        friction_slope: Scalar,
+    ) -> Load:
+        r"""Size of the surface through a load, and its gradient.
+
+        Args:
+            forces: `normal` N [N], not negative, `tangential` T [N] and `moment` M
+                [N m] of the ground.
+            capacity: $V_M$ [N], positive.
+            foundation: its sizes are positive.
+            friction_slope: $\tan\varphi_p$ [-].
+
+        The size must be homogeneous of degree one in the forces, so that no flow gives
+        energy.
+        """
+
+
+class NovaMontrasio(AbstractLoadingSurface):
+    r"""The loading surface of Nova and Montrasio, its vertex rounded.
+
+    $$ \xi = \frac{N}{V_M}, \quad h = \frac{T}{\mu V_M}, \quad
+       m = \frac{M}{\psi B_t V_M}, \quad \mu = \tan\varphi_p $$
+    $$ \eta = \sqrt{(h^2 + m^2)/\xi^2 + e^2} - e, \quad w = \eta^{1/\beta}, \quad
+       \rho^* = \xi F(w), \quad F(w) = \frac{1}{1 - w}, $$
+
+    so that $\rho^* = \rho_c$ is the surface
+    $h^2 + m^2 = \xi^2 (1 - \xi/\rho_c)^{2\beta}$ with its vertex rounded. F goes on
+    along its tangent beyond $w = 0.95$. $\rho^*$ is homogeneous of degree one, so that
+    load times gradient is $\rho^* \ge 0$. $\xi$ below a millionth of the other two
+    together counts as that.
+
+    Continuous also as xi goes to zero and below. Smooth for `xi > 0` but for a jump of
+    the second derivative at $w = 0.95$; at h = m = 0 the gradient is continuous for
+    beta below 2.
+
+    Source: a reading; Nova and Montrasio (1991), radial size measure after
+    di Prisco and Vecchiotti (2006).
+    """
+
+    beta: Scalar = parameter(0.90, "-", "(0, 2)", "loading surface exponent")
+    psi: Scalar = parameter(
+        0.33, "-", "(0, inf)", "moment intercept", usual=(1e-2, 1e2)
+    )
+    rounding: float = eqx.field(default=VERTEX_ROUNDING, static=True)
+    """e [-], positive; a choice of the method, no parameter."""
+
+    def __call__(self, forces, capacity, foundation, friction_slope) -> Load:
+        lever = self.psi * foundation.length
+        xi = forces.normal / capacity
+        h = forces.tangential / (friction_slope * capacity)
+        m = forces.moment / (lever * capacity)
+        least = (jnp.abs(h) + jnp.abs(m)) / LARGEST_RATIO
+        divisor = jnp.maximum(jnp.maximum(xi, least), TINY)
+        h_ratio, m_ratio = h / divisor, m / divisor
+        square = h_ratio**2 + m_ratio**2
+        root = jnp.sqrt(square + self.rounding**2)
+        # eta = root - e, without cancellation; TINY keeps the power's gradient finite at 0
+        eta = square / (root + self.rounding) + TINY
+        w = safe_power(eta, 1.0 / self.beta)
+        inside = jnp.minimum(w, TANGENT_FROM)
+        slope = 1.0 / (1.0 - inside) ** 2
+        factor = 1.0 / (1.0 - inside) + slope * (w - inside)
+        # dF/d(ratio) / ratio: F'(w) w'(eta) / root
+        common = slope * (w / (self.beta * eta)) / root
+        return Load(
+            size=divisor * factor,
+            normal=factor - common * square,
+            tangential=common * h_ratio,
+            rotational=common * m_ratio,
+            tangential_scale=friction_slope,
+            rotational_scale=lever,
+        )

@@ -1,0 +1,18 @@
+"""Shapes of blocks: what a shape has to give, and those that there are."""
+
+from .base import AbstractShape, Section, SemiAxes
+from .elliptic import AbstractElliptic, Ellipsoid, EllipticCylinder
+from .foundation import Foundation, foundation
+from .prism import RectangularPrism
+
+__all__ = [
+    "AbstractElliptic",
+    "AbstractShape",
+    "Ellipsoid",
+    "EllipticCylinder",
+    "Foundation",
+    "RectangularPrism",
+    "Section",
+    "SemiAxes",
+    "foundation",
+]

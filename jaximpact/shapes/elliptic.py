@@ -1,0 +1,161 @@
+r"""Blocks of elliptic section in the plane of motion: the paper's ellipsoid, and the
+elliptic cylinder."""
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..parameters import parameter
+from ..safe import safe_sqrt
+from .base import AbstractShape, Section, SemiAxes
+
+Scalar = Float[Array, ""]
+USUAL_RATIO = (0.02, 50.0)
+
+
+class AbstractElliptic(AbstractShape):
+    """An ellipse in the plane of motion, of semi-axes H and R. Smooth everywhere."""
+
+    def support(self, axes, sin, cos, *, side=None) -> Scalar:
+        r"""$r_y = \sqrt{H^2 c^2 + R^2 s^2}$ [m]. Source: Dattola et al. (2023), eq. 22,
+        first line."""
+        return jnp.sqrt((axes.major * cos) ** 2 + (axes.minor * sin) ** 2)
+
+    def tangency_arm(self, axes, sin, cos, *, side=None) -> Scalar:
+        r"""$T_{low} = -(H^2 - R^2)\, s\, c / r_y$ [m]; zero for a circle and at 0 and
+        90 degrees."""
+        difference = (axes.major**2 - axes.minor**2) * sin * cos
+        return -difference / self.support(axes, sin, cos)
+
+    def support_change(self, axes, start, now, sin_turn, *, side=None) -> Scalar:
+        r"""$(r_y^2 - r_{y0}^2) / (r_y + r_{y0})$ [m] with
+        $r_y^2 - r_{y0}^2 = -(H^2 - R^2) \sin(2 \theta_0 + \theta) \sin\theta$, which
+        keeps its digits at small rotations."""
+        (sin_start, cos_start), (sin, cos) = start, now
+        sin_sum = sin * cos_start + cos * sin_start
+        difference = -(axes.major**2 - axes.minor**2) * sin_sum * sin_turn
+        return difference / (
+            self.support(axes, sin, cos) + self.support(axes, sin_start, cos_start)
+        )
+
+    def _section(
+        self, axes: SemiAxes, sin, cos, height, sinking
+    ) -> tuple[Scalar, Scalar, Scalar]:
+        r"""Ends of the section, and $q = \sqrt{1 - (d/r_y)^2}$; see
+        `shapes.foundation`.
+
+        Continuous, with continuous first derivatives, where an extreme point passes
+        ground level; of square-root type in `sinking` at the onset, with a gradient of
+        zero at zero.
+        """
+        major, minor, _ = axes
+        support = self.support(axes, sin, cos)
+        # 1 - (d/r_y)^2 without the cancellation that d = r_y - u_D would bring
+        relative_sinking = sinking / support
+        q = safe_sqrt(relative_sinking * (2.0 - relative_sinking))
+        difference = (major**2 - minor**2) * sin * cos
+        half_section = major * minor * q / support
+        section_centre = -height * difference / support**2
+        extreme = jnp.sqrt((major * sin) ** 2 + (minor * cos) ** 2)
+        right_is_above = -height - difference / extreme < 0.0
+        left_is_above = -height + difference / extreme < 0.0
+        right = jnp.where(right_is_above, section_centre + half_section, extreme)
+        left = jnp.where(left_is_above, section_centre - half_section, -extreme)
+        return left, right, q
+
+    def is_upright(self, orientation):
+        circle = np.asarray(self.aspect_ratio) == 1.0
+        return super().is_upright(orientation) | circle
+
+    @property
+    def bound(self) -> Scalar:
+        """Radius of the circle about the ellipse, over R [-]."""
+        return jnp.maximum(self.aspect_ratio, 1.0)
+
+
+class Ellipsoid(AbstractElliptic):
+    r"""An ellipsoid, the block of the paper.
+
+    With the aspect ratio $A_r = H/R$ and the out-of-plane ratio $W/R$,
+
+    $$ R = \left(\frac{3 m}{4 \pi \rho A_r (W/R)}\right)^{1/3},
+       \qquad I = \tfrac{1}{5} m (H^2 + R^2), \qquad B_w = 2 W q $$
+
+    and $B_w = 2 W$ once the centre is below the ground. An aspect ratio below 1 is an
+    oblate block (the "major" axis is then the short one).
+
+    Source: Dattola, Crosta and di Prisco (2023), eq. 7 and appendix D; the out-of-plane
+    semi-axis is a parameter of its own here, where the paper sets W = R.
+    """
+
+    aspect_ratio: Scalar = parameter(
+        1.0, "-", "(0, inf)", "H/R; below 1 an oblate block", usual=USUAL_RATIO
+    )
+    out_of_plane_ratio: Scalar = parameter(
+        1.0, "-", "(0, inf)", "W/R", usual=USUAL_RATIO
+    )
+
+    @property
+    def unit_volume(self) -> Scalar:
+        return 4.0 * jnp.pi / 3.0 * self.aspect_ratio * self.out_of_plane_ratio
+
+    @property
+    def unit_inertia(self) -> Scalar:
+        return (self.aspect_ratio**2 + 1.0) / 5.0
+
+    def semi_axes(self, mass, density) -> SemiAxes:
+        minor = jnp.cbrt(
+            3.0
+            * mass
+            / (
+                4.0
+                * jnp.pi
+                * density
+                * self.aspect_ratio
+                * self.out_of_plane_ratio
+            )
+        )
+        return SemiAxes(
+            self.aspect_ratio * minor, minor, self.out_of_plane_ratio * minor
+        )
+
+    def inertia(self, mass, axes) -> Scalar:
+        return mass * (axes.major**2 + axes.minor**2) / 5.0
+
+    def section(self, axes, sin, cos, height, sinking) -> Section:
+        left, right, q = self._section(axes, sin, cos, height, sinking)
+        full = 2.0 * axes.out_of_plane
+        return Section(
+            left, right, jnp.where(height > 0.0, 2.0 * axes.out_of_plane * q, full)
+        )
+
+
+class EllipticCylinder(AbstractElliptic):
+    r"""A cylinder of elliptic section, its axis normal to the plane of motion: plane
+    strain.
+
+    $$ R = \left(\frac{m}{2 \pi \rho A_r (W/R)}\right)^{1/3},
+       \qquad I = \tfrac{1}{4} m (H^2 + R^2), \qquad B_w = 2 W $$
+
+    The section in the plane of motion is the ellipsoid's. Exact: no cut out of the
+    plane is left out.
+    """
+
+    aspect_ratio: Scalar = parameter(
+        1.0, "-", "(0, inf)", "H/R; below 1 an oblate block", usual=USUAL_RATIO
+    )
+    out_of_plane_ratio: Scalar = parameter(
+        1.0, "-", "(0, inf)", "W/R", usual=USUAL_RATIO
+    )
+
+    @property
+    def unit_volume(self) -> Scalar:
+        return 2.0 * jnp.pi * self.aspect_ratio * self.out_of_plane_ratio
+
+    @property
+    def unit_inertia(self) -> Scalar:
+        return (self.aspect_ratio**2 + 1.0) / 4.0
+
+    def section(self, axes, sin, cos, height, sinking) -> Section:
+        left, right, _ = self._section(axes, sin, cos, height, sinking)
+        return Section(left, right, 2.0 * axes.out_of_plane)

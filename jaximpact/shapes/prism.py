@@ -1,0 +1,151 @@
+r"""Rectangular prism whose corners in the plane of motion are rounded."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ..parameters import parameter
+from ..safe import safe_sqrt
+from .base import SYMMETRIC_WITHIN, AbstractShape, Section, SemiAxes
+from .elliptic import USUAL_RATIO
+
+Scalar = Float[Array, ""]
+LEAST_SLOPE = 1e-12
+"""Faces are not taken as closer to level than this [rad]: they are cut further away
+than the block is large."""
+
+
+class RectangularPrism(AbstractShape):
+    r"""A rectangular prism of half sides H, R and W, rounded in the plane of motion.
+
+    The section in the plane is a rectangle of half sides $a = H - \rho$, $b = R - \rho$
+    with a circle of radius $\rho = \kappa \min(H, R)$ moved along it (a Minkowski sum):
+    H and R are the half sides with the corners, $\kappa$ is `corner_radius_ratio`.
+
+    $$ V = 2 W \left(4 H R - (4 - \pi) \rho^2\right), \qquad
+       r_y = a |c| + b |s| + \rho, \qquad B_w = 2 W $$
+
+    The inertia is that of the rounded section. With $\kappa = 1$ and H = R it is the
+    circular cylinder. Sections at ground level are exact. They are continuous, with
+    continuous first derivatives for $\kappa > 0$. The lowest point jumps from corner to
+    corner where a face is level; steps of the integration end there.
+    """
+
+    aspect_ratio: Scalar = parameter(
+        1.0, "-", "(0, inf)", "H/R; below 1 an oblate block", usual=USUAL_RATIO
+    )
+    out_of_plane_ratio: Scalar = parameter(
+        1.0, "-", "(0, inf)", "W/R", usual=USUAL_RATIO
+    )
+    corner_radius_ratio: Scalar = parameter(
+        0.2, "-", "(0, 1]", "radius of the corners over the smaller of H and R"
+    )
+
+    def _radius(self, major, minor) -> Scalar:
+        return self.corner_radius_ratio * jnp.minimum(major, minor)
+
+    @property
+    def unit_volume(self) -> Scalar:
+        radius = self._radius(self.aspect_ratio, 1.0)
+        area = 4.0 * self.aspect_ratio - (4.0 - jnp.pi) * radius**2
+        return 2.0 * self.out_of_plane_ratio * area
+
+    @property
+    def unit_inertia(self) -> Scalar:
+        r"""From the section's polar moment: two crossed rectangles less the square that
+        they share, and four quarters of a circle about the corners' centres."""
+        long, radius = self.aspect_ratio, self._radius(self.aspect_ratio, 1.0)
+        a, b = long - radius, 1.0 - radius
+
+        def rectangle(p, q):
+            return 4.0 * p * q * (p**2 + q**2) / 3.0
+
+        def quarters(p, q):
+            # About the block's centre, of four quarters whose corners lie at (p, q):
+            # the quarter's own moment, its area, and its centroid's distance.
+            area, first = jnp.pi * radius**2, 4.0 / 3.0 * radius**3
+            own = 0.5 * jnp.pi * radius**4
+            return own + 2.0 * first * (p + q) + area * (p**2 + q**2)
+
+        moment = (
+            rectangle(long, b) + rectangle(a, 1.0) - rectangle(a, b) + quarters(a, b)
+        )
+        area = 4.0 * long - (4.0 - jnp.pi) * radius**2
+        return moment / area
+
+    def side_of(self, sin, cos) -> Scalar:
+        """Positive while the lowest corner is on the side that the major axis leans
+        away from; zero where a face is level."""
+        return sin * cos
+
+    def _signs(self, sin, cos, side) -> tuple[Scalar, Scalar]:
+        """Signs of sine and cosine, by the side that is told; 0 where a face is
+        level."""
+        if side is None:
+            return tuple(
+                jnp.where(jnp.abs(x) <= SYMMETRIC_WITHIN, 0.0, jnp.sign(x))
+                for x in (sin, cos)
+            )
+        product = jnp.where(side, 1.0, -1.0)
+        steep = jnp.abs(sin) > jnp.abs(cos)
+        sin_sign = jnp.where(steep, jnp.sign(sin), product * jnp.sign(cos))
+        return sin_sign, product * sin_sign
+
+    def support(self, axes, sin, cos, *, side=None) -> Scalar:
+        radius = self._radius(axes.major, axes.minor)
+        sin_sign, cos_sign = self._signs(sin, cos, side)
+        long, short = axes.major - radius, axes.minor - radius
+        return long * cos_sign * cos + short * sin_sign * sin + radius
+
+    def tangency_arm(self, axes, sin, cos, *, side=None) -> Scalar:
+        r"""$T_{low} = b\, c\, \mathrm{sgn}\, s - a\, s\, \mathrm{sgn}\, c$ [m]; on a
+        level face its middle."""
+        radius = self._radius(axes.major, axes.minor)
+        sin_sign, cos_sign = self._signs(sin, cos, side)
+        long, short = axes.major - radius, axes.minor - radius
+        return short * sin_sign * cos - long * cos_sign * sin
+
+    def section(self, axes, sin, cos, height, sinking) -> Section:
+        major, minor, out_of_plane = axes
+        radius = self._radius(major, minor)
+        a, b = major - radius, minor - radius
+        sin_sign, cos_sign = jnp.sign(sin), jnp.sign(cos)
+        lowest = b * sin_sign * cos - a * cos_sign * sin
+        lefts, rights = [lowest], [lowest]
+
+        def add(left, right, cut):
+            lefts.append(jnp.where(cut, left, lowest))
+            rights.append(jnp.where(cut, right, lowest))
+
+        # The body is the union of two crossed rectangles and four circles.
+        for long, short in ((major, b), (a, minor)):
+            add(*_cut_of_rectangle(long, short, sin, cos, height))
+        deepest = a * jnp.abs(cos) + b * jnp.abs(sin)
+        for p, q in ((a, b), (a, -b), (-a, b), (-a, -b)):
+            # Depth of the circle's lowest point, exact for the deepest at the onset
+            depth = sinking + (p * cos + q * sin - deepest)
+            half = safe_sqrt(depth * (2.0 * radius - depth))
+            centre = q * cos - p * sin
+            cut = (depth > 0.0) & (depth < 2.0 * radius)
+            add(centre - half, centre + half, cut)
+        left = jnp.min(jnp.stack(lefts), axis=0)
+        right = jnp.max(jnp.stack(rights), axis=0)
+
+        extreme = a * jnp.abs(sin) + b * jnp.abs(cos) + radius
+        level = b * cos_sign * sin - a * sin_sign * cos  # of the right extreme point
+        return Section(
+            jnp.where(-level - height < 0.0, left, -extreme),
+            jnp.where(level - height < 0.0, right, extreme),
+            2.0 * out_of_plane,
+        )
+
+
+def _cut_of_rectangle(long, short, sin, cos, height):
+    """Ends of the cut of a rectangle of half sides `long` (along the major axis) and
+    `short` by the ground, and whether there is one."""
+    steep = jnp.where(jnp.abs(cos) < LEAST_SLOPE, LEAST_SLOPE, cos)
+    level = jnp.where(jnp.abs(sin) < LEAST_SLOPE, LEAST_SLOPE, sin)
+    first, first_half = -height * sin / steep, short / jnp.abs(steep)
+    second, second_half = height * cos / level, long / jnp.abs(level)
+    left = jnp.maximum(first - first_half, second - second_half)
+    right = jnp.minimum(first + first_half, second + second_half)
+    return left, right, left < right

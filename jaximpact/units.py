@@ -1,0 +1,20 @@
+"""Units of the columns: their sizes in SI, their names in columns, and what is mistaken
+for them."""
+
+import math
+
+DEGREE = math.pi / 180.0
+SIZES = {"deg": DEGREE, "deg/s": DEGREE, "kN/m3": 1e3}
+"""Units of columns that are not SI -> size in SI."""
+SUFFIXES = {"deg": "_deg", "deg/s": "_degps", "kN/m3": "_kNm3"}
+"""The same units -> what stands for them behind a column's name."""
+UNITS = {
+    "deg": {"deg": 1.0, "rad": 1.0 / DEGREE},
+    "deg/s": {"deg/s": 1.0, "rad/s": 1.0 / DEGREE},
+    "kN/m3": {"kN/m3": 1.0, "N/m3": 1e-3},
+    "kg/m3": {"kg/m3": 1.0, "g/cm3": 1e3, "g/m3": 1e-3},
+    "m/s": {"m/s": 1.0, "km/h": 1.0 / 3.6, "mm/s": 1e-3},
+    "kg": {"kg": 1.0, "g": 1e-3},
+    "-": {"-": 1.0, "%": 1e-2},
+}
+"""Unit of a column -> units that are mistaken for it, with their sizes in it."""
