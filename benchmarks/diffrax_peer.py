@@ -18,7 +18,6 @@ import numpy as np
 import optimistix as optx
 
 from jaximpact.engines.compilation import unfused_jit
-from jaximpact.mechanics.laws import Laws
 from jaximpact.mechanics.model import PLANAR
 from jaximpact.mechanics.outcomes import TIME_LIMIT, closing_velocity
 from jaximpact.mechanics.problem import Assembly, pose
@@ -29,7 +28,6 @@ FLOOR = 1e-2
 """Absolute over relative tolerance, for unknowns scaled to one."""
 LANES = 32
 """Impacts side by side: fewer waste time on dispatch, more wait for the slowest."""
-ASSEMBLY = Assembly(Laws(), PLANAR, ledger=False)
 
 
 def _rates(t, scaled, problem):
@@ -53,7 +51,12 @@ class Diffrax:
 
     def e_n(self, scene, tolerance):
         """e_n of one scene; NaN where the integration failed."""
-        problem, vector = pose(scene, ASSEMBLY, tolerance, FLOOR)
+        problem, vector = pose(
+            scene,
+            Assembly(jax.tree.structure(scene), PLANAR, ledger=False),
+            tolerance,
+            FLOOR,
+        )
         start = vector / problem.scale
         solution = diffrax.diffeqsolve(
             diffrax.ODETerm(_rates),

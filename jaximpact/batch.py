@@ -156,7 +156,10 @@ def simulate_batch(
         wanted = wanted[missing[wanted]]
         places = model_places(scene, model_tolerance)[wanted]
         groups = [
-            (Assembly(jax.tree.structure(scene), MODELS[place], ledger), wanted[places == place])
+            (
+                Assembly(jax.tree.structure(scene), MODELS[place], ledger),
+                wanted[places == place],
+            )
             for place in np.unique(places)
         ]
         run_groups(scene, groups, setting, keep, timing)

@@ -23,7 +23,12 @@ class Block(Composite):
         100.0, "kg", "(0, inf)", "mass", column="mass_kg", usual=(1e-6, 1e8)
     )
     density: Scalar = parameter(
-        2577.8, "kg/m3", "(0, inf)", "density", column="density_kgm3", usual=(100.0, 2e4)
+        2577.8,
+        "kg/m3",
+        "(0, inf)",
+        "density",
+        column="density_kgm3",
+        usual=(100.0, 2e4),
     )
     shape: AbstractShape = part(AbstractShape, Ellipsoid)
 

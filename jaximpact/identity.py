@@ -122,5 +122,3 @@ def _source_of(module: ModuleType) -> bytes | None:
         except OSError:
             return None
     return None
-
-

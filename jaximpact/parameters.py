@@ -131,7 +131,7 @@ class Parameters(eqx.Module):
         # More than there are fields: Python itself complains.
         pairs = (*zip(names, given, strict=False), *named.items())
         for name, value in pairs:
-            if type(value) is not float and name in declared_of(cls):
+            if type(value) is not float and name in _numeric(cls):
                 real_numbers(f"{cls.__name__}.{name}", value)
         return super().__new__(cls)
 
@@ -139,6 +139,12 @@ class Parameters(eqx.Module):
 @functools.cache
 def _names(kind: type) -> tuple[str, ...]:
     return tuple(field.name for field in dataclasses.fields(kind))
+
+
+@functools.cache
+def _numeric(kind: type) -> set[str]:
+    fields = dataclasses.fields(kind)
+    return {field.name for field in fields if not field.metadata.get("static")}
 
 
 class Part(Parameters):
@@ -207,6 +213,14 @@ class Composite(eqx.Module):
             value = named.get(name, fields[name].default)
             _check(kind, name, value)
             object.__setattr__(self, name, value)
+
+    def path_of(self, name: str) -> tuple[str, ...]:
+        """Names that lead to a parameter: its own, behind the field of the part that
+        owns it."""
+        for slot in parts_of(type(self)):
+            if name in parameters_of(vars(self)[slot]):
+                return slot, name
+        return (name,)
 
     def __getattr__(self, name: str):
         if not name.startswith("__"):

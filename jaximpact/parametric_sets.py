@@ -7,8 +7,9 @@ paper gives ranges; the steps within them are ours.
 import numpy as np
 
 from .errors import InputError, nearest
+from .formats.scenes import scene_of_values
 from .scene import Scene
-from .sweeping import LABELS, Axes, scene_of_values
+from .sweeping import LABELS, Axes
 
 TABLE_1 = "Table 1"
 GROUNDS = (TABLE_1, "c_v 0.5, gamma_v 1.70", "c_v 0.5, gamma_v 0.85")

@@ -7,31 +7,30 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
-from .block import Block
 from .errors import InputError, nearest
 from .fields import expect, real_numbers
 from .formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from .formats.columns import (
     FURTHER_COLUMNS,
-    INPUT_COLUMNS,
     OUTCOME_COLUMN,
     OUTCOME_MEANING,
     RESULT_COLUMNS,
+    InputColumn,
+    columns_of,
 )
-from .formats.provenance import law_names, scene_values, versions
+from .formats.provenance import versions
 from .formats.results import count_outcomes
-from .mechanics.laws import Laws
+from .formats.scenes import scene_of_values, scene_values, scene_with
+from .identity import part_names
 from .mechanics.outcomes import Outcome
-from .scene import PARTS, Impact, Scene
+from .scene import Scene
 from .simulation import ImpactResult
-from .soil import Soil
 
 LABELS = "name"
 """Key of a group of quantities that gives the labels along its dimension."""
@@ -56,7 +55,6 @@ def sweep(
     axes: Axes,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
-    laws: Laws | None = None,
     model_tolerance: float = 0.0,
     journal: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -69,7 +67,7 @@ def sweep(
             (`"angle_deg"`) takes a list of that quantity, in the unit of its name. Any
             other name stands for quantities that vary together: a mapping from input
             columns to lists of one length, and from `"name"` to labels, if wanted.
-        accuracy, laws, model_tolerance, journal, progress: as for `simulate_batch`.
+        accuracy, model_tolerance, journal, progress: as for `simulate_batch`.
 
     Returns:
         A dataset with a variable for each number of an impact, named and in units as in
@@ -84,30 +82,29 @@ def sweep(
         ValueError: a base that is no single scene.
     """
     check_scene(base)
-    setting, laws = get_accuracy(accuracy), laws or Laws()
-    grid = check_axes(axes)
+    setting = get_accuracy(accuracy)
+    grid = check_axes(axes, columns_of(base))
     shape = tuple(axis.length for axis in grid)
     scene = spread(base, grid, shape)
     result = simulate_batch(
         scene,
         accuracy=setting,
-        laws=laws,
         model_tolerance=model_tolerance,
         journal=journal,
         progress=progress,
     )
-    return _dataset(base, grid, shape, result, laws)
+    return _dataset(base, grid, shape, result)
 
 
-def repeat_sweep(dataset: xr.Dataset, *, laws: Laws | None = None, **how) -> xr.Dataset:
+def repeat_sweep(dataset: xr.Dataset, **how) -> xr.Dataset:
     """Compute a sweep again, from nothing but what the dataset says about itself.
 
     Args:
         dataset: from `sweep`, whole or a selection that keeps its dimensions.
-        laws: needed again if they were not the default ones.
         how: `journal` and `progress` of `sweep`.
 
-    Raises InputError if the dataset is no sweep, or was made with other laws.
+    Raises InputError if the dataset is no sweep, or was made with laws that are not
+    found again as they were.
     """
     expect("dataset", dataset, xr.Dataset)
     try:
@@ -120,18 +117,17 @@ def repeat_sweep(dataset: xr.Dataset, *, laws: Laws | None = None, **how) -> xr.
             f"the dataset does not say what it was computed from ({error!r}); "
             "a dataset from sweep is needed"
         ) from None
-    laws = laws or Laws()
-    for law, name in law_names(laws).items():
-        if stored_laws.get(law) != name:
+    base = scene_of_values(values)
+    for slot, name in part_names(base.soil, base.block).items():
+        if stored_laws.get(slot) != name:
             raise InputError(
-                f"the dataset was computed with {law} {stored_laws.get(law)}, but is "
-                f"to be repeated with {name}; give the same laws"
+                f"the dataset was computed with {slot} {stored_laws.get(slot)}, but "
+                f"there is {name} now"
             )
     return sweep(
-        scene_of_values(values),
+        base,
         axes_of(dataset),
         accuracy=accuracy,
-        laws=laws,
         model_tolerance=model_tolerance,
         **how,
     )
@@ -146,7 +142,7 @@ def axes_of(dataset: xr.Dataset) -> dict[str, ArrayLike | dict[str, ArrayLike]]:
             for name, coordinate in dataset.coords.items()
             if coordinate.dims == (dimension,)
         }
-        if dimension in INPUT_COLUMNS:
+        if list(along) == [dimension] and along[dimension].dtype.kind != "U":
             axes[dimension] = along[dimension]
         else:
             # Labels are the dimension's own coordinate.
@@ -157,26 +153,15 @@ def axes_of(dataset: xr.Dataset) -> dict[str, ArrayLike | dict[str, ArrayLike]]:
     return axes
 
 
-def scene_of_values(values: Mapping[str, ArrayLike]) -> Scene:
-    """A scene from quantities in the units of their columns; what is not given has its
-    default."""
-    fields = {part: {} for part in PARTS}
-    for name, value in values.items():
-        column = INPUT_COLUMNS[name]
-        fields[column.part][column.field] = column.factor * np.asarray(value, float)
-    return Scene(
-        Block(**fields["block"]), Soil(**fields["soil"]), Impact(**fields["impact"])
-    )
-
-
-def check_axes(axes: Axes) -> list[_Axis]:
+def check_axes(axes: Axes, columns: Mapping[str, InputColumn]) -> list[_Axis]:
     """The axes, checked. Raises InputError as `sweep` does."""
     expect("axes", axes, Mapping)
     if not axes:
         raise InputError("a sweep needs at least one axis, but got none")
     grid, seen = [], {}
     for name, given in axes.items():
-        axis = _read_group(name, given) if _is_group(given) else _read_one(name, given)
+        read = _read_group if _is_group(given) else _read_one
+        axis = read(name, given, columns)
         for quantity in axis.values:
             if quantity in seen:
                 raise InputError(
@@ -193,17 +178,19 @@ def _is_group(given) -> bool:
     return isinstance(given, Mapping)
 
 
-def _read_one(name: str, given: ArrayLike) -> _Axis:
-    if name not in INPUT_COLUMNS:
+def _read_one(name: str, given: ArrayLike, columns: Mapping[str, InputColumn]) -> _Axis:
+    if name not in columns:
         raise InputError(
-            f"axis {name} is unknown; did you mean {nearest(name, INPUT_COLUMNS)}?"
+            f"axis {name} is unknown; did you mean {nearest(name, columns)}?"
         )
-    values = _numbers(name, name, given)
+    values = _numbers(name, columns[name], given)
     return _Axis(name, {name: values}, None, len(values))
 
 
-def _read_group(name: str, given: Mapping[str, ArrayLike]) -> _Axis:
-    taken = {*INPUT_COLUMNS, *OUTPUT_COLUMNS, OUTCOME_COLUMN}
+def _read_group(
+    name: str, given: Mapping[str, ArrayLike], columns: Mapping[str, InputColumn]
+) -> _Axis:
+    taken = {*columns, *OUTPUT_COLUMNS, OUTCOME_COLUMN}
     if name in taken:
         raise InputError(
             f"axis {name} varies several quantities together and needs a name of its "
@@ -213,14 +200,14 @@ def _read_group(name: str, given: Mapping[str, ArrayLike]) -> _Axis:
     for quantity, numbers in given.items():
         if quantity == LABELS:
             labels = _labels(name, numbers)
-        elif quantity not in INPUT_COLUMNS:
-            known = (*INPUT_COLUMNS, LABELS)
+        elif quantity not in columns:
+            known = (*columns, LABELS)
             raise InputError(
                 f"axis {name}: {quantity} is unknown; did you mean "
                 f"{nearest(quantity, known)}?"
             )
         else:
-            values[quantity] = _numbers(name, quantity, numbers)
+            values[quantity] = _numbers(name, columns[quantity], numbers)
     if not values:
         raise InputError(f"axis {name} varies no quantity; give at least one")
     lengths = {quantity: len(numbers) for quantity, numbers in values.items()}
@@ -243,8 +230,9 @@ def _labels(axis: str, given) -> np.ndarray:
     return np.array(texts)
 
 
-def _numbers(axis: str, quantity: str, given: ArrayLike) -> np.ndarray:
+def _numbers(axis: str, column: InputColumn, given: ArrayLike) -> np.ndarray:
     """Values of a quantity, checked."""
+    quantity = column.name
     where = f"axis {axis}" if axis == quantity else f"axis {axis}: {quantity}"
     values = np.asarray(real_numbers(where, given), float)
     if values.ndim != 1 or values.size == 0:
@@ -252,7 +240,6 @@ def _numbers(axis: str, quantity: str, given: ArrayLike) -> np.ndarray:
             f"{where} must be a list of at least one number, but has shape "
             f"{values.shape}"
         )
-    column = INPUT_COLUMNS[quantity]
     bad = ~column.is_allowed(values)
     if np.any(bad):
         value = values[bad][0]
@@ -265,16 +252,12 @@ def _numbers(axis: str, quantity: str, given: ArrayLike) -> np.ndarray:
 
 def spread(base: Scene, grid: list[_Axis], shape: tuple[int, ...]) -> Scene:
     """The scenes of all points, one after another, the last axis fastest."""
-    parts = {part: getattr(base, part) for part in PARTS}
+    along = {}
     for place, axis in enumerate(grid):
         lie = [-1 if i == place else 1 for i in range(len(grid))]
         for name, values in axis.values.items():
-            column = INPUT_COLUMNS[name]
-            field = np.broadcast_to(column.factor * values.reshape(lie), shape).ravel()
-            parts[column.part] = dataclasses.replace(
-                parts[column.part], **{column.field: jnp.asarray(field)}
-            )
-    return Scene(**parts)
+            along[name] = np.broadcast_to(values.reshape(lie), shape).ravel()
+    return scene_with(base, along)
 
 
 def _dataset(
@@ -282,7 +265,6 @@ def _dataset(
     grid: list[_Axis],
     shape: tuple[int, ...],
     result: ImpactResult,
-    laws: Laws,
 ) -> xr.Dataset:
     dimensions = [axis.name for axis in grid]
     variables = {
@@ -302,27 +284,27 @@ def _dataset(
     )
     return xr.Dataset(
         variables,
-        coordinates_of(grid),
+        coordinates_of(grid, columns_of(base)),
         attrs={
             "title": "jaximpact: impacts of rock blocks on deformable ground",
             "base": json.dumps(scene_values(base)),
             "accuracy": json.dumps(dataclasses.asdict(result.accuracy)),
             "model_tolerance": result.model_tolerance,
-            "laws": json.dumps(law_names(laws)),
+            "laws": json.dumps(part_names(base.soil, base.block)),
             "versions": json.dumps(versions()),
             "outcomes": json.dumps(count_outcomes(result)),
         },
     )
 
 
-def coordinates_of(grid: list[_Axis]) -> dict:
+def coordinates_of(grid: list[_Axis], columns: Mapping[str, InputColumn]) -> dict:
     """The quantities of the axes as coordinates of a dataset."""
     coordinates = {}
     for axis in grid:
         if axis.labels is not None:
             coordinates[axis.name] = (axis.name, axis.labels)
         for name, values in axis.values.items():
-            column = INPUT_COLUMNS[name]
+            column = columns[name]
             attributes = {"units": column.unit, "long_name": column.meaning}
             coordinates[name] = (axis.name, values, attributes)
     return coordinates

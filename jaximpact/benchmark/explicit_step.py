@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 
 from ..accuracy import PRESETS
 from ..engines.compilation import unfused_jit
-from ..mechanics.laws import Laws
 from ..mechanics.model import PLANAR
 from ..mechanics.problem import Assembly
 from ..plotting import BLUE, GREEN, VERMILION
@@ -30,7 +29,6 @@ K_E = (1.0, 900.0, 1e6)
 GAMMA_V = (1e-3, 8.7, 1e3)
 """[m/s]"""
 USUAL = (900.0, 8.7)
-ASSEMBLY = Assembly(Laws(), PLANAR, ledger=False)
 COLOURS = (GREEN, BLUE, VERMILION)
 
 
@@ -65,7 +63,10 @@ def _jacobian(problem, vector):
 _jacobians = unfused_jit(jax.vmap(_jacobian, in_axes=(-1, -1)))
 _step = unfused_jit(step_lanes)
 _start = unfused_jit(
-    lambda scenes, tolerance, floor: start_lanes(ASSEMBLY, scenes, tolerance, floor)
+    lambda scenes, tolerance, floor: start_lanes(
+        Assembly(jax.tree.structure(scenes), PLANAR, ledger=False),
+        *(scenes, tolerance, floor),
+    )
 )
 
 

@@ -17,7 +17,6 @@ from ..engines.machine import (
     solve_rows,
 )
 from ..engines.marching import CORES
-from ..mechanics.laws import Laws
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.problem import Assembly
 from ..scene import Impact, Scene
@@ -50,7 +49,7 @@ def forward_gradient(
     places = model_places(scenes)
     kernels, parts = {}, []
     for place in np.unique(places):
-        assembly = Assembly(Laws(), MODELS[place], ledger=False)
+        assembly = Assembly(jax.tree.structure(scenes), MODELS[place], ledger=False)
         kernels[place] = compile_native_along(assembly)
         own = np.flatnonzero(places == place)
         pieces = CORES if batch else len(own)

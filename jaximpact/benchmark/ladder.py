@@ -3,12 +3,12 @@
 import time
 from collections.abc import Callable
 
+import jax
 import numpy as np
 from matplotlib.figure import Figure
 
 from ..accuracy import PRESETS, Accuracy
 from ..engines.machine import compile_native, solve_side_by_side
-from ..mechanics.laws import Laws
 from ..mechanics.model import MODELS, PLANAR, Model
 from ..mechanics.problem import Assembly
 from ..plotting import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
@@ -28,7 +28,7 @@ Rung = Callable[[Scene, Accuracy], np.ndarray]
 
 def rung_of(model: Model) -> Rung:
     """A model by the unknowns that it integrates."""
-    kernel = compile_native(Assembly(Laws(), model, ledger=False))
+    kernel = compile_native(Assembly(jax.tree.structure(Scene()), model, ledger=False))
     return lambda *given: solve_side_by_side(kernel, *given).e_n
 
 

@@ -1,6 +1,6 @@
 """What is measured: this solver, and the peers that are there."""
 
-import functools
+import dataclasses
 import importlib
 import sys
 import time
@@ -14,8 +14,7 @@ import numpy as np
 from ..accuracy import PRESETS, Accuracy
 from ..batch import simulate_batch
 from ..errors import InputError
-from ..mechanics.laws import Laws, slip_rate
-from ..mechanics.laws.slider import RELAXATION_TIME
+from ..laws.slider import RELAXATION_TIME
 from ..scene import Scene
 from ..simulation import simulate
 from .scenes import choose
@@ -65,34 +64,25 @@ class Ours:
     def solve(self, scenes: Scene, tolerance: float, batch: bool) -> Answer:
         """Impacts all at once on every core, or one after another."""
         accuracy = Accuracy("measured", tolerance, FLOOR)
-        laws = laws_with_slider(self.slider_time)
+        scenes = with_slider(scenes, self.slider_time)
         if batch:
             timing = {}
             begin = time.perf_counter()
-            result = simulate_batch(scenes, accuracy=accuracy, laws=laws, timing=timing)
+            result = simulate_batch(scenes, accuracy=accuracy, timing=timing)
             seconds = time.perf_counter() - begin - timing["compile_s"]
             return Answer(np.asarray(result.e_n), seconds)
         each = [choose(scenes, place) for place in range(count_of(scenes))]
         begin = time.perf_counter()
-        e_n = [
-            simulate(s.block, s.soil, s.impact, accuracy=accuracy, laws=laws).e_n
-            for s in each
-        ]
+        e_n = [simulate(s.block, s.soil, s.impact, accuracy=accuracy).e_n for s in each]
         e_n = np.array(jax.block_until_ready(e_n), float)
         return Answer(e_n, time.perf_counter() - begin)
 
 
-@functools.cache
-def laws_with_slider(slider_time: float) -> Laws:
-    """The usual laws with another relaxation time of the slider."""
-    if slider_time == RELAXATION_TIME:
-        return Laws()
-    ratio = RELAXATION_TIME / slider_time
-
-    def slip(*arguments, **options):
-        return ratio * slip_rate(*arguments, **options)
-
-    return Laws(slip_rate=slip)
+def with_slider(scenes: Scene, slider_time: float) -> Scene:
+    """The scenes with another relaxation time of the slider."""
+    slider = dataclasses.replace(scenes.soil.slider, relaxation_time=slider_time)
+    soil = dataclasses.replace(scenes.soil, slider=slider)
+    return Scene(scenes.block, soil, scenes.impact)
 
 
 def count_of(scenes: Scene) -> int:

@@ -8,7 +8,6 @@ fixed number of impacts.
 
 import concurrent.futures
 import copy
-import dataclasses
 import functools
 from collections.abc import Callable
 
@@ -17,7 +16,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..accuracy import Accuracy
-from ..block import Block
 from ..engines.compilation import unfused_jit
 from ..engines.machine import (
     compile_native,
@@ -27,11 +25,10 @@ from ..engines.machine import (
     with_setting,
 )
 from ..engines.marching import CORES
-from ..formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
+from ..formats.columns import RESULT_COLUMNS, leaf_places
 from ..mechanics.problem import Assembly
-from ..scene import Impact, Scene
+from ..scene import Scene
 from ..simulation import compute_lanes
-from ..soil import Soil
 
 AT_ONCE = 512
 """Impacts that a thread takes at a time in machine code."""
@@ -45,16 +42,11 @@ USUAL = ("c_v", "gamma_v", "k_E")
 code for a direction of all the leaves."""
 OUTCOME = "outcome_code"
 
-_FIELDS = [
-    (part.__name__.lower(), field.name)
-    for part in (Block, Soil, Impact)
-    for field in dataclasses.fields(part)
-]
-LEAVES = {
-    name: _FIELDS.index((column.part, column.field))
-    for name, column in INPUT_COLUMNS.items()
-}
-"""Place of each column among the leaves of a scene."""
+
+@functools.cache
+def leaves() -> dict[str, int]:
+    """Place of each column among the leaves of a scene."""
+    return leaf_places(Scene())
 
 
 class Engine:
@@ -71,7 +63,7 @@ class Engine:
     ):
         usual = set(columns) <= set(USUAL)
         chosen = (
-            sorted(LEAVES[name] for name in USUAL) if usual else range(len(_FIELDS))
+            sorted(leaves()[name] for name in USUAL) if usual else range(len(leaves()))
         )
         self.assembly, self.varied = assembly, tuple(chosen)
         self.fields = _fields_of(targets)
@@ -179,7 +171,7 @@ def _fields_of(targets: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _along(assembly, leaves, directions, tolerance, floor):
-    structure = jax.tree.structure(Scene(Block(), Soil(), Impact()))
+    structure = assembly.structure
 
     def of_leaves(rows):
         scene = jax.tree.unflatten(structure, list(rows))

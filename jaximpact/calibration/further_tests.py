@@ -19,7 +19,7 @@ from ..formats.align import align
 from ..formats.columns import INPUT_COLUMNS
 from .candidates import COUNT, MOST, Sigma, checked_axes, checked_measure
 from .design import CRITERIA, choose, merit
-from .engine import LEAVES
+from .engine import leaves as leaves_of_scene
 from .proportional import least_size
 from .scatter import part_of_size
 from .study import VariantResult
@@ -248,15 +248,17 @@ def _derivatives(fitted: VariantResult, common, scenes, targets):
     engine = objective.engine.for_targets(targets)
     values = {n: c.default for n, c in INPUT_COLUMNS.items()} | common
     values |= dict(zip(names, fitted.parameters, strict=False)) | scenes
-    leaves = np.empty((len(LEAVES), count))
+    leaves = np.empty((len(leaves_of_scene()), count))
     for name, column in INPUT_COLUMNS.items():
-        leaves[LEAVES[name]] = column.factor * np.asarray(values[name], float)
-    directions = np.zeros((len(LEAVES), len(names), count))
+        leaves[leaves_of_scene()[name]] = column.factor * np.asarray(
+            values[name], float
+        )
+    directions = np.zeros((len(leaves_of_scene()), len(names), count))
     for place, name in enumerate(names):
-        directions[LEAVES[name], place] = INPUT_COLUMNS[name].factor
+        directions[leaves_of_scene()[name], place] = INPUT_COLUMNS[name].factor
     predicted, derivatives, _ = engine.run(
         np.tile(leaves, (1, len(names))),
-        directions.reshape(len(LEAVES), -1),
+        directions.reshape(len(leaves_of_scene()), -1),
         objective.accuracy,
     )
     slope = bounds.slope(fitted.points.x[0])[: len(names)]

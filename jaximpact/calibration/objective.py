@@ -14,11 +14,12 @@ import numpy as np
 
 from ..accuracy import PRESETS, Accuracy
 from ..formats.columns import INPUT_COLUMNS
-from ..mechanics.laws import Laws
 from ..mechanics.model import PLANAR, PLANAR_DAMPED
 from ..mechanics.problem import Assembly
-from ..soil import DAMPING_RATIOS, has_dashpots
-from .engine import LEAVES, Engine
+from ..parameters import parameters_of
+from ..scene import Scene
+from .engine import Engine
+from .engine import leaves as leaves_of_scene
 from .losses import losses
 from .nuisance import SLOPE
 from .study_file import Study, Variant
@@ -268,7 +269,7 @@ class Objective:
             if kind.turns_ground:
                 turn += kind.factor * p[:, kind.unknown]
         for name, sign in SIGN.items():
-            leaves[LEAVES[name]] += sign * turn
+            leaves[leaves_of_scene()[name]] += sign * turn
         return leaves, turn
 
     def _predict(self, x, wanted):
@@ -283,7 +284,7 @@ class Objective:
         for run, kind in enumerate(self._kinds):
             directions[kind.leaf, runs == run] = kind.factor
             for name, sign in SIGN.items() if kind.turns_ground else ():
-                directions[LEAVES[name], runs == run] = sign * kind.factor
+                directions[leaves_of_scene()[name], runs == run] = sign * kind.factor
         directions = directions.reshape(len(leaves), -1)
         values, derivatives, outcomes = self.engine.run(
             impacts, directions, self.accuracy
@@ -319,7 +320,9 @@ class Objective:
         """
         if not any(kind.turns_ground for kind in self._kinds):
             return values, derivatives
-        speed, angle, slope = (LEAVES[n] for n in ("speed_mps", ANGLE, SLOPE))
+        speed, angle, slope = (
+            leaves_of_scene()[n] for n in ("speed_mps", ANGLE, SLOPE)
+        )
         # No two nuisances change the slope.
         return as_stated(
             self.study.targets,
@@ -346,7 +349,7 @@ def _kinds(study: Study) -> list[_Kind]:
     tests = len(study.tests)
     kinds = [
         _Kind(
-            LEAVES[parameter.name],
+            leaves_of_scene()[parameter.name],
             INPUT_COLUMNS[parameter.name].factor,
             np.zeros(tests),
             np.full(tests, place),
@@ -357,7 +360,7 @@ def _kinds(study: Study) -> list[_Kind]:
     for nuisance in study.nuisances:
         column = INPUT_COLUMNS[nuisance.name]
         unknown = first + nuisance.group
-        leaf, turns = LEAVES[nuisance.name], nuisance.turns_ground
+        leaf, turns = leaves_of_scene()[nuisance.name], nuisance.turns_ground
         kinds.append(_Kind(leaf, column.factor, nuisance.base, unknown, turns))
         first += len(nuisance.groups)
     return kinds
@@ -400,16 +403,17 @@ def names_of(study: Study) -> list[str]:
     return names
 
 
-def engine_of(study: Study, laws: Laws | None = None) -> Engine:
+def engine_of(study: Study) -> Engine:
     """The engine for all variants of a study."""
     soils = [
         study.tests.scene(study.soil | variant.soil).soil for variant in study.variants
     ]
     columns = [p.name for p in study.parameters] + [n.name for n in study.nuisances]
-    damped = any(np.any(has_dashpots(soil)) for soil in soils)
-    damped |= bool({*columns} & {*DAMPING_RATIOS})
+    damped = any(np.any(soil.damping.acts()[1]) for soil in soils)
+    damped |= bool({*columns} & {*parameters_of(soils[0].damping)})
     model = PLANAR_DAMPED if damped else PLANAR
-    assembly = Assembly(laws or Laws(), model, ledger=False)
+    structure = jax.tree.structure(Scene(soil=soils[0]))
+    assembly = Assembly(structure, model, ledger=False)
     turned = any(nuisance.turns_ground for nuisance in study.nuisances)
     targets = needed(study.targets) if turned else study.targets
     return Engine(assembly, tuple(columns), targets)

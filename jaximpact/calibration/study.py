@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..mechanics.laws import Laws
 from .fit import fit, fit_starts, go_on, spread_starts, told_apart
 from .least_squares import Fits, Progress
 from .likelihood_profile import LikelihoodProfile, profile_all
@@ -85,7 +84,6 @@ class StudyResult(NamedTuple):
 def fit_study(
     study: Study,
     *,
-    laws: Laws | None = None,
     memory: Memory | None = None,
     progress: Progress = lambda text: None,
 ) -> StudyResult:
@@ -93,20 +91,18 @@ def fit_study(
 
     Args:
         study: from `read_study`.
-        laws: of the ground, instead of the usual ones.
-        memory: where finished fits are kept and found; not used with other laws, whose
-            code has no name.
+        memory: where finished fits are kept and found.
         progress: called with lines of text.
     """
     begin = time.perf_counter()
     progress("compiling once")
-    engine = engine_of(study, laws)
+    engine = engine_of(study)
     several = len(study.variants) > 1
 
     def fitted(variant: Variant, tell: Progress) -> VariantResult:
         start = f"{variant.name}: " if several else ""
         objective = Objective(study, variant, engine)
-        objective.memory = memory if laws is None else None
+        objective.memory = memory
         return _fit_variant(objective, variant, lambda text: tell(start + text))
 
     results = each_variant(engine, fitted, study.variants, progress)

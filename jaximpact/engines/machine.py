@@ -1,6 +1,5 @@
 """The model in machine code, for lanes on a CPU."""
 
-import dataclasses
 import functools
 import hashlib
 import os
@@ -136,9 +135,7 @@ def _key(assembly: Assembly, choice) -> str | None:
     """Names all that the code of an assembly depends on; None if the source of a law
     of the user's is not known, as in an interactive session."""
     structure = assembly.structure
-    parts = described(
-        jax.tree.unflatten(structure, list(range(structure.num_leaves)))
-    )
+    parts = described(jax.tree.unflatten(structure, list(range(structure.num_leaves))))
     if parts is None:
         return None
     choices = assembly._replace(structure=None), parts, choice

@@ -16,8 +16,8 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 from PIL import Image
 
 from ..formats.columns import OUTCOME_COLUMN
-from ..units import DEGREE
 from ..mechanics.outcomes import Outcome
+from ..units import DEGREE
 from .jumps import BRANCH
 
 ASPECT_RATIO = "aspect_ratio"

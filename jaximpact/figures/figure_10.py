@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ..units import DEGREE
 from ..plotting import BLUE, SOIL
 from ..runout.biplanar import (
     FLAT_LENGTH,
@@ -15,6 +14,7 @@ from ..runout.biplanar import (
     BiplanarCase,
 )
 from ..scene import GRAVITY
+from ..units import DEGREE
 from .drawing import LABEL_SIZE, label_axes, panels
 from .paper_figure import PaperFigure
 from .study import Study

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ..units import DEGREE
 from ..runout import Pieces, Way
 from ..runout.biplanar import FLAT_LENGTH, HEIGHT, SLOPE_LENGTH, SPINS_DEGPS
+from ..units import DEGREE
 from .drawing import aspect_ratio_legend, draw_curves, panels
 from .paper_figure import PaperFigure
 from .slope_runs import blocks_table

@@ -18,8 +18,9 @@ from ..formats.columns import OUTCOME_COLUMN
 from ..formats.directory import NewFile, output_directory
 from ..formats.files import replacing
 from ..formats.outputs import manifest_path
-from ..formats.provenance import law_names, scene_values, versions
-from ..mechanics.laws import Laws
+from ..formats.provenance import versions
+from ..formats.scenes import scene_values
+from ..identity import part_names
 from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
 from .drawing import save_png
@@ -158,7 +159,7 @@ def _conditions(study: Study) -> dict:
     return {
         "ground": study.ground,
         "accuracy": dataclasses.asdict(get_accuracy(study.accuracy)),
-        "laws": law_names(Laws()),
+        "laws": part_names(study.base.soil, study.base.block),
         "versions": versions(),
     }
 

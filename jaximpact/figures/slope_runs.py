@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 
 from ..distributions import Fit
 from ..formats.columns import INPUT_COLUMNS
-from ..units import DEGREE
 from ..runout import Ending, Runs
 from ..runout.biplanar import (
     ASPECT_RATIOS,
@@ -19,6 +18,7 @@ from ..runout.biplanar import (
     SPINS_DEGPS,
     BiplanarCase,
 )
+from ..units import DEGREE
 from .drawing import ASPECT_RATIO
 from .study import Study
 

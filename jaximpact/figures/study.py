@@ -6,12 +6,12 @@ from collections.abc import Callable
 import numpy as np
 
 from ..accuracy import Accuracy
-from ..formats.provenance import scene_values
+from ..formats.scenes import scene_of_values, scene_values
 from ..parametric_sets import TABLE_1, check_ground, parametric_set
 from ..runout import FullModel, Runs, simulate_runout
 from ..runout.biplanar import BiplanarCase
 from ..scene import Scene
-from ..sweeping import Axes, scene_of_values
+from ..sweeping import Axes
 
 SLOPE = "slope"
 HALF_TURN = np.linspace(0.0, 180.0, 181)

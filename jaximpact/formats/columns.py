@@ -180,9 +180,7 @@ def _usual_columns() -> dict[str, InputColumn]:
 
     def parts_declared(kind: type) -> tuple:
         usual = {f.name: f.default_factory for f in dataclasses.fields(kind)}
-        return tuple(
-            tuple(declared_of(usual[slot]).items()) for slot in parts_of(kind)
-        )
+        return tuple(tuple(declared_of(usual[slot]).items()) for slot in parts_of(kind))
 
     parts = [(part, kinds[part], parts_declared(kinds[part])) for part in PARTS]
     return _columns_of(*parts)

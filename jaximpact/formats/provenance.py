@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..accuracy import Accuracy
+
 if TYPE_CHECKING:  # the command line names the version without loading JAX
     from ..scene import Scene
 

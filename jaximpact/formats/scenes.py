@@ -16,7 +16,9 @@ from .columns import InputColumn, columns_of
 
 SLOTS: dict[str, str] = {
     slot: part
-    for part, kind in {f.name: f.default_factory for f in dataclasses.fields(Scene)}.items()
+    for part, kind in {
+        f.name: f.default_factory for f in dataclasses.fields(Scene)
+    }.items()
     for slot in parts_of(kind)
 }
 """What laws and shapes are for, as keys of files -> the part of the scene they belong
@@ -103,7 +105,7 @@ def text_of(kind: type[Part]) -> str:
     module = sys.modules.get(kind.__module__)
     spec = getattr(module, "__spec__", None)
     file = getattr(module, "__file__", None)
-    if file and (spec is None or spec.parent == "" and "_" in spec.name):
+    if file and (spec is None or (spec.parent == "" and "_" in spec.name)):
         return f"{file}:{kind.__qualname__}"
     return f"{kind.__module__}:{kind.__qualname__}"
 

@@ -4,22 +4,47 @@ A law is a class with its parameters as fields and its equation as `__call__`. A
 law of one's own derives from the abstract class of its file and is given to `Soil`.
 """
 
-from .bearing import AbstractBearing, BearingFactors, Vesic
-from .bearing import VesicWithoutDepthFactor, VesicWithoutSurcharge
+from ..parameters import parameter
+from .bearing import (
+    AbstractBearing,
+    BearingFactors,
+    Vesic,
+    VesicWithoutDepthFactor,
+    VesicWithoutSurcharge,
+)
 from .branch import Branch
 from .damping import AbstractDamping, Damping, DampingRatios
-from .elasticity import AbstractElasticity, ContactPressureModulus, DuncanChang
-from .elasticity import Stiffness
-from .flow import AbsoluteOverstress, AbstractFlow, FlowRate, FluidityRate, Perzyna
-from .flow import PowerNucleus, PowerNucleusRate, SquaredOverstress
-from .flow import displacement_rates, flow_direction, overstress
-from .hardening import AbstractHardening, HardeningPerLength, HardeningPerMetre
-from .hardening import HardeningPerRootArea, HarderStart, SofterStart
+from .elasticity import (
+    AbstractElasticity,
+    ContactPressureModulus,
+    DuncanChang,
+    Stiffness,
+)
+from .flow import (
+    AbsoluteOverstress,
+    AbstractFlow,
+    FlowRate,
+    FluidityRate,
+    Perzyna,
+    PowerNucleus,
+    PowerNucleusRate,
+    SquaredOverstress,
+    displacement_rates,
+    flow_direction,
+    overstress,
+)
+from .hardening import (
+    AbstractHardening,
+    HardeningPerLength,
+    HardeningPerMetre,
+    HardeningPerRootArea,
+    HarderStart,
+    SofterStart,
+)
 from .kinematics import AbstractKinematics, DeepestPoint, WorkConjugate
 from .loading_surface import AbstractLoadingSurface, Load, NovaMontrasio
 from .peak_friction import AbstractPeakFriction, Bolton
 from .slider import AbstractSlider, Coulomb
-from ..parameters import parameter
 
 __all__ = [
     "AbsoluteOverstress",

@@ -26,9 +26,7 @@ class AbstractDamping(Part):
     """Dashpots beside the springs."""
 
     @abc.abstractmethod
-    def __call__(
-        self, stiffness: Stiffness, mass: Scalar, inertia: Scalar
-    ) -> Damping:
+    def __call__(self, stiffness: Stiffness, mass: Scalar, inertia: Scalar) -> Damping:
         """Dashpot coefficients.
 
         Args:

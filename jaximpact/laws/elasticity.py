@@ -134,8 +134,8 @@ class ContactPressureModulus(AbstractElasticity):
     $$ E = k_E\, p_a \left(\frac{N}{A\,p_a}\right)^{n_E}, \qquad
        A = \tfrac{\pi}{4} B_t B_w $$
 
-    With $N = k_n u^{ed}_n$ this is an equation for $N$; $k_n = K (N/(A p_a))^{n_E}$ with
-    $K$ the stiffness at $E = k_E p_a$, so that
+    With $N = k_n u^{ed}_n$ this is an equation for $N$:
+    $k_n = K (N/(A p_a))^{n_E}$ with $K$ the stiffness at $E = k_E p_a$, so that
 
     $$ \frac{N}{A p_a} = \left(\frac{K |u^{ed}_n|}{A p_a}\right)^{1/(1 - n_E)} . $$
 
@@ -157,9 +157,7 @@ class ContactPressureModulus(AbstractElasticity):
     def __call__(self, foundation, unit_weight_normal, elastic_normal, *, branch=None):
         radius = equal_area_radius(foundation)
         modulus = self.k_E * ATMOSPHERIC_PRESSURE
-        at_one = footing_stiffness(
-            modulus, self.S_ef, self.poisson, foundation, branch
-        )
+        at_one = footing_stiffness(modulus, self.S_ef, self.poisson, foundation, branch)
         area = 0.25 * jnp.pi * foundation.length * foundation.width
         pressed = jnp.maximum(jnp.abs(elastic_normal), LEAST_PRESSED * radius)
         relative = at_one.normal * pressed / (area * ATMOSPHERIC_PRESSURE)

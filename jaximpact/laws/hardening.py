@@ -87,9 +87,9 @@ class HardeningPerLength(AbstractPathHardening):
     r"""Hardening by the path of flow over the foundation's length: $\ell = B_t$.
 
     Appendix B of the paper writes hardening and flow as functions of $Q(L, B_t)$ alone;
-    $B_w$ appears by name in the elastic law only. (Of the claims C01 to C33, 17 hold, 13
-    hold partly and 3 fail with it; with the root of the area 14, 14 and 5. The argument
-    was put into words after these figures were seen.)
+    $B_w$ appears by name in the elastic law only. (Of the claims C01 to C33, 17 hold,
+    13 hold partly and 3 fail with it; with the root of the area 14, 14 and 5. The
+    argument was put into words after these figures were seen.)
 
     Source: a reading; di Prisco and Vecchiotti (2006).
     """

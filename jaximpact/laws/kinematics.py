@@ -11,7 +11,7 @@ Scalar = Float[Array, ""]
 
 
 class AbstractKinematics(Part):
-    r"""Where on the block the sinking velocity is taken: $\dot u_D = v_n + r\,\Omega$."""
+    r"""Where on the block the sinking velocity is taken: $v_n + r\,\Omega$."""
 
     @abc.abstractmethod
     def sinking_arm(self, foundation: Foundation) -> Scalar:

@@ -40,9 +40,9 @@ class Load(NamedTuple):
     rotational: Scalar
     """Derivative of rho* by m."""
     tangential_scale: Scalar
-    """mu: $h = T/(\mu V_M)$ [-]."""
+    r"""mu: $h = T/(\mu V_M)$ [-]."""
     rotational_scale: Scalar
-    """psi B_t: $m = M/(\psi B_t V_M)$ [m]."""
+    r"""psi B_t: $m = M/(\psi B_t V_M)$ [m]."""
 
 
 class AbstractLoadingSurface(Part):
@@ -109,7 +109,8 @@ class NovaMontrasio(AbstractLoadingSurface):
         h_ratio, m_ratio = h / divisor, m / divisor
         square = h_ratio**2 + m_ratio**2
         root = jnp.sqrt(square + self.rounding**2)
-        # eta = root - e, without cancellation; TINY keeps the power's gradient finite at 0
+        # eta = root - e, without cancellation; TINY keeps the power's gradient finite
+        # at 0
         eta = square / (root + self.rounding) + TINY
         w = safe_power(eta, 1.0 / self.beta)
         inside = jnp.minimum(w, TANGENT_FROM)
@@ -125,3 +126,16 @@ class NovaMontrasio(AbstractLoadingSurface):
             tangential_scale=friction_slope,
             rotational_scale=lever,
         )
+
+
+class SharperVertex(NovaMontrasio):
+    """The default surface with its vertex rounded by 0.001; a reading to compare
+    with."""
+
+    rounding: float = eqx.field(default=1e-3, static=True)
+
+
+class BlunterVertex(NovaMontrasio):
+    """The default surface with its vertex rounded by 0.1; a reading to compare with."""
+
+    rounding: float = eqx.field(default=0.1, static=True)

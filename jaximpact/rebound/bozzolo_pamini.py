@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from ..block import Block
-from ..fields import Parameters
+from ..parameters import Parameters
 from ..scene import Impact
 from .contact_point import contact_point
 from .velocities import Rebound

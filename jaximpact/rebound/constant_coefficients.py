@@ -4,7 +4,7 @@ import equinox as eqx
 from jaxtyping import Array, Float
 
 from ..block import Block
-from ..fields import Parameters
+from ..parameters import Parameters
 from ..precision import float64_leaf
 from ..scene import Impact
 from .velocities import Rebound

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..block import Block
-from ..fields import Parameters
+from ..parameters import Parameters
 from ..precision import float64_leaf
 from ..safe import safe_sqrt
 from ..scene import Impact

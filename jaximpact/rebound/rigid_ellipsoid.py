@@ -5,7 +5,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..block import Block
-from ..fields import Parameters
+from ..parameters import Parameters
 from ..precision import float64_leaf
 from ..scene import Impact
 from .contact_point import contact_point, rebound_of_impulse

@@ -16,8 +16,8 @@ import math
 import numpy as np
 
 from ..block import Block
-from ..units import DEGREE
 from ..soil import Soil
+from ..units import DEGREE
 from .profile import ROLLING_FRICTION_ANGLE, Profile
 from .release import Release
 

@@ -11,7 +11,9 @@ import numpy as np
 import xarray as xr
 
 from ..accuracy import get_accuracy
-from ..formats.provenance import law_names, versions
+from ..formats.provenance import versions
+from ..identity import part_names
+from ..parameters import Composite, parts_of
 from ..precision import require_float64
 from .dual import Dual, carrying, plain, tangent_of
 from .ground import Ground
@@ -354,10 +356,19 @@ def _in_words(case: Case) -> dict:
         own = {n: v for n, v in numbers if not dataclasses.is_dataclass(v)}
         return {name: np.asarray(value).tolist() for name, value in own.items()}
 
+    def of_whole(whole: Composite) -> dict:
+        own = fields(whole)
+        for slot in parts_of(type(whole)):
+            own |= fields(getattr(whole, slot))
+        return own
+
     profile, release, contacts, ground = case
     if isinstance(contacts, FullModel):
         accuracy = dataclasses.asdict(get_accuracy(contacts.accuracy))
-        how = {"laws": law_names(contacts.laws), "accuracy": accuracy}
+        how = {
+            "laws": part_names(ground.soil, release.block),
+            "accuracy": accuracy,
+        }
     else:
         law = contacts.law
         how = {"law": type(law).__name__}
@@ -365,8 +376,8 @@ def _in_words(case: Case) -> dict:
             how |= fields(law)
     return {
         "profile": {"x": profile.x.tolist(), "y": profile.y.tolist()},
-        "ground": fields(ground) | {"soil": fields(ground.soil)},
-        "release": fields(release) | {"block": fields(release.block)},
+        "ground": fields(ground) | {"soil": of_whole(ground.soil)},
+        "release": fields(release) | {"block": of_whole(release.block)},
         "contacts": how,
     }
 

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 from ..errors import InputError
 from ..fields import expect, real_numbers, whole_number
 from ..formats.columns import INPUT_COLUMNS, InputColumn
-from ..units import DEGREE
 from ..soil import Soil
+from ..units import DEGREE
 from .profile import (
     ROLLING_COLUMN,
     ROLLING_FRICTION_ANGLE,

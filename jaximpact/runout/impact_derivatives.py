@@ -28,9 +28,7 @@ PART = 256
 """Impacts, times parameters, that a core takes at a time."""
 
 
-def differentiate_impacts(
-    scene: Scene, accuracy: Accuracy
-) -> tuple[Blow, np.ndarray]:
+def differentiate_impacts(scene: Scene, accuracy: Accuracy) -> tuple[Blow, np.ndarray]:
     """Impacts, and how what they do changes with what their scenes change with.
 
     Each derivative is one more run of the impact, along its direction, in code for

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..formats.checks import checked_names
-from ..formats.columns import INPUT_COLUMNS, InputColumn
+from ..formats.columns import InputColumn, columns_of_part
+from ..parameters import Composite
 from ..units import DEGREE
 from .dual import Dual, plain
 from .ground import Ground
@@ -84,7 +85,12 @@ def replaced(instance, **fields):
 
 
 def _known(case: Case) -> dict[str, Parameter]:
-    known = [*_OF_SOIL, _ROLLING, *_OF_BLOCK, *_OF_RELEASE]
+    known = [
+        *_fields("soil", "ground.soil", case.ground.soil),
+        _ROLLING,
+        *_fields("block", "release.block", case.release.block, of_blocks=True),
+        *_OF_RELEASE,
+    ]
     law = getattr(case.contacts, "law", None)
     if dataclasses.is_dataclass(law):
         names = [field.name for field in dataclasses.fields(law)]
@@ -122,12 +128,16 @@ def _with(owner, path: list[str], value):
     return replaced(owner, **{name: value})
 
 
-def _fields(part: str, path: str, of_blocks: bool = False) -> list[Parameter]:
+def _fields(
+    part: str, path: str, whole: Composite, of_blocks: bool = False
+) -> list[Parameter]:
     """Those of a part of the scene."""
     return [
-        _field(f"{path}.{c.field}", c.name, c.unit, c.factor, c, of_blocks)
-        for c in INPUT_COLUMNS.values()
-        if c.part == part
+        _field(
+            ".".join((path, *whole.path_of(c.field))),
+            *(c.name, c.unit, c.factor, c, of_blocks),
+        )
+        for c in columns_of_part(part, whole).values()
     ]
 
 
@@ -161,9 +171,7 @@ def _turn(case: Case, amount: Amount) -> Case:
     )
 
 
-_OF_SOIL = _fields("soil", "ground.soil")
 _ROLLING = _field("ground.rolling_friction_angle", ROLLING_COLUMN, "deg", DEGREE)
-_OF_BLOCK = _fields("block", "release.block", of_blocks=True)
 _OF_RELEASE = [
     _field("release.x", "x_m", "m", of_blocks=True),
     _field("release.y", "y_m", "m", of_blocks=True),

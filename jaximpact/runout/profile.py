@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from ..errors import InputError, nearest
 from ..fields import expect, real_numbers
 from ..formats.columns import INPUT_COLUMNS
-from ..units import DEGREE
 from ..formats.reading import read_text
 from ..formats.tables import reads_as_number, records_of
 from ..soil import Soil
+from ..units import DEGREE
 
 ROLLING_FRICTION_ANGLE = math.radians(20.0)
 """Default [rad]: an assumption, as the paper gives none."""

@@ -61,7 +61,10 @@ class FullModel:
         places = model_places(scene)
         order = order_by_effort(scene)
         groups = [
-            (Assembly(jax.tree.structure(scene), MODELS[k], ledger=False), order[places[order] == k])
+            (
+                Assembly(jax.tree.structure(scene), MODELS[k], ledger=False),
+                order[places[order] == k],
+            )
             for k in np.unique(places)
         ]
         columns = np.full((len(Blow._fields) + 1, len(order)), np.nan)

@@ -10,7 +10,6 @@ from ..block import Block
 from ..errors import InputError
 from ..formats.checks import NUMBERS_PER_IMPACT, check_memory
 from ..formats.columns import INPUT_COLUMNS
-from ..units import DEGREE
 from ..formats.reading import read_input
 from ..formats.toml_values import (
     check_keys,
@@ -20,6 +19,7 @@ from ..formats.toml_values import (
     typed,
     whole,
 )
+from ..units import DEGREE
 from .clearance import lying_height
 from .contact_laws import check_law, read_laws
 from .ground import GROUND_COLUMNS, Ground

@@ -16,10 +16,10 @@ import jax
 import numpy as np
 import xarray as xr
 
-from ..formats.columns import column_of_field
-from ..units import DEGREE
+from ..formats.columns import columns_of_part
 from ..formats.journal import Journal
 from ..formats.provenance import versions
+from ..units import DEGREE
 from .collectors import first_passages, passages
 from .envelopes import Maxima, maxima_along
 from .ground import GROUND_COLUMNS
@@ -298,9 +298,8 @@ def provenance_of(study: SlopeStudy, codes: np.ndarray) -> dict:
 def _inputs(release: Release) -> dict:
     """Blocks and releases as they were drawn, in the units of their names."""
     variables = {}
-    for field in ("mass", "density", "aspect_ratio", "out_of_plane_ratio"):
-        column = column_of_field("block", field)
-        values = np.asarray(getattr(release.block, field)) / column.factor
+    for column in columns_of_part("block", release.block).values():
+        values = np.asarray(getattr(release.block, column.field)) / column.factor
         variables[column.name] = ("block", values, _about(column.unit, column.meaning))
     for name, values, unit, meaning in (
         ("release_x_m", release.x, "m", "of the centre"),

@@ -9,8 +9,8 @@ from jaxtyping import Float
 
 from ..batch import simulate_batch
 from ..formats.columns import InputColumn, ResultColumn
+from ..formats.scenes import scene_with, value_of
 from ..scene import Scene
-from .names import scene_with, value_of
 
 POINTS = 5
 STENCILS = {

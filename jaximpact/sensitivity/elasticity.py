@@ -20,7 +20,8 @@ from ..formats.columns import (
     InputColumn,
     ResultColumn,
 )
-from ..formats.provenance import scene_values, versions
+from ..formats.provenance import versions
+from ..formats.scenes import scene_values, value_of
 from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
 from ..scene import Scene
@@ -33,7 +34,6 @@ from .names import (
     DEFAULT_PARAMETERS,
     output_columns,
     parameter_columns,
-    value_of,
 )
 from .sizes import is_zero, natural_size
 from .verdicts import AGREES_WITHIN, Check, State, flags
@@ -106,7 +106,7 @@ def elasticities(
         ValueError: a value out of its range.
     """
     require_float64()
-    inputs, results = parameter_columns(parameters), output_columns(outputs)
+    inputs, results = parameter_columns(scene, parameters), output_columns(outputs)
     setting = get_accuracy(accuracy)
     shape, dimensions, coordinates, base = (), (), {}, scene
     if axes is not None:

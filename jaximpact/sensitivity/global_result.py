@@ -9,7 +9,8 @@ import xarray as xr
 
 from ..accuracy import Accuracy
 from ..formats.columns import INPUT_COLUMNS, ResultColumn
-from ..formats.provenance import scene_values, version_of, versions
+from ..formats.provenance import version_of, versions
+from ..formats.scenes import scene_values
 from ..scene import Scene
 from .elasticity import axes_of_names
 from .estimators import Morris, Sobol

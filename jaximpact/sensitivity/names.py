@@ -18,11 +18,9 @@ WATCHED = {name: c for name, c in OUTPUT_COLUMNS.items() if name != "steps"}
 """The numbers that belong to the impact, not to how it was computed."""
 
 
-def parameter_columns(
-    scene: Scene, names: Iterable[str]
-) -> tuple[InputColumn, ...]:
-    """The columns of parameters of a scene. Raises InputError for a name that is unknown or stands
-    twice, and for none."""
+def parameter_columns(scene: Scene, names: Iterable[str]) -> tuple[InputColumn, ...]:
+    """The columns of parameters of a scene. Raises InputError for a name that is
+    unknown or stands twice, and for none."""
     columns = columns_of(scene)
     names = checked_names("parameter", names, columns)
     return tuple(columns[name] for name in names)

@@ -11,8 +11,8 @@ from ..batch import simulate_batch
 from ..fields import whole_number
 from ..formats.columns import ResultColumn
 from ..formats.results import count_outcomes
+from ..formats.scenes import scene_with
 from ..scene import Scene
-from .names import scene_with
 from .ranges import Range
 
 LARGEST_SEED = 2**32 - 2

@@ -107,13 +107,7 @@ class Ellipsoid(AbstractElliptic):
         minor = jnp.cbrt(
             3.0
             * mass
-            / (
-                4.0
-                * jnp.pi
-                * density
-                * self.aspect_ratio
-                * self.out_of_plane_ratio
-            )
+            / (4.0 * jnp.pi * density * self.aspect_ratio * self.out_of_plane_ratio)
         )
         return SemiAxes(
             self.aspect_ratio * minor, minor, self.out_of_plane_ratio * minor

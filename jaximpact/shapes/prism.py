@@ -5,7 +5,7 @@ from jaxtyping import Array, Float
 
 from ..parameters import parameter
 from ..safe import safe_sqrt
-from .base import SYMMETRIC_WITHIN, AbstractShape, Section, SemiAxes
+from .base import SYMMETRIC_WITHIN, AbstractShape, Section
 from .elliptic import USUAL_RATIO
 
 Scalar = Float[Array, ""]

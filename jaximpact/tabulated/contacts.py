@@ -8,12 +8,12 @@ import numpy as np
 from ..block import Block
 from ..errors import InputError
 from ..formats.columns import INPUT_COLUMNS
-from ..units import DEGREE
 from ..mechanics.outcomes import Outcome
 from ..runout.contact import Blow
 from ..runout.rebounds import Blows
 from ..scene import Impact
 from ..soil import Soil
+from ..units import DEGREE
 from .table import Entry, ReboundTable, look_up_many
 
 PART = 512

@@ -13,15 +13,15 @@ import xarray as xr
 from ..accuracy import Accuracy
 from ..errors import InputError
 from ..formats.columns import OUTCOME_COLUMN
-from ..units import DEGREE
 from ..formats.files import replacing
 from ..formats.netcdf import read_netcdf, write_netcdf
 from ..formats.outputs import manifest_path
-from ..formats.provenance import law_names, scene_values, versions
-from ..mechanics.laws import Laws
+from ..formats.provenance import versions
+from ..formats.scenes import scene_of_values, scene_values
+from ..identity import part_names
 from ..mechanics.outcomes import Outcome
 from ..scene import Scene
-from ..sweeping import scene_of_values
+from ..units import DEGREE
 from .coordinates import Direction, gravity_speed, impact_from
 from .making import axes_of
 from .table import ReboundTable, TableError
@@ -181,6 +181,6 @@ def _provenance(table: ReboundTable) -> dict[str, str]:
         "error": json.dumps(
             {name: float(value) for name, value in table.error._asdict().items()}
         ),
-        "laws": json.dumps(law_names(Laws())),
+        "laws": json.dumps(part_names(table.soil, table.block)),
         "versions": json.dumps(versions()),
     }

@@ -15,7 +15,8 @@ from ..accuracy import Accuracy, get_accuracy
 from ..block import Block
 from ..formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..formats.journal import Journal
-from ..formats.provenance import scene_values, versions
+from ..formats.provenance import versions
+from ..formats.scenes import scene_values
 from ..precision import require_float64
 from ..runout.contact import Blow
 from ..scene import Scene

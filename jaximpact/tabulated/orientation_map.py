@@ -15,13 +15,13 @@ from matplotlib.figure import Figure
 from ..accuracy import Accuracy
 from ..block import Block
 from ..formats.columns import INPUT_COLUMNS, OUTCOME_COLUMN, RESULT_COLUMNS
-from ..units import DEGREE
 from ..formats.files import replacing
 from ..formats.outputs import manifest_path
 from ..mechanics.outcomes import Outcome
 from ..scene import Impact, Scene
 from ..soil import Soil
 from ..sweeping import sweep
+from ..units import DEGREE
 
 COEFFICIENTS = ("e_n", "e_t", "e_bar")
 DIMENSIONS = ("speed_mps", "angle_deg", "angular_velocity_degps")

@@ -11,7 +11,6 @@ from ..block import Block
 from ..errors import InputError
 from ..formats.checks import NUMBERS_PER_IMPACT, check_memory
 from ..formats.columns import INPUT_COLUMNS
-from ..units import DEGREE
 from ..formats.toml_values import (
     allowed,
     check_keys,
@@ -24,6 +23,7 @@ from ..formats.toml_values import (
     whole,
 )
 from ..soil import Soil
+from ..units import DEGREE
 from .making import SPEEDS, Nodes
 from .orientation_map import MapAxes
 

@@ -7,6 +7,7 @@ import xarray as xr
 
 from ..restitution import vijayakumar_coefficient
 from ..scene import Scene
+from ..shapes import AbstractShape
 
 
 class ContactPoint(enum.Enum):
@@ -27,10 +28,10 @@ def with_contact_at(
         return dataset
     axes = base.block.semi_axes
     start = np.radians(dataset.orientation_deg)
-    touch = _arm(axes, start)
+    touch = _arm(base.block.shape, axes, start)
     arm = touch
     if point is ContactPoint.deepest:
-        arm = _arm(axes, start + dataset.rotation_rad)
+        arm = _arm(base.block.shape, axes, start + dataset.rotation_rad)
     spin = np.radians(dataset.angular_velocity_degps)
     normal = float(base.impact.normal_velocity)
     e_contact = -(dataset.v_n_mps + arm * dataset.omega_radps) / (normal + touch * spin)
@@ -43,8 +44,8 @@ def with_contact_at(
     return dataset.assign(e_contact=e_contact, e_n_vijayakumar=rigid)
 
 
-def _arm(axes, orientation: xr.DataArray) -> xr.DataArray:
+def _arm(shape: AbstractShape, axes, orientation: xr.DataArray) -> xr.DataArray:
     return xr.apply_ufunc(
-        lambda turn: np.asarray(base.block.shape.tangency_arm(axes, np.sin(turn), np.cos(turn))),
+        lambda turn: np.asarray(shape.tangency_arm(axes, np.sin(turn), np.cos(turn))),
         orientation,
     )

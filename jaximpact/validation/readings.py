@@ -7,10 +7,8 @@ enters.
 import dataclasses
 from collections.abc import Mapping
 
-from ..units import DEGREE
-from ..mechanics.laws import Laws
 from ..runout.biplanar import HOP, SLOPE, BiplanarCase
-from . import other_laws
+from ..units import DEGREE
 from .contact_point import ContactPoint
 from .slope import SlopeReading
 
@@ -21,15 +19,10 @@ class Reading:
     coefficient looks at, or the runs down a slope."""
 
     name: str
-    values: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    """Input columns and their values."""
-    laws: Laws = dataclasses.field(default_factory=Laws)
+    values: Mapping[str, float | str] = dataclasses.field(default_factory=dict)
+    """Input columns and their values; what laws are for and their names."""
     contact: ContactPoint = ContactPoint.foundation
     slope: SlopeReading = dataclasses.field(default_factory=SlopeReading)
-
-
-def _with(name: str, **laws) -> Reading:
-    return Reading(name, laws=dataclasses.replace(Laws(), **laws))
 
 
 def _case(name: str, **changed) -> Reading:
@@ -47,21 +40,28 @@ READINGS = (
     Reading("hardening by rocking, alpha_vR 1", {"alpha_vR": 1.0}),
     Reading("c_v 0.5", {"c_v": 0.5}),
     Reading("c_v 2", {"c_v": 2.0}),
-    _with("hardening per metre", hardening_rate=other_laws.hardening_per_metre),
-    _with("rho_c 0.001 at the start", flow_rate=other_laws.flow_from_softer),
-    _with("rho_c 0.1 at the start", flow_rate=other_laws.flow_from_harder),
-    _with("overstress not divided by rho_c", flow_rate=other_laws.absolute_overstress),
-    _with("overstress squared", flow_rate=other_laws.squared_overstress),
+    Reading("hardening per root of the area", {"hardening": "HardeningPerRootArea"}),
+    Reading("hardening per metre", {"hardening": "HardeningPerMetre"}),
+    Reading("rho_c 0.001 at the start", {"hardening": "SofterStart"}),
+    Reading("rho_c 0.1 at the start", {"hardening": "HarderStart"}),
+    Reading("overstress not divided by rho_c", {"flow": "AbsoluteOverstress"}),
+    Reading("overstress squared", {"flow": "SquaredOverstress"}),
     Reading("gamma_v 4", {"gamma_v": 4.0}),
-    _with("fluidity by B_t", flow_rate=other_laws.fluidity_by_size),
-    _with("vertex rounded by 0.001", loading_surface=other_laws.sharper_vertex),
-    _with("vertex rounded by 0.1", loading_surface=other_laws.blunter_vertex),
-    _with("no depth factor", bearing_factors=other_laws.without_depth_factor),
-    _with("no surcharge", bearing_factors=other_laws.without_surcharge),
+    Reading("fluidity by B_t", {"flow": "FluidityRate"}),
+    Reading("power 2 without a threshold", {"flow": "PowerNucleus"}),
+    Reading("power 2 without a threshold, by B_t", {"flow": "PowerNucleusRate"}),
+    Reading("vertex rounded by 0.001", {"loading_surface": "SharperVertex"}),
+    Reading("vertex rounded by 0.1", {"loading_surface": "BlunterVertex"}),
+    Reading("no depth factor", {"bearing": "VesicWithoutDepthFactor"}),
+    Reading("no surcharge", {"bearing": "VesicWithoutSurcharge"}),
     Reading("peak friction phi'", {"delta_1": 0.0, "delta_2": 0.0}),
     Reading("block-soil friction halved", {"alpha_s": 0.5}),
     Reading("modulus at r_0 / 2", {"k_E": _MODULUS * 0.5**_EXPONENT}),
     Reading("modulus at 2 r_0", {"k_E": _MODULUS * 2.0**_EXPONENT}),
+    Reading(
+        "modulus at the contact pressure", {"elasticity": "ContactPressureModulus"}
+    ),
+    Reading("work-conjugate sinking", {"kinematics": "WorkConjugate"}),
     Reading("e* at the deepest point", contact=ContactPoint.deepest),
     Reading("e* at the first arm", contact=ContactPoint.first),
 )

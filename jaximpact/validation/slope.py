@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 
 from ..accuracy import Accuracy
-from ..mechanics.laws import Laws
 from ..runout import Ending, FullModel, Runs, Way, passages, simulate_runout
 from ..runout.biplanar import ASPECT_RATIOS, SPINS_DEGPS, BiplanarCase
 from ..runout.jumps import Jumps, jumps, rise_before
@@ -37,7 +36,7 @@ class SlopeReading:
 
 
 def slope_dataset(
-    soil: Soil, reading: SlopeReading, laws: Laws, accuracy: str | Accuracy
+    soil: Soil, reading: SlopeReading, accuracy: str | Accuracy
 ) -> xr.Dataset:
     """All runs on one ground.
 
@@ -49,9 +48,7 @@ def slope_dataset(
     Raises NotComputed if a trajectory failed or was cut off by a limit.
     """
     case = reading.case
-    runs = simulate_runout(
-        case.profile(soil), case.release(), FullModel(accuracy, laws)
-    )
+    runs = simulate_runout(case.profile(soil), case.release(), FullModel(accuracy))
     whole = np.isin(runs.ending, [Ending.stopped, Ending.left_profile])
     if not np.all(whole):
         raise NotComputed(

@@ -10,12 +10,12 @@ import xarray as xr
 from ..accuracy import DEFAULT_ACCURACY, get_accuracy
 from ..batch import simulate_batch
 from ..engines.marching import CORES
-from ..formats.provenance import scene_values
+from ..formats.scenes import scene_of_values, scene_values
 from ..history import record_history
 from ..mechanics.outcomes import Outcome
 from ..parametric_sets import PARAMETRIC_SETS, TABLE_1, parametric_set
 from ..scene import Scene
-from ..sweeping import Axes, scene_of_values, sweep
+from ..sweeping import Axes, sweep
 from .contact_point import with_contact_at
 from .readings import AS_IT_IS, Reading
 from .slope import slope_dataset
@@ -87,9 +87,9 @@ class Study(Datasets):
         if name == SLOPE:
             base, _ = self._parametric_set("I")
             reading = self.reading
-            return slope_dataset(base.soil, reading.slope, reading.laws, ACCURACY)
+            return slope_dataset(base.soil, reading.slope, ACCURACY)
         base, axes = self._parametric_set(name)
-        dataset = sweep(base, axes, accuracy=ACCURACY, laws=self.reading.laws)
+        dataset = sweep(base, axes, accuracy=ACCURACY)
         failed = int((dataset.outcome == "failed").sum())
         if failed:
             raise NotComputed(
@@ -112,7 +112,6 @@ class Study(Datasets):
         result = simulate_batch(
             scene_of_values(values),
             accuracy=ACCURACY,
-            laws=self.reading.laws,
             ledger=True,
         )
         names = np.array([str(outcome) for outcome in Outcome])
@@ -135,7 +134,7 @@ class Study(Datasets):
 
         def record(point):
             scene = scene_of_values(values | dict(zip(grid, point, strict=True)))
-            return record_history(scene, get_accuracy(ACCURACY), self.reading.laws)
+            return record_history(scene, get_accuracy(ACCURACY))
 
         first, *rest = itertools.product(*grid.values())
         # What the first compiles the others share.
