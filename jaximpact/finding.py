@@ -78,6 +78,10 @@ def shipped(base: type) -> list[type]:
     """The package's own classes that derive from one, in the order of their files."""
     kinds = []
     for kind in base.__subclasses__():
+        # Not those that are made as a program runs, of several shapes.
+        module = sys.modules[kind.__module__]
+        if getattr(module, kind.__name__, None) is not kind:
+            continue
         if kind.__module__.partition(".")[0] == __name__.partition(".")[0]:
             kinds += [] if inspect.isabstract(kind) else [kind]
             kinds += shipped(kind)
