@@ -14,6 +14,7 @@ from types import ModuleType
 import equinox as eqx
 import jax
 
+from .finding import file_of
 from .parameters import Composite, Part, parts_of
 
 PACKAGE = __name__.partition(".")[0]
@@ -30,11 +31,12 @@ def part_names(*wholes: Composite) -> dict[str, str]:
 
 
 def name_of(kind: type[Part]) -> str:
-    """Module and name of a class; a digest of its source behind it if it is not the
-    package's. Of one that is made of several, those of each."""
+    """Module, or file, and name of a class; a digest of its source behind it if it is
+    not the package's. Of one that is made of several, those of each."""
     if kinds := made_of(kind):
         return " and ".join(name_of(one) for one in kinds)
-    name = f"{kind.__module__}.{kind.__qualname__}"
+    file = file_of(kind)
+    name = f"{file.stem if file else kind.__module__}.{kind.__qualname__}"
     if _is_ours(kind.__module__):
         return name
     digest = source_digest(kind)
