@@ -11,6 +11,12 @@ from pathlib import Path
 from .errors import InputError, nearest
 
 
+CURE = (
+    "give every parameter a default: name: Scalar = parameter(default, unit, range, "
+    "meaning)"
+)
+
+
 def find_part(slot: str, base: type, text: str, directory: Path | None = None):
     """A law or a shape, with its default parameters, by name.
 
@@ -30,9 +36,7 @@ def find_part(slot: str, base: type, text: str, directory: Path | None = None):
         return kind()
     except TypeError as error:
         raise InputError(
-            f"{slot} {text!r} cannot be made without arguments: {error}; give every "
-            "parameter a default: name: Scalar = parameter(default, unit, range, "
-            "meaning)"
+            f"{slot} {text!r} cannot be made without arguments: {error}; {CURE}"
         ) from error
 
 
@@ -140,9 +144,10 @@ def _loaded(path: Path, digest: str):
             (f" (line {at.tb_lineno})" for at in _frames(error, path)),
             "",
         )
+        cure = f"; {CURE}" if "non-default argument" in str(error) else ""
         raise InputError(
             f"cannot be run as the file of a law or a shape{line}: "
-            f"{type(error).__name__}: {error}",
+            f"{type(error).__name__}: {error}{cure}",
             file=path,
         ) from error
     return module

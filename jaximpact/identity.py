@@ -72,6 +72,8 @@ def source_digest(kind: type) -> str | None:
     it derives from, and those that they take names from, but for installed packages.
     "" if all are the package's; None if one has no source, as in an interactive
     session."""
+    if kind.__module__ not in sys.modules:
+        return None
     modules: dict[str, ModuleType] = {}
     for base in itertools.chain(kind.__mro__, *(k.__mro__ for k in made_of(kind))):
         _gather(sys.modules.get(base.__module__), modules)

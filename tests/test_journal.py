@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from impact_scenes import mixed_scenes
 
-from jaximpact import Laws, simulate_batch
+from jaximpact import Scene, Soil, simulate_batch
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.formats.journal import HEAD, Journal
@@ -170,10 +170,12 @@ def test_a_batch_goes_on_with_the_same_numbers(tmp_path):
             simulate_batch(scenes, journal=journal, **changed)
 
 
-def test_laws_without_a_name_are_refused(tmp_path):
-    laws = Laws(slider_friction=lambda *a: 0.5)
-    with pytest.raises(ValueError, match=r"slider_friction is test_journal.*lambda"):
-        simulate_batch(mixed_scenes(3), laws=laws, journal=tmp_path / "j")
+def test_laws_without_a_source_are_refused(tmp_path):
+    typed = {"__name__": "typed_in"}
+    exec("from jaximpact.laws import Perzyna\nclass Mine(Perzyna): pass", typed)
+    soil = Soil(flow=typed["Mine"](), gamma_v=np.array([1.0, 2.0]))
+    with pytest.raises(ValueError, match=r"flow is typed_in.Mine .source not known"):
+        simulate_batch(Scene(soil=soil), journal=tmp_path / "j")
 
 
 def test_a_killed_command_goes_on(tmp_path):

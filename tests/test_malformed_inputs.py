@@ -39,6 +39,7 @@ from jaximpact.runout import (
     draw,
     simulate_runout,
 )
+from jaximpact.shapes import Ellipsoid
 
 HUGE = "1" + 400 * "0"
 LONGER = "1" + 5_000 * "0"
@@ -252,7 +253,15 @@ MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
         (lambda: Block(mass=pd.array(["1"])), "Block.mass must be a number"),
         (lambda: simulate(SOIL, BLOCK, IMPACT), "block must be of type Block"),
         (lambda: simulate(BLOCK, SOIL, None), "impact must be of type Impact"),
-        (lambda: simulate(BLOCK, SOIL, IMPACT, laws=3), "laws must be of type Laws"),
+        (
+            lambda: Soil(flow=3),
+            "Soil.flow must be of a class derived from AbstractFlow",
+        ),
+        (lambda: Soil(flow="Perzina"), "flow 'Perzina' is unknown; .* mean Perzyna"),
+        (
+            lambda: Block(shape=Ellipsoid),
+            r"is the class Ellipsoid; write Ellipsoid\(\)",
+        ),
         (lambda: simulate(BLOCK, SOIL, IMPACT, accuracy=[]), "accuracy must be one of"),
         (lambda: simulate(Block(mass=-1), SOIL, IMPACT), "must be above 0 kg"),
         (lambda: simulate(Block(mass=np.inf), SOIL, IMPACT), "must be above 0 kg"),
