@@ -10,7 +10,6 @@ from pathlib import Path
 
 from .errors import InputError, nearest
 
-
 CURE = (
     "give every parameter a default: name: Scalar = parameter(default, unit, range, "
     "meaning)"
@@ -83,10 +82,9 @@ def shipped(base: type) -> list[type]:
     kinds = []
     for kind in base.__subclasses__():
         # Not those that are made as a program runs, of several shapes.
-        module = sys.modules[kind.__module__]
-        if getattr(module, kind.__name__, None) is not kind:
-            continue
-        if kind.__module__.partition(".")[0] == __name__.partition(".")[0]:
+        at_home = getattr(sys.modules.get(kind.__module__), kind.__name__, None)
+        is_ours = kind.__module__.partition(".")[0] == __name__.partition(".")[0]
+        if is_ours and at_home is kind:
             kinds += [] if inspect.isabstract(kind) else [kind]
             kinds += shipped(kind)
     return kinds

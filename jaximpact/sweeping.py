@@ -118,7 +118,8 @@ def repeat_sweep(dataset: xr.Dataset, **how) -> xr.Dataset:
     """Compute a sweep again, from nothing but what the dataset says about itself.
 
     Args:
-        dataset: from `sweep`, whole or a selection that keeps its dimensions.
+        dataset: from `sweep`, whole or a selection that keeps its dimensions and, for
+            each parameter that varies, a shape that has it.
         how: `journal` and `progress` of `sweep`.
 
     Raises InputError if the dataset is no sweep, or was made with laws that are not

@@ -33,7 +33,7 @@ from jaximpact.shapes import Ellipsoid
 class Hollow(Ellipsoid):
     """An ellipsoid whose mass sits further out."""
 
-    spread: Float[Array, ""] = parameter(1.0, "-", "[1, 3]", "inertia over that of mass")
+    spread: Float[Array, ""] = parameter(1.0, "-", "[1, 3]", "inertia by that of mass")
 
     def inertia(self, mass, axes):
         return self.spread * super().inertia(mass, axes)
