@@ -94,10 +94,16 @@ def test_part_of_a_sweep_can_be_repeated(dataset):
 
 
 def test_other_laws_are_told_and_found_again(tmp_path):
-    base = Scene(soil=Soil(hardening="HardeningPerRootArea"))
+    # Longer than wide on the ground, without which the two are one law.
+    usual_base = Scene(
+        Block(aspect_ratio=2.0), impact=Impact.from_degrees(orientation=90.0)
+    )
+    base = Scene(
+        usual_base.block, Soil(hardening="HardeningPerRootArea"), usual_base.impact
+    )
     axes = {"speed_mps": [14.0], "c_v": [0.5, 1.0]}
     other = sweep(base, axes)
-    usual = sweep(Scene(), axes)
+    usual = sweep(usual_base, axes)
     assert abs(float(other.e_n[0, 0]) - float(usual.e_n[0, 0])) > 1e-3
     write_netcdf(tmp_path / "sweep.nc", other)
     xr.testing.assert_identical(repeat_sweep(read_netcdf(tmp_path / "sweep.nc")), other)
