@@ -66,10 +66,13 @@ def source_digest(kind: type) -> str | None:
     """Digest of the sources that a class is made of: its module, those of the classes
     it derives from, and those that they take names from, but for installed packages.
     "" if all are the package's; None if one has no source, as in an interactive
-    session."""
+    session, or was made inside a function, whose variables no source tells."""
     modules: dict[str, ModuleType] = {}
     for base in kind.__mro__:
-        _gather(sys.modules.get(base.__module__), modules)
+        module = sys.modules.get(base.__module__)
+        if not _holds(module, base):
+            return None
+        _gather(module, modules)
     digest = hashlib.sha256()
     for name in sorted(modules):
         source = _source_of(modules[name])
@@ -77,6 +80,13 @@ def source_digest(kind: type) -> str | None:
             return None
         digest.update(source)
     return digest.hexdigest() if modules else ""
+
+
+def _holds(module: ModuleType | None, kind: type) -> bool:
+    found = module
+    for name in kind.__qualname__.split("."):
+        found = getattr(found, name, None)
+    return found is kind
 
 
 def _gather(module: ModuleType | None, found: dict[str, ModuleType]) -> None:

@@ -1,11 +1,8 @@
 """The ground: its geotechnical description, and the laws of the macro-element."""
 
-from jaxtyping import Array, Float
-
 from . import laws
+from ._types import Scalar
 from .parameters import Composite, parameter, part
-
-Scalar = Float[Array, ""]
 
 
 class Soil(Composite):

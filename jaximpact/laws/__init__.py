@@ -4,6 +4,7 @@ A law is a class with its parameters as fields and its equation as `__call__`. A
 law of one's own derives from the abstract class of its file and is given to `Soil`.
 """
 
+from .._types import Scalar
 from ..parameters import parameter
 from .bearing import (
     AbstractBearing,
@@ -77,6 +78,7 @@ __all__ = [
     "Perzyna",
     "PowerNucleus",
     "PowerNucleusRate",
+    "Scalar",
     "SofterStart",
     "SquaredOverstress",
     "Stiffness",

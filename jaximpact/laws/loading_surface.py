@@ -6,13 +6,11 @@ from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
+from .._types import Scalar
 from ..parameters import Part, parameter
 from ..safe import TINY, safe_power
 from ..shapes import Foundation
-
-Scalar = Float[Array, ""]
 
 VERTEX_ROUNDING = 0.01
 """e [-], rounds the vertex of the surface on the axis of pure normal load."""
