@@ -43,7 +43,7 @@ from .hardening import (
     SofterStart,
 )
 from .kinematics import AbstractKinematics, DeepestPoint, WorkConjugate
-from .loading_surface import AbstractLoadingSurface, Load, NovaMontrasio
+from .loading_surface import AbstractLoadingSurface, Forces, Load, NovaMontrasio
 from .peak_friction import AbstractPeakFriction, Bolton
 from .slider import AbstractSlider, Coulomb
 
@@ -69,6 +69,7 @@ __all__ = [
     "DuncanChang",
     "FlowRate",
     "FluidityRate",
+    "Forces",
     "HardeningPerLength",
     "HardeningPerMetre",
     "HardeningPerRootArea",

@@ -21,6 +21,14 @@ TANGENT_FROM = 0.95
 """Value of w beyond which F is continued by its tangent line."""
 
 
+class Forces(NamedTuple):
+    """Forces of the ground on the block, as they enter the balance with minus signs."""
+
+    normal: Scalar  # N [N], not negative (within a step, as its branch has it)
+    tangential: Scalar  # T [N]
+    moment: Scalar  # M [N m]
+
+
 class Load(NamedTuple):
     r"""A dimensionless load $(\xi, h, m)$ and the outward gradient there.
 
@@ -49,7 +57,7 @@ class AbstractLoadingSurface(Part):
     @abc.abstractmethod
     def __call__(
         self,
-        forces,
+        forces: Forces,
         capacity: Scalar,
         foundation: Foundation,
         friction_slope: Scalar,
@@ -57,8 +65,7 @@ class AbstractLoadingSurface(Part):
         r"""Size of the surface through a load, and its gradient.
 
         Args:
-            forces: `normal` N [N], not negative, `tangential` T [N] and `moment` M
-                [N m] of the ground.
+            forces: of the ground; the normal one is not negative.
             capacity: $V_M$ [N], positive.
             foundation: its sizes are positive.
             friction_slope: $\tan\varphi_p$ [-].

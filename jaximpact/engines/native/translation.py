@@ -37,6 +37,15 @@ def _each(function: Callable, *arrays: Values) -> Values:
     return values
 
 
+def _as_array(values) -> Values:
+    """Values as an array: of one without axes numpy makes the value itself."""
+    if isinstance(values, np.ndarray):
+        return values
+    array = np.empty((), object)
+    array[()] = values
+    return array
+
+
 def _first(arrays: list[Values]) -> list[Value]:
     """One value of each array that has any."""
     return [array.flat[0] for array in arrays if array.size]
@@ -67,7 +76,8 @@ class Translator:
 
         for equation in jaxpr.eqns:
             inputs = [read(atom) for atom in equation.invars]
-            known |= zip(equation.outvars, self.outputs(equation, inputs), strict=True)
+            outputs = self.outputs(equation, inputs)
+            known |= zip(equation.outvars, map(_as_array, outputs), strict=True)
         return [read(atom) for atom in jaxpr.outvars]
 
     def outputs(self, equation, inputs: list[Values]) -> list[Values]:
