@@ -29,13 +29,15 @@ def part_names(*wholes: Composite) -> dict[str, str]:
 
 
 def name_of(kind: type[Part]) -> str:
-    """Module and name of a class; a digest of its source behind it if it is not the
-    package's."""
-    name = f"{kind.__module__}.{kind.__qualname__}"
+    """Module and name of a class; of one that is not the package's the name of its
+    file, however it was found, and a digest of its source."""
     if is_ours(kind):
-        return name
+        return f"{kind.__module__}.{kind.__qualname__}"
+    file = getattr(sys.modules.get(kind.__module__), "__file__", None)
+    module = Path(file).stem if file else kind.__module__
     digest = source_digest(kind)
-    return f"{name} ({digest[:16] if digest else 'source not known'})"
+    told = digest[:16] if digest else "source not known"
+    return f"{module}.{kind.__qualname__} ({told})"
 
 
 def described(tree) -> tuple | None:
