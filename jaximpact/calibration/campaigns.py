@@ -2,15 +2,22 @@
 
 import dataclasses
 import itertools
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
-from ..block import Block
-from ..formats.columns import INPUT_COLUMNS, LABEL_COLUMNS, RESULT_COLUMNS, SIGMA_PREFIX
+from ..formats.columns import (
+    LABEL_COLUMNS,
+    RESULT_COLUMNS,
+    SIGMA_PREFIX,
+    InputColumn,
+    columns_of,
+)
 from ..formats.tables import Table, read_table
-from ..scene import Impact, Scene
-from ..soil import Soil
+from ..parameters import Part
+from ..scene import PARTS, Scene
+from .laws import scene_of
 
 CAMPAIGN = "campaign"
 
@@ -20,6 +27,8 @@ class Measurements:
     """All tests, in the order of their files and rows."""
 
     files: tuple[Table, ...]
+    base: Scene
+    """Laws and shape, which say what columns there are; its numbers do not count."""
     inputs: dict[str, np.ndarray]
     """Columns of the scene that stand in any of the files, in the unit of their name;
     the default where a file does not have one."""
@@ -51,44 +60,80 @@ class Measurements:
         path, row = self.place(test)
         return f"{path.stem} row {row}" if len(self.files) > 1 else f"row {row}"
 
-    def columns(self, soil: dict[str, float]) -> dict[str, np.ndarray]:
+    @property
+    def known_columns(self) -> dict[str, InputColumn]:
+        """Columns of the scene that there are."""
+        return columns_of(self.base)
+
+    def with_laws(self, laws: Mapping[str, Part]) -> "Measurements":
+        """The same tests on a ground of other laws."""
+        if not laws:
+            return self
+        soil = dataclasses.replace(self.base.soil, **laws)
+        base = Scene(self.base.block, soil, self.base.impact)
+        return dataclasses.replace(self, base=base)
+
+    def with_inputs(self, values: Mapping[str, float]) -> "Measurements":
+        """The same tests with columns of one value each."""
+        added = {name: np.full(len(self), value) for name, value in values.items()}
+        return dataclasses.replace(self, inputs=self.inputs | added)
+
+    def columns(self, held: Mapping[str, float]) -> dict[str, np.ndarray]:
         """Every column of the scene, `(tests,)`, in the unit of its name.
 
         Args:
-            soil: values that stand in no file.
+            held: values that stand in no file; of other laws' parameters none counts.
         """
         return {
             name: np.broadcast_to(
                 np.asarray(
-                    self.inputs.get(name, soil.get(name, column.default)), float
+                    self.inputs.get(name, held.get(name, column.default)), float
                 ),
                 len(self),
             )
-            for name, column in INPUT_COLUMNS.items()
+            for name, column in self.known_columns.items()
         }
 
-    def scene(self, soil: dict[str, float]) -> Scene:
-        """The tests as one scene of arrays, in SI.
+    def scene(self, held: Mapping[str, float]) -> Scene:
+        """The tests as one scene of arrays `(tests,)`, in SI.
 
         Args:
-            soil: values that stand in no file.
+            held: values that stand in no file; of other laws' parameters none counts.
         """
-        fields = {"block": {}, "soil": {}, "impact": {}}
-        for name, values in self.columns(soil).items():
-            column = INPUT_COLUMNS[name]
-            fields[column.part][column.field] = column.factor * values
+        known = self.known_columns
+        fields: dict[str, dict] = {part: {} for part in PARTS}
+        for name, values in self.columns(held).items():
+            fields[known[name].part][known[name].field] = known[name].factor * values
         return Scene(
-            Block(**fields["block"]), Soil(**fields["soil"]), Impact(**fields["impact"])
+            **{
+                part: dataclasses.replace(getattr(self.base, part), **fields[part])
+                for part in PARTS
+            }
         )
 
 
-def read_tests(paths: list[Path]) -> Measurements:
-    """Read and join tables. Raises InputError as `read_table` does."""
-    return joined_tables(tuple(read_table(path, measured=True) for path in paths))
+def read_tests(paths: list[Path], parts: Mapping[str, Part]) -> Measurements:
+    """Read and join tables. Raises InputError as `read_table` does.
+
+    Args:
+        parts: as for `joined_tables`.
+    """
+    return joined_tables(
+        tuple(read_table(path, measured=True) for path in paths), parts
+    )
 
 
-def joined_tables(files: tuple[Table, ...]) -> Measurements:
-    """Tables of tests put together."""
+def joined_tables(
+    files: tuple[Table, ...], parts: Mapping[str, Part] | None = None
+) -> Measurements:
+    """Tables of tests put together.
+
+    Args:
+        parts: laws and shape of all tests, by what they are for, where they are not
+            the usual ones.
+    """
+    base = scene_of(parts or {})
+    known = columns_of(base)
 
     def joined(names, filling, of_table) -> dict[str, np.ndarray]:
         present = [n for n in names if any(n in of_table(table) for table in files)]
@@ -122,7 +167,8 @@ def joined_tables(files: tuple[Table, ...]) -> Measurements:
     )
     return Measurements(
         files=files,
-        inputs=joined(INPUT_COLUMNS, lambda n: INPUT_COLUMNS[n].default, numbers),
+        base=base,
+        inputs=joined(known, lambda n: known[n].default, numbers),
         measured=joined(RESULT_COLUMNS, lambda _: np.nan, numbers),
         censored=joined(RESULT_COLUMNS, lambda _: 0, lambda table: table.censored),
         sigmas={name.removeprefix(SIGMA_PREFIX): v for name, v in sigmas.items()},

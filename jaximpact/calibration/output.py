@@ -14,9 +14,11 @@ from ..accuracy import PRESETS
 from ..formats.directory import NewFile, output_directory
 from ..formats.files import replacing, write_text
 from ..formats.provenance import version_of, versions
+from ..identity import part_names
 from .examination import Examination
 from .fitted_ground import FILES
 from .further_tests import Suggestions
+from .laws import as_entries, unusual
 from .left_out import LeftOut
 from .proportional import SCATTERS, least_size
 from .report import as_text, fit_of_target, interval, standard_error
@@ -151,6 +153,9 @@ def as_json(result: StudyResult, examined: list[Examination]) -> dict:
                 for table in study.tests.files
             ],
             "soil": study.soil,
+            "block": study.block,
+            "parts": as_entries(unusual(study.parts)),
+            "laws": part_names(study.tests.base.soil, study.tests.base.block),
             "parameters": {
                 p.name: {"start": p.start, "lower": p.lower, "upper": p.upper}
                 | ({"prior": dataclasses.asdict(p.prior)} if p.prior else {})
@@ -236,6 +241,7 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
     return {
         "name": variant.variant.name,
         "soil": variant.variant.soil,
+        "parts": as_entries(variant.variant.laws),
         "parameters": parameters,
         "nuisances": nuisances,
         "unknowns": variant.names,

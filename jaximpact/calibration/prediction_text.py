@@ -12,6 +12,7 @@ from ..formats.align import align
 from ..formats.files import refuse_inputs, replacing
 from ..formats.outputs import manifest_path
 from ..formats.provenance import versions
+from ..identity import part_names
 from .chance import too_few
 from .fitted_ground import FittedVariant
 from .predictive import CONFIDENCES, predictive
@@ -285,6 +286,7 @@ def as_json(prediction: "Prediction") -> dict:
             "draws": len(prediction.ground.variants[0].draws),
             "seed": prediction.ground.seed,
             "accuracy": prediction.ground.accuracy,
+            "laws": part_names(prediction.tests.base.soil, prediction.tests.base.block),
             "versions": versions(),
             "versions_of_fit": prediction.ground.versions,
         },
