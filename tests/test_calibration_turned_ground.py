@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from calibration_studies import write_study_of
 from command_line import assert_one_line_error
+from jaximpact.mechanics.foundation import tangency_arm
 
 from jaximpact import Block, Impact, Soil, calibrate, predict, simulate
 from jaximpact.accuracy import PRESETS, Accuracy
@@ -12,7 +13,6 @@ from jaximpact.calibration.objective import Objective, engine_of
 from jaximpact.calibration.study_file import read_study
 from jaximpact.calibration.turned_ground import SIGN, as_stated
 from jaximpact.cli import main
-from jaximpact.mechanics.foundation import tangency_arm
 
 TARGETS = ("e_n", "e_t", "e_bar", "max_sinking_m", "v_n_mps", "v_t_mps")
 TESTS = (  # campaign, mass, aspect ratio, speed, angle, orientation, slope

@@ -1,23 +1,29 @@
 """The tests of a study: one table or several, put together."""
 
+import csv
 import dataclasses
 import itertools
 from collections.abc import Mapping
 from pathlib import Path
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 
+from ..errors import InputError
 from ..formats.columns import (
     LABEL_COLUMNS,
     RESULT_COLUMNS,
     SIGMA_PREFIX,
+    SLOTS,
     InputColumn,
     columns_of,
 )
+from ..formats.scenes import SHAPE, value_of, with_shapes
 from ..formats.tables import Table, read_table
-from ..parameters import Part
+from ..parameters import Part, parameters_of
 from ..scene import PARTS, Scene
-from .laws import scene_of
+from ..shapes import MixedShapes
 
 CAMPAIGN = "campaign"
 
@@ -28,7 +34,7 @@ class Measurements:
 
     files: tuple[Table, ...]
     base: Scene
-    """Laws and shape, which say what columns there are; its numbers do not count."""
+    """Laws, and the shape of each test; the numbers do not count."""
     inputs: dict[str, np.ndarray]
     """Columns of the scene that stand in any of the files, in the unit of their name;
     the default where a file does not have one."""
@@ -59,6 +65,21 @@ class Measurements:
                 return self.labels[column][test]
         path, row = self.place(test)
         return f"{path.stem} row {row}" if len(self.files) > 1 else f"row {row}"
+
+    @property
+    def slots(self) -> set[str]:
+        """What laws or shapes the files name: `flow`, `shape`."""
+        headers = (next(csv.reader([table.header])) for table in self.files)
+        return {name.strip() for header in headers for name in header} & {*SLOTS}
+
+    @property
+    def parts(self) -> dict[str, Part]:
+        """The laws, and the shape unless the files say it, by what they are for."""
+        return {
+            slot: getattr(getattr(self.base, whole), slot)
+            for slot, whole in SLOTS.items()
+            if not (slot == SHAPE and SHAPE in self.slots)
+        }
 
     @property
     def known_columns(self) -> dict[str, InputColumn]:
@@ -104,35 +125,29 @@ class Measurements:
         fields: dict[str, dict] = {part: {} for part in PARTS}
         for name, values in self.columns(held).items():
             fields[known[name].part][known[name].field] = known[name].factor * values
-        return Scene(
+        scene = Scene(
             **{
                 part: dataclasses.replace(getattr(self.base, part), **fields[part])
                 for part in PARTS
             }
         )
+        return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, len(self)), scene)
 
 
-def read_tests(paths: list[Path], parts: Mapping[str, Part]) -> Measurements:
-    """Read and join tables. Raises InputError as `read_table` does.
+def read_tests(paths: list[Path], base: Scene) -> Measurements:
+    """Read and join tables. Raises InputError as `read_table` and `joined_tables` do.
 
     Args:
-        parts: as for `joined_tables`.
+        base: laws, and the shape of tests whose file does not say it.
     """
     return joined_tables(
-        tuple(read_table(path, measured=True) for path in paths), parts
+        tuple(read_table(path, measured=True, base=base) for path in paths)
     )
 
 
-def joined_tables(
-    files: tuple[Table, ...], parts: Mapping[str, Part] | None = None
-) -> Measurements:
-    """Tables of tests put together.
-
-    Args:
-        parts: laws and shape of all tests, by what they are for, where they are not
-            the usual ones.
-    """
-    base = scene_of(parts or {})
+def joined_tables(files: tuple[Table, ...]) -> Measurements:
+    """Tables of tests put together. Raises InputError where their laws differ."""
+    base = _joined_base(files)
     known = columns_of(base)
 
     def joined(names, filling, of_table) -> dict[str, np.ndarray]:
@@ -168,12 +183,47 @@ def joined_tables(
     return Measurements(
         files=files,
         base=base,
-        inputs=joined(known, lambda n: known[n].default, numbers),
+        inputs={
+            name: _filled(base, known[name], values)
+            for name, values in joined(known, lambda _: np.nan, numbers).items()
+        },
         measured=joined(RESULT_COLUMNS, lambda _: np.nan, numbers),
         censored=joined(RESULT_COLUMNS, lambda _: 0, lambda table: table.censored),
         sigmas={name.removeprefix(SIGMA_PREFIX): v for name, v in sigmas.items()},
         labels=labels,
     )
+
+
+def _joined_base(files: tuple[Table, ...]) -> Scene:
+    """The laws of all tables, and the shape of each of their rows."""
+    base = files[0].base
+    for table in files[1:]:
+        laws = [jax.tree.structure(scene.soil) for scene in (base, table.base)]
+        if laws[0] != laws[1]:
+            raise InputError(
+                f"has other laws than {files[0].path.name}; one study has one ground",
+                file=table.path,
+            )
+    kinds = _chained(_kinds(table) for table in files)
+    return base if len(set(kinds)) == 1 else with_shapes(base, kinds)
+
+
+def _kinds(table: Table) -> list[type[Part]]:
+    """The shape of each row."""
+    shape = table.base.block.shape
+    if isinstance(shape, MixedShapes):
+        return [shape.kinds[int(place)] for place in shape.index]
+    return [type(shape)] * len(table.rows)
+
+
+def _filled(base: Scene, column: InputColumn, values: np.ndarray) -> np.ndarray:
+    """A column with the defaults in place of NaN, which may differ with the shape."""
+    missing = np.isnan(values)
+    if not np.any(missing):
+        return values
+    of_shape = column.field in parameters_of(base.block.shape)
+    default = value_of(base, column) if of_shape else column.default
+    return np.where(missing, default, values)
 
 
 def _chained(lists) -> list[str]:

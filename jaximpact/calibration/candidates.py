@@ -12,10 +12,9 @@ from numpy.typing import ArrayLike
 from ..errors import InputError, nearest
 from ..fields import real_numbers
 from ..formats.checks import NUMBERS_PER_IMPACT, check_memory
-from ..formats.columns import RESULT_COLUMNS, InputColumn
+from ..formats.columns import RESULT_COLUMNS, InputColumn, why_unknown
 from ..formats.toml_values import check_keys, choice, known_table, number, typed, whole
 from .design import CRITERIA
-from .laws import why_unknown
 
 COUNT = 3
 MOST = 1000
@@ -69,7 +68,7 @@ def checked_axes(
     for name, given in candidates.items():
         place = {"file": file, "key": f"{key}.{name}"}
         if name not in columns:
-            raise InputError(why_unknown(name, columns), **place)
+            raise InputError(f"is unknown; {why_unknown(name, columns)}", **place)
         if name in fitted:
             raise InputError("is fitted; a test cannot choose it", **place)
         column = columns[name]

@@ -6,29 +6,21 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ..block import Block
-from ..errors import InputError, nearest
-from ..finding import find_part, shipped
-from ..formats.columns import InputColumn
-from ..formats.scenes import SLOTS, text_of
-from ..formats.toml_values import quantity
+from ..errors import InputError
+from ..formats.columns import BASES, SLOTS, USUAL, InputColumn
+from ..formats.scenes import part_named, text_of
+from ..formats.toml_values import quantity, unknown
 from ..identity import source_digest
-from ..parameters import Composite, Part, declared_of, parts_of
+from ..parameters import Composite, Part
 from ..scene import Scene
 from ..soil import Soil
 
 KINDS: dict[str, type[Composite]] = {"soil": Soil, "block": Block}
-BASES = {slot: parts_of(KINDS[part])[slot] for slot, part in SLOTS.items()}
-"""What a part is for -> the class that it derives from."""
 
 
 def unusual(parts: Mapping[str, Part]) -> dict[str, Part]:
     """Those that are not the usual law or shape."""
-    usual = {
-        field.name: field.default_factory
-        for kind in KINDS.values()
-        for field in dataclasses.fields(kind)
-    }
-    return {slot: part for slot, part in parts.items() if type(part) is not usual[slot]}
+    return {slot: part for slot, part in parts.items() if type(part) is not USUAL[slot]}
 
 
 def in_words(parts: Mapping[str, Part]) -> str:
@@ -70,12 +62,12 @@ def parts_and_values(
             parts[name] = given
         elif isinstance(given, str):
             try:
-                parts[name] = find_part(name, BASES[name], given, directory)
+                parts[name] = part_named(name, given, directory)
             except InputError as error:
                 raise InputError(str(error), **place) from error
         else:
             raise InputError(
-                f"must be a name, like {shipped(BASES[name])[0].__name__!r} or "
+                f"must be a name, like {USUAL[name].__name__!r} or "
                 f"'my_laws.py:MyLaw', but is {given!r}",
                 **place,
             )
@@ -91,23 +83,9 @@ def checked_values(
     for name, value in values.items():
         key = f"{where}.{name}"
         if name not in columns:
-            raise InputError(why_unknown(name, columns), file=path, key=key)
+            unknown(path, key, name, columns)
         checked[name] = quantity(path, key, columns[name], value)
     return checked
-
-
-def why_unknown(name: str, columns: Mapping[str, InputColumn]) -> str:
-    """What is wrong with a name that no column has: the law or shape that it belongs
-    to, or the nearest known."""
-    owners = [
-        f"{slot} {kind.__name__}"
-        for slot, base in BASES.items()
-        for kind in shipped(base)
-        if any(name == said.column for said in declared_of(kind).values())
-    ]
-    if owners:
-        return f"is a parameter of {' and '.join(owners)}, which is not chosen here"
-    return f"is unknown; did you mean {nearest(name, columns)}?"
 
 
 def as_entries(parts: Mapping[str, Part]) -> dict[str, dict]:
@@ -132,7 +110,7 @@ def parts_of_entries(entries: Mapping[str, Mapping], file: Path) -> dict[str, Pa
     parts = {}
     for slot, entry in entries.items():
         try:
-            part = find_part(slot, BASES[slot], _name_near(entry["name"], file))
+            part = part_named(slot, _name_near(entry["name"], file))
         except InputError as error:
             raise InputError(
                 f"was fitted with a {slot} that is not there: {error}", file=file

@@ -13,9 +13,8 @@ import numpy as np
 
 from ..errors import InputError
 from ..formats.columns import LABEL_COLUMNS
-from ..formats.toml_values import check_keys, choice, number, typed
+from ..formats.toml_values import check_keys, choice, number, typed, unknown
 from .campaigns import Measurements
-from .laws import why_unknown
 from .turned_ground import ANGLE
 
 SLOPE = "slope_deg"
@@ -103,7 +102,7 @@ def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisan
     key = f"nuisance.{name}"
     columns = tests.known_columns
     if name not in columns:
-        raise InputError(why_unknown(name, columns), file=path, key=key)
+        unknown(path, key, name, columns)
     if not isinstance(entry, dict):
         raise InputError(
             'must be a table like { by = "campaign", prior = { mean = 30.0, sd = 5.0 } '

@@ -11,16 +11,15 @@ import numpy as np
 from ..block import Block
 from ..errors import InputError, nearest
 from ..fields import expect
-from ..formats.columns import InputColumn, columns_of_part
+from ..formats.columns import SLOTS, InputColumn, columns_of_part, why_unknown
 from ..formats.files import replacing
-from ..formats.scenes import SLOTS
 from ..parameters import Composite, Part, parts_of
 from ..precision import require_float64
 from ..soil import Soil
 from .campaigns import joined_tables
 from .examination import Examination
 from .given import COLUMNS, table_given
-from .laws import parts_and_values, why_unknown
+from .laws import parts_and_values, scene_of
 from .least_squares import Progress
 from .output import as_json, study_directory, write_all
 from .run import fit_and_examine
@@ -207,8 +206,8 @@ def _study(tests, fit, ground, block, targets, sigma, scatter, seed) -> Study:
     expect("fit", fit, Iterable, type(None))
     expect("targets", targets, Iterable, type(None))
     of_ground, of_block = _given("ground", Soil, ground), _given("block", Block, block)
-    parts = of_ground.parts | of_block.parts
-    measurements = joined_tables((table_given(tests),), parts)
+    base = scene_of(of_ground.parts | of_block.parts)
+    measurements = joined_tables((table_given(tests, base),))
     known = measurements.known_columns
     columns = {name: column for name, column in known.items() if column.part == "soil"}
     if not isinstance(fit, Mapping):
@@ -227,7 +226,8 @@ def _study(tests, fit, ground, block, targets, sigma, scatter, seed) -> Study:
         | {
             name: value
             for name, value in given.values.items()
-            if name not in (*parameters, *measurements.inputs, *given.stated)
+            if name in known
+            and name not in (*parameters, *measurements.inputs, *given.stated)
         }
         for whole, given in (("soil", of_ground), ("block", of_block))
     }
@@ -237,7 +237,6 @@ def _study(tests, fit, ground, block, targets, sigma, scatter, seed) -> Study:
     return study_of(
         measurements,
         {key: value for key, value in content.items() if value is not None},
-        parts,
     )
 
 
@@ -317,4 +316,6 @@ def _check_names(
                 f"{what} names {name!r}, which belongs to block or impact; it "
                 "stands in the table"
             )
-        raise InputError(f"{what} names {name!r}, which {why_unknown(name, columns)}")
+        raise InputError(
+            f"{what} names {name!r}, which is unknown; {why_unknown(name, columns)}"
+        )

@@ -20,6 +20,8 @@ import numpy as np
 from ..accuracy import PRESETS
 from ..errors import InputError
 from ..fields import expect
+from ..formats.scenes import SHAPE
+from ..identity import name_of
 from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
 from . import prediction_text
@@ -34,6 +36,7 @@ from .fitted_ground import (
     read_fitted,
 )
 from .given import table_given
+from .laws import scene_of
 from .least_squares import Progress
 from .losses import LOSSES
 from .nuisance import EACH_TEST, Nuisance, read_nuisances
@@ -142,7 +145,7 @@ def predict(
         ground, inputs = ground_of(result), result.result.study.inputs
     else:
         ground, inputs = read_fitted(Path(result)), files_of_fit(Path(result))
-    measurements = joined_tables((table_given(tests),), ground.parts)
+    measurements = joined_tables((table_given(tests, scene_of(ground.parts)),))
     study = held_out_study(ground, measurements)
     progress = progress or (lambda text: None)
     progress("compiling once")
@@ -183,6 +186,7 @@ def ground_of(found: Calibration) -> FittedGround:
 def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
     """New tests as a study with the parameters of a fit. It is not fitted."""
     path = tests.files[0].path
+    _check_laws(ground, tests, path)
     tests = tests.with_inputs(
         {n: value for n, value in ground.block.items() if n not in tests.inputs}
     )
@@ -220,9 +224,22 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
         method=METHODS[0],
         variants=tuple(fitted.variant for fitted in ground.variants),
         candidates=Candidates(),
-        parts=ground.parts,
+        parts=tests.parts,
         block=ground.block,
     )
+
+
+def _check_laws(ground: FittedGround, tests: Measurements, path: Path) -> None:
+    """Raise InputError where the tests name another law than the fit's."""
+    for slot, law in ground.parts.items():
+        named = tests.parts.get(slot, law)
+        if slot != SHAPE and name_of(type(named)) != name_of(type(law)):
+            raise InputError(
+                f"is {type(named).__name__}, but the fit was made with "
+                f"{type(law).__name__}",
+                file=path,
+                column=slot,
+            )
 
 
 def _nuisances(

@@ -9,8 +9,7 @@ import numpy as np
 from ..accuracy import PRESETS
 from ..errors import InputError, nearest
 from ..formats.checks import check_memory
-from ..formats.columns import RESULT_COLUMNS, InputColumn
-from ..formats.scenes import SLOTS
+from ..formats.columns import RESULT_COLUMNS, SLOTS, InputColumn
 from ..formats.toml_values import (
     allowed,
     check_keys,
@@ -25,7 +24,7 @@ from ..parameters import Part
 from ..scene import Scene
 from .campaigns import Measurements, read_tests
 from .candidates import Candidates, read_candidates
-from .laws import KINDS, checked_values, parts_and_values, why_unknown
+from .laws import KINDS, checked_values, parts_and_values, scene_of
 from .losses import LOSSES
 from .nuisance import Nuisance, Prior, read_nuisances, read_prior
 from .proportional import PROPORTIONAL, SCATTERS, least_size, root_mean_square
@@ -130,7 +129,8 @@ class Study:
     candidates: Candidates
     """For further tests."""
     parts: dict[str, Part] = dataclasses.field(default_factory=dict)
-    """Laws and shape that the study names, by what they are for."""
+    """Laws of the ground, and the shape unless the tests say theirs, by what they are
+    for."""
     block: dict[str, float] = dataclasses.field(default_factory=dict)
     """Values of the block that all tests share and no table says; `tests` has them
     too."""
@@ -170,34 +170,32 @@ def read_study(path: Path) -> Study:
     for table in KINDS:
         entries = typed(path, content, table, dict, {})
         parts |= parts_and_values(path, table, entries, table, path.parent)[0]
-    tests = read_tests(_data(path, content), parts)
+    tests = read_tests(_data(path, content), scene_of(parts))
     content.setdefault("title", path.resolve().parent.name)
-    return _study(path, content, tests, parts)
+    for slot in parts:
+        _check_in_study_alone(path, tests, f"{SLOTS[slot]}.{slot}", slot)
+    return _study(path, content, tests)
 
 
-def study_of(
-    tests: Measurements, content: dict, parts: Mapping[str, Part] | None = None
-) -> Study:
+def study_of(tests: Measurements, content: dict) -> Study:
     """A study of tests that are there.
 
     Args:
-        tests: of one table or several.
+        tests: of one table or several, with the laws and the shape of the study.
         content: what a study's file would say, without `data`, laws and shape.
-        parts: laws and shape that the tests were joined with.
     """
     path = tests.files[0].path
-    return _study(path, {"title": path.stem} | content, tests, dict(parts or {}))
+    return _study(path, {"title": path.stem} | content, tests)
 
 
-def _study(
-    path: Path, content: dict, tests: Measurements, parts: dict[str, Part]
-) -> Study:
+def _study(path: Path, content: dict, tests: Measurements) -> Study:
     check_keys(path, "", content, KEYS)
     variants = _variants(path, content, tests)
     grounds = [tests.with_laws(variant.laws).known_columns for variant in variants]
     fixed = _held(path, content, "soil", _merged(grounds))
     block = _held(path, content, "block", tests.known_columns)
-    _check_given_once(path, tests, "block", block)
+    for name in block:
+        _check_in_study_alone(path, tests, f"block.{name}", name)
     tests = tests.with_inputs(block)
     parameters = _parameters(path, content, grounds[0])
     nuisances = read_nuisances(path, content, tests.with_laws(variants[0].laws), fixed)
@@ -236,7 +234,7 @@ def _study(
         candidates=read_candidates(
             path, content, tuple(p.name for p in parameters), grounds[0]
         ),
-        parts=parts,
+        parts=tests.parts,
         block=block,
     )
 
@@ -307,7 +305,7 @@ def _parameter(
 ) -> Parameter:
     key = f"parameters.{name}"
     if name not in columns:
-        raise InputError(why_unknown(name, columns), file=path, key=key)
+        unknown(path, key, name, columns)
     if not isinstance(entry, dict):
         raise InputError(
             "must be a table like { start = 1.0, lower = 0.1, upper = 10.0 }, but is "
@@ -364,6 +362,8 @@ def _variants(path: Path, content: dict, tests: Measurements) -> tuple[Variant, 
         name = typed(path, named, "name", str, words)
         named.pop("name", None)
         laws, values = parts_and_values(path, where, named, "soil", path.parent)
+        for slot in laws:
+            _check_in_study_alone(path, tests, f"{where}.{slot}", slot)
         known = tests.with_laws(laws).known_columns
         known = {name: c for name, c in known.items() if c.part == "soil"}
         soil = checked_values(path, where, values, known)
@@ -396,14 +396,11 @@ def _check_in_all(path, parameters, nuisances, variants, grounds) -> None:
                 )
 
 
-def _check_given_once(path, tests, where: str, values) -> None:
-    """Raise InputError for a value of a table of the study that the tests have too."""
-    data = " or ".join(table.path.name for table in tests.files)
-    for name in values:
-        if name in tests.inputs:
-            raise InputError(
-                f"stands in {data} too; remove one", file=path, key=f"{where}.{name}"
-            )
+def _check_in_study_alone(path, tests: Measurements, key: str, name: str) -> None:
+    """Raise InputError for what the study says and the tests' tables too."""
+    if name in tests.inputs or name in tests.slots:
+        data = " or ".join(table.path.name for table in tests.files)
+        raise InputError(f"stands in {data} too; remove one", file=path, key=key)
 
 
 def _check_fitted_once(path, tests, parameters, nuisances, fixed, variants) -> None:
@@ -430,7 +427,8 @@ def _check_fitted_once(path, tests, parameters, nuisances, fixed, variants) -> N
                 key=f"nuisance.{nuisance.name}",
             )
     for where, values in toml:
-        _check_given_once(path, tests, where, values)
+        for name in values:
+            _check_in_study_alone(path, tests, f"{where}.{name}", name)
 
 
 def _targets(path: Path, content: dict, tests: Measurements, nuisances):
