@@ -103,9 +103,10 @@ def read_fitted(path: Path) -> FittedGround:
             file=path,
         ) from error
     try:
-        manifest, variants = tree["manifest"], tree["variants"]
-        parts = parts_of_entries(manifest["parts"], path)
-        laws = [parts_of_entries(variant["parts"], path) for variant in variants]
+        parts, *laws = (
+            parts_of_entries(entry.get("parts", {}), path)
+            for entry in (tree["manifest"], *tree["variants"])
+        )
         return fitted_of(tree, parts, laws)
     except InputError:
         raise
@@ -152,7 +153,7 @@ def fitted_of(
         results=tree["fitted_tests"]["results"],
         versions=manifest["versions"],
         parts=parts,
-        block=manifest["block"],
+        block=manifest.get("block", {}),
     )
 
 

@@ -153,8 +153,8 @@ def as_json(result: StudyResult, examined: list[Examination]) -> dict:
                 for table in study.tests.files
             ],
             "soil": study.soil,
-            "block": study.block,
-            "parts": as_entries(unusual(study.parts)),
+            **_said("block", study.block),
+            **_said("parts", as_entries(unusual(study.parts))),
             "laws": part_names(study.tests.base.soil, study.tests.base.block),
             "parameters": {
                 p.name: {"start": p.start, "lower": p.lower, "upper": p.upper}
@@ -183,6 +183,11 @@ def as_json(result: StudyResult, examined: list[Examination]) -> dict:
             "versions": versions(),
         },
     }
+
+
+def _said(key: str, entries: dict) -> dict:
+    """An entry of the tree where there is something to say."""
+    return {key: entries} if entries else {}
 
 
 def _fitted_tests(study: Study) -> dict:
@@ -241,7 +246,7 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
     return {
         "name": variant.variant.name,
         "soil": variant.variant.soil,
-        "parts": as_entries(variant.variant.laws),
+        **_said("parts", as_entries(variant.variant.laws)),
         "parameters": parameters,
         "nuisances": nuisances,
         "unknowns": variant.names,
