@@ -203,6 +203,17 @@ def test_tests_are_predicted_with_the_law(folder, found, written):
     assert beside["manifest"]["laws"] == manifest["laws"]
 
 
+def test_a_shape_that_was_not_fitted_is_told(found):
+    mass, speed, angle = NEW[0]
+    tests = {"mass_kg": [mass], "speed_mps": [speed], "angle_deg": [angle]}
+    block = {"shape": "RectangularPrism", "corner_radius_ratio": [0.3]}
+    text = str(predict(found, tests | block))
+    assert "No fitted test has a block of the shape RectangularPrism." in text
+    assert "Outside" not in text
+    with pytest.raises(InputError, match="column flow: is Perzyna, but the fit was"):
+        predict(found, tests | {"flow": "Perzyna"})
+
+
 def test_a_law_that_was_edited_is_another(tmp_path, written, folder, capsys):
     """A fit is not predicted with it; where it is gone, the copy beside the fit is."""
     tree = (written / "fit.json").read_text()

@@ -23,7 +23,7 @@ from ..formats.scenes import SHAPE, value_of, with_shapes
 from ..formats.tables import Table, read_table
 from ..parameters import Part, parameters_of
 from ..scene import PARTS, Scene
-from ..shapes import MixedShapes
+from ..shapes import AbstractShape, MixedShapes
 
 CAMPAIGN = "campaign"
 
@@ -80,6 +80,12 @@ class Measurements:
             for slot, whole in SLOTS.items()
             if not (slot == SHAPE and SHAPE in self.slots)
         }
+
+    @property
+    def shapes(self) -> list[str]:
+        """Name of the shape of each test's block."""
+        shape, count = self.base.block.shape, len(self)
+        return [kind.__name__ for kind in _kinds_of(shape, count)]
 
     @property
     def known_columns(self) -> dict[str, InputColumn]:
@@ -204,16 +210,17 @@ def _joined_base(files: tuple[Table, ...]) -> Scene:
                 f"has other laws than {files[0].path.name}; one study has one ground",
                 file=table.path,
             )
-    kinds = _chained(_kinds(table) for table in files)
+    kinds = _chained(
+        _kinds_of(table.base.block.shape, len(table.rows)) for table in files
+    )
     return base if len(set(kinds)) == 1 else with_shapes(base, kinds)
 
 
-def _kinds(table: Table) -> list[type[Part]]:
-    """The shape of each row."""
-    shape = table.base.block.shape
+def _kinds_of(shape: AbstractShape, count: int) -> list[type[AbstractShape]]:
+    """The shape of each test."""
     if isinstance(shape, MixedShapes):
         return [shape.kinds[int(place)] for place in shape.index]
-    return [type(shape)] * len(table.rows)
+    return [type(shape)] * count
 
 
 def _filled(base: Scene, column: InputColumn, values: np.ndarray) -> np.ndarray:

@@ -71,7 +71,17 @@ class Engine:
 
     def __getstate__(self) -> dict:
         # Machine code belongs to a process; another compiles its own, if it computes.
-        return {name: v for name, v in vars(self).items() if name != "kernel"}
+        state = {name: v for name, v in vars(self).items() if name != "kernel"}
+        structure = self.assembly.structure
+        # A class that is made as the program runs, as of several shapes, is pickled by
+        # what has it, not by a structure.
+        state["template"] = jax.tree.unflatten(structure, [0.0] * structure.num_leaves)
+        return state | {"assembly": self.assembly._replace(structure=None)}
+
+    def __setstate__(self, state: dict) -> None:
+        structure = jax.tree.structure(state.pop("template"))
+        vars(self).update(state)
+        self.assembly = self.assembly._replace(structure=structure)
 
     def for_targets(self, targets: tuple[str, ...]) -> "Engine":
         """The same code, for other result columns."""

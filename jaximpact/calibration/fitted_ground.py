@@ -77,6 +77,8 @@ class FittedGround(NamedTuple):
     """Laws, and the shape of blocks that do not say theirs, by what they are for."""
     block: dict[str, float]
     """Values of the block that the fitted tests had in common."""
+    shapes: tuple[str, ...] = ()
+    """Those that fitted blocks had, if it is known."""
 
 
 DAMAGED = (LookupError, TypeError, AttributeError, ValueError, ArithmeticError)
@@ -154,6 +156,7 @@ def fitted_of(
         versions=manifest["versions"],
         parts=parts,
         block=manifest.get("block", {}),
+        shapes=tuple(tree["fitted_tests"].get("shapes", ())),
     )
 
 

@@ -204,7 +204,9 @@ def _fitted_tests(study: Study) -> dict:
         name: [float(np.min(values)), float(np.max(values))]
         for name, values in study.tests.columns(study.soil).items()
     }
-    return {"count": len(study.tests), "ranges": ranges, "results": results}
+    shapes = sorted(set(study.tests.shapes))
+    found = {"count": len(study.tests), "ranges": ranges, "shapes": shapes}
+    return found | {"results": results}
 
 
 def _variant(result: StudyResult, variant: VariantResult) -> dict:

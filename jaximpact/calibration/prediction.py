@@ -108,6 +108,12 @@ class Prediction(NamedTuple):
     inputs: list[Path]
     """Files that it was made from."""
 
+    @property
+    def new_shapes(self) -> list[str]:
+        """Shapes of blocks that no fitted test has."""
+        fitted = self.ground.shapes
+        return sorted({*self.tests.shapes} - {*fitted}) if fitted else []
+
     def __str__(self) -> str:
         return prediction_text.as_text(self)
 

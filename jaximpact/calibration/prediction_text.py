@@ -42,6 +42,8 @@ def as_text(prediction: "Prediction") -> str:
     lines = wrapped(f"{head}{prediction.ground.title!r}.", 0, 2)
     for outside in prediction.outside:
         lines += wrapped(_about_outside(prediction, outside), 0, 2)
+    for shape in prediction.new_shapes:
+        lines += wrapped(f"No fitted test has a block of the shape {shape}.", 0, 2)
     several = len(prediction.variants) > 1
     for variant in prediction.variants:
         name = variant.fitted.variant.name
@@ -278,6 +280,7 @@ def as_json(prediction: "Prediction") -> dict:
             }
             for one in prediction.outside
         },
+        "shapes_not_fitted": prediction.new_shapes,
         "manifest": {
             "tests": [
                 {"file": table.path.name, "sha256": table.sha256}
