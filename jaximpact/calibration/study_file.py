@@ -164,7 +164,7 @@ def read_study(path: Path) -> Study:
     """
     path = Path(path)
     if path.suffix.lower() != TOML:
-        return study_of(read_tests([path], {}), {})
+        return study_of(read_tests([path], Scene()), {})
     content = load_toml(path)
     parts: dict[str, Part] = {}
     for table in KINDS:
