@@ -387,25 +387,12 @@ def _select(graph: Graph, which: Value, *cases: Value) -> Value:
 
 
 def _power(graph: Graph, x: Value, exponent: Value) -> Value:
-    """By the logarithm, which leaves the sign to be found where the exponent may be a
-    whole number."""
-    at = graph.apply
-    if not isinstance(exponent, Node) and not float(exponent).is_integer():
-        return elementary.exp(graph, at("multiply", exponent, elementary.log(graph, x)))
-    log = elementary.log(graph, at("magnitude", x))
-    size = elementary.exp(graph, at("multiply", exponent, log))
-    half = at("multiply", 0.5, exponent)
-    of_negative = graph.choose(_is_whole(graph, half), size, at("negate", size))
-    of_negative = graph.choose(_is_whole(graph, exponent), of_negative, math.nan)
-    result = graph.choose(at("less", x, 0.0), of_negative, size)
-    is_one = at("or", at("equal", exponent, 0.0), at("equal", x, 1.0))
-    return graph.choose(is_one, 1.0, result)
-
-
-def _is_whole(graph: Graph, x: Value) -> Value:
-    """Whether a number below 2^51 is whole."""
-    rounded = graph.apply("fused", x, 1.0, elementary.ROUNDER)
-    return graph.apply("equal", graph.apply("subtract", rounded, elementary.ROUNDER), x)
+    """Of numbers that are not negative, by an exponent that is no whole number."""
+    if isinstance(exponent, Node) or float(exponent).is_integer():
+        raise NoMachineCode("no native pow but by a known, broken exponent")
+    return elementary.exp(
+        graph, graph.apply("multiply", exponent, elementary.log(graph, x))
+    )
 
 
 LESS = _plain("less", "integer_less")
