@@ -75,6 +75,10 @@ class OneRatio(AbstractDamping):
 
         works = ~(np.asarray(self.my_ratio) <= 0.0)
         return works, works
+
+
+class SecondRate(OneRatio):
+    my_rate: object = parameter(0.0, "-", "[0, inf)", "of the flow's name")
 '''
 TRUE = {"my_rate": 6.0, "my_limit": 0.3, "c_v": 1.5}
 SIGMA = {"e_n": 2e-3, "max_penetration_m": 1e-3}
@@ -257,6 +261,12 @@ BAD = {
     "file": ("my_laws.py:", "your_laws.py:", "soil.flow", "your_laws.py"),
     "class": (":Saturating", ":Satuating", "did you mean Saturating?"),
     "base": (":Saturating", ":OneRatio", "must derive from AbstractFlow"),
+    "one name twice": (
+        "[parameters]",
+        '[[variants]]\ndamping = "my_laws.py:SecondRate"\n[parameters]',
+        "variants[1]",
+        "two parameters of one name",
+    ),
     "no name": ('"my_laws.py:Saturating"', "3", "soil.flow", "must be a name"),
     "value": ("[soil]", "[soil]\nmy_limt = 1", "soil.my_limt", "mean my_limit?"),
     "range": ("c_v = {}", "c_v = {}\n[block]\naspect_ratio = -1", "above 0"),

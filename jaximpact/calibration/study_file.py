@@ -9,7 +9,7 @@ import numpy as np
 from ..accuracy import PRESETS
 from ..errors import InputError, nearest
 from ..formats.checks import check_memory
-from ..formats.columns import RESULT_COLUMNS, SLOTS, InputColumn
+from ..formats.columns import RESULT_COLUMNS, SLOTS, InputColumn, columns_of
 from ..formats.toml_values import (
     allowed,
     check_keys,
@@ -164,13 +164,18 @@ def read_study(path: Path) -> Study:
     """
     path = Path(path)
     if path.suffix.lower() != TOML:
-        return study_of(read_tests([path], {}), {})
+        return study_of(read_tests([path], Scene()), {})
     content = load_toml(path)
     parts: dict[str, Part] = {}
     for table in KINDS:
         entries = typed(path, content, table, dict, {})
         parts |= parts_and_values(path, table, entries, table, path.parent)[0]
-    tests = read_tests(_data(path, content), scene_of(parts))
+    try:
+        base = scene_of(parts)
+        columns_of(base)
+    except InputError as error:  # two parameters of one name
+        raise InputError(str(error), file=path) from error
+    tests = read_tests(_data(path, content), base)
     content.setdefault("title", path.resolve().parent.name)
     for slot in parts:
         _check_in_study_alone(path, tests, f"{SLOTS[slot]}.{slot}", slot)
@@ -364,7 +369,10 @@ def _variants(path: Path, content: dict, tests: Measurements) -> tuple[Variant, 
         laws, values = parts_and_values(path, where, named, "soil", path.parent)
         for slot in laws:
             _check_in_study_alone(path, tests, f"{where}.{slot}", slot)
-        known = tests.with_laws(laws).known_columns
+        try:
+            known = tests.with_laws(laws).known_columns
+        except InputError as error:  # two parameters of one name
+            raise InputError(str(error), file=path, key=where) from error
         known = {name: c for name, c in known.items() if c.part == "soil"}
         soil = checked_values(path, where, values, known)
         variants.append(Variant(name, soil, laws))
