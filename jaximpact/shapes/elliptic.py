@@ -27,7 +27,9 @@ class AbstractElliptic(AbstractShape):
         difference = (axes.major**2 - axes.minor**2) * sin * cos
         return -difference / self.support(axes, sin, cos)
 
-    def support_change(self, axes, start, now, sin_turn, *, side=None) -> Scalar:
+    def support_change(
+        self, axes, start, now, sin_turn, *, start_side=None, side=None
+    ) -> Scalar:
         r"""$(r_y^2 - r_{y0}^2) / (r_y + r_{y0})$ [m] with
         $r_y^2 - r_{y0}^2 = -(H^2 - R^2) \sin(2 \theta_0 + \theta) \sin\theta$, which
         keeps its digits at small rotations."""
