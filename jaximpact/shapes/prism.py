@@ -37,7 +37,7 @@ class RectangularPrism(AbstractShape):
         1.0, "-", "(0, inf)", "W/R", usual=USUAL_RATIO
     )
     corner_radius_ratio: Scalar = parameter(
-        0.2, "-", "(0, 1]", "radius of the corners over the smaller of H and R"
+        0.2, "-", "[0, 1]", "radius of the corners over the smaller of H and R"
     )
 
     def _radius(self, major, minor) -> Scalar:
@@ -108,30 +108,24 @@ class RectangularPrism(AbstractShape):
         major, minor, out_of_plane = axes
         radius = self._radius(major, minor)
         a, b = major - radius, minor - radius
-        sin_sign, cos_sign = jnp.sign(sin), jnp.sign(cos)
-        lowest = b * sin_sign * cos - a * cos_sign * sin
-        lefts, rights = [lowest], [lowest]
-
-        def add(left, right, cut):
-            lefts.append(jnp.where(cut, left, lowest))
-            rights.append(jnp.where(cut, right, lowest))
-
-        # The body is the union of two crossed rectangles and four circles.
-        for long, short in ((major, b), (a, minor)):
-            add(*_cut_of_rectangle(long, short, sin, cos, height))
         deepest = a * jnp.abs(cos) + b * jnp.abs(sin)
-        for p, q in ((a, b), (a, -b), (-a, b), (-a, -b)):
-            # Depth of the circle's lowest point, exact for the deepest at the onset
+
+        def rounded(end, direction):
+            """End of the section from that of the rectangle with sharp corners."""
+            along, across = height * cos - end * sin, height * sin + end * cos
+            p, q = jnp.where(along < 0.0, -a, a), jnp.where(across < 0.0, -b, b)
+            # Depth of the lowest point of the corner's circle; of the block's lowest
+            # corner without rounding, which the onset needs
             depth = sinking + (p * cos + q * sin - deepest)
             half = safe_sqrt(depth * (2.0 * radius - depth))
-            centre = q * cos - p * sin
-            cut = (depth > 0.0) & (depth < 2.0 * radius)
-            add(centre - half, centre + half, cut)
-        left = jnp.min(jnp.stack(lefts), axis=0)
-        right = jnp.max(jnp.stack(rights), axis=0)
+            in_corner = (jnp.abs(along) > a) & (jnp.abs(across) > b)
+            return jnp.where(in_corner, q * cos - p * sin + direction * half, end)
 
+        left, right = _cut_of_rectangle(major, minor, sin, cos, height)
+        left, right = rounded(left, -1.0), rounded(right, 1.0)
         extreme = a * jnp.abs(sin) + b * jnp.abs(cos) + radius
-        level = b * cos_sign * sin - a * sin_sign * cos  # of the right extreme point
+        # Depth of the right extreme point below the centre
+        level = b * jnp.sign(cos) * sin - a * jnp.sign(sin) * cos
         return Section(
             jnp.where(-level - height < 0.0, left, -extreme),
             jnp.where(level - height < 0.0, right, extreme),
@@ -141,11 +135,12 @@ class RectangularPrism(AbstractShape):
 
 def _cut_of_rectangle(long, short, sin, cos, height):
     """Ends of the cut of a rectangle of half sides `long` (along the major axis) and
-    `short` by the ground, and whether there is one."""
+    `short` by the ground."""
     steep = jnp.where(jnp.abs(cos) < LEAST_SLOPE, LEAST_SLOPE, cos)
     level = jnp.where(jnp.abs(sin) < LEAST_SLOPE, LEAST_SLOPE, sin)
     first, first_half = -height * sin / steep, short / jnp.abs(steep)
     second, second_half = height * cos / level, long / jnp.abs(level)
-    left = jnp.maximum(first - first_half, second - second_half)
-    right = jnp.minimum(first + first_half, second + second_half)
-    return left, right, left < right
+    return (
+        jnp.maximum(first - first_half, second - second_half),
+        jnp.minimum(first + first_half, second + second_half),
+    )
