@@ -27,24 +27,15 @@ class Stiffness(NamedTuple):
     rotational: Scalar  # k_r [N m/rad]
 
 
-FITTED_UP_TO = 100.0
-"""R_s up to which J_s is taken as printed."""
-
-
 def shape_factor(shape_ratio: Scalar) -> Scalar:
     r"""Correction of the normal stiffness for an oblong foundation.
 
     $$ J_s = 0.957 \exp(0.0394 R_s), \qquad R_s = \max(B_t, B_w)/\min(B_t, B_w) $$
 
-    Beyond $R_s = 100$ it stays at 49: a block that is straight out of the plane of
-    motion touches along a line, with $R_s$ in the thousands, where the exponential has
-    lost its meaning (and overflows). What it is taken for there does not matter: the
-    foundation of a cylinder is that slender down to a sinking of 1e-4 R only.
-
     Source: Dattola et al. (2023), appendix C, from values of Gazetas (1983). At
     $R_s = 1$ it is 0.9955, not 1: the paper's interpolation, kept.
     """
-    return 0.957 * jnp.exp(0.0394 * jnp.minimum(shape_ratio, FITTED_UP_TO))
+    return 0.957 * jnp.exp(0.0394 * shape_ratio)
 
 
 class AbstractElasticity(Part):
@@ -87,14 +78,20 @@ def footing_stiffness(
         S_ef, poisson: $S_{ef}$ and $\nu$ [-].
         foundation, branch: as for a law.
 
-    Smooth except at $B_t = B_w$, where the shape ratio has a kink; the derivative there
-    is that of $B_t < B_w$. Source: a reading; Gazetas (1983).
+    $R_s$ counts no further than the foundation's `most_slender`: a block straight out
+    of the plane of motion touches along a line, where the exponential of $R_s$ has lost
+    its meaning, and overflows.
+
+    Smooth except there and at $B_t = B_w$, where the shape ratio has a kink; the
+    derivative there is that of $B_t < B_w$. Source: a reading; Gazetas (1983).
     """
     length, width = foundation.length, foundation.width
     radius = equal_area_radius(foundation)
     ratio = length / width
     oblong = ratio > 1.0 if branch is None else branch.oblong
     shape_ratio = jnp.where(oblong, ratio, 1.0 / ratio)
+    if foundation.most_slender is not None:
+        shape_ratio = jnp.minimum(shape_ratio, foundation.most_slender)
     shear_modulus = S_ef * modulus / (2.0 * (1.0 + poisson))
     return Stiffness(
         normal=shape_factor(shape_ratio)

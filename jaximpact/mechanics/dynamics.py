@@ -180,13 +180,9 @@ def contact_geometry(
     side = None if branch is None else branch.side
     sin, cos = turned(ground, rotation)
     start = ground.sin_start, ground.cos_start
+    sides = {} if side is None else dict(start_side=ground.start_side, side=side)
     change = ground.shape.support_change(
-        ground.axes,
-        start,
-        (sin, cos),
-        jnp.sin(rotation),
-        start_side=ground.start_side,
-        side=side,
+        ground.axes, start, (sin, cos), jnp.sin(rotation), **sides
     )
     return foundation(
         ground.shape, ground.axes, sin, cos, penetration + change, side=side
@@ -228,7 +224,9 @@ def for_laws(ground: Ground, base: Foundation) -> Foundation:
     """The foundation as the laws see it: its sizes are kept positive."""
     floor = SMALLEST_FOUNDATION * ground.axes.minor
     return base._replace(
-        length=jnp.maximum(base.length, floor), width=jnp.maximum(base.width, floor)
+        length=jnp.maximum(base.length, floor),
+        width=jnp.maximum(base.width, floor),
+        most_slender=ground.shape.most_slender,
     )
 
 

@@ -1,7 +1,7 @@
 """What the model takes from the shape of a block."""
 
 import abc
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -47,7 +47,16 @@ class AbstractShape(Part):
     axis as its sine and cosine (positive clockwise, down-slope to the right). All
     functions take and return scalars, and must be finite, with finite derivatives, for
     every finite input.
+
+    A shape with flat faces defines `side_of` too; `support`, `tangency_arm` and
+    `section` then take `side`, a keyword that other shapes are not given.
     """
+
+    most_slender: ClassVar[float | None] = 100.0
+    """Ratio of the foundation's sizes up to which the correction J_s of the stiffness
+    heeds it, 49 there. A block straight out of the plane of motion is beyond it down to
+    a sinking of some 1e-4 R, and J_s, an exponential, would overflow; what it is there
+    does not show in results. None: without end, as the paper prints J_s."""
 
     @property
     @abc.abstractmethod
@@ -67,15 +76,29 @@ class AbstractShape(Part):
         r"""Height $r_y(\Theta)$ of the centre over a ground that the block touches [m].
 
         Args:
+            axes: H, R and W [m]. sin, cos: of the orientation.
             side: of `side_of`, on which to stay; None for the one where it is.
         """
 
     @abc.abstractmethod
     def section(
-        self, axes: SemiAxes, sin: Scalar, cos: Scalar, height: Scalar, sinking: Scalar
+        self,
+        axes: SemiAxes,
+        sin: Scalar,
+        cos: Scalar,
+        height: Scalar,
+        sinking: Scalar,
+        *,
+        side: Flag | None = None,
     ) -> Section:
-        """Section by the ground with the centre at a `height` over it and the lowest
-        point at a depth `sinking` [m] (positive; their sum is the support)."""
+        """Section by the ground.
+
+        Args:
+            axes, sin, cos, side: as for `support`.
+            height: of the centre over the ground [m]; negative once it has sunk below.
+            sinking: depth of the lowest point [m], `support - height`. What is given
+                where it is not positive is not used, but must be finite.
+        """
 
     def semi_axes(self, mass: Scalar, density: Scalar) -> SemiAxes:
         r"""H, R and W, with $R = \sqrt[3]{m / (\rho V_1)}$ and $V_1$ the unit volume.
@@ -101,8 +124,9 @@ class AbstractShape(Part):
         Args:
             side: as for `support`; with None, on a level face, its middle.
         """
+        sides = on_side(side)
         return jax.jvp(
-            lambda s, c: self.support(axes, s, c, side=side), (sin, cos), (cos, -sin)
+            lambda s, c: self.support(axes, s, c, **sides), (sin, cos), (cos, -sin)
         )[1]
 
     def arm_at_touch(
@@ -137,8 +161,8 @@ class AbstractShape(Part):
             start, now: sine and cosine of the two. sin_turn: sine of the angle between.
             start_side, side: on which to be at the two.
         """
-        before = self.support(axes, *start, side=start_side)
-        return self.support(axes, *now, side=side) - before
+        before = self.support(axes, *start, **on_side(start_side))
+        return self.support(axes, *now, **on_side(side)) - before
 
     def side_of(self, sin: Scalar, cos: Scalar) -> Scalar | None:
         """A function that changes sign at orientations where the lowest point jumps
@@ -189,6 +213,11 @@ class AbstractShape(Part):
         across, along = support * sin + arm * cos, support * cos - arm * sin
         points = np.column_stack([across, along])
         return np.concatenate([points, points[:1]])
+
+
+def on_side(side: Flag | None) -> dict[str, Flag]:
+    """The keyword `side`, for a shape that has sides; else nothing."""
+    return {} if side is None else {"side": side}
 
 
 SYMMETRIC_WITHIN = 1e-12

@@ -90,6 +90,8 @@ class Ellipsoid(AbstractElliptic):
     semi-axis is a parameter of its own here, where the paper sets W = R.
     """
 
+    most_slender = None
+
     aspect_ratio: Scalar = parameter(
         1.0, "-", "(0, inf)", "H/R; below 1 an oblate block", usual=USUAL_RATIO
     )
@@ -118,7 +120,7 @@ class Ellipsoid(AbstractElliptic):
     def inertia(self, mass, axes) -> Scalar:
         return mass * (axes.major**2 + axes.minor**2) / 5.0
 
-    def section(self, axes, sin, cos, height, sinking) -> Section:
+    def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
         left, right, q = self._section(axes, sin, cos, height, sinking)
         full = 2.0 * axes.out_of_plane
         return Section(
@@ -152,6 +154,6 @@ class EllipticCylinder(AbstractElliptic):
     def unit_inertia(self) -> Scalar:
         return (self.aspect_ratio**2 + 1.0) / 4.0
 
-    def section(self, axes, sin, cos, height, sinking) -> Section:
+    def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
         left, right, _ = self._section(axes, sin, cos, height, sinking)
         return Section(left, right, 2.0 * axes.out_of_plane)
