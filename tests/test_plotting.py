@@ -7,9 +7,10 @@ import jax
 import numpy as np
 import pytest
 
-from jaximpact import Block, Impact, Laws, Outcome, Soil, simulate
-from jaximpact.mechanics.laws import bearing_capacity
+from jaximpact import Block, Impact, Outcome, Soil, simulate
+from jaximpact.laws import Vesic
 from jaximpact.plotting import outline, plot_impact
+from jaximpact.shapes import EllipticCylinder, RectangularPrism
 
 PANELS = ["contact force", "depth", "rotation", "energy", "side view, to scale"]
 
@@ -29,11 +30,12 @@ def panels(figure):
 
 
 def test_shows_the_laws_that_the_result_is_of():
-    def twice_as_strong(*arguments, **branch):
-        return 2.0 * bearing_capacity(*arguments, **branch)
+    class TwiceAsStrong(Vesic):
+        def __call__(self, *arguments, **branch):
+            return 2.0 * super().__call__(*arguments, **branch)
 
-    laws = dataclasses.replace(Laws(), bearing_capacity=twice_as_strong)
-    result = simulate(Block(), Soil(), Impact(), accuracy="fast", laws=laws)
+    soil = Soil(bearing=TwiceAsStrong())
+    result = simulate(Block(), soil, Impact(), accuracy="fast")
     (depth, *_) = panels(plot_impact(result))["depth"].get_lines()
     drawn = np.max(np.abs(depth.get_ydata()))
     # In cm; of the steps' ends, between two of which the largest lies.
@@ -52,6 +54,27 @@ def test_shows_what_the_history_holds(result):
     assert "kN" in drawn["contact force"].get_ylabel()
     peak = f"{1e-3 * float(result.max_normal_force):.3g}"
     assert peak in [text.get_text() for text in drawn["contact force"].texts]
+
+
+@pytest.mark.parametrize("kind", [EllipticCylinder, RectangularPrism])
+def test_draws_the_block_that_the_result_is_of(kind):
+    shape = kind(aspect_ratio=2.0)
+    result = recorded(Block(shape=shape), Soil(), Impact(orientation=0.3))
+    figure = plot_impact(result)
+    words = "rectangular prism" if kind is RectangularPrism else "elliptic cylinder"
+    assert words in figure.get_suptitle()
+    assert ("corner radius ratio 0.2" in figure.get_suptitle()) == (
+        kind is RectangularPrism
+    )
+    lines = panels(figure)["side view, to scale"].get_lines()
+    (drawn,) = [line for line in lines if line.get_label() == "at impact"]
+    *around, centre, tip = outline(result.scene, 0.0, 0.0, 0.0)
+    np.testing.assert_allclose(drawn.get_xydata()[: len(around)], around, atol=1e-3)
+    axes = result.scene.block.semi_axes
+    height = float(shape.support(axes, np.sin(0.3), np.cos(0.3)))
+    np.testing.assert_allclose(centre, [0.0, height], atol=1e-12)
+    assert np.hypot(*(tip - centre)) == pytest.approx(float(axes.major))
+    assert np.min(np.array(around)[:, 1]) == pytest.approx(0.0, abs=1e-3)
 
 
 def test_title_names_scene_and_outcome(result):
@@ -78,7 +101,8 @@ def test_outline_touches_the_ground_at_impact_and_turns_clockwise(result):
     # Clockwise, down-slope to the right: the lower tip moves to the left.
     assert turned[0, 0] < at_impact[0, 0]
     moved = outline(result.scene, 0.05, 0.0, 0.2)
-    np.testing.assert_allclose(moved - at_impact, [[0.2, -0.05]] * 181, atol=1e-15)
+    shifts = np.broadcast_to([0.2, -0.05], moved.shape)
+    np.testing.assert_allclose(moved - at_impact, shifts, atol=1e-15)
 
 
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])

@@ -40,7 +40,7 @@ class AbstractElliptic(AbstractShape):
             self.support(axes, sin, cos) + self.support(axes, sin_start, cos_start)
         )
 
-    def _section(
+    def cut(
         self, axes: SemiAxes, sin, cos, height, sinking
     ) -> tuple[Scalar, Scalar, Scalar]:
         r"""Ends of the section, and $q = \sqrt{1 - (d/r_y)^2}$; see
@@ -73,6 +73,13 @@ class AbstractElliptic(AbstractShape):
     def bound(self) -> Scalar:
         """Radius of the circle about the ellipse, over R [-]."""
         return jnp.maximum(self.aspect_ratio, 1.0)
+
+    def outline(self, axes, count=180) -> np.ndarray:
+        """Begins at the end of the major axis; see `AbstractShape.outline`."""
+        turn = np.linspace(0.0, 2.0 * np.pi, count + 1)
+        return np.column_stack(
+            [float(axes.minor) * np.sin(turn), float(axes.major) * np.cos(turn)]
+        )
 
 
 class Ellipsoid(AbstractElliptic):
@@ -121,7 +128,7 @@ class Ellipsoid(AbstractElliptic):
         return mass * (axes.major**2 + axes.minor**2) / 5.0
 
     def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
-        left, right, q = self._section(axes, sin, cos, height, sinking)
+        left, right, q = self.cut(axes, sin, cos, height, sinking)
         full = 2.0 * axes.out_of_plane
         return Section(
             left, right, jnp.where(height > 0.0, 2.0 * axes.out_of_plane * q, full)
@@ -155,5 +162,5 @@ class EllipticCylinder(AbstractElliptic):
         return (self.aspect_ratio**2 + 1.0) / 4.0
 
     def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
-        left, right, _ = self._section(axes, sin, cos, height, sinking)
+        left, right, _ = self.cut(axes, sin, cos, height, sinking)
         return Section(left, right, 2.0 * axes.out_of_plane)
