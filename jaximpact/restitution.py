@@ -56,8 +56,9 @@ def vijayakumar_coefficient(
 
     Args:
         block: mass, inertia and shape.
-        orientation: $\theta_0$ [rad]; gives the arm $r_t$ of the tangency point (on a level
-            face, where the spin drives it: `AbstractShape.arm_at_touch`).
+        orientation: $\theta_0$ [rad]; gives the arm $r_t$ of the tangency point
+            (on a level face, of the end that the spin drives down; see
+            `AbstractShape.arm_at_touch`).
         e_contact: coefficient $e^*$ at the contact [-].
         normal_velocity, angular_velocity: before the impact [m/s, rad/s].
 

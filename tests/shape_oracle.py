@@ -35,6 +35,7 @@ def prism_section(major, minor, radius, theta, height):
     """Support, position of the lowest point, and ends of the foundation of a prism
     whose centre is `height` above the ground: (r_y, T_low, t_1, t_2)."""
     sin, cos = math.sin(theta), math.cos(theta)
+
     # Down (n) and down-slope (t) of a point at so much along the major axis and across
     def ground(along, across):
         return along * cos + across * sin, -along * sin + across * cos
@@ -118,7 +119,7 @@ class PlaneModel(oracle._Model):
         height = self.ry0 - un
 
         def ends(change_u, change_theta):
-            support, _, t_1, t_2 = self.outline(theta + change_theta, height - change_u)
+            _, _, t_1, t_2 = self.outline(theta + change_theta, height - change_u)
             return t_2 - t_1
 
         support, low = self.outline(theta, min(height, 0.0))[:2]

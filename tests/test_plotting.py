@@ -1,7 +1,5 @@
 """The plot of one impact: every kind of outcome gives a figure, and files are whole."""
 
-import dataclasses
-
 import equinox as eqx
 import jax
 import numpy as np

@@ -84,9 +84,7 @@ def test_prism_agrees_with_polygon_clipping():
 
 def test_prism_has_the_area_and_inertia_of_its_outline():
     for major, minor, corner, _, _ in drawn_prisms(40, seed=2):
-        shape = RectangularPrism(
-            aspect_ratio=major / minor, corner_radius_ratio=corner
-        )
+        shape = RectangularPrism(aspect_ratio=major / minor, corner_radius_ratio=corner)
         radius = corner * min(major / minor, 1.0)
         polygon = shape_oracle.rounded_rectangle(major / minor, 1.0, radius)
         moment = shape_oracle.polar_moment(polygon)
@@ -380,7 +378,9 @@ def test_outlines_are_those_of_the_shape(kind):
 
 def blocks_of_page():
     text = PAGE.read_text(encoding="utf-8")
-    return re.findall(r"^(`my_shapes\.py`:\n\n)?```python\n(.*?)^```", text, re.M | re.S)
+    return re.findall(
+        r"^(`my_shapes\.py`:\n\n)?```python\n(.*?)^```", text, re.M | re.S
+    )
 
 
 def test_every_block_of_the_page_runs(folder, monkeypatch, capsys):

@@ -135,8 +135,8 @@ class AbstractShape(Part):
         """Tangency arm of a block that touches the ground with a spin [m].
 
         On a level face every point is lowest. The spin drives one of its ends into the
-        ground: that is the one taken, so that the lowest point sinks at `v_n + b |spin|`
-        with b half the face. Without spin the middle is.
+        ground: that is the one taken, so that the lowest point sinks at
+        `v_n + b |spin|` with b half the face. Without spin the middle is.
         """
         if self.side_of(sin, cos) is None:
             return self.tangency_arm(axes, sin, cos)

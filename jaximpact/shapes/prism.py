@@ -20,16 +20,17 @@ than the block is large."""
 class RectangularPrism(AbstractShape):
     r"""A rectangular prism of half sides H, R and W, rounded in the plane of motion.
 
-    The section in the plane is a rectangle of half sides $a = H - \rho$, $b = R - \rho$
-    with a circle of radius $\rho = \kappa \min(H, R)$ moved along it (a Minkowski sum):
-    H and R are the half sides with the corners, $\kappa$ is `corner_radius_ratio`.
+    The section in the plane is a rectangle of half sides $a = H - \rho$ and
+    $b = R - \rho$ with a circle of radius $\rho = \kappa \min(H, R)$ moved along it (a
+    Minkowski sum): H and R are the half sides with the corners, $\kappa$ is
+    `corner_radius_ratio`.
 
     $$ V = 2 W \left(4 H R - (4 - \pi) \rho^2\right), \qquad
        r_y = a |c| + b |s| + \rho, \qquad B_w = 2 W $$
 
     The inertia is that of the rounded section. With $\kappa = 1$ and H = R it is the
-    circular cylinder. Sections at ground level are exact, and continuous with continuous
-    first derivatives but where a face is level or upright.
+    circular cylinder. Sections at ground level are exact, and continuous with
+    continuous first derivatives but where a face is level or upright.
 
     Rounding the corners leaves the faces flat: the lowest point jumps from one end of a
     face to the other where the face is level, and $r_y$ has a kink there. Steps of the
@@ -45,7 +46,10 @@ class RectangularPrism(AbstractShape):
     """
 
     aspect_ratio: Scalar = parameter(
-        1.0, "-", "(0, inf)", "H/R; below 1 the major side is the short one",
+        1.0,
+        "-",
+        "(0, inf)",
+        "H/R; below 1 the major side is the short one",
         usual=USUAL_RATIO,
     )
     out_of_plane_ratio: Scalar = parameter(
