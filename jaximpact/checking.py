@@ -49,8 +49,8 @@ def _check_shape(structure) -> None:
     for name, meaning in RATIOS.items():
         if name not in declared_of(kind):
             raise InputError(
-                f"{kind.__name__} has no parameter {name}; declare it: {name}: Scalar = "
-                f'parameter(1.0, "-", "(0, inf)", "{meaning}")'
+                f"{kind.__name__} has no parameter {name}; declare it: {name}: Scalar "
+                f'= parameter(1.0, "-", "(0, inf)", "{meaning}")'
             )
     turn, depth = (np.ravel(x) for x in np.meshgrid(ANGLES, DEPTHS))
     axes, volume, inertia = tried(shape, "unit_volume", _sizes, ())
@@ -87,11 +87,12 @@ def _check_shape(structure) -> None:
     if not np.all(heights > 0.0):
         raise InputError(f"{kind.__name__}.support must be positive")
     cut = (depth > 0.0) & (depth < 2.0)
-    if np.any(cut & ((found.right < found.left) | (found.width < 0.0))):
-        place = int(np.argmax(cut & ((found.right < found.left) | (found.width < 0.0))))
+    bad = cut & ((found.right < found.left) | (found.width < 0.0))
+    if np.any(bad):
+        place = int(np.argmax(bad))
         raise InputError(
-            f"{kind.__name__}.section must return left <= right and a width that is not "
-            f"negative, but returns left {found.left[place]:g}, right "
+            f"{kind.__name__}.section must return left <= right and a width that is "
+            f"not negative, but returns left {found.left[place]:g}, right "
             f"{found.right[place]:g}, width {found.width[place]:g}{_where(turn, place)}"
         )
 

@@ -59,7 +59,7 @@ def test_prism_agrees_with_polygon_clipping():
         # Seen with the ground's normal up; the polygon's y, the major axis, points down
         # at Theta = 0, and clockwise is positive.
         placed = affinity.rotate(polygon, -np.degrees(theta), origin=(0, 0))
-        left, bottom, right, top = placed.bounds
+        left, bottom, right, _ = placed.bounds
         support = -bottom
         height = share * support
         ours = prism_at(major, minor, corner, theta, height)
@@ -108,7 +108,7 @@ IMPACTS = [
 ]
 
 
-@pytest.mark.parametrize("corner, given", IMPACTS)
+@pytest.mark.parametrize(("corner", "given"), IMPACTS)
 def test_agrees_with_an_independent_integrator(corner, given):
     given = dict(aspect_ratio=1.5) | given
     exact = shape_oracle.simulate(given, corner)
@@ -288,7 +288,7 @@ def prism_results(values):
 
 
 @pytest.mark.parametrize(
-    "orientation, spin",
+    ("orientation", "spin"),
     [(-5.0, 500.0), (3.0, -1000.0), (84.0, 800.0), (30.0, 0.0)],
     ids=["over a face", "back over a face", "over the end face", "over none"],
 )

@@ -39,8 +39,8 @@ class RectangularPrism(AbstractShape):
 
     The corners cannot be sharp. Under a sharp corner $B_t$ grows as the sinking does,
     and hardening per $B_t$ is then without bound at the first touch: results would
-    depend on the sinking at which the integration begins. They rise with $\log\kappa$ as
-    $\kappa$ falls.
+    depend on the sinking at which the integration begins. As $\kappa$ falls they go on
+    changing with its logarithm.
 
     Source: model of the package; the paper has ellipsoids only.
     """
