@@ -76,7 +76,8 @@ def elasticities(
     an outcome changes, outputs jump, and no derivative says by how much.
 
     Args:
-        scene: one impact, as for `simulate`; or many, with fields that broadcast to `(n,)`.
+        scene: one impact, as for `simulate`; or many, with fields that broadcast to
+            `(n,)`.
         parameters: input columns, such as `"c_v"` or `"angle_deg"`, those of the
             scene's own laws and shapes among them; if not given, those of c_v, gamma_v
             and k_E that the laws have.
