@@ -130,6 +130,9 @@ def _loaded(path: Path, digest: str):
     """The module of a file, once for each content. It is found under its name by
     `pickle` in this process."""
     name = f"{path.stem}_{digest[:12]}"
+    being_read = sys.modules.get(name)
+    if getattr(being_read, "__file__", None) == str(path):
+        return being_read  # a program that names a law of its own
     spec = importlib.util.spec_from_file_location(name, path)
     module = importlib.util.module_from_spec(spec)
     setattr(module, READ_BY_NAME, True)

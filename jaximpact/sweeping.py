@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
+from .block import Block
 from .errors import InputError
 from .fields import expect, real_numbers
 from .formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
@@ -39,9 +40,10 @@ from .formats.scenes import (
 )
 from .identity import name_of, part_names
 from .mechanics.outcomes import Outcome
-from .scene import Scene
+from .scene import Impact, Scene, as_scene
 from .shapes import AbstractShape
 from .simulation import ImpactResult
+from .soil import Soil
 
 LABELS = "name"
 """Key of a group of quantities that gives the labels along its dimension."""
@@ -66,7 +68,7 @@ class _Axis(NamedTuple):
 
 
 def sweep(
-    base: Scene,
+    base: Scene | Block | tuple[Block, Soil, Impact],
     axes: Axes,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
@@ -77,7 +79,8 @@ def sweep(
     """Impacts at every combination of the values along the axes.
 
     Args:
-        base: the scene, scalars only, in SI units; what no axis says is as here.
+        base: the scene, as for `simulate`, scalars only, in SI units; what no axis says
+            is as here.
         axes: dimension -> values, in its order. A dimension named as an input column
             (`"angle_deg"`) takes a list of that quantity, in the unit of its name;
             columns are those of the base's own laws and shapes. `"shape"` takes names
@@ -99,6 +102,7 @@ def sweep(
             match, naming the axis.
         ValueError: a base that is no single scene.
     """
+    base = as_scene(base)
     check_scene(base)
     setting = get_accuracy(accuracy)
     grid = check_axes(axes, base)

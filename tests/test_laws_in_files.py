@@ -1,6 +1,8 @@
 """Laws and shapes by name: in scene files, tables, sweeps and sensitivity studies."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -469,3 +471,28 @@ def test_studies_that_cannot_be_used(laws, capsys, parameters, said):
     (laws / "study.toml").write_text(f"{SCENE}\n[parameters]\n{parameters}\n")
     assert main(["sensitivity", "study.toml", "--out", "out"]) == 2
     assert_one_line_error(capsys, "study.toml", said)
+
+
+PROGRAM = """
+import jax
+jax.config.update("jax_enable_x64", True)
+from jaximpact import Scene, Soil, read_netcdf, repeat_sweep, sweep, write_netcdf
+from jaximpact.laws import Perzyna
+
+class Mine(Perzyna):
+    pass
+
+found = sweep(Scene(soil=Soil(flow=Mine())), {"gamma_v": [3.0, 5.0]}, accuracy="fast")
+write_netcdf("sweep.nc", found)
+assert repeat_sweep(read_netcdf("sweep.nc")).e_n.equals(found.e_n)
+print("done")
+"""
+
+
+def test_a_law_of_the_program_that_runs_is_found_again(folder):
+    (folder / "program.py").write_text(PROGRAM)
+    command = [sys.executable, "program.py"]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert run.stdout == "done\n"  # and not run once more
+    again = repeat_sweep(read_netcdf(folder / "sweep.nc"))
+    assert json.loads(again.attrs["laws"])["flow"].startswith("program.Mine (")

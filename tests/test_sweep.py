@@ -255,3 +255,10 @@ def test_a_file_that_is_no_netcdf_is_refused(tmp_path):
         read_netcdf(path)
     with pytest.raises(InputError, match="No such file"):
         read_netcdf(tmp_path / "absent.nc")
+
+
+def test_a_scene_may_be_given_by_its_parts():
+    along = {"angle_deg": [40.0]}
+    parts = (BASE.block, BASE.soil, BASE.impact)
+    xr.testing.assert_identical(sweep(parts, along), sweep(BASE, along))
+    xr.testing.assert_identical(sweep(Block(), along), sweep(Scene(), along))
