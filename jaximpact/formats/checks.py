@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from .._jax_internals import Tracer
 from ..block import Block
+from ..checking import check_shape
 from ..errors import InputError, UnusualValueWarning
 from ..fields import expect
 from ..identity import is_ours
@@ -51,6 +52,7 @@ def check_scene(
     for part, kind in KINDS.items():
         expect(part, getattr(scene, part), kind)
     check_laws(jax.tree.structure(scene.soil))
+    check_shape(scene.block.shape)
     for column in columns_of(scene).values():
         value = getattr(getattr(scene, column.part), column.field)
         name = f"{KINDS[column.part].__name__}.{column.field}"

@@ -14,7 +14,7 @@ from jaxtyping import Array, Float
 from ..errors import InputError
 from ..parameters import Declared, declared_of, parameter
 from ..precision import float64_leaf
-from .base import AbstractShape, Section, SemiAxes
+from .base import AbstractShape, Flag, Section, SemiAxes, on_side
 
 Scalar = Float[Array, ""]
 
@@ -85,19 +85,31 @@ class MixedShapes(AbstractShape):
         return self._chosen(lambda shape: shape.inertia(mass, axes))
 
     def support(self, axes, sin, cos, *, side=None) -> Scalar:
-        return self._chosen(lambda shape: shape.support(axes, sin, cos, side=side))
-
-    def tangency_arm(self, axes, sin, cos, *, side=None) -> Scalar:
-        return self._chosen(lambda shape: shape.tangency_arm(axes, sin, cos, side=side))
-
-    def support_change(self, axes, start, now, sin_turn, *, side=None) -> Scalar:
         return self._chosen(
-            lambda shape: shape.support_change(axes, start, now, sin_turn, side=side)
+            lambda shape: shape.support(axes, sin, cos, **_on_its(shape, side))
         )
 
-    def section(self, axes, sin, cos, height, sinking) -> Section:
+    def tangency_arm(self, axes, sin, cos, *, side=None) -> Scalar:
         return self._chosen(
-            lambda shape: shape.section(axes, sin, cos, height, sinking)
+            lambda shape: shape.tangency_arm(axes, sin, cos, **_on_its(shape, side))
+        )
+
+    def support_change(
+        self, axes, start, now, sin_turn, *, start_side=None, side=None
+    ) -> Scalar:
+        def of_shape(shape: AbstractShape) -> Scalar:
+            sides = _on_its(shape, side)
+            if sides:
+                sides["start_side"] = start_side
+            return shape.support_change(axes, start, now, sin_turn, **sides)
+
+        return self._chosen(of_shape)
+
+    def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
+        return self._chosen(
+            lambda shape: shape.section(
+                axes, sin, cos, height, sinking, **_on_its(shape, side)
+            )
         )
 
     def side_of(self, sin, cos) -> Scalar | None:
@@ -116,8 +128,14 @@ class MixedShapes(AbstractShape):
             found = np.where(index == place, shape.is_upright(orientation), found)
         return found
 
-    def outline(self, axes, count=181):
+    def outline(self, axes, count=180):
         return self.alone(int(self.index)).outline(axes, count)
+
+
+def _on_its(shape: AbstractShape, side: Flag | None) -> dict[str, Flag]:
+    """The keyword `side` for a shape that has sides; the others are not given it."""
+    level = jnp.zeros(()), jnp.ones(())
+    return {} if shape.side_of(*level) is None else on_side(side)
 
 
 @functools.cache
