@@ -6,7 +6,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaximpact.checking import check_shape
 from jaximpact.errors import InputError
 from jaximpact.parameters import parameter
 from jaximpact.shapes import (
@@ -15,6 +14,7 @@ from jaximpact.shapes import (
     RectangularPrism,
     Section,
 )
+from jaximpact.shapes.checking import check_shape
 
 
 def changed(**functions):

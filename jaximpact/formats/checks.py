@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike
 
 from .._jax_internals import Tracer
 from ..block import Block
-from ..checking import check_shape
 from ..errors import InputError, UnusualValueWarning
 from ..fields import expect
 from ..identity import is_ours
 from ..laws.checking import check_law
 from ..parameters import parts_of
 from ..scene import Impact, Scene
+from ..shapes.checking import check_shape
 from ..soil import Soil
 from .columns import (
     INPUT_COLUMNS,

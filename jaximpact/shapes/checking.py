@@ -10,10 +10,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .errors import InputError
-from .identity import PACKAGE
-from .parameters import Part, declared_of
-from .shapes import AbstractShape, Section
+from ..errors import InputError
+from ..identity import PACKAGE
+from ..parameters import Part, declared_of
+from .base import AbstractShape, Section
 
 RATIOS = {"aspect_ratio": "H/R", "out_of_plane_ratio": "W/R"}
 ANGLES = (0.0, 0.3, 0.25 * math.pi, 1.2, 0.5 * math.pi, 2.0, math.pi, -0.7)
