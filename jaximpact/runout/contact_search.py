@@ -17,14 +17,14 @@ from .separation import (
     NEVER,
     Gap,
     Piece,
+    bending_or_size,
     gaps,
-    largest_bending,
     sure_time,
     widest,
 )
 
 TOUCHING = 1e-9
-"""Gap, by the block's larger semi-axis, within which it touches; rounding of the
+"""Gap, by the radius of the circle about the block, within which it touches; rounding of the
 coordinates is added."""
 APPROACHING = 1e-8
 """Closing speed that counts as one [m/s]; below it is rounding."""
@@ -104,7 +104,7 @@ def begin(
         steps=zero,
         touched=zero > 0.0,
         piece=zero,
-        gap=Gap(zero, zero, zero, zero),
+        gap=Gap(*(zero,) * len(Gap._fields)),
     )
 
 
@@ -112,7 +112,7 @@ def step(watch: Watch) -> tuple[Watch, Bool[Array, " lanes"]]:
     """One step of certain length, or the contact found."""
     body = fly(watch.body, watch.time)
     axis = jnp.sin(body.orientation), jnp.cos(body.orientation)
-    bending = body.angular_velocity**2 * largest_bending(watch.outline)
+    bending = body.angular_velocity**2 * bending_or_size(watch.outline)
     advance = jnp.full_like(watch.time, NEVER)
     touched, place, met = watch.touched, watch.piece, watch.gap
     depths = []

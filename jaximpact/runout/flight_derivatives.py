@@ -14,7 +14,7 @@ import numpy as np
 
 from .dual import Dual, carrying, plain
 from .flight import FlightEnds
-from .motion import Body, Outline, fly
+from .motion import Body, Outline, fly, take
 from .motion import support_of as support
 from .profile import Profile
 from .programs import closed_form
@@ -55,8 +55,8 @@ def differentiate_ends(
         normal = carrying(ends.normal, parameters)
         if len(corner):
             normal[:, corner] = normal_at(
-                Body(*(value[corner] for value in of)),
-                Outline(*(value[corner] for value in outline)),
+                take(of, corner),
+                take(outline, corner),
                 point_x[corner],
                 point_y[corner],
             )
@@ -77,7 +77,7 @@ def differentiate_ends(
     tangent = np.where(ends.touched, of_touch, tangent)
     tangent = np.where(ends.failed, np.nan, tangent)
     time = Dual(ends.time, tangent)
-    was_in = np.abs(ends.gap) > IN_THE_GROUND * np.maximum(*plain(outline))
+    was_in = np.abs(ends.gap) > IN_THE_GROUND * plain(outline.largest)
     of_gap = np.where(was_in, np.nan, np.zeros_like(tangent))
     gap = Dual(ends.gap, np.where(at_once, width.tangent, of_gap))
     normal = normals(fly(body, time))

@@ -1,21 +1,26 @@
 r"""How long a block in flight surely touches nothing.
 
 The ground is the union of columns, one under each segment. A direction N that parts the
-ellipse from a column, with the column's corner p farthest along N, has a gap
+block from a column, with the column's corner p farthest along N, has a gap
 
 $$ g(t) = N\cdot(c(t) - p) - r_y(\varphi(t) - w), \qquad
    \ddot g = -g_0 N_y - \Omega^2 r_y'' \ge -K, $$
 
-since $r_y'' \le \max(H^2/R - R,\; R^2/H - H)$. So the gap stays open for as long as
+where the shape bounds $r_y''$, as an ellipse does. So the gap stays open for as long as
 $g + \dot g\tau - K\tau^2/2$ does: that much time is certain, and as it comes closer the
 steps are Newton's and better, at any spin.
 
-Directions tried: the segment's normal, and at each of its ends the normal of the
-ellipse's enlarged copy through it, or the horizontal if that points down. If the
-ellipse does not touch the column one of the three has an open gap. (A line cuts an
-ellipse and its enlarged copies in chords with one midpoint. Where the line of the
-segment, or a wall of the column, cuts the ellipse, the end in question is an end of the
-copy's chord, so its normal leans to the side of the ellipse.)
+A flat face has no such bound: where the block comes to lie on it, the lowest point
+jumps to the other end. Of a body inside a circle of radius L the support grows by no
+more than $\sqrt{L^2 - r_y^2}$ for each radian that it turns; with that in place of
+$r_y'$, and without $r_y''$ in K, the time is certain again, if shorter.
+
+Directions tried: the segment's normal, and at each of its ends the shape's
+`parting_direction`, or the horizontal if that points down. If the block does not touch
+the column one of the three has an open gap. By default the direction is the one from
+the end to the nearest point of the block: what is nearest to the block in the column
+lies inside the segment, at an end of it, or on a wall below an end, and is parted from
+it by the segment's normal, that direction, or the horizontal.
 """
 
 from typing import NamedTuple
@@ -39,20 +44,22 @@ class Piece(NamedTuple):
 
 
 class Gap(NamedTuple):
-    """Between an ellipse and a column, in a direction that may part them."""
+    """Between a block and a column, in a direction that may part them."""
 
     width: Scalar
     """g [m]; negative where the direction does not part them."""
     opening: Scalar
     """dg/dt [m/s]."""
+    sure_opening: Scalar
+    """The same, or less: what K must only be set against [m/s]."""
     normal_x: Scalar
     normal_y: Scalar
 
 
-def largest_bending(outline: Outline) -> Scalar:
-    r"""Bound of $r_y''$ [m]."""
-    major, minor = outline
-    return jnp.maximum(major**2 / minor - minor, minor**2 / major - major)
+def bending_or_size(outline: Outline) -> Scalar:
+    r"""Bound of $r_y''$ [m]; the size of a shape that has none."""
+    bending = outline.shape.largest_bending(outline.axes)
+    return outline.largest if bending is None else bending
 
 
 def gap_along(body: Body, outline: Outline, axis, normal, point) -> Gap:
@@ -69,7 +76,12 @@ def gap_along(body: Body, outline: Outline, axis, normal, point) -> Gap:
     )
     height = n_x * (body.x - point[0]) + n_y * (body.y - point[1])
     speed = n_x * body.v_x + n_y * body.v_y
-    return Gap(height - reach, speed - arm * body.angular_velocity, n_x, n_y)
+    opening = speed - arm * body.angular_velocity
+    sure = opening
+    if outline.shape.largest_bending(outline.axes) is None:
+        farthest = jnp.sqrt(jnp.maximum(outline.largest**2 - reach**2, 0.0))
+        sure = speed - farthest * jnp.abs(body.angular_velocity)
+    return Gap(height - reach, opening, sure, n_x, n_y)
 
 
 def gaps(body: Body, outline: Outline, axis, piece: Piece) -> list[Gap]:
@@ -90,15 +102,16 @@ def gaps(body: Body, outline: Outline, axis, piece: Piece) -> list[Gap]:
 
 
 def normal_through(body: Body, outline: Outline, axis, point):
-    """Inward normal, at a point, of the copy of the ellipse that passes through it."""
+    """Direction, from a point to the block, in which the shape is parted from it."""
     sin_phi, cos_phi = axis
     x, y = body.x - point[0], body.y - point[1]
-    along = (x * sin_phi + y * cos_phi) / outline.major**2
-    across = (x * cos_phi - y * sin_phi) / outline.minor**2
+    along, across = outline.shape.parting_direction(
+        outline.axes, x * sin_phi + y * cos_phi, x * cos_phi - y * sin_phi
+    )
     n_x = along * sin_phi + across * cos_phi
     n_y = along * cos_phi - across * sin_phi
     size = jnp.sqrt(n_x**2 + n_y**2)
-    # An ellipse centred on the point is far from parted from it.
+    # A block centred on the point is far from parted from it.
     size = jnp.where(size > 0.0, size, 1.0)
     return n_x / size, n_y / size
 
@@ -139,15 +152,16 @@ def sure_time(
         depth: by how much the column is taken to lie deeper than it does [m].
         slack: the block may sink in so far [m], so that it can start where it touches.
     """
-    spin = body.angular_velocity**2 * largest_bending(outline)
+    bending = outline.shape.largest_bending(outline.axes)
+    spin = 0.0 if bending is None else body.angular_velocity**2 * bending
     times = []
     for gap in candidates:
         width = gap.width + depth + slack
         parts = width > -slack  # but for rounding
         width = jnp.maximum(width, 0.01 * slack)
-        time = time_open(width, gap.opening, GRAVITY * gap.normal_y + spin)
+        time = time_open(width, gap.sure_opening, GRAVITY * gap.normal_y + spin)
         times.append(jnp.where(parts, time, 0.0))
-    # However it turns, the ellipse stays inside its largest circle.
+    # However it turns, the block stays inside the circle about it.
     line, largest = candidates[0], outline.largest
     speed = line.normal_x * body.v_x + line.normal_y * body.v_y
     height = line.normal_x * (body.x - piece.left_x) + line.normal_y * (

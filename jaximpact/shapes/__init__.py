@@ -4,6 +4,7 @@ from .base import AbstractShape, Section, SemiAxes
 from .elliptic import AbstractElliptic, Ellipsoid, EllipticCylinder
 from .foundation import Foundation, foundation
 from .prism import RectangularPrism
+from .rolling import RoundBlock
 
 __all__ = [
     "AbstractElliptic",
@@ -12,6 +13,7 @@ __all__ = [
     "EllipticCylinder",
     "Foundation",
     "RectangularPrism",
+    "RoundBlock",
     "Section",
     "SemiAxes",
     "foundation",
