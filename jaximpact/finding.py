@@ -78,6 +78,10 @@ def shipped(base: type) -> list[type]:
     """The package's own classes that derive from one, in the order of their files."""
     kinds = []
     for kind in base.__subclasses__():
+        # Not those that are made as a program runs, of several shapes.
+        module = sys.modules[kind.__module__]
+        if getattr(module, kind.__name__, None) is not kind:
+            continue
         if kind.__module__.partition(".")[0] == __name__.partition(".")[0]:
             kinds += [] if inspect.isabstract(kind) else [kind]
             kinds += shipped(kind)
@@ -88,6 +92,18 @@ def _folded(name: str) -> str:
     return "".join(c for c in name.lower() if c.isalnum())
 
 
+def file_of(kind: type) -> Path | None:
+    """The file by which a class is named: where it stands, if it was read from there or
+    from the program that runs; None for one of a module that can be imported."""
+    module = sys.modules.get(kind.__module__)
+    is_program = kind.__module__ == "__main__" and module.__spec__ is None
+    return _file(module) if is_program or hasattr(module, READ_BY_NAME) else None
+
+
+READ_BY_NAME = "__jaximpact_read_by_name__"
+"""Set in modules that were read from files that users named."""
+
+
 def _module_of_file(slot: str, path: Path):
     try:
         content = path.read_bytes()
@@ -96,7 +112,15 @@ def _module_of_file(slot: str, path: Path):
             f"cannot be read: {error.strerror or error}; it is named as the {slot}",
             file=path,
         ) from error
+    program = sys.modules.get("__main__")
+    if getattr(program, "__spec__", 0) is None and path.resolve() == _file(program):
+        return program  # which must not be run once more
     return _loaded(path.resolve(), hashlib.sha256(content).hexdigest())
+
+
+def _file(module) -> Path | None:
+    file = getattr(module, "__file__", None)
+    return None if file is None else Path(file).resolve()
 
 
 @functools.cache
@@ -106,6 +130,7 @@ def _loaded(path: Path, digest: str):
     name = f"{path.stem}_{digest[:12]}"
     spec = importlib.util.spec_from_file_location(name, path)
     module = importlib.util.module_from_spec(spec)
+    setattr(module, READ_BY_NAME, True)
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)

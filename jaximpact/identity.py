@@ -4,6 +4,7 @@ law."""
 import dataclasses
 import functools
 import hashlib
+import itertools
 import site
 import sys
 import sysconfig
@@ -13,6 +14,7 @@ from types import ModuleType
 import equinox as eqx
 import jax
 
+from .finding import file_of
 from .parameters import Composite, Part, parts_of
 
 PACKAGE = __name__.partition(".")[0]
@@ -29,9 +31,12 @@ def part_names(*wholes: Composite) -> dict[str, str]:
 
 
 def name_of(kind: type[Part]) -> str:
-    """Module and name of a class; a digest of its source behind it if it is not the
-    package's."""
-    name = f"{kind.__module__}.{kind.__qualname__}"
+    """Module, or file, and name of a class; a digest of its source behind it if it is
+    not the package's. Of one that is made of several, those of each."""
+    if kinds := made_of(kind):
+        return " and ".join(name_of(one) for one in kinds)
+    file = file_of(kind)
+    name = f"{file.stem if file else kind.__module__}.{kind.__qualname__}"
     if _is_ours(kind.__module__):
         return name
     digest = source_digest(kind)
@@ -68,7 +73,7 @@ def source_digest(kind: type) -> str | None:
     "" if all are the package's; None if one has no source, as in an interactive
     session."""
     modules: dict[str, ModuleType] = {}
-    for base in kind.__mro__:
+    for base in itertools.chain(kind.__mro__, *(k.__mro__ for k in made_of(kind))):
         _gather(sys.modules.get(base.__module__), modules)
     digest = hashlib.sha256()
     for name in sorted(modules):
@@ -77,6 +82,12 @@ def source_digest(kind: type) -> str | None:
             return None
         digest.update(source)
     return digest.hexdigest() if modules else ""
+
+
+def made_of(kind: type) -> tuple[type[Part], ...]:
+    """The classes that one which stands for several is made of, as `MixedShapes`."""
+    kinds = getattr(kind, "kinds", ())
+    return kinds if isinstance(kinds, tuple) else ()
 
 
 def _gather(module: ModuleType | None, found: dict[str, ModuleType]) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from ..errors import InputError, UnusualValueWarning, nearest
-from .columns import INPUT_COLUMNS, InputColumn
+from .columns import INPUT_COLUMNS, InputColumn, why_unknown
 from .reading import CONTROLS, as_text, read_input
 
 SOIL_COLUMNS = {n: c for n, c in INPUT_COLUMNS.items() if c.part == "soil"}
@@ -92,10 +92,8 @@ def _check_text(path: Path, key: str, text: str) -> None:
 
 
 def unknown(path: Path, key: str, name: str, known) -> NoReturn:
-    """Raise InputError for a name, with the nearest known."""
-    raise InputError(
-        f"is unknown; did you mean {nearest(name, known)}?", file=path, key=key
-    )
+    """Raise InputError for a name, with what may have been meant."""
+    raise InputError(f"is unknown; {why_unknown(name, known)}", file=path, key=key)
 
 
 def check_keys(path: Path, where: str, keys: Iterable[str], known) -> None:

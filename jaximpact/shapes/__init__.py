@@ -3,6 +3,7 @@
 from .base import AbstractShape, Section, SemiAxes
 from .elliptic import AbstractElliptic, Ellipsoid, EllipticCylinder
 from .foundation import Foundation, foundation
+from .mixed import MixedShapes, mixed, shape_of_each
 from .prism import RectangularPrism
 from .rolling import RoundBlock
 
@@ -12,9 +13,12 @@ __all__ = [
     "Ellipsoid",
     "EllipticCylinder",
     "Foundation",
+    "MixedShapes",
     "RectangularPrism",
     "RoundBlock",
     "Section",
     "SemiAxes",
     "foundation",
+    "mixed",
+    "shape_of_each",
 ]
