@@ -1,23 +1,28 @@
-"""Results of many impacts and their derivatives by one parameter, in machine code."""
+"""Results of many impacts and their derivatives by one parameter: in machine code, and
+in XLA where there is none."""
 
 import concurrent.futures
 from collections.abc import Callable
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from ..accuracy import Accuracy
+from ..engines.compilation import unfused_jit
 from ..engines.machine import (
     along_leaves,
     compile_native_along,
-    kernel_inputs,
+    computes_on_cpu,
     solve_rows,
+    with_setting,
 )
 from ..engines.marching import CORES
 from ..formats.columns import InputColumn, leaf_places
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.problem import Assembly
 from ..scene import Scene
+from ..simulation import compute_lanes
 from ..summary import Numbers, numbers_of_no_value
 
 PART = 256
@@ -56,18 +61,24 @@ def derivatives(
     values, slopes = np.empty((rows, count)), np.empty((rows, count))
     jobs = []
     for model in np.unique(models):
-        kernel = compile_native_along(Assembly(structure, MODELS[model], False))
+        assembly = Assembly(structure, MODELS[model], False)
+        kernel = compile_native_along(assembly) if computes_on_cpu() else None
         chosen = np.flatnonzero(models == model)
         jobs += [
-            (kernel, chosen[start : start + PART])
+            (assembly, kernel, chosen[start : start + PART])
             for start in range(0, len(chosen), PART)
         ]
 
     def solve(job) -> None:
-        kernel, places = job
-        part = jax.tree.unflatten(structure, [x[places] for x in leaves])
-        inputs = along_leaves(np.stack(kernel_inputs(part, accuracy)), leaf)
-        numbers, along = solve_rows(kernel, inputs)
+        assembly, kernel, places = job
+        rows = np.stack([x[places] for x in leaves])
+        if kernel is None:
+            numbers, along = _in_xla(
+                assembly, leaf, list(rows), accuracy.tolerance, accuracy.floor
+            )
+        else:
+            inputs = along_leaves(with_setting(rows, accuracy), leaf)
+            numbers, along = solve_rows(kernel, inputs)
         values[:, places] = jax.tree.leaves(numbers)
         slopes[:, places] = jax.tree.leaves(along)
         done(len(places))
@@ -83,3 +94,17 @@ def derivatives(
         jax.tree.unflatten(of_numbers, list(values)),
         jax.tree.unflatten(of_numbers, list(slopes)),
     )
+
+
+def _along_leaf(assembly: Assembly, leaf: int, rows: list, tolerance, floor):
+    """Numbers of lanes, and their derivatives by one leaf of the scene."""
+
+    def of_leaf(values):
+        all_rows = [*rows[:leaf], values, *rows[leaf + 1 :]]
+        scene = jax.tree.unflatten(assembly.structure, all_rows)
+        return compute_lanes(assembly, scene, tolerance, floor)
+
+    return jax.jvp(of_leaf, (rows[leaf],), (jnp.ones_like(rows[leaf]),))
+
+
+_in_xla = unfused_jit(_along_leaf, static_argnums=(0, 1))

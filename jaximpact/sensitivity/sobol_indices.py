@@ -69,7 +69,7 @@ def sobol(
     """
     require_float64()
     check_scene(base)
-    checked, columns = check_ranges(ranges), output_columns(outputs)
+    checked, columns = check_ranges(base, ranges), output_columns(outputs)
     check_seed(seed)
     check_blocks(blocks, len(checked))
     setting = get_accuracy(accuracy)
