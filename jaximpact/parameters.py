@@ -24,6 +24,7 @@ class Declared(NamedTuple):
     """What a parameter says of itself, in the unit that users write it in."""
 
     default: float
+    """NaN for a parameter that must be given."""
     unit: str
     range: str
     """An interval: "(0, inf)", "[0, 1]"."""
@@ -40,7 +41,7 @@ class Declared(NamedTuple):
 
 
 def parameter(
-    default: float,
+    default: float | None,
     unit: str,
     range: str,
     meaning: str,
@@ -54,7 +55,8 @@ def parameter(
     differentiated and fitted.
 
     Args:
-        default: value if none is given, in `unit`.
+        default: value if none is given, in `unit`; None for a parameter of a law of
+            rebound that must be given. Laws of the soil and shapes need a default.
         unit: of the default, the range and the column: an SI unit as "m/s" or "1/s",
             "-" for none, "deg", "deg/s" or "kN/m3".
         range: interval of the values allowed, with round brackets where an end is left
@@ -76,6 +78,9 @@ def parameter(
             "three texts"
         )
     lower, upper = _ends(told, range)
+    if default is None:
+        declared = Declared(math.nan, unit, range, meaning, column or "", usual)
+        return eqx.field(converter=float64_leaf, metadata={"declared": declared})
     if not lower <= default <= upper:
         raise InputError(f"{told}: the default is not in the range")
     declared = Declared(float(default), unit, range, meaning, column or "", usual)

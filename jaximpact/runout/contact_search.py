@@ -24,8 +24,8 @@ from .separation import (
 )
 
 TOUCHING = 1e-9
-"""Gap, by the radius of the circle about the block, within which it touches; rounding of the
-coordinates is added."""
+"""Gap, by the radius of the circle about the block, within which it touches; rounding
+of the coordinates is added."""
 APPROACHING = 1e-8
 """Closing speed that counts as one [m/s]; below it is rounding."""
 MAX_STEPS = 20_000

@@ -82,9 +82,7 @@ class Support(NamedTuple):
 def support(outline: Outline, sin: Scalar, cos: Scalar) -> Support:
     """How far the block reaches, by sine and cosine of Theta."""
     shape, axes = outline.shape, outline.axes
-    return Support(
-        shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos)
-    )
+    return Support(shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos))
 
 
 def _support_of(outline: Outline, theta: Scalar) -> Support:
