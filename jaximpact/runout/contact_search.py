@@ -133,7 +133,9 @@ def step(watch: Watch) -> tuple[Watch, Bool[Array, " lanes"]]:
         touched |= touches
         place = jnp.where(first, float(number), place)
         met = Gap(*(jnp.where(first, a, b) for a, b in zip(gap, met, strict=True)))
-        sure = sure_time(body, watch.outline, piece, candidates, depth, watch.slack)
+        sure = sure_time(
+            body, watch.outline, axis, piece, candidates, depth, watch.slack
+        )
         # A step must not take it out and in again: some of the time of such a fall.
         short = 0.5 * jnp.sqrt(depth / (GRAVITY + bending))
         sure = jnp.where(depth > watch.slack, jnp.minimum(sure, short), sure)

@@ -11,9 +11,15 @@ $g + \dot g\tau - K\tau^2/2$ does: that much time is certain, and as it comes cl
 steps are Newton's and better, at any spin.
 
 A flat face has no such bound: where the block comes to lie on it, the lowest point
-jumps to the other end. Of a body inside a circle of radius L the support grows by no
-more than $\sqrt{L^2 - r_y^2}$ for each radian that it turns; with that in place of
-$r_y'$, and without $r_y''$ in K, the time is certain again, if shorter.
+jumps to the other end. But a convex body lies between the tangents at two orientations,
+
+$$ r_y(\Theta + s) \le \frac{r_y(\Theta)\sin(\delta - s) +
+   r_y(\Theta + \delta)\sin s}{\sin\delta}, \qquad 0 \le s \le \delta, $$
+
+the support of the point in which these meet, whose $r_y''$ is not positive. So with its
+arm, $(r_y(\Theta + \delta) - r_y\cos\delta)/\sin\delta$, in place of $r_y'$, and
+$K = g_0 N_y$, the time is certain again until the block has turned by $\delta$. Of
+several $\delta$ the one that gives the longest time counts.
 
 Directions tried: the segment's normal, and at each of its ends the shape's
 `parting_direction`, or the horizontal if that points down. If the block does not touch
@@ -23,6 +29,7 @@ lies inside the segment, at an end of it, or on a wall below an end, and is part
 it by the segment's normal, that direction, or the horizontal.
 """
 
+import math
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -32,6 +39,8 @@ from .motion import Body, Outline, Scalar, support
 
 NEVER = 1e30
 """A time that does not come [s]."""
+TURNS_AHEAD = tuple(1.5 / 8.0**k for k in range(7))
+"""Delta [rad]: to less than a block turns by while it falls out of reach of a touch."""
 
 
 class Piece(NamedTuple):
@@ -50,8 +59,6 @@ class Gap(NamedTuple):
     """g [m]; negative where the direction does not part them."""
     opening: Scalar
     """dg/dt [m/s]."""
-    sure_opening: Scalar
-    """The same, or less: what K must only be set against [m/s]."""
     normal_x: Scalar
     normal_y: Scalar
 
@@ -76,12 +83,7 @@ def gap_along(body: Body, outline: Outline, axis, normal, point) -> Gap:
     )
     height = n_x * (body.x - point[0]) + n_y * (body.y - point[1])
     speed = n_x * body.v_x + n_y * body.v_y
-    opening = speed - arm * body.angular_velocity
-    sure = opening
-    if outline.shape.largest_bending(outline.axes) is None:
-        farthest = jnp.sqrt(jnp.maximum(outline.largest**2 - reach**2, 0.0))
-        sure = speed - farthest * jnp.abs(body.angular_velocity)
-    return Gap(height - reach, opening, sure, n_x, n_y)
+    return Gap(height - reach, speed - arm * body.angular_velocity, n_x, n_y)
 
 
 def gaps(body: Body, outline: Outline, axis, piece: Piece) -> list[Gap]:
@@ -136,9 +138,36 @@ def time_open(width: Scalar, opening: Scalar, closing_acceleration: Scalar) -> S
     )
 
 
+def _surely_open(body: Body, outline: Outline, axis, gap: Gap, width: Scalar) -> Scalar:
+    """Time for which a gap that is so wide surely stays open [s]."""
+    shape, axes = outline.shape, outline.axes
+    bending = shape.largest_bending(axes)
+    if bending is not None:
+        spin = body.angular_velocity**2 * bending
+        return time_open(width, gap.opening, GRAVITY * gap.normal_y + spin)
+    (sin_phi, cos_phi), n_x, n_y = axis, gap.normal_x, gap.normal_y
+    sin, cos = sin_phi * n_y - cos_phi * n_x, cos_phi * n_y + sin_phi * n_x
+    reach = shape.support(axes, sin, cos)
+    speed = n_x * body.v_x + n_y * body.v_y
+    spin = jnp.abs(body.angular_velocity)
+    sense = jnp.where(body.angular_velocity < 0.0, -1.0, 1.0)
+    longest = jnp.zeros_like(width)
+    for turn in TURNS_AHEAD:
+        sin_turn, cos_turn = sense * math.sin(turn), math.cos(turn)
+        ahead = shape.support(
+            axes, sin * cos_turn + cos * sin_turn, cos * cos_turn - sin * sin_turn
+        )
+        arm = (ahead - reach * cos_turn) / math.sin(turn)
+        time = time_open(width, speed - arm * spin, GRAVITY * n_y)
+        lasts = turn / jnp.maximum(spin, 1.0 / NEVER)
+        longest = jnp.maximum(longest, jnp.minimum(time, lasts))
+    return longest
+
+
 def sure_time(
     body: Body,
     outline: Outline,
+    axis,
     piece: Piece,
     candidates: list[Gap],
     depth: Scalar,
@@ -148,18 +177,17 @@ def sure_time(
 
     Args:
         body, outline, piece: at this moment.
+        axis: sine and cosine of the orientation.
         candidates: gaps of the block to this column.
         depth: by how much the column is taken to lie deeper than it does [m].
         slack: the block may sink in so far [m], so that it can start where it touches.
     """
-    bending = outline.shape.largest_bending(outline.axes)
-    spin = 0.0 if bending is None else body.angular_velocity**2 * bending
     times = []
     for gap in candidates:
         width = gap.width + depth + slack
         parts = width > -slack  # but for rounding
         width = jnp.maximum(width, 0.01 * slack)
-        time = time_open(width, gap.sure_opening, GRAVITY * gap.normal_y + spin)
+        time = _surely_open(body, outline, axis, gap, width)
         times.append(jnp.where(parts, time, 0.0))
     # However it turns, the block stays inside the circle about it.
     line, largest = candidates[0], outline.largest
