@@ -20,6 +20,10 @@ from .programs import closed_form
 
 Scalar = Float[Array, " lanes"]
 
+LITTLE_LATER = 1e-9
+"""Turn by which faces count as level [rad]: more than the rounding of orientations, and
+less than would lower a block by more than it touches within."""
+
 
 class Body(NamedTuple):
     """Where a block is and how it moves."""
@@ -83,6 +87,15 @@ def support(outline: Outline, sin: Scalar, cos: Scalar) -> Support:
     """How far the block reaches, by sine and cosine of Theta."""
     shape, axes = outline.shape, outline.axes
     return Support(shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos))
+
+
+def turned_on(outline: Outline, theta: Scalar, spin: Scalar) -> Scalar:
+    """The orientation a little later, for a shape that may have flat faces: of a face
+    that is level the end that comes down is the lowest point, not its middle. That of
+    another shape as it is."""
+    if outline.shape.largest_bending(outline.axes) is not None:
+        return theta
+    return theta + LITTLE_LATER * jnp.sign(spin)
 
 
 def _support_of(outline: Outline, theta: Scalar) -> Support:

@@ -69,18 +69,23 @@ def bending_or_size(outline: Outline) -> Scalar:
     return outline.largest if bending is None else bending
 
 
-def gap_along(body: Body, outline: Outline, axis, normal, point) -> Gap:
+def gap_along(body: Body, outline: Outline, axis, normal, point, touches=None) -> Gap:
     """The gap in a direction from a point of the ground.
 
     Args:
         axis: sine and cosine of the orientation.
         normal, point: x and y.
+        touches: where the gap is that from the point itself to a shape that may have
+            flat faces, and not from a plane through the point.
     """
     sin_phi, cos_phi = axis
     n_x, n_y = normal
-    reach, arm = support(
-        outline, sin_phi * n_y - cos_phi * n_x, cos_phi * n_y + sin_phi * n_x
-    )
+    sin, cos = sin_phi * n_y - cos_phi * n_x, cos_phi * n_y + sin_phi * n_x
+    reach, arm = support(outline, sin, cos)
+    if touches is not None:
+        # Of a flat face that turns on the point; the direction turns with it.
+        of_point = n_y * (point[0] - body.x) - n_x * (point[1] - body.y)
+        arm = jnp.where(touches, of_point, arm)
     height = n_x * (body.x - point[0]) + n_y * (body.y - point[1])
     speed = n_x * body.v_x + n_y * body.v_y
     return Gap(height - reach, speed - arm * body.angular_velocity, n_x, n_y)
@@ -92,12 +97,14 @@ def gaps(body: Body, outline: Outline, axis, piece: Piece) -> list[Gap]:
     length = jnp.sqrt(width**2 + rise**2)
     t_x, t_y = width / length, rise / length
     left, right = (piece.left_x, piece.left_y), (piece.right_x, piece.right_y)
+    has_no_faces = outline.shape.largest_bending(outline.axes) is not None
     found = [gap_along(body, outline, axis, (-t_y, t_x), left)]
     for side, point in ((-1.0, left), (1.0, right)):
         n_x, n_y = normal_through(body, outline, axis, point)
         down = n_y < 0.0
         n_x, n_y = jnp.where(down, side, n_x), jnp.where(down, 0.0, n_y)
-        gap = gap_along(body, outline, axis, (n_x, n_y), point)
+        touches = None if has_no_faces else ~down
+        gap = gap_along(body, outline, axis, (n_x, n_y), point, touches)
         holds = side * (n_x * t_x + n_y * t_y) >= 0.0
         found.append(gap._replace(width=jnp.where(holds, gap.width, -jnp.inf)))
     return found
