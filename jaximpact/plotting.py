@@ -279,12 +279,11 @@ def outline(scene: Scene, penetration, rotation, shift) -> np.ndarray:
 
     `shift` is how far the centre has moved down-slope [m].
     """
-    major, minor, _ = (float(axis) for axis in scene.block.semi_axes)
+    shape, sizes = scene.block.shape, scene.block.semi_axes
     start = float(scene.impact.orientation)
-    support = np.hypot(major * np.cos(start), minor * np.sin(start))
+    support = float(shape.support(sizes, np.sin(start), np.cos(start)))
     sin, cos = np.sin(start + rotation), np.cos(start + rotation)
-    turn = np.linspace(0.0, 2.0 * np.pi, 181)
-    along, across = major * np.cos(turn), minor * np.sin(turn)
+    across, along = shape.outline(sizes).T
     tangential = shift - along * sin + across * cos
     height = support - penetration - along * cos - across * sin
     return np.column_stack([tangential, height])
