@@ -19,7 +19,11 @@ $$ r_y(\Theta + s) \le \frac{r_y(\Theta)\sin(\delta - s) +
 the support of the point in which these meet, whose $r_y''$ is not positive. So with its
 arm, $(r_y(\Theta + \delta) - r_y\cos\delta)/\sin\delta$, in place of $r_y'$, and
 $K = g_0 N_y$, the time is certain again until the block has turned by $\delta$. Of
-several $\delta$ the one that gives the longest time counts.
+several $\delta$ the one that gives the longest time counts. And the gap to an end of
+the segment may be taken in a direction that turns with the block, until that points
+beyond the segment's normal or the horizontal; then $r_y$ does not change at all, and
+
+$$ \ddot g \ge -g_0 - 2 |\Omega| |v| - \Omega^2 |c - p| . $$
 
 Directions tried: the segment's normal, and at each of its ends the shape's
 `parting_direction`, or the horizontal if that points down. If the block does not touch
@@ -171,6 +175,42 @@ def _surely_open(body: Body, outline: Outline, axis, gap: Gap, width: Scalar) ->
     return longest
 
 
+def _surely_off_point(
+    body: Body,
+    outline: Outline,
+    gap: Gap,
+    width: Scalar,
+    line: Gap,
+    side: float,
+    point: tuple[Scalar, Scalar],
+) -> Scalar:
+    """The same of the gap to an end of a segment, in a direction that turns with the
+    block: a flat face that turns on a point stays parted from it [s].
+
+    Args:
+        line: the gap in the direction of the segment's normal, up to which, or to the
+            horizontal, the direction may turn.
+        side: -1 for the left end, 1 for the right one.
+    """
+    spin = jnp.abs(body.angular_velocity)
+    to_line = side * body.angular_velocity < 0.0
+    end_x = jnp.where(to_line, line.normal_x, side)
+    end_y = jnp.where(to_line, line.normal_y, 0.0)
+    free = jnp.sqrt((gap.normal_x - end_x) ** 2 + (gap.normal_y - end_y) ** 2)
+    speed = jnp.sqrt(body.v_x**2 + body.v_y**2)
+    size = outline.largest
+    lasts = jnp.minimum(
+        free / jnp.maximum(spin, 1.0 / NEVER),
+        size / (speed + jnp.sqrt(GRAVITY * size)),
+    )
+    fastest = speed + GRAVITY * lasts
+    farthest = jnp.sqrt((body.x - point[0]) ** 2 + (body.y - point[1]) ** 2)
+    farthest = farthest + fastest * lasts
+    bound = GRAVITY + 2.0 * spin * fastest + spin**2 * farthest
+    time = jnp.minimum(time_open(width, gap.opening, bound), lasts)
+    return jnp.where(gap.normal_y > 0.0, time, 0.0)
+
+
 def sure_time(
     body: Body,
     outline: Outline,
@@ -190,11 +230,19 @@ def sure_time(
         slack: the block may sink in so far [m], so that it can start where it touches.
     """
     times = []
-    for gap in candidates:
+    ends = (-1.0, (piece.left_x, piece.left_y)), (1.0, (piece.right_x, piece.right_y))
+    has_no_faces = outline.shape.largest_bending(outline.axes) is not None
+    for number, gap in enumerate(candidates):
         width = gap.width + depth + slack
         parts = width > -slack  # but for rounding
         width = jnp.maximum(width, 0.01 * slack)
         time = _surely_open(body, outline, axis, gap, width)
+        if number > 0 and not has_no_faces:
+            side_and_point = ends[number - 1]
+            off_point = _surely_off_point(
+                body, outline, gap, width, candidates[0], *side_and_point
+            )
+            time = jnp.maximum(time, off_point)
         times.append(jnp.where(parts, time, 0.0))
     # However it turns, the block stays inside the circle about it.
     line, largest = candidates[0], outline.largest
