@@ -31,15 +31,14 @@ def clearance(body, outline, profile, times):
     distance of the breaks from the ellipse, by its size."""
     now = fly(body, times[:, None])
     sin, cos = np.sin(now.orientation), np.cos(now.orientation)
-    along, across = outline.axes.major * np.cos(AROUND), outline.axes.minor * np.sin(AROUND)
+    major, minor, _ = outline.axes
+    along, across = major * np.cos(AROUND), minor * np.sin(AROUND)
     x = now.x + along * sin + across * cos
     y = now.y + along * cos - across * sin
     inside = (x >= profile.x[0]) & (x <= profile.x[-1])
     over = np.where(inside, y - profile.height(x), np.inf)
     d_x, d_y = profile.x - now.x, profile.y - now.y
-    size = np.hypot(
-        (d_x * sin + d_y * cos) / outline.axes.major, (d_x * cos - d_y * sin) / outline.axes.minor
-    )
+    size = np.hypot((d_x * sin + d_y * cos) / major, (d_x * cos - d_y * sin) / minor)
     return np.min(over, axis=1), np.min(size, axis=1) - 1.0
 
 

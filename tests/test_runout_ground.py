@@ -47,7 +47,11 @@ def blocks_above(profile, count, seed=1):
     generator = np.random.default_rng(seed)
     x = generator.uniform(2.0, 30.0, count)
     return Release(
-        Block(generator.uniform(20.0, 500.0, count), 2600.0, 1.0 + 2.0 * x / 30.0),
+        Block(
+            generator.uniform(20.0, 500.0, count),
+            2600.0,
+            aspect_ratio=1.0 + 2.0 * x / 30.0,
+        ),
         x,
         profile.height(x) + generator.uniform(2.0, 6.0, count),
         *generator.uniform(-2.0, 12.0, (2, count)),
