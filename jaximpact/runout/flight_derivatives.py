@@ -66,7 +66,13 @@ def differentiate_ends(
     n_x, n_y = normals(at_end)
     reach = support(outline, at_end.orientation - np.arctan2(n_x, n_y))
     width = n_x * (at_end.x - point_x) + n_y * (at_end.y - point_y) - reach.radius
-    opening = n_x * at_end.v_x + n_y * at_end.v_y - reach.arm * body.angular_velocity
+    arm = plain(reach.arm)
+    if plain(outline.shape).largest_bending(plain(outline.axes)) is None:
+        # On a flat face the point that touches is that of the ground.
+        d_x, d_y = point_x - plain(at_end.x), point_y - plain(at_end.y)
+        of_point = plain(n_y) * d_x - plain(n_x) * d_y
+        arm[corner] = of_point[corner]
+    opening = n_x * at_end.v_x + n_y * at_end.v_y - arm * body.angular_velocity
     at_once = ends.touched & (ends.time == 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         of_touch = np.where(at_once, 0.0, -width.tangent / opening.value)
