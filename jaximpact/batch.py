@@ -19,6 +19,7 @@ import jax
 import numpy as np
 
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
+from .block import Block
 from .engines.machine import NativeWorker, compile_native, computes_on_cpu
 from .engines.marching import (
     CORES,
@@ -36,9 +37,10 @@ from .identity import part_names
 from .mechanics.model import MODELS, model_places
 from .mechanics.problem import Assembly
 from .precision import require_float64
-from .scene import Scene
+from .scene import Impact, Scene, as_scene
 from .shapes import MixedShapes
 from .simulation import ImpactResult
+from .soil import Soil
 from .summary import Numbers, numbers_of_no_value
 
 
@@ -130,7 +132,9 @@ def order_by_effort(scene: Scene) -> np.ndarray:
 
 
 def simulate_batch(
-    scene: Scene,
+    scene: Scene | Block,
+    soil: Soil | None = None,
+    impact: Impact | None = None,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     ledger: bool = False,
@@ -142,8 +146,9 @@ def simulate_batch(
     """Simulate many impacts.
 
     Args:
-        scene: fields that broadcast to one shape `(n,)`. Blocks may have different
-            shapes (`MixedShapes`); each is computed as by itself.
+        scene, soil, impact: as for `simulate`, with fields that broadcast to one shape
+            `(n,)`. Blocks may have different shapes (`MixedShapes`); each is computed
+            as by itself.
         accuracy: as for `simulate`.
         ledger: also keep the energy ledger of each impact.
         model_tolerance: error in `e_n` and `e_bar` for which a model that leaves
@@ -171,6 +176,7 @@ def simulate_batch(
     require_float64()
     setting = get_accuracy(accuracy)
     real_number("model_tolerance", model_tolerance, least=0.0)
+    scene = as_scene(scene, soil, impact)
     check_scene(scene, batched=True, warn=True)
     if isinstance(scene.block.shape, MixedShapes):
         for alone, _ in by_shape(scene):

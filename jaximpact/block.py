@@ -1,11 +1,8 @@
 """The rock block: homogeneous, given by its mass, its density and its shape."""
 
-from jaxtyping import Array, Float
-
+from ._types import Scalar
 from .parameters import Composite, parameter, part
 from .shapes import AbstractShape, Ellipsoid, SemiAxes
-
-Scalar = Float[Array, ""]
 
 
 class Block(Composite):
@@ -44,6 +41,7 @@ class Block(Composite):
 
     @property
     def sphericity(self) -> Scalar:
-        r"""Sphericity index $S_p = A_r^{-2/3}$ (eq. 8 of the paper by our count, see
-        docs/model.md; others call it eq. 17)."""
+        r"""Sphericity index $S_p = A_r^{-2/3}$, of the lengths H and R = W alone,
+        whatever the shape (eq. 8 of the paper by our count, see docs/model.md; others
+        call it eq. 17)."""
         return self.aspect_ratio ** (-2.0 / 3.0)

@@ -10,6 +10,11 @@ from pathlib import Path
 
 from .errors import InputError, nearest
 
+CURE = (
+    "give every parameter a default: name: Scalar = parameter(default, unit, range, "
+    "meaning)"
+)
+
 
 def find_part(slot: str, base: type, text: str, directory: Path | None = None):
     """A law or a shape, with its default parameters, by name.
@@ -30,9 +35,7 @@ def find_part(slot: str, base: type, text: str, directory: Path | None = None):
         return kind()
     except TypeError as error:
         raise InputError(
-            f"{slot} {text!r} cannot be made without arguments: {error}; give every "
-            "parameter a default: name: Scalar = parameter(default, unit, range, "
-            "meaning)"
+            f"{slot} {text!r} cannot be made without arguments: {error}; {CURE}"
         ) from error
 
 
@@ -79,10 +82,9 @@ def shipped(base: type) -> list[type]:
     kinds = []
     for kind in base.__subclasses__():
         # Not those that are made as a program runs, of several shapes.
-        module = sys.modules[kind.__module__]
-        if getattr(module, kind.__name__, None) is not kind:
-            continue
-        if kind.__module__.partition(".")[0] == __name__.partition(".")[0]:
+        at_home = getattr(sys.modules.get(kind.__module__), kind.__name__, None)
+        is_ours = kind.__module__.partition(".")[0] == __name__.partition(".")[0]
+        if is_ours and at_home is kind:
             kinds += [] if inspect.isabstract(kind) else [kind]
             kinds += shipped(kind)
     return kinds
@@ -128,6 +130,9 @@ def _loaded(path: Path, digest: str):
     """The module of a file, once for each content. It is found under its name by
     `pickle` in this process."""
     name = f"{path.stem}_{digest[:12]}"
+    being_read = sys.modules.get(name)
+    if getattr(being_read, "__file__", None) == str(path):
+        return being_read  # a program that names a law of its own
     spec = importlib.util.spec_from_file_location(name, path)
     module = importlib.util.module_from_spec(spec)
     setattr(module, READ_BY_NAME, True)
@@ -140,9 +145,10 @@ def _loaded(path: Path, digest: str):
             (f" (line {at.tb_lineno})" for at in _frames(error, path)),
             "",
         )
+        cure = f"; {CURE}" if "non-default argument" in str(error) else ""
         raise InputError(
             f"cannot be run as the file of a law or a shape{line}: "
-            f"{type(error).__name__}: {error}",
+            f"{type(error).__name__}: {error}{cure}",
             file=path,
         ) from error
     return module

@@ -4,7 +4,6 @@ law."""
 import dataclasses
 import functools
 import hashlib
-import itertools
 import site
 import sys
 import sysconfig
@@ -14,7 +13,6 @@ from types import ModuleType
 import equinox as eqx
 import jax
 
-from .finding import file_of
 from .parameters import Composite, Part, parts_of
 
 PACKAGE = __name__.partition(".")[0]
@@ -31,16 +29,18 @@ def part_names(*wholes: Composite) -> dict[str, str]:
 
 
 def name_of(kind: type[Part]) -> str:
-    """Module, or file, and name of a class; a digest of its source behind it if it is
-    not the package's. Of one that is made of several, those of each."""
+    """Module and name of a class; of one that is not the package's the name of its
+    file, however it was found, and a digest of its source. Of one that is made of
+    several, those of each."""
     if kinds := made_of(kind):
         return " and ".join(name_of(one) for one in kinds)
-    file = file_of(kind)
-    name = f"{file.stem if file else kind.__module__}.{kind.__qualname__}"
-    if _is_ours(kind.__module__):
-        return name
+    if is_ours(kind):
+        return f"{kind.__module__}.{kind.__qualname__}"
+    file = getattr(sys.modules.get(kind.__module__), "__file__", None)
+    module = Path(file).stem if file else kind.__module__
     digest = source_digest(kind)
-    return f"{name} ({digest[:16] if digest else 'source not known'})"
+    told = digest[:16] if digest else "source not known"
+    return f"{module}.{kind.__qualname__} ({told})"
 
 
 def described(tree) -> tuple | None:
@@ -71,10 +71,16 @@ def source_digest(kind: type) -> str | None:
     """Digest of the sources that a class is made of: its module, those of the classes
     it derives from, and those that they take names from, but for installed packages.
     "" if all are the package's; None if one has no source, as in an interactive
-    session."""
+    session, or was made inside a function, whose variables no source tells."""
+    if kinds := made_of(kind):
+        digests = [source_digest(one) for one in kinds]
+        return None if None in digests else "".join(digests)
     modules: dict[str, ModuleType] = {}
-    for base in itertools.chain(kind.__mro__, *(k.__mro__ for k in made_of(kind))):
-        _gather(sys.modules.get(base.__module__), modules)
+    for base in kind.__mro__:
+        module = sys.modules.get(base.__module__)
+        if not _holds(module, base):
+            return None
+        _gather(module, modules)
     digest = hashlib.sha256()
     for name in sorted(modules):
         source = _source_of(modules[name])
@@ -90,6 +96,13 @@ def made_of(kind: type) -> tuple[type[Part], ...]:
     return kinds if isinstance(kinds, tuple) else ()
 
 
+def _holds(module: ModuleType | None, kind: type) -> bool:
+    found = module
+    for name in kind.__qualname__.split("."):
+        found = getattr(found, name, None)
+    return found is kind
+
+
 def _gather(module: ModuleType | None, found: dict[str, ModuleType]) -> None:
     """Add a module, and those that it takes names from, unless they are installed."""
     if module is None or module.__name__ in found or _is_installed(module):
@@ -102,12 +115,17 @@ def _gather(module: ModuleType | None, found: dict[str, ModuleType]) -> None:
             _gather(sys.modules.get(getattr(value, "__module__", None) or ""), found)
 
 
-def _is_ours(module: str) -> bool:
+def is_ours(kind: type) -> bool:
+    """Whether a class is the package's."""
+    return _is_of_package(kind.__module__)
+
+
+def _is_of_package(module: str) -> bool:
     return module.partition(".")[0] == PACKAGE
 
 
 def _is_installed(module: ModuleType) -> bool:
-    if _is_ours(module.__name__) or module.__name__ in sys.builtin_module_names:
+    if _is_of_package(module.__name__) or module.__name__ in sys.builtin_module_names:
         return True
     if module.__name__.partition(".")[0] in sys.stdlib_module_names:
         return module.__name__ != "__main__"

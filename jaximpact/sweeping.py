@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
+from .block import Block
 from .errors import InputError
 from .fields import expect, real_numbers
 from .formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
@@ -39,9 +40,10 @@ from .formats.scenes import (
 )
 from .identity import name_of, part_names
 from .mechanics.outcomes import Outcome
-from .scene import Scene
+from .scene import Impact, Scene, as_scene
 from .shapes import AbstractShape
 from .simulation import ImpactResult
+from .soil import Soil
 
 LABELS = "name"
 """Key of a group of quantities that gives the labels along its dimension."""
@@ -66,7 +68,7 @@ class _Axis(NamedTuple):
 
 
 def sweep(
-    base: Scene,
+    base: Scene | Block | tuple[Block, Soil, Impact],
     axes: Axes,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
@@ -77,7 +79,8 @@ def sweep(
     """Impacts at every combination of the values along the axes.
 
     Args:
-        base: the scene, scalars only, in SI units; what no axis says is as here.
+        base: the scene, as for `simulate`, scalars only, in SI units; what no axis says
+            is as here.
         axes: dimension -> values, in its order. A dimension named as an input column
             (`"angle_deg"`) takes a list of that quantity, in the unit of its name;
             columns are those of the base's own laws and shapes. `"shape"` takes names
@@ -99,6 +102,7 @@ def sweep(
             match, naming the axis.
         ValueError: a base that is no single scene.
     """
+    base = as_scene(base)
     check_scene(base)
     setting = get_accuracy(accuracy)
     grid = check_axes(axes, base)
@@ -118,7 +122,8 @@ def repeat_sweep(dataset: xr.Dataset, **how) -> xr.Dataset:
     """Compute a sweep again, from nothing but what the dataset says about itself.
 
     Args:
-        dataset: from `sweep`, whole or a selection that keeps its dimensions.
+        dataset: from `sweep`, whole or a selection that keeps its dimensions and, for
+            each parameter that varies, a shape that has it.
         how: `journal` and `progress` of `sweep`.
 
     Raises InputError if the dataset is no sweep, or was made with laws that are not

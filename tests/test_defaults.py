@@ -1,6 +1,5 @@
 """A default stands in one place, or is the same in all of them."""
 
-import dataclasses
 import inspect
 import re
 
@@ -8,9 +7,7 @@ import numpy as np
 import pytest
 
 from jaximpact import (
-    Block,
-    Impact,
-    Soil,
+    Scene,
     elasticities,
     morris,
     simulate,
@@ -21,7 +18,7 @@ from jaximpact import (
 from jaximpact.accuracy import DEFAULT_ACCURACY
 from jaximpact.calibration.study_file import ACCURACY, STARTS
 from jaximpact.cli import calibrate, options, runout, sensitivity, tabulate
-from jaximpact.formats.columns import column_of_field
+from jaximpact.formats.columns import columns_of
 from jaximpact.runout import FullModel, Ground, Profile, read_profile, simulate_runout
 from jaximpact.runout.ground import ANGLE_COLUMNS
 from jaximpact.runout.slope_file import DEFAULT_BINS, DEFAULT_COUNT
@@ -35,11 +32,9 @@ def default(function, name):
 
 
 def test_fields_have_the_defaults_of_their_columns():
-    for part in (Block(), Soil(), Impact()):
-        for field in dataclasses.fields(part):
-            column = column_of_field(type(part).__name__.lower(), field.name)
-            received = float(getattr(part, field.name))
-            assert received == pytest.approx(column.factor * column.default, rel=1e-15)
+    for column in columns_of(Scene()).values():
+        received = float(getattr(getattr(Scene(), column.part), column.field))
+        assert received == pytest.approx(column.factor * column.default, rel=1e-15)
 
 
 def test_a_ground_is_as_rough_and_rolls_as_a_profile_does():

@@ -1,7 +1,6 @@
 """One impact: reference numbers, exact facts, symmetries, the ledger, singular
 scenes."""
 
-import dataclasses
 import math
 import os
 import subprocess
@@ -16,14 +15,14 @@ from scipy import integrate, optimize
 from jaximpact import (
     Block,
     Impact,
-    Laws,
     Outcome,
     Soil,
     energetic_coefficient,
     simulate,
 )
 from jaximpact.block import Block as BlockClass
-from jaximpact.mechanics.laws import elastic_stiffness
+from jaximpact.laws import Vesic
+from jaximpact.shapes import Foundation
 
 DEGREE = math.pi / 180.0
 
@@ -138,7 +137,8 @@ def test_without_yielding_a_vertical_impact_is_conservative(orientation_deg):
     def force(u):
         q = math.sqrt(u / along * (2 - u / along))
         sizes = 2 * float(across) * q, 2 * float(axes.out_of_plane) * q
-        stiffness = elastic_stiffness(*map(jnp.asarray, sizes), soil.unit_weight, soil)
+        sizes = Foundation(*map(jnp.asarray, (*sizes, u, 0.0, 0.0, 0.0)))
+        stiffness = soil.elasticity(sizes, soil.unit_weight, jnp.asarray(u))
         return float(stiffness.normal) * u
 
     def balance(u):
@@ -280,19 +280,18 @@ def test_dashpots_dissipate():
     assert abs(result.energy.residual) < 1e-4 * result.energy.kinetic_in
 
 
+class TwiceAsStrong(Vesic):
+    def __call__(self, *arguments, **branch):
+        return 2.0 * super().__call__(*arguments, **branch)
+
+
 def test_laws_can_be_replaced_one_by_one():
-    from jaximpact.mechanics.laws import bearing_capacity
-
-    def twice_as_strong(*arguments, **branch):
-        return 2.0 * bearing_capacity(*arguments, **branch)
-
-    laws = dataclasses.replace(Laws(), bearing_capacity=twice_as_strong)
     ours = simulate(Block(), Soil(), Impact())
-    theirs = simulate(Block(), Soil(), Impact(), laws=laws)
+    theirs = simulate(Block(), Soil(bearing=TwiceAsStrong()), Impact())
     assert theirs.max_penetration < 0.9 * ours.max_penetration
     assert theirs.max_normal_force > 1.1 * ours.max_normal_force
-    assert "bearing_capacity" in ours.manifest()["laws"]["bearing_capacity"]
-    assert "twice_as_strong" in theirs.manifest()["laws"]["bearing_capacity"]
+    assert ours.manifest()["laws"]["bearing"] == "jaximpact.laws.bearing.Vesic"
+    assert "test_simulate.TwiceAsStrong (" in theirs.manifest()["laws"]["bearing"]
 
 
 def test_history_follows_the_impact_to_its_end():

@@ -228,11 +228,13 @@ def columns_of_class(slot: str, kind: type[Part]) -> dict[str, InputColumn]:
 
 
 def why_unknown(name: str, known: Iterable[str]) -> str:
-    """What may have been meant by an unknown name, to follow "is unknown; ": which of
-    the package's laws and shapes have it as a parameter, else the nearest known."""
+    """What may have been meant by an unknown name, to follow "is unknown; ": where
+    parameters of the scene are known, which of the package's laws and shapes have it as
+    a parameter, else the nearest known."""
+    known = tuple(known)
     for slot in SLOTS:
         owners = [k.__name__ for k in shipped_parts(slot) if _has(slot, k, name)]
-        if owners:
+        if owners and not INPUT_COLUMNS.keys().isdisjoint(known):
             return (
                 f"it belongs to the {slot.replace('_', ' ')} {' or '.join(owners)}, "
                 f'which is not chosen ({slot} = "{owners[0]}")'
@@ -241,7 +243,7 @@ def why_unknown(name: str, known: Iterable[str]) -> str:
 
 
 def _has(slot: str, kind: type[Part], name: str) -> bool:
-    return name in columns_of_class(slot, kind)
+    return str(name) in columns_of_class(slot, kind)
 
 
 def _usual_columns() -> dict[str, InputColumn]:

@@ -89,7 +89,9 @@ def _with_parts(path: Path, names: Mapping[str, tuple[str | None, object]]) -> S
         except InputError as error:
             raise InputError(str(error), file=path, key=slot) from error
     try:
-        return with_parts(Scene(), texts, path.parent)
+        scene = with_parts(Scene(), texts, path.parent)
+        columns_of(scene)  # which are two of one name where laws do not fit together
+        return scene
     except InputError as error:
         raise InputError(str(error), file=path) from error
 

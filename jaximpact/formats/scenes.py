@@ -23,8 +23,8 @@ def with_parts(
 ) -> Scene:
     """The scene with other laws or another shape, by their names.
 
-    What a new law or shape shares by name with the one before keeps its value; its
-    other parameters have their defaults.
+    A value that was given is kept if the new law or shape has a parameter of that name;
+    its other parameters have their own defaults.
 
     Args:
         names: slot to a name, as `finding.find_part` takes it.
@@ -44,8 +44,8 @@ def with_parts(
 
 
 def with_shapes(scene: Scene, kinds: Sequence[type[AbstractShape]]) -> Scene:
-    """The scene with a shape for each of its lanes; what they share by name with the
-    shape before keeps its value."""
+    """The scene with a shape for each of its lanes; values that were given are
+    kept."""
     block = replaced_parts(scene.block, {SHAPE: shape_of_each(kinds)})
     return Scene(block, scene.soil, scene.impact)
 
@@ -57,14 +57,18 @@ def part_named(slot: str, text: str, directory: Path | None = None) -> Part:
 
 
 def replaced_parts(whole: Composite, slots: Mapping[str, Part]) -> Composite:
-    """The soil or block with other laws or another shape; values of parameters that
-    both have are kept."""
+    """The soil or block with other laws or another shape. A value is kept if the new
+    law has a parameter of that name too and it is not the old law's default: what
+    nobody gave has the new law's default."""
     kept = {}
     for slot, new in slots.items():
         before = getattr(whole, slot)
         for name in parameters_of(new):
-            if name in parameters_of(before):
-                kept[name] = getattr(before, name)
+            if name not in parameters_of(before):
+                continue
+            value = getattr(before, name)
+            if not np.array_equal(value, parameters_of(before)[name].si_default):
+                kept[name] = value
     return dataclasses.replace(whole, **slots, **kept)
 
 

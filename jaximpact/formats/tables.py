@@ -205,7 +205,9 @@ def _with_named_parts(path: Path, data: bytes, names: list[str], base: Scene) ->
                 )
     try:
         base = with_parts(base, laws, path.parent)
-        return with_shapes(base, kinds) if kinds else base
+        base = with_shapes(base, kinds) if kinds else base
+        columns_of(base)  # which are two of one name where laws do not fit together
+        return base
     except InputError as error:
         raise InputError(str(error), file=path) from error
 

@@ -4,7 +4,9 @@ A law is a class with its parameters as fields and its equation as `__call__`. A
 law of one's own derives from the abstract class of its file and is given to `Soil`.
 """
 
+from .._types import Scalar
 from ..parameters import parameter
+from ..safe import safe_power, safe_sqrt
 from .bearing import (
     AbstractBearing,
     BearingFactors,
@@ -42,7 +44,7 @@ from .hardening import (
     SofterStart,
 )
 from .kinematics import AbstractKinematics, DeepestPoint, WorkConjugate
-from .loading_surface import AbstractLoadingSurface, Load, NovaMontrasio
+from .loading_surface import AbstractLoadingSurface, Forces, Load, NovaMontrasio
 from .peak_friction import AbstractPeakFriction, Bolton
 from .slider import AbstractSlider, Coulomb
 
@@ -68,6 +70,7 @@ __all__ = [
     "DuncanChang",
     "FlowRate",
     "FluidityRate",
+    "Forces",
     "HardeningPerLength",
     "HardeningPerMetre",
     "HardeningPerRootArea",
@@ -77,6 +80,7 @@ __all__ = [
     "Perzyna",
     "PowerNucleus",
     "PowerNucleusRate",
+    "Scalar",
     "SofterStart",
     "SquaredOverstress",
     "Stiffness",
@@ -88,4 +92,6 @@ __all__ = [
     "flow_direction",
     "overstress",
     "parameter",
+    "safe_power",
+    "safe_sqrt",
 ]

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..accuracy import Accuracy
+from ..batch import by_shape
 from ..engines.compilation import unfused_jit
 from ..engines.machine import (
     along_leaves,
@@ -48,39 +49,43 @@ def derivatives(
         Numbers with fields `(n,)` and the derivatives of each; NaN where the
         integration failed.
     """
-    leaf = leaf_places(scene)[column.name]
-    leaves, structure = jax.tree.flatten(scene)
-    leaves = [np.asarray(x) for x in leaves]
-    # A derivative leaves the symmetry that a cheaper model rests on.
-    unknown = [
-        np.full_like(x, np.nan) if i == leaf else x for i, x in enumerate(leaves)
-    ]
-    models = model_places(jax.tree.unflatten(structure, unknown), 0.0)
-    count = len(leaves[0])
+    count = len(np.asarray(scene.impact.speed))
     rows = len(jax.tree.leaves(numbers_of_no_value(ledger=False)))
-    values, slopes = np.empty((rows, count)), np.empty((rows, count))
+    values, slopes = np.empty((rows, count)), np.zeros((rows, count))
     jobs = []
-    for model in np.unique(models):
-        assembly = Assembly(structure, MODELS[model], False)
-        kernel = compile_native_along(assembly) if computes_on_cpu() else None
-        chosen = np.flatnonzero(models == model)
-        jobs += [
-            (assembly, kernel, chosen[start : start + PART])
-            for start in range(0, len(chosen), PART)
-        ]
+    for alone, of_shape in by_shape(scene):
+        # A parameter that the shape does not have changes nothing.
+        leaf = leaf_places(alone).get(column.name)
+        structure = jax.tree.structure(alone)
+        leaves = np.stack([np.asarray(x) for x in jax.tree.leaves(alone)])
+        # A derivative leaves the symmetry that a cheaper model rests on.
+        unknown = list(leaves)
+        if leaf is not None:
+            unknown[leaf] = np.full(count, np.nan)
+        models = model_places(jax.tree.unflatten(structure, unknown), 0.0)
+        models = np.where(of_shape, models, -1)
+        for model in np.unique(models[models >= 0]):
+            assembly = Assembly(structure, MODELS[model], False)
+            kernel = compile_native_along(assembly) if computes_on_cpu() else None
+            chosen = np.flatnonzero(models == model)
+            jobs += [
+                (assembly, kernel, leaves, leaf, chosen[start : start + PART])
+                for start in range(0, len(chosen), PART)
+            ]
 
     def solve(job) -> None:
-        assembly, kernel, places = job
-        rows = np.stack([x[places] for x in leaves])
+        assembly, kernel, leaves, leaf, places = job
+        part, by = leaves[:, places], leaf or 0
         if kernel is None:
             numbers, along = _in_xla(
-                assembly, leaf, list(rows), accuracy.tolerance, accuracy.floor
+                assembly, by, list(part), accuracy.tolerance, accuracy.floor
             )
         else:
-            inputs = along_leaves(with_setting(rows, accuracy), leaf)
+            inputs = along_leaves(with_setting(part, accuracy), by)
             numbers, along = solve_rows(kernel, inputs)
         values[:, places] = jax.tree.leaves(numbers)
-        slopes[:, places] = jax.tree.leaves(along)
+        if leaf is not None:
+            slopes[:, places] = jax.tree.leaves(along)
         done(len(places))
 
     pool = concurrent.futures.ThreadPoolExecutor(CORES)

@@ -12,7 +12,7 @@ import xarray as xr
 
 from ..accuracy import Accuracy, get_accuracy
 from ..batch import broadcast_scene
-from ..fields import expect
+from ..block import Block
 from ..formats.checks import check_scene
 from ..formats.columns import (
     OUTCOME_COLUMN,
@@ -26,7 +26,8 @@ from ..formats.scenes import scene_values, value_of
 from ..identity import part_names
 from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
-from ..scene import Scene
+from ..scene import Impact, Scene, as_scene
+from ..soil import Soil
 from ..summary import Numbers
 from ..sweeping import Axes, check_axes, coordinates_of, spread
 from .derivatives import derivatives
@@ -56,7 +57,7 @@ class _Checked(NamedTuple):
 
 
 def elasticities(
-    scene: Scene,
+    scene: Scene | Block | tuple[Block, Soil, Impact],
     parameters: Iterable[str] | None = None,
     outputs: Iterable[str] = DEFAULT_OUTPUTS,
     *,
@@ -75,7 +76,8 @@ def elasticities(
     an outcome changes, outputs jump, and no derivative says by how much.
 
     Args:
-        scene: one impact; or many, with fields that broadcast to `(n,)`.
+        scene: one impact, as for `simulate`; or many, with fields that broadcast to
+            `(n,)`.
         parameters: input columns, such as `"c_v"` or `"angle_deg"`, those of the
             scene's own laws and shapes among them; if not given, those of c_v, gamma_v
             and k_E that the laws have.
@@ -110,7 +112,7 @@ def elasticities(
         ValueError: a value out of its range.
     """
     require_float64()
-    expect("scene", scene, Scene)
+    scene = as_scene(scene)
     if parameters is None:
         parameters = default_parameters(scene)
     results = output_columns(outputs)

@@ -28,7 +28,8 @@ class MixedShapes(AbstractShape):
     the others change nothing.
     """
 
-    index: Scalar = eqx.field(converter=float64_leaf)
+    # No parameter, and said to be none.
+    index: Scalar = eqx.field(converter=float64_leaf, metadata={"declared": None})
     """Place among `kinds` of the shape of a lane: a whole number."""
 
     @property
