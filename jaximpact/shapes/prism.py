@@ -147,12 +147,6 @@ class RectangularPrism(AbstractShape):
         long, short = axes.major - radius, axes.minor - radius
         return short * sin_sign * cos - long * cos_sign * sin
 
-    @property
-    def bound(self) -> Scalar:
-        """Radius of the circle about the rounded rectangle, over R [-]."""
-        long, radius = self.aspect_ratio, self._radius(self.aspect_ratio, 1.0)
-        return jnp.sqrt((long - radius) ** 2 + (1.0 - radius) ** 2) + radius
-
     def parting_direction(self, axes, along, across) -> tuple[Scalar, Scalar]:
         """From the nearest point of the rectangle without its rounding; of a point
         inside of that one, the normal of the nearest face."""
