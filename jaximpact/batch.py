@@ -96,6 +96,29 @@ def by_shape(scene: Scene) -> list[tuple[Scene, np.ndarray]]:
     return found
 
 
+def groups_of(
+    scene: Scene, order: np.ndarray, model_tolerance: float, ledger: bool
+) -> list[tuple[Assembly, np.ndarray]]:
+    """Assemblies that scenes are computed with, and the scenes of each, for
+    `run_groups`.
+
+    Args:
+        scene: fields `(n,)`. order: places of those that are to be computed.
+    """
+    groups = []
+    for alone, chosen in by_shape(scene):
+        places = model_places(alone, model_tolerance)
+        places = np.where(chosen, places, -1)[order]
+        groups += [
+            (
+                Assembly(jax.tree.structure(alone), MODELS[place], ledger),
+                order[places == place],
+            )
+            for place in np.unique(places[places >= 0])
+        ]
+    return groups
+
+
 def order_by_effort(scene: Scene) -> np.ndarray:
     """An order of the scenes that puts the longest contacts first.
 
@@ -190,17 +213,7 @@ def simulate_batch(
 
         wanted = order_by_effort(scene)
         wanted = wanted[missing[wanted]]
-        groups = []
-        for alone, chosen in by_shape(scene):
-            places = model_places(alone, model_tolerance)
-            places = np.where(chosen, places, -1)[wanted]
-            groups += [
-                (
-                    Assembly(jax.tree.structure(alone), MODELS[place], ledger),
-                    wanted[places == place],
-                )
-                for place in np.unique(places[places >= 0])
-            ]
+        groups = groups_of(scene, wanted, model_tolerance, ledger)
         run_groups(scene, groups, setting, keep, timing)
     columns = jax.tree.unflatten(structure, list(numbers))
     return ImpactResult(

@@ -27,6 +27,7 @@ class Declared(NamedTuple):
     """What a parameter says of itself, in the unit that users write it in."""
 
     default: float
+    """NaN for a parameter that must be given."""
     unit: str
     range: str
     """An interval: "(0, inf)", "[0, 1]"."""
@@ -50,7 +51,7 @@ class Declared(NamedTuple):
 
 
 def parameter(
-    default: float,
+    default: float | None,
     unit: str,
     range: str,
     meaning: str,
@@ -64,7 +65,8 @@ def parameter(
     differentiated and fitted.
 
     Args:
-        default: value if none is given, in `unit`.
+        default: value if none is given, in `unit`; None for a parameter of a law of
+            rebound that must be given. Laws of the soil and shapes need a default.
         unit: of the default, the range and the column: an SI unit as "m/s" or "1/s",
             "-" for none, "deg", "deg/s" or "kN/m3".
         range: interval of the values allowed, with round brackets where an end is left
@@ -86,6 +88,9 @@ def parameter(
             "three texts"
         )
     lower, upper = _ends(told, range)
+    if default is None:
+        declared = Declared(math.nan, unit, range, meaning, column or "", usual)
+        return eqx.field(converter=float64_leaf, metadata={"declared": declared})
     above = default >= lower if range[0] == "[" else default > lower
     below = default <= upper if range[-1] == "]" else default < upper
     if not (above and below):

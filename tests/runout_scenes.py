@@ -1,6 +1,7 @@
 """What the tests of run-outs share: simple blocks and slopes, laws of contact, and the
 energy that runs gain."""
 
+import jax
 import numpy as np
 
 from jaximpact import (
@@ -12,6 +13,8 @@ from jaximpact import (
     RigidEllipsoid,
 )
 from jaximpact.runout import ClosedForm, Profile
+from jaximpact.runout.motion import Outline
+from jaximpact.shapes import Ellipsoid, SemiAxes
 
 G = 9.81
 SPHERE = Block()
@@ -28,6 +31,14 @@ LAWS = (
     FrictionalEllipsoid(0.5, 0.5),
     BozzoloPamini(),
 )
+
+
+def ellipse(major, minor):
+    """The outlines of blocks of these semi-axes [m]."""
+    axes = SemiAxes(major, minor, minor)
+    shape = Ellipsoid(aspect_ratio=major / minor)
+    outline = Outline(shape, axes, np.maximum(major, minor), np.minimum(major, minor))
+    return jax.tree.map(lambda leaf: np.broadcast_to(leaf, np.shape(major)), outline)
 
 
 def pieces_of(runs, way):

@@ -17,7 +17,6 @@ from jaximpact import (
     RigidEllipsoid,
     vijayakumar_coefficient,
 )
-from jaximpact.mechanics.foundation import support_radius, tangency_arm
 
 angles = st.floats(-1.5, 1.5)
 impacts = st.builds(
@@ -85,11 +84,7 @@ def test_pfeiffer_bowen_in_feet():
 @given(blocks, impacts, shares)
 def test_rigid_ellipsoid_turns_the_approach_round(block, impact, e_contact):
     after = RigidEllipsoid(e_contact)(block, impact)
-    arm = float(
-        tangency_arm(
-            block.semi_axes, jnp.sin(impact.orientation), jnp.cos(impact.orientation)
-        )
-    )
+    _, arm = arms(block, impact)
     closing = float(impact.normal_velocity + arm * impact.angular_velocity)
     if closing <= 0.0:
         # the contact point moves away: nothing happens
@@ -153,8 +148,9 @@ def test_gradients_are_finite_where_nothing_moves_along():
 def arms(block, impact):
     """How far the contact point lies below the centre, and down-slope of it."""
     sin, cos = jnp.sin(impact.orientation), jnp.cos(impact.orientation)
-    axes = block.semi_axes
-    return float(support_radius(axes, sin, cos)), float(tangency_arm(axes, sin, cos))
+    axes, shape = block.semi_axes, block.shape
+    support, arm = shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos)
+    return float(support), float(arm)
 
 
 def contact_velocities(block, impact, motion):

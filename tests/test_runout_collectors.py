@@ -233,8 +233,8 @@ def test_a_block_let_down_lies_on_the_ground():
     y = lying_height(profile, outline, places, orientation)
     angle = np.linspace(0.0, 2.0 * np.pi, 100_001)
     for i in range(n):
-        along = float(outline.major[i]) * np.cos(angle)
-        across = float(outline.minor[i]) * np.sin(angle)
+        along = float(outline.axes.major[i]) * np.cos(angle)
+        across = float(outline.axes.minor[i]) * np.sin(angle)
         sin, cos = np.sin(orientation[i]), np.cos(orientation[i])
         right, up = along * sin + across * cos, along * cos - across * sin
         on = (places[i] + right >= x[0]) & (places[i] + right <= x[-1])

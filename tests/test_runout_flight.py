@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from runout_scenes import ellipse
 
 from jaximpact.runout import contact_search
 from jaximpact.runout.flight import follow_flights
-from jaximpact.runout.motion import Body, Outline, fly, take
+from jaximpact.runout.motion import Body, fly, take
 from jaximpact.runout.profile import Profile
 from jaximpact.runout.programs import Program
 from jaximpact.runout.reach import earliest
@@ -30,15 +31,14 @@ def clearance(body, outline, profile, times):
     distance of the breaks from the ellipse, by its size."""
     now = fly(body, times[:, None])
     sin, cos = np.sin(now.orientation), np.cos(now.orientation)
-    along, across = outline.major * np.cos(AROUND), outline.minor * np.sin(AROUND)
+    major, minor, _ = outline.axes
+    along, across = major * np.cos(AROUND), minor * np.sin(AROUND)
     x = now.x + along * sin + across * cos
     y = now.y + along * cos - across * sin
     inside = (x >= profile.x[0]) & (x <= profile.x[-1])
     over = np.where(inside, y - profile.height(x), np.inf)
     d_x, d_y = profile.x - now.x, profile.y - now.y
-    size = np.hypot(
-        (d_x * sin + d_y * cos) / outline.major, (d_x * cos - d_y * sin) / outline.minor
-    )
+    size = np.hypot((d_x * sin + d_y * cos) / major, (d_x * cos - d_y * sin) / minor)
     return np.min(over, axis=1), np.min(size, axis=1) - 1.0
 
 
@@ -50,7 +50,7 @@ def test_the_first_contact_is_the_first(seed):
     n = 5
     major = generator.uniform(0.1, 1.0, n)
     minor = major / generator.uniform(1.0, 5.0, n) ** generator.choice([-1.0, 1.0], n)
-    outline = Outline(major, minor)
+    outline = ellipse(major, minor)
     x = generator.uniform(profile.x[0], profile.x[-1], n)
     top = np.max(profile.y) + np.max(minor) + np.max(major)
     body = Body(
@@ -86,7 +86,7 @@ def test_the_first_contact_is_the_first(seed):
 def test_a_fast_spin_is_not_tunnelled_through():
     """A slender block that turns 55 times a second, dropped on a plane: the first time
     at which its height is that of its support, found by sampling."""
-    outline = Outline(np.array([0.53]), np.array([0.13]))
+    outline = ellipse(np.array([0.53]), np.array([0.13]))
     body = Body(*(np.array([v]) for v in (0.0, 3.0, 5.0, 0.0, 0.4, FASTEST)))
     ends = follow_flights(body, outline, Profile([-50, 50], [0, 0]), np.array([9.0]))
     times = np.linspace(0.0, 1.0, 4_000_001)
@@ -99,7 +99,7 @@ def test_a_fast_spin_is_not_tunnelled_through():
 
 def test_a_sphere_meets_planes_and_edges_when_geometry_says():
     r = 0.2
-    outline = Outline(np.full(3, r), np.full(3, r))
+    outline = ellipse(np.full(3, r), np.full(3, r))
     # Onto the slope of 45 degrees; onto the edge at the origin; into the corner.
     body = Body(
         np.array([-5.0, 0.0, 10.0]),
@@ -123,7 +123,7 @@ def test_a_line_of_many_segments_is_that_line():
     generator = np.random.default_rng(0)
     n = 50
     major = generator.uniform(0.2, 3.0, n)
-    outline = Outline(major, major / 2.0)
+    outline = ellipse(major, major / 2.0)
     body = Body(
         np.zeros(n),
         np.full(n, 6.0),
@@ -173,7 +173,7 @@ def test_nothing_is_reached_before_its_time(seed):
 def test_a_block_that_climbs_out_of_the_ground_comes_down_on_it():
     """Not into the depth at which it started."""
     profile = Profile([-50.0, 0.0, 50.0], [0.0, 0.0, 20.0])
-    outline = Outline(np.array([0.6, 0.6]), np.array([0.3, 0.3]))
+    outline = ellipse(np.array([0.6, 0.6]), np.array([0.3, 0.3]))
     still = np.zeros(2)
     spin = np.array([0.5, -3.0])
     body = Body(still - 10.0, still + 0.2, still, still + 8.0, still, spin)
@@ -194,7 +194,7 @@ def test_a_search_that_runs_out_of_steps_says_so(monkeypatch):
         contact_search.begin, lambda w: contact_search.step(w), contact_search.finish
     )
     body = Body(*(np.array([v]) for v in (0.0, 3.0, 5.0, 0.0, 0.4, FASTEST)))
-    outline = Outline(np.array([0.53]), np.array([0.13]))
+    outline = ellipse(np.array([0.53]), np.array([0.13]))
     pieces = (Piece(-50.0, 0.0, 50.0, 0.0),)
     found = impatient(body, outline, pieces, 50.0, 1e3)
     assert found.given_up[0] == 1.0
@@ -203,7 +203,7 @@ def test_a_search_that_runs_out_of_steps_says_so(monkeypatch):
 
 def test_machine_code_does_what_the_functions_say():
     body = Body(*(np.array([v]) for v in (0.0, 3.0, 5.0, 0.0, 0.4, 40.0)))
-    outline = Outline(np.array([0.5]), np.array([0.2]))
+    outline = ellipse(np.array([0.5]), np.array([0.2]))
     pieces = (Piece(*(np.array([v]) for v in (-50.0, 0.0, 50.0, -20.0))),)
     inputs = body, outline, pieces, np.array([50.0]), np.array([1e3])
     found = contact_search.search(*inputs)

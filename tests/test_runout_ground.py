@@ -35,7 +35,7 @@ from jaximpact.runout import (
     simulate_runout,
 )
 from jaximpact.runout.clearance import lying_height
-from jaximpact.runout.motion import Outline
+from jaximpact.runout.motion import take
 from jaximpact.runout.philox import philox
 
 ELASTIC = ClosedForm(ConstantCoefficients(1.0, 1.0))
@@ -47,7 +47,11 @@ def blocks_above(profile, count, seed=1):
     generator = np.random.default_rng(seed)
     x = generator.uniform(2.0, 30.0, count)
     return Release(
-        Block(generator.uniform(20.0, 500.0, count), 2600.0, 1.0 + 2.0 * x / 30.0),
+        Block(
+            generator.uniform(20.0, 500.0, count),
+            2600.0,
+            aspect_ratio=1.0 + 2.0 * x / 30.0,
+        ),
         x,
         profile.height(x) + generator.uniform(2.0, 6.0, count),
         *generator.uniform(-2.0, 12.0, (2, count)),
@@ -163,7 +167,7 @@ def test_no_block_is_sent_into_the_ground(contacts):
     runs = simulate_runout(plane, release, contacts, time_limit=6.0)
     assert np.max(np.abs(runs.contacts.slope - angle)) > np.radians(20.0)
     p = pieces_of(runs, Way.flight)
-    outline = Outline(*(np.asarray(a)[p.trajectory] for a in release.outline))
+    outline = take(release.outline, p.trajectory)
     lowest = lying_height(plane, outline, p.x, p.orientation)
     # Touches may be early by 1e-9 of the block, and are of 0.1 to 1 m.
     assert np.min(p.y - lowest) > -1e-8
@@ -179,7 +183,7 @@ def test_facets_depend_on_seed_block_and_impact_alone():
     np.testing.assert_array_equal(whole.contacts.slope, narrow.contacts.slope)
     chosen = np.array([5, 17, 40])
     some = Release(
-        Block(*(np.asarray(v)[chosen] for v in dataclasses.astuple(release.block))),
+        take(release.block, chosen),
         *(column[chosen] for column in release.body),
     )
     part = simulate_runout(profile, some, law, ground=ground.of_blocks(chosen))

@@ -1,13 +1,23 @@
 """`jaximpact runout`: many blocks down a slope."""
 
 import argparse
+import textwrap
 from pathlib import Path
 
+from ..finding import shipped
+from ..formats.columns import own_columns
 from ..interruption import resumable
+from ..rebound import AbstractRebound
 from . import options
 from .progress import Progress, say
 
-DESCRIPTION = """\
+LAWS = "; ".join(
+    f"{kind.words} ({', '.join(column.name for column in own_columns(kind))})".replace(
+        " ()", ""
+    )
+    for kind in shipped(AbstractRebound)
+)
+STUDY = """\
 Let many blocks down a slope, and say where they stop and what passes.
 
 The study is a TOML file. Lengths in m, angles in degrees; x to the right, y up.
@@ -26,6 +36,8 @@ The study is a TOML file. Lengths in m, angles in degrees; x to the right, y up.
 
     [block]
     mass_kg = { mean = 100, sd = 30, least = 20 }
+    shape = "RectangularPrism"     # default: "Ellipsoid"; or a list of shapes
+    corner_radius_ratio = [0.1, 0.5]
 
     [release]
     x_m = 2
@@ -46,6 +58,8 @@ goes, or one on each segment that has its own. Lists make every combination, tho
 the ground slowest, the last one fastest, and over again until there are enough blocks.
 What [ground] does not say has its default below; rolling_friction_angle_deg is 20,
 an assumption, and roughness_deg 0.
+[ground] may name laws of the soil, flow = "my_laws.py:MyFlow", and [block] a shape;
+their parameters are then quantities like the others. All segments have the same laws.
 [ground] may name a calibration, from = "out/wyllie", the directory that `jaximpact
 calibrate` wrote, with variant = "..." where the study has several. Each block then gets
 parameters of its own as the tests leave them, with their correlations, and what the fit
@@ -68,11 +82,17 @@ Further keys, before all tables:
   time_limit_s, event_limit
                  where a block still under way is given up (defaults: 600 and 10000)
 
-Laws: full model; table (files, of `jaximpact tabulate`, one for each pair of block and
-ground); constant coefficients (e_n, e_t); Pfeiffer and Bowen (normal_coefficient,
-tangential_coefficient); rigid ellipsoid (e_contact); frictional ellipsoid (e_contact,
-friction_coefficient); Bozzolo and Pamini. Several [[contacts]], each with a name if
-their laws do not tell them apart, are compared: the same blocks go down by each law.
+"""
+LAWS_IN_WORDS = textwrap.fill(
+    "Laws of contacts: full model; table (files, of `jaximpact tabulate`, one for "
+    f"each pair of block and ground); {LAWS}; and one of your own, "
+    'law = "my_rebound.py:MyLaw", with its parameters as keys. '
+    "Several [[contacts]], each with a name if their laws do not tell them apart, "
+    "are compared: the same blocks go down by each law.",
+    88,
+    break_on_hyphens=False,
+)
+RESULT = """
 
 Every block has an ending: stopped, left profile, time limit, event limit or failed. All
 are counted; those that failed are left out of percentiles and curves. Written to DIR:
@@ -80,6 +100,7 @@ report.txt (also printed), manifest.json, blocks.nc, stops.csv, collectors.csv a
 drawings; where laws are compared, for each law in a directory of its own, and tables
 and drawings that set them side by side in DIR. After a run that was cut short the same
 command goes on from there."""
+DESCRIPTION = f"{STUDY}{LAWS_IN_WORDS}\n{RESULT}"
 
 
 def add_parser(commands) -> None:

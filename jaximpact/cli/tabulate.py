@@ -22,9 +22,11 @@ What to tabulate is a TOML file; what it does not say has its default:
     [block]
     mass_kg = 100
     aspect_ratio = 2
+    shape = "Ellipsoid"             # the default
 
     [ground]                        # one number for each quantity of the soil
     gamma_v = 8.7
+    flow = "Perzyna"                # the default; or one of your own, "laws.py:MyFlow"
 
     [table]
     slopes_deg = [0, 29.9]          # default [0]; between them the table is linear
@@ -39,7 +41,8 @@ What to tabulate is a TOML file; what it does not say has its default:
     orientations = 180              # over half a turn, all alike likely
 
 --out: the table for `jaximpact runout`, under [[contacts]] with law = "table" and
-files = ["table.nc"]. It belongs to this block on this ground and is refused for others.
+files = ["table.nc"]. It belongs to this block on this ground and is refused for others,
+other shapes and other laws.
 A run-out meets the slopes of its segments, with roughness 3 standard deviations to both
 sides; the table must cover them.
 --csv: the same for other programs, a row for each node, units in the names of columns.
@@ -141,15 +144,18 @@ def run(arguments: argparse.Namespace) -> None:
 
 def in_words(table: "ReboundTable") -> str:
     """What a table holds and how far it is from the model."""
+    from ..shapes import Ellipsoid
     from ..units import DEGREE
 
     shape, error = table.outcomes.shape, table.error
+    kind = type(table.block.shape)
+    kind = "" if kind is Ellipsoid else f"shape {kind.__name__}, "
     slopes = ", ".join(f"{slope / DEGREE:.4g}" for slope in table.slopes.tolist())
     low, high = (float(table.speeds[end]) for end in (0, -1))
     return "\n".join(
         [
             f"{table.outcomes.size} impacts of a block of {float(table.block.mass):g} "
-            f"kg, aspect ratio {float(table.block.aspect_ratio):g}: "
+            f"kg, {kind}aspect ratio {float(table.block.aspect_ratio):g}: "
             f"{' x '.join(map(str, shape))} nodes of total speed ({low:g} to {high:g} "
             f"m/s), elevation, azimuth, orientation and slope ({slopes} deg)",
             f"error on {error.impacts} random impacts, by the total speed before: "

@@ -106,13 +106,19 @@ def _kept_or_compiled(
         key = _key(assembly, choice)
         return compile_lanes() if key is None else kept(key, compile_lanes)
     except NoMachineCode as problem:
-        reason = f"{problem} ({problem.place})" if problem.place else str(problem)
-        if os.environ.get(REQUIRED):
-            raise IncompleteError(
-                f"the laws have no machine code, which {REQUIRED} asks for: {reason}"
-            ) from problem
-        _tell_slower_way(reason)
+        without_machine_code(problem)
         return None
+
+
+def without_machine_code(problem: NoMachineCode) -> None:
+    """Warn that XLA computes what has no machine code, or refuse it if that is asked
+    for."""
+    reason = f"{problem} ({problem.place})" if problem.place else str(problem)
+    if os.environ.get(REQUIRED):
+        raise IncompleteError(
+            f"the laws have no machine code, which {REQUIRED} asks for: {reason}"
+        ) from problem
+    _tell_slower_way(reason)
 
 
 REQUIRED = "JAXIMPACT_REQUIRE_MACHINE_CODE"

@@ -133,6 +133,11 @@ def _column(part: str, field: str, declared: Declared) -> InputColumn:
     )
 
 
+def own_columns(kind: type[Part]) -> list[InputColumn]:
+    """The columns of a law that belongs to no scene, as of rebound."""
+    return [_column("law", *pair) for pair in declared_of(kind).items()]
+
+
 def columns_of(scene: Scene) -> dict[str, InputColumn]:
     """The columns of a scene: those of its parts, with those of the laws and the shape
     that it has."""

@@ -3,11 +3,13 @@ r"""Rebound by laws in closed form, which know no time and no soil.
 The first rung of the ladder, and what today's rockfall programs use.
 
 Each is a module whose parameters are its leaves; called with a block and an impact it
-gives the velocities after. Pure `jnp`, differentiable, for scalars or arrays that
-broadcast. n into the ground, t down-slope, rotation clockwise: a block that rolls
-down-slope without slip has $v_t = \Omega R$.
+gives the velocities after. Pure `jnp`, differentiable; those here take arrays that
+broadcast, too. A law of one's own derives from `AbstractRebound`. n into the ground, t
+down-slope, rotation clockwise: a block that rolls down-slope without slip has
+$v_t = \Omega R$.
 """
 
+from .base import AbstractRebound
 from .bozzolo_pamini import BozzoloPamini
 from .constant_coefficients import ConstantCoefficients
 from .frictional_ellipsoid import FrictionalEllipsoid
@@ -16,6 +18,7 @@ from .rigid_ellipsoid import RigidEllipsoid
 from .velocities import Rebound
 
 __all__ = [
+    "AbstractRebound",
     "BozzoloPamini",
     "ConstantCoefficients",
     "FrictionalEllipsoid",

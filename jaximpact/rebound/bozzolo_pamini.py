@@ -1,15 +1,17 @@
 """A rigid ellipse that turns about the point at which it touches."""
 
+from typing import ClassVar
+
 import jax.numpy as jnp
 
 from ..block import Block
-from ..parameters import Parameters
 from ..scene import Impact
+from .base import AbstractRebound
 from .contact_point import contact_point
 from .velocities import Rebound
 
 
-class BozzoloPamini(Parameters):
+class BozzoloPamini(AbstractRebound):
     r"""Rotation about the contact point, after Bozzolo and Pamini (1986).
 
     The contact point sticks; the block turns rigidly about it, with the angular
@@ -30,6 +32,8 @@ class BozzoloPamini(Parameters):
     al. (2023), section 4.2; the equations follow from its two conditions. Losses at the
     contact, which later programs put on top, are not in it.
     """
+
+    words: ClassVar[str] = "Bozzolo and Pamini"
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:
         """Velocities after."""

@@ -1,22 +1,25 @@
 """Coefficients of restitution that nothing changes."""
 
-import equinox as eqx
+from typing import ClassVar
+
 from jaxtyping import Array, Float
 
 from ..block import Block
-from ..parameters import Parameters
-from ..precision import float64_leaf
+from ..parameters import parameter
 from ..scene import Impact
+from .base import AbstractRebound
 from .velocities import Rebound
 
 Scalar = Float[Array, ""]
 
 
-class ConstantCoefficients(Parameters):
+class ConstantCoefficients(AbstractRebound):
     r"""$v_n' = -e_n v_n$, $v_t' = e_t v_t$; the rotation stays as it is."""
 
-    e_n: Scalar = eqx.field(converter=float64_leaf)
-    e_t: Scalar = eqx.field(converter=float64_leaf)
+    words: ClassVar[str] = "constant coefficients"
+
+    e_n: Scalar = parameter(None, "-", "[0, 1]", "normal restitution")
+    e_t: Scalar = parameter(None, "-", "[0, 1]", "tangential restitution")
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:
         """Velocities after."""

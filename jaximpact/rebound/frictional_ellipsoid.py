@@ -1,20 +1,21 @@
 """A rigid ellipse and an impulse with Coulomb friction."""
 
-import equinox as eqx
+from typing import ClassVar
+
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..block import Block
-from ..parameters import Parameters
-from ..precision import float64_leaf
+from ..parameters import parameter
 from ..scene import Impact
+from .base import AbstractRebound
 from .contact_point import contact_point, rebound_of_impulse
 from .velocities import Rebound
 
 Scalar = Float[Array, ""]
 
 
-class FrictionalEllipsoid(Parameters):
+class FrictionalEllipsoid(AbstractRebound):
     r"""An impulse with Coulomb friction at the deepest point of a rigid ellipse.
 
     As the normal impulse $N$ grows, the velocities of approach $\dot n$ and of slip
@@ -47,9 +48,15 @@ class FrictionalEllipsoid(Parameters):
     Mech. 59(3), 635-642, who show that Poisson's hypothesis makes no energy.
     """
 
-    e_contact: Scalar = eqx.field(converter=float64_leaf)
+    words: ClassVar[str] = "frictional ellipsoid"
+
+    e_contact: Scalar = parameter(
+        None, "-", "[0, 1]", "normal restitution at the contact"
+    )
     """$e^*$ [-], impulse of restitution over that of compression."""
-    friction_coefficient: Scalar = eqx.field(converter=float64_leaf)
+    friction_coefficient: Scalar = parameter(
+        None, "-", "[0, 100]", "coefficient of friction"
+    )
     r"""$\mu$ [-]"""
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:

@@ -1,14 +1,15 @@
 """Coefficients that fall with speed, for spheres."""
 
-import equinox as eqx
+from typing import ClassVar
+
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..block import Block
-from ..parameters import Parameters
-from ..precision import float64_leaf
+from ..parameters import parameter
 from ..safe import safe_sqrt
 from ..scene import Impact
+from .base import AbstractRebound
 from .velocities import Rebound
 
 Scalar = Float[Array, ""]
@@ -17,7 +18,7 @@ FOOT = 0.3048
 """[m]"""
 
 
-class PfeifferBowen(Parameters):
+class PfeifferBowen(AbstractRebound):
     r"""Coefficients that fall with speed, after Pfeiffer and Bowen (1989).
 
     $$ v_n' = -\frac{R_n v_n}{1 + (v_n/9.144)^2}, \qquad
@@ -35,9 +36,15 @@ class PfeifferBowen(Parameters):
     speeds are in feet a second.
     """
 
-    normal_coefficient: Scalar = eqx.field(converter=float64_leaf)
+    words: ClassVar[str] = "Pfeiffer and Bowen"
+
+    normal_coefficient: Scalar = parameter(
+        None, "-", "[1e-6, 1]", "normal restitution at low speed"
+    )
     """R_n [-]"""
-    tangential_coefficient: Scalar = eqx.field(converter=float64_leaf)
+    tangential_coefficient: Scalar = parameter(
+        None, "-", "[0, 1]", "tangential restitution"
+    )
     """R_t [-]"""
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:

@@ -1,20 +1,21 @@
 """A rigid ellipse and an impulse along the normal."""
 
-import equinox as eqx
+from typing import ClassVar
+
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..block import Block
-from ..parameters import Parameters
-from ..precision import float64_leaf
+from ..parameters import parameter
 from ..scene import Impact
+from .base import AbstractRebound
 from .contact_point import contact_point, rebound_of_impulse
 from .velocities import Rebound
 
 Scalar = Float[Array, ""]
 
 
-class RigidEllipsoid(Parameters):
+class RigidEllipsoid(AbstractRebound):
     r"""An instantaneous impulse along the normal, at the deepest point of a rigid
     ellipse, after Vijayakumar et al. (2012).
 
@@ -26,7 +27,11 @@ class RigidEllipsoid(Parameters):
     contact point that moves away gets no impulse; a kink between the two.
     """
 
-    e_contact: Scalar = eqx.field(converter=float64_leaf)
+    words: ClassVar[str] = "rigid ellipsoid"
+
+    e_contact: Scalar = parameter(
+        None, "-", "[0, 1]", "normal restitution at the contact"
+    )
     """$e^*$ [-]"""
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:

@@ -26,7 +26,9 @@ from scipy.special import ndtri
 
 from ..errors import InputError, nearest
 from ..formats.reading import read_input
-from .ground import GROUND_COLUMNS
+from ..parameters import parts_of
+from ..soil import Soil
+from .ground import ground_columns
 from .quantities import shares
 
 FILE = "fit.json"
@@ -43,6 +45,8 @@ class Calibrated(NamedTuple):
     file: Path
     checksum: str
     """SHA-256 of the file."""
+    soil: Soil
+    """Its laws, as it was made with."""
     fixed: dict[str, float]
     """Values of the soil at which it was made, in the units of their names."""
     names: tuple[str, ...]
@@ -157,6 +161,7 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
         calibrated = Calibrated(
             file=file,
             checksum=hashlib.sha256(data).hexdigest(),
+            soil=_soil(file, content["manifest"], found),
             fixed={name: float(value) for name, value in fixed.items()},
             names=names,
             undetermined={
@@ -191,10 +196,23 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
             "jaximpact calibrate is needed",
             file=file,
         ) from None
-    unknown = [name for name in (*names, *fixed) if name not in GROUND_COLUMNS]
+    columns = ground_columns(calibrated.soil)
+    unknown = [name for name in (*names, *fixed) if name not in columns]
     if unknown:
         raise InputError(f"holds {unknown[0]}, which no ground has", file=file)
     return calibrated._replace(mean=mean, covariance=covariance)
+
+
+def _soil(file: Path, manifest: dict, variant: dict) -> Soil:
+    """The soil with the laws that a calibration was made with."""
+    entries = manifest.get("parts", {}) | variant.get("parts", {})
+    if not entries:
+        return Soil()
+    # It imports all that calibrates, which is not needed without laws.
+    from ..calibration.laws import parts_of_entries
+
+    parts = parts_of_entries(entries, file)
+    return Soil(**{slot: parts[slot] for slot in parts_of(Soil) if slot in parts})
 
 
 def _variant(file: Path, variants: list[dict], wanted: str | None) -> dict:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .motion import support_of
+from .motion import take as take_lanes
 from .runs import Runs
 from .stretches import Stretches, pieces_at, state_after, stretches_of, take, time_at
 
@@ -72,9 +73,7 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     body = state_after(pieces, time)
     trajectory = trajectory[passes]
     mass, inertia = (value[trajectory] for value in runs.release.matter)
-    outline = type(runs.release.outline)(
-        *(axis[trajectory] for axis in runs.release.outline)
-    )
+    outline = take_lanes(runs.release.outline, trajectory)
     height = body.y - runs.profile.height(x)
     reach = support_of(outline, body.orientation).radius
     return Passages(

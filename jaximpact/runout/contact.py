@@ -6,7 +6,7 @@ import jax.numpy as jnp
 
 from ..safe import safe_sqrt
 from ..scene import GRAVITY, Impact
-from .motion import Body, Outline, Scalar, support
+from .motion import Body, Outline, Scalar, support, turned_on
 from .programs import closed_form
 
 STEEPEST = 1e-4
@@ -41,7 +41,7 @@ def _touch(body: Body, outline: Outline, normal_x: Scalar, normal_y: Scalar) -> 
     """The body in the frame of the plane that it touches, by the plane's N."""
     slope = jnp.arctan(normal_x / jnp.maximum(normal_y, STEEPEST))
     sin, cos = jnp.sin(slope), jnp.cos(slope)
-    theta = body.orientation - slope
+    theta = turned_on(outline, body.orientation - slope, body.angular_velocity)
     _, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
     v_n = -(body.v_x * sin + body.v_y * cos)
     v_t = body.v_x * cos - body.v_y * sin

@@ -1,6 +1,7 @@
 """The contact laws of a study, as its file names them."""
 
 import hashlib
+import math
 import re
 from pathlib import Path
 from typing import NamedTuple
@@ -9,14 +10,11 @@ import numpy as np
 
 from ..accuracy import DEFAULT_ACCURACY, PRESETS
 from ..errors import InputError
-from ..formats.toml_values import check_keys, choice, number, typed
-from ..rebound import (
-    BozzoloPamini,
-    ConstantCoefficients,
-    FrictionalEllipsoid,
-    PfeifferBowen,
-    RigidEllipsoid,
-)
+from ..finding import file_of, find_class, shipped
+from ..formats.columns import own_columns
+from ..formats.toml_values import allowed, check_keys, choice, typed
+from ..identity import name_of
+from ..rebound import AbstractRebound
 from .ground import Ground, spread
 from .profile import Profile
 from .rebounds import ClosedForm, Contacts, FullModel
@@ -24,23 +22,7 @@ from .release import Release
 from .roughness import CUT
 
 FULL_MODEL, TABLE = "full model", "table"
-COEFFICIENT = (0.0, 1.0)
-CLOSED_FORMS = {
-    "constant coefficients": (
-        ConstantCoefficients,
-        {"e_n": COEFFICIENT, "e_t": COEFFICIENT},
-    ),
-    "Pfeiffer and Bowen": (
-        PfeifferBowen,
-        {"normal_coefficient": (1e-6, 1.0), "tangential_coefficient": COEFFICIENT},
-    ),
-    "rigid ellipsoid": (RigidEllipsoid, {"e_contact": COEFFICIENT}),
-    "frictional ellipsoid": (
-        FrictionalEllipsoid,
-        {"e_contact": COEFFICIENT, "friction_coefficient": (0.0, 100.0)},
-    ),
-    "Bozzolo and Pamini": (BozzoloPamini, {}),
-}
+CLOSED_FORMS = {kind.words: kind for kind in shipped(AbstractRebound)}
 LAWS = (FULL_MODEL, TABLE, *CLOSED_FORMS)
 
 
@@ -97,7 +79,10 @@ def _law(path: Path, content: dict, table, accuracy: str | None) -> NamedLaw:
         raise InputError(
             f"must be a table, but is {table!r}", file=path, key="contacts"
         )
-    law = choice(path, table, "law", FULL_MODEL, LAWS)
+    law = typed(path, table, "law", str, FULL_MODEL)
+    kind = _closed_form(path, law) if ":" in law else None
+    law = kind.__name__ if kind else choice(path, table, "law", FULL_MODEL, LAWS)
+    kind = kind or CLOSED_FORMS.get(law)
     name = typed(path, table, "name", str, law)
     if not re.search("[A-Za-z0-9]", name):
         raise InputError(
@@ -105,10 +90,9 @@ def _law(path: Path, content: dict, table, accuracy: str | None) -> NamedLaw:
             file=path,
             key="contacts.name",
         )
-    coefficients = {FULL_MODEL: {}, TABLE: {"files": None}} | {
-        known: of_law for known, (_, of_law) in CLOSED_FORMS.items()
-    }
-    check_keys(path, "contacts", table, ("law", "name", *coefficients[law]))
+    columns = {column.name: column for column in own_columns(kind)} if kind else {}
+    keys = ("files",) if law == TABLE else tuple(columns)
+    check_keys(path, "contacts", table, ("law", "name", *keys))
     if law == FULL_MODEL:
         accuracy = accuracy or choice(
             path, content, "accuracy", DEFAULT_ACCURACY, tuple(PRESETS)
@@ -118,19 +102,41 @@ def _law(path: Path, content: dict, table, accuracy: str | None) -> NamedLaw:
     if law == TABLE:
         return _tables(path, name, table)
     values = {}
-    for key, (least, most) in coefficients[law].items():
+    for key, column in columns.items():
         where = f"contacts.{key}"
-        if key not in table:
+        if key in table:
+            values[key] = allowed(path, where, column, table[key])
+        elif math.isnan(column.default):
             raise InputError(f"is needed by the law {law}", file=path, key=where)
-        values[key] = number(path, where, table[key])
-        if not least <= values[key] <= most:
-            raise InputError(
-                f"must be in [{least:g}, {most:g}], but is {values[key]:g}",
-                file=path,
-                key=where,
-            )
-    kind, _ = CLOSED_FORMS[law]
-    return NamedLaw(name, ClosedForm(kind(**values)), {"law": law} | values, {})
+        else:
+            values[key] = column.default
+    fields = {columns[key].field: columns[key].factor * v for key, v in values.items()}
+    told, checksums = {"law": law} | values, {}
+    if law not in CLOSED_FORMS:
+        told["class"] = name_of(kind)
+        checksums = {file: _checksum(file) for file in [file_of(kind)] if file}
+    try:
+        contacts = ClosedForm(kind(**fields))
+    except TypeError as error:
+        raise InputError(
+            f"{law} cannot be made of its parameters alone: {error}; declare each "
+            "field as name: Scalar = parameter(default, unit, range, meaning)",
+            file=path,
+            key="contacts.law",
+        ) from error
+    return NamedLaw(name, contacts, told, checksums)
+
+
+def _closed_form(path: Path, text: str) -> type[AbstractRebound]:
+    """The class of a law of one's own."""
+    try:
+        return find_class("law", AbstractRebound, text, path.parent)
+    except InputError as error:
+        raise InputError(str(error), file=path, key="contacts.law") from error
+
+
+def _checksum(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()
 
 
 def _tables(path: Path, name: str, table: dict) -> NamedLaw:
@@ -148,7 +154,7 @@ def _tables(path: Path, name: str, table: dict) -> NamedLaw:
         )
     files = [path.parent / n for n in names]
     tables = [read_table(file) for file in files]
-    checksums = {file: hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
+    checksums = {file: _checksum(file) for file in files}
     told = {
         "law": TABLE,
         "files": list(dict.fromkeys(file.name for file in files)),

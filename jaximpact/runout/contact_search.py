@@ -17,15 +17,15 @@ from .separation import (
     NEVER,
     Gap,
     Piece,
+    bending_or_size,
     gaps,
-    largest_bending,
     sure_time,
     widest,
 )
 
 TOUCHING = 1e-9
-"""Gap, by the block's larger semi-axis, within which it touches; rounding of the
-coordinates is added."""
+"""Gap, by the radius of the circle about the block, within which it touches; rounding
+of the coordinates is added."""
 APPROACHING = 1e-8
 """Closing speed that counts as one [m/s]; below it is rounding."""
 MAX_STEPS = 20_000
@@ -104,7 +104,7 @@ def begin(
         steps=zero,
         touched=zero > 0.0,
         piece=zero,
-        gap=Gap(zero, zero, zero, zero),
+        gap=Gap(*(zero,) * len(Gap._fields)),
     )
 
 
@@ -112,7 +112,7 @@ def step(watch: Watch) -> tuple[Watch, Bool[Array, " lanes"]]:
     """One step of certain length, or the contact found."""
     body = fly(watch.body, watch.time)
     axis = jnp.sin(body.orientation), jnp.cos(body.orientation)
-    bending = body.angular_velocity**2 * largest_bending(watch.outline)
+    bending = body.angular_velocity**2 * bending_or_size(watch.outline)
     advance = jnp.full_like(watch.time, NEVER)
     touched, place, met = watch.touched, watch.piece, watch.gap
     depths = []
@@ -133,7 +133,9 @@ def step(watch: Watch) -> tuple[Watch, Bool[Array, " lanes"]]:
         touched |= touches
         place = jnp.where(first, float(number), place)
         met = Gap(*(jnp.where(first, a, b) for a, b in zip(gap, met, strict=True)))
-        sure = sure_time(body, watch.outline, piece, candidates, depth, watch.slack)
+        sure = sure_time(
+            body, watch.outline, axis, piece, candidates, depth, watch.slack
+        )
         # A step must not take it out and in again: some of the time of such a fall.
         short = 0.5 * jnp.sqrt(depth / (GRAVITY + bending))
         sure = jnp.where(depth > watch.slack, jnp.minimum(sure, short), sure)

@@ -57,7 +57,7 @@ def follow_flights(
         normal=np.zeros((2, lanes)),
         gap=np.zeros(lanes),
     )
-    largest = np.maximum(outline.major, outline.minor)
+    largest = outline.largest
     leaving = _time_to_leave(body, profile)
     limit = np.minimum(leaving, time_limit)
     going = np.arange(lanes)

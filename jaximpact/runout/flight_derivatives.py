@@ -14,7 +14,7 @@ import numpy as np
 
 from .dual import Dual, carrying, plain
 from .flight import FlightEnds
-from .motion import Body, Outline, fly
+from .motion import Body, Outline, fly, take
 from .motion import support_of as support
 from .profile import Profile
 from .programs import closed_form
@@ -55,8 +55,8 @@ def differentiate_ends(
         normal = carrying(ends.normal, parameters)
         if len(corner):
             normal[:, corner] = normal_at(
-                Body(*(value[corner] for value in of)),
-                Outline(*(value[corner] for value in outline)),
+                take(of, corner),
+                take(outline, corner),
                 point_x[corner],
                 point_y[corner],
             )
@@ -66,7 +66,13 @@ def differentiate_ends(
     n_x, n_y = normals(at_end)
     reach = support(outline, at_end.orientation - np.arctan2(n_x, n_y))
     width = n_x * (at_end.x - point_x) + n_y * (at_end.y - point_y) - reach.radius
-    opening = n_x * at_end.v_x + n_y * at_end.v_y - reach.arm * body.angular_velocity
+    arm = plain(reach.arm)
+    if plain(outline.shape).largest_bending(plain(outline.axes)) is None:
+        # On a flat face the point that touches is that of the ground.
+        d_x, d_y = point_x - plain(at_end.x), point_y - plain(at_end.y)
+        of_point = plain(n_y) * d_x - plain(n_x) * d_y
+        arm[corner] = of_point[corner]
+    opening = n_x * at_end.v_x + n_y * at_end.v_y - arm * body.angular_velocity
     at_once = ends.touched & (ends.time == 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         of_touch = np.where(at_once, 0.0, -width.tangent / opening.value)
@@ -77,7 +83,7 @@ def differentiate_ends(
     tangent = np.where(ends.touched, of_touch, tangent)
     tangent = np.where(ends.failed, np.nan, tangent)
     time = Dual(ends.time, tangent)
-    was_in = np.abs(ends.gap) > IN_THE_GROUND * np.maximum(*plain(outline))
+    was_in = np.abs(ends.gap) > IN_THE_GROUND * plain(outline.largest)
     of_gap = np.where(was_in, np.nan, np.zeros_like(tangent))
     gap = Dual(ends.gap, np.where(at_once, width.tangent, of_gap))
     normal = normals(fly(body, time))

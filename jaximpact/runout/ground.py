@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..fields import expect, real_numbers, whole_number
-from ..formats.columns import INPUT_COLUMNS, InputColumn
+from ..formats.columns import InputColumn, columns_of_part
 from ..soil import Soil
 from ..units import DEGREE
 from .profile import (
@@ -29,8 +29,7 @@ def _angle(
     )
 
 
-GROUND_COLUMNS: dict[str, InputColumn] = {
-    **{n: c for n, c in INPUT_COLUMNS.items() if c.part == "soil"},
+ANGLE_COLUMNS: dict[str, InputColumn] = {
     ROLLING_COLUMN: _angle(
         *(ROLLING_COLUMN, ROLLING_FRICTION_ANGLE, 90.0, False),
         "angle of rolling friction",
@@ -40,6 +39,13 @@ GROUND_COLUMNS: dict[str, InputColumn] = {
         "standard deviation of the angle of the ground's facets",
     ),
 }
+"""Of the ground, beside those of its soil."""
+
+
+def ground_columns(soil: Soil) -> dict[str, InputColumn]:
+    """The columns of a ground: those of its soil, with those of its laws, and those of
+    `ANGLE_COLUMNS`."""
+    return columns_of_part("soil", soil) | ANGLE_COLUMNS
 
 
 @dataclasses.dataclass(frozen=True)
@@ -74,7 +80,7 @@ class Ground:
         for name in ("rolling_friction_angle", "roughness"):
             values = real_numbers(f"a ground's {name}", getattr(self, name))
             object.__setattr__(self, name, np.asarray(values, float))
-        for column in GROUND_COLUMNS.values():
+        for column in ground_columns(soil).values():
             values = getattr(soil if column.part == "soil" else self, column.field)
             allowed = column.is_allowed(values / column.factor)
             if not np.all(allowed):

@@ -10,15 +10,20 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
+from ..formats.columns import columns_of_part
+from ..formats.toml_parts import with_named_parts
 from ..formats.toml_values import known_table, typed, unknown
+from ..parameters import parts_of
 from ..soil import Soil
 from .calibrated import Calibrated, read_calibrated
-from .ground import GROUND_COLUMNS, Ground
+from .ground import Ground, ground_columns
 from .profile import ROLLING_FRICTION_ANGLE, Profile, read_profile
 from .quantities import Quantity
 from .quantity_file import read_quantity
 
-NO_QUANTITIES = ("segment", "from", "variant")
+LAWS = tuple(parts_of(Soil))
+"""Keys of the ground that name laws."""
+NO_QUANTITIES = ("segment", "from", "variant", *LAWS)
 """Keys of the ground that are none."""
 
 
@@ -26,6 +31,8 @@ class ToldGround(NamedTuple):
     """The ground as the file says it, in the units of its names."""
 
     path: Path
+    soil: Soil
+    """Its laws; the values of parameters are in the other fields."""
     everywhere: dict[str, Quantity]
     segments: dict[int, dict[str, Quantity]]
     """By their numbers from 0."""
@@ -36,19 +43,22 @@ class ToldGround(NamedTuple):
     @classmethod
     def read(cls, path: Path, content: dict) -> "ToldGround":
         table = typed(path, content, "ground", dict, {})
+        calibrated = _calibrated(path, table)
+        soil = calibrated.soil if calibrated else Soil()
+        soil = with_named_parts(path, "ground", table, soil)
         segments = {}
         for name, values in typed(path, table, "segment", dict, {}).items():
             key = f"ground.segment.{name}"
             if not re.fullmatch("[1-9][0-9]*|0", name):
                 raise InputError("must be the number of a segment", file=path, key=key)
             values = typed(path, table["segment"], name, dict)
-            segments[int(name) - 1] = _ground_quantities(path, values, key)
+            segments[int(name) - 1] = _ground_quantities(path, values, key, soil)
         everywhere = {k: v for k, v in table.items() if k not in NO_QUANTITIES}
-        everywhere = _ground_quantities(path, everywhere, "ground")
-        calibrated = _calibrated(path, table, everywhere)
+        everywhere = _ground_quantities(path, everywhere, "ground", soil)
         if calibrated is not None:
+            _check_calibrated(path, table, calibrated, everywhere)
             everywhere = calibrated.fixed | everywhere
-        return cls(path, everywhere, segments, calibrated)
+        return cls(path, soil, everywhere, segments, calibrated)
 
     def drawn_jointly(self) -> dict[str, str]:
         """Names of the parameters that a calibration leaves to be drawn, by key."""
@@ -88,14 +98,19 @@ class ToldGround(NamedTuple):
             drawn: by the keys of `varied` and `drawn_jointly`.
         """
         ground = Ground.of_profile(profile, seed)
-        soil = {f.name: getattr(ground.soil, f.name) for f in dataclasses.fields(Soil)}
+        columns = ground_columns(ground.soil)
+        soil = {
+            column.field: getattr(ground.soil, column.field)
+            for column in columns.values()
+            if column.part == "soil"
+        }
         angles = {
             name: getattr(ground, name)
             for name in ("rolling_friction_angle", "roughness")
         }
         for key in (*self.drawn_jointly(), *self.varied()):
             _, *where, name = key.split(".")
-            column = GROUND_COLUMNS[name]
+            column = columns[name]
             fields = soil if column.part == "soil" else angles
             values = column.factor * drawn[key][:, None]
             if where:
@@ -110,31 +125,57 @@ class ToldGround(NamedTuple):
                 values = np.array(np.broadcast_to(values, shape))
                 values[:, given] = fields[column.field][given]
             fields[column.field] = values
-        return Ground(Soil(**soil), **angles, seed=seed)
+        soil = dataclasses.replace(ground.soil, **soil)
+        return Ground(soil, **angles, seed=seed)
 
 
-def _ground_quantities(path: Path, values: dict, where: str) -> dict[str, Quantity]:
+def _ground_quantities(
+    path: Path, values: dict, where: str, soil: Soil
+) -> dict[str, Quantity]:
+    columns = ground_columns(soil)
     for name in values:
-        if name not in GROUND_COLUMNS:
-            unknown(path, f"{where}.{name}", name, (*GROUND_COLUMNS, *NO_QUANTITIES))
+        key = f"{where}.{name}"
+        if name in LAWS:
+            raise InputError(
+                f"names a law of one segment, but a slope has one {name} for all; name "
+                "it under [ground]",
+                file=path,
+                key=key,
+            )
+        if name not in columns:
+            unknown(path, key, name, (*columns, *NO_QUANTITIES))
     return {
-        name: read_quantity(path, f"{where}.{name}", value, GROUND_COLUMNS[name])
+        name: read_quantity(path, f"{where}.{name}", value, columns[name])
         for name, value in values.items()
     }
 
 
-def _calibrated(path: Path, table: dict, said: dict) -> Calibrated | None:
-    """The calibration that the table names, if it names one.
-
-    Args:
-        said: what else the table says.
-    """
+def _calibrated(path: Path, table: dict) -> Calibrated | None:
+    """The calibration that the table names, if it names one."""
     if "from" not in table:
         if "variant" in table:
             raise InputError("needs from too", file=path, key="ground.variant")
         return None
     variant = typed(path, table, "variant", str) if "variant" in table else None
-    calibrated = read_calibrated(path.parent / typed(path, table, "from", str), variant)
+    return read_calibrated(path.parent / typed(path, table, "from", str), variant)
+
+
+def _check_calibrated(
+    path: Path, table: dict, calibrated: Calibrated, said: dict
+) -> None:
+    """Raise InputError for what must be said beside a calibration, and is not, and for
+    another law than it was made with.
+
+    Args:
+        said: quantities that the table says.
+    """
+    for slot in LAWS:
+        if slot in table:
+            raise InputError(
+                "comes with the calibration that from names; remove it",
+                file=path,
+                key=f"ground.{slot}",
+            )
     for name, reason in calibrated.undetermined.items():
         if name not in said:
             raise InputError(
@@ -142,7 +183,6 @@ def _calibrated(path: Path, table: dict, said: dict) -> Calibrated | None:
                 file=path,
                 key="ground",
             )
-    return calibrated
 
 
 def read_ground_profile(
@@ -157,11 +197,12 @@ def read_ground_profile(
         raise InputError(
             "needs points_m or csv, and not both", file=path, key="profile"
         )
-    soil, angles = _alike(ground.everywhere)
+    fields, angles = _alike(ground.everywhere, ground.soil)
+    soil = dataclasses.replace(ground.soil, **fields)
     angles.setdefault("rolling_friction_angle", ROLLING_FRICTION_ANGLE)
     if "csv" in table:
         csv = path.parent / typed(path, table, "csv", str)
-        profile = read_profile(csv, Soil(**soil), **angles)
+        profile = read_profile(csv, soil, **angles)
         checksums[csv] = hashlib.sha256(csv.read_bytes()).hexdigest()
         _check_said_once(ground, csv)
     else:
@@ -170,7 +211,7 @@ def read_ground_profile(
             if not all(type(c) in (int, float) for point in points for c in point):
                 raise TypeError
             x, y = np.array(points, float).reshape(len(points), 2).T
-            profile = Profile(x, y, Soil(**soil), **angles)
+            profile = Profile(x, y, soil, **angles)
         except (TypeError, ValueError) as error:
             told = str(error)
             if not told.startswith("a profile"):
@@ -179,15 +220,19 @@ def read_ground_profile(
     return _with_segments(path, profile, ground.segments)
 
 
-def _alike(quantities: dict[str, Quantity]) -> tuple[dict, dict]:
-    """Fields of the soil, and angles of the ground, that are one number, in SI."""
-    soil, angles = {}, {}
+def _alike(quantities: dict[str, Quantity], soil: Soil) -> tuple[dict, dict]:
+    """Fields of the soil, and angles of the ground, that are one number, in SI.
+
+    Args:
+        soil: whose laws these are quantities of.
+    """
+    of_soil, angles, columns = {}, {}, ground_columns(soil)
     for name, value in quantities.items():
         if isinstance(value, float):
-            column = GROUND_COLUMNS[name]
-            fields = soil if column.part == "soil" else angles
+            column = columns[name]
+            fields = of_soil if column.part == "soil" else angles
             fields[column.field] = column.factor * value
-    return soil, angles
+    return of_soil, angles
 
 
 def _check_said_once(ground: ToldGround, csv: Path) -> None:
@@ -206,8 +251,8 @@ def _check_said_once(ground: ToldGround, csv: Path) -> None:
 
 def _with_segments(path: Path, profile: Profile, segments: dict) -> Profile:
     fields = {
-        f.name: np.array(getattr(profile.soil, f.name))
-        for f in dataclasses.fields(Soil)
+        column.field: np.array(getattr(profile.soil, column.field))
+        for column in columns_of_part("soil", profile.soil).values()
     }
     angles = {
         name: getattr(profile, name).copy()
@@ -220,8 +265,9 @@ def _with_segments(path: Path, profile: Profile, segments: dict) -> Profile:
                 file=path,
                 key=f"ground.segment.{segment + 1}",
             )
-        of_soil, of_angles = _alike(quantities)
+        of_soil, of_angles = _alike(quantities, profile.soil)
         for values, given in ((fields, of_soil), (angles, of_angles)):
             for field, value in given.items():
                 values[field][segment] = value
-    return Profile(profile.x, profile.y, Soil(**fields), **angles)
+    soil = dataclasses.replace(profile.soil, **fields)
+    return Profile(profile.x, profile.y, soil, **angles)

@@ -67,7 +67,8 @@ def stand(
 def lie_down(state: State, lanes: np.ndarray, plane: np.ndarray) -> None:
     """Blocks turn their flat side to the ground."""
     theta = state.body.orientation[lanes] - plane
-    quarter = 0.5 * np.pi * (state.outline.major >= state.outline.minor)[lanes]
+    axes = state.outline.axes
+    quarter = 0.5 * np.pi * (axes.major >= axes.minor)[lanes]
     lying = np.round((theta - quarter) / np.pi) * np.pi + quarter
     state.body.orientation[lanes] = plane + lying
 

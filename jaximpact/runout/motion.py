@@ -8,14 +8,21 @@ axis; seen from the plane it is Theta = phi - w.
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..block import Block
 from ..scene import GRAVITY
+from ..shapes import AbstractShape, SemiAxes
 from .programs import closed_form
 
 Scalar = Float[Array, " lanes"]
+
+LITTLE_LATER = 1e-9
+"""Turn by which faces count as level [rad]: more than the rounding of orientations, and
+less than would lower a block by more than it touches within."""
 
 
 class Body(NamedTuple):
@@ -34,20 +41,25 @@ class Body(NamedTuple):
 
 
 class Outline(NamedTuple):
-    """The block's section in the plane of motion, an ellipse: semi-axes [m]."""
+    """The block's section in the plane of motion."""
 
-    major: Scalar
-    minor: Scalar
+    shape: AbstractShape
+    axes: SemiAxes
+    largest: Scalar
+    """Radius of the circle about it [m]; for an ellipse the larger semi-axis."""
+    smallest: Scalar
+    """Height of its centre as it lies on its flat side [m]: the smaller semi-axis."""
 
-    @property
-    def largest(self) -> Scalar:
-        """Larger semi-axis; the other one for a block with an aspect ratio below 1."""
-        return jnp.maximum(self.major, self.minor)
 
-    @property
-    def smallest(self) -> Scalar:
-        """Smaller semi-axis."""
-        return jnp.minimum(self.major, self.minor)
+def outline_of(block: Block) -> Outline:
+    """The outline of a block."""
+    axes = block.semi_axes
+    return Outline(
+        block.shape,
+        axes,
+        block.shape.bound * axes.minor,
+        jnp.minimum(axes.major, axes.minor),
+    )
 
 
 def fly(body: Body, time: Scalar) -> Body:
@@ -63,7 +75,7 @@ def fly(body: Body, time: Scalar) -> Body:
 
 
 class Support(NamedTuple):
-    """The ellipse from a direction N."""
+    """The block from a direction N."""
 
     radius: Scalar
     """r_y [m], how far it reaches against N."""
@@ -72,10 +84,18 @@ class Support(NamedTuple):
 
 
 def support(outline: Outline, sin: Scalar, cos: Scalar) -> Support:
-    """How far the ellipse reaches, by sine and cosine of Theta; see `foundation.py`."""
-    radius = jnp.sqrt((outline.major * cos) ** 2 + (outline.minor * sin) ** 2)
-    difference = outline.major**2 - outline.minor**2
-    return Support(radius, -difference * sin * cos / radius)
+    """How far the block reaches, by sine and cosine of Theta."""
+    shape, axes = outline.shape, outline.axes
+    return Support(shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos))
+
+
+def turned_on(outline: Outline, theta: Scalar, spin: Scalar) -> Scalar:
+    """The orientation a little later, for a shape that may have flat faces: of a face
+    that is level the end that comes down is the lowest point, not its middle. That of
+    another shape as it is."""
+    if outline.shape.largest_bending(outline.axes) is not None:
+        return theta
+    return theta + LITTLE_LATER * jnp.sign(spin)
 
 
 def _support_of(outline: Outline, theta: Scalar) -> Support:
@@ -86,6 +106,6 @@ support_of = closed_form(_support_of)
 """`support` by the angle Theta itself, for arrays."""
 
 
-def take(tree: tuple, chosen: np.ndarray) -> tuple:
-    """Some lanes of a named tuple of arrays."""
-    return type(tree)(*(value[chosen] for value in tree))
+def take(tree, chosen: np.ndarray):
+    """Some lanes of a tree of arrays."""
+    return jax.tree.map(lambda leaf: leaf[chosen], tree)

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..formats.checks import checked_names
-from ..formats.columns import InputColumn, columns_of_part
-from ..parameters import Composite
+from ..formats.columns import InputColumn, columns_of_part, own_columns
+from ..parameters import Composite, Part
 from ..units import DEGREE
 from .dual import Dual, plain
 from .ground import Ground
@@ -92,9 +92,11 @@ def _known(case: Case) -> dict[str, Parameter]:
         *_OF_RELEASE,
     ]
     law = getattr(case.contacts, "law", None)
-    if dataclasses.is_dataclass(law):
-        names = [field.name for field in dataclasses.fields(law)]
-        known += [_field(f"contacts.law.{name}", name, "-") for name in names]
+    if isinstance(law, Part):
+        known += [
+            _field(f"contacts.law.{c.field}", c.name, c.unit, c.factor, c)
+            for c in own_columns(type(law))
+        ]
     return {parameter.name: parameter for parameter in known}
 
 

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 
 from ..errors import InputError, nearest
 from ..fields import expect, real_numbers
-from ..formats.columns import INPUT_COLUMNS
+from ..formats.columns import InputColumn, columns_of_part
 from ..formats.reading import read_text
+from ..formats.scenes import SLOTS
 from ..formats.tables import reads_as_number, records_of
 from ..soil import Soil
 from ..units import DEGREE
@@ -86,17 +87,17 @@ class Profile:
             f"[0, {ROUGHEST / DEGREE:g}]",
         )
         soil = {}
-        for field in dataclasses.fields(Soil):
-            soil[field.name] = of_segments(
-                f"Soil.{field.name}", getattr(self.soil, field.name)
-            )
-            _check_soil(field.name, soil[field.name])
+        for column in columns_of_part("soil", self.soil).values():
+            field = column.field
+            soil[field] = of_segments(f"Soil.{field}", getattr(self.soil, field))
+            _check_soil(column, soil[field])
         object.__setattr__(self, "x", x)
         object.__setattr__(self, "y", y)
         object.__setattr__(self, "rolling_friction_angle", rolling)
         object.__setattr__(self, "roughness", roughness)
         # Arrays of NumPy, as the rest: they are looked up lane by lane.
-        object.__setattr__(self, "soil", jax.tree.map(np.asarray, Soil(**soil)))
+        soil = jax.tree.map(np.asarray, dataclasses.replace(self.soil, **soil))
+        object.__setattr__(self, "soil", soil)
 
     @property
     def segments(self) -> int:
@@ -147,10 +148,7 @@ def _check_angle(name: str, values: np.ndarray, allowed: np.ndarray, range_deg: 
         )
 
 
-def _check_soil(field: str, values: np.ndarray) -> None:
-    column = next(
-        c for c in INPUT_COLUMNS.values() if (c.part, c.field) == ("soil", field)
-    )
+def _check_soil(column: InputColumn, values: np.ndarray) -> None:
     bad = ~column.is_allowed(values / column.factor)
     if np.any(bad):
         i = int(np.argmax(bad))
@@ -169,13 +167,13 @@ def read_profile(
     """Read a profile from a CSV file.
 
     The first row names the columns: `x_m` and `y_m`, and if wanted any quantity of the
-    soil as in a table of scenes, `rolling_friction_angle_deg` and `roughness_deg`. A
-    row is a point; what it says of the ground holds from there to the next point, so
-    that the last row's is not used.
+    soil, those of its laws among them, `rolling_friction_angle_deg` and
+    `roughness_deg`. A row is a point; what it says of the ground holds from there to
+    the next point, so that the last row's is not used.
 
     Args:
         path: the file, UTF-8, separated by commas.
-        soil: what the file does not say, scalars.
+        soil: its laws, and what the file does not say, scalars.
         rolling_friction_angle, roughness: likewise [rad].
 
     Raises InputError, naming file and row, for whatever cannot be used.
@@ -191,7 +189,9 @@ def read_profile(
         raise InputError("is empty; a header and points are needed", file=path)
     (line, header), *rows = rows
     names = [name.strip() for name in header]
-    _check_header(path, line, names)
+    soil = soil or Soil()
+    of_soil = columns_of_part("soil", soil)
+    _check_header(path, line, names, of_soil)
     columns = {name: np.empty(len(rows)) for name in names}
     for i, (line, cells) in enumerate(rows):
         if len(cells) != len(names):
@@ -202,10 +202,10 @@ def read_profile(
             )
         for name, cell in zip(names, cells, strict=True):
             columns[name][i] = _number(path, line, name, cell)
-    fields = {f.name: getattr(soil or Soil(), f.name) for f in dataclasses.fields(Soil)}
+    fields = {}
     for name, values in columns.items():
-        if name in INPUT_COLUMNS:
-            column = INPUT_COLUMNS[name]
+        if name in of_soil:
+            column = of_soil[name]
             fields[column.field] = column.factor * values[:-1]
     rolling = rolling_friction_angle
     if ROLLING_COLUMN in columns:
@@ -214,13 +214,13 @@ def read_profile(
         roughness = DEGREE * columns[ROUGHNESS_COLUMN][:-1]
     x, y = (columns[name] for name in POINT_COLUMNS)
     try:
-        return Profile(x, y, Soil(**fields), rolling, roughness)
+        soil = dataclasses.replace(soil, **fields)
+        return Profile(x, y, soil, rolling, roughness)
     except ValueError as error:
         raise InputError(str(error), file=path) from None
 
 
-def _check_header(path: Path, line: int, names: list[str]) -> None:
-    of_soil = tuple(c.name for c in INPUT_COLUMNS.values() if c.part == "soil")
+def _check_header(path: Path, line: int, names: list[str], of_soil) -> None:
     known = (*POINT_COLUMNS, *of_soil, ROLLING_COLUMN, ROUGHNESS_COLUMN)
     for mark, marks in ((";", "semicolons"), ("\t", "tabs")):
         if len(names) == 1 and mark in names[0]:
@@ -228,6 +228,14 @@ def _check_header(path: Path, line: int, names: list[str]) -> None:
                 f"needs commas between columns, but has {marks}", file=path, row=line
             )
     for place, name in enumerate(names):
+        if name in SLOTS:
+            raise InputError(
+                f"names a law, but a profile has one {name} for all its segments; name "
+                "it under [ground] or in the soil",
+                file=path,
+                row=line,
+                column=name,
+            )
         if name not in known:
             raise InputError(
                 f"is unknown; did you mean {nearest(name, known)}?",

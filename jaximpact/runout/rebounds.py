@@ -5,15 +5,14 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from ..batch import order_by_effort, run_groups
+from ..batch import groups_of, order_by_effort, run_groups
 from ..block import Block
 from ..errors import InputError
-from ..mechanics.model import MODELS, model_places
 from ..mechanics.outcomes import Outcome
-from ..mechanics.problem import Assembly
 from ..rebound import Rebound
 from ..scene import Impact, Scene
 from ..soil import Soil
@@ -58,15 +57,8 @@ class FullModel:
             accuracy = get_accuracy(self.accuracy)
             return Blows(*differentiate_impacts(scene, accuracy))
         scene = jax.tree.map(np.asarray, scene)
-        places = model_places(scene)
         order = order_by_effort(scene)
-        groups = [
-            (
-                Assembly(jax.tree.structure(scene), MODELS[k], ledger=False),
-                order[places[order] == k],
-            )
-            for k in np.unique(places)
-        ]
+        groups = groups_of(scene, order, model_tolerance=0.0, ledger=False)
         columns = np.full((len(Blow._fields) + 1, len(order)), np.nan)
 
         def keep(lanes, numbers) -> None:
@@ -89,14 +81,18 @@ class ClosedForm:
     """Every contact by a law in closed form, in no time and without sinking.
 
     Args:
-        law: called with a block and an impact it gives the velocities after, as those
-            of `jaximpact.rebound`; a pytree of its parameters. It must be made of what
-            machine code is known for.
+        law: called with a block and an impact, of scalars, it gives the velocities
+            after; an `AbstractRebound`, or another pytree of its parameters.
     """
 
     law: Callable[[Block, Impact], Rebound]
 
     def __post_init__(self):
+        if isinstance(self.law, type):
+            name = self.law.__name__
+            raise InputError(
+                f"law must be an object, but is the class {name}; write {name}(...)"
+            )
         if not callable(self.law):
             raise InputError(f"law must be a law of rebound, but is {self.law!r}")
 
@@ -109,8 +105,31 @@ class ClosedForm:
         return Blows(blow, outcome)
 
 
+NOT_TRACED = (
+    *(jax.errors.TracerArrayConversionError, jax.errors.ConcretizationTypeError),
+    *(jax.errors.TracerBoolConversionError, jax.errors.TracerIntegerConversionError),
+)
+"""What NumPy, `float` and `if` raise of numbers that are being traced."""
+
+
 def _call(law, block: Block, impact: Impact) -> Rebound:
-    return law(block, impact)
+    name = type(law).__name__
+    try:
+        after = law(block, impact)
+    except NOT_TRACED as error:
+        raise InputError(
+            f"the law {name} does with a number of a block or an impact what only "
+            "jax.numpy can: use jnp in place of np, math and float, and jnp.where in "
+            f"place of if ({type(error).__name__})"
+        ) from error
+    shapes = jax.tree.map(jnp.shape, after)
+    if not isinstance(after, tuple) or tuple(shapes) != ((), (), ()):
+        told = f"shapes {shapes}" if isinstance(after, tuple) else type(after).__name__
+        raise InputError(
+            f"the law {name} must return Rebound(normal_velocity, tangential_velocity, "
+            f"angular_velocity), three scalars, but returned {told}"
+        )
+    return Rebound(*(jnp.asarray(value, float) for value in after))
 
 
 _rebound = closed_form(_call)

@@ -11,7 +11,7 @@ from ..formats.checks import check_scene
 from ..scene import Scene
 from .contact import Matter
 from .contact_search import begin
-from .motion import Body, Outline
+from .motion import Body, Outline, outline_of, take
 from .profile import Profile
 from .programs import closed_form
 from .reach import earliest, pieces_needed, reach
@@ -97,10 +97,7 @@ class Release:
         return _matter(self.block)
 
 
-@closed_form
-def _outline(block: Block) -> Outline:
-    axes = block.semi_axes
-    return Outline(axes.major, axes.minor)
+_outline = closed_form(outline_of)
 
 
 @closed_form
@@ -126,7 +123,7 @@ def check_release(release: Release, profile: Profile) -> None:
             f"{profile.x[0]:g} to {profile.x[-1]:g}"
         )
     body, outline = release.body, release.outline
-    largest = np.maximum(*outline)
+    largest = outline.largest
     times = earliest(body, largest, profile)
     depth = np.zeros(release.count)
     needed = pieces_needed(body, largest, times)
@@ -134,14 +131,14 @@ def check_release(release: Release, profile: Profile) -> None:
         chosen = needed == count
         watched = reach(times[chosen], count, profile)
         found = _depths(
-            Body(*(v[chosen] for v in body)),
-            Outline(*(v[chosen] for v in outline)),
+            take(body, chosen),
+            take(outline, chosen),
             watched.pieces,
             0.0,
             0.0,
         )
         depth[chosen] = np.max(found, axis=0)
-    buried = depth > BURIED * np.minimum(*outline)
+    buried = depth > BURIED * outline.smallest
     if np.any(buried):
         i = int(np.argmax(buried))
         raise ValueError(

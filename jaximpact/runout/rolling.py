@@ -23,6 +23,7 @@ import jax.numpy as jnp
 
 from ..safe import safe_sqrt
 from ..scene import GRAVITY
+from ..shapes import RoundBlock
 from .contact import Matter
 from .motion import Outline, Scalar
 from .programs import closed_form
@@ -30,17 +31,12 @@ from .separation import NEVER
 
 
 def mean_radius(outline: Outline) -> Scalar:
-    """Radius of the circle of equal perimeter [m], by Ramanujan's second formula: to
-    2e-7 at an aspect ratio of 2, and to 4e-5 at 6."""
-    major, minor = outline
-    h = ((major - minor) / (major + minor)) ** 2
-    return 0.5 * (major + minor) * (1.0 + 3.0 * h / (10.0 + jnp.sqrt(4.0 - 3.0 * h)))
+    """Radius of the circle of equal perimeter [m]."""
+    return _round(outline).radius
 
 
-def turning_slope(outline: Outline) -> Scalar:
-    """Tangent of the slope on which the ellipse falls over its long axis by itself."""
-    major, minor = outline
-    return jnp.abs(major**2 - minor**2) / (2.0 * major * minor)
+def _round(outline: Outline) -> RoundBlock:
+    return outline.shape.round_block(outline.axes)
 
 
 def barrier(
@@ -52,8 +48,9 @@ def barrier(
         slope: w [rad], of either sign.
         rolling_friction: tan phi_r.
     """
-    steep = jnp.abs(jnp.tan(slope)) > turning_slope(outline) + rolling_friction
-    height = outline.largest - mean_radius(outline)
+    whole = _round(outline)
+    steep = jnp.abs(jnp.tan(slope)) > whole.turning_slope + rolling_friction
+    height = whole.tallest - whole.radius
     energy = matter.mass * GRAVITY * jnp.cos(slope) * height
     return jnp.where(steep, 0.0, energy)
 
@@ -100,7 +97,7 @@ def _go(
     energy = 0.5 * whole * spin**2 - lift
     needed = barrier(outline, matter, slope, rolling_friction)
     rolls = (needed <= 0.0) | (energy >= needed)
-    steep = jnp.abs(jnp.tan(slope)) > turning_slope(outline) + rolling_friction
+    steep = jnp.abs(jnp.tan(slope)) > _round(outline).turning_slope + rolling_friction
     rounding = 1e-9 * mass * GRAVITY * radius
     energy = jnp.where(jnp.abs(energy) < rounding, jnp.maximum(energy, 0.0), energy)
     # One that lies down loses its height, but does not gain any for nothing.

@@ -1,5 +1,6 @@
 """A run-out study from a TOML file."""
 
+import dataclasses
 import hashlib
 from pathlib import Path
 from typing import NamedTuple
@@ -9,8 +10,10 @@ import numpy as np
 from ..block import Block
 from ..errors import InputError
 from ..formats.checks import NUMBERS_PER_IMPACT, check_memory
-from ..formats.columns import INPUT_COLUMNS
+from ..formats.columns import INPUT_COLUMNS, InputColumn, columns_of_part
 from ..formats.reading import read_input
+from ..formats.scenes import SHAPE, part_named, replaced_parts
+from ..formats.toml_parts import with_named_parts
 from ..formats.toml_values import (
     check_keys,
     known_table,
@@ -19,10 +22,12 @@ from ..formats.toml_values import (
     typed,
     whole,
 )
+from ..identity import part_names
+from ..shapes import AbstractShape, shape_of_each
 from ..units import DEGREE
 from .clearance import lying_height
 from .contact_laws import check_law, read_laws
-from .ground import GROUND_COLUMNS, Ground
+from .ground import ANGLE_COLUMNS, Ground, ground_columns
 from .ground_file import ToldGround, read_ground_profile
 from .profile import ROUGHNESS_COLUMN, Profile
 from .quantities import Quantity, combinations, draw, is_random
@@ -36,8 +41,7 @@ NUMBERS = (
     *("title", "accuracy", "count", "seed", "collectors_m", "bins"),
     *("time_limit_s", "event_limit"),
 )
-BLOCK_COLUMNS = {n: c for n, c in INPUT_COLUMNS.items() if c.part == "block"}
-QUANTITY_COLUMNS = BLOCK_COLUMNS | {
+RELEASE_COLUMNS = {
     name: INPUT_COLUMNS[name] for name in ("orientation_deg", "angular_velocity_degps")
 }
 RELEASE_KEYS = (
@@ -69,6 +73,9 @@ class SlopeStudy(NamedTuple):
     ground_told: dict
     """The ground as the file says it, with the angles that are left to their defaults,
     ready for JSON."""
+    laws: dict[str, str]
+    """Laws of the soil and shapes of the blocks, with digests of those that are not the
+    package's; see `identity.part_names`."""
     contacts: Contacts
     law: dict
     """The contacts in words, ready for JSON."""
@@ -124,8 +131,9 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         raise InputError(
             f"must be above 0 s, but is {time_limit:g}", file=path, key="time_limit_s"
         )
+    blocks = _blocks(path, content)
     varied = told_ground.varied()
-    quantities = varied | _quantities(path, content)
+    quantities = varied | _quantities(path, content, blocks)
     is_rough = np.any(profile.roughness > 0.0) or any(
         key.endswith(ROUGHNESS_COLUMN) for key in quantities
     )
@@ -142,9 +150,10 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     )
     drawn = draw(quantities, count, seed)
     drawn |= told_ground.draw_jointly(drawn, count, seed)
+    columns = _columns_of_drawn(profile, blocks)
     for name, values in drawn.items():
-        _check_drawn(path, name, values)
-    release = _release(path, drawn, profile)
+        _check_drawn(path, name, values, columns)
+    release = _release(path, drawn, profile, blocks)
     ground = told_ground.of_blocks(profile, drawn, seed)
     for law in laws:
         check_law(path, law, profile, release, ground)
@@ -163,6 +172,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
                 for key in (*jointly, *varied)
             },
             ground_told=_default_angles(profile) | content.get("ground", {}),
+            laws=part_names(ground.soil, release.block),
             contacts=law.contacts,
             law=law.told,
             law_name=law.name,
@@ -181,9 +191,8 @@ def _default_angles(profile: Profile) -> dict[str, float]:
     """Angles of the ground that have their defaults on every segment."""
     return {
         name: column.default
-        for name, column in GROUND_COLUMNS.items()
-        if column.part == "ground"
-        and np.all(getattr(profile, column.field) == column.factor * column.default)
+        for name, column in ANGLE_COLUMNS.items()
+        if np.all(getattr(profile, column.field) == column.factor * column.default)
     }
 
 
@@ -203,29 +212,81 @@ def _collectors(path: Path, content: dict, profile: Profile) -> np.ndarray:
     return np.array(sorted(places))
 
 
-def _quantities(path: Path, content: dict) -> dict[str, Quantity]:
-    """Quantities of blocks and releases."""
-    quantities = {}
-    for where, known in (("block", tuple(BLOCK_COLUMNS)), ("release", RELEASE_KEYS)):
+class _Blocks(NamedTuple):
+    """Shapes of the blocks."""
+
+    kinds: tuple[type[AbstractShape], ...]
+    """Those that there are."""
+    base: Block
+    """One of each, all else being the default."""
+
+    @property
+    def columns(self) -> dict[str, InputColumn]:
+        return columns_of_part("block", self.base)
+
+    def of(self, index: np.ndarray) -> Block:
+        """Blocks of some of the kinds, by their places."""
+        if len(self.kinds) == 1:
+            return self.base
+        shapes = shape_of_each([self.kinds[int(i)] for i in index])
+        return replaced_parts(self.base, {SHAPE: shapes})
+
+
+def _blocks(path: Path, content: dict) -> _Blocks:
+    """The shapes that the file names: one, or a list."""
+    table = typed(path, content, "block", dict, {})
+    key = f"block.{SHAPE}"
+    names = table.get(SHAPE)
+    if not isinstance(names, list):
+        base = with_named_parts(path, "block", table, Block())
+        return _Blocks((type(base.shape),), base)
+    if not names or not all(isinstance(name, str) for name in names):
+        raise InputError(
+            f"must be a name or a list of names, but is {names!r}", file=path, key=key
+        )
+    try:
+        kinds = [type(part_named(SHAPE, name, path.parent)) for name in names]
+        base = replaced_parts(Block(), {SHAPE: shape_of_each(kinds)})
+    except InputError as error:
+        raise InputError(str(error), file=path, key=key) from error
+    if len(set(kinds)) < len(kinds):
+        raise InputError("holds a shape twice", file=path, key=key)
+    return _Blocks(tuple(kinds), base)
+
+
+def _quantities(path: Path, content: dict, blocks: _Blocks) -> dict[str, Quantity]:
+    """Quantities of blocks and releases; a list of shapes as one of their places."""
+    quantities, of_block = {}, blocks.columns
+    for where, known in (
+        ("block", (*of_block, SHAPE)),
+        ("release", RELEASE_KEYS),
+    ):
         for name, value in known_table(path, content, where, known).items():
-            column = QUANTITY_COLUMNS.get(name)
+            if name == SHAPE:
+                if isinstance(value, list):
+                    quantities[name] = tuple(map(float, range(len(value))))
+                continue
+            column = (of_block | RELEASE_COLUMNS).get(name)
             quantities[name] = read_quantity(path, f"{where}.{name}", value, column)
     _check_alternatives(path, quantities)
     return quantities
 
 
-def _release(path: Path, drawn: dict[str, np.ndarray], profile: Profile) -> Release:
+def _release(
+    path: Path, drawn: dict[str, np.ndarray], profile: Profile, blocks: _Blocks
+) -> Release:
     count = len(next(iter(drawn.values())))
 
     def si(name: str, default: float = 0.0) -> np.ndarray:
         factor = DEGREE if "_deg" in name else 1.0
         return factor * drawn.get(name, np.full(count, default))
 
+    base = blocks.of(drawn.get(SHAPE, np.zeros(count)))
     fields = {
-        c.field: c.factor * drawn[n] for n, c in BLOCK_COLUMNS.items() if n in drawn
+        c.field: c.factor * drawn[n] for n, c in blocks.columns.items() if n in drawn
     }
-    fields.setdefault("mass", np.full(count, BLOCK_COLUMNS["mass_kg"].default))
-    block = Block(**fields)
+    fields.setdefault("mass", np.full(count, float(base.mass)))
+    block = dataclasses.replace(base, **fields)
     x, orientation = si("x_m"), si("orientation_deg")
     speed, direction = si("speed_mps"), si("direction_deg")
     along, up = si("v_x_mps"), si("v_y_mps")
@@ -265,12 +326,19 @@ def _check_alternatives(path: Path, quantities: dict[str, Quantity]) -> None:
         )
 
 
-def _check_drawn(path: Path, name: str, values: np.ndarray) -> None:
+def _columns_of_drawn(profile: Profile, blocks: _Blocks) -> dict[str, dict]:
+    """Columns of ground and blocks, by the table that they stand in."""
+    return {"ground": ground_columns(profile.soil), "block": blocks.columns}
+
+
+def _check_drawn(
+    path: Path, name: str, values: np.ndarray, columns: dict[str, dict]
+) -> None:
     """Ranges that a distribution may leave."""
-    of_ground = name.startswith("ground.")
-    if of_ground or name in BLOCK_COLUMNS:
-        column = (GROUND_COLUMNS if of_ground else BLOCK_COLUMNS)[name.split(".")[-1]]
-        key = name if of_ground else f"block.{name}"
+    where = "ground" if name.startswith("ground.") else "block"
+    column = columns[where].get(name.split(".")[-1])
+    if column is not None:
+        key = name if where == "ground" else f"block.{name}"
         needed, bad = column.requirement, ~column.is_allowed(values)
     else:
         key, needed = f"release.{name}", "at least 0"

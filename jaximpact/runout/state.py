@@ -6,11 +6,13 @@ import enum
 import jax
 import numpy as np
 
+from ..laws import Coulomb
 from ..soil import Soil
 from .contact import Matter
 from .ground import Ground, spread
 from .motion import Body, Outline
 from .profile import Profile
+from .programs import closed_form
 from .record import ContactRecord, Growing, Pieces
 from .release import Release
 from .rolling import mean_radius_of
@@ -40,7 +42,7 @@ class State:
     radius: np.ndarray
     """Of the round block that rolls [m]."""
     smallest: np.ndarray
-    """The smaller semi-axis [m]."""
+    """Height of its centre as it lies on its flat side [m]."""
     slope: np.ndarray
     """Of the profile's segments [rad]."""
     length: np.ndarray
@@ -102,12 +104,12 @@ class State:
             outline=outline,
             matter=release.matter,
             radius=mean_radius_of(outline),
-            smallest=np.minimum(outline.major, outline.minor),
+            smallest=outline.smallest,
             slope=profile.slope,
             length=profile.length,
             soil=jax.tree.map(of_all, soil),
             rolling_friction=of_all(np.tan(found.rolling_friction_angle)),
-            sliding_friction=of_all(soil.alpha_s * np.tan(soil.friction_angle)),
+            sliding_friction=of_all(_sliding_friction(soil)),
             roughness=of_all(found.roughness),
             seed=0 if ground is None else ground.seed,
             numbers=np.arange(n)
@@ -144,3 +146,13 @@ class State:
         """Set numbers of the body."""
         for name, value in values.items():
             getattr(self.body, name)[lanes] = value
+
+
+def _sliding_friction(soil: Soil):
+    """tan phi_b of the ground on the block, of the shape of the soil's fields."""
+    if type(soil.slider) is Coulomb:
+        return soil.alpha_s * np.tan(soil.friction_angle)
+    return _friction_of(soil.slider, soil.friction_angle)
+
+
+_friction_of = closed_form(lambda slider, angle: slider.friction(angle))

@@ -19,10 +19,12 @@ import xarray as xr
 from ..formats.columns import columns_of_part
 from ..formats.journal import Journal
 from ..formats.provenance import versions
+from ..formats.scenes import SHAPE, text_of
+from ..shapes import MixedShapes
 from ..units import DEGREE
 from .collectors import first_passages, passages
 from .envelopes import Maxima, maxima_along
-from .ground import GROUND_COLUMNS
+from .ground import ground_columns
 from .release import Release
 from .runs import Ending, Runs
 from .slope_file import SlopeStudy
@@ -197,6 +199,7 @@ def _subject(study: SlopeStudy) -> dict:
     return {
         "runout": study.checksums,
         "contacts": study.law,
+        "laws": study.laws,
         "versions": versions() | {"numpy": np.__version__},
     }
 
@@ -281,6 +284,7 @@ def provenance_of(study: SlopeStudy, codes: np.ndarray) -> dict:
     return {
         "files": study.checksums,
         "contacts": study.law,
+        "laws": study.laws,
         "ground": study.ground_told,
         "seed": study.seed,
         "blocks": len(codes),
@@ -298,6 +302,15 @@ def provenance_of(study: SlopeStudy, codes: np.ndarray) -> dict:
 def _inputs(release: Release) -> dict:
     """Blocks and releases as they were drawn, in the units of their names."""
     variables = {}
+    shape = release.block.shape
+    kinds = shape.kinds if isinstance(shape, MixedShapes) else (type(shape),)
+    names = np.array([text_of(kind) for kind in kinds])
+    index = shape.index if isinstance(shape, MixedShapes) else np.zeros(release.count)
+    variables[SHAPE] = (
+        "block",
+        names[np.asarray(index, int)],
+        {"long_name": "shape of the block"},
+    )
     for column in columns_of_part("block", release.block).values():
         values = np.asarray(getattr(release.block, column.field)) / column.factor
         variables[column.name] = ("block", values, _about(column.unit, column.meaning))
@@ -325,11 +338,11 @@ def _inputs(release: Release) -> dict:
 
 def _ground(study: SlopeStudy) -> dict:
     """What of the ground differs from block to block, in the units of the names."""
-    variables = {}
+    variables, columns = {}, ground_columns(study.ground.soil)
     for name, values in study.ground_drawn.items():
         of_segment = re.fullmatch(r"segment_(\d+)_(.*)", name)
         where = f"segment {of_segment[1]}" if of_segment else "the ground"
-        column = GROUND_COLUMNS[of_segment[2] if of_segment else name]
+        column = columns[of_segment[2] if of_segment else name]
         about = _about(column.unit, f"of {where}: {column.meaning}")
         variables[f"ground_{name}"] = ("block", values, about)
     return variables

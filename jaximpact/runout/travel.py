@@ -4,7 +4,7 @@ way."""
 import numpy as np
 
 from .dual import plain
-from .motion import Body, Outline
+from .motion import Body, Outline, take
 from .motion import support_of as support
 from .profile import Profile
 
@@ -38,7 +38,7 @@ def free_share(
     body, outline, x, y, orientation, (d_x, d_y) = plain(
         (body, outline, x, y, orientation, travel)
     )
-    largest, smallest = np.maximum(*outline), np.minimum(*outline)
+    largest, smallest = outline.largest, outline.smallest
     way = np.where(d_x > 0.0, 1, -1)
     share = np.ones(len(x))
     normal_x, normal_y = np.sin(profile.slope), np.cos(profile.slope)
@@ -52,10 +52,10 @@ def free_share(
         if not len(lanes):
             return share
         n_x, n_y, slope = normal_x[place], normal_y[place], profile.slope[place]
-        shape = Outline(*(axis[lanes] for axis in outline))
+        some = take(outline, lanes)
 
         def gap(at_x, at_y, theta):
-            reach = support(shape, theta[lanes] - slope).radius  # noqa: B023
+            reach = support(some, theta[lanes] - slope).radius  # noqa: B023
             height = n_x * (at_x[lanes] - profile.x[place])  # noqa: B023
             height += n_y * (at_y[lanes] - profile.y[place])  # noqa: B023
             return height - reach

@@ -5,6 +5,7 @@ from .elliptic import AbstractElliptic, Ellipsoid, EllipticCylinder
 from .foundation import Foundation, foundation
 from .mixed import MixedShapes, mixed, shape_of_each
 from .prism import RectangularPrism
+from .rolling import RoundBlock
 
 __all__ = [
     "AbstractElliptic",
@@ -14,6 +15,7 @@ __all__ = [
     "Foundation",
     "MixedShapes",
     "RectangularPrism",
+    "RoundBlock",
     "Section",
     "SemiAxes",
     "foundation",

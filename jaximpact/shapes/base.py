@@ -9,6 +9,8 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ..parameters import Part
+from .parting import farthest_direction
+from .rolling import RoundBlock, round_block
 
 Scalar = Float[Array, ""]
 Flag = Bool[Array, ""]
@@ -184,11 +186,39 @@ class AbstractShape(Part):
         [rad]."""
         return np.abs(np.sin(2.0 * np.asarray(orientation))) <= SYMMETRIC_WITHIN
 
+    def is_round(self):
+        """Whether nothing depends on the orientation, so that a table needs one node of
+        it: no shape by default. For NumPy arrays."""
+        return np.zeros(np.shape(self.aspect_ratio), bool)
+
     @property
     def bound(self) -> Scalar:
         """Radius of the circle about the section in the plane of motion, over R [-]: by
         default that of the rectangle of its sizes."""
         return jnp.sqrt(self.aspect_ratio**2 + 1.0)
+
+    def largest_bending(self, axes: SemiAxes) -> Scalar | None:
+        """Upper bound of $r_y''$ [m], for the steps with which flights of a run-out are
+        followed. None, the default, for a shape that may have flat faces; its flights
+        are followed by the support at several orientations ahead."""
+        return None
+
+    def parting_direction(
+        self, axes: SemiAxes, along: Scalar, across: Scalar
+    ) -> tuple[Scalar, Scalar]:
+        """Direction, of any length, that parts a point from the block if the point is
+        outside: by default the one in which it is farthest outside, by the support.
+
+        Args:
+            along, across: coordinates of the point from the centre, along the major
+                and the minor axis [m]; so is the direction.
+        """
+        return farthest_direction(self, axes, along, across)
+
+    def round_block(self, axes: SemiAxes) -> RoundBlock:
+        """The round block that rolls in place of this one in a run-out: by default by
+        the support at many orientations."""
+        return round_block(self, axes)
 
     def outline(self, axes: SemiAxes, count: int = 180) -> np.ndarray:
         """The outline in the plane of motion, for drawings [m].

@@ -8,6 +8,7 @@ from jaxtyping import Array, Float
 from ..parameters import parameter
 from ..safe import safe_sqrt
 from .base import AbstractShape, Section, SemiAxes
+from .rolling import RoundBlock
 
 Scalar = Float[Array, ""]
 USUAL_RATIO = (0.02, 50.0)
@@ -66,13 +67,41 @@ class AbstractElliptic(AbstractShape):
         return left, right, q
 
     def is_upright(self, orientation):
-        circle = np.asarray(self.aspect_ratio) == 1.0
-        return super().is_upright(orientation) | circle
+        return super().is_upright(orientation) | self.is_round()
+
+    def is_round(self):
+        """Whether the section is a circle."""
+        return np.asarray(self.aspect_ratio) == 1.0
 
     @property
     def bound(self) -> Scalar:
         """Radius of the circle about the ellipse, over R [-]."""
         return jnp.maximum(self.aspect_ratio, 1.0)
+
+    def largest_bending(self, axes) -> Scalar:
+        r"""$\max(H^2/R - R,\; R^2/H - H)$ [m]."""
+        major, minor, _ = axes
+        return jnp.maximum(major**2 / minor - minor, minor**2 / major - major)
+
+    def parting_direction(self, axes, along, across) -> tuple[Scalar, Scalar]:
+        """Normal, at the point, of the copy of the ellipse that passes through it.
+
+        For the point at an end of a straight line this parts the ellipse from the line
+        where its nearest point would: a line cuts an ellipse and its enlarged copies in
+        chords with one midpoint. Where the line cuts the ellipse, the end is an end of
+        the copy's chord, so that the normal leans to the side of the ellipse."""
+        return along / axes.major**2, across / axes.minor**2
+
+    def round_block(self, axes) -> RoundBlock:
+        r"""The radius by Ramanujan's second formula for the perimeter: to 2e-7 at an
+        aspect ratio of 2, and to 4e-5 at 6. The slope is $|H^2 - R^2|/(2 H R)$."""
+        major, minor, _ = axes
+        h = ((major - minor) / (major + minor)) ** 2
+        return RoundBlock(
+            0.5 * (major + minor) * (1.0 + 3.0 * h / (10.0 + jnp.sqrt(4.0 - 3.0 * h))),
+            jnp.maximum(major, minor),
+            jnp.abs(major**2 - minor**2) / (2.0 * major * minor),
+        )
 
     def outline(self, axes, count=180) -> np.ndarray:
         """Begins at the end of the major axis; see `AbstractShape.outline`."""

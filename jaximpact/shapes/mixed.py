@@ -15,6 +15,7 @@ from ..errors import InputError
 from ..parameters import Declared, declared_of, parameter
 from ..precision import float64_leaf
 from .base import AbstractShape, Flag, Section, SemiAxes, on_side
+from .rolling import RoundBlock
 
 Scalar = Float[Array, ""]
 
@@ -127,6 +128,24 @@ class MixedShapes(AbstractShape):
         for place, shape in enumerate(self._alone()):
             found = np.where(index == place, shape.is_upright(orientation), found)
         return found
+
+    def is_round(self):
+        index, found = np.asarray(self.index), np.asarray(False)
+        for place, shape in enumerate(self._alone()):
+            found = np.where(index == place, shape.is_round(), found)
+        return found
+
+    def largest_bending(self, axes) -> Scalar | None:
+        bendings = [shape.largest_bending(axes) for shape in self._alone()]
+        if any(bending is None for bending in bendings):
+            return None
+        return self._chosen(lambda shape: shape.largest_bending(axes))
+
+    def parting_direction(self, axes, along, across) -> tuple[Scalar, Scalar]:
+        return self._chosen(lambda shape: shape.parting_direction(axes, along, across))
+
+    def round_block(self, axes) -> RoundBlock:
+        return self._chosen(lambda shape: shape.round_block(axes))
 
     def outline(self, axes, count=180):
         return self.alone(int(self.index)).outline(axes, count)

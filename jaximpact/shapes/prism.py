@@ -10,6 +10,7 @@ from ..parameters import parameter
 from ..safe import safe_sqrt
 from .base import SYMMETRIC_WITHIN, AbstractShape, Section
 from .elliptic import USUAL_RATIO
+from .rolling import RoundBlock
 
 Scalar = Float[Array, ""]
 LEAST_SLOPE = 1e-12
@@ -145,6 +146,32 @@ class RectangularPrism(AbstractShape):
         sin_sign, cos_sign = self._signs(sin, cos, side)
         long, short = axes.major - radius, axes.minor - radius
         return short * sin_sign * cos - long * cos_sign * sin
+
+    def parting_direction(self, axes, along, across) -> tuple[Scalar, Scalar]:
+        """From the nearest point of the rectangle without its rounding; of a point
+        inside of that one, the normal of the nearest face."""
+        radius = self._radius(axes.major, axes.minor)
+        beyond = jnp.abs(along) - (axes.major - radius)
+        beside = jnp.abs(across) - (axes.minor - radius)
+        inside = (beyond <= 0.0) & (beside <= 0.0)
+        by_end = beyond >= beside
+        first = jnp.where(inside, by_end.astype(float), jnp.maximum(beyond, 0.0))
+        second = jnp.where(inside, (~by_end).astype(float), jnp.maximum(beside, 0.0))
+        return (
+            jnp.where(along < 0.0, -first, first),
+            jnp.where(across < 0.0, -second, second),
+        )
+
+    def round_block(self, axes) -> RoundBlock:
+        r"""Its perimeter is $4(a + b) + 2\pi\rho$; it falls over the corner of one of
+        its faces, from the edge of the level one."""
+        radius = self._radius(axes.major, axes.minor)
+        a, b = axes.major - radius, axes.minor - radius
+        return RoundBlock(
+            2.0 / jnp.pi * (a + b) + radius,
+            jnp.sqrt(a**2 + b**2) + radius,
+            jnp.maximum(b / axes.major, a / axes.minor),
+        )
 
     def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
         major, minor, out_of_plane = axes

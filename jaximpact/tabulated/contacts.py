@@ -1,17 +1,20 @@
 """Contacts of a run-out by tables."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import jax
 import numpy as np
 
+from ..batch import by_shape
 from ..block import Block
 from ..errors import InputError
-from ..formats.columns import INPUT_COLUMNS
+from ..formats.columns import columns_of
+from ..identity import part_names
 from ..mechanics.outcomes import Outcome
 from ..runout.contact import Blow
 from ..runout.rebounds import Blows
-from ..scene import Impact
+from ..scene import Impact, Scene
 from ..soil import Soil
 from ..units import DEGREE
 from .table import Entry, ReboundTable, look_up_many
@@ -32,23 +35,20 @@ class Tabulated:
         tables: one for each pair of block and ground that will meet.
 
     Impacts beyond a table fail, and end their trajectories so. Raises InputError for a
-    block on a ground that no table was made for.
+    block on a ground that no table was made for: of other numbers, another shape, or
+    another law.
     """
 
     def __init__(self, tables: ReboundTable | Sequence[ReboundTable]):
         self.tables = [tables] if isinstance(tables, ReboundTable) else list(tables)
-        # As floats, once: they are compared with in every contact.
-        self._pairs = [
-            [float(leaf) for leaf in jax.tree.leaves((table.block, table.soil))]
-            for table in self.tables
-        ]
+        self._pairs = [_Pair.of(table) for table in self.tables]
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> Blows:
         impact = jax.tree.map(np.asarray, impact)
         count = len(impact.speed)
         columns = np.full((len(Entry._fields), count), np.nan)
         open_yet = np.ones(count, bool)
-        ours = _leaves(block, soil)
+        ours = _alternatives(block, soil)
         for table, pair in zip(self.tables, self._pairs, strict=True):
             chosen = open_yet & _same(ours, pair, count)
             if np.any(chosen):
@@ -61,9 +61,11 @@ class Tabulated:
             lane = int(np.argmax(open_yet))
             ratio = np.broadcast_to(np.asarray(block.aspect_ratio), (count,))[lane]
             mass = np.broadcast_to(np.asarray(block.mass), (count,))[lane]
+            kind = type(block.shape).__name__
             raise InputError(
                 f"no table was made for a block of {mass:g} kg with aspect ratio "
-                f"{ratio:g} on the ground that it struck; tabulate that pair too"
+                f"{ratio:g} ({kind}) on the ground that it struck; tabulate that pair "
+                "too"
             )
         outcome = columns[-1].astype(int)
         columns[:-1, outcome == Outcome.failed] = np.nan
@@ -87,7 +89,7 @@ class Tabulated:
         shape = least_slope.shape
         block = jax.tree.map(lambda leaf: np.asarray(leaf)[:, None], block)
         held, flat = np.zeros(shape, bool), np.zeros(shape, bool)
-        ours = _leaves(block, soil)
+        ours = _alternatives(block, soil)
         for table, pair in zip(self.tables, self._pairs, strict=True):
             same = _same(ours, pair, shape)
             low, high = (float(table.slopes[end]) for end in (0, -1))
@@ -115,38 +117,69 @@ class Tabulated:
                 lambda leaf: np.broadcast_to(leaf, shape)[lane, segment], tree
             )
 
-        told = [_difference(one(block), one(soil), table) for table in self.tables]
+        block, soil = one(block), one(soil)
+        ((alone, _),) = by_shape(Scene(block, soil))
+        told = [_difference(alone, table) for table in self.tables]
         nearest = min(told, key=lambda text: text.count(","))
         return f"holds no table of {where}: its {nearest}"
 
 
-def _leaves(block: Block, soil: Soil) -> list[np.ndarray]:
-    return [np.asarray(leaf) for leaf in jax.tree.leaves((block, soil))]
+class _Pair(NamedTuple):
+    """A block on a ground."""
+
+    structure: jax.tree_util.PyTreeDef
+    """Its shape and laws."""
+    numbers: list
+    chosen: np.ndarray
+    """Lanes that have this shape."""
+
+    @classmethod
+    def of(cls, table: ReboundTable) -> "_Pair":
+        """That of a table; as floats, as they are compared with in every contact."""
+        leaves, structure = jax.tree.flatten((table.block, table.soil))
+        return cls(structure, [float(leaf) for leaf in leaves], np.asarray(True))
 
 
-def _same(ours: list[np.ndarray], theirs: list[float], shape) -> np.ndarray:
-    """Where all numbers are the same, but for the rounding of a file's units."""
-    same = np.ones(shape, bool)
-    for a, b in zip(ours, theirs, strict=True):
-        same &= _alike(a, b)
-    return same
+def _alternatives(block: Block, soil: Soil) -> list[_Pair]:
+    """Blocks on grounds, those of one shape at a time."""
+    found = []
+    for alone, chosen in by_shape(Scene(block, soil)):
+        leaves, structure = jax.tree.flatten((alone.block, alone.soil))
+        found.append(_Pair(structure, [np.asarray(x) for x in leaves], chosen))
+    return found
+
+
+def _same(ours: list[_Pair], theirs: _Pair, shape) -> np.ndarray:
+    """Where shape and laws are the same, and all numbers but for the rounding of a
+    file's units."""
+    found = np.zeros(shape, bool)
+    for pair in ours:
+        if pair.structure == theirs.structure:
+            same = np.broadcast_to(pair.chosen, shape).copy()
+            for a, b in zip(pair.numbers, theirs.numbers, strict=True):
+                same &= _alike(a, b)
+            found |= same
+    return found
 
 
 def _alike(a, b: float) -> np.ndarray:
     return np.abs(a - b) <= ROUNDING * abs(b)
 
 
-def _difference(block: Block, soil: Soil, table: ReboundTable) -> str:
+def _difference(scene: Scene, table: ReboundTable) -> str:
     """In what a block on a ground, scalars, are not those of a table."""
-    told = []
-    for column in INPUT_COLUMNS.values():
-        if column.part == "impact":
+    told, of_table = [], Scene(table.block, table.soil)
+    names = part_names(table.soil, table.block)
+    for slot, name in part_names(scene.soil, scene.block).items():
+        if name != names[slot]:
+            told.append(f"{slot} is {name} and in a table {names[slot]}")
+    columns = columns_of(of_table)
+    for column in columns_of(scene).values():
+        if column.part == "impact" or column.name not in columns:
             continue
         ours, theirs = (
-            float(np.asarray(getattr(part, column.field)))
-            for part in (
-                (block, table.block) if column.part == "block" else (soil, table.soil)
-            )
+            float(np.asarray(getattr(getattr(of, column.part), column.field)))
+            for of in (scene, of_table)
         )
         if not _alike(ours, theirs):
             told.append(

@@ -46,9 +46,13 @@ def gravity_speed(block: Block) -> Scalar:
 
 
 def _arms(block: Block, orientation: Scalar) -> tuple[Scalar, Scalar]:
-    sin, cos = jnp.sin(orientation), jnp.cos(orientation)
     axes, shape = block.semi_axes, block.shape
-    return shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos)
+
+    def at(sin, cos):
+        return shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos)
+
+    # Shapes are for scalars.
+    return jnp.vectorize(at)(jnp.sin(orientation), jnp.cos(orientation))
 
 
 def direction_of(block: Block, impact: Impact) -> Direction:

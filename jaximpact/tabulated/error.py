@@ -50,8 +50,7 @@ def measure_error(
     blows = compute(table.block, table.soil, impacts, accuracy or table.accuracy)
     entry = look_up_many(table, impacts)
     impacts = jax.tree.map(np.asarray, impacts)
-    axes = table.block.semi_axes
-    radius = float(axes.minor)
+    radius = float(table.block.semi_axes.minor)
     before = np.stack(
         [
             impacts.speed * np.cos(impacts.angle),
@@ -64,7 +63,7 @@ def measure_error(
     model = unit * np.stack(blows.blow[:3]) / speed
     found = unit * np.stack(entry[:3]) / speed
     # Twice the kinetic energy per mass.
-    inertia = (1.0 + float(axes.major / axes.minor) ** 2) / 5.0
+    inertia = float(table.block.shape.unit_inertia)
     shares = np.array([1.0, 1.0, inertia])
 
     def energy(velocities):

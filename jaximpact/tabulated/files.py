@@ -66,7 +66,7 @@ def read_table(path: Path) -> ReboundTable:
     path = Path(path)
     dataset = read_netcdf(path)
     try:
-        scene = scene_of_values(json.loads(dataset.attrs["scene"]))
+        scene = _scene(path, dataset)
         entries = np.stack([dataset[name].values for name in ENTRIES], axis=-1)
         return ReboundTable(
             block=scene.block,
@@ -78,11 +78,36 @@ def read_table(path: Path) -> ReboundTable:
             accuracy=Accuracy(**json.loads(dataset.attrs["accuracy"])),
             error=TableError(**json.loads(dataset.attrs["error"])),
         )
+    except InputError:
+        raise
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(
             f"holds no table of impacts ({error!r}); one from write_table is needed",
             file=path,
         ) from None
+
+
+def _scene(path: Path, dataset: xr.Dataset) -> Scene:
+    """Block and ground that a table was made for.
+
+    Raises InputError for a law or a shape that is not found again as it was.
+    """
+    values = json.loads(dataset.attrs["scene"])
+    names = json.loads(dataset.attrs["laws"])
+    try:
+        scene = scene_of_values(values)
+    except InputError as error:
+        raise InputError(
+            f"was made with a law or a shape that cannot be had: {error}", file=path
+        ) from error
+    for slot, name in part_names(scene.soil, scene.block).items():
+        if names.get(slot) != name:
+            raise InputError(
+                f"was made with {slot} {names.get(slot)}, but there is {name} now; "
+                "tabulate again",
+                file=path,
+            )
+    return scene
 
 
 def write_csv(path: Path, table: ReboundTable) -> None:

@@ -17,6 +17,7 @@ from ..formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..formats.journal import Journal
 from ..formats.provenance import versions
 from ..formats.scenes import scene_values
+from ..identity import part_names
 from ..precision import require_float64
 from ..runout.contact import Blow
 from ..scene import Scene
@@ -44,7 +45,7 @@ class Nodes(NamedTuple):
     elevation: int = 20
     azimuth: int = 33
     orientation: int = 13
-    """1 for a sphere, whatever is asked for."""
+    """1 for a round block, whatever is asked for."""
 
 
 def tabulate(
@@ -81,7 +82,7 @@ def tabulate(
     nodes = nodes or Nodes()
     slopes = np.array(slopes, float)
     _check(block, soil, slopes, speeds, nodes)
-    if float(block.aspect_ratio) == 1.0:
+    if block.shape.is_round():
         nodes = nodes._replace(orientation=1)
     scale = float(gravity_speed(block))
     low, high = np.arcsinh(np.asarray(speeds) / scale)
@@ -131,6 +132,7 @@ def _opened(journal: Path | None, block, soil, accuracy: Accuracy, axes):
         return contextlib.nullcontext()
     subject = {
         "table": scene_values(Scene(block, soil)),
+        "laws": part_names(soil, block),
         "axes": [axis.tolist() for axis in axes],
         "accuracy": dataclasses.asdict(accuracy),
         "versions": versions(),

@@ -45,7 +45,7 @@ class MapAxes(NamedTuple):
     slope_deg: float = 0.0
     orientations: int = 180
     """Over half a turn, in the middles of equal intervals; all alike likely. 1 for a
-    sphere, whatever is asked for."""
+    round block, whatever is asked for."""
 
 
 def orientation_map(
@@ -71,7 +71,7 @@ def orientation_map(
         (`separating`), how many failed, and shares of the outcomes of the impacts.
     """
     axes = axes or MapAxes()
-    count = 1 if float(block.aspect_ratio) == 1.0 else axes.orientations
+    count = 1 if block.shape.is_round() else axes.orientations
     orientations = (np.arange(count) + 0.5) * 180.0 / count
     found = sweep(
         Scene(block, soil, Impact(slope=axes.slope_deg * DEGREE)),

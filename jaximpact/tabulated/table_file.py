@@ -1,5 +1,6 @@
 """What to tabulate, from a TOML file."""
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import NamedTuple
@@ -10,7 +11,8 @@ from ..accuracy import PRESETS
 from ..block import Block
 from ..errors import InputError
 from ..formats.checks import NUMBERS_PER_IMPACT, check_memory
-from ..formats.columns import INPUT_COLUMNS
+from ..formats.columns import INPUT_COLUMNS, columns_of_part
+from ..formats.toml_parts import with_named_parts
 from ..formats.toml_values import (
     allowed,
     check_keys,
@@ -22,6 +24,7 @@ from ..formats.toml_values import (
     typed,
     whole,
 )
+from ..parameters import parts_of
 from ..soil import Soil
 from ..units import DEGREE
 from .making import SPEEDS, Nodes
@@ -101,13 +104,16 @@ def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
 def _part(path: Path, content: dict, name: str):
     """The block or the ground; what the file does not say has its default."""
     part, kind = PARTS[name]
-    columns = {n: c for n, c in INPUT_COLUMNS.items() if c.part == part}
+    table = typed(path, content, name, dict, {})
+    whole = with_named_parts(path, name, table, kind())
+    columns, slots = columns_of_part(part, whole), tuple(parts_of(kind))
     fields = {}
-    for key, value in known_table(path, content, name, tuple(columns)).items():
-        column = columns[key]
-        where = f"{name}.{key}"
-        fields[column.field] = column.factor * quantity(path, where, column, value)
-    return kind(**fields)
+    for key, value in known_table(path, content, name, (*columns, *slots)).items():
+        if key not in slots:
+            column = columns[key]
+            where = f"{name}.{key}"
+            fields[column.field] = column.factor * quantity(path, where, column, value)
+    return dataclasses.replace(whole, **fields)
 
 
 def _map_axes(path: Path, content: dict) -> MapAxes:
