@@ -42,7 +42,13 @@ from .hardening import (
     SofterStart,
 )
 from .kinematics import AbstractKinematics, DeepestPoint, WorkConjugate
-from .loading_surface import AbstractLoadingSurface, Load, NovaMontrasio
+from .loading_surface import (
+    AbstractLoadingSurface,
+    BlunterVertex,
+    Load,
+    NovaMontrasio,
+    SharperVertex,
+)
 from .peak_friction import AbstractPeakFriction, Bolton
 from .slider import AbstractSlider, Coulomb
 
@@ -58,6 +64,7 @@ __all__ = [
     "AbstractPeakFriction",
     "AbstractSlider",
     "BearingFactors",
+    "BlunterVertex",
     "Bolton",
     "Branch",
     "ContactPressureModulus",
@@ -77,6 +84,7 @@ __all__ = [
     "Perzyna",
     "PowerNucleus",
     "PowerNucleusRate",
+    "SharperVertex",
     "SofterStart",
     "SquaredOverstress",
     "Stiffness",
