@@ -19,6 +19,7 @@ import jax
 import numpy as np
 
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
+from .block import Block
 from .engines.machine import NativeWorker, compile_native, computes_on_cpu
 from .engines.marching import (
     CORES,
@@ -36,8 +37,9 @@ from .identity import part_names
 from .mechanics.model import MODELS, model_places
 from .mechanics.problem import Assembly
 from .precision import require_float64
-from .scene import Scene
+from .scene import Impact, Scene, as_scene
 from .simulation import ImpactResult
+from .soil import Soil
 from .summary import Numbers, numbers_of_no_value
 
 
@@ -81,7 +83,9 @@ def order_by_effort(scene: Scene) -> np.ndarray:
 
 
 def simulate_batch(
-    scene: Scene,
+    scene: Scene | Block,
+    soil: Soil | None = None,
+    impact: Impact | None = None,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     ledger: bool = False,
@@ -93,7 +97,8 @@ def simulate_batch(
     """Simulate many impacts.
 
     Args:
-        scene: fields that broadcast to one shape `(n,)`.
+        scene, soil, impact: as for `simulate`, with fields that broadcast to one shape
+            `(n,)`.
         accuracy: as for `simulate`.
         ledger: also keep the energy ledger of each impact.
         model_tolerance: error in `e_n` and `e_bar` for which a model that leaves
@@ -121,6 +126,7 @@ def simulate_batch(
     require_float64()
     setting = get_accuracy(accuracy)
     real_number("model_tolerance", model_tolerance, least=0.0)
+    scene = as_scene(scene, soil, impact)
     check_scene(scene, batched=True, warn=True)
     scene, count = broadcast_scene(scene)
     timing = {} if timing is None else timing

@@ -1,11 +1,8 @@
 """The rock block: homogeneous, given by its mass, its density and its shape."""
 
-from jaxtyping import Array, Float
-
+from ._types import Scalar
 from .parameters import Composite, parameter, part
 from .shapes import AbstractShape, Ellipsoid, SemiAxes
-
-Scalar = Float[Array, ""]
 
 
 class Block(Composite):

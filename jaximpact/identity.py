@@ -32,7 +32,7 @@ def name_of(kind: type[Part]) -> str:
     """Module and name of a class; a digest of its source behind it if it is not the
     package's."""
     name = f"{kind.__module__}.{kind.__qualname__}"
-    if _is_ours(kind.__module__):
+    if is_ours(kind):
         return name
     digest = source_digest(kind)
     return f"{name} ({digest[:16] if digest else 'source not known'})"
@@ -66,10 +66,13 @@ def source_digest(kind: type) -> str | None:
     """Digest of the sources that a class is made of: its module, those of the classes
     it derives from, and those that they take names from, but for installed packages.
     "" if all are the package's; None if one has no source, as in an interactive
-    session."""
+    session, or was made inside a function, whose variables no source tells."""
     modules: dict[str, ModuleType] = {}
     for base in kind.__mro__:
-        _gather(sys.modules.get(base.__module__), modules)
+        module = sys.modules.get(base.__module__)
+        if not _holds(module, base):
+            return None
+        _gather(module, modules)
     digest = hashlib.sha256()
     for name in sorted(modules):
         source = _source_of(modules[name])
@@ -77,6 +80,13 @@ def source_digest(kind: type) -> str | None:
             return None
         digest.update(source)
     return digest.hexdigest() if modules else ""
+
+
+def _holds(module: ModuleType | None, kind: type) -> bool:
+    found = module
+    for name in kind.__qualname__.split("."):
+        found = getattr(found, name, None)
+    return found is kind
 
 
 def _gather(module: ModuleType | None, found: dict[str, ModuleType]) -> None:
@@ -91,12 +101,17 @@ def _gather(module: ModuleType | None, found: dict[str, ModuleType]) -> None:
             _gather(sys.modules.get(getattr(value, "__module__", None) or ""), found)
 
 
-def _is_ours(module: str) -> bool:
+def is_ours(kind: type) -> bool:
+    """Whether a class is the package's."""
+    return _is_of_package(kind.__module__)
+
+
+def _is_of_package(module: str) -> bool:
     return module.partition(".")[0] == PACKAGE
 
 
 def _is_installed(module: ModuleType) -> bool:
-    if _is_ours(module.__name__) or module.__name__ in sys.builtin_module_names:
+    if _is_of_package(module.__name__) or module.__name__ in sys.builtin_module_names:
         return True
     if module.__name__.partition(".")[0] in sys.stdlib_module_names:
         return module.__name__ != "__main__"

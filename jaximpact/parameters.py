@@ -10,7 +10,10 @@ import math
 from typing import NamedTuple
 
 import equinox as eqx
+import jax
+import numpy as np
 
+from ._jax_internals import Tracer
 from .errors import InputError, nearest
 from .fields import real_numbers
 from .finding import find_part
@@ -147,9 +150,33 @@ def _numeric(kind: type) -> set[str]:
     return {field.name for field in fields if not field.metadata.get("static")}
 
 
+def _line(name: str, said: Declared, value) -> str:
+    """A parameter with its value, unit and meaning."""
+    return f"{name:<18} {_shown(value, said):<14} {said.meaning}"
+
+
+def _shown(value, said: Declared) -> str:
+    """A value in the unit that users write it in; of an array its ends and size."""
+    unit = "" if said.unit == "-" else f" {said.unit}"
+    if isinstance(value, Tracer) or not isinstance(value, np.ndarray | jax.Array):
+        return f"{value}{unit}" if isinstance(value, int | float) else "(traced)"
+    values = np.asarray(value) / said.factor
+    if values.ndim == 0:
+        return f"{float(values):.6g}{unit}"
+    if not values.size:
+        return "(empty)"
+    ends = f"{np.min(values):.6g} to {np.max(values):.6g}"
+    return f"{ends}{unit} {values.shape}"
+
+
 class Part(Parameters):
     """A law or a shape: one replaceable part of a `Composite`, with parameters of its
     own."""
+
+    def __repr__(self) -> str:
+        said = parameters_of(self)
+        inside = (f"{name}={_shown(getattr(self, name), said[name])}" for name in said)
+        return f"{type(self).__name__}({', '.join(inside)})"
 
 
 def part(base: type[Part], default: type[Part]):
@@ -214,6 +241,24 @@ class Composite(eqx.Module):
             _check(kind, name, value)
             object.__setattr__(self, name, value)
 
+    def __repr__(self) -> str:
+        said = declared_of(type(self))
+        inside = [f"{name}={_shown(getattr(self, name), said[name])}" for name in said]
+        inside += [f"{slot}={getattr(self, slot)!r}" for slot in parts_of(type(self))]
+        return f"{type(self).__name__}({', '.join(inside)})"
+
+    def __str__(self) -> str:
+        """A table of all parameters, with units and meanings, part by part."""
+        lines = [type(self).__name__]
+        for name, said in declared_of(type(self)).items():
+            lines.append("  " + _line(name, said, getattr(self, name)))
+        for slot in parts_of(type(self)):
+            held = getattr(self, slot)
+            lines.append(f"  {slot}: {type(held).__name__}")
+            for name, said in parameters_of(held).items():
+                lines.append("    " + _line(name, said, getattr(held, name)))
+        return "\n".join(lines)
+
     def path_of(self, name: str) -> tuple[str, ...]:
         """Names that lead to a parameter: its own, behind the field of the part that
         owns it."""
@@ -270,6 +315,18 @@ def _check_part(name: str, base: type[Part], part) -> None:
             f"{name} must be of a class derived from {base.__name__}, but is of type "
             f"{type(part).__name__}"
         )
+    _check_fields(type(part))
+
+
+@functools.cache
+def _check_fields(kind: type[Part]) -> None:
+    """Raise InputError for a field of a part that is neither a parameter nor static."""
+    for field in dataclasses.fields(kind):
+        if "declared" not in field.metadata and not field.metadata.get("static"):
+            raise InputError(
+                f"{kind.__name__}.{field.name} is no parameter; write {field.name}: "
+                "Scalar = parameter(default, unit, range, meaning)"
+            )
 
 
 def _check(kind: type, name: str, value) -> None:

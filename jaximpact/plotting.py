@@ -81,7 +81,7 @@ def plain(text: str) -> str:
 def _history_of(result: "ImpactResult") -> History:
     if result.history is not None:
         return result.history
-    return record_history(result.scene, result.accuracy, result.laws)
+    return record_history(result.scene, result.accuracy)
 
 
 def _finite_part(history: History) -> History:

@@ -9,15 +9,16 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from .block import Block
-from .fields import real_numbers
-from .parameters import Parameters, parameter
+from .errors import InputError
+from .fields import expect, real_numbers
+from .parameters import Composite, parameter
 from .soil import Soil
 
 GRAVITY = 9.81
 """Acceleration of gravity [m/s2]."""
 
 
-class Impact(Parameters):
+class Impact(Composite):
     """State of the block as it touches the ground.
 
     Positive: n into the ground, t down-slope, rotation clockwise when down-slope is to
@@ -89,6 +90,32 @@ class Scene(eqx.Module):
     block: Block = eqx.field(default_factory=Block)
     soil: Soil = eqx.field(default_factory=Soil)
     impact: Impact = eqx.field(default_factory=Impact)
+
+
+def as_scene(
+    scene: "Scene | Block | tuple[Block, Soil, Impact]",
+    soil: Soil | None = None,
+    impact: "Impact | None" = None,
+) -> "Scene":
+    """What functions take as a scene: one, or its block, soil and impact, side by side
+    or in a tuple; what is left out has its default.
+
+    Raises InputError for anything else.
+    """
+    if isinstance(scene, Scene):
+        if soil is not None or impact is not None:
+            raise InputError(
+                "a scene holds its soil and its impact already; give the scene alone, "
+                "or block, soil and impact"
+            )
+        return scene
+    if isinstance(scene, tuple | list):
+        return as_scene(*scene)
+    parts = {"block": scene, "soil": soil, "impact": impact}
+    given = {part: value for part, value in parts.items() if value is not None}
+    for part, value in given.items():
+        expect(part, value, {"block": Block, "soil": Soil, "impact": Impact}[part])
+    return Scene(**given)
 
 
 PARTS = tuple(field.name for field in dataclasses.fields(Scene))

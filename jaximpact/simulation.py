@@ -31,7 +31,7 @@ from .history import History, record_history
 from .mechanics.outcomes import Outcome
 from .mechanics.problem import Assembly, assemble, pose
 from .precision import require_float64
-from .scene import Impact, Scene
+from .scene import Impact, Scene, as_scene
 from .soil import Soil
 from .solver.integration import integrate
 from .solver.lanes import march, start_lanes
@@ -177,9 +177,9 @@ class ImpactResult(Numbers):
 
 
 def simulate(
-    block: Block,
-    soil: Soil,
-    impact: Impact,
+    scene: Scene | Block,
+    soil: Soil | None = None,
+    impact: Impact | None = None,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     history: bool = False,
@@ -187,8 +187,8 @@ def simulate(
     """Simulate one impact.
 
     Args:
-        block, soil, impact: the scene; scalars (for many scenes, `simulate_batch`, or
-            `jax.vmap` around this function).
+        scene: a `Scene`, or its block, with the soil and the impact beside it; scalars
+            (for many scenes, `simulate_batch`, or `jax.vmap` around this function).
         accuracy: "fast", "balanced" or "reference"; see `PRESETS`.
         history: also record the course of the impact (`result.history`); not under a
             JAX transformation.
@@ -208,7 +208,7 @@ def simulate(
     """
     require_float64()
     setting = get_accuracy(accuracy)
-    scene = Scene(block, soil, impact)
+    scene = as_scene(scene, soil, impact)
     check_scene(scene, warn=True)
     numbers = solve_scene(scene, setting)
     result = ImpactResult(**vars(numbers), scene=scene, accuracy=setting)

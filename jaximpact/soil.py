@@ -1,11 +1,8 @@
 """The ground: its geotechnical description, and the laws of the macro-element."""
 
-from jaxtyping import Array, Float
-
 from . import laws
+from ._types import Scalar
 from .parameters import Composite, parameter, part
-
-Scalar = Float[Array, ""]
 
 
 class Soil(Composite):
@@ -49,3 +46,24 @@ class Soil(Composite):
     kinematics: laws.AbstractKinematics = part(
         laws.AbstractKinematics, laws.DeepestPoint
     )
+
+    @classmethod
+    def very_dense_sand(cls) -> "Soil":
+        """The very dense sand of Dattola, Crosta and di Prisco (2023), Table 1: the
+        defaults."""
+        return cls()
+
+    @classmethod
+    def supplement_gamma_v_1_70(cls) -> "Soil":
+        """The ground of the paper's supplementary material with c_v = 0.5 and
+        gamma_v = 1.70 m/s; the rest is Table 1.
+
+        Source: Dattola, Crosta and di Prisco (2023), discussion of the parametric sets.
+        """
+        return cls(c_v=0.5, gamma_v=1.70)
+
+    @classmethod
+    def supplement_gamma_v_0_85(cls) -> "Soil":
+        """The same with gamma_v = 0.85 m/s: the slowest flow, and the highest rebound,
+        of the three."""
+        return cls(c_v=0.5, gamma_v=0.85)

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaximpact import Accuracy, Block, Impact, Laws, Scene, Soil, simulate
+from jaximpact import Accuracy, Block, Impact, Scene, Soil, simulate
 from jaximpact.accuracy import PRESETS
 from jaximpact.calibration.engine import LEAVES
 from jaximpact.engines.compilation import unfused_jit
@@ -61,7 +61,7 @@ def outputs_of_logs(logs, scene, tolerance):
     values = dict(zip(PARAMETERS, jnp.exp(logs), strict=True))
     soil = {f: getattr(scene.soil, f) for f in Soil.__dataclass_fields__} | values
     numbers = compute(
-        Assembly(Laws(), PLANAR, False),
+        Assembly(jax.tree.structure(Scene()), PLANAR, False),
         Scene(scene.block, Soil(**soil), scene.impact),
         tolerance,
         1e-2,
@@ -196,7 +196,7 @@ def test_stages_beyond_the_end_keep_the_derivative(accuracy, allowed):
     soil = Soil(c_v=0.987, gamma_v=jnp.exp(logs), k_E=801.0)
     scene = broadcast(Scene(block, soil, impact), len(logs))
     kernel = compile_native_along(
-        Assembly(Laws(), select_model(block, soil, impact), False)
+        Assembly(jax.tree.structure(Scene()), select_model(block, soil, impact), False)
     )
 
     def solved(accuracy):
@@ -220,7 +220,7 @@ def test_derivative_through_dashpots_is_that_of_differences():
     def outputs(log_eta, tolerance):
         soil = Soil(eta_N=jnp.exp(log_eta), eta_T=0.1, eta_R=0.1)
         numbers = compute(
-            Assembly(Laws(), PLANAR_DAMPED, False),
+            Assembly(jax.tree.structure(Scene()), PLANAR_DAMPED, False),
             Scene(Block(aspect_ratio=2.0), soil, Impact(angle=0.7, orientation=0.5)),
             tolerance,
             1e-2,

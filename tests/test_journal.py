@@ -1,5 +1,6 @@
 """Runs that are cut short, and go on."""
 
+import dataclasses
 import os
 import signal
 import subprocess
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 from impact_scenes import mixed_scenes
 
-from jaximpact import Laws, simulate_batch
+from jaximpact import Soil, simulate_batch
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.formats.journal import HEAD, Journal
@@ -170,10 +171,34 @@ def test_a_batch_goes_on_with_the_same_numbers(tmp_path):
             simulate_batch(scenes, journal=journal, **changed)
 
 
-def test_laws_without_a_name_are_refused(tmp_path):
-    laws = Laws(slider_friction=lambda *a: 0.5)
-    with pytest.raises(ValueError, match=r"slider_friction is test_journal.*lambda"):
-        simulate_batch(mixed_scenes(3), laws=laws, journal=tmp_path / "j")
+def test_laws_without_a_source_are_refused(tmp_path):
+    names = {}
+    exec("from jaximpact.laws import Vesic\nclass Mine(Vesic): pass", names)
+    soil = Soil(bearing=names["Mine"]())
+    scenes = dataclasses.replace(mixed_scenes(3), soil=soil)
+    with pytest.raises(ValueError, match=r"bearing is .*Mine \(source not known\)"):
+        simulate_batch(scenes, journal=tmp_path / "j")
+
+
+def test_a_law_that_was_edited_is_another_law(tmp_path):
+    law = tmp_path / "laws.py"
+    scenes = mixed_scenes(3)
+
+    def run(factor):
+        law.write_text(
+            "from jaximpact.laws import Vesic\n"
+            "class Strong(Vesic):\n"
+            "    def __call__(self, *arguments, **branch):\n"
+            f"        return {factor} * super().__call__(*arguments, **branch)\n"
+        )
+        soil = dataclasses.replace(scenes.soil, bearing=f"{law}:Strong")
+        changed = dataclasses.replace(scenes, soil=soil)
+        return simulate_batch(changed, accuracy="fast", journal=tmp_path / "j")
+
+    first = run(2.0)
+    np.testing.assert_array_equal(run(2.0).e_bar, first.e_bar)
+    with pytest.raises(InputError, match="no journal of this run"):
+        run(3.0)
 
 
 def test_a_killed_command_goes_on(tmp_path):

@@ -10,7 +10,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jaximpact import Block, Impact, Laws, Scene, Soil, simulate
+from jaximpact import Block, Impact, Scene, Soil, simulate
+from jaximpact.laws import (
+    AbsoluteOverstress,
+    AbstractHardening,
+    Coulomb,
+    FlowRate,
+    Load,
+    NovaMontrasio,
+    Stiffness,
+    Vesic,
+    flow_direction,
+    overstress,
+)
+from jaximpact.laws.bearing import bearing_factors
+from jaximpact.laws.elasticity import shape_factor
+from jaximpact.laws.loading_surface import TANGENT_FROM, VERTEX_ROUNDING
+from jaximpact.laws.slider import RELAXATION_TIME
 from jaximpact.mechanics.dynamics import (
     Forces,
     contact,
@@ -18,26 +34,8 @@ from jaximpact.mechanics.dynamics import (
     initial_motion,
     prepare,
 )
-from jaximpact.mechanics.laws import (
-    FlowRate,
-    Load,
-    Stiffness,
-    bearing_capacity,
-    bearing_factors,
-    dashpots,
-    elastic_stiffness,
-    flow_direction,
-    flow_rate,
-    hardening_rate,
-    loading_surface,
-    overstress,
-    peak_friction_angle,
-    slider_friction,
-    slip_rate,
-)
-from jaximpact.mechanics.laws.elasticity import shape_factor
-from jaximpact.mechanics.laws.loading_surface import TANGENT_FROM, VERTEX_ROUNDING
-from jaximpact.mechanics.laws.slider import RELAXATION_TIME
+from jaximpact.parameters import parts_of
+from jaximpact.shapes import Foundation
 
 # Two orders of summation of the same formula.
 ROUNDING = 1e-13
@@ -45,6 +43,51 @@ ROUNDING = 1e-13
 
 def all_finite(tree):
     return bool(np.all([np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(tree)]))
+
+
+def footing(length, width, sinking=0.1):
+    return Foundation(length, width, sinking, 0.2, 0.0, 0.0)
+
+
+def elastic_stiffness(length, width, unit_weight_normal, soil):
+    return soil.elasticity(footing(length, width), unit_weight_normal, 1e-3)
+
+
+def dashpots(stiffness, mass, inertia, soil):
+    return soil.damping(stiffness, mass, inertia)
+
+
+def peak_friction_angle(soil):
+    return soil.peak_friction(soil.friction_angle, soil.relative_density)
+
+
+def bearing_capacity(length, width, sinking, unit_weight_normal, factors):
+    return Vesic()(footing(length, width, sinking), unit_weight_normal, factors)
+
+
+def loading_surface(xi, h, m, beta):
+    """By forces that are the dimensionless ones already."""
+    law = dataclasses.replace(NovaMontrasio(psi=1.0), beta=beta)
+    return law(Forces(xi, h, m), 1.0, footing(1.0, 1.0), 1.0)
+
+
+def flow_rate(load, hardening, length, friction_slope, soil):
+    load = load._replace(
+        tangential_scale=friction_slope, rotational_scale=soil.psi * length
+    )
+    return soil.flow(load, hardening, footing(length, length))
+
+
+def hardening_rate(hardening, flow, length, width, soil):
+    return soil.hardening(hardening, flow, footing(length, width))
+
+
+def slider_friction(soil):
+    return soil.slider.friction(soil.friction_angle)
+
+
+def slip_rate(*arguments):
+    return Coulomb()(*arguments)
 
 
 # Elasticity
@@ -199,7 +242,7 @@ def test_gradient_of_the_loading_surface_is_its_derivative(load, beta):
     )
     found = surface(*load, beta)
     scale = np.abs(slopes).max()
-    np.testing.assert_allclose(found[1:], slopes, atol=ROUNDING * scale, rtol=1e-12)
+    np.testing.assert_allclose(found[1:4], slopes, atol=ROUNDING * scale, rtol=1e-12)
 
 
 @pytest.mark.parametrize("beta", BETAS)
@@ -208,7 +251,7 @@ def test_loading_surface_is_homogeneous_of_degree_one(beta):
     for factor in (1e-6, 7.0, 1e6):
         other = surface(0.2 * factor, 0.05 * factor, -0.1 * factor, beta)
         assert float(other.size) == pytest.approx(factor * float(one.size), rel=1e-12)
-        np.testing.assert_allclose(other[1:], one[1:], rtol=1e-12)
+        np.testing.assert_allclose(other[1:4], one[1:4], rtol=1e-12)
     # Euler: load times gradient is the size.
     work = 0.2 * one.normal + 0.05 * one.tangential - 0.1 * one.rotational
     assert float(work) == pytest.approx(float(one.size), rel=1e-12)
@@ -235,7 +278,7 @@ def test_surface_equation_holds_up_to_the_rounding_of_the_vertex(beta):
 def test_mirrored_load_has_mirrored_gradient():
     one = surface(0.2, 0.05, -0.1, 0.9)
     other = surface(0.2, -0.05, 0.1, 0.9)
-    assert other == Load(one.size, one.normal, -one.tangential, -one.rotational)
+    assert other == one._replace(tangential=-one.tangential, rotational=-one.rotational)
 
 
 def flow_of_load(xi, h, m, beta, hardening):
@@ -295,12 +338,12 @@ def test_overstress_is_relative_and_one_sided():
 
 
 def test_flow_direction_is_a_unit_vector_with_the_heave_reduced():
-    rising = Load(1.0, -3.0, 2.0, 6.0)
+    rising = Load(1.0, -3.0, 2.0, 6.0, 1.0, 1.0)
     associated = flow_direction(rising, 1.0)
     np.testing.assert_allclose(associated, (-3 / 7, 2 / 7, 6 / 7), rtol=ROUNDING)
     flat = flow_direction(rising, 0.0)
     np.testing.assert_allclose(flat, (0.0, *np.array([2.0, 6.0]) / math.sqrt(40)))
-    sinking = Load(1.0, 3.0, 2.0, -6.0)
+    sinking = Load(1.0, 3.0, 2.0, -6.0, 1.0, 1.0)
     for dilatancy in (0.0, 0.5, 1.0):
         expected = (3 / 7, 2 / 7, -6 / 7)
         np.testing.assert_allclose(
@@ -310,18 +353,16 @@ def test_flow_direction_is_a_unit_vector_with_the_heave_reduced():
 
 def test_flow_rate_against_plain_numbers():
     soil = Soil(gamma_v=4.0, psi=0.4, dilatancy=0.5)
-    load = Load(0.3, -6.0, 2.0, 6.0)
+    load = Load(0.3, -6.0, 2.0, 6.0, 1.0, 1.0)
     found = flow_rate(load, 0.2, 0.5, 0.8, soil)
     # Phi = 0.5; direction (-3, 2, 6) / 7.
     expected = (2.0 * -3 / 7, 2.0 * 2 / 7 / 0.8, 2.0 * 6 / 7 / (0.4 * 0.5))
     np.testing.assert_allclose(found, expected, rtol=ROUNDING)
 
 
-def test_viscous_nucleus_is_replaceable():
-    load = Load(0.3, 1.0, 0.0, 0.0)
-    found = flow_rate(
-        load, 0.2, 0.5, 0.8, Soil(), nucleus=lambda size, rho, *, branch: size - rho
-    )
+def test_flow_is_replaceable():
+    load = Load(0.3, 1.0, 0.0, 0.0, 1.0, 1.0)
+    found = flow_rate(load, 0.2, 0.5, 0.8, Soil(flow=AbsoluteOverstress()))
     assert float(found.normal) == pytest.approx(8.7 * 0.1, rel=ROUNDING)
 
 
@@ -363,7 +404,8 @@ def test_dissipation_is_never_negative(**arguments):
 def test_hardening_against_plain_numbers():
     soil = Soil(c_v=2.0, alpha_vT=1.5, alpha_vR=0.5)
     found = hardening_rate(0.2, FlowRate(3.0, -2.0, -4.0), 0.4, 0.9, soil)
-    expected = 2.0 * 0.8 * (3.0 + 1.5 * 2.0 + 0.5 * 0.4 * 4.0) / 0.6
+    # By the foundation's length, 0.4 m
+    expected = 2.0 * 0.8 * (3.0 + 1.5 * 2.0 + 0.5 * 0.4 * 4.0) / 0.4
     assert float(found) == pytest.approx(expected, rel=ROUNDING)
     heaving = hardening_rate(0.2, FlowRate(-3.0, 0.0, 0.0), 0.4, 0.9, soil)
     assert heaving == 0.0
@@ -439,10 +481,9 @@ def scene_at_work():
     )
 
 
-def rates_of(laws, *, damped):
-    """Everything that a state in full contact gives under a set of laws."""
-    scene = scene_at_work()
-    ground = prepare(scene, laws)
+def rates_of(scene, *, damped):
+    """Everything that a state in full contact gives under the laws of a scene."""
+    ground = prepare(scene)
     motion = initial_motion(scene)._replace(
         penetration=jnp.asarray(0.05),
         elastic_normal=jnp.asarray(1e-3),
@@ -450,33 +491,46 @@ def rates_of(laws, *, damped):
         elastic_rotation=jnp.asarray(1e-3),
     )
     forces = Forces(*map(jnp.asarray, (4e3, 1e3, 2e2))) if damped else None
-    now = contact(ground, laws, motion, forces)
-    leaves = jax.tree.leaves((now, force_rate(ground, laws, now, 0.01, 0.0)))
+    now = contact(ground, motion, forces)
+    leaves = jax.tree.leaves((now, force_rate(ground, now, 0.01, 0.0)))
     return np.array([float(leaf) for leaf in leaves])
 
 
-@pytest.mark.parametrize("name", [field.name for field in dataclasses.fields(Laws)])
-def test_every_law_can_be_replaced_and_is_used(name):
-    law = getattr(Laws(), name)
+@pytest.mark.parametrize("slot", parts_of(Soil))
+def test_every_law_can_be_replaced_and_is_used(slot):
+    scene = scene_at_work()
+    law = getattr(scene.soil, slot)
 
-    def one_percent_more(*arguments, **branch):
-        return jax.tree.map(lambda x: 1.01 * x, law(*arguments, **branch))
+    def one_percent_more(name):
+        def method(self, *arguments, **branch):
+            found = getattr(law, name)(*arguments, **branch)
+            return jax.tree.map(lambda x: 1.01 * x, found)
 
-    changed = dataclasses.replace(Laws(), **{name: one_percent_more})
-    damped = name == "dashpots"
-    with_change, usual = (rates_of(laws, damped=damped) for laws in (changed, Laws()))
+        return method
+
+    name = "sinking_arm" if slot == "kinematics" else "__call__"
+    kind = type("Changed", (type(law),), {name: one_percent_more(name)})
+    other = kind(
+        **{field.name: getattr(law, field.name) for field in dataclasses.fields(law)}
+    )
+    soil = dataclasses.replace(scene.soil, **{slot: other})
+    if slot == "kinematics":
+        turning = dataclasses.replace(scene.impact, angular_velocity=5.0)
+        scene = dataclasses.replace(scene, impact=turning)
+    changed = dataclasses.replace(scene, soil=soil)
+    damped = slot == "damping"
+    with_change, usual = (rates_of(each, damped=damped) for each in (changed, scene))
     assert not np.allclose(with_change, usual, rtol=1e-6)
 
 
-def test_replaced_law_changes_the_impact():
-    def no_hardening(hardening, flow, length, width, soil, *, branch):
+class NoHardening(AbstractHardening):
+    def __call__(self, hardening, flow, foundation, *, branch=None):
         return jnp.zeros_like(hardening)
 
-    scene = (Block(), Soil(), Impact())
-    soft = simulate(
-        *scene, laws=dataclasses.replace(Laws(), hardening_rate=no_hardening)
-    )
-    usual = simulate(*scene)
+
+def test_replaced_law_changes_the_impact():
+    soft = simulate(Block(), Soil(hardening=NoHardening()), Impact())
+    usual = simulate(Block(), Soil(), Impact())
     # Ground that does not harden lets the block in deeper; far beyond rounding.
     assert float(soft.max_penetration) > 1.05 * float(usual.max_penetration)
 
@@ -507,7 +561,7 @@ def test_contact_is_finite_with_its_gradients_at_every_singular_state(
     batch = jax.tree.map(lambda *leaves: jnp.stack(leaves), *states.values())
 
     def numbers(scene, motion):
-        return contact(prepare(scene, Laws()), Laws(), motion)
+        return contact(prepare(scene), motion)
 
     def with_slopes(motion):
         slopes = jax.jacfwd(numbers, argnums=(0, 1))(scene, motion)

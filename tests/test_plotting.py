@@ -1,14 +1,12 @@
 """The plot of one impact: every kind of outcome gives a figure, and files are whole."""
 
-import dataclasses
-
 import equinox as eqx
 import jax
 import numpy as np
 import pytest
 
-from jaximpact import Block, Impact, Laws, Outcome, Soil, simulate
-from jaximpact.mechanics.laws import bearing_capacity
+from jaximpact import Block, Impact, Outcome, Soil, simulate
+from jaximpact.laws import Vesic
 from jaximpact.plotting import outline, plot_impact
 
 PANELS = ["contact force", "depth", "rotation", "energy", "side view, to scale"]
@@ -28,12 +26,14 @@ def panels(figure):
     return {axes.get_title(): axes for axes in figure.axes if axes.get_title()}
 
 
-def test_shows_the_laws_that_the_result_is_of():
-    def twice_as_strong(*arguments, **branch):
-        return 2.0 * bearing_capacity(*arguments, **branch)
+class TwiceAsStrong(Vesic):
+    def __call__(self, *arguments, **branch):
+        return 2.0 * super().__call__(*arguments, **branch)
 
-    laws = dataclasses.replace(Laws(), bearing_capacity=twice_as_strong)
-    result = simulate(Block(), Soil(), Impact(), accuracy="fast", laws=laws)
+
+def test_shows_the_laws_that_the_result_is_of():
+    soil = Soil(bearing=TwiceAsStrong())
+    result = simulate(Block(), soil, Impact(), accuracy="fast")
     (depth, *_) = panels(plot_impact(result))["depth"].get_lines()
     drawn = np.max(np.abs(depth.get_ydata()))
     # In cm; of the steps' ends, between two of which the largest lies.

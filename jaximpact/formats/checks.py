@@ -1,9 +1,11 @@
 """Checks at the boundary: values that a scene may have, and names that are chosen."""
 
+import functools
 import os
 import warnings
 from collections.abc import Collection, Iterable
 
+import jax
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -11,6 +13,9 @@ from .._jax_internals import Tracer
 from ..block import Block
 from ..errors import InputError, UnusualValueWarning, nearest
 from ..fields import expect
+from ..identity import is_ours
+from ..laws.checking import check_law
+from ..parameters import parts_of
 from ..scene import Impact, Scene
 from ..soil import Soil
 from .columns import INPUT_COLUMNS, RESULT_COLUMNS, InputColumn, columns_of
@@ -39,6 +44,7 @@ def check_scene(
     expect("scene", scene, Scene)
     for part, kind in KINDS.items():
         expect(part, getattr(scene, part), kind)
+    check_laws(jax.tree.structure(scene.soil))
     for column in columns_of(scene).values():
         value = getattr(getattr(scene, column.part), column.field)
         name = f"{KINDS[column.part].__name__}.{column.field}"
@@ -50,6 +56,21 @@ def check_scene(
         if isinstance(value, Tracer) or not np.size(value):
             continue
         _check_field(name, column, value, warn=warn, of=of)
+
+
+@functools.lru_cache(maxsize=256)
+def check_laws(structure: jax.tree_util.PyTreeDef) -> None:
+    """Raise InputError, naming the law, what it does and the cure, for a law of a
+    user's that the model cannot use.
+
+    Args:
+        structure: of a soil.
+    """
+    soil = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
+    for slot in parts_of(Soil):
+        law = getattr(soil, slot)
+        if not is_ours(type(law)):
+            check_law(slot, law)
 
 
 def _check_field(

@@ -4,6 +4,7 @@ A law is a class with its parameters as fields and its equation as `__call__`. A
 law of one's own derives from the abstract class of its file and is given to `Soil`.
 """
 
+from .._types import Scalar
 from ..parameters import parameter
 from .bearing import (
     AbstractBearing,
@@ -45,6 +46,7 @@ from .kinematics import AbstractKinematics, DeepestPoint, WorkConjugate
 from .loading_surface import (
     AbstractLoadingSurface,
     BlunterVertex,
+    Forces,
     Load,
     NovaMontrasio,
     SharperVertex,
@@ -75,6 +77,7 @@ __all__ = [
     "DuncanChang",
     "FlowRate",
     "FluidityRate",
+    "Forces",
     "HardeningPerLength",
     "HardeningPerMetre",
     "HardeningPerRootArea",
@@ -84,6 +87,7 @@ __all__ = [
     "Perzyna",
     "PowerNucleus",
     "PowerNucleusRate",
+    "Scalar",
     "SharperVertex",
     "SofterStart",
     "SquaredOverstress",

@@ -4,13 +4,11 @@ import abc
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
+from .._types import Scalar
 from ..parameters import Part
 from ..shapes import Foundation
 from .branch import Branch
-
-Scalar = Float[Array, ""]
 
 
 class AbstractBearing(Part):

@@ -6,12 +6,10 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 
+from .._types import Scalar
 from ..parameters import Part, parameter
 from .elasticity import Stiffness
-
-Scalar = Float[Array, ""]
 
 
 class Damping(NamedTuple):

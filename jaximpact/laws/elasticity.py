@@ -4,14 +4,12 @@ import abc
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
+from .._types import Scalar
 from ..parameters import Part, parameter
 from ..safe import safe_power
 from ..shapes import Foundation
 from .branch import Branch
-
-Scalar = Float[Array, ""]
 
 ATMOSPHERIC_PRESSURE = 100e3
 """p_a [Pa], the reference pressure of Duncan and Chang."""

@@ -4,15 +4,13 @@ import abc
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
+from .._types import Scalar
 from ..parameters import Part, parameter
 from ..safe import TINY, safe_power
 from ..shapes import Foundation
 from .branch import Branch
 from .loading_surface import Load
-
-Scalar = Float[Array, ""]
 
 
 class FlowRate(NamedTuple):

@@ -5,14 +5,12 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 
+from .._types import Scalar
 from ..parameters import Part, parameter
 from ..shapes import Foundation
 from .branch import Branch
 from .flow import FlowRate
-
-Scalar = Float[Array, ""]
 
 INITIAL_HARDENING = 0.01
 """rho_c at the start [-]."""

@@ -2,12 +2,9 @@
 
 import abc
 
-from jaxtyping import Array, Float
-
+from .._types import Scalar
 from ..parameters import Part
 from ..shapes import Foundation
-
-Scalar = Float[Array, ""]
 
 
 class AbstractKinematics(Part):

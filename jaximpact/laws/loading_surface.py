@@ -6,13 +6,11 @@ from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
+from .._types import Scalar
 from ..parameters import Part, parameter
 from ..safe import TINY, safe_power
 from ..shapes import Foundation
-
-Scalar = Float[Array, ""]
 
 VERTEX_ROUNDING = 0.01
 """e [-], rounds the vertex of the surface on the axis of pure normal load."""
@@ -21,6 +19,14 @@ LARGEST_RATIO = 1e6
 edge of toppling or slip they are of its order. Keeps powers of the ratio finite."""
 TANGENT_FROM = 0.95
 """Value of w beyond which F is continued by its tangent line."""
+
+
+class Forces(NamedTuple):
+    """Forces of the ground on the block, as they enter the balance with minus signs."""
+
+    normal: Scalar  # N [N], not negative (within a step, as its branch has it)
+    tangential: Scalar  # T [N]
+    moment: Scalar  # M [N m]
 
 
 class Load(NamedTuple):
@@ -51,7 +57,7 @@ class AbstractLoadingSurface(Part):
     @abc.abstractmethod
     def __call__(
         self,
-        forces,
+        forces: Forces,
         capacity: Scalar,
         foundation: Foundation,
         friction_slope: Scalar,
@@ -59,8 +65,7 @@ class AbstractLoadingSurface(Part):
         r"""Size of the surface through a load, and its gradient.
 
         Args:
-            forces: `normal` N [N], not negative, `tangential` T [N] and `moment` M
-                [N m] of the ground.
+            forces: of the ground; the normal one is not negative.
             capacity: $V_M$ [N], positive.
             foundation: its sizes are positive.
             friction_slope: $\tan\varphi_p$ [-].

@@ -4,11 +4,9 @@ import abc
 import math
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
+from .._types import Scalar
 from ..parameters import Part, parameter
-
-Scalar = Float[Array, ""]
 
 DILATANCY_PER_INDEX = math.radians(3.0)
 """Bolton's 3 degrees of friction per unit of relative dilatancy index (triaxial)."""

@@ -4,12 +4,10 @@ import abc
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
+from .._types import Scalar
 from ..parameters import Part, parameter
 from .branch import Branch
-
-Scalar = Float[Array, ""]
 
 RELAXATION_TIME = 1e-6
 """tau_s [s], of the Duvaut-Lions regularisation; contacts last 1e-4 s and more."""

@@ -27,7 +27,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from ..laws import Branch, FlowRate, Load, Stiffness
+from ..laws import Branch, FlowRate, Forces, Load, Stiffness
 from ..scene import GRAVITY, Scene
 from ..shapes import AbstractShape, Foundation, SemiAxes, foundation
 from ..soil import Soil
@@ -54,14 +54,6 @@ class Motion(NamedTuple):
     elastic_tangential: Scalar  # u_ed,t [m]
     elastic_rotation: Scalar  # theta_ed [rad]
     hardening: Scalar  # rho_c [-]
-
-
-class Forces(NamedTuple):
-    """Forces of the ground on the block, as they enter the balance with minus signs."""
-
-    normal: Scalar  # N [N], not negative (within a step, as its branch has it)
-    tangential: Scalar  # T [N]
-    moment: Scalar  # M [N m]
 
 
 FORCE_RELAXATION = Forces(normal=1e-10, tangential=1e-10, moment=1e-8)
@@ -190,6 +182,19 @@ def for_laws(ground: Ground, base: Foundation) -> Foundation:
     )
 
 
+def _spread(result, motion: Motion):
+    """A law's result with all numbers in the shape of the state: it may give plain
+    numbers where a rate is zero."""
+    shape = jnp.shape(motion.penetration)
+
+    def spread(value):
+        if isinstance(value, jax.Array) and value.shape == shape:
+            return value
+        return jnp.broadcast_to(jnp.asarray(value, float), shape)
+
+    return jax.tree.map(spread, result)
+
+
 def contact(
     ground: Ground,
     motion: Motion,
@@ -230,7 +235,7 @@ def contact(
     forces = forces._replace(normal=jnp.where(presses, forces.normal, 0.0))
 
     load = soil.loading_surface(forces, capacity, footing, ground.friction_slope)
-    flow = soil.flow(load, motion.hardening, footing, branch=branch)
+    flow = _spread(soil.flow(load, motion.hardening, footing, branch=branch), motion)
     slip = soil.slider(
         forces.tangential,
         forces.normal,
@@ -246,15 +251,17 @@ def contact(
     )
     return Contact(
         foundation=base,
-        stiffness=stiffness,
+        stiffness=_spread(stiffness, motion),
         forces=forces,
         normal_force_before_cut=normal_before_cut,
         elastic_forces=springs,
         approach=approach,
-        load=load,
+        load=_spread(load, motion),
         flow=flow,
-        slip=slip,
-        hardening_rate=soil.hardening(motion.hardening, flow, footing, branch=branch),
+        slip=_spread(slip, motion),
+        hardening_rate=_spread(
+            soil.hardening(motion.hardening, flow, footing, branch=branch), motion
+        ),
         elastic_rates=(
             approach[0] - flow.normal,
             approach[1] - flow.tangential - slip,

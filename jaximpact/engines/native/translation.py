@@ -14,6 +14,7 @@ import numpy as np
 from ..._jax_internals import Literal, called, place_of, scan_counts
 from . import elementary
 from .graph import FLOAT, INTEGER, TRUTH, Graph, Node, Value, kind_of
+from .rewriting import REWRITTEN
 
 Values = np.ndarray
 """Of values."""
@@ -34,6 +35,20 @@ def _each(function: Callable, *arrays: Values) -> Values:
     values = np.empty(np.shape(made), object)
     values[...] = made
     return values
+
+
+def _as_array(values) -> Values:
+    """Values as an array: of one without axes numpy makes the value itself."""
+    if isinstance(values, np.ndarray):
+        return values
+    array = np.empty((), object)
+    array[()] = values
+    return array
+
+
+def _first(arrays: list[Values]) -> list[Value]:
+    """One value of each array that has any."""
+    return [array.flat[0] for array in arrays if array.size]
 
 
 class NoMachineCode(NotImplementedError):
@@ -61,7 +76,8 @@ class Translator:
 
         for equation in jaxpr.eqns:
             inputs = [read(atom) for atom in equation.invars]
-            known |= zip(equation.outvars, self.outputs(equation, inputs), strict=True)
+            outputs = self.outputs(equation, inputs)
+            known |= zip(equation.outvars, map(_as_array, outputs), strict=True)
         return [read(atom) for atom in jaxpr.outvars]
 
     def outputs(self, equation, inputs: list[Values]) -> list[Values]:
@@ -96,6 +112,10 @@ class Translator:
         if name in ELEMENTWISE:
             function = ELEMENTWISE[name]
             return [_each(lambda *x: function(self.graph, *x), *inputs)]
+        if name in REWRITTEN and all(kind_of(x) == FLOAT for x in _first(inputs)):
+            avals = [atom.aval for atom in equation.invars]
+            written = jax.make_jaxpr(REWRITTEN[name])(*avals)
+            return self.run(written.jaxpr, written.consts, inputs)
         if name in REDUCTIONS:
             return [self.reduce(REDUCTIONS[name], params["axes"], *inputs)]
         method = getattr(self, f"_{name}", None)
@@ -386,15 +406,6 @@ def _select(graph: Graph, which: Value, *cases: Value) -> Value:
     return graph.choose(which, yes, no)
 
 
-def _power(graph: Graph, x: Value, exponent: Value) -> Value:
-    """Of numbers that are not negative, by an exponent that is no whole number."""
-    if isinstance(exponent, Node) or float(exponent).is_integer():
-        raise NoMachineCode("no native pow but by a known, broken exponent")
-    return elementary.exp(
-        graph, graph.apply("multiply", exponent, elementary.log(graph, x))
-    )
-
-
 LESS = _plain("less", "integer_less")
 AT_MOST = _plain("at_most", "integer_at_most")
 ELEMENTWISE = {
@@ -428,7 +439,6 @@ ELEMENTWISE = {
     "tan": elementary.tan,
     "atan": elementary.atan,
     "cbrt": elementary.cbrt,
-    "pow": _power,
 }
 REDUCTIONS = {
     "reduce_sum": ELEMENTWISE["add"],
