@@ -525,7 +525,7 @@ def test_runs_that_fail_are_no_ground_for_a_verdict(monkeypatch):
 
 
 def test_readings_go_on_where_they_stopped(tmp_path, monkeypatch, capsys):
-    firm = Reading("firm", {"gamma_v": 0.85})
+    firm = Reading("firm", {"hardening": "HardeningPerMetre"})
     monkeypatch.setattr(run, "READINGS", (firm, Reading("soft", {"k_E": 300.0})))
     judged = []
     judge = run._judge

@@ -1,7 +1,5 @@
 """The model beside laws of others: how a comparison is made, and what each comes to."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from validation_page import assert_page_shows

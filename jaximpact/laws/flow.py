@@ -142,9 +142,9 @@ class PowerNucleus(AbstractFlow):
 
     A named alternative. Of the paper's claims C01 to C33, with n = 2, 15 hold, 15 hold
     partly and 3 fail at `reference` (default: 17, 13, 3); at `balanced` C18, C22 and
-    C31 are lost to the error of the integration. Measured coefficients over the impact speed reject it: e_n rises with it
-    where it falls (best fit to golf balls on turf, after Penner: rms 0.15, against 0.06
-    with the default).
+    C31 are lost to the error of the integration. Measured coefficients over the impact
+    speed reject it: e_n rises with it where it falls (best fit to golf balls on turf,
+    after Penner: rms 0.15, against 0.06 with the default).
     """
 
     gamma_v: Scalar = parameter(8.7, "m/s", "[0, inf)", "fluidity", usual=(0.0, 1e4))
