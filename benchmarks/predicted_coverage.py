@@ -189,6 +189,8 @@ def _fit_and_predict(study, engine, columns, measured, targets):
         ranges={},
         results={},
         versions={},
+        parts={},
+        block={},
     )
     if np.any(study.sigma_given):
         columns = columns | _sigmas(measured, targets)

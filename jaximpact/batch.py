@@ -38,6 +38,7 @@ from .mechanics.model import MODELS, model_places
 from .mechanics.problem import Assembly
 from .precision import require_float64
 from .scene import Impact, Scene, as_scene
+from .shapes import MixedShapes
 from .simulation import ImpactResult
 from .soil import Soil
 from .summary import Numbers, numbers_of_no_value
@@ -70,6 +71,31 @@ def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
     ), count
 
 
+def by_shape(scene: Scene) -> list[tuple[Scene, np.ndarray]]:
+    """The scenes as blocks of one shape each, and which lanes are of it.
+
+    Lanes of another shape have the defaults of that one. A scene with one shape for all
+    is given back as it is.
+
+    Raises InputError for an index that is none.
+    """
+    shape = scene.block.shape
+    if not isinstance(shape, MixedShapes):
+        return [(scene, np.asarray(True))]
+    index = np.asarray(shape.index)
+    if not np.all(np.isin(index, np.arange(len(shape.kinds)))):
+        raise InputError(
+            f"the index of mixed shapes must be one of 0 to {len(shape.kinds) - 1}, "
+            f"but holds {index[~np.isin(index, np.arange(len(shape.kinds)))].flat[0]:g}"
+        )
+    found = []
+    for place in np.unique(index.astype(int)):
+        block = dataclasses.replace(scene.block, shape=shape.alone(place))
+        alone = Scene(block, scene.soil, scene.impact)
+        found.append((jax.tree.map(np.asarray, alone), index == place))
+    return found
+
+
 def order_by_effort(scene: Scene) -> np.ndarray:
     """An order of the scenes that puts the longest contacts first.
 
@@ -98,7 +124,8 @@ def simulate_batch(
 
     Args:
         scene, soil, impact: as for `simulate`, with fields that broadcast to one shape
-            `(n,)`.
+            `(n,)`. Blocks may have different shapes (`MixedShapes`); each is computed
+            as by itself.
         accuracy: as for `simulate`.
         ledger: also keep the energy ledger of each impact.
         model_tolerance: error in `e_n` and `e_bar` for which a model that leaves
@@ -121,13 +148,16 @@ def simulate_batch(
 
     Raises:
         ValueError: a value out of its range, naming the scene.
-        InputError: a journal of other scenes, settings, laws or versions.
+        InputError: a journal of other scenes, settings, laws, shapes or versions.
     """
     require_float64()
     setting = get_accuracy(accuracy)
     real_number("model_tolerance", model_tolerance, least=0.0)
     scene = as_scene(scene, soil, impact)
     check_scene(scene, batched=True, warn=True)
+    if isinstance(scene.block.shape, MixedShapes):
+        for alone, _ in by_shape(scene):
+            check_scene(alone, batched=True)
     scene, count = broadcast_scene(scene)
     timing = {} if timing is None else timing
     names, structure = _columns(numbers_of_no_value(ledger))
@@ -160,14 +190,17 @@ def simulate_batch(
 
         wanted = order_by_effort(scene)
         wanted = wanted[missing[wanted]]
-        places = model_places(scene, model_tolerance)[wanted]
-        groups = [
-            (
-                Assembly(jax.tree.structure(scene), MODELS[place], ledger),
-                wanted[places == place],
-            )
-            for place in np.unique(places)
-        ]
+        groups = []
+        for alone, chosen in by_shape(scene):
+            places = model_places(alone, model_tolerance)
+            places = np.where(chosen, places, -1)[wanted]
+            groups += [
+                (
+                    Assembly(jax.tree.structure(alone), MODELS[place], ledger),
+                    wanted[places == place],
+                )
+                for place in np.unique(places[places >= 0])
+            ]
         run_groups(scene, groups, setting, keep, timing)
     columns = jax.tree.unflatten(structure, list(numbers))
     return ImpactResult(
@@ -218,7 +251,8 @@ def run_groups(
 
     Args:
         scene: every field an array of one length; not checked.
-        groups: assemblies, and places of the scenes that each is for.
+        groups: assemblies, and places of the scenes that each is for. Where shapes are
+            mixed, an assembly may be of the structure of one alone, as of `by_shape`.
         keep: called as `keep(places, numbers)`, from any thread, as results come.
         timing: is given what `simulate_batch` says.
     """
@@ -243,6 +277,9 @@ def _workers(
     scene: Scene, assembly: Assembly, chosen: np.ndarray, accuracy: Accuracy
 ) -> list[NativeWorker] | list[MarchingWorker]:
     """Workers for the chosen scenes, with what they run compiled."""
+    if jax.tree.structure(scene) != assembly.structure:
+        alone = (each for each, _ in by_shape(scene))
+        scene = next(s for s in alone if jax.tree.structure(s) == assembly.structure)
     kernel = compile_native(assembly) if computes_on_cpu() else None
     if kernel is not None:
         return [NativeWorker(kernel, scene, accuracy)] * CORES

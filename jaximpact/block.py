@@ -41,6 +41,7 @@ class Block(Composite):
 
     @property
     def sphericity(self) -> Scalar:
-        r"""Sphericity index $S_p = A_r^{-2/3}$ (eq. 8 of the paper by our count, see
-        docs/model.md; others call it eq. 17)."""
+        r"""Sphericity index $S_p = A_r^{-2/3}$, of the lengths H and R = W alone,
+        whatever the shape (eq. 8 of the paper by our count, see docs/model.md; others
+        call it eq. 17)."""
         return self.aspect_ratio ** (-2.0 / 3.0)

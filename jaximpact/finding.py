@@ -10,6 +10,11 @@ from pathlib import Path
 
 from .errors import InputError, nearest
 
+CURE = (
+    "give every parameter a default: name: Scalar = parameter(default, unit, range, "
+    "meaning)"
+)
+
 
 def find_part(slot: str, base: type, text: str, directory: Path | None = None):
     """A law or a shape, with its default parameters, by name.
@@ -30,9 +35,7 @@ def find_part(slot: str, base: type, text: str, directory: Path | None = None):
         return kind()
     except TypeError as error:
         raise InputError(
-            f"{slot} {text!r} cannot be made without arguments: {error}; give every "
-            "parameter a default: name: Scalar = parameter(default, unit, range, "
-            "meaning)"
+            f"{slot} {text!r} cannot be made without arguments: {error}; {CURE}"
         ) from error
 
 
@@ -78,7 +81,10 @@ def shipped(base: type) -> list[type]:
     """The package's own classes that derive from one, in the order of their files."""
     kinds = []
     for kind in base.__subclasses__():
-        if kind.__module__.partition(".")[0] == __name__.partition(".")[0]:
+        # Not those that are made as a program runs, of several shapes.
+        at_home = getattr(sys.modules.get(kind.__module__), kind.__name__, None)
+        is_ours = kind.__module__.partition(".")[0] == __name__.partition(".")[0]
+        if is_ours and at_home is kind:
             kinds += [] if inspect.isabstract(kind) else [kind]
             kinds += shipped(kind)
     return kinds
@@ -86,6 +92,18 @@ def shipped(base: type) -> list[type]:
 
 def _folded(name: str) -> str:
     return "".join(c for c in name.lower() if c.isalnum())
+
+
+def file_of(kind: type) -> Path | None:
+    """The file by which a class is named: where it stands, if it was read from there or
+    from the program that runs; None for one of a module that can be imported."""
+    module = sys.modules.get(kind.__module__)
+    is_program = kind.__module__ == "__main__" and module.__spec__ is None
+    return _file(module) if is_program or hasattr(module, READ_BY_NAME) else None
+
+
+READ_BY_NAME = "__jaximpact_read_by_name__"
+"""Set in modules that were read from files that users named."""
 
 
 def _module_of_file(slot: str, path: Path):
@@ -96,7 +114,15 @@ def _module_of_file(slot: str, path: Path):
             f"cannot be read: {error.strerror or error}; it is named as the {slot}",
             file=path,
         ) from error
+    program = sys.modules.get("__main__")
+    if getattr(program, "__spec__", 0) is None and path.resolve() == _file(program):
+        return program  # which must not be run once more
     return _loaded(path.resolve(), hashlib.sha256(content).hexdigest())
+
+
+def _file(module) -> Path | None:
+    file = getattr(module, "__file__", None)
+    return None if file is None else Path(file).resolve()
 
 
 @functools.cache
@@ -104,8 +130,12 @@ def _loaded(path: Path, digest: str):
     """The module of a file, once for each content. It is found under its name by
     `pickle` in this process."""
     name = f"{path.stem}_{digest[:12]}"
+    being_read = sys.modules.get(name)
+    if getattr(being_read, "__file__", None) == str(path):
+        return being_read  # a program that names a law of its own
     spec = importlib.util.spec_from_file_location(name, path)
     module = importlib.util.module_from_spec(spec)
+    setattr(module, READ_BY_NAME, True)
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
@@ -115,9 +145,10 @@ def _loaded(path: Path, digest: str):
             (f" (line {at.tb_lineno})" for at in _frames(error, path)),
             "",
         )
+        cure = f"; {CURE}" if "non-default argument" in str(error) else ""
         raise InputError(
             f"cannot be run as the file of a law or a shape{line}: "
-            f"{type(error).__name__}: {error}",
+            f"{type(error).__name__}: {error}{cure}",
             file=path,
         ) from error
     return module

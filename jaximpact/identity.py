@@ -29,13 +29,18 @@ def part_names(*wholes: Composite) -> dict[str, str]:
 
 
 def name_of(kind: type[Part]) -> str:
-    """Module and name of a class; a digest of its source behind it if it is not the
-    package's."""
-    name = f"{kind.__module__}.{kind.__qualname__}"
+    """Module and name of a class; of one that is not the package's the name of its
+    file, however it was found, and a digest of its source. Of one that is made of
+    several, those of each."""
+    if kinds := made_of(kind):
+        return " and ".join(name_of(one) for one in kinds)
     if is_ours(kind):
-        return name
+        return f"{kind.__module__}.{kind.__qualname__}"
+    file = getattr(sys.modules.get(kind.__module__), "__file__", None)
+    module = Path(file).stem if file else kind.__module__
     digest = source_digest(kind)
-    return f"{name} ({digest[:16] if digest else 'source not known'})"
+    told = digest[:16] if digest else "source not known"
+    return f"{module}.{kind.__qualname__} ({told})"
 
 
 def described(tree) -> tuple | None:
@@ -67,6 +72,9 @@ def source_digest(kind: type) -> str | None:
     it derives from, and those that they take names from, but for installed packages.
     "" if all are the package's; None if one has no source, as in an interactive
     session, or was made inside a function, whose variables no source tells."""
+    if kinds := made_of(kind):
+        digests = [source_digest(one) for one in kinds]
+        return None if None in digests else "".join(digests)
     modules: dict[str, ModuleType] = {}
     for base in kind.__mro__:
         module = sys.modules.get(base.__module__)
@@ -80,6 +88,12 @@ def source_digest(kind: type) -> str | None:
             return None
         digest.update(source)
     return digest.hexdigest() if modules else ""
+
+
+def made_of(kind: type) -> tuple[type[Part], ...]:
+    """The classes that one which stands for several is made of, as `MixedShapes`."""
+    kinds = getattr(kind, "kinds", ())
+    return kinds if isinstance(kinds, tuple) else ()
 
 
 def _holds(module: ModuleType | None, kind: type) -> bool:

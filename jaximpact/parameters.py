@@ -41,6 +41,13 @@ class Declared(NamedTuple):
         """Value in SI units = factor x value in `unit`."""
         return SIZES.get(self.unit, 1.0)
 
+    @property
+    def si_default(self) -> float:
+        """The default in SI units and radians."""
+        if self.unit == "deg":
+            return math.radians(self.default)
+        return self.default * self.factor
+
 
 def parameter(
     default: float,
@@ -79,14 +86,15 @@ def parameter(
             "three texts"
         )
     lower, upper = _ends(told, range)
-    if not lower <= default <= upper:
+    above = default >= lower if range[0] == "[" else default > lower
+    below = default <= upper if range[-1] == "]" else default < upper
+    if not (above and below):
         raise InputError(f"{told}: the default is not in the range")
     declared = Declared(float(default), unit, range, meaning, column or "", usual)
-    value = float(default) * declared.factor
-    if unit == "deg":
-        value = math.radians(default)
     return eqx.field(
-        default=value, converter=float64_leaf, metadata={"declared": declared}
+        default=declared.si_default,
+        converter=float64_leaf,
+        metadata={"declared": declared},
     )
 
 

@@ -4,6 +4,7 @@ Matplotlib's object-oriented interface only: nothing is shown, no global state c
 and it works without a display.
 """
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from .formats.files import replacing
 from .history import History, record_history
 from .mechanics.outcomes import Outcome
+from .parameters import parameters_of
 from .scene import Scene
+from .shapes import Ellipsoid
 
 if TYPE_CHECKING:
     from .simulation import ImpactResult
@@ -37,7 +40,7 @@ def plot_impact(result: "ImpactResult", path: str | Path | None = None) -> Figur
 
     Args:
         result: of one scene. Its history is drawn if it was asked for; otherwise the
-            impact is recorded again, with the default laws.
+            impact is recorded again.
         path: where to save the figure too, in the format that the suffix names (png,
             pdf, svg); a file of that name is replaced once the new one is whole.
 
@@ -92,21 +95,34 @@ def _finite_part(history: History) -> History:
 
 
 def scene_in_words(scene: Scene) -> str:
-    """Block and impact in one line; spin, slope and width only where they matter."""
+    """Block and impact in one line; shapes but the ellipsoid are named, with their own
+    parameters; spin, slope and width only where they matter."""
     block, impact = scene.block, scene.impact
-    words = [
-        f"{float(block.mass):.4g} kg",
-        f"$A_r$ = {float(block.aspect_ratio):.3g}",
+    words = [f"{float(block.mass):.4g} kg"]
+    if type(block.shape) is not Ellipsoid:
+        words.append(_in_words(type(block.shape).__name__))
+    words.append(f"$A_r$ = {float(block.aspect_ratio):.3g}")
+    if block.out_of_plane_ratio != 1.0:
+        words.append(f"W/R = {float(block.out_of_plane_ratio):.3g}")
+    for name, said in parameters_of(block.shape).items():
+        if name not in ("aspect_ratio", "out_of_plane_ratio"):
+            value = float(getattr(block.shape, name)) / said.factor
+            unit = "" if said.unit == "-" else f" {said.unit}"
+            words.append(plain(f"{name.replace('_', ' ')} {value:.3g}{unit}"))
+    words += [
         f"{float(impact.speed):.3g} m/s at {np.degrees(float(impact.angle)):.3g}°",
         f"orientation {np.degrees(float(impact.orientation)):.4g}°",
     ]
-    if block.out_of_plane_ratio != 1.0:
-        words.insert(2, f"W/R = {float(block.out_of_plane_ratio):.3g}")
     if impact.angular_velocity != 0.0:
         words.append(f"spin {np.degrees(float(impact.angular_velocity)):.4g}°/s")
     if impact.slope != 0.0:
         words.append(f"slope {np.degrees(float(impact.slope)):.3g}°")
     return ",  ".join(words)
+
+
+def _in_words(name: str) -> str:
+    """The name of a class in words: "RectangularPrism" is "rectangular prism"."""
+    return plain(re.sub(r"(?<=[a-z0-9])(?=[A-Z])|_", " ", name).strip().lower())
 
 
 def outcome_in_words(result: "ImpactResult") -> str:
@@ -274,17 +290,18 @@ def draw_energy(axes: Axes, result: "ImpactResult", history: History) -> None:
 
 
 def outline(scene: Scene, penetration, rotation, shift) -> np.ndarray:
-    """The block's outline in the plane of motion [m]: rows of t and height, the first
-    being the tip of the major axis that points down at orientation 0.
+    """The block's outline in the plane of motion [m]: rows of t and height, once
+    around, and two more: the centre, and the end of the major axis that points down at
+    orientation 0.
 
     `shift` is how far the centre has moved down-slope [m].
     """
-    major, minor, _ = (float(axis) for axis in scene.block.semi_axes)
-    start = float(scene.impact.orientation)
-    support = np.hypot(major * np.cos(start), minor * np.sin(start))
+    block, start = scene.block, float(scene.impact.orientation)
+    axes = block.semi_axes
+    support = float(block.shape.support(axes, np.sin(start), np.cos(start)))
     sin, cos = np.sin(start + rotation), np.cos(start + rotation)
-    turn = np.linspace(0.0, 2.0 * np.pi, 181)
-    along, across = major * np.cos(turn), minor * np.sin(turn)
+    marks = [(0.0, 0.0), (0.0, float(axes.major))]
+    across, along = np.concatenate([block.shape.outline(axes), marks]).T
     tangential = shift - along * sin + across * cos
     height = support - penetration - along * cos - across * sin
     return np.column_stack([tangential, height])
@@ -310,10 +327,10 @@ def draw_side_view(axes: Axes, result: "ImpactResult", history: History) -> None
         line = outline(
             scene, history.penetration[row], history.rotation[row], shift[row]
         )
+        line, centre, tip = line[:-2], *line[-2:]
         axes.plot(*line.T, color=colour, ls=style, label=label)
-        centre = 0.5 * (line[0] + line[90])
         # The half-axis lets the eye follow the rotation, of a sphere too.
-        axes.plot(*np.transpose([centre, line[0]]), color=colour, lw=0.8, ls=style)
+        axes.plot(*np.transpose([centre, tip]), color=colour, lw=0.8, ls=style)
         axes.plot(*centre, "o", color=colour, markersize=3)
     axes.margins(0.15)
     axes.autoscale_view()

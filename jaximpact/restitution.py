@@ -56,15 +56,17 @@ def vijayakumar_coefficient(
 
     Args:
         block: mass, inertia and shape.
-        orientation: $\theta_0$ [rad]; gives the arm $r_t$ of the tangency point.
+        orientation: $\theta_0$ [rad]; gives the arm $r_t$ of the tangency point
+            (on a level face, of the end that the spin drives down; see
+            `AbstractShape.arm_at_touch`).
         e_contact: coefficient $e^*$ at the contact [-].
         normal_velocity, angular_velocity: before the impact [m/s, rad/s].
 
     Source: Vijayakumar et al. (2012), as eq. 6 of Dattola et al. (2023), whose last
     term has $r_t^2$ where the dimensions need $r_t$.
     """
-    arm = block.shape.tangency_arm(
-        block.semi_axes, jnp.sin(orientation), jnp.cos(orientation)
+    arm = block.shape.arm_at_touch(
+        block.semi_axes, jnp.sin(orientation), jnp.cos(orientation), angular_velocity
     )
     turning = block.mass * arm**2
     inertia = block.inertia

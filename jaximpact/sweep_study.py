@@ -1,5 +1,6 @@
 """A sweep from a TOML file."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -7,19 +8,19 @@ import numpy as np
 
 from .errors import InputError
 from .formats.checks import check_memory
-from .formats.columns import INPUT_COLUMNS
 from .formats.scene_file import scene_from
+from .formats.scenes import SHAPE, part_named
 from .formats.toml_values import (
     check_keys,
     choice,
     load_toml,
     number,
     typed,
-    unknown,
     whole,
 )
 from .scene import Scene
-from .sweeping import LABELS, Axes, check_axes
+from .shapes import AbstractShape
+from .sweeping import LABELS, Axes, check_axes, columns_of_axes, why_unknown_axis
 
 AXES_KEY = "axes"
 RANGE_KEYS = ("from", "to", "count", "spacing")
@@ -39,8 +40,9 @@ def read_sweep_study(path: Path) -> SweepStudy:
     """Read a sweep: a scene as `read_scene` reads it, and a table `[axes]`.
 
     An axis is a list of numbers, or a range `{from = 1, to = 4, count = 7}` that holds
-    both ends, with `spacing = "logarithmic"` if wanted. A table of axes inside it,
-    `[axes.ground]`, holds quantities that vary together, and `name` for labels.
+    both ends, with `spacing = "logarithmic"` if wanted; `shape` is a list of names of
+    shapes. A table of axes inside it, `[axes.ground]`, holds quantities that vary
+    together, and `name` for labels.
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """
@@ -51,32 +53,63 @@ def read_sweep_study(path: Path) -> SweepStudy:
         raise InputError(
             "is needed: which quantities vary, and over what", file=path, key=AXES_KEY
         )
+    given = _with_shapes(path, AXES_KEY, typed(path, content, AXES_KEY, dict))
+    columns = _in_file(path, lambda: columns_of_axes(given, base))
     axes = {
-        name: _axis(path, f"{AXES_KEY}.{name}", name, value)
-        for name, value in typed(path, content, AXES_KEY, dict).items()
+        name: _axis(path, f"{AXES_KEY}.{name}", name, value, columns)
+        for name, value in given.items()
     }
-    try:
-        check_axes(axes)
-    except InputError as error:
-        raise InputError(str(error), file=path) from None
+    _in_file(path, lambda: check_axes(axes, base))
     return SweepStudy(base, axes, accuracy)
 
 
-def _axis(path: Path, key: str, name: str, value):
-    if name in INPUT_COLUMNS:
-        return _values(path, key, value)
+def _in_file(path: Path, check: Callable):
+    """Say of what a check refuses in which file it stands."""
+    try:
+        return check()
+    except InputError as error:
+        raise InputError(str(error), file=path) from None
+
+
+def _with_shapes(path: Path, key: str, axes: dict) -> dict:
+    """The axes with classes in place of the names of shapes."""
+    found = {}
+    for name, value in axes.items():
+        where = f"{key}.{name}"
+        if name == SHAPE and isinstance(value, list):
+            found[name] = [_shape(path, where, text) for text in value]
+        else:
+            inner = isinstance(value, dict)
+            found[name] = _with_shapes(path, where, value) if inner else value
+    return found
+
+
+def _shape(path: Path, key: str, text) -> type[AbstractShape]:
+    text = typed(path, {key: text}, key, str)
+    try:
+        return type(part_named(SHAPE, text, path.parent))
+    except InputError as error:
+        raise InputError(str(error), file=path, key=key) from error
+
+
+def _axis(path: Path, key: str, name: str, value, columns):
+    if name in columns or name == SHAPE:
+        return _values(path, key, name, value)
     if not isinstance(value, dict) or set(value) <= set(RANGE_KEYS):
-        unknown(path, key, name, INPUT_COLUMNS)
+        raise InputError(
+            f"is unknown; {why_unknown_axis(name, columns)}", file=path, key=key
+        )
     return {
-        quantity: _values(path, f"{key}.{quantity}", values, labels=quantity == LABELS)
+        quantity: _values(path, f"{key}.{quantity}", quantity, values)
         for quantity, values in value.items()
     }
 
 
-def _values(path: Path, key: str, value, *, labels: bool = False):
-    """A list as it stands, or what a range stands for."""
+def _values(path: Path, key: str, name: str, value):
+    """A list of numbers, labels or shapes, or what a range stands for."""
     if isinstance(value, list):
-        return value if labels else [number(path, key, one) for one in value]
+        is_text = name in (LABELS, SHAPE)
+        return value if is_text else [number(path, key, one) for one in value]
     if not isinstance(value, dict):
         raise InputError(
             "must be a list of numbers, or a range {from, to, count}, but is "

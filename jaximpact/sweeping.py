@@ -3,7 +3,7 @@
 import dataclasses
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
-from .errors import InputError, nearest
+from .block import Block
+from .errors import InputError
 from .fields import expect, real_numbers
 from .formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from .formats.columns import (
@@ -21,19 +22,34 @@ from .formats.columns import (
     OUTCOME_COLUMN,
     OUTCOME_MEANING,
     RESULT_COLUMNS,
+    SLOTS,
     InputColumn,
     columns_of,
+    why_unknown,
 )
 from .formats.provenance import versions
 from .formats.results import count_outcomes
-from .formats.scenes import scene_of_values, scene_values, scene_with
-from .identity import part_names
+from .formats.scenes import (
+    SHAPE,
+    part_named,
+    scene_of_values,
+    scene_values,
+    scene_with,
+    text_of,
+    with_shapes,
+)
+from .identity import name_of, part_names
 from .mechanics.outcomes import Outcome
-from .scene import Scene
+from .scene import Impact, Scene, as_scene
+from .shapes import AbstractShape
 from .simulation import ImpactResult
+from .soil import Soil
 
 LABELS = "name"
 """Key of a group of quantities that gives the labels along its dimension."""
+SHAPES = "shapes"
+"""Attribute of a sweep over shapes: label -> the name by which each is found, and what
+it was."""
 OUTPUT_COLUMNS = RESULT_COLUMNS | FURTHER_COLUMNS
 """The numbers that a sweep holds."""
 
@@ -45,13 +61,14 @@ class _Axis(NamedTuple):
 
     name: str
     values: dict[str, np.ndarray]
-    """Quantities that vary along it, in the units of their columns."""
+    """Quantities that vary along it, in the units of their columns; of the shape, its
+    classes."""
     labels: np.ndarray | None
     length: int
 
 
 def sweep(
-    base: Scene,
+    base: Scene | Block | tuple[Block, Soil, Impact],
     axes: Axes,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
@@ -62,11 +79,15 @@ def sweep(
     """Impacts at every combination of the values along the axes.
 
     Args:
-        base: the scene, scalars only, in SI units; what no axis says is as here.
+        base: the scene, as for `simulate`, scalars only, in SI units; what no axis says
+            is as here.
         axes: dimension -> values, in its order. A dimension named as an input column
-            (`"angle_deg"`) takes a list of that quantity, in the unit of its name. Any
-            other name stands for quantities that vary together: a mapping from input
-            columns to lists of one length, and from `"name"` to labels, if wanted.
+            (`"angle_deg"`) takes a list of that quantity, in the unit of its name;
+            columns are those of the base's own laws and shapes. `"shape"` takes names
+            of shapes, as `Block` does; a parameter that a shape does not have changes
+            nothing for it. Any other name stands for quantities that vary together: a
+            mapping from input columns to lists of one length, and from `"name"` to
+            labels, if wanted.
         accuracy, model_tolerance, journal, progress: as for `simulate_batch`.
 
     Returns:
@@ -81,9 +102,10 @@ def sweep(
             match, naming the axis.
         ValueError: a base that is no single scene.
     """
+    base = as_scene(base)
     check_scene(base)
     setting = get_accuracy(accuracy)
-    grid = check_axes(axes, columns_of(base))
+    grid = check_axes(axes, base)
     shape = tuple(axis.length for axis in grid)
     scene = spread(base, grid, shape)
     result = simulate_batch(
@@ -100,7 +122,8 @@ def repeat_sweep(dataset: xr.Dataset, **how) -> xr.Dataset:
     """Compute a sweep again, from nothing but what the dataset says about itself.
 
     Args:
-        dataset: from `sweep`, whole or a selection that keeps its dimensions.
+        dataset: from `sweep`, whole or a selection that keeps its dimensions and, for
+            each parameter that varies, a shape that has it.
         how: `journal` and `progress` of `sweep`.
 
     Raises InputError if the dataset is no sweep, or was made with laws that are not
@@ -119,18 +142,33 @@ def repeat_sweep(dataset: xr.Dataset, **how) -> xr.Dataset:
         ) from None
     base = scene_of_values(values)
     for slot, name in part_names(base.soil, base.block).items():
-        if stored_laws.get(slot) != name:
-            raise InputError(
-                f"the dataset was computed with {slot} {stored_laws.get(slot)}, but "
-                f"there is {name} now"
-            )
+        _check_same(slot, stored_laws.get(slot), name)
+    axes = axes_of(dataset)
+    shapes = json.loads(dataset.attrs.get(SHAPES, "{}"))
+    for along in (axes, *(along for along in axes.values() if _is_group(along))):
+        if SHAPE in along:
+            along[SHAPE] = [_same_shape(*shapes[label]) for label in along[SHAPE]]
     return sweep(
         base,
-        axes_of(dataset),
+        axes,
         accuracy=accuracy,
         model_tolerance=model_tolerance,
         **how,
     )
+
+
+def _check_same(slot: str, stored: str | None, found: str) -> None:
+    if stored != found:
+        raise InputError(
+            f"the dataset was computed with {slot} {stored}, but there is {found} now"
+        )
+
+
+def _same_shape(text: str, stored: str) -> type[AbstractShape]:
+    """The class of shapes of a name, if it is what it was."""
+    kind = type(part_named(SHAPE, text))
+    _check_same(SHAPE, stored, name_of(kind))
+    return kind
 
 
 def axes_of(dataset: xr.Dataset) -> dict[str, ArrayLike | dict[str, ArrayLike]]:
@@ -142,7 +180,8 @@ def axes_of(dataset: xr.Dataset) -> dict[str, ArrayLike | dict[str, ArrayLike]]:
             for name, coordinate in dataset.coords.items()
             if coordinate.dims == (dimension,)
         }
-        if list(along) == [dimension] and along[dimension].dtype.kind != "U":
+        own = list(along) == [dimension]
+        if own and (dimension == SHAPE or along[dimension].dtype.kind != "U"):
             axes[dimension] = along[dimension]
         else:
             # Labels are the dimension's own coordinate.
@@ -153,11 +192,12 @@ def axes_of(dataset: xr.Dataset) -> dict[str, ArrayLike | dict[str, ArrayLike]]:
     return axes
 
 
-def check_axes(axes: Axes, columns: Mapping[str, InputColumn]) -> list[_Axis]:
+def check_axes(axes: Axes, base: Scene) -> list[_Axis]:
     """The axes, checked. Raises InputError as `sweep` does."""
     expect("axes", axes, Mapping)
     if not axes:
         raise InputError("a sweep needs at least one axis, but got none")
+    columns = columns_of_axes(axes, base)
     grid, seen = [], {}
     for name, given in axes.items():
         read = _read_group if _is_group(given) else _read_one
@@ -178,11 +218,49 @@ def _is_group(given) -> bool:
     return isinstance(given, Mapping)
 
 
+def columns_of_axes(axes: Axes, base: Scene) -> dict[str, InputColumn]:
+    """The columns that may vary: of the base and, where shapes vary, of all of them."""
+    return columns_of(_of_shapes(base, _shapes_of(axes)))
+
+
+def _shapes_of(axes: Axes) -> list[type[AbstractShape]]:
+    """The shapes that vary along the axes."""
+    for name, given in axes.items():
+        if _is_group(given) and SHAPE in given:
+            return list(_kinds(f"axis {name}: {SHAPE}", given[SHAPE]))
+        if name == SHAPE and not _is_group(given):
+            return list(_kinds(f"axis {SHAPE}", given))
+    return []
+
+
+def _of_shapes(base: Scene, kinds: Sequence[type[AbstractShape]]) -> Scene:
+    return with_shapes(base, kinds) if len(kinds) else base
+
+
+def _kinds(where: str, given) -> np.ndarray:
+    """Classes of shapes, by their names."""
+    several = isinstance(given, Iterable) and not isinstance(given, str)
+    texts = list(given) if several else []
+    kinds = np.empty(len(texts), object)
+    for place, text in enumerate(texts):
+        if isinstance(text, type) and issubclass(text, AbstractShape):
+            kinds[place] = text
+        elif isinstance(text, str):
+            kinds[place] = type(part_named(SHAPE, text))
+        else:
+            texts = []
+            break
+    if not texts:
+        raise InputError(f"{where} must be a list of names of shapes, but is {given!r}")
+    return kinds
+
+
 def _read_one(name: str, given: ArrayLike, columns: Mapping[str, InputColumn]) -> _Axis:
+    if name == SHAPE:
+        kinds = _kinds(f"axis {name}", given)
+        return _Axis(name, {name: kinds}, None, len(kinds))
     if name not in columns:
-        raise InputError(
-            f"axis {name} is unknown; did you mean {nearest(name, columns)}?"
-        )
+        raise InputError(f"axis {name} is unknown; {why_unknown_axis(name, columns)}")
     values = _numbers(name, columns[name], given)
     return _Axis(name, {name: values}, None, len(values))
 
@@ -190,7 +268,7 @@ def _read_one(name: str, given: ArrayLike, columns: Mapping[str, InputColumn]) -
 def _read_group(
     name: str, given: Mapping[str, ArrayLike], columns: Mapping[str, InputColumn]
 ) -> _Axis:
-    taken = {*columns, *OUTPUT_COLUMNS, OUTCOME_COLUMN}
+    taken = {*columns, *OUTPUT_COLUMNS, OUTCOME_COLUMN, SHAPE}
     if name in taken:
         raise InputError(
             f"axis {name} varies several quantities together and needs a name of its "
@@ -200,12 +278,11 @@ def _read_group(
     for quantity, numbers in given.items():
         if quantity == LABELS:
             labels = _labels(name, numbers)
+        elif quantity == SHAPE:
+            values[quantity] = _kinds(f"axis {name}: {quantity}", numbers)
         elif quantity not in columns:
-            known = (*columns, LABELS)
-            raise InputError(
-                f"axis {name}: {quantity} is unknown; did you mean "
-                f"{nearest(quantity, known)}?"
-            )
+            why = why_unknown_axis(quantity, columns, LABELS)
+            raise InputError(f"axis {name}: {quantity} is unknown; {why}")
         else:
             values[quantity] = _numbers(name, columns[quantity], numbers)
     if not values:
@@ -220,6 +297,15 @@ def _read_group(
             f"but they have {counts}"
         )
     return _Axis(name, values, labels, next(iter(lengths.values())))
+
+
+def why_unknown_axis(
+    name: str, columns: Mapping[str, InputColumn], *others: str
+) -> str:
+    """What may have been meant by a quantity that cannot vary."""
+    if name in SLOTS:
+        return f"a sweep has one {name}, that of its base"
+    return why_unknown(name, (*columns, SHAPE, *others))
 
 
 def _labels(axis: str, given) -> np.ndarray:
@@ -257,7 +343,7 @@ def spread(base: Scene, grid: list[_Axis], shape: tuple[int, ...]) -> Scene:
         lie = [-1 if i == place else 1 for i in range(len(grid))]
         for name, values in axis.values.items():
             along[name] = np.broadcast_to(values.reshape(lie), shape).ravel()
-    return scene_with(base, along)
+    return scene_with(_of_shapes(base, along.pop(SHAPE, ())), along)
 
 
 def _dataset(
@@ -282,9 +368,15 @@ def _dataset(
         names[codes].reshape(shape),
         {"long_name": OUTCOME_MEANING},
     )
+    shapes = {}
+    for axis in grid:
+        shapes |= {
+            _label(kind, axis.values[SHAPE]): [text_of(kind), name_of(kind)]
+            for kind in axis.values.get(SHAPE, ())
+        }
     return xr.Dataset(
         variables,
-        coordinates_of(grid, columns_of(base)),
+        coordinates_of(grid, result.scene),
         attrs={
             "title": "jaximpact: impacts of rock blocks on deformable ground",
             "base": json.dumps(scene_values(base)),
@@ -293,17 +385,32 @@ def _dataset(
             "laws": json.dumps(part_names(base.soil, base.block)),
             "versions": json.dumps(versions()),
             "outcomes": json.dumps(count_outcomes(result)),
-        },
+        }
+        | ({SHAPES: json.dumps(shapes)} if shapes else {}),
     )
 
 
-def coordinates_of(grid: list[_Axis], columns: Mapping[str, InputColumn]) -> dict:
-    """The quantities of the axes as coordinates of a dataset."""
-    coordinates = {}
+def _label(kind: type[AbstractShape], kinds: Iterable[type[AbstractShape]]) -> str:
+    """What a shape is called among others: its class's name, if that says which."""
+    same = {other for other in kinds if other.__name__ == kind.__name__}
+    return kind.__name__ if len(same) == 1 else text_of(kind)
+
+
+def coordinates_of(grid: list[_Axis], scene: Scene) -> dict:
+    """The quantities of the axes as coordinates of a dataset.
+
+    Args:
+        scene: of all points.
+    """
+    columns, coordinates = columns_of(scene), {}
     for axis in grid:
         if axis.labels is not None:
             coordinates[axis.name] = (axis.name, axis.labels)
         for name, values in axis.values.items():
+            if name == SHAPE:
+                labels = np.array([_label(kind, values) for kind in values])
+                coordinates[name] = (axis.name, labels, {"long_name": "shape"})
+                continue
             column = columns[name]
             attributes = {"units": column.unit, "long_name": column.meaning}
             coordinates[name] = (axis.name, values, attributes)

@@ -40,7 +40,7 @@ def batch(request):
 def test_every_scene_has_its_result(batch):
     _, result, seen = batch
     codes = set(result.outcome_code.astype(int))
-    assert {Outcome.toppled, Outcome.detached, Outcome.separating} <= codes
+    assert {Outcome.detached, Outcome.separating} <= codes
     assert Outcome.failed not in codes
     assert np.all(np.isfinite(result.e_bar))
     assert seen[-1] == (len(result.e_n), len(result.e_n))

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from jaximpact.calibration.engine import LEAVES, USUAL, Engine
+from jaximpact.calibration.engine import USUAL, Engine
 from jaximpact.calibration.fit import SOME_TESTS, some_tests
 from jaximpact.calibration.objective import Objective, engine_of
 from jaximpact.calibration.study import fit_study
 from jaximpact.calibration.study_file import read_study
-from jaximpact.formats.columns import INPUT_COLUMNS
+from jaximpact.formats.columns import INPUT_COLUMNS, leaf_places
+from jaximpact.scene import Scene
 
 STUDY = 'data = "tests.csv"\n'
 TABLE = """\
@@ -30,7 +31,8 @@ def test_every_column_is_a_leaf_of_the_scene(study):
     """What stands in a column's leaf is its value in SI."""
     scene = study.tests.scene({})
     objective = Objective(study, study.variants[0], None)
-    leaves = dict(zip(LEAVES, objective._leaves[list(LEAVES.values())], strict=True))
+    places = leaf_places(Scene())
+    leaves = dict(zip(places, objective._leaves[list(places.values())], strict=True))
     assert set(leaves) == set(INPUT_COLUMNS)
     for name, column in INPUT_COLUMNS.items():
         value = getattr(getattr(scene, column.part), column.field)

@@ -14,11 +14,14 @@ import jaximpact
 from jaximpact import Block, Impact, Scene, Soil, calibrate, predict, simulate_batch
 from jaximpact.accuracy import PRESETS
 from jaximpact.calibration.campaigns import joined_tables
-from jaximpact.calibration.fitted_ground import fitted_of
 from jaximpact.calibration.given import table_given
 from jaximpact.calibration.objective import Objective, engine_of
 from jaximpact.calibration.one_call import _study
-from jaximpact.calibration.prediction import held_out_study, predict_variant
+from jaximpact.calibration.prediction import (
+    ground_of,
+    held_out_study,
+    predict_variant,
+)
 from jaximpact.calibration.study_file import read_study
 from jaximpact.cli import main
 from jaximpact.errors import InputError
@@ -150,7 +153,7 @@ def test_columns_are_read_as_their_table_is(tmp_path, tests):
     path = write_columns(tmp_path / "tests.csv", tests)
     of_path = read_study(path)
     for given in (tests, Frame(), path):
-        study = _study(given, None, None, None, None, None, None)
+        study = _study(given, None, None, None, None, None, None, None)
         np.testing.assert_array_equal(study.measured, of_path.measured)
         assert study.parameters == of_path.parameters
         assert study.targets == of_path.targets
@@ -176,7 +179,7 @@ def test_a_soil_as_ground(tests):
     """Fitted parameters start at its values; columns of the table come first."""
     soil = Soil(c_v=3.0, beta=0.8, friction_angle=np.deg2rad(35.0))
     given = tests | {"friction_angle_deg": 33.0}
-    study = _study(given, ("c_v",), soil, ["e_n"], None, None, 5)
+    study = _study(given, ("c_v",), soil, None, ["e_n"], None, None, 5)
     assert study.parameters[0].start == pytest.approx(3.0)
     assert study.soil["beta"] == pytest.approx(0.8)
     assert "friction_angle_deg" not in study.soil
@@ -261,7 +264,7 @@ def test_limits_and_gaps_are_respected(found, new):
 
 def test_draws_are_predicted_as_exactly_as_they_were_drawn(found):
     """One draw alone: what the model gives for it at the accuracy of the draws."""
-    ground = fitted_of(found.as_json())
+    ground = ground_of(found)
     study = held_out_study(ground, joined_tables((table_given(NEW),)))
     (fitted,) = ground.variants
     alone = fitted._replace(draws=fitted.draws[:1], weights=np.ones(1))

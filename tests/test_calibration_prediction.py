@@ -115,6 +115,8 @@ def ground_of(nuisances, variant):
         ranges={},
         results={},
         versions={},
+        parts={},
+        block={},
     )
 
 

@@ -12,7 +12,7 @@ from jaximpact.calibration.objective import Objective, engine_of
 from jaximpact.calibration.study_file import read_study
 from jaximpact.calibration.turned_ground import SIGN, as_stated
 from jaximpact.cli import main
-from jaximpact.mechanics.foundation import tangency_arm
+from jaximpact.shapes import Ellipsoid
 
 TARGETS = ("e_n", "e_t", "e_bar", "max_sinking_m", "v_n_mps", "v_t_mps")
 TESTS = (  # campaign, mass, aspect ratio, speed, angle, orientation, slope
@@ -125,7 +125,7 @@ def test_way_in_space_is_kept():
         into = in_space(1.0, 0.0, there["slope_deg"])
         deepest = ellipse[np.argmax(ellipse @ into)]
         theta = np.deg2rad(there["orientation_deg"])
-        arm = tangency_arm(axes, np.sin(theta), np.cos(theta))
+        arm = Ellipsoid().tangency_arm(axes, np.sin(theta), np.cos(theta))
         # Points on the ellipse are 3e-5 apart.
         along = deepest @ in_space(0.0, 1.0, there["slope_deg"])
         assert along == pytest.approx(float(arm), abs=1e-4)

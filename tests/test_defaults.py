@@ -1,6 +1,5 @@
 """A default stands in one place, or is the same in all of them."""
 
-import dataclasses
 import inspect
 import re
 
@@ -8,9 +7,7 @@ import numpy as np
 import pytest
 
 from jaximpact import (
-    Block,
-    Impact,
-    Soil,
+    Scene,
     elasticities,
     morris,
     simulate,
@@ -21,9 +18,9 @@ from jaximpact import (
 from jaximpact.accuracy import DEFAULT_ACCURACY
 from jaximpact.calibration.study_file import ACCURACY, STARTS
 from jaximpact.cli import calibrate, options, runout, sensitivity, tabulate
-from jaximpact.formats.columns import column_of_field
+from jaximpact.formats.columns import columns_of
 from jaximpact.runout import FullModel, Ground, Profile, read_profile, simulate_runout
-from jaximpact.runout.ground import GROUND_COLUMNS
+from jaximpact.runout.ground import ANGLE_COLUMNS
 from jaximpact.runout.slope_file import DEFAULT_BINS, DEFAULT_COUNT
 from jaximpact.tabulated import orientation_map
 from jaximpact.tabulated import tabulate as make_table
@@ -35,16 +32,14 @@ def default(function, name):
 
 
 def test_fields_have_the_defaults_of_their_columns():
-    for part in (Block(), Soil(), Impact()):
-        for field in dataclasses.fields(part):
-            column = column_of_field(type(part).__name__.lower(), field.name)
-            received = float(getattr(part, field.name))
-            assert received == pytest.approx(column.factor * column.default, rel=1e-15)
+    for column in columns_of(Scene()).values():
+        received = float(getattr(getattr(Scene(), column.part), column.field))
+        assert received == pytest.approx(column.factor * column.default, rel=1e-15)
 
 
 def test_a_ground_is_as_rough_and_rolls_as_a_profile_does():
     profile = Profile([0.0, 1.0], [1.0, 0.0])
-    for column in GROUND_COLUMNS.values():
+    for column in ANGLE_COLUMNS.values():
         if column.part == "ground":
             expected = column.factor * column.default
             assert getattr(Ground(), column.field) == expected
@@ -83,8 +78,8 @@ def test_accuracy(function, expected):
         (
             runout.DESCRIPTION,
             "rolling_friction_angle_deg is "
-            f"{GROUND_COLUMNS['rolling_friction_angle_deg'].default:g}, an assumption, "
-            f"and roughness_deg {GROUND_COLUMNS['roughness_deg'].default:g}",
+            f"{ANGLE_COLUMNS['rolling_friction_angle_deg'].default:g}, an assumption, "
+            f"and roughness_deg {ANGLE_COLUMNS['roughness_deg'].default:g}",
         ),
         (runout.DESCRIPTION, "seed of the draws (default: 0)"),
         (sensitivity.DESCRIPTION, f"two (default: {default(sobol, 'blocks')})"),

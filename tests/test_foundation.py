@@ -6,22 +6,25 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaximpact.block import Block, SemiAxes
+from jaximpact.block import Block
 from jaximpact.mechanics.dynamics import contact_geometry, prepare
-from jaximpact.mechanics.foundation import (
-    Foundation,
-    foundation,
-    support_radius,
-    tangency_arm,
-)
-from jaximpact.mechanics.laws import Laws
 from jaximpact.scene import Impact, Scene
+from jaximpact.shapes import Ellipsoid, EllipticCylinder, Foundation, SemiAxes
+from jaximpact.shapes import foundation as foundation_of
 from jaximpact.soil import Soil
+
+SHAPE = Ellipsoid()
+support_radius, tangency_arm = SHAPE.support, SHAPE.tangency_arm
+SIZES = tuple(name for name in Foundation._fields if name != "most_slender")
 
 # The brute force is good to 1e-10 of the block's size; a block is below 2 here.
 BRUTE = 1e-9
 # Closed forms against each other: rounding.
 ROUNDING = 1e-13
+
+
+def foundation(axes, sin, cos, sinking, shape=SHAPE) -> Foundation:
+    return foundation_of(shape, axes, sin, cos, sinking)
 
 
 def at_height(major, minor, out_of_plane, theta, height) -> Foundation:
@@ -66,6 +69,24 @@ def test_agrees_with_the_ellipsoid_equation():
     assert len(kinds) >= 6
 
 
+def test_elliptic_cylinder_is_cut_as_the_ellipsoid_and_has_one_width():
+    for H, R, W, theta, height in zip(*random_cuts(40, seed=6), strict=True):
+        axes = SemiAxes(*(jnp.asarray(a, float) for a in (H, R, W)))
+        sin, cos = jnp.sin(theta), jnp.cos(theta)
+        sinking = support_radius(axes, sin, cos) - height
+        ours = foundation(axes, sin, cos, sinking, EllipticCylinder())
+        # The section in the plane of motion is the one w = 0 of the ellipsoid.
+        exact = brute.foundation(*map(float, (H, R, W, theta, height)))
+        for name, value in {
+            "B_t": ours.length,
+            "u_D": ours.sinking,
+            "r_t": ours.tangential_arm,
+            "t_low": ours.tangency_arm,
+        }.items():
+            assert float(value) == pytest.approx(exact[name], abs=BRUTE), name
+        assert float(ours.width) == pytest.approx(2.0 * W, rel=ROUNDING)
+
+
 def test_sphere_leaves_a_cap():
     radius = 0.21
     sinking = np.linspace(0.01, 0.99, 25) * radius
@@ -90,7 +111,7 @@ def test_round_block_does_not_depend_on_orientation():
     same = [np.full_like(angles, size) for size in (0.3, 0.3, 0.45)]
     for height in (0.29, 0.1, -0.1):
         base = batched(*same, angles, np.full_like(angles, height))
-        for values in base:
+        for values in base[:-1]:
             np.testing.assert_allclose(values, values[0], atol=ROUNDING)
 
 
@@ -98,7 +119,7 @@ def test_turning_by_half_a_turn_changes_nothing():
     major, minor, out_of_plane, theta, height = random_cuts(50, seed=2)
     once = batched(major, minor, out_of_plane, theta, height)
     again = batched(major, minor, out_of_plane, theta + np.pi, height)
-    for a, b in zip(once, again, strict=True):
+    for a, b in zip(once[:-1], again[:-1], strict=True):
         # Near the onset the section's root magnifies the rounding of the angle.
         np.testing.assert_allclose(a, b, atol=1e-12)
 
@@ -108,7 +129,7 @@ def test_mirrored_orientation_mirrors_the_arms():
     base = batched(major, minor, out_of_plane, theta, height)
     mirrored = batched(major, minor, out_of_plane, -theta, height)
     signs = Foundation(1.0, 1.0, 1.0, 1.0, -1.0, -1.0)
-    for a, b, sign in zip(base, mirrored, signs, strict=True):
+    for a, b, sign in zip(base[:-1], mirrored[:-1], signs[:-1], strict=True):
         np.testing.assert_allclose(a, sign * b, atol=ROUNDING)
 
 
@@ -116,7 +137,7 @@ def test_exchanged_axes_are_a_quarter_turn():
     major, minor, out_of_plane, theta, height = random_cuts(50, seed=4)
     base = batched(major, minor, out_of_plane, theta, height)
     exchanged = batched(minor, major, out_of_plane, theta + 0.5 * np.pi, height)
-    for a, b in zip(base, exchanged, strict=True):
+    for a, b in zip(base[:-1], exchanged[:-1], strict=True):
         np.testing.assert_allclose(a, b, atol=1e-12)
 
 
@@ -163,7 +184,7 @@ def test_smooth_where_an_extreme_point_passes_the_ground(field, side):
     assert abs(curvature(switch - 1e-5) - curvature(switch + 1e-5)) > 0.1
 
 
-@pytest.mark.parametrize("field", Foundation._fields)
+@pytest.mark.parametrize("field", SIZES)
 @pytest.mark.parametrize("theta", [0.0, 0.6, 0.5 * np.pi])
 def test_smooth_where_the_centre_passes_the_ground(field, theta):
     def quantity(height):
@@ -242,7 +263,7 @@ def test_gradients_agree_with_differences():
             moved = list(cuts)
             moved[place] = cuts[place] + sign * delta
             ends.append(batched(*moved))
-        for field in Foundation._fields:
+        for field in SIZES:
             difference = (getattr(ends[0], field) - getattr(ends[1], field)) / 2e-6
             # Truncation 1e-12 times third derivatives, rounding 1e-16 / 1e-6; the
             # section's root has large third derivatives near the onset, kept off by
@@ -257,7 +278,7 @@ def test_sinking_keeps_its_digits_at_the_start():
     # radii would leave ten digits, and the onset's section half of those.
     block = Block(aspect_ratio=3.0)
     scene = Scene(block, Soil(), Impact(orientation=0.7))
-    ground = prepare(scene, Laws())
+    ground = prepare(scene)
     penetration = 1e-6 * block.semi_axes.minor
     base = contact_geometry(ground, penetration, jnp.zeros(()))
     assert float(base.sinking) == float(penetration)

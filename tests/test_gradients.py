@@ -10,7 +10,6 @@ import pytest
 
 from jaximpact import Accuracy, Block, Impact, Scene, Soil, simulate
 from jaximpact.accuracy import PRESETS
-from jaximpact.calibration.engine import LEAVES
 from jaximpact.engines.compilation import unfused_jit
 from jaximpact.engines.machine import (
     along_leaves,
@@ -18,6 +17,7 @@ from jaximpact.engines.machine import (
     kernel_inputs,
     solve_rows,
 )
+from jaximpact.formats.columns import leaf_places
 from jaximpact.mechanics.model import PLANAR, PLANAR_DAMPED, select_model
 from jaximpact.simulation import Assembly, compute
 
@@ -201,7 +201,7 @@ def test_stages_beyond_the_end_keep_the_derivative(accuracy, allowed):
 
     def solved(accuracy):
         inputs = np.stack(kernel_inputs(scene, PRESETS[accuracy]))
-        return solve_rows(kernel, along_leaves(inputs, LEAVES["gamma_v"]))
+        return solve_rows(kernel, along_leaves(inputs, leaf_places(Scene())["gamma_v"]))
 
     values = solved("reference")[0].e_n
     differences = (values[2:] - values[:-2]) / 2e-3

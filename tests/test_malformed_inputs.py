@@ -39,6 +39,7 @@ from jaximpact.runout import (
     draw,
     simulate_runout,
 )
+from jaximpact.shapes import Ellipsoid
 
 HUGE = "1" + 400 * "0"
 LONGER = "1" + 5_000 * "0"
@@ -251,8 +252,16 @@ MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
         ),
         (lambda: Block(mass=pd.array(["1"])), "Block.mass must be a number"),
         (lambda: simulate(SOIL, BLOCK, IMPACT), "block must be of type Block"),
-        (lambda: simulate(BLOCK, SOIL, None), "impact must be of type Impact"),
-        (lambda: simulate(BLOCK, SOIL, IMPACT, laws=3), "laws must be of type Laws"),
+        (lambda: simulate(BLOCK, SOIL, 3), "impact must be of type Impact"),
+        (
+            lambda: Soil(flow=3),
+            "Soil.flow must be of a class derived from AbstractFlow",
+        ),
+        (lambda: Soil(flow="Perzina"), "flow 'Perzina' is unknown; .* mean Perzyna"),
+        (
+            lambda: Block(shape=Ellipsoid),
+            r"is the class Ellipsoid; write Ellipsoid\(\)",
+        ),
         (lambda: simulate(BLOCK, SOIL, IMPACT, accuracy=[]), "accuracy must be one of"),
         (lambda: simulate(Block(mass=-1), SOIL, IMPACT), "must be above 0 kg"),
         (lambda: simulate(Block(mass=np.inf), SOIL, IMPACT), "must be above 0 kg"),
@@ -261,7 +270,7 @@ MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
             "is 40 rad = 2292 deg; deg. 40 deg is 0.6981 rad",
         ),
         (lambda: Accuracy("mine", np.nan, 0.01), "tolerance of an accuracy must be"),
-        (lambda: simulate_batch(None), "scene must be of type Scene"),
+        (lambda: simulate_batch(3), "block must be of type Block"),
         (
             lambda: simulate_batch(Scene(), model_tolerance=-1),
             "must be a finite number",
@@ -321,7 +330,7 @@ def test_wrong_values_in_python(call, said):
 
 
 def test_unknown_fields_name_the_nearest():
-    with pytest.raises(TypeError, match="Block has no field 'mas'; did you mean mass"):
+    with pytest.raises(TypeError, match="no parameter 'mas'; did you mean mass"):
         Block(mas=3.0)
 
 

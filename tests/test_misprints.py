@@ -11,9 +11,12 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from jaximpact.block import Block, SemiAxes
-from jaximpact.mechanics.foundation import foundation, support_radius, tangency_arm
+from jaximpact.block import Block
 from jaximpact.restitution import energetic_coefficient, vijayakumar_coefficient
+from jaximpact.shapes import Ellipsoid, SemiAxes, foundation
+
+SHAPE = Ellipsoid()
+support_radius, tangency_arm = SHAPE.support, SHAPE.tangency_arm
 
 # An oblong block, turned, its centre above the ground; and one sunk past its centre.
 H, R, W, THETA = 0.5, 0.3, 0.4, 0.6
@@ -29,7 +32,7 @@ WRONG = 0.03
 
 def ours(height):
     axes = SemiAxes(*map(jnp.asarray, (H, R, W)))
-    return foundation(axes, SIN, COS, SUPPORT - height)
+    return foundation(SHAPE, axes, SIN, COS, SUPPORT - height)
 
 
 def on_surface(n, t, w, height):
@@ -142,7 +145,7 @@ def test_equation_22_sets_a_sphere_s_section_aside_of_its_centre():
     assert 0.5 * (ends[0] + ends[1]) == pytest.approx(0.0, abs=EXACT)
     assert abs(printed) > WRONG
     axes = SemiAxes(*map(jnp.asarray, (radius, radius, radius)))
-    base = foundation(axes, SIN, COS, radius - height)
+    base = foundation(SHAPE, axes, SIN, COS, radius - height)
     assert float(base.tangential_arm) == pytest.approx(0.0, abs=EXACT)
 
 

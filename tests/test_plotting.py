@@ -78,7 +78,9 @@ def test_outline_touches_the_ground_at_impact_and_turns_clockwise(result):
     # Clockwise, down-slope to the right: the lower tip moves to the left.
     assert turned[0, 0] < at_impact[0, 0]
     moved = outline(result.scene, 0.05, 0.0, 0.2)
-    np.testing.assert_allclose(moved - at_impact, [[0.2, -0.05]] * 181, atol=1e-15)
+    np.testing.assert_allclose(
+        moved - at_impact, [[0.2, -0.05]] * len(moved), atol=1e-15
+    )
 
 
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])

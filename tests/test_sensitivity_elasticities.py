@@ -21,6 +21,7 @@ from jaximpact import (
 from jaximpact.batch import broadcast_scene
 from jaximpact.errors import InputError
 from jaximpact.formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
+from jaximpact.formats.scenes import scene_with
 from jaximpact.scene import GRAVITY
 from jaximpact.sensitivity import Check, State, in_words
 from jaximpact.sensitivity.differences import differences
@@ -29,7 +30,6 @@ from jaximpact.sensitivity.drawing import (
     plot_heat_map,
     plot_tornado,
 )
-from jaximpact.sensitivity.names import scene_with
 
 VERTICAL = Scene(Block(mass=500.0))
 OBLIQUE = Scene(

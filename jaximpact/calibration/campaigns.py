@@ -1,16 +1,29 @@
 """The tests of a study: one table or several, put together."""
 
+import csv
 import dataclasses
 import itertools
+from collections.abc import Mapping
 from pathlib import Path
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 
-from ..block import Block
-from ..formats.columns import INPUT_COLUMNS, LABEL_COLUMNS, RESULT_COLUMNS, SIGMA_PREFIX
+from ..errors import InputError
+from ..formats.columns import (
+    LABEL_COLUMNS,
+    RESULT_COLUMNS,
+    SIGMA_PREFIX,
+    SLOTS,
+    InputColumn,
+    columns_of,
+)
+from ..formats.scenes import SHAPE, value_of, with_shapes
 from ..formats.tables import Table, read_table
-from ..scene import Impact, Scene
-from ..soil import Soil
+from ..parameters import Part, parameters_of
+from ..scene import PARTS, Scene
+from ..shapes import AbstractShape, MixedShapes
 
 CAMPAIGN = "campaign"
 
@@ -20,6 +33,8 @@ class Measurements:
     """All tests, in the order of their files and rows."""
 
     files: tuple[Table, ...]
+    base: Scene
+    """Laws, and the shape of each test; the numbers do not count."""
     inputs: dict[str, np.ndarray]
     """Columns of the scene that stand in any of the files, in the unit of their name;
     the default where a file does not have one."""
@@ -51,44 +66,95 @@ class Measurements:
         path, row = self.place(test)
         return f"{path.stem} row {row}" if len(self.files) > 1 else f"row {row}"
 
-    def columns(self, soil: dict[str, float]) -> dict[str, np.ndarray]:
+    @property
+    def slots(self) -> set[str]:
+        """What laws or shapes the files name: `flow`, `shape`."""
+        headers = (next(csv.reader([table.header])) for table in self.files)
+        return {name.strip() for header in headers for name in header} & {*SLOTS}
+
+    @property
+    def parts(self) -> dict[str, Part]:
+        """The laws, and the shape unless the files say it, by what they are for."""
+        return {
+            slot: getattr(getattr(self.base, whole), slot)
+            for slot, whole in SLOTS.items()
+            if not (slot == SHAPE and SHAPE in self.slots)
+        }
+
+    @property
+    def shapes(self) -> list[str]:
+        """Name of the shape of each test's block."""
+        shape, count = self.base.block.shape, len(self)
+        return [kind.__name__ for kind in _kinds_of(shape, count)]
+
+    @property
+    def known_columns(self) -> dict[str, InputColumn]:
+        """Columns of the scene that there are."""
+        return columns_of(self.base)
+
+    def with_laws(self, laws: Mapping[str, Part]) -> "Measurements":
+        """The same tests on a ground of other laws."""
+        if not laws:
+            return self
+        soil = dataclasses.replace(self.base.soil, **laws)
+        base = Scene(self.base.block, soil, self.base.impact)
+        return dataclasses.replace(self, base=base)
+
+    def with_inputs(self, values: Mapping[str, float]) -> "Measurements":
+        """The same tests with columns of one value each."""
+        added = {name: np.full(len(self), value) for name, value in values.items()}
+        return dataclasses.replace(self, inputs=self.inputs | added)
+
+    def columns(self, held: Mapping[str, float]) -> dict[str, np.ndarray]:
         """Every column of the scene, `(tests,)`, in the unit of its name.
 
         Args:
-            soil: values that stand in no file.
+            held: values that stand in no file; of other laws' parameters none counts.
         """
         return {
             name: np.broadcast_to(
                 np.asarray(
-                    self.inputs.get(name, soil.get(name, column.default)), float
+                    self.inputs.get(name, held.get(name, column.default)), float
                 ),
                 len(self),
             )
-            for name, column in INPUT_COLUMNS.items()
+            for name, column in self.known_columns.items()
         }
 
-    def scene(self, soil: dict[str, float]) -> Scene:
-        """The tests as one scene of arrays, in SI.
+    def scene(self, held: Mapping[str, float]) -> Scene:
+        """The tests as one scene of arrays `(tests,)`, in SI.
 
         Args:
-            soil: values that stand in no file.
+            held: values that stand in no file; of other laws' parameters none counts.
         """
-        fields = {"block": {}, "soil": {}, "impact": {}}
-        for name, values in self.columns(soil).items():
-            column = INPUT_COLUMNS[name]
-            fields[column.part][column.field] = column.factor * values
-        return Scene(
-            Block(**fields["block"]), Soil(**fields["soil"]), Impact(**fields["impact"])
+        known = self.known_columns
+        fields: dict[str, dict] = {part: {} for part in PARTS}
+        for name, values in self.columns(held).items():
+            fields[known[name].part][known[name].field] = known[name].factor * values
+        scene = Scene(
+            **{
+                part: dataclasses.replace(getattr(self.base, part), **fields[part])
+                for part in PARTS
+            }
         )
+        return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, len(self)), scene)
 
 
-def read_tests(paths: list[Path]) -> Measurements:
-    """Read and join tables. Raises InputError as `read_table` does."""
-    return joined_tables(tuple(read_table(path, measured=True) for path in paths))
+def read_tests(paths: list[Path], base: Scene) -> Measurements:
+    """Read and join tables. Raises InputError as `read_table` and `joined_tables` do.
+
+    Args:
+        base: laws, and the shape of tests whose file does not say it.
+    """
+    return joined_tables(
+        tuple(read_table(path, measured=True, base=base) for path in paths)
+    )
 
 
 def joined_tables(files: tuple[Table, ...]) -> Measurements:
-    """Tables of tests put together."""
+    """Tables of tests put together. Raises InputError where their laws differ."""
+    base = _joined_base(files)
+    known = columns_of(base)
 
     def joined(names, filling, of_table) -> dict[str, np.ndarray]:
         present = [n for n in names if any(n in of_table(table) for table in files)]
@@ -122,12 +188,49 @@ def joined_tables(files: tuple[Table, ...]) -> Measurements:
     )
     return Measurements(
         files=files,
-        inputs=joined(INPUT_COLUMNS, lambda n: INPUT_COLUMNS[n].default, numbers),
+        base=base,
+        inputs={
+            name: _filled(base, known[name], values)
+            for name, values in joined(known, lambda _: np.nan, numbers).items()
+        },
         measured=joined(RESULT_COLUMNS, lambda _: np.nan, numbers),
         censored=joined(RESULT_COLUMNS, lambda _: 0, lambda table: table.censored),
         sigmas={name.removeprefix(SIGMA_PREFIX): v for name, v in sigmas.items()},
         labels=labels,
     )
+
+
+def _joined_base(files: tuple[Table, ...]) -> Scene:
+    """The laws of all tables, and the shape of each of their rows."""
+    base = files[0].base
+    for table in files[1:]:
+        laws = [jax.tree.structure(scene.soil) for scene in (base, table.base)]
+        if laws[0] != laws[1]:
+            raise InputError(
+                f"has other laws than {files[0].path.name}; one study has one ground",
+                file=table.path,
+            )
+    kinds = _chained(
+        _kinds_of(table.base.block.shape, len(table.rows)) for table in files
+    )
+    return base if len(set(kinds)) == 1 else with_shapes(base, kinds)
+
+
+def _kinds_of(shape: AbstractShape, count: int) -> list[type[AbstractShape]]:
+    """The shape of each test."""
+    if isinstance(shape, MixedShapes):
+        return [shape.kinds[int(place)] for place in shape.index]
+    return [type(shape)] * count
+
+
+def _filled(base: Scene, column: InputColumn, values: np.ndarray) -> np.ndarray:
+    """A column with the defaults in place of NaN, which may differ with the shape."""
+    missing = np.isnan(values)
+    if not np.any(missing):
+        return values
+    of_shape = column.field in parameters_of(base.block.shape)
+    default = value_of(base, column) if of_shape else column.default
+    return np.where(missing, default, values)
 
 
 def _chained(lists) -> list[str]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..errors import InputError, nearest
 from ..fields import real_numbers
 from ..formats.checks import NUMBERS_PER_IMPACT, check_memory
-from ..formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
+from ..formats.columns import RESULT_COLUMNS, InputColumn, why_unknown
 from ..formats.toml_values import check_keys, choice, known_table, number, typed, whole
 from .design import CRITERIA
 
@@ -51,6 +51,7 @@ class Candidates:
 def checked_axes(
     candidates: Mapping[str, ArrayLike],
     fitted: tuple[str, ...],
+    columns: Mapping[str, InputColumn],
     *,
     key: str = "candidates",
     file: Path | None = None,
@@ -60,18 +61,17 @@ def checked_axes(
 
     Args:
         fitted: names of the parameters that are fitted.
+        columns: of the scene.
         key, file: where the candidates stand.
     """
     axes = {}
     for name, given in candidates.items():
         place = {"file": file, "key": f"{key}.{name}"}
-        if name not in INPUT_COLUMNS:
-            raise InputError(
-                f"is unknown; did you mean {nearest(name, INPUT_COLUMNS)}?", **place
-            )
+        if name not in columns:
+            raise InputError(f"is unknown; {why_unknown(name, columns)}", **place)
         if name in fitted:
             raise InputError("is fitted; a test cannot choose it", **place)
-        column = INPUT_COLUMNS[name]
+        column = columns[name]
         try:
             values = np.atleast_1d(real_numbers(name, given))
         except InputError:
@@ -105,17 +105,27 @@ def checked_measure(
     return sigmas
 
 
-def read_candidates(path: Path, content: dict, fitted: tuple[str, ...]) -> Candidates:
+def read_candidates(
+    path: Path,
+    content: dict,
+    fitted: tuple[str, ...],
+    columns: Mapping[str, InputColumn],
+) -> Candidates:
     """The table `further_tests` of a study.
 
     Args:
         fitted: names of the parameters that are fitted.
+        columns: of the scene.
     """
     where = "further_tests"
     entries = known_table(path, content, where, KEYS)
     key = f"{where}.candidates"
     axes = checked_axes(
-        typed(path, entries, "candidates", dict, {}), fitted, key=key, file=path
+        typed(path, entries, "candidates", dict, {}),
+        fitted,
+        columns,
+        key=key,
+        file=path,
     )
     key = f"{where}.measure"
     sigmas = {

@@ -1,12 +1,14 @@
 """The drawings of the report, one panel each, readable on a phone."""
 
 import io
+from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
+from ..formats.columns import RESULT_COLUMNS, InputColumn, columns_of
 from ..plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, plain
 from .bands import Bands
 from .draws import Draws
@@ -18,6 +20,7 @@ from .study import StudyResult, VariantResult
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 MARKERS = "os^Dv<"
+NOTHING: Mapping[str, InputColumn] = MappingProxyType({})
 SIZE = 4.6, 3.5
 DPI = 160
 BAND, WIDE_BAND = 0.35, 0.15
@@ -52,9 +55,13 @@ def _style(place: int) -> dict:
     )
 
 
-def label_of(name: str) -> str:
-    """A quantity with its unit, for an axis."""
-    column = INPUT_COLUMNS.get(name) or RESULT_COLUMNS.get(name)
+def label_of(name: str, inputs: Mapping[str, InputColumn] = NOTHING) -> str:
+    """A quantity with its unit, for an axis.
+
+    Args:
+        inputs: columns of the scene, where the quantity may be one of them.
+    """
+    column = inputs.get(name) or RESULT_COLUMNS.get(name)
     if column is None or column.unit == "-":
         return plain(name)
     unit = column.unit.replace("/", "p").replace(" ", "")
@@ -101,7 +108,7 @@ def _over_input(axes, result, variant, bands, place, along) -> None:
     band(bands.low, bands.high, BAND, "of the model, 95 %")
     axes.plot(x[order], variant.predicted[order, place], color=BLUE, label="best fit")
     _measured(axes, study, place, x, study.measured[:, place])
-    axes.set_xlabel(label_of(along))
+    axes.set_xlabel(label_of(along, study.tests.known_columns))
     axes.set_ylabel(label_of(study.targets[place]))
 
 
@@ -178,7 +185,7 @@ def draw_residuals(
             x = study.tests.inputs[against]
         axes.plot(x, y, linestyle="none", markersize=5, label=target, **_style(place))
     if against != "prediction":
-        axes.set_xlabel(label_of(against))
+        axes.set_xlabel(label_of(against, study.tests.known_columns))
     elif len(study.targets) > 1:
         axes.set_xlabel("prediction, over the largest of its kind")
     else:
@@ -247,7 +254,7 @@ def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
     _scale(axes.set_xscale, low, high, bounds.logarithmic[place])
     axes.set_xlim(low, high)
     axes.set_ylim(-0.1, most)
-    axes.set_xlabel(label_of(found.name))
+    axes.set_xlabel(label_of(found.name, columns_of(variant.objective.scene)))
     axes.set_ylabel("rise of the misfit [standard deviations]")
     axes.legend(fontsize="small", frameon=False)
     return figure
@@ -297,8 +304,9 @@ def draw_pair(variant: VariantResult, draws: Draws, first: int, second: int) -> 
     ):
         ends = np.min(of_axis), np.max(of_axis)
         _scale(set_scale, *ends, bounds.logarithmic[place])
-    axes.set_xlabel(label_of(variant.names[first]))
-    axes.set_ylabel(label_of(variant.names[second]))
+    columns = columns_of(variant.objective.scene)
+    axes.set_xlabel(label_of(variant.names[first], columns))
+    axes.set_ylabel(label_of(variant.names[second], columns))
     return figure
 
 
@@ -340,10 +348,12 @@ def draw_candidates(found: Suggestions) -> Figure:
         y = [np.max(best[of_line & (along == at)]) for at in x]
         label = f"{value:g}" if len(names) > 1 else None
         axes.plot(x, y, markersize=5, label=label, **_style(place))
-    axes.set_xlabel(label_of(names[0]))
+    axes.set_xlabel(label_of(names[0], found.columns))
     axes.set_ylabel("errors are divided by\n(mean over directions)")
     if len(names) > 1:
-        axes.legend(title=label_of(names[1]), fontsize="small", frameon=False)
+        axes.legend(
+            title=label_of(names[1], found.columns), fontsize="small", frameon=False
+        )
     return figure
 
 

@@ -27,7 +27,6 @@ from ..engines.machine import (
 from ..engines.marching import CORES
 from ..formats.columns import RESULT_COLUMNS, leaf_places
 from ..mechanics.problem import Assembly
-from ..scene import Scene
 from ..simulation import compute_lanes
 
 AT_ONCE = 512
@@ -43,12 +42,6 @@ code for a direction of all the leaves."""
 OUTCOME = "outcome_code"
 
 
-@functools.cache
-def leaves() -> dict[str, int]:
-    """Place of each column among the leaves of a scene."""
-    return leaf_places(Scene())
-
-
 class Engine:
     """Computes impacts and their derivatives by columns of the scene.
 
@@ -61,10 +54,10 @@ class Engine:
     def __init__(
         self, assembly: Assembly, columns: tuple[str, ...], targets: tuple[str, ...]
     ):
-        usual = set(columns) <= set(USUAL)
-        chosen = (
-            sorted(leaves()[name] for name in USUAL) if usual else range(len(leaves()))
-        )
+        count = assembly.structure.num_leaves
+        places = leaf_places(jax.tree.unflatten(assembly.structure, range(count)))
+        usual = set(columns) <= set(USUAL) <= set(places)
+        chosen = sorted(places[name] for name in USUAL) if usual else range(count)
         self.assembly, self.varied = assembly, tuple(chosen)
         self.fields = _fields_of(targets)
         self.name = "XLA" if self.kernel is None else "machine code"
@@ -78,7 +71,17 @@ class Engine:
 
     def __getstate__(self) -> dict:
         # Machine code belongs to a process; another compiles its own, if it computes.
-        return {name: v for name, v in vars(self).items() if name != "kernel"}
+        state = {name: v for name, v in vars(self).items() if name != "kernel"}
+        structure = self.assembly.structure
+        # A class that is made as the program runs, as of several shapes, is pickled by
+        # what has it, not by a structure.
+        state["template"] = jax.tree.unflatten(structure, [0.0] * structure.num_leaves)
+        return state | {"assembly": self.assembly._replace(structure=None)}
+
+    def __setstate__(self, state: dict) -> None:
+        structure = jax.tree.structure(state.pop("template"))
+        vars(self).update(state)
+        self.assembly = self.assembly._replace(structure=structure)
 
     def for_targets(self, targets: tuple[str, ...]) -> "Engine":
         """The same code, for other result columns."""

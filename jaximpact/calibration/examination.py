@@ -54,8 +54,8 @@ def examine(
     if posterior:
         # NUTS calls back from within JAX, which several threads could wait for.
         return [examined(variant, progress) for variant in result.variants]
-    engine = result.variants[0].objective.engine
-    return each_variant(engine, examined, result.variants, progress)
+    engines = [variant.objective.engine for variant in result.variants]
+    return each_variant(engines, examined, result.variants, progress)
 
 
 def _examine(

@@ -84,7 +84,8 @@ def fit(
         by_gradient = {"adam": first_order.adam, "l-bfgs": first_order.l_bfgs}
         return by_gradient[method](objective, x, progress)
 
-    if objective.memory is None:
+    # Of laws whose source is not known nobody can say whether they are the same.
+    if objective.memory is None or objective.laws is None:
         return make()
     return objective.memory.recall(objective, (x, free, method, patience), make)
 

@@ -10,7 +10,9 @@ import numpy as np
 from ..accuracy import Accuracy
 from ..errors import InputError
 from ..formats.reading import read_text
+from ..parameters import Part
 from .draws import FEWEST
+from .laws import parts_of_entries
 from .nuisance import Prior
 from .proportional import PartOfSize
 from .study_file import Parameter, Variant
@@ -61,6 +63,7 @@ class FittedGround(NamedTuple):
     variants: tuple[FittedVariant, ...]
     parameters: tuple[Parameter, ...]
     soil: dict[str, float]
+    """Values that were held, in the units of the columns."""
     nuisances: dict[str, dict]
     targets: tuple[str, ...]
     accuracy: str
@@ -70,6 +73,12 @@ class FittedGround(NamedTuple):
     results: dict[str, dict]
     """Of each target how many were measured, their mean and standard deviation."""
     versions: dict[str, str]
+    parts: dict[str, Part]
+    """Laws, and the shape of blocks that do not say theirs, by what they are for."""
+    block: dict[str, float]
+    """Values of the block that the fitted tests had in common."""
+    shapes: tuple[str, ...] = ()
+    """Those that fitted blocks had, if it is known."""
 
 
 DAMAGED = (LookupError, TypeError, AttributeError, ValueError, ArithmeticError)
@@ -96,7 +105,13 @@ def read_fitted(path: Path) -> FittedGround:
             file=path,
         ) from error
     try:
-        return fitted_of(tree)
+        parts, *laws = (
+            parts_of_entries(entry.get("parts", {}), path)
+            for entry in (tree["manifest"], *tree["variants"])
+        )
+        return fitted_of(tree, parts, laws)
+    except InputError:
+        raise
     except DAMAGED as error:
         raise InputError(
             f"is no {FILE} of this version ({error!r}); calibrate again", file=path
@@ -109,12 +124,22 @@ def files_of_fit(path: Path) -> list[Path]:
     return [path, *(directory / name for name in FILES)]
 
 
-def fitted_of(tree: dict) -> FittedGround:
-    """The same of the numbers themselves."""
+def fitted_of(
+    tree: dict, parts: dict[str, Part], laws: list[dict[str, Part]]
+) -> FittedGround:
+    """The same of the numbers themselves.
+
+    Args:
+        parts: laws and shape of the study.
+        laws: of each variant, where they differ.
+    """
     manifest = tree["manifest"]
     return FittedGround(
         title=tree["title"],
-        variants=tuple(_variant(tree, entry) for entry in tree["variants"]),
+        variants=tuple(
+            _variant(tree, entry, of_variant)
+            for entry, of_variant in zip(tree["variants"], laws, strict=True)
+        ),
         parameters=tuple(
             Parameter(
                 name, entry["start"], entry["lower"], entry["upper"], _prior(entry)
@@ -129,6 +154,9 @@ def fitted_of(tree: dict) -> FittedGround:
         ranges={n: tuple(v) for n, v in tree["fitted_tests"]["ranges"].items()},
         results=tree["fitted_tests"]["results"],
         versions=manifest["versions"],
+        parts=parts,
+        block=manifest.get("block", {}),
+        shapes=tuple(tree["fitted_tests"].get("shapes", ())),
     )
 
 
@@ -136,11 +164,11 @@ def _prior(entry: dict) -> Prior | None:
     return Prior(**entry["prior"]) if "prior" in entry else None
 
 
-def _variant(tree: dict, entry: dict) -> FittedVariant:
+def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
     draws = entry["draws"]
     best = entry["parameters"] | entry["nuisances"]
     return FittedVariant(
-        variant=Variant(entry["name"], entry["soil"]),
+        variant=Variant(entry["name"], entry["soil"], laws),
         unknowns=tuple(entry["unknowns"]),
         best=np.array([best[name]["value"] for name in entry["unknowns"]]),
         draws=np.array(draws["values"]),

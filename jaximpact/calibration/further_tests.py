@@ -10,16 +10,18 @@ there would be no covariance to shrink.
 from collections.abc import Mapping
 from typing import NamedTuple
 
+import jax
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..fields import whole_number
 from ..formats.align import align
-from ..formats.columns import INPUT_COLUMNS
+from ..formats.columns import InputColumn, columns_of, leaf_places
+from ..scene import Scene
+from ..shapes import Ellipsoid, EllipticCylinder
 from .candidates import COUNT, MOST, Sigma, checked_axes, checked_measure
 from .design import CRITERIA, choose, merit
-from .engine import leaves as leaves_of_scene
 from .proportional import least_size
 from .scatter import part_of_size
 from .study import VariantResult
@@ -84,6 +86,8 @@ class Suggestions(NamedTuple):
     volumes: np.ndarray
     """What each candidate, measured in each way, brings as the next test alone: factor
     by which the mean axis shrinks, `(candidates, ways)`; 1 for nothing."""
+    columns: dict[str, InputColumn]
+    """Of the scene."""
     left_out: int
     """Candidates without any result: they fail or separate."""
 
@@ -124,8 +128,12 @@ def suggest_tests(
     objective, points = fitted.objective, fitted.points
     inflation = fitted.uncertainty.inflation
     names = tuple(parameter.name for parameter in objective.study.parameters)
-    common = _common(fitted)
-    axes = checked_axes(candidates, names) if candidates else default_axes(common)
+    common, columns = _common(fitted), columns_of(objective.scene)
+    axes = (
+        checked_axes(candidates, names, columns)
+        if candidates
+        else default_axes(common, objective.scene)
+    )
     sigmas = checked_measure(measure) if measure else default_measure(fitted)
     grid = np.meshgrid(*axes.values(), indexing="ij")
     scenes = {n: v.ravel() for n, v in zip(axes, grid, strict=True)}
@@ -182,18 +190,26 @@ def suggest_tests(
         candidates=scenes,
         ways=ways,
         volumes=np.exp(merit(information, flat, "D")).reshape(-1, len(ways)),
+        columns=columns,
         left_out=int(np.sum(~np.any(np.isfinite(predicted), axis=1))),
     )
 
 
-def default_axes(common: dict[str, float]) -> dict[str, np.ndarray]:
-    """Angles, speeds and orientations about those of the tests."""
-    speed = common.get("speed_mps", INPUT_COLUMNS["speed_mps"].default)
+def default_axes(common: dict[str, float], scene: Scene) -> dict[str, np.ndarray]:
+    """Angles, speeds and, of a block that is not round, orientations about those of the
+    tests.
+
+    Args:
+        common: what the tests have in common, or are about.
+        scene: the tests.
+    """
+    speed = common.get("speed_mps", columns_of(scene)["speed_mps"].default)
     axes = {
         "angle_deg": np.array(ANGLES),
         "speed_mps": np.array([float(f"{part * speed:.3g}") for part in SPEEDS]),
     }
-    if common.get("aspect_ratio", 1.0) != 1.0:
+    is_elliptic = isinstance(scene.block.shape, Ellipsoid | EllipticCylinder)
+    if not is_elliptic or common.get("aspect_ratio", 1.0) != 1.0:
         axes["orientation_deg"] = np.array(ORIENTATIONS)
     return axes
 
@@ -225,14 +241,19 @@ def default_measure(fitted: VariantResult) -> dict[str, Sigma]:
 def _common(fitted: VariantResult) -> dict[str, float]:
     """The tests' median of each quantity that any of them has, nuisances as fitted."""
     study = fitted.objective.study
-    values = dict(study.soil | fitted.variant.soil)
+    known = columns_of(fitted.objective.scene)
+    values = {
+        name: value
+        for name, value in (study.soil | fitted.variant.soil).items()
+        if name in known
+    }
     values |= {n: float(np.median(v)) for n, v in study.tests.inputs.items()}
     first = len(study.parameters)
     for nuisance in study.nuisances:
         fit = fitted.parameters[first : first + len(nuisance.groups)]
         values[nuisance.name] = float(np.median(nuisance.base + fit[nuisance.group]))
         for name, sign in SIGN.items() if nuisance.turns_ground else ():
-            stated = study.tests.inputs.get(name, INPUT_COLUMNS[name].default)
+            stated = study.tests.inputs.get(name, known[name].default)
             turned = stated + sign * fit[nuisance.group]
             values[name] = float(np.median(turned))
         first += len(nuisance.groups)
@@ -246,25 +267,34 @@ def _derivatives(fitted: VariantResult, common, scenes, targets):
     names = [parameter.name for parameter in study.parameters]
     count = len(next(iter(scenes.values())))
     engine = objective.engine.for_targets(targets)
-    values = {n: c.default for n, c in INPUT_COLUMNS.items()} | common
+    columns, places = columns_of(objective.scene), leaf_places(objective.scene)
+    values = {n: c.default for n, c in columns.items()} | common
     values |= dict(zip(names, fitted.parameters, strict=False)) | scenes
-    leaves = np.empty((len(leaves_of_scene()), count))
-    for name, column in INPUT_COLUMNS.items():
-        leaves[leaves_of_scene()[name]] = column.factor * np.asarray(
-            values[name], float
-        )
-    directions = np.zeros((len(leaves_of_scene()), len(names), count))
+    leaves = np.repeat(_commonest(objective.scene)[:, None], count, axis=1)
+    for name, column in columns.items():
+        leaves[places[name]] = column.factor * np.asarray(values[name], float)
+    directions = np.zeros((len(leaves), len(names), count))
     for place, name in enumerate(names):
-        directions[leaves_of_scene()[name], place] = INPUT_COLUMNS[name].factor
+        directions[places[name], place] = columns[name].factor
     predicted, derivatives, _ = engine.run(
         np.tile(leaves, (1, len(names))),
-        directions.reshape(len(leaves_of_scene()), -1),
+        directions.reshape(len(leaves), -1),
         objective.accuracy,
     )
     slope = bounds.slope(fitted.points.x[0])[: len(names)]
     derivatives = derivatives.reshape(len(names), count, len(targets))
     jacobian = np.moveaxis(derivatives, 0, -1) * slope
     return predicted[:count], jacobian
+
+
+def _commonest(scene: Scene) -> np.ndarray:
+    """Of each leaf of the tests' scene the value that most of them have: which shape,
+    where there are several, is no quantity with a median."""
+    found = []
+    for leaf in jax.tree.leaves(scene):
+        values, counts = np.unique(np.asarray(leaf), return_counts=True)
+        found.append(values[np.argmax(counts)])
+    return np.array(found)
 
 
 def as_rows(found: Suggestions) -> list[tuple[str, ...]]:

@@ -9,23 +9,26 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..formats.columns import INPUT_COLUMNS, LABEL_COLUMNS, RESULT_COLUMNS
+from ..formats.columns import LABEL_COLUMNS, RESULT_COLUMNS, SLOTS, columns_of
 from ..formats.tables import SIGMA_COLUMNS, Table, read_table, table_of
+from ..scene import Scene
 
 COLUMNS = Path("columns given")
 """Stands in errors, and in the manifest, for the name of a file."""
-NAMES = (*INPUT_COLUMNS, *LABEL_COLUMNS, *RESULT_COLUMNS, *SIGMA_COLUMNS)
+NAMES = (*LABEL_COLUMNS, *RESULT_COLUMNS, *SIGMA_COLUMNS, *SLOTS)
+"""Of columns, beside those of the scene."""
 MISSING = ("nan", "NaN", "<NA>", "NaT", "None")
 """How numpy and pandas write a cell without a value."""
 
 
-def table_given(tests: str | os.PathLike | Mapping) -> Table:
+def table_given(tests: str | os.PathLike | Mapping, base: Scene | None = None) -> Table:
     """The table of tests.
 
     Args:
         tests: path of a CSV; or columns by name, as a dictionary or a data frame. A
             column is a sequence, or one value for all tests. Cells are those of the
             CSV: numbers, limits such as ">0.3", text; None and NaN are empty.
+        base: as for `read_table`.
 
     Columns are written as a CSV and read like one, so that its checks are theirs too.
     The first test stands in row 2.
@@ -33,8 +36,8 @@ def table_given(tests: str | os.PathLike | Mapping) -> Table:
     Raises InputError for columns of different lengths, and as `read_table` does.
     """
     if isinstance(tests, str | os.PathLike):
-        return read_table(Path(tests), measured=True)
-    columns = _columns(tests)
+        return read_table(Path(tests), measured=True, base=base)
+    columns = _columns(tests, (*columns_of(base or Scene()), *NAMES))
     lengths = {name: len(c) for name, c in columns.items() if c.ndim == 1}
     for name, column in columns.items():
         if column.ndim > 1:
@@ -62,13 +65,13 @@ def table_given(tests: str | os.PathLike | Mapping) -> Table:
     )
     # Halves of characters are written as such, and told as no UTF-8.
     data = text.getvalue().encode("utf-8", "surrogatepass")
-    return table_of(data, COLUMNS, measured=True)
+    return table_of(data, COLUMNS, measured=True, base=base)
 
 
-def _columns(tests: Mapping) -> dict[str, np.ndarray]:
+def _columns(tests: Mapping, known: tuple[str, ...]) -> dict[str, np.ndarray]:
     """Columns by name, with cells as they are; masked ones are None.
 
-    Of a data frame the index too, where it has the name of a column.
+    Of a data frame the index too, where it has the name of a known column.
     """
     names = tests.keys() if hasattr(tests, "keys") else getattr(tests, "columns", None)
     if names is None:
@@ -77,7 +80,7 @@ def _columns(tests: Mapping) -> dict[str, np.ndarray]:
             f"{type(tests).__name__}"
         )
     if hasattr(tests, "reset_index"):
-        index = [name for name in tests.index.names if name in NAMES]
+        index = [name for name in tests.index.names if name in known]
         twice = [name for name in index if name in names]
         tests = tests if twice else tests.reset_index(index)
         names = [*twice, *tests.keys()]

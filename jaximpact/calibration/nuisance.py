@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..formats.columns import INPUT_COLUMNS, LABEL_COLUMNS
+from ..formats.columns import LABEL_COLUMNS
 from ..formats.toml_values import check_keys, choice, number, typed, unknown
 from .campaigns import Measurements
 from .turned_ground import ANGLE
@@ -100,8 +100,9 @@ def read_nuisances(
 
 def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisance:
     key = f"nuisance.{name}"
-    if name not in INPUT_COLUMNS:
-        unknown(path, key, name, INPUT_COLUMNS)
+    columns = tests.known_columns
+    if name not in columns:
+        unknown(path, key, name, columns)
     if not isinstance(entry, dict):
         raise InputError(
             'must be a table like { by = "campaign", prior = { mean = 30.0, sd = 5.0 } '
@@ -120,7 +121,7 @@ def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisan
     prior = read_prior(path, f"{key}.prior", entry["prior"], known)
     base = tests.inputs.get(name, np.zeros(len(tests)))
     groups, group = _groups(path, key, by, tests)
-    column = INPUT_COLUMNS[name]
+    column = columns[name]
     lower = np.full(len(groups), prior.mean - REACH * prior.sd)
     upper = np.full(len(groups), prior.mean + REACH * prior.sd)
     room = EDGE * 2.0 * REACH * prior.sd
@@ -129,7 +130,7 @@ def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisan
     _check_mean(path, key, column, prior, lower, upper)
     turns = _turns_ground(path, key, name, entry, tests)
     if turns:
-        angles = INPUT_COLUMNS[ANGLE]
+        angles = columns[ANGLE]
         stated = tests.inputs.get(ANGLE, np.full(len(tests), angles.default))
         np.maximum.at(lower, group, angles.lower - stated + room)
         np.minimum.at(upper, group, angles.upper - stated - room)

@@ -6,6 +6,7 @@ group by group. Many x are taken at once; each is a lane.
 
 import copy
 import dataclasses
+import functools
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -13,13 +14,13 @@ import jax
 import numpy as np
 
 from ..accuracy import PRESETS, Accuracy
-from ..formats.columns import INPUT_COLUMNS
+from ..formats.columns import columns_of, leaf_places
+from ..identity import described
 from ..mechanics.model import PLANAR, PLANAR_DAMPED
 from ..mechanics.problem import Assembly
 from ..parameters import parameters_of
 from ..scene import Scene
 from .engine import Engine
-from .engine import leaves as leaves_of_scene
 from .losses import losses
 from .nuisance import SLOPE
 from .study_file import Study, Variant
@@ -87,20 +88,27 @@ class Objective:
         self.accuracy = accuracy or PRESETS[study.accuracy]
         self.sigma, self.loss = study.sigma, study.loss
         self.bounds = bounds_of(study)
-        self.scene = study.tests.scene(study.soil | variant.soil)
+        self.scene = study.scene_of(variant)
+        self._places = leaf_places(self.scene)
         self._leaves = np.stack([np.asarray(x) for x in jax.tree.leaves(self.scene)])
         self.prior_mean, self.prior_sd = _priors(study)
-        self._kinds = _kinds(study)
+        self._kinds = _kinds(study, self.scene)
         self.memory = None
         """Where fits of it are kept, a `Memory`, if anywhere."""
 
+    @functools.cached_property
+    def laws(self) -> tuple | None:
+        """All that its values depend on of laws and shapes, but for their numbers; None
+        if the source of one is not known."""
+        return described(self.scene)
+
     def depends_on(self) -> tuple:
-        """Numbers and names that its values depend on, beside the engine's laws."""
+        """Numbers and names that its values depend on."""
         study = self.study
         arrays = self._leaves, self.sigma, study.measured, study.censored
         arrays += study.weights, self.prior_mean, self.prior_sd, *self.bounds
         arrays += tuple(part for kind in self._kinds for part in kind)
-        return *arrays, study.targets, self.loss, self.accuracy
+        return *arrays, study.targets, self.loss, self.accuracy, self.laws
 
     def at(self, accuracy: Accuracy) -> "Objective":
         """The same, with impacts of another accuracy."""
@@ -269,7 +277,7 @@ class Objective:
             if kind.turns_ground:
                 turn += kind.factor * p[:, kind.unknown]
         for name, sign in SIGN.items():
-            leaves[leaves_of_scene()[name]] += sign * turn
+            leaves[self._places[name]] += sign * turn
         return leaves, turn
 
     def _predict(self, x, wanted):
@@ -284,7 +292,7 @@ class Objective:
         for run, kind in enumerate(self._kinds):
             directions[kind.leaf, runs == run] = kind.factor
             for name, sign in SIGN.items() if kind.turns_ground else ():
-                directions[leaves_of_scene()[name], runs == run] = sign * kind.factor
+                directions[self._places[name], runs == run] = sign * kind.factor
         directions = directions.reshape(len(leaves), -1)
         values, derivatives, outcomes = self.engine.run(
             impacts, directions, self.accuracy
@@ -320,9 +328,7 @@ class Objective:
         """
         if not any(kind.turns_ground for kind in self._kinds):
             return values, derivatives
-        speed, angle, slope = (
-            leaves_of_scene()[n] for n in ("speed_mps", ANGLE, SLOPE)
-        )
+        speed, angle, slope = (self._places[n] for n in ("speed_mps", ANGLE, SLOPE))
         # No two nuisances change the slope.
         return as_stated(
             self.study.targets,
@@ -345,12 +351,12 @@ class _Kind(NamedTuple):
     turns_ground: bool = False
 
 
-def _kinds(study: Study) -> list[_Kind]:
-    tests = len(study.tests)
+def _kinds(study: Study, scene: Scene) -> list[_Kind]:
+    tests, columns, places = len(study.tests), columns_of(scene), leaf_places(scene)
     kinds = [
         _Kind(
-            leaves_of_scene()[parameter.name],
-            INPUT_COLUMNS[parameter.name].factor,
+            places[parameter.name],
+            columns[parameter.name].factor,
             np.zeros(tests),
             np.full(tests, place),
         )
@@ -358,10 +364,9 @@ def _kinds(study: Study) -> list[_Kind]:
     ]
     first = len(kinds)
     for nuisance in study.nuisances:
-        column = INPUT_COLUMNS[nuisance.name]
-        unknown = first + nuisance.group
-        leaf, turns = leaves_of_scene()[nuisance.name], nuisance.turns_ground
-        kinds.append(_Kind(leaf, column.factor, nuisance.base, unknown, turns))
+        factor, leaf = columns[nuisance.name].factor, places[nuisance.name]
+        unknown, turns = first + nuisance.group, nuisance.turns_ground
+        kinds.append(_Kind(leaf, factor, nuisance.base, unknown, turns))
         first += len(nuisance.groups)
     return kinds
 
@@ -404,16 +409,27 @@ def names_of(study: Study) -> list[str]:
 
 
 def engine_of(study: Study) -> Engine:
-    """The engine for all variants of a study."""
-    soils = [
-        study.tests.scene(study.soil | variant.soil).soil for variant in study.variants
-    ]
+    """The engine for the first variant of a study, and all that have its laws."""
+    return engines_of(study)[0]
+
+
+def engines_of(study: Study) -> list[Engine]:
+    """The engine for each variant of a study; those with the same laws share one."""
+    scenes = [study.scene_of(variant) for variant in study.variants]
+    soils = [scene.soil for scene in scenes]
     columns = [p.name for p in study.parameters] + [n.name for n in study.nuisances]
+    # A dashpot may act as well where what it hangs on is fitted.
     damped = any(np.any(soil.damping.acts()[1]) for soil in soils)
-    damped |= bool({*columns} & {*parameters_of(soils[0].damping)})
+    damping = {said.column for s in soils for said in parameters_of(s.damping).values()}
+    damped |= bool(damping & {*columns})
     model = PLANAR_DAMPED if damped else PLANAR
-    structure = jax.tree.structure(Scene(soil=soils[0]))
-    assembly = Assembly(structure, model, ledger=False)
     turned = any(nuisance.turns_ground for nuisance in study.nuisances)
     targets = needed(study.targets) if turned else study.targets
-    return Engine(assembly, tuple(columns), targets)
+    structures = [jax.tree.structure(scene) for scene in scenes]
+    engines = {
+        structure: Engine(
+            Assembly(structure, model, ledger=False), tuple(columns), targets
+        )
+        for structure in dict.fromkeys(structures)
+    }
+    return [engines[structure] for structure in structures]

@@ -1,22 +1,25 @@
 """Calibration in one call: tests in, soil parameters out."""
 
+import dataclasses
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..block import Block
 from ..errors import InputError, nearest
 from ..fields import expect
-from ..formats.columns import INPUT_COLUMNS
+from ..formats.columns import SLOTS, InputColumn, columns_of_part, why_unknown
 from ..formats.files import replacing
-from ..formats.toml_values import SOIL_COLUMNS
+from ..parameters import Composite, Part, parts_of
 from ..precision import require_float64
 from ..soil import Soil
 from .campaigns import joined_tables
 from .examination import Examination
-from .given import table_given
+from .given import COLUMNS, table_given
+from .laws import parts_and_values, scene_of
 from .least_squares import Progress
 from .output import as_json, study_directory, write_all
 from .run import fit_and_examine
@@ -63,7 +66,7 @@ class Calibration:
         return self.soil_of()
 
     def soil_of(self, variant: str | None = None) -> Soil:
-        """The fitted ground of a variant.
+        """The fitted ground of a variant, with its laws.
 
         Parameters that are not determined have the value of the best fit, which is one
         of many that fit as well. Nuisances are left out.
@@ -71,19 +74,19 @@ class Calibration:
         Raises InputError if the tests do not share one ground.
         """
         fitted, study = self._chosen(variant), self.result.study
-        scene = fitted.objective.scene
-        fields = {}
-        for name, column in SOIL_COLUMNS.items():
-            values = np.unique(np.asarray(getattr(scene.soil, column.field)))
+        soil = fitted.objective.scene.soil
+        columns, fields = columns_of_part("soil", soil), {}
+        for name, column in columns.items():
+            values = np.unique(np.asarray(getattr(soil, column.field)))
             if len(values) > 1:
                 raise InputError(
                     f"{name} differs from test to test; there is no one soil"
                 )
             fields[column.field] = float(values[0])
         for place, parameter in enumerate(study.parameters):
-            column = SOIL_COLUMNS[parameter.name]
+            column = columns[parameter.name]
             fields[column.field] = column.factor * float(fitted.parameters[place])
-        return Soil(**fields)
+        return dataclasses.replace(soil, **fields)
 
     @property
     def parameters(self) -> dict[str, dict]:
@@ -139,7 +142,8 @@ def calibrate(
     tests: str | os.PathLike | Mapping,
     *,
     fit: Iterable[str] | Mapping[str, dict] | None = None,
-    ground: Soil | Mapping[str, float] | None = None,
+    ground: Soil | Mapping[str, float | str | Part] | None = None,
+    block: Block | Mapping[str, float | str | Part] | None = None,
     targets: Iterable[str] | None = None,
     sigma: Mapping[str, float] | None = None,
     scatter: str | Mapping[str, str] | None = None,
@@ -156,10 +160,15 @@ def calibrate(
             which says the rest itself.
         fit: soil columns to be fitted; or of each, what a study file says:
             `{"c_v": {}, "alpha_s": {"lower": 0.1, "upper": 2.0}}`, with `start` and
-            `prior`. Default: c_v, gamma_v and k_E, between the usual bounds.
-        ground: soil parameters that are not fitted, by column, in its unit; or a
-            `Soil`, of which columns of the table take precedence, and fitted parameters
-            start at its values. Default: Table 1 of the paper.
+            `prior`; also parameters of the ground's own laws. Default: c_v, gamma_v and
+            k_E, between the usual bounds; other parameters need theirs.
+        ground: the laws, and the soil parameters that are not fitted, by column, in its
+            unit: `{"flow": MyFlow(), "beta": 0.8}`, a law also by its name,
+            `"my_laws.py:MyFlow"`; or a `Soil`, of which columns of the table take
+            precedence, and fitted parameters start at its values. Default: Table 1 of
+            the paper.
+        block: likewise what all blocks have in common and the table does not say: the
+            shape, and its parameters. Default: an ellipsoid, as the table says it.
         targets: result columns to fit. Default: all that the table holds.
         sigma: standard deviation of a target's measurements, where the table has no
             column for it. Default: estimated from the scatter.
@@ -176,8 +185,8 @@ def calibrate(
     RuntimeError if JAX is set to float32.
     """
     require_float64()
-    options = dict(fit=fit, ground=ground, targets=targets, sigma=sigma)
-    options |= dict(scatter=scatter, seed=seed)
+    options = dict(fit=fit, ground=ground, block=block, targets=targets)
+    options |= dict(sigma=sigma, scatter=scatter, seed=seed)
     if isinstance(tests, str | os.PathLike) and Path(tests).suffix.lower() == TOML:
         for name, value in options.items():
             if value is not None:
@@ -190,33 +199,39 @@ def calibrate(
     return Calibration(*fit_and_examine(study, directory, progress=progress))
 
 
-def _study(tests, fit, ground, targets, sigma, scatter, seed) -> Study:
+def _study(tests, fit, ground, block, targets, sigma, scatter, seed) -> Study:
     """The study that a call stands for."""
-    measurements = joined_tables((table_given(tests),))
     if isinstance(fit, str):
         fit = (fit,)
     expect("fit", fit, Iterable, type(None))
-    expect("ground", ground, Soil, Mapping, type(None))
     expect("targets", targets, Iterable, type(None))
+    of_ground, of_block = _given("ground", Soil, ground), _given("block", Block, block)
+    base = scene_of(of_ground.parts | of_block.parts)
+    measurements = joined_tables((table_given(tests, base),))
+    known = measurements.known_columns
+    columns = {name: column for name, column in known.items() if column.part == "soil"}
     if not isinstance(fit, Mapping):
-        fit = {name: {} for name in (DEFAULT_BOUNDS if fit is None else fit)}
-    _check_names("fit", fit)
+        fit = {n: {} for n in DEFAULT_BOUNDS if n in columns} if fit is None else fit
+        fit = {name: {} for name in fit}
+    _check_names("fit", fit, columns, known)
+    _check_names("ground", of_ground.stated, columns, known)
     for name, entry in fit.items():
         expect(f"fit of {name}", entry, Mapping)
     parameters = {name: dict(entry) for name, entry in fit.items()}
-    if isinstance(ground, Soil):
-        values = _columns(ground)
-        for name, entry in parameters.items():
-            entry.setdefault("start", values[name])
-        held = {
+    for name, entry in parameters.items():
+        if name in of_ground.values:
+            entry.setdefault("start", of_ground.values[name])
+    held = {
+        whole: given.stated
+        | {
             name: value
-            for name, value in values.items()
-            if name not in parameters and name not in measurements.inputs
+            for name, value in given.values.items()
+            if name in known
+            and name not in (*parameters, *measurements.inputs, *given.stated)
         }
-    else:
-        held = {n: _plain(v) for n, v in (ground or {}).items()}
-        _check_names("ground", held)
-    content = {"parameters": parameters, "soil": held, "default_sigma": sigma}
+        for whole, given in (("soil", of_ground), ("block", of_block))
+    }
+    content = held | {"parameters": parameters, "default_sigma": sigma}
     content |= {"targets": None if targets is None else list(targets), "seed": seed}
     content["scatter"] = dict(scatter) if isinstance(scatter, Mapping) else scatter
     return study_of(
@@ -225,14 +240,52 @@ def _study(tests, fit, ground, targets, sigma, scatter, seed) -> Study:
     )
 
 
-def _columns(soil: Soil) -> dict[str, float]:
-    """A ground in the units of the tables."""
+class _Given(NamedTuple):
+    """What a call says of the ground, or of the blocks."""
+
+    parts: dict[str, Part]
+    stated: dict[str, float]
+    """Values by column: what the tests or the fit must not say too."""
+    values: dict[str, float]
+    """Those that objects have, likewise: fits start there, and tables come first."""
+
+
+def _given(
+    what: str, kind: type[Composite], given: Composite | Mapping | None
+) -> _Given:
+    """Laws, or a shape, and values.
+
+    Args:
+        what: the argument.
+        kind: of the object that it may be.
+    """
+    expect(what, given, kind, Mapping, type(None))
+    if isinstance(given, kind):
+        parts = {slot: getattr(given, slot) for slot in parts_of(kind)}
+        return _Given(parts, {}, _columns(what, given, parts_of(kind)))
+    whole = "soil" if kind is Soil else "block"
+    parts, stated = parts_and_values(COLUMNS, what, given or {}, whole, Path())
+    objects = [slot for slot in parts if isinstance(given[slot], Part)]
+    values = _columns(what, kind(**parts), objects, own=False)
+    return _Given(parts, {n: _plain(v) for n, v in stated.items()}, values)
+
+
+def _columns(
+    what: str, whole: Composite, slots: Iterable[str], *, own: bool = True
+) -> dict[str, float]:
+    """Values of a ground or a block in the units of the tables: of the parameters of
+    some of its parts, and its own if wanted."""
     values = {}
-    for name, column in SOIL_COLUMNS.items():
-        value = np.asarray(getattr(soil, column.field))
+    part = "soil" if isinstance(whole, Soil) else "block"
+    slots = set(slots)
+    for name, column in columns_of_part(part, whole).items():
+        path = whole.path_of(column.field)
+        if not (path[0] in slots if len(path) > 1 else own):
+            continue
+        value = np.asarray(getattr(whole, column.field))
         if value.ndim:
             raise InputError(
-                f"ground must be one soil, but its {column.field} has shape "
+                f"{what} must be one {part}, but its {column.field} has shape "
                 f"{value.shape}"
             )
         values[name] = float(value) / column.factor
@@ -244,15 +297,25 @@ def _plain(value):
     return value.item() if hasattr(value, "item") else value
 
 
-def _check_names(what: str, names: Iterable[str]) -> None:
+def _check_names(
+    what: str,
+    names: Iterable[str],
+    columns: Mapping[str, InputColumn],
+    known: Mapping[str, InputColumn],
+) -> None:
+    """Raise InputError for a name that is no column of the soil.
+
+    Args:
+        known: columns of the scene.
+    """
     for name in names:
-        if name not in SOIL_COLUMNS:
-            hint = nearest(name, SOIL_COLUMNS)
-            if name in INPUT_COLUMNS:
-                raise InputError(
-                    f"{what} names {name!r}, which belongs to block or impact; it "
-                    "stands in the table"
-                )
+        if name in columns:
+            continue
+        if name in known or SLOTS.get(name) == "block":
             raise InputError(
-                f"{what} names {name!r}, which is unknown; did you mean {hint}?"
+                f"{what} names {name!r}, which belongs to block or impact; it "
+                "stands in the table"
             )
+        raise InputError(
+            f"{what} names {name!r}, which is unknown; {why_unknown(name, columns)}"
+        )

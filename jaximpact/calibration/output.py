@@ -14,9 +14,11 @@ from ..accuracy import PRESETS
 from ..formats.directory import NewFile, output_directory
 from ..formats.files import replacing, write_text
 from ..formats.provenance import version_of, versions
+from ..identity import part_names
 from .examination import Examination
 from .fitted_ground import FILES
 from .further_tests import Suggestions
+from .laws import as_entries, unusual
 from .left_out import LeftOut
 from .proportional import SCATTERS, least_size
 from .report import as_text, fit_of_target, interval, standard_error
@@ -151,6 +153,9 @@ def as_json(result: StudyResult, examined: list[Examination]) -> dict:
                 for table in study.tests.files
             ],
             "soil": study.soil,
+            **_said("block", study.block),
+            **_said("parts", as_entries(unusual(study.parts))),
+            "laws": part_names(study.tests.base.soil, study.tests.base.block),
             "parameters": {
                 p.name: {"start": p.start, "lower": p.lower, "upper": p.upper}
                 | ({"prior": dataclasses.asdict(p.prior)} if p.prior else {})
@@ -180,6 +185,11 @@ def as_json(result: StudyResult, examined: list[Examination]) -> dict:
     }
 
 
+def _said(key: str, entries: dict) -> dict:
+    """An entry of the tree where there is something to say."""
+    return {key: entries} if entries else {}
+
+
 def _fitted_tests(study: Study) -> dict:
     """Where the tests lie, and what they measured on the whole."""
     measured = np.where(study.censored == 0, study.measured, np.nan)
@@ -194,7 +204,9 @@ def _fitted_tests(study: Study) -> dict:
         name: [float(np.min(values)), float(np.max(values))]
         for name, values in study.tests.columns(study.soil).items()
     }
-    return {"count": len(study.tests), "ranges": ranges, "results": results}
+    shapes = sorted(set(study.tests.shapes))
+    found = {"count": len(study.tests), "ranges": ranges, "shapes": shapes}
+    return found | {"results": results}
 
 
 def _variant(result: StudyResult, variant: VariantResult) -> dict:
@@ -236,6 +248,7 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
     return {
         "name": variant.variant.name,
         "soil": variant.variant.soil,
+        **_said("parts", as_entries(variant.variant.laws)),
         "parameters": parameters,
         "nuisances": nuisances,
         "unknowns": variant.names,

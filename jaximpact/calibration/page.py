@@ -8,13 +8,16 @@ import numpy as np
 from ..accuracy import PRESETS
 from ..formats.columns import RESULT_COLUMNS
 from ..formats.provenance import versions
+from ..identity import name_of
 from . import agreement, drawings, further_tests, left_out, residuals
 from .document import Block, Box, Heading, Paragraph, Picture, Pictures, Points, Table
 from .draws import Draws
 from .examination import Examination
+from .laws import unusual
 from .left_out import LeftOut
 from .report import (
     about_cells,
+    about_laws,
     about_sigma,
     correlation_rows,
     interval,
@@ -95,7 +98,7 @@ def verdict(variant: VariantResult, name: str = "") -> list[str]:
 def _about(result: StudyResult) -> list[str]:
     study = result.study
     files = ", ".join(table.path.name for table in study.tests.files)
-    known = " ".join((*about_cells(study), about_sigma(study)))
+    known = " ".join((*about_cells(study), about_sigma(study), *about_laws(study)))
     return [
         *([f"Source: {study.source}"] if study.source else []),
         *([study.notes] if study.notes else []),
@@ -468,6 +471,12 @@ def _origin(result: StudyResult) -> list[Block]:
     accuracy = dataclasses.asdict(PRESETS[study.accuracy])
     rows = [("what", "value"), ("study", study.path.name)]
     rows += [(t.path.name, f"sha256 {t.sha256}") for t in study.tests.files]
+    rows += [(slot, name_of(type(law))) for slot, law in unusual(study.parts).items()]
+    for variant in study.variants:
+        rows += [
+            (f"{slot} of {variant.name}", name_of(type(law)))
+            for slot, law in variant.laws.items()
+        ]
     rows += [
         ("method", study.method),
         ("loss", study.loss),

@@ -20,7 +20,8 @@ import numpy as np
 from ..accuracy import PRESETS
 from ..errors import InputError
 from ..fields import expect
-from ..formats.columns import INPUT_COLUMNS
+from ..formats.scenes import SHAPE
+from ..identity import name_of
 from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
 from . import prediction_text
@@ -35,10 +36,11 @@ from .fitted_ground import (
     read_fitted,
 )
 from .given import table_given
+from .laws import scene_of
 from .least_squares import Progress
 from .losses import LOSSES
 from .nuisance import EACH_TEST, Nuisance, read_nuisances
-from .objective import Objective, engine_of, names_of
+from .objective import Objective, engines_of, names_of
 from .one_call import Calibration
 from .predictive import CONFIDENCES, Predictive, predictive
 from .study_file import METHODS, Study
@@ -106,6 +108,12 @@ class Prediction(NamedTuple):
     inputs: list[Path]
     """Files that it was made from."""
 
+    @property
+    def new_shapes(self) -> list[str]:
+        """Shapes of blocks that no fitted test has."""
+        fitted = self.ground.shapes
+        return sorted({*self.tests.shapes} - {*fitted}) if fitted else []
+
     def __str__(self) -> str:
         return prediction_text.as_text(self)
 
@@ -140,16 +148,18 @@ def predict(
     require_float64()
     expect("result", result, Calibration, str, os.PathLike)
     if isinstance(result, Calibration):
-        ground, inputs = fitted_of(result.as_json()), result.result.study.inputs
+        ground, inputs = ground_of(result), result.result.study.inputs
     else:
         ground, inputs = read_fitted(Path(result)), files_of_fit(Path(result))
-    measurements = joined_tables((table_given(tests),))
+    measurements = joined_tables((table_given(tests, scene_of(ground.parts)),))
     study = held_out_study(ground, measurements)
     progress = progress or (lambda text: None)
     progress("compiling once")
-    engine = engine_of(study)
+    engines = engines_of(study)
     variants = []
-    for number, fitted in enumerate(ground.variants, 1):
+    for number, (fitted, engine) in enumerate(
+        zip(ground.variants, engines, strict=True), 1
+    ):
         start = f"variant {number} of {len(ground.variants)}: "
         variants.append(
             predict_variant(
@@ -162,19 +172,30 @@ def predict(
         )
     return Prediction(
         ground=ground,
-        tests=measurements,
+        tests=study.tests,
         targets=study.targets,
         measured=study.measured,
         censored=study.censored,
-        outside=_outside(ground, measurements),
+        outside=_outside(ground, study.tests),
         variants=variants,
         inputs=[*inputs, *(table.path for table in measurements.files)],
     )
 
 
+def ground_of(found: Calibration) -> FittedGround:
+    """What a calibration found, as `read_fitted` gives it."""
+    study = found.result.study
+    laws = [variant.laws for variant in study.variants]
+    return fitted_of(found.as_json(), study.parts, laws)
+
+
 def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
     """New tests as a study with the parameters of a fit. It is not fitted."""
     path = tests.files[0].path
+    _check_laws(ground, tests, path)
+    tests = tests.with_inputs(
+        {n: value for n, value in ground.block.items() if n not in tests.inputs}
+    )
     for parameter in ground.parameters:
         if parameter.name in tests.inputs:
             raise InputError(
@@ -209,7 +230,22 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
         method=METHODS[0],
         variants=tuple(fitted.variant for fitted in ground.variants),
         candidates=Candidates(),
+        parts=tests.parts,
+        block=ground.block,
     )
+
+
+def _check_laws(ground: FittedGround, tests: Measurements, path: Path) -> None:
+    """Raise InputError where the tests name another law than the fit's."""
+    for slot, law in ground.parts.items():
+        named = tests.parts.get(slot, law)
+        if slot != SHAPE and name_of(type(named)) != name_of(type(law)):
+            raise InputError(
+                f"is {type(named).__name__}, but the fit was made with "
+                f"{type(law).__name__}",
+                file=path,
+                column=slot,
+            )
 
 
 def _nuisances(
@@ -227,7 +263,8 @@ def _nuisances(
         if in_table and not entry["added"]:
             continue  # nobody had measured it then; here it is known
         entries[name] = {key: entry[key] for key in entry if key != "added"}
-    return read_nuisances(path, {"nuisance": entries}, tests, ground.soil)
+    of_first = tests.with_laws(ground.variants[0].variant.laws)
+    return read_nuisances(path, {"nuisance": entries}, of_first, ground.soil)
 
 
 def unknowns(
@@ -390,8 +427,8 @@ def _outside(ground: FittedGround, tests: Measurements) -> list[Outside]:
     fitted = {parameter.name for parameter in ground.parameters}
     columns = tests.columns(ground.soil)
     found = []
-    for name in INPUT_COLUMNS:
-        if name in fitted:
+    for name in columns:
+        if name in fitted or name not in ground.ranges:
             continue
         low, high = ground.ranges[name]
         room = BESIDE * max(high - low, abs(low), abs(high))

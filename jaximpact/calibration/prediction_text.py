@@ -12,6 +12,7 @@ from ..formats.align import align
 from ..formats.files import refuse_inputs, replacing
 from ..formats.outputs import manifest_path
 from ..formats.provenance import versions
+from ..identity import part_names
 from .chance import too_few
 from .fitted_ground import FittedVariant
 from .predictive import CONFIDENCES, predictive
@@ -41,6 +42,8 @@ def as_text(prediction: "Prediction") -> str:
     lines = wrapped(f"{head}{prediction.ground.title!r}.", 0, 2)
     for outside in prediction.outside:
         lines += wrapped(_about_outside(prediction, outside), 0, 2)
+    for shape in prediction.new_shapes:
+        lines += wrapped(f"No fitted test has a block of the shape {shape}.", 0, 2)
     several = len(prediction.variants) > 1
     for variant in prediction.variants:
         name = variant.fitted.variant.name
@@ -277,6 +280,7 @@ def as_json(prediction: "Prediction") -> dict:
             }
             for one in prediction.outside
         },
+        "shapes_not_fitted": prediction.new_shapes,
         "manifest": {
             "tests": [
                 {"file": table.path.name, "sha256": table.sha256}
@@ -285,6 +289,7 @@ def as_json(prediction: "Prediction") -> dict:
             "draws": len(prediction.ground.variants[0].draws),
             "seed": prediction.ground.seed,
             "accuracy": prediction.ground.accuracy,
+            "laws": part_names(prediction.tests.base.soil, prediction.tests.base.block),
             "versions": versions(),
             "versions_of_fit": prediction.ground.versions,
         },

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..formats.align import align
+from .laws import in_words, unusual
 from .scatter import LEAST_FREEDOM, part_of_size
 from .stopping import Reason
 from .study import StudyResult, VariantResult
@@ -34,12 +35,26 @@ def as_text(result: StudyResult, doubts: list[list[str]]) -> str:
         f"{', '.join(study.targets)}; {study.method}{loss}, {accuracy}.",
         *about_cells(study),
         about_sigma(study),
+        *about_laws(study),
     ]
     if len(result.variants) > 1:
         lines += ["", "Variants", align(variant_rows(result))]
     for variant, of_one in zip(result.variants, doubts, strict=True):
         lines += ["", *_variant(result, variant, of_one)]
     return "\n".join(lines) + "\n"
+
+
+def about_laws(study: Study) -> list[str]:
+    """Which laws and which shape, where they are not the usual ones."""
+    lines = []
+    if other := unusual(study.parts):
+        lines.append(f"Not the usual: {in_words(other)}.")
+    lines += [
+        f"Of {variant.name}: {in_words(variant.laws)}."
+        for variant in study.variants
+        if variant.laws
+    ]
+    return lines
 
 
 def about_cells(study: Study) -> list[str]:

@@ -33,14 +33,13 @@ from scipy.special import expit, logit
 
 from ..accuracy import Accuracy
 from ..errors import InputError
-from ..formats.columns import INPUT_COLUMNS, RESULT_COLUMNS
+from ..formats.columns import RESULT_COLUMNS, columns_of
 from ..formats.provenance import version_of, versions
 from .draws import CHECKED, ROUGH, Draws, draw, error_of_costs
 from .least_squares import Progress
 from .losses import losses
 from .objective import Objective
 from .study import VariantResult
-from .study_file import Study
 
 if TYPE_CHECKING:
     import arviz
@@ -350,7 +349,7 @@ def to_inference_data(
             **{f"version_of_{name}": found for name, found in versions().items()},
         },
     )
-    for name, unit in zip(samples.names, _units(study), strict=True):
+    for name, unit in zip(samples.names, _units(objective), strict=True):
         data.posterior[name].attrs["units"] = unit
     of_target = [RESULT_COLUMNS[study.targets[place]].unit for place in places]
     data.assign_coords(
@@ -361,9 +360,10 @@ def to_inference_data(
     return data
 
 
-def _units(study: Study) -> list[str]:
+def _units(objective: Objective) -> list[str]:
     """Of the unknowns."""
+    study, known = objective.study, columns_of(objective.scene)
     columns = [parameter.name for parameter in study.parameters]
     for nuisance in study.nuisances:
         columns += [nuisance.name] * len(nuisance.groups)
-    return [INPUT_COLUMNS[name].unit for name in columns]
+    return [known[name].unit for name in columns]

@@ -54,13 +54,14 @@ def side_by_side(
 
 
 def each_variant(
-    engine: Engine,
+    engines: Sequence[Engine],
     function: Callable[[Item, Progress], Result],
     variants: Sequence[Item],
     progress: Progress,
 ) -> list[Result]:
     """The function of every variant: side by side in machine code, else one by one, for
     XLA would compile for each."""
-    if engine.kernel is None or len(variants) == 1:
+    in_xla = any(engine.kernel is None for engine in engines)
+    if in_xla or len(variants) == 1:
         return [function(variant, progress) for variant in variants]
     return side_by_side(function, variants, progress)

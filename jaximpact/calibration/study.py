@@ -6,11 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InputError
+from .engine import Engine
 from .fit import fit, fit_starts, go_on, spread_starts, told_apart
 from .least_squares import Fits, Progress
 from .likelihood_profile import LikelihoodProfile, profile_all
 from .memory import Memory
-from .objective import Objective, Points, engine_of, names_of, start_of
+from .objective import Objective, Points, engines_of, names_of, start_of
 from .scatter import settle
 from .side_by_side import each_variant
 from .stopping import Reason
@@ -96,17 +97,20 @@ def fit_study(
     """
     begin = time.perf_counter()
     progress("compiling once")
-    engine = engine_of(study)
+    engines = engines_of(study)
     several = len(study.variants) > 1
 
-    def fitted(variant: Variant, tell: Progress) -> VariantResult:
+    def fitted(item: tuple[Variant, Engine], tell: Progress) -> VariantResult:
+        variant, engine = item
         start = f"{variant.name}: " if several else ""
         objective = Objective(study, variant, engine)
         objective.memory = memory
         return _fit_variant(objective, variant, lambda text: tell(start + text))
 
-    results = each_variant(engine, fitted, study.variants, progress)
-    return StudyResult(study, results, time.perf_counter() - begin, engine.name)
+    items = list(zip(study.variants, engines, strict=True))
+    results = each_variant(engines, fitted, items, progress)
+    names = " and ".join(sorted({engine.name for engine in engines}))
+    return StudyResult(study, results, time.perf_counter() - begin, names)
 
 
 def best_fit(

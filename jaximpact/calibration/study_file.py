@@ -1,6 +1,7 @@
 """A study: what is fitted to which data, from TOML and CSV, or from a CSV alone."""
 
 import dataclasses
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -8,21 +9,22 @@ import numpy as np
 from ..accuracy import PRESETS
 from ..errors import InputError, nearest
 from ..formats.checks import check_memory
-from ..formats.columns import RESULT_COLUMNS
+from ..formats.columns import RESULT_COLUMNS, SLOTS, InputColumn, columns_of
 from ..formats.toml_values import (
-    SOIL_COLUMNS,
     allowed,
     check_keys,
     choice,
     load_toml,
     number,
-    soil_values,
     typed,
     unknown,
     whole,
 )
+from ..parameters import Part
+from ..scene import Scene
 from .campaigns import Measurements, read_tests
 from .candidates import Candidates, read_candidates
+from .laws import KINDS, checked_values, parts_and_values, scene_of
 from .losses import LOSSES
 from .nuisance import Nuisance, Prior, read_nuisances, read_prior
 from .proportional import PROPORTIONAL, SCATTERS, least_size, root_mean_square
@@ -41,6 +43,7 @@ KEYS = (
     "parameters",
     "nuisance",
     "soil",
+    "block",
     "default_sigma",
     "scatter",
     "weights",
@@ -82,10 +85,12 @@ class Parameter:
 
 @dataclasses.dataclass(frozen=True)
 class Variant:
-    """The same fit with some of the fixed soil values changed."""
+    """The same fit with some of the fixed soil values changed, or with other laws."""
 
     name: str
     soil: dict[str, float]
+    laws: dict[str, Part] = dataclasses.field(default_factory=dict)
+    """By what they are for; the others are the study's."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -100,6 +105,7 @@ class Study:
     parameters: tuple[Parameter, ...]
     nuisances: tuple[Nuisance, ...]
     soil: dict[str, float]
+    """Values that are held, in the units of the columns."""
     targets: tuple[str, ...]
     measured: np.ndarray
     """`(tests, targets)`; NaN where nothing was measured."""
@@ -122,11 +128,23 @@ class Study:
     variants: tuple[Variant, ...]
     candidates: Candidates
     """For further tests."""
+    parts: dict[str, Part] = dataclasses.field(default_factory=dict)
+    """Laws of the ground, and the shape unless the tests say theirs, by what they are
+    for."""
+    block: dict[str, float] = dataclasses.field(default_factory=dict)
+    """Values of the block that all tests share and no table says; `tests` has them
+    too."""
 
     @property
     def inputs(self) -> list[Path]:
         """The files that it was read from."""
         return [self.path, *(table.path for table in self.tests.files)]
+
+    def scene_of(self, variant: Variant) -> Scene:
+        """The tests as one scene of arrays `(tests,)`, in SI, on the ground of a
+        variant."""
+        tests = self.tests.with_laws(variant.laws)
+        return tests.scene(self.soil | variant.soil)
 
     @property
     def known(self) -> np.ndarray:
@@ -146,10 +164,21 @@ def read_study(path: Path) -> Study:
     """
     path = Path(path)
     if path.suffix.lower() != TOML:
-        return study_of(read_tests([path]), {})
+        return study_of(read_tests([path], Scene()), {})
     content = load_toml(path)
-    tests = read_tests(_data(path, content))
+    parts: dict[str, Part] = {}
+    for table in KINDS:
+        entries = typed(path, content, table, dict, {})
+        parts |= parts_and_values(path, table, entries, table, path.parent)[0]
+    try:
+        base = scene_of(parts)
+        columns_of(base)
+    except InputError as error:  # two parameters of one name
+        raise InputError(str(error), file=path) from error
+    tests = read_tests(_data(path, content), base)
     content.setdefault("title", path.resolve().parent.name)
+    for slot in parts:
+        _check_in_study_alone(path, tests, f"{SLOTS[slot]}.{slot}", slot)
     return _study(path, content, tests)
 
 
@@ -157,8 +186,8 @@ def study_of(tests: Measurements, content: dict) -> Study:
     """A study of tests that are there.
 
     Args:
-        tests: of one table or several.
-        content: what a study's file would say, without `data`.
+        tests: of one table or several, with the laws and the shape of the study.
+        content: what a study's file would say, without `data`, laws and shape.
     """
     path = tests.files[0].path
     return _study(path, {"title": path.stem} | content, tests)
@@ -166,11 +195,17 @@ def study_of(tests: Measurements, content: dict) -> Study:
 
 def _study(path: Path, content: dict, tests: Measurements) -> Study:
     check_keys(path, "", content, KEYS)
-    parameters = _parameters(path, content)
-    fixed = soil_values(path, typed(path, content, "soil", dict, {}), "soil")
-    variants = _variants(path, content)
-    nuisances = read_nuisances(path, content, tests, fixed)
-    _check_given_once(path, tests, parameters, nuisances, fixed, variants)
+    variants = _variants(path, content, tests)
+    grounds = [tests.with_laws(variant.laws).known_columns for variant in variants]
+    fixed = _held(path, content, "soil", _merged(grounds))
+    block = _held(path, content, "block", tests.known_columns)
+    for name in block:
+        _check_in_study_alone(path, tests, f"block.{name}", name)
+    tests = tests.with_inputs(block)
+    parameters = _parameters(path, content, grounds[0])
+    nuisances = read_nuisances(path, content, tests.with_laws(variants[0].laws), fixed)
+    _check_in_all(path, parameters, nuisances, variants, grounds)
+    _check_fitted_once(path, tests, parameters, nuisances, fixed, variants)
     targets = _targets(path, content, tests, nuisances)
     sigma, sigma_given = _sigma(path, content, tests, targets)
     proportional = _proportional(path, content, targets, sigma_given)
@@ -201,8 +236,26 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
         accuracy=choice(path, content, "accuracy", ACCURACY, tuple(PRESETS)),
         method=choice(path, content, "method", METHODS[0], METHODS),
         variants=variants,
-        candidates=read_candidates(path, content, tuple(p.name for p in parameters)),
+        candidates=read_candidates(
+            path, content, tuple(p.name for p in parameters), grounds[0]
+        ),
+        parts=tests.parts,
+        block=block,
     )
+
+
+def _held(
+    path: Path, content: dict, whole: str, columns: Mapping[str, InputColumn]
+) -> dict[str, float]:
+    """The numbers of the table `soil` or `block`."""
+    entries = typed(path, content, whole, dict, {})
+    values = {n: v for n, v in entries.items() if SLOTS.get(n) != whole}
+    known = {name: c for name, c in columns.items() if c.part == whole}
+    return checked_values(path, whole, values, known)
+
+
+def _merged(grounds: list[dict[str, InputColumn]]) -> dict[str, InputColumn]:
+    return {name: column for ground in grounds for name, column in ground.items()}
 
 
 def _data(path: Path, content: dict) -> list[Path]:
@@ -239,19 +292,25 @@ def _is_same(first: Path, second: Path) -> bool:
         return False
 
 
-def _parameters(path: Path, content: dict) -> tuple[Parameter, ...]:
-    chosen = typed(
-        path, content, "parameters", dict, {name: {} for name in DEFAULT_BOUNDS}
-    )
+def _parameters(
+    path: Path, content: dict, columns: Mapping[str, InputColumn]
+) -> tuple[Parameter, ...]:
+    columns = {name: c for name, c in columns.items() if c.part == "soil"}
+    usual = {name: {} for name in DEFAULT_BOUNDS if name in columns}
+    chosen = typed(path, content, "parameters", dict, usual)
     if not chosen:
         raise InputError("names no parameter to fit", file=path, key="parameters")
-    return tuple(_parameter(path, name, entry) for name, entry in chosen.items())
+    return tuple(
+        _parameter(path, name, entry, columns) for name, entry in chosen.items()
+    )
 
 
-def _parameter(path: Path, name: str, entry) -> Parameter:
+def _parameter(
+    path: Path, name: str, entry, columns: Mapping[str, InputColumn]
+) -> Parameter:
     key = f"parameters.{name}"
-    if name not in SOIL_COLUMNS:
-        unknown(path, key, name, SOIL_COLUMNS)
+    if name not in columns:
+        unknown(path, key, name, columns)
     if not isinstance(entry, dict):
         raise InputError(
             "must be a table like { start = 1.0, lower = 0.1, upper = 10.0 }, but is "
@@ -260,7 +319,7 @@ def _parameter(path: Path, name: str, entry) -> Parameter:
             key=key,
         )
     check_keys(path, key, entry, ("start", "lower", "upper", "prior"))
-    column = SOIL_COLUMNS[name]
+    column = columns[name]
     lower, upper = DEFAULT_BOUNDS.get(name, (None, None))
     prior = (
         read_prior(path, f"{key}.prior", entry["prior"]) if "prior" in entry else None
@@ -270,7 +329,7 @@ def _parameter(path: Path, name: str, entry) -> Parameter:
     for inner, value in values.items():
         if value is None:
             raise InputError(
-                f"is missing; {name} has no default bounds",
+                f"is missing; {name} has no default bounds: say lower and upper",
                 file=path,
                 key=f"{key}.{inner}",
             )
@@ -292,7 +351,7 @@ def _parameter(path: Path, name: str, entry) -> Parameter:
     return Parameter(name, **values, prior=prior)
 
 
-def _variants(path: Path, content: dict) -> tuple[Variant, ...]:
+def _variants(path: Path, content: dict, tests: Measurements) -> tuple[Variant, ...]:
     entries = typed(path, content, "variants", list, [{}])
     if not entries:
         raise InputError("holds no variant; leave it out", file=path, key="variants")
@@ -307,7 +366,16 @@ def _variants(path: Path, content: dict) -> tuple[Variant, ...]:
         )
         name = typed(path, named, "name", str, words)
         named.pop("name", None)
-        variants.append(Variant(name, soil_values(path, named, where)))
+        laws, values = parts_and_values(path, where, named, "soil", path.parent)
+        for slot in laws:
+            _check_in_study_alone(path, tests, f"{where}.{slot}", slot)
+        try:
+            known = tests.with_laws(laws).known_columns
+        except InputError as error:  # two parameters of one name
+            raise InputError(str(error), file=path, key=where) from error
+        known = {name: c for name, c in known.items() if c.part == "soil"}
+        soil = checked_values(path, where, values, known)
+        variants.append(Variant(name, soil, laws))
     names = [variant.name for variant in variants]
     for place, name in enumerate(names, 1):
         if names.count(name) > 1:
@@ -317,7 +385,33 @@ def _variants(path: Path, content: dict) -> tuple[Variant, ...]:
     return tuple(variants)
 
 
-def _check_given_once(path, tests, parameters, nuisances, fixed, variants) -> None:
+def _check_in_all(path, parameters, nuisances, variants, grounds) -> None:
+    """Raise InputError for what is fitted, but no parameter of a variant's ground."""
+    fitted = [(f"parameters.{p.name}", p.name) for p in parameters]
+    fitted += [(f"nuisance.{n.name}", n.name) for n in nuisances]
+    for variant, ground in zip(variants, grounds, strict=True):
+        for key, name in fitted:
+            if name not in ground:
+                laws = " and ".join(
+                    f"{slot} {type(law).__name__}" for slot, law in variant.laws.items()
+                )
+                raise InputError(
+                    f"is no parameter of variant {variant.name!r}, whose laws are "
+                    f"{laws or 'those of the study'}; leave it out, or fit the variant "
+                    "in a study of its own",
+                    file=path,
+                    key=key,
+                )
+
+
+def _check_in_study_alone(path, tests: Measurements, key: str, name: str) -> None:
+    """Raise InputError for what the study says and the tests' tables too."""
+    if name in tests.inputs or name in tests.slots:
+        data = " or ".join(table.path.name for table in tests.files)
+        raise InputError(f"stands in {data} too; remove one", file=path, key=key)
+
+
+def _check_fitted_once(path, tests, parameters, nuisances, fixed, variants) -> None:
     """Raise InputError for a soil value that stands in two places."""
     data = " or ".join(table.path.name for table in tests.files)
     toml = (
@@ -342,12 +436,7 @@ def _check_given_once(path, tests, parameters, nuisances, fixed, variants) -> No
             )
     for where, values in toml:
         for name in values:
-            if name in tests.inputs:
-                raise InputError(
-                    f"stands in {data} too; remove one",
-                    file=path,
-                    key=f"{where}.{name}",
-                )
+            _check_in_study_alone(path, tests, f"{where}.{name}", name)
 
 
 def _targets(path: Path, content: dict, tests: Measurements, nuisances):

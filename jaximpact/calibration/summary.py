@@ -7,6 +7,7 @@ import numpy as np
 from ..formats.align import align
 from ..formats.columns import INPUT_COLUMNS
 from .examination import Examination
+from .laws import in_words, unusual
 from .report import (
     about_cells,
     about_sigma,
@@ -102,22 +103,38 @@ def _starts(variant: VariantResult) -> str:
 
 def _held(study: Study) -> str:
     """What no table says, and what it was taken for."""
+    columns = study.tests.known_columns
     fitted = {parameter.name for parameter in study.parameters}
     fitted |= {nuisance.name for nuisance in study.nuisances}
     missing = {
         name: column.default
-        for name, column in INPUT_COLUMNS.items()
+        for name, column in columns.items()
         if column.part != "soil"
         and name not in study.tests.inputs
         and name not in fitted
     }
-    held = {
-        name: value
-        for name, value in study.soil.items()
-        if not np.isclose(value, INPUT_COLUMNS[name].default, rtol=1e-12)
+    of_laws = {
+        name: column.default
+        for name, column in columns.items()
+        if column.part == "soil"
+        and name not in study.tests.inputs
+        and name not in fitted
     }
-    ground = ", ".join(f"{name} {value:g}" for name, value in held.items())
-    words = f"Ground: Table 1 but for {ground}." if ground else "Ground: Table 1."
+    values = study.soil | {n: v for n, v in of_laws.items() if n not in study.soil}
+    laws = unusual(study.parts)
+    shape = laws.pop("shape", None)
+    other = [in_words(laws)] if laws else []
+    other += [
+        f"{name} {value:g}"
+        for name, value in values.items()
+        if name not in INPUT_COLUMNS
+        or not np.isclose(value, INPUT_COLUMNS[name].default, rtol=1e-12)
+    ]
+    words = "Ground: Table 1."
+    if other:
+        words = f"Ground: Table 1 but for {', '.join(other)}."
+    if shape is not None:
+        words = f"Shape: {type(shape).__name__}. {words}"
     if missing:
         taken = ", ".join(f"{name} {value:g}" for name, value in missing.items())
         words = f"Not in the table, and taken as: {taken}. {words}"

@@ -13,9 +13,14 @@ from .progress import Progress, say
 DESCRIPTION = """\
 Compute every impact of a CSV of scenes and append the results to its rows.
 
-A column that is missing takes its default. A scene that cannot be solved gets the
-outcome `failed` and nan, and the rest go on. A manifest with versions, accuracy and the
-checksum of the scenes is written beside the results.
+A column that is missing takes its value in the scene of --base, or its default. Text
+columns `flow`, `hardening` and so on name laws, one for the whole table; a column
+`shape` names the shape of each row. Cells of what the row's shape has no parameter for
+stay empty.
+
+A scene that cannot be solved gets the outcome `failed` and nan, and the rest go on. A
+manifest with laws, versions, accuracy and the checksum of the scenes is written beside
+the results.
 
 Results are kept in results.csv.journal as they come. After a run that was cut short, by
 Ctrl-C, kill or a power cut, the same command goes on where it stopped."""
@@ -40,13 +45,20 @@ def add_parser(commands) -> None:
         "scenes", type=Path, metavar="scenes.csv", help="table of scenes, one a row"
     )
     parser.add_argument(
+        "--base",
+        type=Path,
+        metavar="scene.toml",
+        help="scene, as `jaximpact simulate` takes it, whose laws, shape and values "
+        "stand for the columns that the table does not have",
+    )
+    parser.add_argument(
         "--out",
         type=Path,
         required=True,
         metavar="results.csv",
         help="table of results; an existing one is replaced once the new one is whole",
     )
-    options.add_accuracy(parser, otherwise=DEFAULT_ACCURACY)
+    options.add_accuracy(parser, otherwise=f"the base's, else {DEFAULT_ACCURACY}")
     parser.add_argument(
         "--model-tolerance",
         type=_tolerance,
@@ -76,24 +88,28 @@ def _tolerance(text: str) -> float:
 def run(arguments: argparse.Namespace) -> None:
     """Compute the table."""
     from .. import batch
-    from ..formats import results, tables
+    from ..formats import results, scene_file, tables
 
-    scenes, out = arguments.scenes, arguments.out
+    scenes, base, out = arguments.scenes, arguments.base, arguments.out
     timing = {}
     manifest, journal = manifest_path(out), journal_path(out)
     files = output_files(
         {"--out": out},
-        inputs=[scenes],
+        inputs=[scenes, *([] if base is None else [base])],
         beside={manifest: manifest},
         journals=[journal],
     )
     with files, resumable():
-        table = tables.read_table(scenes)
+        accuracy = arguments.accuracy
+        if base is not None:
+            base, of_file = scene_file.read_scene(base)
+            accuracy = accuracy or of_file
+        table = tables.read_table(scenes, base=base)
         with Progress("impacts") as progress:
             progress(0, len(table.rows))
             result = batch.simulate_batch(
                 table.scene(),
-                accuracy=arguments.accuracy or DEFAULT_ACCURACY,
+                accuracy=accuracy or DEFAULT_ACCURACY,
                 model_tolerance=arguments.model_tolerance,
                 journal=journal,
                 progress=progress,

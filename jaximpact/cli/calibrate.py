@@ -30,20 +30,27 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
   [parameters]          what is fitted, for example
                         c_v = { start = 1.0, lower = 0.01, upper = 10.0 }
                         with prior = { mean = 1.0, sd = 0.5 } if there is one
-                        (default: c_v, gamma_v and k_E)
+                        (default: c_v, gamma_v and k_E); parameters of laws of your
+                        own are fitted likewise
   [nuisance.slope_deg]  a column that was not measured, or not well: fitted for each
                         group, and added to the column where the tables hold it;
                         by = "campaign" (or another column of text, or "row"),
                         prior = { mean = 30.0, sd = 5.0 }; of slope_deg also
                         turns_ground = true: angle_deg and orientation_deg turn with it
-  [soil]                fixed values in place of the defaults
+  [soil]                fixed values in place of the defaults, and laws in place of
+                        the usual ones: flow = "FluidityRate", one of the package, or
+                        flow = "my_laws.py:MyFlow", relative to the study; then its
+                        parameters have columns of their own, my_rate = 3.0
+  [block]               likewise what all blocks have in common and no table says:
+                        shape = "EllipticCylinder" and its parameters. The tables may
+                        have columns `shape`, a name in each row, and `flow` and so on
   [default_sigma]       for each target, where the tables have no column for it; where
                         neither is there, sigma is estimated from the scatter
   [scatter]             for each target whose sigma is estimated, "constant" or
                         "proportional" to its value; or scatter = one of them for all
                         (default: constant)
   [weights]             for each target, on its losses (default: 1)
-  [[variants]]          soil values to be changed; each is fitted by itself
+  [[variants]]          soil values or laws to be changed; each is fitted by itself
   [further_tests]       what could be measured next (default: usual impacts, and the
                         targets, depth and force), for example
                         candidates = { angle_deg = [0, 30, 60], speed_mps = [10, 20] }

@@ -11,6 +11,10 @@ from ..formats.columns import (
     OUTCOME_COLUMN,
     OUTCOME_MEANING,
     RESULT_COLUMNS,
+    SLOTS,
+    InputColumn,
+    columns_of_class,
+    shipped_parts,
 )
 from ..formats.directory import LIST
 
@@ -43,13 +47,40 @@ def add_directory(
 
 
 def input_help(title: str) -> str:
-    """The quantities of a scene: name, unit, default, range and meaning."""
+    """The quantities of a scene: name, unit, default, range and meaning; laws and
+    shapes by name, and the quantities that only these have."""
     rows = [("name", "unit", "default", "range", "meaning")]
-    rows += [
-        (c.name, c.unit, f"{c.default:g}", c.range_text, c.meaning)
-        for c in INPUT_COLUMNS.values()
+    rows += [_row(column) for column in INPUT_COLUMNS.values()]
+    names = [
+        (slot, ", ".join(kind.__name__ for kind in shipped_parts(slot)))
+        for slot in SLOTS
     ]
-    return f"{title}\n{align(rows)}"
+    others = [("of", *rows[0])]
+    for slot in SLOTS:
+        for kind in shipped_parts(slot):
+            others += [
+                (kind.__name__, *_row(column))
+                for column in columns_of_class(slot, kind).values()
+                if INPUT_COLUMNS.get(column.name) != column
+            ]
+    return (
+        f"{title}\n{align(rows)}\n\n"
+        "Laws and shapes by name, the usual one first; one of your own is named as\n"
+        '"file.py:Class", the path from the file that names it, or\n'
+        '"package.module:Class". Its parameters are quantities like the others.\n'
+        f"{align(names)}\n\n"
+        f"Quantities of those that are not the usual ones:\n{align(others)}"
+    )
+
+
+def _row(column: InputColumn) -> tuple[str, ...]:
+    return (
+        column.name,
+        column.unit,
+        f"{column.default:g}",
+        column.range_text,
+        column.meaning,
+    )
 
 
 def label_help() -> str:

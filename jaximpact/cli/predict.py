@@ -17,6 +17,9 @@ forecast; which tests lie outside the range of the fitted ones; what the fit did
 determine; and, of up to 30 tests, each prediction. Intervals hold what the fit leaves
 open and the scatter of a measurement as the fit states it.
 
+The ground has the laws of the fit, and blocks its shape where the tests do not say
+theirs; a law that was edited since is refused.
+
 Tests need no result columns; those that are there may have empty cells, limits like
 >0.3 or <0.1, and `sigma_` columns, as for `jaximpact calibrate`."""
 

@@ -19,8 +19,8 @@ Say which parameters matter for one impact, and over ranges of its parameters.
 
 The study is a TOML file: a scene, as `jaximpact simulate` takes it, and
   title            free text
-  [parameters]     what is varied (default: c_v, gamma_v and k_E, without ranges), for
-                   example
+  [parameters]     what is varied (default: those of c_v, gamma_v and k_E that the laws
+                   have, without ranges), for example
                    c_v = { lower = 0.1, upper = 10, distribution = "log-uniform" }
                    angle_deg = { lower = 10, upper = 60 }
                    dilatancy = {}

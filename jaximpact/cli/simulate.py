@@ -16,8 +16,15 @@ DESCRIPTION = """\
 Compute one impact and print every result with its energy ledger.
 
 The scene is a TOML file with the tables [block], [soil] and [impact], or with the keys
-of all three before any table. A key that is missing takes its default. `accuracy`,
-before any table, is used unless --accuracy is given."""
+of all three before any table. A key that is missing takes its default. Laws and shape
+are named by keys of [soil] and [block], and bring keys of their own:
+
+    [soil]
+    flow = "FluidityRate"
+    [block]
+    shape = "my_shapes.py:Capsule"
+
+`accuracy`, before any table, is used unless --accuracy is given."""
 
 
 def add_parser(commands) -> None:

@@ -11,14 +11,21 @@ from numpy.typing import ArrayLike
 
 from .._jax_internals import Tracer
 from ..block import Block
-from ..errors import InputError, UnusualValueWarning, nearest
+from ..errors import InputError, UnusualValueWarning
 from ..fields import expect
 from ..identity import is_ours
 from ..laws.checking import check_law
 from ..parameters import parts_of
 from ..scene import Impact, Scene
+from ..shapes.checking import check_shape
 from ..soil import Soil
-from .columns import INPUT_COLUMNS, RESULT_COLUMNS, InputColumn, columns_of
+from .columns import (
+    INPUT_COLUMNS,
+    RESULT_COLUMNS,
+    InputColumn,
+    columns_of,
+    why_unknown,
+)
 
 KINDS = {"block": Block, "soil": Soil, "impact": Impact}
 MEMORY = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
@@ -45,6 +52,7 @@ def check_scene(
     for part, kind in KINDS.items():
         expect(part, getattr(scene, part), kind)
     check_laws(jax.tree.structure(scene.soil))
+    check_shape(scene.block.shape)
     for column in columns_of(scene).values():
         value = getattr(getattr(scene, column.part), column.field)
         name = f"{KINDS[column.part].__name__}.{column.field}"
@@ -136,7 +144,7 @@ def checked_names(
     kind: str, names: Iterable[str], known: Collection[str]
 ) -> tuple[str, ...]:
     """The names, of a `kind` in one word. Raises InputError for a name that is unknown,
-    with the nearest known, or stands twice, and for none."""
+    with what may have been meant, or stands twice, and for none."""
     if isinstance(names, str) or not isinstance(names, Iterable):
         raise InputError(f"{kind}s must be a list of names, but is {names!r}")
     names = tuple(names)
@@ -144,9 +152,7 @@ def checked_names(
         raise InputError(f"at least one {kind} is needed, but none is given")
     for name in names:
         if not isinstance(name, str) or name not in known:
-            raise InputError(
-                f"{kind} {name} is unknown; did you mean {nearest(name, known)}?"
-            )
+            raise InputError(f"{kind} {name} is unknown; {why_unknown(name, known)}")
         if names.count(name) > 1:
             raise InputError(f"{kind} {name} stands twice; remove one")
     return names

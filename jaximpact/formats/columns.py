@@ -8,12 +8,21 @@ declared.
 import dataclasses
 import functools
 import math
+from collections.abc import Iterable
 
 import jax
 import numpy as np
 
-from ..errors import InputError
-from ..parameters import Composite, Declared, declared_of, parameters_of, parts_of
+from ..errors import InputError, nearest
+from ..finding import shipped
+from ..parameters import (
+    Composite,
+    Declared,
+    Part,
+    declared_of,
+    parameters_of,
+    parts_of,
+)
 from ..scene import PARTS, Scene
 from ..units import UNITS
 
@@ -152,37 +161,94 @@ def _declared_parts(whole) -> tuple:
 
 @functools.cache
 def _columns_of(*parts: tuple) -> dict[str, InputColumn]:
-    columns = {}
-    for part in parts:
-        for name, column in _of_whole(*part).items():
-            if name in columns:
-                raise InputError(
-                    f"two parameters have the column {name}: {columns[name].field} of "
-                    f"the {columns[name].part} and {column.field} of the {column.part};"
-                    " rename the one that is yours"
-                )
-            columns[name] = column
-    return columns
+    return _by_name([c for part in parts for c in _of_whole(*part).values()])
 
 
 def _of_whole(part: str, kind: type, declared_parts: tuple) -> dict[str, InputColumn]:
     declared = list(declared_of(kind).items())
     for of_part in declared_parts:
         declared += of_part
-    columns = [_column(part, field, said) for field, said in declared]
-    return {column.name: column for column in columns}
+    return _by_name([_column(part, field, said) for field, said in declared])
+
+
+def _by_name(columns: list[InputColumn]) -> dict[str, InputColumn]:
+    found: dict[str, InputColumn] = {}
+    for column in columns:
+        name = column.name
+        if name in SLOTS:
+            raise InputError(
+                f"the parameter {column.field} of the {column.part} has the column "
+                f"{name}, which is the name of a law or of the shape; rename it"
+            )
+        if name in found:
+            raise InputError(
+                f"two parameters have the column {name}: {found[name].field} of the "
+                f"{found[name].part} and {column.field} of the {column.part}; rename "
+                "the one that is yours"
+            )
+        found[name] = column
+    return found
+
+
+_KINDS = {field.name: field.default_factory for field in dataclasses.fields(Scene)}
+SLOTS: dict[str, str] = {
+    slot: part for part, kind in _KINDS.items() for slot in parts_of(kind)
+}
+"""What laws and shapes are for, as keys of files -> the part of the scene they belong
+to."""
+BASES: dict[str, type[Part]] = {
+    slot: base for kind in _KINDS.values() for slot, base in parts_of(kind).items()
+}
+"""The class that what stands in each of them derives from."""
+USUAL: dict[str, type[Part]] = {
+    slot: field.default_factory
+    for kind in _KINDS.values()
+    for slot in parts_of(kind)
+    for field in dataclasses.fields(kind)
+    if field.name == slot
+}
+"""The laws and the shape that a scene has if none are named."""
+
+
+def shipped_parts(slot: str) -> list[type[Part]]:
+    """The package's own laws for a slot, or its shapes, the usual one first."""
+    return sorted(shipped(BASES[slot]), key=lambda kind: kind is not USUAL[slot])
+
+
+def columns_of_class(slot: str, kind: type[Part]) -> dict[str, InputColumn]:
+    """The columns of the parameters of a law or a shape alone."""
+    return _by_name(
+        [_column(SLOTS[slot], field, said) for field, said in declared_of(kind).items()]
+    )
+
+
+def why_unknown(name: str, known: Iterable[str]) -> str:
+    """What may have been meant by an unknown name, to follow "is unknown; ": where
+    parameters of the scene are known, which of the package's laws and shapes have it as
+    a parameter, else the nearest known."""
+    known = tuple(known)
+    for slot in SLOTS:
+        owners = [k.__name__ for k in shipped_parts(slot) if _has(slot, k, name)]
+        if owners and not INPUT_COLUMNS.keys().isdisjoint(known):
+            return (
+                f"it belongs to the {slot.replace('_', ' ')} {' or '.join(owners)}, "
+                f'which is not chosen ({slot} = "{owners[0]}")'
+            )
+    return f"did you mean {nearest(name, known)}?"
+
+
+def _has(slot: str, kind: type[Part], name: str) -> bool:
+    return str(name) in columns_of_class(slot, kind)
 
 
 def _usual_columns() -> dict[str, InputColumn]:
     """The columns of a scene with the usual laws and shape, without making one: at
     import JAX may be in float32 still."""
-    kinds = {field.name: field.default_factory for field in dataclasses.fields(Scene)}
 
     def parts_declared(kind: type) -> tuple:
-        usual = {f.name: f.default_factory for f in dataclasses.fields(kind)}
-        return tuple(tuple(declared_of(usual[slot]).items()) for slot in parts_of(kind))
+        return tuple(tuple(declared_of(USUAL[slot]).items()) for slot in parts_of(kind))
 
-    parts = [(part, kinds[part], parts_declared(kinds[part])) for part in PARTS]
+    parts = [(part, _KINDS[part], parts_declared(_KINDS[part])) for part in PARTS]
     return _columns_of(*parts)
 
 

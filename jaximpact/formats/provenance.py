@@ -48,6 +48,7 @@ def manifest(scene: "Scene", accuracy: Accuracy, model_tolerance: float) -> dict
 def batch_manifest(
     table: Path,
     sha256: str,
+    base: "Scene",
     accuracy: Accuracy,
     model_tolerance: float,
     outcomes: dict[str, int],
@@ -57,12 +58,20 @@ def batch_manifest(
     Args:
         table: the file of scenes; only its name is kept.
         sha256: of that file.
+        base: laws, shapes, and what stands for columns that the table does not have.
         accuracy: the setting used.
         model_tolerance: error for which a cheaper model was allowed.
         outcomes: how many impacts ended in which way.
     """
+    from ..identity import part_names
+    from .scenes import scene_values
+
+    values = scene_values(base)
     return {
         "scenes": {"file": table.name, "sha256": sha256},
+        # What differs from row to row stands in the table.
+        "base": {k: v for k, v in values.items() if not isinstance(v, list)},
+        "laws": part_names(base.soil, base.block),
         "accuracy": dataclasses.asdict(accuracy),
         "model_tolerance": model_tolerance,
         "outcomes": outcomes,

@@ -47,6 +47,7 @@ def write_results(path: Path, table: Table, result: ImpactResult) -> None:
     manifest = batch_manifest(
         table.path,
         table.sha256,
+        table.base,
         result.accuracy,
         result.model_tolerance,
         count_outcomes(result),

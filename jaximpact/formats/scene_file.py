@@ -1,15 +1,15 @@
 """One scene from a TOML file."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 from ..accuracy import PRESETS
-from ..block import Block
 from ..errors import InputError
-from ..scene import PARTS, Impact, Scene
-from ..soil import Soil
-from .columns import INPUT_COLUMNS, InputColumn
-from .toml_values import load_toml, quantity, unknown
+from ..scene import PARTS, Scene
+from .columns import SLOTS, InputColumn, columns_of
+from .scenes import part_named, scene_with, with_parts
+from .toml_values import load_toml, quantity, typed, unknown
 
 ACCURACY_KEY = "accuracy"
 
@@ -25,9 +25,11 @@ class SceneFile(NamedTuple):
 def read_scene(path: Path) -> SceneFile:
     """Read one scene.
 
-    The keys are the columns of a table of scenes, with the units in their names. Each
-    stands in its table `[block]`, `[soil]` or `[impact]`, or before all tables. A
-    missing key has its default. `accuracy`, before all tables, names a preset.
+    The keys are the columns of a table of scenes, with the units in their names, and
+    the names of laws and shape (`SLOTS`), as `finding.find_part` takes them; files of
+    laws are looked for from the directory of this one. Each stands in its table
+    `[block]`, `[soil]` or `[impact]`, or before all tables. A missing key has its
+    default. `accuracy`, before all tables, names a preset.
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """
@@ -46,54 +48,75 @@ def scene_from(path: Path, content: dict, others: tuple[str, ...] = ()) -> Scene
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """
-    fields = {part: {} for part in PARTS}
-    accuracy = None
+    accuracy, numbers, names = None, {}, {}
     for key, value in content.items():
         if key in others:
             continue
         if key == ACCURACY_KEY:
             accuracy = _accuracy(path, value)
         elif key in PARTS:
-            if not isinstance(value, dict):
-                raise InputError("must be a table", file=path, key=key)
-            for name, number in value.items():
-                column = _column(path, name, key, ())
+            for name, inner in typed(path, content, key, dict).items():
                 if name in content:
                     raise InputError(
                         f"stands in [{key}] and before all tables; remove one",
                         file=path,
                         key=name,
                     )
-                fields[column.part][column.field] = _si_value(path, column, number)
+                (names if name in SLOTS else numbers)[name] = key, inner
         else:
-            column = _column(path, key, None, others)
-            fields[column.part][column.field] = _si_value(path, column, value)
-    scene = Scene(
-        Block(**fields["block"]), Soil(**fields["soil"]), Impact(**fields["impact"])
-    )
-    return SceneFile(scene, accuracy)
+            (names if key in SLOTS else numbers)[key] = None, value
+    base = _with_parts(path, names)
+    columns = columns_of(base)
+    values = {}
+    for name, (table, value) in numbers.items():
+        column = _column(path, name, table, columns, others)
+        values[name] = quantity(path, name, column, value)
+    return SceneFile(scene_with(base, values), accuracy)
+
+
+def _with_parts(path: Path, names: Mapping[str, tuple[str | None, object]]) -> Scene:
+    """The usual scene with the laws and the shape that a file names.
+
+    Args:
+        names: slot to the table that it was found in and its value.
+    """
+    texts = {}
+    for slot, (table, name) in names.items():
+        _check_table(path, slot, table, SLOTS[slot])
+        texts[slot] = typed(path, {slot: name}, slot, str)
+        try:
+            part_named(slot, texts[slot], path.parent)
+        except InputError as error:
+            raise InputError(str(error), file=path, key=slot) from error
+    try:
+        scene = with_parts(Scene(), texts, path.parent)
+        columns_of(scene)  # which are two of one name where laws do not fit together
+        return scene
+    except InputError as error:
+        raise InputError(str(error), file=path) from error
 
 
 def _column(
-    path: Path, name: str, table: str | None, others: tuple[str, ...]
+    path: Path,
+    name: str,
+    table: str | None,
+    columns: Mapping[str, InputColumn],
+    others: tuple[str, ...],
 ) -> InputColumn:
     """The column that a key stands for; `table` is the one it was found in."""
-    if name not in INPUT_COLUMNS:
+    if name not in columns:
         top = () if table else (*PARTS, ACCURACY_KEY, *others)
         key = f"{table}.{name}" if table else name
-        unknown(path, key, name, (*INPUT_COLUMNS, *top))
-    column = INPUT_COLUMNS[name]
-    if table not in (None, column.part):
+        unknown(path, key, name, (*columns, *SLOTS, *top))
+    _check_table(path, name, table, columns[name].part)
+    return columns[name]
+
+
+def _check_table(path: Path, name: str, table: str | None, part: str) -> None:
+    if table not in (None, part):
         raise InputError(
-            f"stands in [{table}], but belongs into [{column.part}]",
-            file=path,
-            key=name,
+            f"stands in [{table}], but belongs into [{part}]", file=path, key=name
         )
-    return column
-
-
-def _si_value(path: Path, column: InputColumn, value) -> float:
-    return column.factor * quantity(path, column.name, column, value)
 
 
 def _accuracy(path: Path, value) -> str:

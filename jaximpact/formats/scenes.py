@@ -1,28 +1,21 @@
 """Scenes from quantities as users write them, and back."""
 
 import dataclasses
-import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import InputError, nearest
-from ..finding import find_part
-from ..parameters import Composite, Part, parameters_of, parts_of
+from ..errors import InputError
+from ..finding import file_of, find_part
+from ..parameters import Composite, Part, parameters_of
 from ..scene import PARTS, Scene
-from .columns import InputColumn, columns_of
+from ..shapes import AbstractShape, MixedShapes, shape_of_each
+from .columns import BASES, SLOTS, USUAL, InputColumn, columns_of, why_unknown
 
-SLOTS: dict[str, str] = {
-    slot: part
-    for part, kind in {
-        f.name: f.default_factory for f in dataclasses.fields(Scene)
-    }.items()
-    for slot in parts_of(kind)
-}
-"""What laws and shapes are for, as keys of files -> the part of the scene they belong
-to."""
+SHAPE = "shape"
+"""The slot of which every lane may have its own."""
 
 
 def with_parts(
@@ -30,33 +23,52 @@ def with_parts(
 ) -> Scene:
     """The scene with other laws or another shape, by their names.
 
-    What a new law or shape shares by name with the one before keeps its value; its
-    other parameters have their defaults.
+    A value that was given is kept if the new law or shape has a parameter of that name;
+    its other parameters have their own defaults.
 
     Args:
         names: slot to a name, as `finding.find_part` takes it.
         directory: from which files are looked for.
+
+    Raises InputError for a name that cannot be used, and for parameters of two laws
+    with one name.
     """
-    wholes = {part: getattr(scene, part) for part in PARTS}
     changed: dict[str, dict[str, Part]] = {}
     for slot, name in names.items():
         part = SLOTS[slot]
-        kind = parts_of(type(wholes[part]))[slot]
-        changed.setdefault(part, {})[slot] = find_part(slot, kind, name, directory)
+        changed.setdefault(part, {})[slot] = part_named(slot, name, directory)
+    wholes = {part: getattr(scene, part) for part in PARTS}
     for part, slots in changed.items():
         wholes[part] = replaced_parts(wholes[part], slots)
     return Scene(**wholes)
 
 
+def with_shapes(scene: Scene, kinds: Sequence[type[AbstractShape]]) -> Scene:
+    """The scene with a shape for each of its lanes; values that were given are
+    kept."""
+    block = replaced_parts(scene.block, {SHAPE: shape_of_each(kinds)})
+    return Scene(block, scene.soil, scene.impact)
+
+
+def part_named(slot: str, text: str, directory: Path | None = None) -> Part:
+    """A law or a shape for a slot, with its defaults, as `finding.find_part` finds
+    it."""
+    return find_part(slot, BASES[slot], text, directory)
+
+
 def replaced_parts(whole: Composite, slots: Mapping[str, Part]) -> Composite:
-    """The soil or block with other laws or another shape; values of parameters that
-    both have are kept."""
+    """The soil or block with other laws or another shape. A value is kept if the new
+    law has a parameter of that name too and it is not the old law's default: what
+    nobody gave has the new law's default."""
     kept = {}
     for slot, new in slots.items():
         before = getattr(whole, slot)
         for name in parameters_of(new):
-            if name in parameters_of(before):
-                kept[name] = getattr(before, name)
+            if name not in parameters_of(before):
+                continue
+            value = getattr(before, name)
+            if not np.array_equal(value, parameters_of(before)[name].si_default):
+                kept[name] = value
     return dataclasses.replace(whole, **slots, **kept)
 
 
@@ -78,21 +90,29 @@ def scene_of_values(
     values: Mapping[str, ArrayLike | str], directory: Path | None = None
 ) -> Scene:
     """A scene from quantities in the units of their columns and names of laws and
-    shapes; what is not given has its default."""
+    shapes, of which that of the shape may be a list; what is not given has its
+    default."""
     names = {name: value for name, value in values.items() if name in SLOTS}
     numbers = {name: value for name, value in values.items() if name not in SLOTS}
-    return scene_with(with_parts(Scene(), names, directory), numbers)
+    scene = Scene()
+    if not isinstance(names.get(SHAPE, ""), str):
+        scene = with_shapes(
+            scene,
+            [type(part_named(SHAPE, text, directory)) for text in names.pop(SHAPE)],
+        )
+    return scene_with(with_parts(scene, names, directory), numbers)
 
 
 def scene_values(scene: Scene) -> dict:
     """The scene as `scene_of_values` takes it, ready for JSON."""
     values = {}
-    usual = {field.name: field.default_factory for field in dataclasses.fields(Scene)}
     for slot, part in SLOTS.items():
-        kind = type(getattr(getattr(scene, part), slot))
-        fields = {f.name: f for f in dataclasses.fields(usual[part])}
-        if kind is not fields[slot].default_factory:
-            values[slot] = text_of(kind)
+        held = getattr(getattr(scene, part), slot)
+        if isinstance(held, MixedShapes):
+            texts = np.array([text_of(kind) for kind in held.kinds])
+            values[slot] = texts[np.asarray(held.index, int)].tolist()
+        elif type(held) is not USUAL[slot]:
+            values[slot] = text_of(type(held))
     for column in columns_of(scene).values():
         values[column.name] = value_of(scene, column).tolist()
     return values
@@ -102,12 +122,8 @@ def text_of(kind: type[Part]) -> str:
     """The name by which `finding.find_class` finds a class again."""
     if kind.__module__.partition(".")[0] == __name__.partition(".")[0]:
         return kind.__name__
-    module = sys.modules.get(kind.__module__)
-    spec = getattr(module, "__spec__", None)
-    file = getattr(module, "__file__", None)
-    if file and (spec is None or (spec.parent == "" and "_" in spec.name)):
-        return f"{file}:{kind.__qualname__}"
-    return f"{kind.__module__}:{kind.__qualname__}"
+    file = file_of(kind)
+    return f"{file or kind.__module__}:{kind.__qualname__}"
 
 
 def value_of(scene: Scene, column: InputColumn) -> np.ndarray:
@@ -117,7 +133,7 @@ def value_of(scene: Scene, column: InputColumn) -> np.ndarray:
 
 
 def known_column(columns: Mapping[str, InputColumn], name: str) -> InputColumn:
-    """The column of a name. Raises InputError, with the nearest known."""
+    """The column of a name. Raises InputError, with what may have been meant."""
     if name not in columns:
-        raise InputError(f"{name} is unknown; did you mean {nearest(name, columns)}?")
+        raise InputError(f"{name} is unknown; {why_unknown(name, columns)}")
     return columns[name]

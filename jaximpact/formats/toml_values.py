@@ -10,11 +10,8 @@ from pathlib import Path
 from typing import NoReturn
 
 from ..errors import InputError, UnusualValueWarning, nearest
-from .columns import INPUT_COLUMNS, InputColumn
+from .columns import InputColumn, why_unknown
 from .reading import CONTROLS, as_text, read_input
-
-SOIL_COLUMNS = {n: c for n, c in INPUT_COLUMNS.items() if c.part == "soil"}
-
 
 LARGEST_WHOLE = 2**63 - 1
 """What TOML promises to hold."""
@@ -92,10 +89,8 @@ def _check_text(path: Path, key: str, text: str) -> None:
 
 
 def unknown(path: Path, key: str, name: str, known) -> NoReturn:
-    """Raise InputError for a name, with the nearest known."""
-    raise InputError(
-        f"is unknown; did you mean {nearest(name, known)}?", file=path, key=key
-    )
+    """Raise InputError for a name, with what may have been meant."""
+    raise InputError(f"is unknown; {why_unknown(name, known)}", file=path, key=key)
 
 
 def check_keys(path: Path, where: str, keys: Iterable[str], known) -> None:
@@ -187,13 +182,3 @@ def quantity(path: Path, key: str, column: InputColumn, value) -> float:
         text = f"{path}, key {key}: is {column.told(checked, column.unit)}"
         warnings.warn(UnusualValueWarning(text, column.name), stacklevel=2)
     return checked
-
-
-def soil_values(path: Path, content: dict, where: str) -> dict[str, float]:
-    """Soil parameters of a table; `where` is the table's name."""
-    values = {}
-    for name, value in content.items():
-        if name not in SOIL_COLUMNS:
-            unknown(path, f"{where}.{name}", name, SOIL_COLUMNS)
-        values[name] = quantity(path, f"{where}.{name}", SOIL_COLUMNS[name], value)
-    return values

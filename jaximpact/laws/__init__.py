@@ -6,6 +6,7 @@ law of one's own derives from the abstract class of its file and is given to `So
 
 from .._types import Scalar
 from ..parameters import parameter
+from ..safe import safe_power, safe_sqrt
 from .bearing import (
     AbstractBearing,
     BearingFactors,
@@ -100,4 +101,6 @@ __all__ = [
     "flow_direction",
     "overstress",
     "parameter",
+    "safe_power",
+    "safe_sqrt",
 ]

@@ -76,14 +76,20 @@ def footing_stiffness(
         S_ef, poisson: $S_{ef}$ and $\nu$ [-].
         foundation, branch: as for a law.
 
-    Smooth except at $B_t = B_w$, where the shape ratio has a kink; the derivative there
-    is that of $B_t < B_w$. Source: a reading; Gazetas (1983).
+    $R_s$ counts no further than the foundation's `most_slender`: a block straight out
+    of the plane of motion touches along a line, where the exponential of $R_s$ has lost
+    its meaning, and overflows.
+
+    Smooth except there and at $B_t = B_w$, where the shape ratio has a kink; the
+    derivative there is that of $B_t < B_w$. Source: a reading; Gazetas (1983).
     """
     length, width = foundation.length, foundation.width
     radius = equal_area_radius(foundation)
     ratio = length / width
     oblong = ratio > 1.0 if branch is None else branch.oblong
     shape_ratio = jnp.where(oblong, ratio, 1.0 / ratio)
+    if foundation.most_slender is not None:
+        shape_ratio = jnp.minimum(shape_ratio, foundation.most_slender)
     shear_modulus = S_ef * modulus / (2.0 * (1.0 + poisson))
     return Stiffness(
         normal=shape_factor(shape_ratio)

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from ..laws import Branch, FlowRate, Forces, Load, Stiffness
 from ..scene import GRAVITY, Scene
@@ -33,6 +33,7 @@ from ..shapes import AbstractShape, Foundation, SemiAxes, foundation
 from ..soil import Soil
 
 Scalar = Float[Array, ""]
+Flag = Bool[Array, ""]
 
 INITIAL_SINKING = 1e-6
 """Penetration at the start of the integration, as a part of the semi-axis R."""
@@ -96,6 +97,7 @@ class Ground(NamedTuple):
     inertia: Scalar
     sin_start: Scalar  # of theta_0
     cos_start: Scalar
+    start_side: Flag | None  # of theta_0, for a shape with flat faces
     gravity_normal: Scalar  # g cos(omega) [m/s2]
     gravity_tangential: Scalar  # g sin(omega) [m/s2]
     unit_weight_normal: Scalar  # gamma cos(omega) [N/m3]
@@ -111,6 +113,9 @@ def prepare(scene: Scene) -> Ground:
     sin, cos = jnp.sin(impact.orientation), jnp.cos(impact.orientation)
     cos_slope = jnp.cos(impact.slope)
     friction = soil.peak_friction(soil.friction_angle, soil.relative_density)
+    start_side = None
+    if block.shape.side_of(sin, cos) is not None:
+        start_side, _ = block.shape.side_towards(sin, cos, impact.angular_velocity)
     return Ground(
         soil=soil,
         shape=block.shape,
@@ -119,6 +124,7 @@ def prepare(scene: Scene) -> Ground:
         inertia=block.inertia,
         sin_start=sin,
         cos_start=cos,
+        start_side=start_side,
         gravity_normal=GRAVITY * cos_slope,
         gravity_tangential=GRAVITY * jnp.sin(impact.slope),
         unit_weight_normal=soil.unit_weight * cos_slope,
@@ -166,19 +172,53 @@ def contact_geometry(
     side = None if branch is None else branch.side
     sin, cos = turned(ground, rotation)
     start = ground.sin_start, ground.cos_start
+    sides = {} if side is None else dict(start_side=ground.start_side, side=side)
     change = ground.shape.support_change(
-        ground.axes, start, (sin, cos), jnp.sin(rotation), side=side
+        ground.axes, start, (sin, cos), jnp.sin(rotation), **sides
     )
     return foundation(
         ground.shape, ground.axes, sin, cos, penetration + change, side=side
     )
 
 
+def jump_of_elastic_normal(
+    ground: Ground, motion: Motion, before: Branch, after: Flag
+) -> Scalar:
+    r"""Change of $u^{ed}_n$ where the block has rolled over a level face [m].
+
+    The arm $r$ of the sinking velocity $v_n + r\Omega$ jumps as the face is level. A
+    step lands there but for an angle $\delta$ of next to nothing, and not at all where
+    the block moves off the face in its first steps; with the other arm the block would
+    have sunk by $\delta$ times the jump more. That is nil in value, nearly, but not in
+    derivative: it carries how the moment moves at which the face is level.
+
+    Args:
+        before: on which the step was taken. after: side of the next one.
+    """
+
+    def side_at(rotation):
+        return ground.shape.side_of(*turned(ground, rotation))
+
+    def arm_of(branch):
+        base = contact_geometry(ground, motion.penetration, motion.rotation, branch)
+        return ground.soil.kinematics.sinking_arm(base)
+
+    value, rate = jax.jvp(
+        side_at, (motion.rotation,), (jnp.ones_like(motion.rotation),)
+    )
+    turns = before.side != after
+    past = value / jnp.where(turns, rate, 1.0)
+    jump = arm_of(before._replace(side=after)) - arm_of(before)
+    return jnp.where(turns, jump * past, 0.0)
+
+
 def for_laws(ground: Ground, base: Foundation) -> Foundation:
     """The foundation as the laws see it: its sizes are kept positive."""
     floor = SMALLEST_FOUNDATION * ground.axes.minor
     return base._replace(
-        length=jnp.maximum(base.length, floor), width=jnp.maximum(base.width, floor)
+        length=jnp.maximum(base.length, floor),
+        width=jnp.maximum(base.width, floor),
+        most_slender=ground.shape.most_slender,
     )
 
 

@@ -72,6 +72,16 @@ def switches(
     )
 
 
+def at_start(ground: Ground, switches: Switches) -> Switches:
+    """The switching functions at touch: a block that lies on a level face is on the
+    side to which its spin turns it."""
+    if switches.side is None:
+        return switches
+    towards = jnp.where(ground.start_side, SWITCHED_OFF, -SWITCHED_OFF)
+    is_level = jnp.abs(switches.side) <= SWITCHED_OFF
+    return switches._replace(side=jnp.where(is_level, towards, switches.side))
+
+
 def branch_of(switches: Switches) -> Branch:
     """The side taken at each switch."""
     return Branch(

@@ -73,7 +73,9 @@ OUTCOME_OF_MARGIN = (
 def closing_velocity(ground: Ground, motion: Motion) -> Scalar:
     """Velocity at which the block's deepest point sinks at touch [m/s]; a block for
     which it is not positive is separating."""
-    arm = ground.shape.tangency_arm(ground.axes, ground.sin_start, ground.cos_start)
+    arm = ground.shape.arm_at_touch(
+        ground.axes, ground.sin_start, ground.cos_start, motion.angular_velocity
+    )
     return motion.normal_velocity + arm * motion.angular_velocity
 
 

@@ -26,12 +26,13 @@ from .dynamics import (
     contact,
     force_rate,
     initial_motion,
+    jump_of_elastic_normal,
     kinetic_energy,
     motion_rate,
     prepare,
     work_rate,
 )
-from .kinks import Switches, switches
+from .kinks import Switches, branch_of, switches
 from .known import leave_out_known
 from .model import FORCES, PLANAR, PLANAR_DAMPED, Model, select_model
 from .outcomes import Margins, end_margins
@@ -210,6 +211,19 @@ class Problem(eqx.Module):
             (list(vector),),
             (list(rates),),
         )
+
+    def on_next_side(self, vector, branch: Branch, watched: Switches):
+        """The state at the end of a step, for the next one to go on from: another where
+        the block has rolled over a level face; see `jump_of_elastic_normal`."""
+        unknowns = self.model.unknowns
+        if watched.side is None or "rotation" not in unknowns:
+            return vector
+        named = dict(zip(unknowns, vector, strict=True))
+        motion = Motion(*(named.get(name, 0.0) for name in Motion._fields))
+        after = branch_of(watched).side
+        jump = jump_of_elastic_normal(self.ground, motion, branch, after)
+        named["elastic_normal"] = named["elastic_normal"] + jump
+        return jnp.stack(list(named.values()))
 
     def power(self, vector, rates, branch: Branch) -> Work:
         """Power of the ledger's items [W], by the unknowns and their rates."""

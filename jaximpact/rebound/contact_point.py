@@ -30,8 +30,8 @@ def contact_point(block: Block, impact: Impact) -> ContactPoint:
     axes = block.semi_axes
     sin, cos = jnp.sin(impact.orientation), jnp.cos(impact.orientation)
     normal_arm = block.shape.support(axes, sin, cos)
-    tangential_arm = block.shape.tangency_arm(axes, sin, cos)
     spin = impact.angular_velocity
+    tangential_arm = block.shape.arm_at_touch(axes, sin, cos, spin)
     return ContactPoint(
         normal_arm,
         tangential_arm,

@@ -1,23 +1,29 @@
-"""Results of many impacts and their derivatives by one parameter, in machine code."""
+"""Results of many impacts and their derivatives by one parameter: in machine code, and
+in XLA where there is none."""
 
 import concurrent.futures
 from collections.abc import Callable
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from ..accuracy import Accuracy
+from ..batch import by_shape
+from ..engines.compilation import unfused_jit
 from ..engines.machine import (
     along_leaves,
     compile_native_along,
-    kernel_inputs,
+    computes_on_cpu,
     solve_rows,
+    with_setting,
 )
 from ..engines.marching import CORES
 from ..formats.columns import InputColumn, leaf_places
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.problem import Assembly
 from ..scene import Scene
+from ..simulation import compute_lanes
 from ..summary import Numbers, numbers_of_no_value
 
 PART = 256
@@ -43,33 +49,43 @@ def derivatives(
         Numbers with fields `(n,)` and the derivatives of each; NaN where the
         integration failed.
     """
-    leaf = leaf_places(scene)[column.name]
-    leaves, structure = jax.tree.flatten(scene)
-    leaves = [np.asarray(x) for x in leaves]
-    # A derivative leaves the symmetry that a cheaper model rests on.
-    unknown = [
-        np.full_like(x, np.nan) if i == leaf else x for i, x in enumerate(leaves)
-    ]
-    models = model_places(jax.tree.unflatten(structure, unknown), 0.0)
-    count = len(leaves[0])
+    count = len(np.asarray(scene.impact.speed))
     rows = len(jax.tree.leaves(numbers_of_no_value(ledger=False)))
-    values, slopes = np.empty((rows, count)), np.empty((rows, count))
+    values, slopes = np.empty((rows, count)), np.zeros((rows, count))
     jobs = []
-    for model in np.unique(models):
-        kernel = compile_native_along(Assembly(structure, MODELS[model], False))
-        chosen = np.flatnonzero(models == model)
-        jobs += [
-            (kernel, chosen[start : start + PART])
-            for start in range(0, len(chosen), PART)
-        ]
+    for alone, of_shape in by_shape(scene):
+        # A parameter that the shape does not have changes nothing.
+        leaf = leaf_places(alone).get(column.name)
+        structure = jax.tree.structure(alone)
+        leaves = np.stack([np.asarray(x) for x in jax.tree.leaves(alone)])
+        # A derivative leaves the symmetry that a cheaper model rests on.
+        unknown = list(leaves)
+        if leaf is not None:
+            unknown[leaf] = np.full(count, np.nan)
+        models = model_places(jax.tree.unflatten(structure, unknown), 0.0)
+        models = np.where(of_shape, models, -1)
+        for model in np.unique(models[models >= 0]):
+            assembly = Assembly(structure, MODELS[model], False)
+            kernel = compile_native_along(assembly) if computes_on_cpu() else None
+            chosen = np.flatnonzero(models == model)
+            jobs += [
+                (assembly, kernel, leaves, leaf, chosen[start : start + PART])
+                for start in range(0, len(chosen), PART)
+            ]
 
     def solve(job) -> None:
-        kernel, places = job
-        part = jax.tree.unflatten(structure, [x[places] for x in leaves])
-        inputs = along_leaves(np.stack(kernel_inputs(part, accuracy)), leaf)
-        numbers, along = solve_rows(kernel, inputs)
+        assembly, kernel, leaves, leaf, places = job
+        part, by = leaves[:, places], leaf or 0
+        if kernel is None:
+            numbers, along = _in_xla(
+                assembly, by, list(part), accuracy.tolerance, accuracy.floor
+            )
+        else:
+            inputs = along_leaves(with_setting(part, accuracy), by)
+            numbers, along = solve_rows(kernel, inputs)
         values[:, places] = jax.tree.leaves(numbers)
-        slopes[:, places] = jax.tree.leaves(along)
+        if leaf is not None:
+            slopes[:, places] = jax.tree.leaves(along)
         done(len(places))
 
     pool = concurrent.futures.ThreadPoolExecutor(CORES)
@@ -83,3 +99,17 @@ def derivatives(
         jax.tree.unflatten(of_numbers, list(values)),
         jax.tree.unflatten(of_numbers, list(slopes)),
     )
+
+
+def _along_leaf(assembly: Assembly, leaf: int, rows: list, tolerance, floor):
+    """Numbers of lanes, and their derivatives by one leaf of the scene."""
+
+    def of_leaf(values):
+        all_rows = [*rows[:leaf], values, *rows[leaf + 1 :]]
+        scene = jax.tree.unflatten(assembly.structure, all_rows)
+        return compute_lanes(assembly, scene, tolerance, floor)
+
+    return jax.jvp(of_leaf, (rows[leaf],), (jnp.ones_like(rows[leaf]),))
+
+
+_in_xla = unfused_jit(_along_leaf, static_argnums=(0, 1))

@@ -12,26 +12,29 @@ import xarray as xr
 
 from ..accuracy import Accuracy, get_accuracy
 from ..batch import broadcast_scene
+from ..block import Block
 from ..formats.checks import check_scene
 from ..formats.columns import (
-    INPUT_COLUMNS,
     OUTCOME_COLUMN,
     OUTCOME_MEANING,
     InputColumn,
     ResultColumn,
+    columns_of,
 )
 from ..formats.provenance import versions
 from ..formats.scenes import scene_values, value_of
+from ..identity import part_names
 from ..mechanics.outcomes import Outcome
 from ..precision import require_float64
-from ..scene import Scene
+from ..scene import Impact, Scene, as_scene
+from ..soil import Soil
 from ..summary import Numbers
 from ..sweeping import Axes, check_axes, coordinates_of, spread
 from .derivatives import derivatives
 from .differences import POINTS, differences, size_of
 from .names import (
     DEFAULT_OUTPUTS,
-    DEFAULT_PARAMETERS,
+    default_parameters,
     output_columns,
     parameter_columns,
 )
@@ -54,8 +57,8 @@ class _Checked(NamedTuple):
 
 
 def elasticities(
-    scene: Scene,
-    parameters: Iterable[str] = DEFAULT_PARAMETERS,
+    scene: Scene | Block | tuple[Block, Soil, Impact],
+    parameters: Iterable[str] | None = None,
     outputs: Iterable[str] = DEFAULT_OUTPUTS,
     *,
     axes: Axes | None = None,
@@ -73,8 +76,11 @@ def elasticities(
     an outcome changes, outputs jump, and no derivative says by how much.
 
     Args:
-        scene: one impact; or many, with fields that broadcast to `(n,)`.
-        parameters: input columns, such as `"c_v"` or `"angle_deg"`.
+        scene: one impact, as for `simulate`; or many, with fields that broadcast to
+            `(n,)`.
+        parameters: input columns, such as `"c_v"` or `"angle_deg"`, those of the
+            scene's own laws and shapes among them; if not given, those of c_v, gamma_v
+            and k_E that the laws have.
         outputs: result columns, such as `"e_n"`; all of a table of results if not said.
         axes: quantities that vary, as for `sweep`; then `scene` is one impact.
         accuracy: of the derivatives, as for `simulate`.
@@ -106,22 +112,26 @@ def elasticities(
         ValueError: a value out of its range.
     """
     require_float64()
-    inputs, results = parameter_columns(scene, parameters), output_columns(outputs)
+    scene = as_scene(scene)
+    if parameters is None:
+        parameters = default_parameters(scene)
+    results = output_columns(outputs)
     setting = get_accuracy(accuracy)
     shape, dimensions, coordinates, base = (), (), {}, scene
     if axes is not None:
         check_scene(scene)
-        grid = check_axes(axes)
+        grid = check_axes(axes, scene)
         shape = tuple(axis.length for axis in grid)
         dimensions = tuple(axis.name for axis in grid)
-        coordinates = coordinates_of(grid)
         scene = spread(scene, grid, shape)
+        coordinates = coordinates_of(grid, scene)
     else:
         check_scene(scene, batched=True)
         if any(np.ndim(leaf) for leaf in jax.tree.leaves(scene)):
             scene, count = broadcast_scene(scene)
             shape, dimensions = (count,), (SCENE_DIMENSION,)
             coordinates = _differing(scene)
+    inputs = parameter_columns(scene, parameters)
     scene, count = broadcast_scene(scene)
     counter = _Counter(progress, count * len(inputs) * (1 + POINTS * bool(check)))
     found = [
@@ -169,6 +179,7 @@ def elasticities(
         attrs={
             "title": "jaximpact: elasticities of impacts",
             "base": json.dumps(scene_values(base)),
+            "laws": json.dumps(part_names(base.soil, base.block)),
             "accuracy": json.dumps(dataclasses.asdict(setting)),
             "agrees_within": AGREES_WITHIN,
             "versions": json.dumps(versions()),
@@ -229,7 +240,7 @@ def _differing(scene: Scene) -> dict:
             values,
             {"units": column.unit, "long_name": column.meaning},
         )
-        for column in INPUT_COLUMNS.values()
+        for column in columns_of(scene).values()
         if np.ptp(values := value_of(scene, column)) > 0.0
     }
 

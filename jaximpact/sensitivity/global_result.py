@@ -8,9 +8,10 @@ import numpy as np
 import xarray as xr
 
 from ..accuracy import Accuracy
-from ..formats.columns import INPUT_COLUMNS, ResultColumn
+from ..formats.columns import ResultColumn, columns_of
 from ..formats.provenance import version_of, versions
 from ..formats.scenes import scene_values
+from ..identity import part_names
 from ..scene import Scene
 from .elasticity import axes_of_names
 from .estimators import Morris, Sobol
@@ -52,13 +53,14 @@ def global_dataset(
         "groups_dropped": ("output", np.array([g.dropped for g in groups], np.int32)),
         "reason": ("output", [g.reason for g in groups]),
     }
-    inputs = tuple(INPUT_COLUMNS[name] for name in ranges)
+    inputs = tuple(columns_of(base)[name] for name in ranges)
     return xr.Dataset(
         variables,
         axes_of_names(inputs, columns),
         attrs={
             "title": f"jaximpact: {title} of impacts",
             "base": json.dumps(scene_values(base)),
+            "laws": json.dumps(part_names(base.soil, base.block)),
             "ranges": json.dumps(
                 {name: dataclasses.asdict(given) for name, given in ranges.items()}
             ),

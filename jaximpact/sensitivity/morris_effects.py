@@ -6,10 +6,12 @@ from pathlib import Path
 import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
+from ..block import Block
 from ..fields import whole_number
 from ..formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..precision import require_float64
-from ..scene import Scene
+from ..scene import Impact, Scene, as_scene
+from ..soil import Soil
 from .estimators import LEVELS, morris_of, problem_of
 from .global_result import global_dataset
 from .names import DEFAULT_OUTPUTS, output_columns
@@ -20,7 +22,7 @@ DEFAULT_TRAJECTORIES = 256
 
 
 def morris(
-    base: Scene,
+    base: Scene | Block | tuple[Block, Soil, Impact],
     ranges: Mapping[str, Range | tuple[float, float]],
     outputs: Iterable[str] = DEFAULT_OUTPUTS,
     *,
@@ -54,8 +56,9 @@ def morris(
     Raises as `sobol` does.
     """
     require_float64()
+    base = as_scene(base)
     check_scene(base)
-    checked, columns = check_ranges(ranges), output_columns(outputs)
+    checked, columns = check_ranges(base, ranges), output_columns(outputs)
     check_seed(seed)
     check_trajectories(trajectories, len(checked))
     setting = get_accuracy(accuracy)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 
+from ..errors import InputError
 from ..formats.checks import checked_names
 from ..formats.columns import (
     RESULT_COLUMNS,
@@ -12,10 +13,22 @@ from ..formats.columns import (
 from ..scene import Scene
 from ..sweeping import OUTPUT_COLUMNS
 
-DEFAULT_PARAMETERS = ("c_v", "gamma_v", "k_E")
+USUAL_PARAMETERS = ("c_v", "gamma_v", "k_E")
 DEFAULT_OUTPUTS = tuple(RESULT_COLUMNS)
 WATCHED = {name: c for name, c in OUTPUT_COLUMNS.items() if name != "steps"}
 """The numbers that belong to the impact, not to how it was computed."""
+
+
+def default_parameters(scene: Scene) -> tuple[str, ...]:
+    """Of the parameters that matter with the usual laws those that the scene has."""
+    columns = columns_of(scene)
+    found = tuple(name for name in USUAL_PARAMETERS if name in columns)
+    if not found:
+        raise InputError(
+            f"parameters must be named, as the scene's laws have none of "
+            f"{', '.join(USUAL_PARAMETERS)}"
+        )
+    return found
 
 
 def parameter_columns(scene: Scene, names: Iterable[str]) -> tuple[InputColumn, ...]:

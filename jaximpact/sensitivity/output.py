@@ -89,6 +89,7 @@ def manifest(study: SensitivityStudy, datasets: dict[str, xr.Dataset]) -> dict:
         "title": study.title,
         "study": {"file": study.path.name, "sha256": study.sha256},
         "scene": json.loads(first.attrs["base"]),
+        "laws": json.loads(first.attrs["laws"]),
         "parameters": list(study.parameters),
         "ranges": {name: vars(given) for name, given in study.ranges.items()},
         "outputs": list(study.outputs),

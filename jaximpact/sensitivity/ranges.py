@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 
 from ..errors import InputError, nearest
 from ..fields import expect, real_number
-from ..formats.columns import INPUT_COLUMNS
+from ..formats.columns import InputColumn
+from ..scene import Scene
 from .names import parameter_columns
 
 UNIFORM, LOG_UNIFORM = DISTRIBUTIONS = ("uniform", "log-uniform")
@@ -37,15 +38,18 @@ class Range:
         return np.clip(values, self.lower, self.upper)
 
 
-def check_ranges(ranges: Mapping[str, Range | tuple[float, float]]) -> dict[str, Range]:
-    """The ranges by the names of their columns; a pair is uniform.
+def check_ranges(
+    scene: Scene, ranges: Mapping[str, Range | tuple[float, float]]
+) -> dict[str, Range]:
+    """The ranges of parameters of a scene by the names of their columns; a pair is
+    uniform.
 
     Raises InputError for an unknown name, ends out of the column's range or in the
     wrong order, an unknown distribution, and for fewer than two parameters.
     """
     expect("ranges", ranges, Mapping)
     checked = {}
-    for column in parameter_columns(ranges):
+    for column in parameter_columns(scene, ranges):
         given = ranges[column.name]
         if not isinstance(given, Range):
             try:
@@ -56,7 +60,7 @@ def check_ranges(ranges: Mapping[str, Range | tuple[float, float]]) -> dict[str,
                     f"of numbers, but is {given!r}"
                 ) from None
             given = Range(lower, upper)
-        check_range(column.name, given)
+        check_range(column, given)
         checked[column.name] = given
     if len(checked) < 2:
         raise InputError(
@@ -66,9 +70,9 @@ def check_ranges(ranges: Mapping[str, Range | tuple[float, float]]) -> dict[str,
     return checked
 
 
-def check_range(name: str, given: Range) -> None:
+def check_range(column: InputColumn, given: Range) -> None:
     """Raise InputError unless it is a range of that column."""
-    column = INPUT_COLUMNS[name]
+    name = column.name
     if given.distribution not in DISTRIBUTIONS:
         raise InputError(
             f"the distribution of {name} must be one of {', '.join(DISTRIBUTIONS)}, "

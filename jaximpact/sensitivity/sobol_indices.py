@@ -7,10 +7,12 @@ from pathlib import Path
 import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
+from ..block import Block
 from ..errors import InputError
 from ..formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..precision import require_float64
-from ..scene import Scene
+from ..scene import Impact, Scene, as_scene
+from ..soil import Soil
 from .estimators import problem_of, sobol_of
 from .global_result import global_dataset
 from .names import DEFAULT_OUTPUTS, output_columns
@@ -21,7 +23,7 @@ DEFAULT_BLOCKS = 4096
 
 
 def sobol(
-    base: Scene,
+    base: Scene | Block | tuple[Block, Soil, Impact],
     ranges: Mapping[str, Range | tuple[float, float]],
     outputs: Iterable[str] = DEFAULT_OUTPUTS,
     *,
@@ -41,7 +43,7 @@ def sobol(
     more is in combinations with others.
 
     Args:
-        base: one impact; what does not vary is as here.
+        base: one impact, as for `simulate`; what does not vary is as here.
         ranges: input column -> `Range`, or a pair (lower, upper), uniform, in the unit
             of the column; at least two. Parameters are independent.
         outputs: result columns; all of a table of results if not said.
@@ -68,8 +70,9 @@ def sobol(
         ValueError: a base that is no single scene.
     """
     require_float64()
+    base = as_scene(base)
     check_scene(base)
-    checked, columns = check_ranges(ranges), output_columns(outputs)
+    checked, columns = check_ranges(base, ranges), output_columns(outputs)
     check_seed(seed)
     check_blocks(blocks, len(checked))
     setting = get_accuracy(accuracy)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..errors import InputError
+from ..formats.columns import InputColumn
 from ..formats.reading import read_input
 from ..formats.scene_file import scene_from
 from ..formats.toml_values import allowed, check_keys, choice, parse_toml, typed, whole
@@ -13,7 +14,7 @@ from ..scene import Scene
 from .morris_effects import DEFAULT_TRAJECTORIES, check_trajectories
 from .names import (
     DEFAULT_OUTPUTS,
-    DEFAULT_PARAMETERS,
+    default_parameters,
     output_columns,
     parameter_columns,
 )
@@ -60,14 +61,16 @@ def read_study(path: Path, method: str | None = None) -> SensitivityStudy:
     data = read_input(path)
     content = parse_toml(path, data)
     base, accuracy = scene_from(path, content, KEYS)
-    entries = typed(
-        path, content, "parameters", dict, {name: {} for name in DEFAULT_PARAMETERS}
-    )
+    if "parameters" in content:
+        entries = typed(path, content, "parameters", dict)
+    else:
+        usual = _in_file(path, "parameters", lambda: default_parameters(base))
+        entries = {name: {} for name in usual}
     parameters = tuple(entries)
-    _in_file(path, "parameters", lambda: parameter_columns(parameters))
+    columns = _in_file(path, "parameters", lambda: parameter_columns(base, parameters))
     ranges = {}
-    for name, entry in entries.items():
-        given = _range(path, name, entry)
+    for column, (name, entry) in zip(columns, entries.items(), strict=True):
+        given = _range(path, column, entry)
         if given is not None:
             ranges[name] = given
     outputs = tuple(typed(path, content, "outputs", list, list(DEFAULT_OUTPUTS)))
@@ -121,9 +124,9 @@ def _methods(
     return METHODS if method == ALL else (method,)
 
 
-def _range(path: Path, name: str, entry) -> Range | None:
+def _range(path: Path, column: InputColumn, entry) -> Range | None:
     """The range of a parameter, None for an empty table."""
-    key = f"parameters.{name}"
+    key = f"parameters.{column.name}"
     if not isinstance(entry, dict):
         raise InputError(
             "must be a table like { lower = 0.1, upper = 10.0, "
@@ -134,7 +137,6 @@ def _range(path: Path, name: str, entry) -> Range | None:
     check_keys(path, key, entry, RANGE_KEYS)
     if not entry:
         return None
-    column = parameter_columns([name])[0]
     ends = []
     for inner in ("lower", "upper"):
         if inner not in entry:
@@ -142,13 +144,13 @@ def _range(path: Path, name: str, entry) -> Range | None:
         ends.append(allowed(path, f"{key}.{inner}", column, entry[inner]))
     distribution = choice(path, entry, "distribution", UNIFORM, DISTRIBUTIONS)
     given = Range(*ends, distribution)
-    _in_file(path, key, lambda: check_range(name, given))
+    _in_file(path, key, lambda: check_range(column, given))
     return given
 
 
-def _in_file(path: Path, key: str, check: Callable[[], object]) -> None:
-    """Say of what a check refuses where it stands."""
+def _in_file(path: Path, key: str, check: Callable):
+    """What a check gives; of what it refuses, say where it stands."""
     try:
-        check()
+        return check()
     except InputError as error:
         raise InputError(str(error), file=path, key=key) from None

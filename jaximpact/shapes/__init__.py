@@ -3,6 +3,7 @@
 from .base import AbstractShape, Section, SemiAxes
 from .elliptic import AbstractElliptic, Ellipsoid, EllipticCylinder
 from .foundation import Foundation, foundation
+from .mixed import MixedShapes, mixed, shape_of_each
 from .prism import RectangularPrism
 
 __all__ = [
@@ -11,8 +12,11 @@ __all__ = [
     "Ellipsoid",
     "EllipticCylinder",
     "Foundation",
+    "MixedShapes",
     "RectangularPrism",
     "Section",
     "SemiAxes",
     "foundation",
+    "mixed",
+    "shape_of_each",
 ]

@@ -1,10 +1,11 @@
 """What the model takes from the shape of a block."""
 
 import abc
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from ..parameters import Part
@@ -46,7 +47,16 @@ class AbstractShape(Part):
     axis as its sine and cosine (positive clockwise, down-slope to the right). All
     functions take and return scalars, and must be finite, with finite derivatives, for
     every finite input.
+
+    A shape with flat faces defines `side_of` too; `support`, `tangency_arm` and
+    `section` then take `side`, a keyword that other shapes are not given.
     """
+
+    most_slender: ClassVar[float | None] = 100.0
+    """Ratio of the foundation's sizes up to which the correction J_s of the stiffness
+    heeds it, 49 there. A block straight out of the plane of motion is beyond it down to
+    a sinking of some 1e-4 R, and J_s, an exponential, would overflow; what it is there
+    does not show in results. None: without end, as the paper prints J_s."""
 
     @property
     @abc.abstractmethod
@@ -66,15 +76,29 @@ class AbstractShape(Part):
         r"""Height $r_y(\Theta)$ of the centre over a ground that the block touches [m].
 
         Args:
+            axes: H, R and W [m]. sin, cos: of the orientation.
             side: of `side_of`, on which to stay; None for the one where it is.
         """
 
     @abc.abstractmethod
     def section(
-        self, axes: SemiAxes, sin: Scalar, cos: Scalar, height: Scalar, sinking: Scalar
+        self,
+        axes: SemiAxes,
+        sin: Scalar,
+        cos: Scalar,
+        height: Scalar,
+        sinking: Scalar,
+        *,
+        side: Flag | None = None,
     ) -> Section:
-        """Section by the ground with the centre at a `height` over it and the lowest
-        point at a depth `sinking` [m] (positive; their sum is the support)."""
+        """Section by the ground.
+
+        Args:
+            axes, sin, cos, side: as for `support`.
+            height: of the centre over the ground [m]; negative once it has sunk below.
+            sinking: depth of the lowest point [m], `support - height`. What is given
+                where it is not positive is not used, but must be finite.
+        """
 
     def semi_axes(self, mass: Scalar, density: Scalar) -> SemiAxes:
         r"""H, R and W, with $R = \sqrt[3]{m / (\rho V_1)}$ and $V_1$ the unit volume.
@@ -95,10 +119,31 @@ class AbstractShape(Part):
         self, axes: SemiAxes, sin: Scalar, cos: Scalar, *, side: Flag | None = None
     ) -> Scalar:
         r"""The lowest point from the centre, down-slope positive:
-        $T_{low} = dr_y/d\Theta$ [m]."""
+        $T_{low} = dr_y/d\Theta$ [m].
+
+        Args:
+            side: as for `support`; with None, on a level face, its middle.
+        """
+        sides = on_side(side)
         return jax.jvp(
-            lambda s, c: self.support(axes, s, c, side=side), (sin, cos), (cos, -sin)
+            lambda s, c: self.support(axes, s, c, **sides), (sin, cos), (cos, -sin)
         )[1]
+
+    def arm_at_touch(
+        self, axes: SemiAxes, sin: Scalar, cos: Scalar, spin: Scalar
+    ) -> Scalar:
+        """Tangency arm of a block that touches the ground with a spin [m].
+
+        On a level face every point is lowest. The spin drives one of its ends into the
+        ground: that is the one taken, so that the lowest point sinks at
+        `v_n + b |spin|` with b half the face. Without spin the middle is.
+        """
+        if self.side_of(sin, cos) is None:
+            return self.tangency_arm(axes, sin, cos)
+        side, is_level = self.side_towards(sin, cos, spin)
+        end = self.tangency_arm(axes, sin, cos, side=side)
+        middle = self.tangency_arm(axes, sin, cos)
+        return jnp.where(is_level & (spin == 0.0), middle, end)
 
     def support_change(
         self,
@@ -107,15 +152,17 @@ class AbstractShape(Part):
         now: tuple[Scalar, Scalar],
         sin_turn: Scalar,
         *,
+        start_side: Flag | None = None,
         side: Flag | None = None,
     ) -> Scalar:
         """Change of the support from one orientation to another [m].
 
         Args:
             start, now: sine and cosine of the two. sin_turn: sine of the angle between.
-            side: of the second.
+            start_side, side: on which to be at the two.
         """
-        return self.support(axes, *now, side=side) - self.support(axes, *start)
+        before = self.support(axes, *start, **on_side(start_side))
+        return self.support(axes, *now, **on_side(side)) - before
 
     def side_of(self, sin: Scalar, cos: Scalar) -> Scalar | None:
         """A function that changes sign at orientations where the lowest point jumps
@@ -124,12 +171,17 @@ class AbstractShape(Part):
         side."""
         return None
 
+    def side_towards(self, sin: Scalar, cos: Scalar, spin: Scalar) -> tuple[Flag, Flag]:
+        """Side on which a block is, or where a face is level that to which a spin turns
+        it; and whether one is level."""
+        value, rate = jax.jvp(self.side_of, (sin, cos), (cos, -sin))
+        is_level = jnp.abs(value) <= SYMMETRIC_WITHIN
+        return jnp.where(is_level, rate * spin > 0.0, value > 0.0), is_level
+
     def is_upright(self, orientation):
         """Whether the block lies symmetric about the ground's normal, so that a central
         impact does not turn it: by default at multiples of 90 degrees. For NumPy arrays
         [rad]."""
-        import numpy as np
-
         return np.abs(np.sin(2.0 * np.asarray(orientation))) <= SYMMETRIC_WITHIN
 
     @property
@@ -138,19 +190,34 @@ class AbstractShape(Part):
         default that of the rectangle of its sizes."""
         return jnp.sqrt(self.aspect_ratio**2 + 1.0)
 
-    def outline(self, axes: SemiAxes, count: int = 181):
-        """Points of the outline for drawings, `(count, 2)`, along the minor and the
-        major axis [m]: the tangency points of all orientations."""
-        import numpy as np
+    def outline(self, axes: SemiAxes, count: int = 180) -> np.ndarray:
+        """The outline in the plane of motion, for drawings [m].
 
-        turn = np.linspace(0.0, 2.0 * np.pi, count)
-        points = []
-        for angle in turn:
-            sin, cos = jnp.sin(angle), jnp.cos(angle)
-            support = float(self.support(axes, sin, cos))
-            arm = float(self.tangency_arm(axes, sin, cos))
-            points.append((arm * cos + support * sin, support * cos - arm * sin))
-        return np.array(points, float)
+        Args:
+            axes: half sizes of one block.
+            count: orientations, evenly spread, whose lowest points are joined.
+
+        Returns:
+            `(points, 2)`: across and along the major axis, once around and closed,
+            beginning at or beside the end of the major axis. Flat faces have both their
+            ends.
+        """
+        turn = 2.0 * np.pi * (np.arange(count) + 0.5) / count
+        sin, cos = jnp.sin(turn), jnp.cos(turn)
+
+        def lowest(s, c):
+            return self.support(axes, s, c), self.tangency_arm(axes, s, c)
+
+        support, arm = map(np.asarray, jax.vmap(lowest)(sin, cos))
+        sin, cos = np.sin(turn), np.cos(turn)
+        across, along = support * sin + arm * cos, support * cos - arm * sin
+        points = np.column_stack([across, along])
+        return np.concatenate([points, points[:1]])
+
+
+def on_side(side: Flag | None) -> dict[str, Flag]:
+    """The keyword `side`, for a shape that has sides; else nothing."""
+    return {} if side is None else {"side": side}
 
 
 SYMMETRIC_WITHIN = 1e-12

@@ -27,7 +27,9 @@ class AbstractElliptic(AbstractShape):
         difference = (axes.major**2 - axes.minor**2) * sin * cos
         return -difference / self.support(axes, sin, cos)
 
-    def support_change(self, axes, start, now, sin_turn, *, side=None) -> Scalar:
+    def support_change(
+        self, axes, start, now, sin_turn, *, start_side=None, side=None
+    ) -> Scalar:
         r"""$(r_y^2 - r_{y0}^2) / (r_y + r_{y0})$ [m] with
         $r_y^2 - r_{y0}^2 = -(H^2 - R^2) \sin(2 \theta_0 + \theta) \sin\theta$, which
         keeps its digits at small rotations."""
@@ -38,7 +40,7 @@ class AbstractElliptic(AbstractShape):
             self.support(axes, sin, cos) + self.support(axes, sin_start, cos_start)
         )
 
-    def _section(
+    def cut(
         self, axes: SemiAxes, sin, cos, height, sinking
     ) -> tuple[Scalar, Scalar, Scalar]:
         r"""Ends of the section, and $q = \sqrt{1 - (d/r_y)^2}$; see
@@ -72,6 +74,13 @@ class AbstractElliptic(AbstractShape):
         """Radius of the circle about the ellipse, over R [-]."""
         return jnp.maximum(self.aspect_ratio, 1.0)
 
+    def outline(self, axes, count=180) -> np.ndarray:
+        """Begins at the end of the major axis; see `AbstractShape.outline`."""
+        turn = np.linspace(0.0, 2.0 * np.pi, count + 1)
+        return np.column_stack(
+            [float(axes.minor) * np.sin(turn), float(axes.major) * np.cos(turn)]
+        )
+
 
 class Ellipsoid(AbstractElliptic):
     r"""An ellipsoid, the block of the paper.
@@ -87,6 +96,8 @@ class Ellipsoid(AbstractElliptic):
     Source: Dattola, Crosta and di Prisco (2023), eq. 7 and appendix D; the out-of-plane
     semi-axis is a parameter of its own here, where the paper sets W = R.
     """
+
+    most_slender = None
 
     aspect_ratio: Scalar = parameter(
         1.0, "-", "(0, inf)", "H/R; below 1 an oblate block", usual=USUAL_RATIO
@@ -116,8 +127,8 @@ class Ellipsoid(AbstractElliptic):
     def inertia(self, mass, axes) -> Scalar:
         return mass * (axes.major**2 + axes.minor**2) / 5.0
 
-    def section(self, axes, sin, cos, height, sinking) -> Section:
-        left, right, q = self._section(axes, sin, cos, height, sinking)
+    def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
+        left, right, q = self.cut(axes, sin, cos, height, sinking)
         full = 2.0 * axes.out_of_plane
         return Section(
             left, right, jnp.where(height > 0.0, 2.0 * axes.out_of_plane * q, full)
@@ -150,6 +161,6 @@ class EllipticCylinder(AbstractElliptic):
     def unit_inertia(self) -> Scalar:
         return (self.aspect_ratio**2 + 1.0) / 4.0
 
-    def section(self, axes, sin, cos, height, sinking) -> Section:
-        left, right, _ = self._section(axes, sin, cos, height, sinking)
+    def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
+        left, right, _ = self.cut(axes, sin, cos, height, sinking)
         return Section(left, right, 2.0 * axes.out_of_plane)

@@ -25,7 +25,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from .base import AbstractShape, Flag, SemiAxes
+from .base import AbstractShape, Flag, SemiAxes, on_side
 
 Scalar = Float[Array, ""]
 
@@ -45,6 +45,8 @@ class Foundation(NamedTuple):
     """r_t, centre of the foundation from the block's centre, down-slope positive."""
     tangency_arm: Scalar
     """T_low, the block's deepest point from its centre, down-slope positive."""
+    most_slender: float | None = None
+    """Ratio of the sizes up to which laws heed it; see `AbstractShape`."""
 
 
 def foundation(
@@ -69,8 +71,9 @@ def foundation(
 
     Source: Dattola et al. (2023), appendix D, mended as told in this module's head.
     """
-    height = shape.support(axes, sin, cos, side=side) - sinking
-    section = shape.section(axes, sin, cos, height, sinking)
+    sides = on_side(side)
+    height = shape.support(axes, sin, cos, **sides) - sinking
+    section = shape.section(axes, sin, cos, height, sinking, **sides)
     # Without a section there is no foundation to extend to the extreme points.
     touching = sinking > 0.0
     return Foundation(
@@ -79,5 +82,5 @@ def foundation(
         sinking=sinking,
         normal_arm=height,
         tangential_arm=0.5 * (section.left + section.right),
-        tangency_arm=shape.tangency_arm(axes, sin, cos, side=side),
+        tangency_arm=shape.tangency_arm(axes, sin, cos, **sides),
     )

@@ -1,8 +1,11 @@
 r"""Rectangular prism whose corners in the plane of motion are rounded."""
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
+from .._jax_internals import Tracer
+from ..errors import InputError
 from ..parameters import parameter
 from ..safe import safe_sqrt
 from .base import SYMMETRIC_WITHIN, AbstractShape, Section
@@ -17,21 +20,37 @@ than the block is large."""
 class RectangularPrism(AbstractShape):
     r"""A rectangular prism of half sides H, R and W, rounded in the plane of motion.
 
-    The section in the plane is a rectangle of half sides $a = H - \rho$, $b = R - \rho$
-    with a circle of radius $\rho = \kappa \min(H, R)$ moved along it (a Minkowski sum):
-    H and R are the half sides with the corners, $\kappa$ is `corner_radius_ratio`.
+    The section in the plane is a rectangle of half sides $a = H - \rho$ and
+    $b = R - \rho$ with a circle of radius $\rho = \kappa \min(H, R)$ moved along it (a
+    Minkowski sum): H and R are the half sides with the corners, $\kappa$ is
+    `corner_radius_ratio`.
 
     $$ V = 2 W \left(4 H R - (4 - \pi) \rho^2\right), \qquad
        r_y = a |c| + b |s| + \rho, \qquad B_w = 2 W $$
 
     The inertia is that of the rounded section. With $\kappa = 1$ and H = R it is the
-    circular cylinder. Sections at ground level are exact. They are continuous, with
-    continuous first derivatives for $\kappa > 0$. The lowest point jumps from corner to
-    corner where a face is level; steps of the integration end there.
+    circular cylinder. Sections at ground level are exact, and continuous with
+    continuous first derivatives but where a face is level or upright.
+
+    Rounding the corners leaves the faces flat: the lowest point jumps from one end of a
+    face to the other where the face is level, and $r_y$ has a kink there. Steps of the
+    integration end there, and derivatives are those of the side that the block comes
+    from.
+
+    The corners cannot be sharp. Under a sharp corner $B_t$ grows as the sinking does,
+    and hardening per $B_t$ is then without bound at the first touch: results would
+    depend on the sinking at which the integration begins. As $\kappa$ falls they go on
+    changing with its logarithm.
+
+    Source: model of the package; the paper has ellipsoids only.
     """
 
     aspect_ratio: Scalar = parameter(
-        1.0, "-", "(0, inf)", "H/R; below 1 an oblate block", usual=USUAL_RATIO
+        1.0,
+        "-",
+        "(0, inf)",
+        "H/R; below 1 the major side is the short one",
+        usual=USUAL_RATIO,
     )
     out_of_plane_ratio: Scalar = parameter(
         1.0, "-", "(0, inf)", "W/R", usual=USUAL_RATIO
@@ -39,6 +58,15 @@ class RectangularPrism(AbstractShape):
     corner_radius_ratio: Scalar = parameter(
         0.2, "-", "(0, 1]", "radius of the corners over the smaller of H and R"
     )
+
+    def __check_init__(self):
+        radius = self.corner_radius_ratio
+        if not isinstance(radius, Tracer) and np.any(np.asarray(radius) == 0.0):
+            raise InputError(
+                "corner_radius_ratio must be in (0, 1], but is 0: at the first touch a "
+                "sharp corner would harden the ground without bound; give a small "
+                "radius, as 0.05"
+            )
 
     def _radius(self, major, minor) -> Scalar:
         return self.corner_radius_ratio * jnp.minimum(major, minor)
@@ -73,9 +101,22 @@ class RectangularPrism(AbstractShape):
         return moment / area
 
     def side_of(self, sin, cos) -> Scalar:
-        """Positive while the lowest corner is on the side that the major axis leans
-        away from; zero where a face is level."""
+        r"""$\sin\Theta\cos\Theta$: zero where a face is level, each of the two corners
+        that are lowest beside it having a sign of its own."""
         return sin * cos
+
+    def is_upright(self, orientation):
+        """Also at 45 degrees for a square, and always for a circle."""
+        square = np.asarray(self.aspect_ratio) == 1.0
+        circle = square & (np.asarray(self.corner_radius_ratio) == 1.0)
+        on_corner = np.abs(np.cos(2.0 * np.asarray(orientation))) <= SYMMETRIC_WITHIN
+        return super().is_upright(orientation) | circle | (square & on_corner)
+
+    @property
+    def bound(self) -> Scalar:
+        """Radius of the circle about the section, over R [-]."""
+        long, radius = self.aspect_ratio, self._radius(self.aspect_ratio, 1.0)
+        return jnp.hypot(long - radius, 1.0 - radius) + radius
 
     def _signs(self, sin, cos, side) -> tuple[Scalar, Scalar]:
         """Signs of sine and cosine, by the side that is told; 0 where a face is
@@ -91,6 +132,7 @@ class RectangularPrism(AbstractShape):
         return sin_sign, product * sin_sign
 
     def support(self, axes, sin, cos, *, side=None) -> Scalar:
+        r"""$r_y = a |c| + b |s| + \rho$ [m]."""
         radius = self._radius(axes.major, axes.minor)
         sin_sign, cos_sign = self._signs(sin, cos, side)
         long, short = axes.major - radius, axes.minor - radius
@@ -104,34 +146,29 @@ class RectangularPrism(AbstractShape):
         long, short = axes.major - radius, axes.minor - radius
         return short * sin_sign * cos - long * cos_sign * sin
 
-    def section(self, axes, sin, cos, height, sinking) -> Section:
+    def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
         major, minor, out_of_plane = axes
         radius = self._radius(major, minor)
         a, b = major - radius, minor - radius
-        sin_sign, cos_sign = jnp.sign(sin), jnp.sign(cos)
-        lowest = b * sin_sign * cos - a * cos_sign * sin
-        lefts, rights = [lowest], [lowest]
+        sin_sign, cos_sign = self._signs(sin, cos, side)
+        deepest = a * cos_sign * cos + b * sin_sign * sin
 
-        def add(left, right, cut):
-            lefts.append(jnp.where(cut, left, lowest))
-            rights.append(jnp.where(cut, right, lowest))
-
-        # The body is the union of two crossed rectangles and four circles.
-        for long, short in ((major, b), (a, minor)):
-            add(*_cut_of_rectangle(long, short, sin, cos, height))
-        deepest = a * jnp.abs(cos) + b * jnp.abs(sin)
-        for p, q in ((a, b), (a, -b), (-a, b), (-a, -b)):
-            # Depth of the circle's lowest point, exact for the deepest at the onset
+        def rounded(end, direction):
+            """End of the section from that of the rectangle with sharp corners."""
+            along, across = height * cos - end * sin, height * sin + end * cos
+            p, q = jnp.where(along < 0.0, -a, a), jnp.where(across < 0.0, -b, b)
+            # Depth of the lowest point of the corner's circle; of the block's lowest
+            # corner without rounding, which the onset needs
             depth = sinking + (p * cos + q * sin - deepest)
             half = safe_sqrt(depth * (2.0 * radius - depth))
-            centre = q * cos - p * sin
-            cut = (depth > 0.0) & (depth < 2.0 * radius)
-            add(centre - half, centre + half, cut)
-        left = jnp.min(jnp.stack(lefts), axis=0)
-        right = jnp.max(jnp.stack(rights), axis=0)
+            in_corner = (jnp.abs(along) > a) & (jnp.abs(across) > b)
+            return jnp.where(in_corner, q * cos - p * sin + direction * half, end)
 
-        extreme = a * jnp.abs(sin) + b * jnp.abs(cos) + radius
-        level = b * cos_sign * sin - a * sin_sign * cos  # of the right extreme point
+        left, right = _cut_of_rectangle(major, minor, sin, cos, height)
+        left, right = rounded(left, -1.0), rounded(right, 1.0)
+        extreme = a * sin_sign * sin + b * cos_sign * cos + radius
+        # Depth of the right extreme point below the centre
+        level = b * cos_sign * sin - a * sin_sign * cos
         return Section(
             jnp.where(-level - height < 0.0, left, -extreme),
             jnp.where(level - height < 0.0, right, extreme),
@@ -141,11 +178,12 @@ class RectangularPrism(AbstractShape):
 
 def _cut_of_rectangle(long, short, sin, cos, height):
     """Ends of the cut of a rectangle of half sides `long` (along the major axis) and
-    `short` by the ground, and whether there is one."""
+    `short` by the ground."""
     steep = jnp.where(jnp.abs(cos) < LEAST_SLOPE, LEAST_SLOPE, cos)
     level = jnp.where(jnp.abs(sin) < LEAST_SLOPE, LEAST_SLOPE, sin)
     first, first_half = -height * sin / steep, short / jnp.abs(steep)
     second, second_half = height * cos / level, long / jnp.abs(level)
-    left = jnp.maximum(first - first_half, second - second_half)
-    right = jnp.minimum(first + first_half, second + second_half)
-    return left, right, left < right
+    return (
+        jnp.maximum(first - first_half, second - second_half),
+        jnp.minimum(first + first_half, second + second_half),
+    )

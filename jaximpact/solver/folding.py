@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 
 from ..laws import Branch
 from ..mechanics.dynamics import Work
-from ..mechanics.kinks import SWITCHED_OFF, branch_of
+from ..mechanics.kinks import SWITCHED_OFF, at_start, branch_of
 from ..mechanics.problem import Observed, Problem, Watched
 from .cubic import peak_of_cubic
 from .rosenbrock import DenseOutput, per_width
@@ -68,7 +68,11 @@ def start_fold(problem: Problem, vector) -> Fold:
         peaks=nothing._replace(normal_force=watched.observed.normal_force),
         peak_times=nothing,
         work=Work(*[zero] * len(Work._fields)),
-        watched=Watched(nothing, zero + INITIAL_MARGIN, watched.switches),
+        watched=Watched(
+            nothing,
+            zero + INITIAL_MARGIN,
+            at_start(problem.ground, watched.switches),
+        ),
         watched_rate=Watched(nothing, zero, still),
         rates=jnp.zeros_like(vector),
         turned=zero,

@@ -60,7 +60,9 @@ def advance(
         t1=width,
         **dense_output(course.vector, vector, stages),
     )
-    after = Course(vector, fold_step(problem, course.fold, time, step, branch))
+    fold = fold_step(problem, course.fold, time, step, branch)
+    vector = problem.on_next_side(vector, branch, fold.watched.switches)
+    after = Course(vector, fold)
     # Where a step ran out of the numbers it is too long, by much.
     error = jax.lax.stop_gradient(error / allowed)
     errors = jax.tree.map(jnp.zeros_like, after)

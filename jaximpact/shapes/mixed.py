@@ -1,0 +1,232 @@
+"""Several shapes in one scene: each lane has one of them."""
+
+import abc
+import dataclasses
+import functools
+from collections.abc import Callable, Sequence
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from ..errors import InputError
+from ..parameters import Declared, declared_of, parameter
+from ..precision import float64_leaf
+from .base import AbstractShape, Flag, Section, SemiAxes, on_side
+
+Scalar = Float[Array, ""]
+
+
+class MixedShapes(AbstractShape):
+    """One of several shapes, `index` says which.
+
+    `mixed(Ellipsoid, RectangularPrism)` is such a class. Its parameters are those of
+    all its shapes, each once; a lane heeds those that its shape has, and the values of
+    the others change nothing.
+    """
+
+    # No parameter, and said to be none.
+    index: Scalar = eqx.field(converter=float64_leaf, metadata={"declared": None})
+    """Place among `kinds` of the shape of a lane: a whole number."""
+
+    @property
+    @abc.abstractmethod
+    def kinds(self) -> tuple[type[AbstractShape], ...]:
+        """The shapes that there are; an attribute of the class."""
+
+    def __reduce__(self):
+        fields = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        return _made_again, (self.kinds, fields)
+
+    def alone(self, place: int) -> AbstractShape:
+        """The shape of one kind. Lanes of another have its defaults, which are always
+        allowed."""
+        usual = self.kinds[place]()
+        chosen = self.index == place
+        values = {
+            name: jnp.where(chosen, getattr(self, name), getattr(usual, name))
+            for name in declared_of(self.kinds[place])
+        }
+        return dataclasses.replace(usual, **values)
+
+    def _alone(self) -> list[AbstractShape]:
+        return [self.alone(place) for place in range(len(self.kinds))]
+
+    def _chosen(self, of_shape: Callable):
+        """What the lane's shape gives. The others are worked out too, of finite inputs,
+        so that their derivatives are finite and count nothing."""
+        *others, found = [of_shape(shape) for shape in self._alone()]
+        for place, other in reversed(list(enumerate(others))):
+            is_it = self.index == place
+            found = jax.tree.map(
+                lambda one, rest, is_it=is_it: jnp.where(is_it, one, rest), other, found
+            )
+        return found
+
+    @property
+    def unit_volume(self) -> Scalar:
+        return self._chosen(lambda shape: shape.unit_volume)
+
+    @property
+    def unit_inertia(self) -> Scalar:
+        return self._chosen(lambda shape: shape.unit_inertia)
+
+    @property
+    def bound(self) -> Scalar:
+        """Radius of the circle about the section in the plane of motion, over R [-]."""
+        return self._chosen(lambda shape: shape.bound)
+
+    def semi_axes(self, mass, density) -> SemiAxes:
+        return self._chosen(lambda shape: shape.semi_axes(mass, density))
+
+    def inertia(self, mass, axes) -> Scalar:
+        return self._chosen(lambda shape: shape.inertia(mass, axes))
+
+    def support(self, axes, sin, cos, *, side=None) -> Scalar:
+        return self._chosen(
+            lambda shape: shape.support(axes, sin, cos, **_on_its(shape, side))
+        )
+
+    def tangency_arm(self, axes, sin, cos, *, side=None) -> Scalar:
+        return self._chosen(
+            lambda shape: shape.tangency_arm(axes, sin, cos, **_on_its(shape, side))
+        )
+
+    def support_change(
+        self, axes, start, now, sin_turn, *, start_side=None, side=None
+    ) -> Scalar:
+        def of_shape(shape: AbstractShape) -> Scalar:
+            sides = _on_its(shape, side)
+            if sides:
+                sides["start_side"] = start_side
+            return shape.support_change(axes, start, now, sin_turn, **sides)
+
+        return self._chosen(of_shape)
+
+    def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
+        return self._chosen(
+            lambda shape: shape.section(
+                axes, sin, cos, height, sinking, **_on_its(shape, side)
+            )
+        )
+
+    def side_of(self, sin, cos) -> Scalar | None:
+        sides = [shape.side_of(sin, cos) for shape in self._alone()]
+        if all(side is None for side in sides):
+            return None
+        found = jnp.ones_like(sin)  # of a shape without flat faces
+        for place, side in enumerate(sides):
+            if side is not None:
+                found = jnp.where(self.index == place, side, found)
+        return found
+
+    def is_upright(self, orientation):
+        index, found = np.asarray(self.index), np.asarray(False)
+        for place, shape in enumerate(self._alone()):
+            found = np.where(index == place, shape.is_upright(orientation), found)
+        return found
+
+    def outline(self, axes, count=180):
+        return self.alone(int(self.index)).outline(axes, count)
+
+
+def _on_its(shape: AbstractShape, side: Flag | None) -> dict[str, Flag]:
+    """The keyword `side` for a shape that has sides; the others are not given it."""
+    level = jnp.zeros(()), jnp.ones(())
+    return {} if shape.side_of(*level) is None else on_side(side)
+
+
+@functools.cache
+def mixed(*kinds: type[AbstractShape]) -> type[MixedShapes]:
+    """The class of blocks that have one of several shapes each.
+
+    Raises InputError for two parameters of one name that differ in unit or column.
+    """
+    fields = {
+        name: parameter(
+            said.default,
+            said.unit,
+            said.range,
+            said.meaning,
+            column=said.column,
+            usual=said.usual,
+        )
+        for name, said in _declared(kinds).items()
+    }
+    names = ", ".join(f"{kind.__module__}.{kind.__qualname__}" for kind in kinds)
+    return type(MixedShapes)(
+        MixedShapes.__name__,
+        (MixedShapes,),
+        fields
+        | {
+            "__annotations__": dict.fromkeys(fields, Scalar),
+            "__doc__": f"One of several shapes: {names}.",
+            "__module__": __name__,
+            "__qualname__": f"{MixedShapes.__qualname__}[{names}]",
+            "kinds": kinds,
+        },
+    )
+
+
+def shape_of_each(kinds: Sequence[type[AbstractShape]]) -> AbstractShape:
+    """The shape of each of many blocks, with its default parameters; of one class if
+    they all are."""
+    different = sorted(set(kinds), key=lambda kind: (kind.__module__, kind.__name__))
+    if len(different) == 1:
+        return different[0]()
+    places = {kind: place for place, kind in enumerate(different)}
+    index = np.array([places[kind] for kind in kinds], float)
+    made = mixed(*different)
+    defaults = {}
+    for kind in reversed(different):
+        usual = kind()
+        for name in declared_of(kind):
+            value = np.asarray(getattr(usual, name))
+            before = defaults.get(name, value)
+            if np.any(before != value):
+                value = np.where(index == places[kind], value, before)
+            defaults[name] = value
+    return made(index=index, **defaults)
+
+
+def _declared(kinds: Sequence[type[AbstractShape]]) -> dict[str, Declared]:
+    """What parameters of several shapes say, of one name once; ranges are those within
+    which any of them is allowed."""
+    found: dict[str, Declared] = {}
+    owner: dict[str, type] = {}
+    for kind in kinds:
+        for name, said in declared_of(kind).items():
+            before = found.get(name, said)
+            if (before.unit, before.column) != (said.unit, said.column):
+                raise InputError(
+                    f"{owner[name].__name__}.{name} is in {before.unit} (column "
+                    f"{before.column}), but {kind.__name__}.{name} in {said.unit} "
+                    f"(column {said.column}); rename the one that is yours"
+                )
+            found[name] = before._replace(
+                range=_hull(before.range, said.range),
+                usual=(
+                    min(before.usual[0], said.usual[0]),
+                    max(before.usual[1], said.usual[1]),
+                ),
+            )
+            owner.setdefault(name, kind)
+    return found
+
+
+def _hull(one: str, other: str) -> str:
+    """The smallest interval that holds two."""
+    if one == other:
+        return one
+    ends = [[float(end) for end in text[1:-1].split(",")] for text in (one, other)]
+    lower, upper = min(e[0] for e in ends), max(e[1] for e in ends)
+    texts = list(zip((one, other), ends, strict=True))
+    left = "[" if any(t[0] == "[" and e[0] == lower for t, e in texts) else "("
+    right = "]" if any(t[-1] == "]" and e[1] == upper for t, e in texts) else ")"
+    return f"{left}{lower:g}, {upper:g}{right}"
+
+
+def _made_again(kinds: tuple[type[AbstractShape], ...], fields: dict) -> MixedShapes:
+    return mixed(*kinds)(**fields)
