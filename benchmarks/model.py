@@ -270,7 +270,7 @@ def rates(y, p, dy):
     dy[5] = (v_n + tangency * spin - flow_n) / p[ELASTIC]
     dy[6] = (v_t - r_n * spin - flow_t - slip) / p[ELASTIC]
     dy[7] = (spin - flow_r) * p[R] / p[ELASTIC]
-    dy[8] = p[C_V] * (1.0 - rho) * hardening / math.sqrt(length * width)
+    dy[8] = p[C_V] * (1.0 - rho) * hardening / length
 
 
 @compiled

@@ -6,6 +6,7 @@ import math
 import jax
 import numpy as np
 import pytest
+from other_laws import other_laws
 
 from jaximpact import (
     Block,
@@ -28,6 +29,7 @@ from jaximpact.mechanics.model import (
     model_places,
 )
 from jaximpact.mechanics.problem import Assembly
+from jaximpact.shapes import EllipticCylinder
 from jaximpact.simulation import compute_lanes
 
 TALL = Block(aspect_ratio=2.0)
@@ -140,7 +142,8 @@ def nearly_symmetric_scenes(count):
 
     kind = np.arange(count) % 4
     tilted, spinning = kind == 1, kind == 2
-    block = Block(mass=log(10, 1e4), aspect_ratio=np.where(tilted, log(1, 4), 1.0))
+    oblong = tilted | spinning
+    block = Block(mass=log(10, 1e4), aspect_ratio=np.where(oblong, log(1, 4), 1.0))
     speed = log(5, 30)
     spin = np.where(spinning, log(1e-4, 0.2), 0.0)
     return broadcast_scene(
@@ -194,6 +197,15 @@ def test_nothing_is_left_out_beyond_what_was_measured():
         assert select_model(block, soil, impact, 1e-2) == select_model(
             block, soil, impact
         )
+
+
+def test_nothing_is_left_out_with_laws_and_shapes_that_were_not_measured():
+    near = Impact(angle=1e-3)
+    assert select_model(Block(), Soil(), near, 1e-2) == VERTICAL
+    for slot, law in other_laws():
+        assert select_model(Block(), Soil(**{slot: law()}), near, 1e-2) == PLANAR
+    cylinder = Block(shape=EllipticCylinder())
+    assert select_model(cylinder, Soil(), near, 1e-2) == PLANAR
 
 
 def test_what_is_differentiated_is_not_left_out():

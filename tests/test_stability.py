@@ -89,7 +89,7 @@ ORACLE = [
     (
         dict(mass=1e-3, aspect_ratio=0.2, gamma_v=1e-6, k_E=0.1, speed=0.1)
         | dict(angle=89.9 * DEGREE, orientation=0.0),
-        dict(outcome=Outcome.toppled, e_n=70.822, e_bar=0.83661, duration=0.0541),
+        dict(outcome=Outcome.detached, e_n=70.822, e_bar=0.83661, duration=0.0541),
     ),
     (
         dict(aspect_ratio=1.0, k_E=4.641588833612778, angle=0.8),

@@ -6,7 +6,6 @@ import json
 import math
 import re
 
-import jax
 import numpy as np
 import pytest
 import xarray as xr
@@ -14,19 +13,18 @@ from command_line import assert_one_line_error
 from csv_files import rows_of
 from made_up_sets import A_R, ANGLE, LONG, ideal
 from matplotlib.figure import Figure
+from other_laws import other_laws
 from validation_page import assert_page_shows, page
 
-from jaximpact import Block, ConstantCoefficients, Impact, Laws, Soil, simulate
+from jaximpact import Block, ConstantCoefficients, Impact, Soil, simulate
 from jaximpact.cli import main
-from jaximpact.mechanics.laws import flow_rate, hardening_rate, loading_surface
-from jaximpact.mechanics.laws.bearing_capacity import bearing_capacity, bearing_factors
+from jaximpact.formats.scenes import SLOTS
 from jaximpact.parametric_sets import GROUNDS, parametric_set
 from jaximpact.runout import ClosedForm, Ending
 from jaximpact.validation import (
     Finding,
     Judgement,
     Verdict,
-    other_laws,
     run,
     study,
 )
@@ -339,90 +337,32 @@ def test_failed_random_impacts_are_counted_and_separating_ones_left_out():
     assert "1 random impacts failed" in judgement.evidence
 
 
-LOAD = (0.3, 0.1, -0.05, 0.9)
-
-
-@pytest.mark.parametrize(
-    ("law", "initial"),
-    [(other_laws.flow_from_softer, 0.001), (other_laws.flow_from_harder, 0.1)],
-)
-def test_another_start_of_hardening_is_that_and_nothing_else(law, initial):
-    soil, length, slope = Soil(), 0.4, 0.9
-    load = loading_surface(*LOAD)
-
-    def seen(hardening):
-        return 1.0 - (1.0 - initial) / (1.0 - 0.01) * (1.0 - hardening)
-
-    assert seen(0.01) == pytest.approx(initial, rel=1e-12)
-    for hardening in (0.01, 0.2, 0.99):
-        flow = law(load, hardening, length, slope, soil)
-        usual = flow_rate(load, seen(hardening), length, slope, soil)
-        np.testing.assert_allclose(flow, usual, rtol=1e-13)
-        # What is seen grows as hardening by its own law would.
-        rate = hardening_rate(hardening, flow, length, length, soil)
-        slope_seen = jax.grad(seen)(hardening) * rate
-        own = hardening_rate(seen(hardening), flow, length, length, soil)
-        assert float(slope_seen) == pytest.approx(float(own), rel=1e-13)
-
-
-def test_other_laws_change_what_they_name():
-    soil, load = Soil(), loading_surface(*LOAD)
-    hardening, length, slope = 0.2, 0.4, 0.9
-    state = load, hardening, length, slope, soil
-    usual = np.array(flow_rate(*state))
-    excess = float(load.size) / hardening - 1.0
-    assert excess > 0.0
-    for law, factor in (
-        (other_laws.absolute_overstress, hardening),
-        (other_laws.squared_overstress, excess),
-        (other_laws.fluidity_by_size, length),
-    ):
-        np.testing.assert_allclose(law(*state), factor * usual, rtol=1e-13)
-    flow = flow_rate(*state)
-    rates = hardening, flow, length, 0.25, soil
-    assert float(other_laws.hardening_per_metre(*rates)) == pytest.approx(
-        float(hardening_rate(*rates)) * math.sqrt(0.4 * 0.25), rel=1e-13
-    )
-    xi, h, m, beta = LOAD
-    for law, rounding in (
-        (other_laws.sharper_vertex, 1e-3),
-        (other_laws.blunter_vertex, 0.1),
-    ):
-        eta = math.hypot(math.hypot(h, m) / xi, rounding) - rounding
-        assert float(law(*LOAD).size) == pytest.approx(
-            xi / (1.0 - eta ** (1.0 / beta)), rel=1e-12
-        )
-    footing = (0.4, 0.3, 0.2, 18e3)
-    factors = bearing_factors(0.7)
-    surcharge = 0.25 * math.pi * 0.4 * 0.3 * 18e3 * 0.2 * float(factors.surcharge)
-    shape = 1.0 + 0.75 * math.tan(0.7)
-    usual = float(bearing_capacity(*footing, factors))
-    shallow = float(bearing_capacity(*footing, other_laws.without_depth_factor(0.7)))
-    least = float(bearing_capacity(*footing, other_laws.without_surcharge(0.7)))
-    assert shallow - least == pytest.approx(surcharge * shape, rel=1e-12)
-    assert usual > shallow
-
-
 def test_readings_differ_from_the_model_and_from_each_other():
     every = (*READINGS, *SLOPE_READINGS)
     names = [reading.name for reading in every]
     assert len({*names, AS_IT_IS.name}) == len(every) + 1
+    assert len({str(reading) for reading in every}) == len(every)
     for reading in every:
-        changed = [law for law in vars(Laws()) if _law(reading, law) != _law(None, law)]
         elsewhere = reading.contact is not ContactPoint.foundation
         down = _differences(reading.slope, AS_IT_IS.slope)
-        assert bool(reading.values) + len(changed) + elsewhere + len(down) == 1
+        assert bool(reading.values) + elsewhere + len(down) == 1
         assert bool(down) == (reading in SLOPE_READINGS)
         if "case" in down:
             assert len(_differences(reading.slope.case, AS_IT_IS.slope.case)) == 1
 
 
+def test_every_law_that_the_package_has_besides_the_usual_ones_is_a_reading():
+    named = {
+        (slot, name)
+        for reading in READINGS
+        for slot, name in reading.values.items()
+        if slot in SLOTS
+    }
+    assert named == {(slot, kind.__name__) for slot, kind in other_laws()}
+
+
 def _differences(one, other):
     return [name for name, value in vars(one).items() if value != vars(other)[name]]
-
-
-def _law(reading, name):
-    return getattr(Laws() if reading is None else reading.laws, name)
 
 
 def test_what_moves_a_claim_is_named_with_the_nearest():
@@ -585,7 +525,7 @@ def test_runs_that_fail_are_no_ground_for_a_verdict(monkeypatch):
 
 
 def test_readings_go_on_where_they_stopped(tmp_path, monkeypatch, capsys):
-    firm = Reading("firm", {"gamma_v": 0.85})
+    firm = Reading("firm", {"hardening": "HardeningPerMetre"})
     monkeypatch.setattr(run, "READINGS", (firm, Reading("soft", {"k_E": 300.0})))
     judged = []
     judge = run._judge

@@ -9,7 +9,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..accuracy import Accuracy
-from ..block import Block
 from ..engines.machine import (
     along_leaves,
     compile_native_along,
@@ -17,10 +16,10 @@ from ..engines.machine import (
     solve_rows,
 )
 from ..engines.marching import CORES
+from ..formats.columns import leaf_places
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.problem import Assembly
-from ..scene import Impact, Scene
-from ..soil import Soil
+from ..scene import Scene
 from .methods import EXACT, FLOOR, Method, count_of
 from .scenes import choose
 
@@ -45,7 +44,7 @@ def forward_gradient(
     Each scene with the cheapest model that is exact, as in `simulate`.
     """
     accuracy = Accuracy("measured", tolerance, FLOOR)
-    varied = [_leaf_names().index(name) for name in PARAMETERS]
+    varied = [leaf_places(scenes)[name] for name in PARAMETERS]
     places = model_places(scenes)
     kernels, parts = {}, []
     for place in np.unique(places):
@@ -72,13 +71,6 @@ def forward_gradient(
         for (_, own), values in zip(parts, pool.map(compute, parts), strict=True):
             found[own] = values
     return found, time.perf_counter() - begin
-
-
-def _leaf_names() -> list[str]:
-    """Names of the scene's leaves, in their order."""
-    scene = Scene(Block(), Soil(), Impact())
-    paths, _ = zip(*jax.tree_util.tree_flatten_with_path(scene)[0], strict=True)
-    return [path[-1].name for path in paths]
 
 
 def difference_gradient(

@@ -1,9 +1,9 @@
 """Curves that jump: where they do, and the pieces in which they are to be drawn.
 
-A block that just topples leaves earlier than one that just does not, and every result
-jumps with the end of the contact. Both may be called toppled later on, so that the
-outcome does not tell. The duration does: over a jump it changes by as much however
-close the two sides are.
+A block whose resultant just reaches the edge of its foundation leaves earlier than one
+whose resultant just does not, and every result jumps with the end of the contact. Both
+may have the same outcome, which does not tell then. The duration does: over a jump it
+changes by as much however close the two sides are.
 """
 
 import numpy as np

@@ -156,10 +156,11 @@ def _rows(table: pd.DataFrame) -> dict[str, int]:
 
 def _conditions(study: Study) -> dict:
     """What the figures of one directory have in common, ready for JSON."""
+    base, _ = study.parametric_set("I")
     return {
         "ground": study.ground,
         "accuracy": dataclasses.asdict(get_accuracy(study.accuracy)),
-        "laws": part_names(study.base.soil, study.base.block),
+        "laws": part_names(base.soil, base.block),
         "versions": versions(),
     }
 

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from ..distributions import Fit
-from ..formats.columns import INPUT_COLUMNS
+from ..formats.columns import columns_of_part
 from ..runout import Ending, Runs
 from ..runout.biplanar import (
     ASPECT_RATIOS,
@@ -46,8 +46,7 @@ def case_values(study: Study) -> dict:
     scene = study.parametric_set("I")[0]
     soil = {
         column.name: float(getattr(scene.soil, column.field)) / column.factor
-        for column in INPUT_COLUMNS.values()
-        if column.part == "soil"
+        for column in columns_of_part("soil", scene.soil).values()
     }
     angles = {
         f"{name}_deg": getattr(case, name) / DEGREE

@@ -44,7 +44,14 @@ from .hardening import (
     SofterStart,
 )
 from .kinematics import AbstractKinematics, DeepestPoint, WorkConjugate
-from .loading_surface import AbstractLoadingSurface, Forces, Load, NovaMontrasio
+from .loading_surface import (
+    AbstractLoadingSurface,
+    BlunterVertex,
+    Forces,
+    Load,
+    NovaMontrasio,
+    SharperVertex,
+)
 from .peak_friction import AbstractPeakFriction, Bolton
 from .slider import AbstractSlider, Coulomb
 
@@ -60,6 +67,7 @@ __all__ = [
     "AbstractPeakFriction",
     "AbstractSlider",
     "BearingFactors",
+    "BlunterVertex",
     "Bolton",
     "Branch",
     "ContactPressureModulus",
@@ -81,6 +89,7 @@ __all__ = [
     "PowerNucleus",
     "PowerNucleusRate",
     "Scalar",
+    "SharperVertex",
     "SofterStart",
     "SquaredOverstress",
     "Stiffness",

@@ -32,9 +32,9 @@ class WorkConjugate(AbstractKinematics):
 
     $$ \dot u_n^{ed} = v_n + r_t \Omega - \dot u_n^{vp} $$
 
-    There is no arm work. A named alternative: the paper's claims come out as with the
-    default; where an impact is eccentric e_n changes by up to 0.2, which tells how
-    uncertain it is by the form of the model.
+    There is no arm work. A named alternative: all verdicts on the paper's claims C01 to
+    C33 are the default's; where an impact is eccentric e_n changes by up to 0.2, which
+    tells how uncertain it is by the form of the model.
     """
 
     def sinking_arm(self, foundation) -> Scalar:

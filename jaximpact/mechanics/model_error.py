@@ -1,16 +1,20 @@
 """How far models that leave something out are from the planar one, as measured.
 
 The error is the largest of those in `e_n`, in `e_bar` and, relative, in the largest
-normal force. Measured against the planar model on 384 random scenes for each kind and
+normal force. Measured against the planar model on 1500 random scenes for each kind and
 size of departure, within `MEASURED`; 99 of 100 scenes lie below the lines given
-here. Nothing is known outside, or where any other quantity is not at its default.
+here. Nothing is known outside, where any other quantity is not at its default, or with
+other laws or another shape than the usual ones.
 """
 
 import dataclasses
+import functools
 
+import jax
 import numpy as np
 
-from ..scene import PARTS, Scene
+from ..formats.columns import columns_of
+from ..scene import Scene
 
 MEASURED = {
     "mass": (10.0, 1e4),
@@ -38,7 +42,7 @@ class Departures:
     angle: np.ndarray
     slope: np.ndarray
     spin: np.ndarray
-    """Omega_0 R / v."""
+    """Omega_0 H / v."""
     tilt: np.ndarray
     """|sin(2 theta_0)| / 2; 0 for a sphere."""
     measured: np.ndarray
@@ -47,27 +51,39 @@ class Departures:
 
 def departures(scene: Scene) -> Departures:
     """The departures of each scene; fields are arrays that broadcast."""
+    usual = _usual()
+    if jax.tree.structure(scene) != jax.tree.structure(usual):
+        return Departures(*np.zeros(4), measured=np.asarray(False))
     block, impact = scene.block, scene.impact
     number = np.asarray
     sphere = number(block.aspect_ratio) == 1.0
     tilt = np.where(sphere, 0.0, 0.5 * np.abs(np.sin(2.0 * number(impact.orientation))))
-    radius = number(block.semi_axes.minor)
-    spin = np.abs(number(impact.angular_velocity)) * radius / number(impact.speed)
-    measured = (spin <= LARGEST_SPIN) & (tilt <= LARGEST_TILT)
-    for part in PARTS:
-        for field in dataclasses.fields(getattr(scene, part)):
-            value = number(getattr(getattr(scene, part), field.name))
-            low, high = MEASURED.get(field.name, (field.default, field.default))
-            measured = measured & (low <= value) & (value <= high)
+    axes = block.semi_axes
+    turning = np.abs(number(impact.angular_velocity)) / number(impact.speed)
+    spin = turning * number(axes.major)
+    measured = turning * number(axes.minor) <= LARGEST_SPIN
+    measured = measured & (tilt <= LARGEST_TILT)
+    for column in columns_of(scene).values():
+        value, default = (
+            number(getattr(getattr(of, column.part), column.field))
+            for of in (scene, usual)
+        )
+        low, high = MEASURED.get(column.field, (default, default))
+        measured = measured & (low <= value) & (value <= high)
     angle, slope = np.abs(number(impact.angle)), np.abs(number(impact.slope))
     return Departures(angle, slope, spin, tilt, measured)
+
+
+@functools.cache
+def _usual() -> Scene:
+    return Scene()
 
 
 def vertical_error(scene: Scene) -> np.ndarray:
     """Error of normal motion alone: in proportion to each departure, since the soil
     that shear and rocking harden takes their magnitude. inf where it is not known."""
     d = departures(scene)
-    error = 1.3 * d.angle + 0.1 * d.slope + 0.8 * d.spin + 1.0 * d.tilt
+    error = 1.4 * d.angle + 0.1 * d.slope + 0.9 * d.spin + 1.0 * d.tilt
     return np.where(d.measured, error, np.inf)
 
 
@@ -76,5 +92,5 @@ def translational_error(scene: Scene) -> np.ndarray:
     blocks, and where it is not known."""
     d = departures(scene)
     sphere = np.asarray(scene.block.aspect_ratio) == 1.0
-    error = d.angle * (0.06 + 0.1 * d.angle) + 0.1 * d.slope
+    error = d.angle * (0.06 + 0.11 * d.angle) + 0.1 * d.slope
     return np.where(d.measured & sphere & (d.spin == 0.0), error, np.inf)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..batch import simulate_batch
 from ..block import Block
-from ..formats.columns import INPUT_COLUMNS
+from ..formats.columns import columns_of_part
 from ..scene import Impact, Scene
 from ..simulation import ImpactResult
 from ..soil import Soil
@@ -53,14 +53,15 @@ def variants_of(soil: Soil) -> Soil:
     """The soil itself, then one variant for each parameter and value of `TRIED`, as
     fields of one shape."""
     count = 1 + len(TRIED) * VALUES
-    fields = {
-        field.name: np.full(count, float(getattr(soil, field.name)))
-        for field in dataclasses.fields(soil)
-    }
+    columns = columns_of_part("soil", soil)
+    fields = {}
     for place, (name, values) in enumerate(TRIED.items()):
-        column, first = INPUT_COLUMNS[name], 1 + place * VALUES
-        fields[column.field][first : first + VALUES] = column.factor * values
-    return Soil(**fields)
+        column, first = columns[name], 1 + place * VALUES
+        field = np.full(count, float(getattr(soil, column.field)))
+        field[first : first + VALUES] = column.factor * values
+        fields[column.field] = field
+    alike = jax.tree.map(lambda leaf: np.full(count, float(leaf)), soil)
+    return dataclasses.replace(alike, **fields)
 
 
 def strike(soils: Soil, block: Block, impact: Impact, **soil_axes) -> ImpactResult:
@@ -71,11 +72,8 @@ def strike(soils: Soil, block: Block, impact: Impact, **soil_axes) -> ImpactResu
             to (impacts,).
         soil_axes: fields of the soil that go along with the impacts instead.
     """
-    fields = {
-        field.name: np.atleast_1d(getattr(soils, field.name))[:, None]
-        for field in dataclasses.fields(soils)
-    }
-    scene = Scene(block, Soil(**(fields | soil_axes)), impact)
+    down = jax.tree.map(lambda leaf: np.atleast_1d(leaf)[:, None], soils)
+    scene = Scene(block, dataclasses.replace(down, **soil_axes), impact)
     shape = np.broadcast_shapes(*(np.shape(leaf) for leaf in jax.tree.leaves(scene)))
     flat = jax.tree.map(lambda leaf: np.broadcast_to(leaf, shape).ravel(), scene)
     # Coefficients to 4e-5, where verdicts see percents
@@ -93,9 +91,10 @@ def changes_of(soil: Soil, model: np.ndarray, law: np.ndarray) -> tuple[Change, 
     Values for which an impact did not finish are passed over.
     """
     deviations = relative_deviation(model, law)
+    columns = columns_of_part("soil", soil)
     changes = []
     for place, (name, values) in enumerate(TRIED.items()):
-        column, first = INPUT_COLUMNS[name], 1 + place * VALUES
+        column, first = columns[name], 1 + place * VALUES
         tried = deviations[first : first + VALUES]
         best = int(np.argmin(np.where(np.isnan(tried), np.inf, tried)))
         if not tried[best] < deviations[0] - MATTERS:

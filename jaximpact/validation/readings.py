@@ -50,6 +50,14 @@ READINGS = (
     Reading("fluidity by B_t", {"flow": "FluidityRate"}),
     Reading("power 2 without a threshold", {"flow": "PowerNucleus"}),
     Reading("power 2 without a threshold, by B_t", {"flow": "PowerNucleusRate"}),
+    Reading(
+        "fluidity by B_t, hardening per root of the area",
+        {"flow": "FluidityRate", "hardening": "HardeningPerRootArea"},
+    ),
+    Reading(
+        "power 2 without a threshold, by B_t, hardening per root of the area",
+        {"flow": "PowerNucleusRate", "hardening": "HardeningPerRootArea"},
+    ),
     Reading("vertex rounded by 0.001", {"loading_surface": "SharperVertex"}),
     Reading("vertex rounded by 0.1", {"loading_surface": "BlunterVertex"}),
     Reading("no depth factor", {"bearing": "VesicWithoutDepthFactor"}),
