@@ -25,9 +25,12 @@ from jaximpact import (
     Impact,
     Outcome,
     PfeifferBowen,
+    Scene,
     Soil,
     simulate,
+    simulate_batch,
 )
+from jaximpact.errors import InputError
 from jaximpact.rebound import Rebound
 from jaximpact.runout import (
     ClosedForm,
@@ -506,3 +509,42 @@ def test_no_block_is_carried_through_a_wall_while_in_contact():
 def mirror(release, twice):
     """Blocks that go the other way about half of twice."""
     return dataclasses.replace(release, x=twice - release.x, v_x=-release.v_x)
+
+
+@pytest.mark.parametrize("shape", ["Ellipsoid", "RectangularPrism"])
+def test_a_scene_begins_as_its_impact_strikes(shape):
+    profile = inclined(0.35)
+    scene = Scene(
+        Block(shape=shape, aspect_ratio=1.5, mass=[50.0, 200.0]),
+        Soil(c_v=[0.5, 1.0]),
+        Impact(speed=12.0, angle=0.5, orientation=0.3, angular_velocity=2.0),
+    )
+    runs = simulate_runout(profile, scene, x=[20.0, 30.0], event_limit=3)
+    on_plane = dataclasses.replace(scene.impact, slope=0.35)
+    alone = simulate_batch(Scene(scene.block, scene.soil, on_plane))
+    contacts = runs.contacts
+    first = np.searchsorted(contacts.trajectory, [0, 1])
+    # To the rounding of positions, over the speed.
+    np.testing.assert_allclose(contacts.time[first], 0.0, atol=1e-8)
+    for name in ("normal_velocity", "tangential_velocity", "angular_velocity"):
+        expected = getattr(scene.impact, name)
+        found = getattr(contacts, name + "_before")[first]
+        np.testing.assert_allclose(found, expected, rtol=1e-6)
+    np.testing.assert_allclose(contacts.orientation[first], 0.3, atol=1e-7)
+    # That touch differs by so much, and the accuracy is the same.
+    np.testing.assert_allclose(contacts.duration[first], alone.duration, rtol=1e-4)
+    np.testing.assert_allclose(contacts.sinking[first], alone.final_sinking, rtol=1e-3)
+    from_parts = simulate_runout(
+        profile,
+        (scene.block, scene.soil, scene.impact),
+        x=[20.0, 30.0],
+        event_limit=3,
+    )
+    np.testing.assert_array_equal(from_parts.x, runs.x)
+
+
+def test_a_scene_needs_a_place_and_a_release_none():
+    with pytest.raises(InputError, match="a scene needs x"):
+        simulate_runout(FLAT, Scene())
+    with pytest.raises(InputError, match="x is for a scene"):
+        simulate_runout(FLAT, Release(SPHERE, 5.0, 5.0), x=3.0)

@@ -9,12 +9,15 @@ others.
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ..block import Block
 from ..errors import InputError
 from ..fields import expect, real_number, whole_number
 from ..formats.checks import check_scene
 from ..precision import require_float64
-from ..scene import Impact, Scene
+from ..scene import Impact, Scene, as_scene
+from ..soil import Soil
 from .airborne import fly_on
 from .edges import cross_edges
 from .ground import Ground
@@ -25,6 +28,7 @@ from .release import Release, check_release
 from .runs import Ending, Runs
 from .state import Phase, State
 from .striking import strike
+from .touching import touching
 
 TIME_LIMIT = 600.0
 """Default [s]."""
@@ -36,9 +40,10 @@ WIDTH = 8192
 
 def simulate_runout(
     profile: Profile,
-    release: Release,
+    release: Release | Scene | tuple[Block, Soil, Impact],
     contacts: Contacts | None = None,
     *,
+    x: ArrayLike | None = None,
     ground: Ground | None = None,
     time_limit: float = TIME_LIMIT,
     event_limit: int = EVENT_LIMIT,
@@ -54,9 +59,13 @@ def simulate_runout(
 
     Args:
         profile: the slope.
-        release: the blocks.
+        release: the blocks; or a scene, or its block, soil and impact in a tuple: they
+            then begin as its impact strikes the profile at `x`, and its soil is the
+            ground of the whole slope; see `touching`.
         contacts: how they rebound: `FullModel()`, the default, or `ClosedForm(law)`.
-        ground: as each block finds it; the profile's if not given.
+        x: where the blocks of a scene touch the profile [m].
+        ground: as each block finds it; the profile's, or the scene's soil, if not
+            given.
         time_limit: longest trajectory [s].
         event_limit: most contacts and legs along the ground of a trajectory.
         width: blocks under way at once; no result depends on it.
@@ -69,6 +78,16 @@ def simulate_runout(
     for a ground of other blocks or segments.
     """
     require_float64()
+    if not isinstance(release, Release):
+        scene = as_scene(release)
+        expect("profile", profile, Profile)
+        if x is None:
+            raise InputError("a scene needs x, where its blocks touch the profile [m]")
+        check_scene(scene, batched=True, warn=True)
+        release, its_ground = touching(scene, profile, x)
+        ground = ground or its_ground
+    elif x is not None:
+        raise InputError("x is for a scene; a release says where its blocks are")
     check_release(release, profile)
     if contacts is not None and not callable(contacts):
         raise InputError(f"contacts must be a law of contacts, but is {contacts!r}")
