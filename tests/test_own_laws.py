@@ -33,7 +33,8 @@ def test_the_page_runs_as_it_stands(tmp_path, monkeypatch):
             assert language == "sh"
             for line in text.splitlines():
                 _run([sys.executable, "-m", *line.split()], environment)
-    sys.modules.pop("my_laws")
+    for name in ("my_laws", "my_rebound"):
+        sys.modules.pop(name)
     assert "flow_exponent" in Path("fitted/report.txt").read_text()
     assert "PowerFlow" in Path("fitted/fit.json").read_text()
     assert len(Path("results.csv").read_text().splitlines()) == 4
