@@ -149,7 +149,9 @@ def test_lanes_that_end_differently_keep_their_derivatives():
 
     def one(k_E, angle, orientation, spin, speed):
         impact = Impact(speed, angle, orientation, spin)
-        result = simulate(Block(aspect_ratio=3.0), Soil(k_E=k_E), impact)
+        # Ground that carries so much moment that the block topples under load.
+        soil = Soil(k_E=k_E, psi=2.0)
+        result = simulate(Block(aspect_ratio=3.0), soil, impact)
         return result.e_n, result.outcome_code
 
     slopes, codes = jax.vmap(jax.grad(one, has_aux=True), in_axes=(None, 0, 0, 0, 0))(

@@ -36,6 +36,14 @@ BROKEN_PIPE = 141
 class _Parser(argparse.ArgumentParser):
     """Reports a wrong argument like any other wrong input: in one line."""
 
+    def format_help(self) -> str:
+        # Texts that are read off the laws need JAX, which takes a second to load: they
+        # are functions, called where help is asked for.
+        for name in ("description", "epilog"):
+            text = getattr(self, name)
+            setattr(self, name, text() if callable(text) else text)
+        return super().format_help()
+
     def error(self, message):
         raise InputError(f"{message}; see {self.prog} --help")
 

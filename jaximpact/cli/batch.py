@@ -26,18 +26,24 @@ Results are kept in results.csv.journal as they come. After a run that was cut s
 Ctrl-C, kill or a power cut, the same command goes on where it stopped."""
 
 
+def _columns() -> str:
+    """Help on the columns that a table may have."""
+    return "\n\n".join(
+        (
+            options.input_help("Columns of the scenes:"),
+            options.label_help(),
+            options.result_help(),
+        )
+    )
+
+
 def add_parser(commands) -> None:
     """Add the command to the command line."""
-    epilog = (
-        options.input_help("Columns of the scenes:"),
-        options.label_help(),
-        options.result_help(),
-    )
     parser = commands.add_parser(
         "batch",
         help="many impacts from a CSV",
         description=DESCRIPTION,
-        epilog="\n\n".join(epilog),
+        epilog=_columns,
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )

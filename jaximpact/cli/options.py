@@ -2,21 +2,14 @@
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..accuracy import PRESETS
 from ..formats.align import align
-from ..formats.columns import (
-    INPUT_COLUMNS,
-    LABEL_COLUMNS,
-    OUTCOME_COLUMN,
-    OUTCOME_MEANING,
-    RESULT_COLUMNS,
-    SLOTS,
-    InputColumn,
-    columns_of_class,
-    shipped_parts,
-)
 from ..formats.directory import LIST
+
+if TYPE_CHECKING:
+    from ..formats.columns import InputColumn
 
 
 def add_accuracy(parser: argparse.ArgumentParser, *, otherwise: str) -> None:
@@ -49,6 +42,13 @@ def add_directory(
 def input_help(title: str) -> str:
     """The quantities of a scene: name, unit, default, range and meaning; laws and
     shapes by name, and the quantities that only these have."""
+    from ..formats.columns import (
+        INPUT_COLUMNS,
+        SLOTS,
+        columns_of_class,
+        shipped_parts,
+    )
+
     rows = [("name", "unit", "default", "range", "meaning")]
     rows += [_row(column) for column in INPUT_COLUMNS.values()]
     names = [
@@ -73,7 +73,7 @@ def input_help(title: str) -> str:
     )
 
 
-def _row(column: InputColumn) -> tuple[str, ...]:
+def _row(column: "InputColumn") -> tuple[str, ...]:
     return (
         column.name,
         column.unit,
@@ -85,11 +85,15 @@ def _row(column: InputColumn) -> tuple[str, ...]:
 
 def label_help() -> str:
     """The columns of free text."""
+    from ..formats.columns import LABEL_COLUMNS
+
     return f"Columns of free text, carried along unchanged: {', '.join(LABEL_COLUMNS)}."
 
 
 def result_help() -> str:
     """The results: name, unit and meaning."""
+    from ..formats.columns import OUTCOME_COLUMN, OUTCOME_MEANING, RESULT_COLUMNS
+
     rows = [("name", "unit", "meaning")]
     rows += [(c.name, c.unit, c.meaning) for c in RESULT_COLUMNS.values()]
     rows += [(OUTCOME_COLUMN, "-", OUTCOME_MEANING)]

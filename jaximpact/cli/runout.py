@@ -4,19 +4,10 @@ import argparse
 import textwrap
 from pathlib import Path
 
-from ..finding import shipped
-from ..formats.columns import own_columns
 from ..interruption import resumable
-from ..rebound import AbstractRebound
 from . import options
 from .progress import Progress, say
 
-LAWS = "; ".join(
-    f"{kind.words} ({', '.join(column.name for column in own_columns(kind))})".replace(
-        " ()", ""
-    )
-    for kind in shipped(AbstractRebound)
-)
 STUDY = """\
 Let many blocks down a slope, and say where they stop and what passes.
 
@@ -83,15 +74,6 @@ Further keys, before all tables:
                  where a block still under way is given up (defaults: 600 and 10000)
 
 """
-LAWS_IN_WORDS = textwrap.fill(
-    "Laws of contacts: full model; table (files, of `jaximpact tabulate`, one for "
-    f"each pair of block and ground); {LAWS}; and one of your own, "
-    'law = "my_rebound.py:MyLaw", with its parameters as keys. '
-    "Several [[contacts]], each with a name if their laws do not tell them apart, "
-    "are compared: the same blocks go down by each law.",
-    88,
-    break_on_hyphens=False,
-)
 RESULT = """
 
 Every block has an ending: stopped, left profile, time limit, event limit or failed. All
@@ -100,7 +82,28 @@ report.txt (also printed), manifest.json, blocks.nc, stops.csv, collectors.csv a
 drawings; where laws are compared, for each law in a directory of its own, and tables
 and drawings that set them side by side in DIR. After a run that was cut short the same
 command goes on from there."""
-DESCRIPTION = f"{STUDY}{LAWS_IN_WORDS}\n{RESULT}"
+
+
+def _description() -> str:
+    """The study's keys, the laws of contacts that there are, and what is written."""
+    from ..finding import shipped
+    from ..formats.columns import own_columns
+    from ..rebound import AbstractRebound
+
+    laws = []
+    for kind in shipped(AbstractRebound):
+        names = ", ".join(column.name for column in own_columns(kind))
+        laws.append(f"{kind.words} ({names})" if names else kind.words)
+    in_words = textwrap.fill(
+        "Laws of contacts: full model; table (files, of `jaximpact tabulate`, one for "
+        f"each pair of block and ground); {'; '.join(laws)}; and one of your own, "
+        'law = "my_rebound.py:MyLaw", with its parameters as keys. '
+        "Several [[contacts]], each with a name if their laws do not tell them apart, "
+        "are compared: the same blocks go down by each law.",
+        88,
+        break_on_hyphens=False,
+    )
+    return f"{STUDY}{in_words}\n{RESULT}"
 
 
 def add_parser(commands) -> None:
@@ -108,8 +111,10 @@ def add_parser(commands) -> None:
     parser = commands.add_parser(
         "runout",
         help="many blocks down a slope",
-        description=DESCRIPTION,
-        epilog=options.input_help("Quantities of ground and block, among others:"),
+        description=_description,
+        epilog=lambda: options.input_help(
+            "Quantities of ground and block, among others:"
+        ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )

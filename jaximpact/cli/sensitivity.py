@@ -43,7 +43,7 @@ def add_parser(commands) -> None:
         "sensitivity",
         help="which parameters matter",
         description=DESCRIPTION,
-        epilog=options.input_help("Parameters:"),
+        epilog=lambda: options.input_help("Parameters:"),
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )

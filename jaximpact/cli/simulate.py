@@ -33,7 +33,7 @@ def add_parser(commands) -> None:
         "simulate",
         help="one impact from a TOML file",
         description=DESCRIPTION,
-        epilog=options.input_help("Keys of the scene:"),
+        epilog=lambda: options.input_help("Keys of the scene:"),
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
 from ..formats.align import align
-from ..formats.columns import RESULT_COLUMNS
 from ..formats.outputs import journal_path, output_files
 from ..interruption import resumable
 from . import options
@@ -47,7 +46,7 @@ def add_parser(commands) -> None:
         "sweep",
         help="impacts over a grid of quantities",
         description=DESCRIPTION,
-        epilog=options.input_help("Quantities:"),
+        epilog=lambda: options.input_help("Quantities:"),
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
@@ -107,6 +106,8 @@ def run(arguments: argparse.Namespace) -> None:
 def in_words(dataset: "xr.Dataset") -> str:
     """Dimensions, outcomes, and the range of each result."""
     import numpy as np
+
+    from ..formats.columns import RESULT_COLUMNS
 
     sizes = [f"{name} {size}" for name, size in dataset.sizes.items()]
     names, counts = np.unique(dataset.outcome, return_counts=True)

@@ -60,7 +60,9 @@ def add_parser(commands) -> None:
         "tabulate",
         help="impacts in tables, for run-outs and other programs",
         description=DESCRIPTION,
-        epilog=options.input_help("Quantities of block and ground, among others:"),
+        epilog=lambda: options.input_help(
+            "Quantities of block and ground, among others:"
+        ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
