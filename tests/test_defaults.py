@@ -68,20 +68,20 @@ def test_accuracy(function, expected):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (runout.DESCRIPTION, f"count blocks (default: {DEFAULT_COUNT},"),
-        (runout.DESCRIPTION, f"for the envelopes (default: {DEFAULT_BINS})"),
+        (runout.STUDY, f"count blocks (default: {DEFAULT_COUNT},"),
+        (runout.STUDY, f"for the envelopes (default: {DEFAULT_BINS})"),
         (
-            runout.DESCRIPTION,
+            runout.STUDY,
             f"(defaults: {default(simulate_runout, 'time_limit'):g} and "
             f"{default(simulate_runout, 'event_limit')})",
         ),
         (
-            runout.DESCRIPTION,
+            runout.STUDY,
             "rolling_friction_angle_deg is "
             f"{ANGLE_COLUMNS['rolling_friction_angle_deg'].default:g}, an assumption, "
             f"and roughness_deg {ANGLE_COLUMNS['roughness_deg'].default:g}",
         ),
-        (runout.DESCRIPTION, "seed of the draws (default: 0)"),
+        (runout.STUDY, "seed of the draws (default: 0)"),
         (sensitivity.DESCRIPTION, f"two (default: {default(sobol, 'blocks')})"),
         (sensitivity.DESCRIPTION, f"(default: {default(morris, 'trajectories')})"),
         (sensitivity.DESCRIPTION, f"samples (default: {default(sobol, 'seed')})"),
