@@ -436,3 +436,11 @@ def test_rough_ground_drawn_for_each_block():
     )
     assert np.mean(found.standing == Standing.confirmed) > 0.6
     assert not np.any(found.standing == Standing.lost)
+
+
+def test_unchecked_derivatives_of_flat_faces_are_refused():
+    release = Release(Block(shape="RectangularPrism"), 5.0, 300.0)
+    with pytest.raises(InputError, match=r"flat faces \(RectangularPrism\); runo"):
+        differentiate_runout(BIPLANAR, release)
+    with pytest.raises(InputError, match="give check=True"):
+        runout_gradients(BIPLANAR, release, check=False)

@@ -7,10 +7,12 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
 from ..accuracy import get_accuracy
+from ..errors import InputError
 from ..formats.provenance import versions
 from ..identity import part_names
 from ..parameters import Composite, parts_of
@@ -117,12 +119,15 @@ def runout_gradients(
     about as long as two impacts.
 
     Raises:
-        InputError: an unknown name, with the nearest known.
+        InputError: an unknown name, with the nearest known; check=False for blocks with
+            flat faces, of whose derivatives one in seven is not that of differences.
         ValueError: a block that is released in the ground or off the profile; contacts
             of another kind.
         NotImplementedError: laws of the model without machine code.
     """
     case = _checked_case(profile, release, contacts, ground)
+    if not check:
+        _refuse_flat_faces(release, "give check=True, which compares with differences")
     chosen = chosen_parameters(case, parameters)
     units = chosen_outputs(outputs, collectors)
     limits = time_limit, event_limit
@@ -163,10 +168,23 @@ def differentiate_runout(
     Returns:
         `Runs` with arrays of type `Dual`, contacts and pieces of the way too: `value`,
         and `tangent`, `(parameters, ...)`, in SI units and radians.
+
+    Raises, beside what `runout_gradients` raises, InputError for blocks with flat
+    faces: one in seven of their derivatives is not that of the differences.
     """
     case = _checked_case(profile, release, contacts, ground)
+    _refuse_flat_faces(release, "runout_gradients compares them with differences")
     chosen = chosen_parameters(case, parameters)
     return _differentiate(case, chosen, time_limit, event_limit)
+
+
+def _refuse_flat_faces(release: Release, cure: str) -> None:
+    shape = release.block.shape
+    if shape.side_of(jnp.zeros(()), jnp.ones(())) is not None:
+        raise InputError(
+            f"derivatives of run-outs are not reliable for blocks with flat faces "
+            f"({type(shape).__name__}); {cure}"
+        )
 
 
 def _checked_case(
