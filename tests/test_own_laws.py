@@ -160,6 +160,15 @@ class Wrong(AbstractFlow):
 """,
         "two parameters have the column mass_kg: mass of the block and weight of",
     ),
+    "a column of results": (
+        """
+class Wrong(AbstractFlow):
+    e_n: Scalar = parameter(1.0, "-", "(0, inf)", "mine")
+    def __call__(self, load, hardening, foundation, *, branch=None):
+        return FlowRate(load.size, 0.0, 0.0)
+""",
+        "the parameter e_n of the soil has the column e_n, which is that of a result",
+    ),
     "a range that is none": (
         """
 class Wrong(AbstractFlow):

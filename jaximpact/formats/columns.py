@@ -176,14 +176,28 @@ def _of_whole(part: str, kind: type, declared_parts: tuple) -> dict[str, InputCo
     return _by_name([_column(part, field, said) for field, said in declared])
 
 
+@functools.cache
+def _taken() -> dict[str, str]:
+    """Names that tables and files have for something else, and for what."""
+    results = (*RESULT_COLUMNS, *FURTHER_COLUMNS, OUTCOME_COLUMN)
+    return {
+        **dict.fromkeys(
+            (*results, *(SIGMA_PREFIX + n for n in results)), "that of a result"
+        ),
+        **dict.fromkeys(LABEL_COLUMNS, "one of free text"),
+        **dict.fromkeys(SLOTS, "the name of a law or of the shape"),
+        "accuracy": "the key of the accuracy",
+    }
+
+
 def _by_name(columns: list[InputColumn]) -> dict[str, InputColumn]:
     found: dict[str, InputColumn] = {}
     for column in columns:
         name = column.name
-        if name in SLOTS:
+        if name in _taken():
             raise InputError(
                 f"the parameter {column.field} of the {column.part} has the column "
-                f"{name}, which is the name of a law or of the shape; rename it"
+                f"{name}, which is {_taken()[name]}; rename it"
             )
         if name in found:
             raise InputError(
@@ -255,10 +269,6 @@ def _usual_columns() -> dict[str, InputColumn]:
 
     parts = [(part, _KINDS[part], parts_declared(_KINDS[part])) for part in PARTS]
     return _columns_of(*parts)
-
-
-INPUT_COLUMNS: dict[str, InputColumn] = _usual_columns()
-"""Of a scene with the usual laws and shape; those of another are `columns_of` it."""
 
 
 def leaf_places(scene: Scene) -> dict[str, int]:
@@ -342,3 +352,7 @@ SIGMA_PREFIX = "sigma_"
 """Before the name of a result column: the standard deviation of a measured value."""
 LABEL_COLUMNS = ("name", "id", "test", "campaign", "source", "note", "comment")
 """Columns of free text, which identify a row and are carried along."""
+
+
+INPUT_COLUMNS: dict[str, InputColumn] = _usual_columns()
+"""Of a scene with the usual laws and shape; those of another are `columns_of` it."""
