@@ -109,9 +109,9 @@ class HardeningPerRootArea(AbstractPathHardening):
     r"""Hardening by the path over the root of the foundation's sides:
     $\ell = \sqrt{B_t B_w}$.
 
-    A named alternative, the default of this package up to version 0.1. Of the paper's
-    claims C01 to C33, 14 hold, 14 hold partly and 5 fail with it (default: 17, 13, 3):
-    C05, C08 and C10 are lost, none is won.
+    A named alternative, the default of this package until 22 November 2026. Of the
+    paper's claims C01 to C33, 14 hold, 14 hold partly and 5 fail with it (default: 17,
+    13, 3): C05, C08 and C10 are lost, none is won.
     """
 
     c_v: Scalar = parameter(1.0, "-", "[0, inf)", "hardening rate", usual=(0.0, 1e3))
