@@ -35,7 +35,30 @@ def computes_on_cpu() -> bool:
     return jax.default_backend() == "cpu"
 
 
-@functools.lru_cache(maxsize=32)
+def _kept_here(compile_kernel: Callable) -> Callable:
+    """A function that compiles, with what it made kept for this process; None where
+    there is no machine code, which is refused, or warned of, each time it is asked."""
+
+    @functools.lru_cache(maxsize=32)
+    def kernel_or_problem(*arguments):
+        try:
+            return compile_kernel(*arguments)
+        except NoMachineCode as problem:
+            return problem
+
+    @functools.wraps(compile_kernel)
+    def compiled(*arguments) -> Kernel | None:
+        found = kernel_or_problem(*arguments)
+        if isinstance(found, NoMachineCode):
+            without_machine_code(found)
+            return None
+        return found
+
+    compiled.cache_clear = kernel_or_problem.cache_clear
+    return compiled
+
+
+@_kept_here
 def compile_native(assembly: Assembly) -> Kernel | None:
     """Machine code for an assembly of the model, from scenes, tolerance and floor. None
     if its laws, which may be the user's own, do what has no machine code."""
@@ -48,7 +71,7 @@ def compile_native(assembly: Assembly) -> Kernel | None:
         )
 
     code = _kept_or_compiled(assembly, None, compile_lanes)
-    return None if code is None else Kernel(code, structure, _tolerance_row(assembly))
+    return Kernel(code, structure, _tolerance_row(assembly))
 
 
 def _tolerance_row(assembly: Assembly) -> int:
@@ -56,7 +79,7 @@ def _tolerance_row(assembly: Assembly) -> int:
     return assembly.structure.num_leaves
 
 
-@functools.lru_cache(maxsize=32)
+@_kept_here
 def compile_native_along(
     assembly: Assembly, varied: tuple[int, ...] | None = None
 ) -> Kernel | None:
@@ -86,7 +109,7 @@ def compile_native_along(
 
     code = _kept_or_compiled(assembly, ("along", *varied), compile_lanes)
     structure = jax.tree.structure((of_lane, of_lane))
-    return None if code is None else Kernel(code, structure, _tolerance_row(assembly))
+    return Kernel(code, structure, _tolerance_row(assembly))
 
 
 def _inputs(assembly: Assembly):
@@ -100,14 +123,10 @@ def _inputs(assembly: Assembly):
 
 def _kept_or_compiled(
     assembly: Assembly, choice, compile_lanes: Callable[[], Code]
-) -> Code | None:
-    """The code of an assembly, from the disk if it is there; None if there is none."""
-    try:
-        key = _key(assembly, choice)
-        return compile_lanes() if key is None else kept(key, compile_lanes)
-    except NoMachineCode as problem:
-        without_machine_code(problem)
-        return None
+) -> Code:
+    """The code of an assembly, from the disk if it is there."""
+    key = _key(assembly, choice)
+    return compile_lanes() if key is None else kept(key, compile_lanes)
 
 
 def without_machine_code(problem: NoMachineCode) -> None:
