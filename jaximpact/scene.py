@@ -1,7 +1,6 @@
 """How a block arrives, and the scene: block, soil and impact together."""
 
 import dataclasses
-import math
 
 import equinox as eqx
 import jax
@@ -13,6 +12,7 @@ from .errors import InputError
 from .fields import expect, real_numbers
 from .parameters import Composite, parameter
 from .soil import Soil
+from .units import DEGREE
 
 GRAVITY = 9.81
 """Acceleration of gravity [m/s2]."""
@@ -61,13 +61,12 @@ class Impact(Composite):
         cls, speed=14.0, angle=0.0, orientation=0.0, angular_velocity=0.0, slope=0.0
     ) -> "Impact":
         """An impact with its angles in degrees, and its spin in degrees a second."""
-        of_degree = math.pi / 180.0
         angles = (angle, orientation, angular_velocity, slope)
         names = ("angle", "orientation", "angular_velocity", "slope")
         angles = {
-            name: value * of_degree
+            name: value * DEGREE
             if isinstance(value, jax.Array)
-            else of_degree * real_numbers(f"Impact.{name}", value)
+            else DEGREE * real_numbers(f"Impact.{name}", value)
             for name, value in zip(names, angles, strict=True)
         }
         return cls(speed=speed, **angles)

@@ -167,7 +167,7 @@ def _problem(kind: type, error: Exception) -> str:
             "is not known when a law is compiled; use jnp.where and jax.numpy"
         )
     if isinstance(error, TypeError) and not lines:
-        base = next(b for b in kind.__mro__ if "Abstract" in b.__name__)
+        base = [b for b in kind.__mro__ if "Abstract" in b.__name__][-1]
         needed = " and ".join(
             f"{method}{_arguments(getattr(base, method))}"
             for method in sorted(base.__abstractmethods__)

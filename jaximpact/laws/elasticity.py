@@ -104,7 +104,18 @@ def equal_area_radius(foundation: Foundation) -> Scalar:
     return 0.5 * jnp.sqrt(foundation.length * foundation.width)
 
 
-class DuncanChang(AbstractElasticity):
+class AbstractFootingSprings(AbstractElasticity):
+    """Springs of `footing_stiffness`, with a modulus by number and exponent."""
+
+    k_E: Scalar = parameter(900.0, "-", "(0, inf)", "modulus number", usual=(1.0, 1e6))
+    n_E: Scalar = parameter(0.40, "-", "[0, 2]", "modulus exponent")
+    poisson: Scalar = parameter(0.30, "-", "[0, 0.5]", "Poisson's ratio")
+    S_ef: Scalar = parameter(
+        1.0, "-", "(0, inf)", "factor on the modulus", usual=(1e-3, 1e3)
+    )
+
+
+class DuncanChang(AbstractFootingSprings):
     r"""Modulus taken at one radius' depth.
 
     $$ E = k_E\, p_a (\gamma_n r_0/p_a)^{n_E} $$
@@ -114,13 +125,6 @@ class DuncanChang(AbstractElasticity):
     Source: a reading. Stiffness: Gazetas (1983); modulus: Duncan and Chang (1970).
     Dattola et al. (2023) print only $J_s$ and name the parameters.
     """
-
-    k_E: Scalar = parameter(900.0, "-", "(0, inf)", "modulus number", usual=(1.0, 1e6))
-    n_E: Scalar = parameter(0.40, "-", "[0, 2]", "modulus exponent")
-    poisson: Scalar = parameter(0.30, "-", "[0, 0.5]", "Poisson's ratio")
-    S_ef: Scalar = parameter(
-        1.0, "-", "(0, inf)", "factor on the modulus", usual=(1e-3, 1e3)
-    )
 
     def __call__(self, foundation, unit_weight_normal, elastic_normal, *, branch=None):
         radius = equal_area_radius(foundation)
@@ -132,7 +136,7 @@ class DuncanChang(AbstractElasticity):
         return footing_stiffness(modulus, self.S_ef, self.poisson, foundation, branch)
 
 
-class ContactPressureModulus(AbstractElasticity):
+class ContactPressureModulus(AbstractFootingSprings):
     r"""Modulus taken at the contact pressure $N/A$ in place of the depth $r_0$.
 
     $$ E = k_E\, p_a \left(\frac{N}{A\,p_a}\right)^{n_E}, \qquad
@@ -152,12 +156,7 @@ class ContactPressureModulus(AbstractElasticity):
     on turf, after Penner: rms 0.039, against 0.062 with the default).
     """
 
-    k_E: Scalar = parameter(900.0, "-", "(0, inf)", "modulus number", usual=(1.0, 1e6))
     n_E: Scalar = parameter(0.40, "-", "[0, 0.9]", "modulus exponent")
-    poisson: Scalar = parameter(0.30, "-", "[0, 0.5]", "Poisson's ratio")
-    S_ef: Scalar = parameter(
-        1.0, "-", "(0, inf)", "factor on the modulus", usual=(1e-3, 1e3)
-    )
 
     def __call__(self, foundation, unit_weight_normal, elastic_normal, *, branch=None):
         radius = equal_area_radius(foundation)

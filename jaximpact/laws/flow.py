@@ -96,7 +96,24 @@ def displacement_rates(
     )
 
 
-class Perzyna(AbstractFlow):
+class AbstractFluidityFlow(AbstractFlow):
+    r"""Flow of a size $\dot\lambda$ along `flow_direction`, with a fluidity."""
+
+    gamma_v: Scalar = parameter(8.7, "m/s", "[0, inf)", "fluidity", usual=(0.0, 1e4))
+    dilatancy: Scalar = parameter(
+        0.0, "-", "[0, 1]", "dilatancy: fraction of the associated heave"
+    )
+
+    @abc.abstractmethod
+    def flow_size(self, load, hardening, foundation, branch) -> Scalar:
+        r"""$\dot\lambda$ [m/s], not negative."""
+
+    def __call__(self, load, hardening, foundation, *, branch=None) -> FlowRate:
+        rate = self.flow_size(load, hardening, foundation, branch)
+        return displacement_rates(rate, load, self.dilatancy, branch=branch)
+
+
+class Perzyna(AbstractFluidityFlow):
     r"""Flow in proportion to the overstress.
 
     $$ \dot\lambda = \gamma_v \Phi, \qquad \Phi = \max(\rho^*/\rho_c - 1, 0) $$
@@ -107,15 +124,11 @@ class Perzyna(AbstractFlow):
     Source: a reading; Perzyna (1963).
     """
 
-    gamma_v: Scalar = parameter(8.7, "m/s", "[0, inf)", "fluidity", usual=(0.0, 1e4))
-    dilatancy: Scalar = parameter(0.0, "-", "[0, 1]", "heave admitted")
-
-    def __call__(self, load, hardening, foundation, *, branch=None) -> FlowRate:
-        rate = self.gamma_v * overstress(load.size, hardening, branch=branch)
-        return displacement_rates(rate, load, self.dilatancy, branch=branch)
+    def flow_size(self, load, hardening, foundation, branch) -> Scalar:
+        return self.gamma_v * overstress(load.size, hardening, branch=branch)
 
 
-class FluidityRate(AbstractFlow):
+class FluidityRate(AbstractFluidityFlow):
     r"""Perzyna's flow with a fluidity that is a rate [1/s], not a velocity.
 
     $$ \dot\lambda = \gamma_v B_t \Phi $$
@@ -127,15 +140,13 @@ class FluidityRate(AbstractFlow):
     """
 
     gamma_v: Scalar = parameter(8.7, "1/s", "[0, inf)", "fluidity", usual=(0.0, 1e4))
-    dilatancy: Scalar = parameter(0.0, "-", "[0, 1]", "heave admitted")
 
-    def __call__(self, load, hardening, foundation, *, branch=None) -> FlowRate:
+    def flow_size(self, load, hardening, foundation, branch) -> Scalar:
         rate = self.gamma_v * overstress(load.size, hardening, branch=branch)
-        rate = foundation.length * rate
-        return displacement_rates(rate, load, self.dilatancy, branch=branch)
+        return foundation.length * rate
 
 
-class PowerNucleus(AbstractFlow):
+class PowerNucleus(AbstractFluidityFlow):
     r"""Flow at every load, by a power: a viscous nucleus without a threshold.
 
     $$ \dot\lambda = \gamma_v \left(\frac{\rho^*}{\rho_c}\right)^n $$
@@ -147,19 +158,14 @@ class PowerNucleus(AbstractFlow):
     after Penner: rms 0.15, against 0.06 with the default).
     """
 
-    gamma_v: Scalar = parameter(8.7, "m/s", "[0, inf)", "fluidity", usual=(0.0, 1e4))
-    dilatancy: Scalar = parameter(0.0, "-", "[0, 1]", "heave admitted")
     nucleus_exponent: Scalar = parameter(2.0, "-", "[1, 20]", "n of the nucleus")
 
-    def _nucleus(self, load: Load, hardening: Scalar) -> Scalar:
-        return safe_power(load.size / hardening, self.nucleus_exponent)
-
-    def __call__(self, load, hardening, foundation, *, branch=None) -> FlowRate:
-        rate = self.gamma_v * self._nucleus(load, hardening)
-        return displacement_rates(rate, load, self.dilatancy, branch=branch)
+    def flow_size(self, load, hardening, foundation, branch) -> Scalar:
+        nucleus = safe_power(load.size / hardening, self.nucleus_exponent)
+        return self.gamma_v * nucleus
 
 
-class PowerNucleusRate(AbstractFlow):
+class PowerNucleusRate(AbstractFluidityFlow):
     r"""`PowerNucleus` with a fluidity that is a rate [1/s].
 
     $$ \dot\lambda = \gamma_v B_t \left(\frac{\rho^*}{\rho_c}\right)^n $$
@@ -171,16 +177,14 @@ class PowerNucleusRate(AbstractFlow):
     """
 
     gamma_v: Scalar = parameter(8.7, "1/s", "[0, inf)", "fluidity", usual=(0.0, 1e4))
-    dilatancy: Scalar = parameter(0.0, "-", "[0, 1]", "heave admitted")
     nucleus_exponent: Scalar = parameter(2.0, "-", "[1, 20]", "n of the nucleus")
 
-    def __call__(self, load, hardening, foundation, *, branch=None) -> FlowRate:
+    def flow_size(self, load, hardening, foundation, branch) -> Scalar:
         nucleus = safe_power(load.size / hardening, self.nucleus_exponent)
-        rate = self.gamma_v * foundation.length * nucleus
-        return displacement_rates(rate, load, self.dilatancy, branch=branch)
+        return self.gamma_v * foundation.length * nucleus
 
 
-class AbsoluteOverstress(AbstractFlow):
+class AbsoluteOverstress(AbstractFluidityFlow):
     r"""Perzyna's flow with the nucleus $\max(\rho^* - \rho_c, 0)$, not divided by
     $\rho_c$; a reading to compare with.
 
@@ -188,23 +192,15 @@ class AbsoluteOverstress(AbstractFlow):
     (default: 17, 13, 3).
     """
 
-    gamma_v: Scalar = parameter(8.7, "m/s", "[0, inf)", "fluidity", usual=(0.0, 1e4))
-    dilatancy: Scalar = parameter(0.0, "-", "[0, 1]", "heave admitted")
-
-    def __call__(self, load, hardening, foundation, *, branch=None) -> FlowRate:
+    def flow_size(self, load, hardening, foundation, branch) -> Scalar:
         nucleus = hardening * overstress(load.size, hardening, branch=branch)
-        rate = self.gamma_v * nucleus
-        return displacement_rates(rate, load, self.dilatancy, branch=branch)
+        return self.gamma_v * nucleus
 
 
-class SquaredOverstress(AbstractFlow):
+class SquaredOverstress(AbstractFluidityFlow):
     r"""Perzyna's flow with the nucleus $\max(\rho^*/\rho_c - 1, 0)^2$; a reading to
     compare with. All verdicts on the paper's claims C01 to C33 are the default's."""
 
-    gamma_v: Scalar = parameter(8.7, "m/s", "[0, inf)", "fluidity", usual=(0.0, 1e4))
-    dilatancy: Scalar = parameter(0.0, "-", "[0, 1]", "heave admitted")
-
-    def __call__(self, load, hardening, foundation, *, branch=None) -> FlowRate:
+    def flow_size(self, load, hardening, foundation, branch) -> Scalar:
         nucleus = overstress(load.size, hardening, branch=branch) ** 2
-        rate = self.gamma_v * nucleus
-        return displacement_rates(rate, load, self.dilatancy, branch=branch)
+        return self.gamma_v * nucleus

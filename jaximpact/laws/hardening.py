@@ -58,8 +58,19 @@ class AbstractPathHardening(AbstractHardening):
     derivative there is that of a positive rate.
     """
 
-    def _per_length(self, hardening, flow, foundation, branch) -> Scalar:
-        """The rate times the length."""
+    c_v: Scalar = parameter(1.0, "-", "[0, inf)", "hardening rate", usual=(0.0, 1e3))
+    alpha_vT: Scalar = parameter(
+        2.53, "-", "[0, inf)", "hardening by sliding", usual=(0.0, 1e3)
+    )
+    alpha_vR: Scalar = parameter(
+        0.0, "-", "[0, inf)", "hardening by rocking", usual=(0.0, 1e3)
+    )
+
+    @abc.abstractmethod
+    def path_length(self, foundation: Foundation) -> Scalar:
+        r"""$\ell$, by which the path of flow is measured."""
+
+    def __call__(self, hardening, flow, foundation, *, branch=None) -> Scalar:
         if branch is None:
             heaves, shears_up, rocks_back = (rate < 0.0 for rate in flow)
         else:
@@ -75,7 +86,8 @@ class AbstractPathHardening(AbstractHardening):
             * foundation.length
             * jnp.where(rocks_back, -flow.rotational, flow.rotational)
         )
-        return self.c_v * (1.0 - hardening) * path
+        rate = self.c_v * (1.0 - hardening) * path
+        return rate / self.path_length(foundation)
 
     def heeds_signs(self) -> tuple[Scalar, Scalar]:
         return self.alpha_vT > 0.0, self.alpha_vR > 0.0
@@ -92,17 +104,8 @@ class HardeningPerLength(AbstractPathHardening):
     Source: a reading; di Prisco and Vecchiotti (2006).
     """
 
-    c_v: Scalar = parameter(1.0, "-", "[0, inf)", "hardening rate", usual=(0.0, 1e3))
-    alpha_vT: Scalar = parameter(
-        2.53, "-", "[0, inf)", "hardening by sliding", usual=(0.0, 1e3)
-    )
-    alpha_vR: Scalar = parameter(
-        0.0, "-", "[0, inf)", "hardening by rocking", usual=(0.0, 1e3)
-    )
-
-    def __call__(self, hardening, flow, foundation, *, branch=None) -> Scalar:
-        rate = self._per_length(hardening, flow, foundation, branch)
-        return rate / foundation.length
+    def path_length(self, foundation) -> Scalar:
+        return foundation.length
 
 
 class HardeningPerRootArea(AbstractPathHardening):
@@ -114,17 +117,8 @@ class HardeningPerRootArea(AbstractPathHardening):
     13, 3): C05, C08 and C10 are lost, none is won.
     """
 
-    c_v: Scalar = parameter(1.0, "-", "[0, inf)", "hardening rate", usual=(0.0, 1e3))
-    alpha_vT: Scalar = parameter(
-        2.53, "-", "[0, inf)", "hardening by sliding", usual=(0.0, 1e3)
-    )
-    alpha_vR: Scalar = parameter(
-        0.0, "-", "[0, inf)", "hardening by rocking", usual=(0.0, 1e3)
-    )
-
-    def __call__(self, hardening, flow, foundation, *, branch=None) -> Scalar:
-        rate = self._per_length(hardening, flow, foundation, branch)
-        return rate / jnp.sqrt(foundation.length * foundation.width)
+    def path_length(self, foundation) -> Scalar:
+        return jnp.sqrt(foundation.length * foundation.width)
 
 
 class HardeningPerMetre(AbstractPathHardening):
@@ -135,15 +129,9 @@ class HardeningPerMetre(AbstractPathHardening):
     """
 
     c_v: Scalar = parameter(1.0, "1/m", "[0, inf)", "hardening rate", usual=(0.0, 1e3))
-    alpha_vT: Scalar = parameter(
-        2.53, "-", "[0, inf)", "hardening by sliding", usual=(0.0, 1e3)
-    )
-    alpha_vR: Scalar = parameter(
-        0.0, "-", "[0, inf)", "hardening by rocking", usual=(0.0, 1e3)
-    )
 
-    def __call__(self, hardening, flow, foundation, *, branch=None) -> Scalar:
-        return self._per_length(hardening, flow, foundation, branch)
+    def path_length(self, foundation) -> Scalar:
+        return jnp.ones_like(foundation.length)
 
 
 class SofterStart(HardeningPerLength):

@@ -17,6 +17,13 @@ USUAL_RATIO = (0.02, 50.0)
 class AbstractElliptic(AbstractShape):
     """An ellipse in the plane of motion, of semi-axes H and R. Smooth everywhere."""
 
+    aspect_ratio: Scalar = parameter(
+        1.0, "-", "(0, inf)", "H/R; below 1 an oblate block", usual=USUAL_RATIO
+    )
+    out_of_plane_ratio: Scalar = parameter(
+        1.0, "-", "(0, inf)", "W/R", usual=USUAL_RATIO
+    )
+
     def support(self, axes, sin, cos, *, side=None) -> Scalar:
         r"""$r_y = \sqrt{H^2 c^2 + R^2 s^2}$ [m]. Source: Dattola et al. (2023), eq. 22,
         first line."""
@@ -128,13 +135,6 @@ class Ellipsoid(AbstractElliptic):
 
     most_slender = None
 
-    aspect_ratio: Scalar = parameter(
-        1.0, "-", "(0, inf)", "H/R; below 1 an oblate block", usual=USUAL_RATIO
-    )
-    out_of_plane_ratio: Scalar = parameter(
-        1.0, "-", "(0, inf)", "W/R", usual=USUAL_RATIO
-    )
-
     @property
     def unit_volume(self) -> Scalar:
         return 4.0 * jnp.pi / 3.0 * self.aspect_ratio * self.out_of_plane_ratio
@@ -174,13 +174,6 @@ class EllipticCylinder(AbstractElliptic):
     The section in the plane of motion is the ellipsoid's. Exact: no cut out of the
     plane is left out.
     """
-
-    aspect_ratio: Scalar = parameter(
-        1.0, "-", "(0, inf)", "H/R; below 1 an oblate block", usual=USUAL_RATIO
-    )
-    out_of_plane_ratio: Scalar = parameter(
-        1.0, "-", "(0, inf)", "W/R", usual=USUAL_RATIO
-    )
 
     @property
     def unit_volume(self) -> Scalar:
