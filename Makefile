@@ -2,6 +2,7 @@
 # make test        set up, run the tests
 # make quick       set up, run the quick ones, machine code included
 # make lint        set up, check the style
+# make driver      make driver.ll from driver.c, which needs clang
 # make clean       remove the environment, results and caches
 #
 # Needs Python 3.11 or newer; another one: make test PYTHON=python3.12
@@ -24,7 +25,7 @@ QUICK = $(addprefix tests/test_,native.py cache.py laws.py foundation.py model.p
     malformed_inputs.py environments.py defaults.py cli_simulate.py \
     calibration_one_call.py scene.py own_laws.py)
 
-.PHONY: help calibrate test quick lint clean
+.PHONY: help calibrate test quick lint driver clean
 
 help:
 	@sed -n '/^#/!q; s/^# \{0,1\}//p' Makefile
@@ -60,6 +61,16 @@ $(VENV)/.installed: pyproject.toml
 $(VENV)/.linter: $(VENV)/.installed
 	$(PIP) install --quiet --editable '.[dev]'
 	@touch "$@"
+
+# Nothing of the processor that it is made on is left in the text.
+CLANG ?= clang
+NATIVE = jaximpact/engines/native
+driver:
+	(echo "; Made from driver.c by 'make driver'; sha256 $$(sha256sum < $(NATIVE)/driver.c | cut -c1-64)"; \
+	    $(CLANG) -O1 -S -emit-llvm -Wall -Wextra -Werror -fno-strict-aliasing -fno-ident \
+	    -fno-stack-protector -fno-asynchronous-unwind-tables $(NATIVE)/driver.c -o - | \
+	    sed -E '/^(;|target|source_filename|attributes|!|declare .*float_mode)/d; s/ #[0-9]+//g; s/, !llvm.loop ![0-9]+//; s/ *; preds = .*//' | \
+	    cat -s) > $(NATIVE)/driver.ll
 
 clean:
 	rm -rf "$(VENV)" "$(OUT)" .pytest_cache .hypothesis .ruff_cache

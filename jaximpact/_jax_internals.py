@@ -9,6 +9,7 @@ from pathlib import Path
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.core import Tracer
 from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
 
@@ -21,12 +22,35 @@ __all__ = [
     "called",
     "is_inside_jit",
     "keep_programs_by",
+    "namespace_of",
     "place_of",
+    "result_types",
     "scan_counts",
 ]
 
 _CALLS = {"jit": "jaxpr", "pjit": "jaxpr", "custom_jvp_call": "call_jaxpr"}
 _EAGER_TRACES = {"EvalTrace", "LinearizeTrace", "JVPTrace", "JaxprTrace", "BatchTrace"}
+
+
+def result_types(shapes: Sequence[tuple], operands: Sequence) -> list:
+    """Types of float64 results of these shapes.
+
+    Inside `jax.shard_map` they vary over the axes over which what they come from does.
+    """
+    types = [jax.typeof(operand) for operand in operands]
+    if hasattr(types[0], "manual_axis_type"):  # JAX 0.10 and later
+        kinds = [t.manual_axis_type for t in types]
+        varying = frozenset().union(*(kind.varying for kind in kinds))
+        said = {"manual_axis_type": type(kinds[0])(varying=varying)} if varying else {}
+    else:
+        said = {"vma": frozenset().union(*(t.vma for t in types))}
+    return [jax.ShapeDtypeStruct(shape, jnp.float64, **said) for shape in shapes]
+
+
+def namespace_of(*values):
+    """`jax.numpy` where JAX is tracing one of the values, else `numpy`, which is a
+    hundred times quicker for a few numbers."""
+    return jnp if any(isinstance(value, Tracer) for value in values) else np
 
 
 def called(equation) -> ClosedJaxpr | None:

@@ -37,7 +37,7 @@ from .identity import part_names
 from .mechanics.model import MODELS, model_places
 from .mechanics.problem import Assembly
 from .precision import require_float64
-from .scene import Impact, Scene, as_scene
+from .scene import Impact, Scene, as_scene, shape_of
 from .shapes import MixedShapes
 from .simulation import ImpactResult
 from .soil import Soil
@@ -49,15 +49,7 @@ def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
 
     Raises ValueError if the fields do not broadcast to one axis, or there are none.
     """
-    shapes = [np.shape(leaf) for leaf in jax.tree.leaves(scene)]
-    try:
-        shape = np.broadcast_shapes(*shapes)
-    except ValueError:
-        told = ", ".join(sorted({str(shape) for shape in shapes if shape}))
-        raise InputError(
-            "fields of a scene must be scalars or of one length, but have shapes "
-            f"{told}"
-        ) from None
+    shape = shape_of(scene)
     if len(shape) > 1:
         raise ValueError(
             f"simulate_batch takes scenes along one axis, but their fields have shape "

@@ -5,6 +5,7 @@ import dataclasses
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from .block import Block
@@ -115,6 +116,22 @@ def as_scene(
     for part, value in given.items():
         expect(part, value, {"block": Block, "soil": Soil, "impact": Impact}[part])
     return Scene(**given)
+
+
+def shape_of(scene: Scene) -> tuple[int, ...]:
+    """The shape that the fields of a scene broadcast to.
+
+    Raises InputError if they do not.
+    """
+    shapes = [np.shape(leaf) for leaf in jax.tree.leaves(scene)]
+    try:
+        return np.broadcast_shapes(*shapes)
+    except ValueError:
+        told = ", ".join(sorted({str(shape) for shape in shapes if shape}))
+        raise InputError(
+            "fields of a scene must be scalars or arrays that broadcast, but have "
+            f"shapes {told}"
+        ) from None
 
 
 PARTS = tuple(field.name for field in dataclasses.fields(Scene))

@@ -1,152 +1,20 @@
-"""One impact: from a scene to every number that the model gives.
-
-`simulate` is differentiable in both modes. Its derivative is taken forward through the
-integration, for those inputs only that are being differentiated (`jax.custom_jvp` with
-symbolic zeros), and what remains is linear, so JAX can transpose it: `jax.grad` costs
-as much as `jax.jacfwd` does, in proportion to the number of scene parameters that vary.
-What is not inside `jit` or `vmap` runs in machine code on a CPU.
-"""
-
-import functools
+"""Impacts: from a scene to every number that the model gives."""
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
-from jax.custom_derivatives import SymbolicZero
 
 from ._jax_internals import Tracer
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
-from .engines.compilation import unfused_jit
-from .engines.machine import (
-    compile_native,
-    compile_native_along,
-    computes_on_cpu,
-    solve_alone,
-    solve_by_leaves,
-)
+from .engines.solving import solve
 from .formats import provenance
 from .formats.checks import check_scene
 from .history import History, record_history
 from .mechanics.outcomes import Outcome
-from .mechanics.problem import Assembly, assemble, pose
 from .precision import require_float64
-from .scene import Impact, Scene, as_scene
+from .scene import Impact, Scene, as_scene, shape_of
 from .soil import Soil
-from .solver.integration import integrate
-from .solver.lanes import march, start_lanes
-from .summary import Numbers, summarise, summarise_lanes
-
-
-def compute(assembly: Assembly, scene: Scene, tolerance, floor) -> Numbers:
-    """Numbers of one impact: pure, differentiable in forward mode."""
-    problem, vector = pose(scene, assembly, tolerance, floor)
-    return summarise(scene, problem, integrate(problem, vector))
-
-
-def compute_lanes(assembly: Assembly, scenes: Scene, tolerance, floor) -> Numbers:
-    """Numbers of many impacts side by side, to the slowest; scene fields are
-    `(lanes,)`.
-
-    Pure, differentiable in forward mode.
-    """
-    lanes = march(start_lanes(assembly, scenes, tolerance, floor))
-    return summarise_lanes(scenes, lanes)
-
-
-def _compute_leaves(assembly, structure, leaves, tolerance, floor):
-    scene = jax.tree.unflatten(structure, leaves)
-    return compute(assembly, scene, tolerance, floor)
-
-
-def _compute_with_columns(assembly, structure, varied, leaves, tolerance, floor):
-    """Numbers, and their derivatives by the leaves named in `varied`."""
-
-    def of_varied(values):
-        all_leaves = list(leaves)
-        for place, value in zip(varied, values, strict=True):
-            all_leaves[place] = value
-        numbers = _compute_leaves(assembly, structure, all_leaves, tolerance, floor)
-        return numbers, numbers
-
-    columns, numbers = jax.jacfwd(of_varied, has_aux=True)(
-        [leaves[place] for place in varied]
-    )
-    return numbers, columns
-
-
-_compiled = unfused_jit(_compute_leaves, static_argnums=(0, 1))
-_compiled_with_columns = unfused_jit(_compute_with_columns, static_argnums=(0, 1, 2))
-
-
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
-def _solve(assembly, structure, leaves, tolerance, floor):
-    found = _in_machine_code(assembly, leaves, tolerance, floor)
-    if found is not None:
-        return found
-    return _compiled(assembly, structure, leaves, tolerance, floor)
-
-
-@functools.partial(_solve.defjvp, symbolic_zeros=True)
-def _solve_jvp(assembly, structure, primals, tangents):
-    leaves, tolerance, floor = primals
-    varied = tuple(
-        place
-        for place, tangent in enumerate(tangents[0])
-        if not isinstance(tangent, SymbolicZero)
-    )
-    found = _in_machine_code(assembly, leaves, tolerance, floor, varied)
-    if found is None:
-        numbers, columns = _compiled_with_columns(
-            assembly, structure, varied, leaves, tolerance, floor
-        )
-        found = numbers, _by_leaf(columns, len(varied))
-    numbers, by_leaf = found
-    return numbers, _along(by_leaf, [tangents[0][place] for place in varied])
-
-
-@jax.jit
-def _along(columns: list[Numbers], steps: list) -> Numbers:
-    """Change of the numbers, by steps of the leaves. (`jit`: one operation in place of
-    hundreds where it is called outside.)"""
-
-    def of_result(*derivatives):
-        return sum(d * step for d, step in zip(derivatives, steps, strict=True))
-
-    return jax.tree.map(of_result, *columns)
-
-
-def _in_machine_code(assembly, leaves, tolerance, floor, varied=None):
-    """Numbers, with `varied` also a list of their derivatives by these leaves. None
-    where there is no machine code: for another device, for laws that have none, and
-    while something is being traced."""
-    inputs = [*leaves, tolerance, floor]
-    if any(isinstance(x, Tracer) for x in inputs) or not computes_on_cpu():
-        return None
-    make = compile_native if varied is None else compile_native_along
-    kernel = make(assembly)
-    if kernel is None:
-        return None
-    if varied is None:
-        return jax.device_put(solve_alone(kernel, inputs))
-    return jax.device_put(solve_by_leaves(kernel, inputs, varied))
-
-
-def _by_leaf(columns, count):
-    """From numbers holding a list over leaves to a list of numbers."""
-    is_list = lambda x: isinstance(x, list)  # noqa: E731
-    return [
-        jax.tree.map(lambda entry, k=k: entry[k], columns, is_leaf=is_list)
-        for k in range(count)
-    ]
-
-
-def solve_scene(scene: Scene, accuracy: Accuracy) -> Numbers:
-    """Numbers of one scene, compiled, differentiable in both modes."""
-    leaves, structure = jax.tree.flatten(scene)
-    tolerance = jnp.asarray(accuracy.tolerance)
-    floor = jnp.asarray(accuracy.floor)
-    return _solve(assemble(scene), structure, leaves, tolerance, floor)
+from .summary import Numbers
 
 
 class ImpactResult(Numbers):
@@ -183,15 +51,19 @@ def simulate(
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     history: bool = False,
+    ledger: bool | None = None,
 ) -> ImpactResult:
-    """Simulate one impact.
+    """Simulate an impact, or many.
 
     Args:
-        scene: a `Scene`, or its block, with the soil and the impact beside it; scalars
-            (for many scenes, `simulate_batch`, or `jax.vmap` around this function).
+        scene: a `Scene`, or its block, with the soil and the impact beside it. Fields
+            are scalars, or arrays with any axes that broadcast; results have their
+            shape. (For millions, with a journal and progress: `simulate_batch`.)
         accuracy: "fast", "balanced" or "reference"; see `PRESETS`.
-        history: also record the course of the impact (`result.history`); not under a
-            JAX transformation.
+        history: also record the course of the impact (`result.history`); of one impact,
+            not under a JAX transformation.
+        ledger: also keep the energy ledger (`result.energy`), which costs a quarter. By
+            default of a single impact, outside of JAX's transformations.
 
     Returns:
         `ImpactResult`. A scene whose integration fails gives NaN and the outcome
@@ -209,8 +81,13 @@ def simulate(
     require_float64()
     setting = get_accuracy(accuracy)
     scene = as_scene(scene, soil, impact)
-    check_scene(scene, warn=True)
-    numbers = solve_scene(scene, setting)
+    check_scene(scene, batched=True, warn=True)
+    shape = shape_of(scene)
+    if ledger is None:
+        ledger = not shape and not any(
+            isinstance(leaf, Tracer) for leaf in jax.tree.leaves(scene)
+        )
+    numbers = solve(scene, setting, ledger)
     result = ImpactResult(**vars(numbers), scene=scene, accuracy=setting)
     if not history:
         return result

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from jaximpact.calibration.engine import USUAL, Engine
 from jaximpact.calibration.fit import SOME_TESTS, some_tests
 from jaximpact.calibration.objective import Objective, engine_of
 from jaximpact.calibration.study import fit_study
@@ -39,30 +38,22 @@ def test_every_column_is_a_leaf_of_the_scene(study):
         np.testing.assert_array_equal(leaves[name], value)
 
 
-def test_usual_parameters_have_code_of_their_own(study):
-    assert len(engine_of(study).varied) == len(USUAL)
-    other = Engine(engine_of(study).assembly, ("c_v", "slope_deg"), study.targets)
-    assert len(other.varied) == len(INPUT_COLUMNS)
-
-
-def test_both_codes_and_xla_agree(study, monkeypatch):
+def test_machine_code_and_xla_agree(study, monkeypatch):
     """Steps differ by rounding alone, so that results agree far beyond the tolerance
     of 1e-8 with which both integrate; derivatives follow steps less closely."""
     usual = Objective(study, study.variants[0], engine_of(study))
     x = usual.bounds.coordinate(SOILS)
     expected = usual(x)
-    of_all = Engine(usual.engine.assembly, ("slope_deg",), study.targets)
     monkeypatch.setattr("jaximpact.calibration.engine.computes_on_cpu", lambda: False)
     by_xla = engine_of(study)
     assert (usual.engine.name, by_xla.name) == ("machine code", "XLA")
-    for engine in (of_all, by_xla):
-        received = Objective(study, study.variants[0], engine)(x)
-        np.testing.assert_allclose(received.predicted, expected.predicted, rtol=1e-6)
-        largest = np.max(np.abs(expected.jacobian), axis=(0, 1, 3), keepdims=True)
-        np.testing.assert_allclose(
-            received.jacobian / largest, expected.jacobian / largest, atol=1e-4
-        )
-        np.testing.assert_array_equal(received.outcomes, expected.outcomes)
+    received = Objective(study, study.variants[0], by_xla)(x)
+    np.testing.assert_allclose(received.predicted, expected.predicted, rtol=1e-6)
+    largest = np.max(np.abs(expected.jacobian), axis=(0, 1, 3), keepdims=True)
+    np.testing.assert_allclose(
+        received.jacobian / largest, expected.jacobian / largest, atol=1e-4
+    )
+    np.testing.assert_array_equal(received.outcomes, expected.outcomes)
 
 
 def test_values_alone_are_the_same_numbers(study, monkeypatch):

@@ -19,6 +19,7 @@ from jaximpact import (
 )
 from jaximpact.batch import broadcast_scene
 from jaximpact.engines.compilation import unfused_jit
+from jaximpact.engines.solving import compute_lanes
 from jaximpact.mechanics.model import (
     MODELS,
     PLANAR,
@@ -30,7 +31,6 @@ from jaximpact.mechanics.model import (
 )
 from jaximpact.mechanics.problem import Assembly
 from jaximpact.shapes import EllipticCylinder
-from jaximpact.simulation import compute_lanes
 
 TALL = Block(aspect_ratio=2.0)
 

@@ -12,7 +12,6 @@ from jaximpact.cache import open_cache
 from jaximpact.dependence import depends
 from jaximpact.engines.machine import compile_native, compile_native_along
 from jaximpact.engines.native import (
-    Code,
     NoMachineCode,
     compile_kernel,
     kept,
@@ -297,7 +296,7 @@ def cache(tmp_path, monkeypatch):
 def test_code_is_kept(cache):
     def make():
         made.append(0)
-        return Code(b"\n{code}\n", 1, 2, 3)
+        return b"\n{code}\n"
 
     made = []
     code = kept("one", make)
@@ -415,7 +414,7 @@ def test_derivatives_as_by_xla(damping, monkeypatch):
     # linear in both modes, to rounding
     np.testing.assert_allclose(along, mine @ at, rtol=1e-12)
     np.testing.assert_allclose(back, mine.sum(axis=0), rtol=1e-12)
-    monkeypatch.setattr("jaximpact.simulation.computes_on_cpu", lambda: False)
+    monkeypatch.setattr("jaximpact.engines.solving.computes_on_cpu", lambda: False)
     theirs = jax.jacfwd(results)(at)
     # Rounding changes the steps: equal to the error of derivatives at "balanced".
     np.testing.assert_allclose(mine, theirs, rtol=1e-3)

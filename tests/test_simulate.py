@@ -322,7 +322,13 @@ def test_history_follows_the_impact_to_its_end():
         ({"impact": Impact(angle=math.pi / 2)}, r"Impact.angle must be in \(-90, 90\)"),
         ({"impact": Impact(speed=float("nan"))}, r"Impact.speed must be above 0"),
         ({"soil": Soil(poisson=0.7)}, r"Soil.poisson must be in \[0, 0.5\]"),
-        ({"soil": Soil(k_E=np.array([1.0, 2.0]))}, r"must be a scalar.*simulate_batch"),
+        (
+            {
+                "soil": Soil(k_E=np.array([1.0, 2.0])),
+                "impact": Impact(speed=np.array([1.0, 2.0, 3.0])),
+            },
+            r"broadcast, but have shapes \(2,\), \(3,\)",
+        ),
         ({"accuracy": "balancd"}, r"did you mean 'balanced'"),
     ],
 )

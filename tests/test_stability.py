@@ -20,10 +20,10 @@ from make_stability_scenes import DEGREE, ENDS, USUAL, inside, scene_of
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate_batch
 from jaximpact.accuracy import PRESETS
 from jaximpact.engines.compilation import unfused_jit
+from jaximpact.engines.solving import compute_lanes
 from jaximpact.mechanics.model import PLANAR
 from jaximpact.mechanics.problem import Assembly
 from jaximpact.scene import GRAVITY
-from jaximpact.simulation import compute_lanes
 
 NUMBERS = ("e_n", "e_contact", "e_bar", "R_r", "max_penetration", "max_normal_force")
 NUMBERS += ("max_moment", "duration", "rotation", "final_sinking", "angular_velocity")

@@ -60,7 +60,7 @@ def forward_gradient(
         inputs = np.stack(kernel_inputs(here, accuracy))
         rows = np.repeat(inputs, len(varied), axis=1)
         leaves = np.tile(varied, inputs.shape[1])
-        _, along = solve_rows(kernels[place], along_leaves(rows, leaves))
+        _, (along,) = solve_rows(kernels[place], along_leaves(rows, leaves))
         # By the parameter's logarithm
         values = [getattr(here.soil, name) for name in PARAMETERS]
         return along.e_n.reshape(-1, len(varied)) * np.stack(values, axis=1)

@@ -25,9 +25,9 @@ from ..engines.machine import (
     with_setting,
 )
 from ..engines.marching import CORES
-from ..formats.columns import RESULT_COLUMNS, leaf_places
+from ..engines.solving import compute_lanes
+from ..formats.columns import RESULT_COLUMNS
 from ..mechanics.problem import Assembly
-from ..simulation import compute_lanes
 
 AT_ONCE = 512
 """Impacts that a thread takes at a time in machine code."""
@@ -36,9 +36,6 @@ MANY = 20_000
 XLA_AT_ONCE = 256
 """Impacts in a program of XLA: fewer waste time on dispatch, more on waiting for the
 slowest."""
-USUAL = ("c_v", "gamma_v", "k_E")
-"""Columns that most studies fit; code for these alone is smaller. Other choices share
-code for a direction of all the leaves."""
 OUTCOME = "outcome_code"
 
 
@@ -47,18 +44,11 @@ class Engine:
 
     Args:
         assembly: of the model.
-        columns: by which derivatives will be wanted.
         targets: result columns that are wanted.
     """
 
-    def __init__(
-        self, assembly: Assembly, columns: tuple[str, ...], targets: tuple[str, ...]
-    ):
-        count = assembly.structure.num_leaves
-        places = leaf_places(jax.tree.unflatten(assembly.structure, range(count)))
-        usual = set(columns) <= set(USUAL) <= set(places)
-        chosen = sorted(places[name] for name in USUAL) if usual else range(count)
-        self.assembly, self.varied = assembly, tuple(chosen)
+    def __init__(self, assembly: Assembly, targets: tuple[str, ...]):
+        self.assembly = assembly
         self.fields = _fields_of(targets)
         self.name = "XLA" if self.kernel is None else "machine code"
 
@@ -67,7 +57,7 @@ class Engine:
         """Its machine code, None where there is none."""
         if not computes_on_cpu():
             return None
-        return compile_native_along(self.assembly, self.varied)
+        return compile_native_along(self.assembly)
 
     def __getstate__(self) -> dict:
         # Machine code belongs to a process; another compiles its own, if it computes.
@@ -110,15 +100,19 @@ class Engine:
             found = [self._in_xla(leaves, directions, p, accuracy) for p in parts]
         else:
             rows = with_setting(leaves, accuracy)
-            rows = np.concatenate([rows, directions[list(self.varied)]])
+            rows = np.concatenate([rows, directions])
             found = _on_all_cores(
-                lambda part: tuple(map(self._chosen, solve_rows(self.kernel, part))),
+                self._with_derivatives,
                 rows,
             )
         values, derivatives = (
             np.concatenate(rows, axis=1) for rows in zip(*found, strict=True)
         )
         return values[:-1].T, derivatives[:-1].T, values[-1]
+
+    def _with_derivatives(self, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        numbers, (along,) = solve_rows(self.kernel, part)
+        return self._chosen(numbers), self._chosen(along)
 
     def run_values(
         self, leaves: np.ndarray, accuracy: Accuracy

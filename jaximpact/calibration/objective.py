@@ -427,9 +427,7 @@ def engines_of(study: Study) -> list[Engine]:
     targets = needed(study.targets) if turned else study.targets
     structures = [jax.tree.structure(scene) for scene in scenes]
     engines = {
-        structure: Engine(
-            Assembly(structure, model, ledger=False), tuple(columns), targets
-        )
+        structure: Engine(Assembly(structure, model, ledger=False), targets)
         for structure in dict.fromkeys(structures)
     }
     return [engines[structure] for structure in structures]

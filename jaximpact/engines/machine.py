@@ -24,7 +24,16 @@ from ..mechanics.problem import Assembly
 from ..scene import Scene
 from ..solver.lanes import Lanes, start_lanes, step_lanes
 from ..summary import Numbers, numbers_of_no_value, summarise_lanes
-from .native import Code, Kernel, NoMachineCode, compile_code, host, kept
+from .native import (
+    Code,
+    Kernel,
+    LaneFunctions,
+    NoMachineCode,
+    Retries,
+    compile_code,
+    host,
+    kept,
+)
 
 NATIVE_PART = 128
 """Impacts that a worker takes at a time in machine code, some 10 ms of work."""
@@ -62,54 +71,65 @@ def _kept_here(compile_kernel: Callable) -> Callable:
 def compile_native(assembly: Assembly) -> Kernel | None:
     """Machine code for an assembly of the model, from scenes, tolerance and floor. None
     if its laws, which may be the user's own, do what has no machine code."""
+    lanes = _Lanes(assembly)
+    functions = LaneFunctions(
+        lambda inputs, _: (lanes.begin(inputs), ()),
+        lambda state, _: _nothing_own(*lanes.step(state)),
+        lambda inputs, _, state, __: (lanes.finish(inputs, state), ()),
+    )
+    code = _kept_or_compiled(
+        assembly, None, lambda: compile_code(functions, _inputs(assembly))
+    )
     structure = jax.tree.structure(numbers_of_no_value(assembly.ledger))
-
-    def compile_lanes() -> Code:
-        of_lanes = _Lanes(assembly)
-        return compile_code(
-            of_lanes.begin, of_lanes.step, of_lanes.finish, _inputs(assembly)
-        )
-
-    code = _kept_or_compiled(assembly, None, compile_lanes)
-    return Kernel(code, structure, _tolerance_row(assembly))
+    return Kernel(code, structure, _retries(assembly))
 
 
-def _tolerance_row(assembly: Assembly) -> int:
-    """Place of the tolerance among the rows of inputs: behind the leaves of a scene."""
-    return assembly.structure.num_leaves
+def _nothing_own(state, going):
+    return state, (), going
+
+
+def _retries(assembly: Assembly) -> Retries:
+    """Impacts that fail are computed again with finer tolerances; not those that ran
+    out of steps, and would do so again."""
+    structure = jax.tree.structure(numbers_of_no_value(assembly.ledger))
+    rows = jax.tree.unflatten(structure, range(structure.num_leaves))
+    return Retries(
+        assembly.structure.num_leaves,  # behind the leaves of a scene
+        rows.outcome_code,
+        rows.steps,
+        float(Outcome.failed),
+        MAX_STEPS,
+        RETRIES,
+    )
 
 
 @_kept_here
-def compile_native_along(
-    assembly: Assembly, varied: tuple[int, ...] | None = None
-) -> Kernel | None:
+def compile_native_along(assembly: Assembly, directions: int = 1) -> Kernel | None:
     """Machine code for an assembly of the model, from scenes, tolerance and floor, and
-    a direction. None as for `compile_native`.
-
-    One derivative is taken whatever the number of leaves, so that the code is soon
-    compiled; for several derivatives it is run as often, in lanes side by side.
+    directions along which it is differentiated. None as for `compile_native`.
 
     Args:
-        varied: leaves of the scene that may change along the direction, all if not
-            told; inputs end with a row for each, its derivative along it. Results are a
-            pair: numbers, and their derivatives along the direction.
+        directions: how many. Inputs end with a row for each leaf of the scene, its
+            derivative along the direction, for each of them. They share steps, their
+            control and branches, and all that the value needs. The code is the same
+            whatever the leaves, so that it is compiled once. Results are a pair:
+            numbers, and a tuple of their derivatives along the directions.
 
     Of the state, course and constants of the problem are differentiated; widths of
     steps, and with them the time, are not.
     """
-    of_lane = numbers_of_no_value(assembly.ledger)
-    if varied is None:
-        varied = tuple(range(assembly.structure.num_leaves))
 
     def compile_lanes() -> Code:
         inputs = _inputs(assembly)
-        of_lanes = _Along(assembly, varied, inputs)
-        both = inputs, [inputs[1]] * len(varied)
-        return compile_code(of_lanes.begin, of_lanes.step, of_lanes.finish, both)
+        lanes = _Along(assembly, inputs)
+        functions = LaneFunctions(lanes.begin, lanes.step, lanes.finish)
+        direction = [inputs[1]] * assembly.structure.num_leaves
+        return compile_code(functions, inputs, direction, directions)
 
-    code = _kept_or_compiled(assembly, ("along", *varied), compile_lanes)
-    structure = jax.tree.structure((of_lane, of_lane))
-    return Kernel(code, structure, _tolerance_row(assembly))
+    code = _kept_or_compiled(assembly, ("along", directions), compile_lanes)
+    numbers = numbers_of_no_value(assembly.ledger)
+    structure = jax.tree.structure((numbers, (numbers,) * directions))
+    return Kernel(code, structure, _retries(assembly))
 
 
 def _inputs(assembly: Assembly):
@@ -126,7 +146,9 @@ def _kept_or_compiled(
 ) -> Code:
     """The code of an assembly, from the disk if it is there."""
     key = _key(assembly, choice)
-    return compile_lanes() if key is None else kept(key, compile_lanes)
+    if key is None:
+        return compile_lanes()
+    return Code.unpacked(kept(key, lambda: compile_lanes().packed()))
 
 
 def without_machine_code(problem: NoMachineCode) -> None:
@@ -197,18 +219,17 @@ class _Lanes(NamedTuple):
 class _Along:
     """What lanes do, and the derivative along a direction of what they have come to.
 
-    Of the lanes those leaves are differentiated that change with any leaf varied.
+    Of the lanes those leaves are differentiated that change with any leaf of a scene.
     """
 
-    def __init__(self, assembly: Assembly, varied: tuple[int, ...], inputs):
-        self.lanes, self.varied = _Lanes(assembly), list(varied)
+    def __init__(self, assembly: Assembly, inputs):
+        self.lanes = _Lanes(assembly)
+        self.varied = list(range(assembly.structure.num_leaves))
         traced, lanes = jax.make_jaxpr(self.lanes.begin, return_shape=True)(inputs)
-        places = (_changing(traced, lanes, place) for place in varied)
+        places = (_changing(traced, lanes, place) for place in self.varied)
         self.changing = sorted(set().union(*places))
 
-    def begin(self, both):
-        inputs, direction = both
-
+    def begin(self, inputs, direction):
         def of_leaves(*values):
             lanes = self.lanes.begin(_with_leaves(inputs, self.varied, values))
             return _leaves(lanes, self.changing), lanes
@@ -218,9 +239,7 @@ class _Along:
         )
         return lanes, slope
 
-    def step(self, state):
-        lanes, slope = state
-
+    def step(self, lanes, slope):
         def of_changing(*values):
             after, going = self.lanes.step(_with_leaves(lanes, self.changing, values))
             return _leaves(after, self.changing), (after, going)
@@ -228,10 +247,9 @@ class _Along:
         _, slope, (after, going) = jax.jvp(
             of_changing, _leaves(lanes, self.changing), slope, has_aux=True
         )
-        return (after, slope), going
+        return after, slope, going
 
-    def finish(self, both, state):
-        (inputs, direction), (lanes, slope) = both, state
+    def finish(self, inputs, direction, lanes, slope):
         count = len(self.varied)
 
         def of_both(*values):
@@ -334,39 +352,11 @@ def solve_side_by_side(kernel: Kernel, scene: Scene, accuracy: Accuracy):
 
 def solve_rows(kernel: Kernel, inputs: np.ndarray):
     """Results of inputs `(rows, lanes)`, in their order, by one core."""
-    results = _solve_rows(kernel, inputs)
-    results = _try_again(kernel, results, lambda lanes: inputs[:, lanes])
-    return jax.tree.unflatten(kernel.structure, list(results))
-
-
-def _solve_rows(kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
     names = np.arange(inputs.shape[1])
     ended, results = kernel.workspace().run(names, inputs, wait=False)
     ordered = np.empty_like(results)
     ordered[:, ended] = results
-    return ordered
-
-
-def _try_again(
-    kernel: Kernel, results: np.ndarray, inputs_of: Callable[[np.ndarray], np.ndarray]
-) -> np.ndarray:
-    """The results, failed lanes computed again with finer tolerances; not those that
-    ran out of steps, and would do so again.
-
-    Args:
-        inputs_of: gives a copy of the inputs of some lanes, `(rows, lanes)`.
-    """
-    rows = jax.tree.unflatten(kernel.structure, list(range(len(results))))
-    numbers = rows if isinstance(rows, Numbers) else rows[0]
-    for factor in RETRIES:
-        failed = results[numbers.outcome_code] == Outcome.failed
-        failed &= results[numbers.steps] < MAX_STEPS
-        if not np.any(failed):
-            break
-        finer = inputs_of(np.flatnonzero(failed))
-        finer[kernel.tolerance_row] *= factor
-        results[:, failed] = _solve_rows(kernel, finer)
-    return results
+    return jax.tree.unflatten(kernel.structure, list(ordered))
 
 
 class NativeWorker:
@@ -391,9 +381,4 @@ class NativeWorker:
             inputs = np.stack([row[places] for row in self.rows])
             ended, results = workspace.run(places, inputs, wait=more)
             if len(ended):
-                results = _try_again(
-                    self.kernel,
-                    results,
-                    lambda lanes, of=ended: np.stack([r[of[lanes]] for r in self.rows]),
-                )
                 yield ended, jax.tree.unflatten(self.kernel.structure, list(results))

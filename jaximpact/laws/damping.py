@@ -2,11 +2,13 @@
 
 import abc
 import functools
+import operator
 from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 
+from .._jax_internals import namespace_of
 from .._types import Scalar
 from ..parameters import Part, parameter
 from .elasticity import Stiffness
@@ -34,8 +36,9 @@ class AbstractDamping(Part):
 
     def acts(self) -> tuple[np.ndarray, np.ndarray]:
         """Where a dashpot may work, the normal one and any: outside of it forces follow
-        from the springs alone, which costs less. For NumPy arrays; NaN, which stands
-        for a value that is not known, counts as one that may."""
+        from the springs alone, which costs less. For arrays of NumPy, and of JAX while
+        it traces; NaN, which stands for a value that is not known, counts as one that
+        may."""
         return np.asarray(True), np.asarray(True)
 
 
@@ -67,7 +70,7 @@ class DampingRatios(AbstractDamping):
 
     def acts(self) -> tuple[np.ndarray, np.ndarray]:
         normal, *others = (
-            ~(np.asarray(ratio) <= 0.0)
+            ~(namespace_of(ratio).asarray(ratio) <= 0.0)
             for ratio in (self.eta_N, self.eta_T, self.eta_R)
         )
-        return normal, functools.reduce(np.logical_or, others, normal)
+        return normal, functools.reduce(operator.or_, others, normal)

@@ -4,12 +4,14 @@ A model is a choice of unknowns. The equations and laws are the same for all; wh
 not an unknown is zero, and stays so. That is exact where symmetry keeps it at zero.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
 import numpy as np
+from jax.errors import TracerArrayConversionError, TracerBoolConversionError
 
-from .._jax_internals import Tracer
+from .._jax_internals import Tracer, namespace_of
 from ..block import Block
 from ..scene import Impact, Scene
 from ..soil import Soil
@@ -87,17 +89,8 @@ def model_places(scene: Scene, tolerance: float = 0.0) -> np.ndarray:
 
     Fields are arrays that broadcast; NaN stands for what is not known.
     """
-    block, soil, impact = scene.block, scene.soil, scene.impact
-    upright = block.shape.is_upright(impact.orientation)
-    vertical = (
-        (np.asarray(impact.angle) == 0.0)
-        & (np.asarray(impact.angular_velocity) == 0.0)
-        & (np.asarray(impact.slope) == 0.0)
-        & upright
-    )
-    exact = np.where(vertical, 0, MODELS.index(PLANAR)) + np.where(
-        vertical, *soil.damping.acts()
-    )
+    exact, _ = exact_models(scene)
+    exact = np.asarray(exact)
     if tolerance == 0.0:
         return exact
     allowed = np.where(
@@ -105,3 +98,50 @@ def model_places(scene: Scene, tolerance: float = 0.0) -> np.ndarray:
     )
     allowed = np.where(vertical_error(scene) <= tolerance, 0, allowed)
     return np.minimum(exact, allowed)
+
+
+def exact_models(scene: Scene):
+    """Place in `MODELS` of the cheapest model that is exact for each scene, and all
+    places that there may be.
+
+    Fields are arrays that broadcast, of JAX while it traces: then the place is one too.
+    NaN stands for what is not known.
+    """
+    impact = scene.impact
+    vertical = (
+        (impact.angle == 0.0)
+        & (impact.angular_velocity == 0.0)
+        & (impact.slope == 0.0)
+        & _unless_numpy_only(
+            lambda: scene.block.shape.is_upright(impact.orientation), False
+        )
+    )
+    by_normal, by_any = _unless_numpy_only(scene.soil.damping.acts, (True, True))
+    where = namespace_of(vertical, by_normal, by_any).where
+    place = where(vertical, 0, MODELS.index(PLANAR)) + where(
+        vertical, by_normal, by_any
+    )
+    if not isinstance(place, Tracer):
+        return place, np.unique(place).tolist()
+    possible = {
+        (0 if upright else MODELS.index(PLANAR)) + acts
+        for upright in _values(vertical)
+        for acts in _values(by_normal if upright else by_any)
+    }
+    return place, sorted(possible)
+
+
+def _unless_numpy_only(function: Callable, otherwise):
+    """What a function gives. Laws and shapes of users may know NumPy's arrays alone:
+    while JAX traces they say nothing, and the cheaper models are ruled out."""
+    try:
+        return function()
+    except (TracerArrayConversionError, TracerBoolConversionError):
+        return otherwise
+
+
+def _values(truths) -> list[bool]:
+    """The values that truths have, or may have where they are not known."""
+    if isinstance(truths, Tracer):
+        return [False, True]
+    return [bool(value) for value in np.unique(np.asarray(truths))]

@@ -69,7 +69,7 @@ def differentiate_impacts(scene: Scene, accuracy: Accuracy) -> tuple[Blow, np.nd
         kernel, (parameter, lane) = job
         inputs = with_setting(values[:, lane], accuracy)
         rows = np.concatenate([inputs, slopes[parameter, :, lane].T])
-        numbers, along = solve_rows(kernel, rows)
+        numbers, (along,) = solve_rows(kernel, rows)
         found[:, lane] = [getattr(numbers, n) for n in (*FIELDS, "outcome_code")]
         tangents[:, parameter, lane] = [getattr(along, name) for name in FIELDS]
 

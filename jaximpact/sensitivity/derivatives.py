@@ -19,11 +19,11 @@ from ..engines.machine import (
     with_setting,
 )
 from ..engines.marching import CORES
+from ..engines.solving import compute_lanes
 from ..formats.columns import InputColumn, leaf_places
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.problem import Assembly
 from ..scene import Scene
-from ..simulation import compute_lanes
 from ..summary import Numbers, numbers_of_no_value
 
 PART = 256
@@ -82,7 +82,7 @@ def derivatives(
             )
         else:
             inputs = along_leaves(with_setting(part, accuracy), by)
-            numbers, along = solve_rows(kernel, inputs)
+            numbers, (along,) = solve_rows(kernel, inputs)
         values[:, places] = jax.tree.leaves(numbers)
         if leaf is not None:
             slopes[:, places] = jax.tree.leaves(along)

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
+from .._jax_internals import namespace_of
 from ..parameters import Part
 from .parting import farthest_direction
 from .rolling import RoundBlock, round_block
@@ -182,9 +183,10 @@ class AbstractShape(Part):
 
     def is_upright(self, orientation):
         """Whether the block lies symmetric about the ground's normal, so that a central
-        impact does not turn it: by default at multiples of 90 degrees. For NumPy arrays
-        [rad]."""
-        return np.abs(np.sin(2.0 * np.asarray(orientation))) <= SYMMETRIC_WITHIN
+        impact does not turn it: by default at multiples of 90 degrees. For arrays of
+        NumPy, and of JAX while it traces [rad]; NaN stands for what is not known."""
+        xp = namespace_of(orientation)
+        return xp.abs(xp.sin(2.0 * xp.asarray(orientation))) <= SYMMETRIC_WITHIN
 
     def is_round(self):
         """Whether nothing depends on the orientation, so that a table needs one node of

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from .._jax_internals import namespace_of
 from ..parameters import parameter
 from ..safe import safe_sqrt
 from .base import AbstractShape, Section, SemiAxes
@@ -78,7 +79,7 @@ class AbstractElliptic(AbstractShape):
 
     def is_round(self):
         """Whether the section is a circle."""
-        return np.asarray(self.aspect_ratio) == 1.0
+        return namespace_of(self.aspect_ratio).asarray(self.aspect_ratio) == 1.0
 
     @property
     def bound(self) -> Scalar:

@@ -124,15 +124,15 @@ class MixedShapes(AbstractShape):
         return found
 
     def is_upright(self, orientation):
-        index, found = np.asarray(self.index), np.asarray(False)
+        found = False
         for place, shape in enumerate(self._alone()):
-            found = np.where(index == place, shape.is_upright(orientation), found)
+            found = found | ((self.index == place) & shape.is_upright(orientation))
         return found
 
     def is_round(self):
-        index, found = np.asarray(self.index), np.asarray(False)
+        found = False
         for place, shape in enumerate(self._alone()):
-            found = np.where(index == place, shape.is_round(), found)
+            found = found | ((self.index == place) & shape.is_round())
         return found
 
     def largest_bending(self, axes) -> Scalar | None:

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .._jax_internals import Tracer
+from .._jax_internals import Tracer, namespace_of
 from ..errors import InputError
 from ..parameters import parameter
 from ..safe import safe_sqrt
@@ -108,9 +108,10 @@ class RectangularPrism(AbstractShape):
 
     def is_upright(self, orientation):
         """Also at 45 degrees for a square, and always for a circle."""
-        square = np.asarray(self.aspect_ratio) == 1.0
-        circle = square & (np.asarray(self.corner_radius_ratio) == 1.0)
-        on_corner = np.abs(np.cos(2.0 * np.asarray(orientation))) <= SYMMETRIC_WITHIN
+        xp = namespace_of(self.aspect_ratio, self.corner_radius_ratio, orientation)
+        square = xp.asarray(self.aspect_ratio) == 1.0
+        circle = square & (xp.asarray(self.corner_radius_ratio) == 1.0)
+        on_corner = xp.abs(xp.cos(2.0 * xp.asarray(orientation))) <= SYMMETRIC_WITHIN
         return super().is_upright(orientation) | circle | (square & on_corner)
 
     @property

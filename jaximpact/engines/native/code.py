@@ -1,9 +1,8 @@
 """From a graph to LLVM's language, and on to machine code."""
 
-import importlib.resources
 import struct
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import llvmlite.binding as llvm
 
@@ -134,7 +133,7 @@ def write_function(
     bit_type = f"i{PACK}"
     return "\n".join(
         [
-            f"define internal {bit_type} @{name}(ptr %work, {bit_type} %columns) #0 {{",
+            f"define {bit_type} @{name}(ptr %work, {bit_type} %columns) #0 {{",
             *writer.lines,
             f"  ret {bit_type} {bits}",
             "}\n",
@@ -142,29 +141,14 @@ def write_function(
     )
 
 
-def write_driver(inputs: int, results_row: int, results: int) -> str:
-    """The function `run`, which calls `begin`, `step` and `finish`."""
-    text = (importlib.resources.files(__package__) / "driver.ll").read_text()
-    for name, number in (
-        ("INPUT_ROWS", inputs),
-        ("RESULTS_AT", results_row * PACK),
-        ("RESULT_ROWS", results),
-    ):
-        text = text.replace(name, str(number))
-    return text
-
-
-class Machine(NamedTuple):
-    """Code that is ready to run; it lives as long as `engine`."""
-
-    engine: Any
-    address: int
-    """Of the function `run`."""
-
-
 def host() -> tuple[str, str]:
     """The processor that code is made for, and what it can do."""
     return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
+def architecture() -> str:
+    """The family of the processor, as "x86_64" or "aarch64"."""
+    return llvm.get_default_triple().partition("-")[0]
 
 
 def _target() -> llvm.TargetMachine:
@@ -178,12 +162,13 @@ def _target() -> llvm.TargetMachine:
 
 def compile_text(text: str) -> bytes:
     """Machine code for this computer, as an object file."""
-    return _target().emit_object(llvm.parse_assembly(text + DECLARATIONS))
+    return _target().emit_object(llvm.parse_assembly(text))
 
 
-def load(object_file: bytes) -> Machine:
-    """Machine code, put to where it can run."""
+def load(object_file: bytes):
+    """An engine of LLVM with machine code put to where it can run; the code is there as
+    long as the engine lives."""
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target())
     engine.add_object_file(llvm.ObjectFileRef.from_data(object_file))
     engine.finalize_object()
-    return Machine(engine, engine.get_function_address("run"))
+    return engine

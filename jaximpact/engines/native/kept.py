@@ -1,13 +1,11 @@
 """Machine code kept on disk."""
 
-import json
 from collections.abc import Callable
 
 from ...cache import open_cache
-from .kernel import Code
 
 
-def kept(key: str, make: Callable[[], Code]) -> Code:
+def kept(key: str, make: Callable[[], bytes]) -> bytes:
     """What `make` gives, or gave another time under this key.
 
     Args:
@@ -17,10 +15,7 @@ def kept(key: str, make: Callable[[], Code]) -> Code:
     if cache is None:
         return make()
     stored = cache.get("machine", key)
-    if stored is not None:
-        numbers, _, object_file = stored.partition(b"\n")
-        return Code(object_file, *json.loads(numbers))
-    code = make()
-    numbers = json.dumps(code[1:]).encode()
-    cache.put("machine", key, numbers + b"\n" + code.object_file)
-    return code
+    if stored is None:
+        stored = make()
+        cache.put("machine", key, stored)
+    return stored

@@ -1,32 +1,34 @@
 """Machine code that takes lanes from their inputs to their results.
 
-What a lane does is given by three functions in JAX, which are traced for one lane and
+What a lane does is given by functions in JAX, which are traced for one lane and
 compiled for vectors of eight. Eight columns of memory hold lanes under way; one that
 has come to its end gives its place to the next. Lanes know nothing of each other: a
 lane's results do not depend, to the last bit, on what runs beside it.
 """
 
 import ctypes
+import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import jax
 import numpy as np
 
 from ...collector import collector_paused
-from .code import PACK, Output, compile_text, load, write_driver, write_function
+from .code import (
+    DECLARATIONS,
+    PACK,
+    Output,
+    compile_text,
+    load,
+    write_function,
+)
+from .driver import Program, new_columns, shared_driver
 from .graph import FLOAT, INPUT, INTEGER, TRUTH, Graph, Node, kind_of
 from .translation import Translator
 
 KINDS = {"f": FLOAT, "i": INTEGER, "b": TRUTH}
-ALIGNMENT = 64
-SIGNATURE = ctypes.CFUNCTYPE(
-    ctypes.c_int64,
-    *(ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p),
-    *(ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p),
-    *(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_bool),
-)
 
 
 class Code(NamedTuple):
@@ -34,9 +36,37 @@ class Code(NamedTuple):
 
     object_file: bytes
     input_rows: int
+    common_inputs: int
+    """Rows of inputs that copies of a lane have in common, which are the first."""
     result_rows: int
     rows: int
-    """Of inputs, state and results together."""
+    """Of inputs, state and results together, and of what is sampled."""
+    time_row: int = -1
+    """In which the state has the time reached, where something is sampled."""
+    sampled_rows: int = 0
+
+    def packed(self) -> bytes:
+        """As bytes, to be kept."""
+        return json.dumps(self[1:]).encode() + b"\n" + self.object_file
+
+    @classmethod
+    def unpacked(cls, content: bytes) -> "Code":
+        numbers, _, object_file = content.partition(b"\n")
+        return cls(object_file, *json.loads(numbers))
+
+
+class Retries(NamedTuple):
+    """When a lane that has failed is tried again: with tolerances times each of the
+    factors, unless it has used up its steps."""
+
+    tolerance_row: int
+    """Among the inputs."""
+    outcome_row: int
+    """Among the results."""
+    steps_row: int
+    failed: float
+    most_steps: float
+    factors: tuple[float, ...]
 
 
 class Kernel:
@@ -45,14 +75,43 @@ class Kernel:
     Args:
         code: what lanes do.
         structure: of the results, a tree with a row for each leaf.
-        tolerance_row: of its inputs, the one with the tolerance of the error control,
-            if there is one.
+        retries: for lanes that fail; None for none.
     """
 
-    def __init__(self, code: Code, structure, tolerance_row: int | None = None):
+    def __init__(self, code: Code, structure, retries: Retries | None = None):
         self.code, self.structure = code, structure
-        self.tolerance_row = tolerance_row
-        self.machine = load(code.object_file)
+        self.engine = load(code.object_file)
+        address = self.engine.get_function_address
+        asked = code.rows - code.sampled_rows - 1  # after the results
+        self.program = Program(
+            begin=address("begin"),
+            step=address("step"),
+            finish=address("finish"),
+            sample=address("sample") if code.sampled_rows else None,
+            rows=code.rows,
+            input_rows=code.input_rows,
+            results_row=(asked if code.sampled_rows else code.rows) - code.result_rows,
+            result_rows=code.result_rows,
+            tolerance=-1,
+            time=code.time_row,
+            asked=asked,
+            sampled_row=asked + 1,
+            sampled_rows=code.sampled_rows,
+        )
+        if retries is not None:
+            self.program.tolerance = retries.tolerance_row
+            self.program.outcome = retries.outcome_row
+            self.program.steps = retries.steps_row
+            self.program.failed = retries.failed
+            self.program.most_steps = retries.most_steps
+            self.program.retries[:] = retries.factors
+
+    @property
+    def layout(self) -> bytes:
+        """What the driver is told of the code but where it is, as bytes."""
+        told = Program.from_buffer_copy(self.program)
+        told.begin = told.step = told.finish = told.sample = None
+        return bytes(told)
 
     def workspace(self) -> "Workspace":
         return Workspace(self)
@@ -62,13 +121,9 @@ class Workspace:
     """Eight columns in which one thread works with a kernel."""
 
     def __init__(self, kernel: Kernel):
-        # The code must live as long as this.
-        self._kernel, self._code = kernel, kernel.code
-        self._run = SIGNATURE(kernel.machine.address)
-        space = np.zeros(kernel.code.rows * PACK * 8 + ALIGNMENT, np.uint8)
-        start = -space.ctypes.data % ALIGNMENT
-        self._work = space[start:]
-        self._lanes = np.full(PACK, -1, np.int64)
+        self._kernel = kernel  # The code must live as long as this.
+        self._run = shared_driver().run
+        self._columns, self._space = new_columns(kernel.code.rows)
 
     def run(
         self, names: np.ndarray, inputs: np.ndarray, wait: bool
@@ -84,7 +139,7 @@ class Workspace:
             Names of the lanes that have ended, and their results
             `(result_rows, ended)`.
         """
-        code = self._code
+        code = self._kernel.code
         names = np.ascontiguousarray(names, np.int64)
         inputs = np.ascontiguousarray(inputs, float)
         if inputs.shape != (code.input_rows, len(names)):
@@ -96,72 +151,202 @@ class Workspace:
         results = np.empty((code.result_rows, room))
         ended = np.empty(room, np.int64)
         count = self._run(
+            *(ctypes.addressof(self._kernel.program), ctypes.addressof(self._columns)),
             *(inputs.ctypes.data, len(names), names.ctypes.data),
             *(results.ctypes.data, room, ended.ctypes.data),
-            *(self._lanes.ctypes.data, self._work.ctypes.data, wait),
+            wait,
         )
         return ended[:count], results[:, :count]
 
 
+class LaneFunctions(NamedTuple):
+    """What a lane does, as functions in JAX.
+
+    Each takes and gives what copies of a lane have in common, and what each has of its
+    own; without copies the latter are empty trees. Copies are worked out side by side,
+    and what is common once: a lane with several derivatives has one copy for each.
+    """
+
+    begin: Callable
+    """From inputs, and own inputs, to a state and an own state."""
+    step: Callable
+    """From both states to the next ones, and whether the lane goes on."""
+    finish: Callable
+    """From inputs, own inputs and both states to results and own results."""
+    sample: Callable | None = None
+    """From both states and a time that the last step has passed to what is sampled
+    there, common and own."""
+    time: Callable | None = None
+    """From a state to the time reached, which must be an array of the state."""
+
+
 def compile_kernel(begin: Callable, step: Callable, finish: Callable, inputs) -> Kernel:
-    """Compile what lanes do, ready to run; see `compile_code`."""
-    code = compile_code(begin, step, finish, inputs)
-    state = jax.eval_shape(begin, inputs)
-    results = jax.eval_shape(finish, inputs, state)
-    return Kernel(code, jax.tree.structure(results))
-
-
-def compile_code(begin: Callable, step: Callable, finish: Callable, inputs) -> Code:
-    """Compile what lanes do.
+    """Compile what lanes do, ready to run.
 
     Args:
         begin: from inputs to the state at the start.
         step: from a state to the next, and whether the lane goes on.
         finish: from inputs and the last state to results.
+        inputs: as for `compile_code`.
+    """
+
+    def step_both(state, _):
+        state, going = step(state)
+        return state, (), going
+
+    functions = LaneFunctions(
+        lambda inputs, _: (begin(inputs), ()),
+        step_both,
+        lambda inputs, _, state, __: (finish(inputs, state), ()),
+    )
+    state = jax.eval_shape(begin, inputs)
+    results = jax.eval_shape(finish, inputs, state)
+    return Kernel(compile_code(functions, inputs), jax.tree.structure(results))
+
+
+def compile_code(
+    functions: LaneFunctions, inputs, own_inputs=(), copies: int = 1
+) -> Code:
+    """Compile what lanes do.
+
+    Args:
         inputs: a tree of arrays, or of what stands for them, with one lane: every
             array of the functions has one axis of length 1, the lane's.
+        own_inputs: the same, of one copy.
+        copies: how many there are.
+
+    Rows are inputs, own inputs of each copy, state, own states, results, own results;
+    with samples the time asked for, samples and own samples.
 
     Raises NoMachineCode if a function does what has no native code.
     """
+    given = inputs, own_inputs
     with collector_paused():
-        trace_begin, state = jax.make_jaxpr(begin, return_shape=True)(inputs)
-        trace_step = jax.make_jaxpr(step)(state)
-        trace_finish, results = jax.make_jaxpr(finish, return_shape=True)(inputs, state)
-        input_rows, state_rows, result_rows = map(_count, (inputs, state, results))
-        at_results = input_rows + state_rows
+        begin, states = jax.make_jaxpr(functions.begin, return_shape=True)(*given)
+        step = jax.make_jaxpr(functions.step)(*states)
+        finish, results = jax.make_jaxpr(functions.finish, return_shape=True)(
+            *given, *states
+        )
+        layout = _Layout(copies)
+        at_given, at_states, at_results = map(layout.allot, (given, states, results))
         text = [
-            _written("begin", trace_begin, 0, input_rows, masked=True),
-            _written("step", trace_step, input_rows, input_rows, says=True),
-            _written("finish", trace_finish, 0, at_results),
-            write_driver(input_rows, at_results, result_rows),
+            _written("begin", begin, at_given, at_states, masked=True),
+            _written("step", step, at_states, at_states, says=True),
+            _written("finish", finish, at_given + at_states, at_results),
         ]
+        time_row, sampled_rows = -1, 0
+        if functions.sample is not None:
+            asked = jax.ShapeDtypeStruct((1,), float)
+            sample, samples = jax.make_jaxpr(functions.sample, return_shape=True)(
+                *states, asked
+            )
+            at_asked, _ = layout.allot((asked, ()))
+            at_samples = layout.allot(samples)
+            sampled_rows = sum(part.rows for part in at_samples)
+            time_row = at_states[0].place_of(functions.time, states[0])
+            text.append(
+                _written(
+                    "sample", sample, [*at_states, at_asked], at_samples, masked=True
+                )
+            )
     return Code(
-        compile_text("\n".join(text)), input_rows, result_rows, at_results + result_rows
+        compile_text("\n".join([*text, DECLARATIONS])),
+        sum(part.rows for part in at_given),
+        at_given[0].rows,
+        sum(part.rows for part in at_results),
+        layout.rows,
+        time_row,
+        sampled_rows,
     )
 
 
-def _count(tree) -> int:
-    """Rows of a tree."""
-    return sum(math.prod(leaf.shape) for leaf in jax.tree.leaves(tree))
+class _Part(NamedTuple):
+    """Rows that hold a tree, or one for each copy."""
+
+    start: int
+    shapes: list[tuple[int, ...]]
+    copies: int
+
+    @property
+    def size(self) -> int:
+        """Rows of one copy."""
+        return sum(map(math.prod, self.shapes))
+
+    @property
+    def rows(self) -> int:
+        return self.size * self.copies
+
+    def start_of(self, copy: int) -> int:
+        """First row for a copy; the same for all of what they have in common."""
+        return self.start + (copy * self.size if self.copies > 1 else 0)
+
+    def place_of(self, choose: Callable, tree) -> int:
+        """The row of a leaf, chosen from the tree."""
+        leaves, structure = jax.tree.flatten(tree)
+        chosen = choose(jax.tree.unflatten(structure, range(len(leaves))))
+        return self.start + sum(map(math.prod, self.shapes[:chosen]))
+
+
+class _Layout:
+    """Allots rows, one after the other."""
+
+    def __init__(self, copies: int):
+        self.copies, self.rows = copies, 0
+
+    def allot(self, pair) -> list[_Part]:
+        """Rows for a tree that copies have in common, and for one that each has."""
+        parts = []
+        for tree, copies in zip(pair, (1, self.copies), strict=True):
+            shapes = [leaf.shape for leaf in jax.tree.leaves(tree)]
+            parts.append(_Part(self.rows, shapes, copies))
+            self.rows += parts[-1].rows
+        return parts
 
 
 def _written(
-    name: str, traced, start: int, to: int, masked: bool = False, says: bool = False
+    name: str,
+    traced,
+    sources: Sequence[_Part],
+    targets: Sequence[_Part],
+    masked: bool = False,
+    says: bool = False,
 ) -> str:
-    """A traced function, written for LLVM. What it takes is in the rows from `start`
-    on, what it gives goes to those from `to` on, but for what it `says` at last."""
-    graph = Graph()
-    row, inputs = start, []
-    for place in traced.in_avals:
-        values = np.empty(place.shape, object)
-        for index in np.ndindex(place.shape):
-            values[index] = graph.input(row, KINDS[place.dtype.kind])
-            row += 1
-        inputs.append(values)
-    arrays = Translator(graph).run(traced.jaxpr, traced.consts, inputs)
-    said = arrays.pop().item() if says else False
-    values = [value for array in arrays for value in array.ravel()]
-    outputs = [Output(to + i, x, kind_of(x)) for i, x in enumerate(values)]
+    """A traced function, written for LLVM. What it takes is in the rows of the sources,
+    what it gives goes to those of the targets, but for what it `says` at last."""
+    graph, outputs, said = Graph(), [], False
+    copies = max(part.copies for part in (*sources, *targets))
+    held: dict[tuple, np.ndarray] = {}
+
+    def inputs_of(copy: int) -> list[np.ndarray]:
+        arrays, kinds = [], iter(traced.in_avals)
+        for part in sources:
+            row = part.start_of(copy)
+            for shape in part.shapes:
+                kind = KINDS[next(kinds).dtype.kind]
+                if (row, shape) not in held:
+                    values = np.empty(shape, object)
+                    for i, index in enumerate(np.ndindex(shape)):
+                        values[index] = graph.input(row + i, kind)
+                    held[row, shape] = values
+                arrays.append(held[row, shape])
+                row += math.prod(shape)
+        return arrays
+
+    found = Translator(graph).run(
+        traced.jaxpr, traced.consts, [inputs_of(copy) for copy in range(copies)]
+    )
+    for copy, arrays in enumerate(found):
+        if says:
+            *arrays, told = arrays
+            said = told.item()
+        arrays = iter(arrays)
+        for part in targets:
+            values = [x for _ in part.shapes for x in next(arrays).ravel()]
+            if copy == 0 or part.copies > 1:
+                start = part.start_of(copy)
+                outputs += [
+                    Output(start + i, x, kind_of(x)) for i, x in enumerate(values)
+                ]
     changed = [output for output in outputs if not _stays(output)]
     return write_function(name, changed, said, masked)
 

@@ -5,6 +5,7 @@ known number of turns are written out.
 """
 
 import math
+import operator
 from collections.abc import Callable
 from functools import reduce
 
@@ -58,32 +59,59 @@ class NoMachineCode(NotImplementedError):
     """File, line and function that it stands in, where that is known."""
 
 
+Copies = list[list[Values]]
+"""Arrays of each of several copies."""
+
+
 class Translator:
-    """Works through a jaxpr, equation by equation."""
+    """Works through a jaxpr, equation by equation.
+
+    It does so for several copies of the arguments at once. What their arguments have in
+    common is worked out once; of the rest, each equation's results stand side by side.
+    """
 
     def __init__(self, graph: Graph):
         self.graph = graph
 
-    def run(self, jaxpr, constants, arguments: list[Values]) -> list[Values]:
-        """Values of the outputs of a jaxpr."""
-        known = dict(zip(jaxpr.constvars, map(values_of, constants), strict=True))
-        known |= zip(jaxpr.invars, arguments, strict=True)
+    def run(self, jaxpr, constants, copies: Copies) -> Copies:
+        """Values of the outputs of a jaxpr, for each copy of its arguments."""
+        shared = dict(zip(jaxpr.constvars, map(values_of, constants), strict=True))
+        known = [
+            shared | dict(zip(jaxpr.invars, arguments, strict=True))
+            for arguments in copies
+        ]
 
-        def read(atom) -> Values:
-            if isinstance(atom, Literal):
-                return values_of(np.asarray(atom.val, atom.aval.dtype))
-            return known[atom]
+        def read(atoms) -> Copies:
+            literals = {
+                id(atom): values_of(np.asarray(atom.val, atom.aval.dtype))
+                for atom in atoms
+                if isinstance(atom, Literal)
+            }
+            return [
+                [literals[id(a)] if id(a) in literals else of[a] for a in atoms]
+                for of in known
+            ]
 
         for equation in jaxpr.eqns:
-            inputs = [read(atom) for atom in equation.invars]
-            outputs = self.outputs(equation, inputs)
-            known |= zip(equation.outvars, map(_as_array, outputs), strict=True)
-        return [read(atom) for atom in jaxpr.outvars]
+            outputs = self.outputs(equation, read(equation.invars))
+            for of, values in zip(known, outputs, strict=True):
+                of |= zip(equation.outvars, values, strict=True)
+        return read(jaxpr.outvars)
 
-    def outputs(self, equation, inputs: list[Values]) -> list[Values]:
-        """The same as `apply`; what it does not do is told with its place."""
+    def outputs(self, equation, copies: Copies) -> Copies:
+        """Values of the outputs of one equation; what it cannot do is told with its
+        place."""
+        first, *others = copies
+        if others and all(all(map(operator.is_, first, other)) for other in others):
+            return self.outputs(equation, [first]) * len(copies)
         try:
-            return self.apply(equation, inputs)
+            if (inner := called(equation)) is not None:
+                return self.run(inner.jaxpr, inner.consts, copies)
+            if equation.primitive.name == "scan":
+                return self.scan(equation, copies)
+            return [
+                list(map(_as_array, self.apply(equation, inputs))) for inputs in copies
+            ]
         except NoMachineCode as problem:
             problem.place = problem.place or place_of(equation)
             raise
@@ -99,10 +127,6 @@ class Translator:
     def apply(self, equation, inputs: list[Values]) -> list[Values]:
         """Values of the outputs of one equation."""
         name, params = equation.primitive.name, equation.params
-        if (inner := called(equation)) is not None:
-            return self.run(inner.jaxpr, inner.consts, inputs)
-        if name == "scan":
-            return self.scan(equation, inputs)
         if name in SAME:
             return [_each(lambda x: x, inputs[0])]
         if name in STRUCTURE:
@@ -115,7 +139,8 @@ class Translator:
         if name in REWRITTEN and all(kind_of(x) == FLOAT for x in _first(inputs)):
             avals = [atom.aval for atom in equation.invars]
             written = jax.make_jaxpr(REWRITTEN[name])(*avals)
-            return self.run(written.jaxpr, written.consts, inputs)
+            (outputs,) = self.run(written.jaxpr, written.consts, [inputs])
+            return outputs
         if name in REDUCTIONS:
             return [self.reduce(REDUCTIONS[name], params["axes"], *inputs)]
         method = getattr(self, f"_{name}", None)
@@ -123,24 +148,45 @@ class Translator:
             raise NoMachineCode(f"no native code for the primitive '{name}'")
         return [method(params, *inputs).reshape(equation.outvars[0].aval.shape)]
 
-    def scan(self, equation, inputs: list[Values]) -> list[Values]:
+    def scan(self, equation, copies: Copies) -> Copies:
         params = equation.params
         inner, (count, carried) = params["jaxpr"], scan_counts(equation)
-        constants, carry = inputs[:count], inputs[count : count + carried]
-        sequences = inputs[count + carried :]
-        turns = range(params["length"])
-        rows = []
-        for i in reversed(turns) if params["reverse"] else turns:
+        first = count + carried
+        carries = [inputs[count:first] for inputs in copies]
+        turns = list(range(params["length"]))
+        if params["reverse"]:
+            turns.reverse()
+        rows: list[list] = [[None] * len(turns) for _ in copies]
+        made: dict[tuple, Values] = {}
+
+        def shared(make: Callable, *arrays) -> Values:
+            """What is made of some arrays, once for all copies that hold them."""
+            key = (make, *map(id, arrays))
+            if key not in made:
+                made[key] = make(arrays)
+            return made[key]
+
+        for i in turns:
+            take = lambda arrays, i=i: arrays[0][i]  # noqa: E731
             outputs = self.run(
                 inner.jaxpr,
                 inner.consts,
-                [*constants, *carry, *(s[i] for s in sequences)],
+                [
+                    [
+                        *inputs[:count],
+                        *carry,
+                        *(shared(take, s) for s in inputs[first:]),
+                    ]
+                    for inputs, carry in zip(copies, carries, strict=True)
+                ],
             )
-            carry = outputs[:carried]
-            rows.append(outputs[carried:])
-        if params["reverse"]:
-            rows.reverse()
-        return [*carry, *map(np.stack, zip(*rows, strict=True))]
+            carries = [values[:carried] for values in outputs]
+            for row, values in zip(rows, outputs, strict=True):
+                row[i] = values[carried:]
+        return [
+            [*carry, *(shared(np.stack, *arrays) for arrays in zip(*row, strict=True))]
+            for carry, row in zip(carries, rows, strict=True)
+        ]
 
     def reduce(self, function: Callable, axes, values: Values) -> Values:
         for axis in sorted(axes, reverse=True):

@@ -1,0 +1,165 @@
+"""The driver in driver.c, ready to run, and its structures as Python fills them in."""
+
+import ctypes
+import functools
+import importlib.resources
+import threading
+from typing import NamedTuple
+
+import numpy as np
+
+from .code import PACK, architecture, compile_text, host, load
+from .kept import kept
+
+ALIGNMENT = 64
+PROGRAMS, MOST_RETRIES = 32, 7
+POINTER, INTEGER, DOUBLE = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
+
+
+class Program(ctypes.Structure):
+    """What lanes do; see driver.c."""
+
+    _fields_ = (
+        *((name, POINTER) for name in ("begin", "step", "finish", "sample")),
+        *((name, INTEGER) for name in ("rows", "input_rows")),
+        *((name, INTEGER) for name in ("results_row", "result_rows")),
+        *((name, INTEGER) for name in ("tolerance", "outcome", "steps")),
+        *((name, INTEGER) for name in ("time", "asked")),
+        *((name, INTEGER) for name in ("sampled_row", "sampled_rows")),
+        *((name, DOUBLE) for name in ("failed", "most_steps")),
+        ("retries", DOUBLE * MOST_RETRIES),
+    )
+
+
+class Columns(ctypes.Structure):
+    """Lanes under way; see driver.c."""
+
+    _fields_ = (
+        ("work", POINTER),
+        ("lane", INTEGER * PACK),
+        ("tolerance", DOUBLE * PACK),
+        ("tries", INTEGER * PACK),
+        ("sampled", INTEGER * PACK),
+    )
+
+
+class Operation(ctypes.Structure):
+    """What the handler of a custom call does; see driver.c."""
+
+    _fields_ = (
+        ("count", INTEGER),
+        ("programs", Program * PROGRAMS),
+        *((name, INTEGER) for name in ("leaves", "directions", "samples")),
+        ("threads", INTEGER),
+        ("create", POINTER),
+        ("join", POINTER),
+    )
+
+
+RUN = ctypes.CFUNCTYPE(
+    INTEGER,
+    *(POINTER, POINTER),
+    *(POINTER, INTEGER, POINTER),
+    *(POINTER, INTEGER, POINTER),
+    INTEGER,
+)
+FLOAT_MODE = {
+    "x86": """
+declare void @llvm.x86.sse.stmxcsr(ptr)
+declare void @llvm.x86.sse.ldmxcsr(ptr)
+define i64 @enter_float_mode() {
+  %at = alloca i32
+  call void @llvm.x86.sse.stmxcsr(ptr %at)
+  %before = load i32, ptr %at
+  store i32 8064, ptr %at
+  call void @llvm.x86.sse.ldmxcsr(ptr %at)
+  %result = zext i32 %before to i64
+  ret i64 %result
+}
+define void @leave_float_mode(i64 %before) {
+  %at = alloca i32
+  %mode = trunc i64 %before to i32
+  store i32 %mode, ptr %at
+  call void @llvm.x86.sse.ldmxcsr(ptr %at)
+  ret void
+}
+""",
+    "aarch64": """
+declare i64 @llvm.aarch64.get.fpcr()
+declare void @llvm.aarch64.set.fpcr(i64)
+define i64 @enter_float_mode() {
+  %before = call i64 @llvm.aarch64.get.fpcr()
+  call void @llvm.aarch64.set.fpcr(i64 0)
+  ret i64 %before
+}
+define void @leave_float_mode(i64 %before) {
+  call void @llvm.aarch64.set.fpcr(i64 %before)
+  ret void
+}
+""",
+    "": """
+define i64 @enter_float_mode() {
+  ret i64 0
+}
+define void @leave_float_mode(i64 %before) {
+  ret void
+}
+""",
+}
+"""By processor: arithmetic as the standard has it. XLA has its threads flush small
+numbers to zero, and results would depend on which thread works them out."""
+
+
+class Driver(NamedTuple):
+    """The driver, loaded once more for each operation, which it belongs to."""
+
+    engine: object
+    operation: Operation
+
+    @property
+    def run(self):
+        """The function for Python."""
+        return RUN(self.engine.get_function_address("run"))
+
+    @property
+    def handler(self) -> int:
+        """Address of the function for XLA."""
+        return self.engine.get_function_address("impacts")
+
+
+@functools.cache
+def driver_object() -> bytes:
+    """The driver as an object file."""
+    text = (importlib.resources.files(__package__) / "driver.ll").read_text()
+    families = {"x86_64": "x86", "aarch64": "aarch64", "arm64": "aarch64"}
+    text += FLOAT_MODE[families.get(architecture(), "")]
+    return kept(repr(("driver", text, host())), lambda: compile_text(text))
+
+
+def load_driver() -> Driver:
+    """The driver, with an operation of its own that is still to be filled in."""
+    engine = load(driver_object())
+    address = engine.get_global_value_address("operation")
+    return Driver(engine, Operation.from_address(address))
+
+
+_shared: list[Driver] = []
+_lock = threading.Lock()
+
+
+def shared_driver() -> Driver:
+    """The driver that serves Python. It is never unloaded: threads that start at once
+    must not load two of which one is thrown away under the other's feet."""
+    with _lock:
+        if not _shared:
+            _shared.append(load_driver())
+    return _shared[0]
+
+
+def new_columns(rows: int) -> tuple[Columns, np.ndarray]:
+    """Empty columns, and the memory that they work in, which must live as long."""
+    space = np.zeros(rows * PACK * 8 + ALIGNMENT, np.uint8)
+    start = -space.ctypes.data % ALIGNMENT
+    columns = Columns(work=space.ctypes.data + start)
+    columns.lane[:] = [-1] * PACK
+    return columns, space
