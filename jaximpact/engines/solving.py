@@ -102,9 +102,38 @@ def _values(choice: Choice, leaves: list, tolerance, floor) -> Numbers:
 
 def _columns(choice: Choice, varied: tuple[int, ...], leaves, tolerance, floor):
     """Numbers, and a list of their derivatives by the leaves named in `varied`."""
-    directions = min(len(varied), MOST_DIRECTIONS)
-    if len(varied) == 2:
-        directions = MOST_DIRECTIONS  # one code to compile for two and for more
+    numbers, by_leaf = None, {}
+    for group in _by_model(choice, varied):
+        found = _columns_of_group(choice, group, leaves, tolerance, floor)
+        numbers = found[0] if numbers is None else numbers
+        by_leaf |= zip(group, found[1], strict=True)
+    return numbers, [by_leaf[place] for place in varied]
+
+
+def _by_model(choice: Choice, varied: tuple[int, ...]) -> list[tuple[int, ...]]:
+    """The leaves in groups by the models that derivatives need.
+
+    Derivatives by what may leave the symmetry need the planar model, and those by
+    damping ratios dashpots; the others need no more than the value does.
+    """
+    places = range(choice.structure.num_leaves)
+    scene = jax.tree.unflatten(choice.structure, places)
+    posture = {*jax.tree.leaves((scene.block.shape, scene.impact))}
+    posture -= {scene.impact.speed}
+    damping = {*jax.tree.leaves(scene.soil.damping)}
+    others = {*places} - posture - damping
+    groups = (
+        tuple(place for place in varied if place in group)
+        for group in (others, posture, damping)
+    )
+    return [group for group in groups if group]
+
+
+def _columns_of_group(
+    choice: Choice, varied: tuple[int, ...], leaves, tolerance, floor
+):
+    # One code to compile for two and for more
+    directions = 1 if len(varied) == 1 else MOST_DIRECTIONS
     chosen = _choose(choice, leaves, varied, directions)
     if chosen is None:
         return _by_xla(choice, leaves, tolerance, floor, varied)
