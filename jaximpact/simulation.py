@@ -2,13 +2,14 @@
 
 import equinox as eqx
 import jax
+import numpy as np
 
 from ._jax_internals import Tracer
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
 from .engines.solving import solve
 from .formats import provenance
-from .formats.checks import check_scene
+from .formats.checks import check_scene, sound_values
 from .history import History, record_history
 from .mechanics.outcomes import Outcome
 from .precision import require_float64
@@ -81,13 +82,15 @@ def simulate(
     require_float64()
     setting = get_accuracy(accuracy)
     scene = as_scene(scene, soil, impact)
-    check_scene(scene, batched=True, warn=True)
-    shape = shape_of(scene)
+    leaves, structure = jax.tree.flatten(scene)
+    values = sound_values(structure, leaves)
+    if values is None:
+        check_scene(scene, batched=True, warn=True)
+        shape_of(scene)
+        values = leaves
     if ledger is None:
-        ledger = not shape and not any(
-            isinstance(leaf, Tracer) for leaf in jax.tree.leaves(scene)
-        )
-    numbers = solve(scene, setting, ledger)
+        ledger = not any(isinstance(x, Tracer) or np.ndim(x) for x in values)
+    numbers = solve(structure, values, setting, ledger)
     result = ImpactResult(**vars(numbers), scene=scene, accuracy=setting)
     if not history:
         return result

@@ -35,168 +35,234 @@ MOST_DIRECTIONS = 3
 more of them take longer to compile than they save."""
 
 
-class Choice(NamedTuple):
-    """What is computed of a scene."""
+class Given(NamedTuple):
+    """What is known of scenes before they are computed."""
 
     structure: jax.tree_util.PyTreeDef
     """Of the scene: its laws and shapes, without the numbers."""
     ledger: bool
+    places: tuple[int, ...]
+    """Of the leaves that are not known yet, or are arrays."""
+    rest: np.ndarray
+    """All other leaves, each at its place, then tolerance and floor. They stay known
+    inside of `jax.jit`, and a single array is quicker to hand over than thirty."""
+
+    def leaves(self, values: list) -> list:
+        """Leaves of the scene, with the values of those at `places`."""
+        leaves = list(self.rest[:-2])
+        for place, value in zip(self.places, values, strict=True):
+            leaves[place] = value
+        return leaves
+
+    @property
+    def number_structure(self) -> jax.tree_util.PyTreeDef:
+        return _number_structure(self.ledger)
 
 
-def solve(scene: Scene, accuracy: Accuracy, ledger: bool) -> Numbers:
+@functools.cache
+def _number_structure(ledger: bool):
+    return jax.tree.structure(numbers_of_no_value(ledger))
+
+
+def solve(structure, leaves, accuracy: Accuracy, ledger: bool) -> Numbers:
     """Numbers of impacts, by the cheapest model that is exact for each.
 
     Args:
-        scene: fields are arrays that broadcast, whose shape the numbers have.
+        structure, leaves: of a scene. Leaves are arrays that broadcast, whose shape the
+            numbers have.
         ledger: also keep the energy ledger.
     """
-    leaves, structure = jax.tree.flatten(scene)
-    choice = Choice(structure, ledger)
-    setting = np.float64(accuracy.tolerance), np.float64(accuracy.floor)
-    if any(isinstance(leaf, Tracer) for leaf in leaves):
-        return _solve(choice, leaves, *setting)
+    places, rest = [], np.empty(len(leaves) + 2)
+    rest[-2:] = accuracy.tolerance, accuracy.floor
+    for place, leaf in enumerate(leaves):
+        if isinstance(leaf, Tracer) or np.ndim(leaf):
+            places.append(place)
+            rest[place] = np.nan
+        else:
+            rest[place] = leaf
+    values = [leaves[place] for place in places]
+    given = Given(structure, ledger, tuple(places), rest)
+    if any(isinstance(value, Tracer) for value in values):
+        return _solve(given, values)
     # Nothing to differentiate: half the time of a call would go into asking.
-    return _values(choice, leaves, *setting)
+    return _values(given, values)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _solve(choice: Choice, leaves: list, tolerance, floor) -> Numbers:
-    return _values(choice, leaves, tolerance, floor)
+def _solve(given: Given, values: list) -> Numbers:
+    return _values(given, values)
 
 
 @functools.partial(_solve.defjvp, symbolic_zeros=True)
-def _solve_jvp(choice: Choice, primals, tangents):
-    leaves, tolerance, floor = primals
-    varied = tuple(
-        place
-        for place, tangent in enumerate(tangents[0])
-        if not isinstance(tangent, SymbolicZero)
-    )
+def _solve_jvp(given: Given, primals, tangents):
+    (values,), (steps,) = primals, tangents
+    varied = [k for k, s in enumerate(steps) if not isinstance(s, SymbolicZero)]
     if not varied:
-        numbers = _values(choice, leaves, tolerance, floor)
+        numbers = _values(given, values)
         return numbers, jax.tree.map(jnp.zeros_like, numbers)
-    numbers, columns = _columns(choice, varied, leaves, tolerance, floor)
-    return numbers, _along(columns, [tangents[0][place] for place in varied])
+    numbers, columns = _columns(given, values, [given.places[k] for k in varied])
+    changes = _along(columns, [steps[k] for k in varied])
+    return numbers, jax.tree.unflatten(given.number_structure, changes)
 
 
 @jax.jit
-def _along(columns: list[Numbers], steps: list) -> Numbers:
-    """Change of the numbers, by steps of the leaves. (`jit`: one operation in place of
-    hundreds where it is called outside.)"""
+def _along(columns: list, steps: list) -> list:
+    """Change of each number, by steps of the leaves. (`jit`: one operation in place of
+    hundreds where it is called outside.)
 
-    def of_result(*derivatives):
-        return sum(d * step for d, step in zip(derivatives, steps, strict=True))
+    Args:
+        columns: for each step, the derivatives of all numbers by it.
+    """
+    return [
+        sum(column[k] * step for column, step in zip(columns, steps, strict=True))
+        for k in range(len(columns[0]))
+    ]
 
-    return jax.tree.map(of_result, *columns)
 
-
-def _values(choice: Choice, leaves: list, tolerance, floor) -> Numbers:
+def _values(given: Given, values: list) -> Numbers:
     """Numbers alone."""
-    chosen = _choose(choice, leaves, (), 0)
+    chosen = _choose(given, values, [], 0)
     if chosen is None:
-        return _by_xla(choice, leaves, tolerance, floor)
+        return _by_xla(given, values, [])
     operation, *turn = chosen
-    rows = _call(operation, (), [*leaves, tolerance, floor], *turn)
-    return jax.tree.unflatten(_structure(choice.ledger), rows)
+    rows, _ = _call(operation, (), given.places, given.rest, values, *turn)
+    return jax.tree.unflatten(given.number_structure, rows)
 
 
-def _columns(choice: Choice, varied: tuple[int, ...], leaves, tolerance, floor):
-    """Numbers, and a list of their derivatives by the leaves named in `varied`."""
+def _columns(given: Given, values: list, varied: list[int]):
+    """Numbers, and for each of the leaves named in `varied` the derivatives of all
+    numbers by it, on a first axis."""
     numbers, by_leaf = None, {}
-    for group in _by_model(choice, varied):
-        found = _columns_of_group(choice, group, leaves, tolerance, floor)
+    for group in _by_model(given, varied):
+        found = _columns_of_group(given, values, group)
         numbers = found[0] if numbers is None else numbers
         by_leaf |= zip(group, found[1], strict=True)
     return numbers, [by_leaf[place] for place in varied]
 
 
-def _by_model(choice: Choice, varied: tuple[int, ...]) -> list[tuple[int, ...]]:
+def _by_model(given: Given, varied: list[int]) -> list[list[int]]:
     """The leaves in groups by the models that derivatives need.
 
     Derivatives by what may leave the symmetry need the planar model, and those by
     damping ratios dashpots; the others need no more than the value does.
     """
-    places = range(choice.structure.num_leaves)
-    scene = jax.tree.unflatten(choice.structure, places)
-    posture = {*jax.tree.leaves((scene.block.shape, scene.impact))}
-    posture -= {scene.impact.speed}
-    damping = {*jax.tree.leaves(scene.soil.damping)}
-    others = {*places} - posture - damping
+    posture, damping, others = _groups(given.structure)
     groups = (
-        tuple(place for place in varied if place in group)
+        [place for place in varied if place in group]
         for group in (others, posture, damping)
     )
     return [group for group in groups if group]
 
 
-def _columns_of_group(
-    choice: Choice, varied: tuple[int, ...], leaves, tolerance, floor
-):
+def _columns_of_group(given: Given, values: list, varied: list[int]):
     # One code to compile for two and for more
     directions = 1 if len(varied) == 1 else MOST_DIRECTIONS
-    chosen = _choose(choice, leaves, varied, directions)
+    chosen = _choose(given, values, varied, directions)
     if chosen is None:
-        return _by_xla(choice, leaves, tolerance, floor, varied)
+        return _by_xla(given, values, varied)
     operation, *turn = chosen
-    numbers, columns = None, []
-    structure = jax.tree.structure((0, (0,) * directions))
-    structure = structure.compose(_structure(choice.ledger))
+    rows, columns = None, []
     for first in range(0, len(varied), directions):
         along = varied[first : first + directions]
-        padded = along + (-1,) * (directions - len(along))
-        rows = _first_order(operation, padded, [*leaves, tolerance, floor], *turn)
-        numbers, found = jax.tree.unflatten(structure, rows)
-        columns += found[: len(along)]
-    return numbers, columns
+        padded = (*along, *[-1] * (directions - len(along)))
+        known = padded, given.places, _Unhashed(given.rest)
+        rows, found = _first_order(operation, *known, values, *turn)
+        columns += [found[k] for k in range(len(along))]
+    return jax.tree.unflatten(given.number_structure, rows), columns
 
 
-@functools.cache
-def _structure(ledger: bool):
-    return jax.tree.structure(numbers_of_no_value(ledger))
+@functools.partial(jax.jit, static_argnums=(0, 1, 2), inline=True)
+def _call(operation: Operation, along, places, rest, values, effort, program):
+    """Rows of numbers, and their derivatives along the directions: one array with axes
+    of directions and of rows first."""
+    inputs = [rest[k] for k in range(len(rest))]
+    for place, value in zip(places, values, strict=True):
+        inputs[place] = value
+    rows = call(operation, inputs, effort, program, along)
+    if not along:
+        return rows, None
+    count = operation.result_rows // (1 + len(along))
+    columns = jnp.stack(rows[count:]).reshape(len(along), count, *rows[0].shape)
+    return rows[:count], columns
 
 
-@functools.partial(jax.jit, static_argnums=(0, 1), inline=True)
-def _call(operation: Operation, along: tuple[int, ...], inputs, effort, program):
-    return call(operation, inputs, effort, program, along)
+class _Unhashed:
+    """What goes through `custom_jvp` as it stands."""
+
+    def __init__(self, value):
+        self.value = value
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1))
-def _first_order(operation: Operation, along: tuple[int, ...], inputs, effort, program):
-    return _call(operation, along, inputs, effort, program)
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2, 3))
+def _first_order(operation, along, places, rest, values, effort, program):
+    return _call(operation, along, places, rest.value, values, effort, program)
 
 
 @functools.partial(_first_order.defjvp, symbolic_zeros=True)
-def _no_second_order(operation, along, primals, tangents):
+def _no_second_order(operation, along, places, rest, primals, tangents):
     if not all(isinstance(t, SymbolicZero) for t in jax.tree.leaves(tangents)):
         raise NotImplementedError(
             "second derivatives of an impact are asked for, but the machine code has "
             "first ones alone: take the products of first derivatives (Gauss and "
             "Newton's Hessian) or differences of gradients"
         )
-    rows = _call(operation, along, *primals)
-    return rows, [jnp.zeros_like(row) for row in rows]
+    found = _call(operation, along, places, rest.value, *primals)
+    return found, jax.tree.map(jnp.zeros_like, found)
 
 
-def _choose(choice: Choice, leaves: list, varied: tuple[int, ...], directions: int):
+def _choose(given: Given, values: list, varied: list[int], directions: int):
     """The operation, the effort of each lane and the place of its kernel; None where
     there is no machine code."""
     if not computes_on_cpu():
         return None
-    known = [leaf if isinstance(leaf, Tracer) else np.asarray(leaf) for leaf in leaves]
-    scene = jax.tree.unflatten(choice.structure, known)
     # A derivative leaves the symmetry that a cheaper model rests on.
-    differentiated = list(known)
-    for place in varied:
-        differentiated[place] = np.nan
-    models, possible = exact_models(
-        jax.tree.unflatten(choice.structure, differentiated)
-    )
-    operation = _operation(choice, tuple(possible), directions)
+    known = [x if isinstance(x, Tracer) else np.asarray(x) for x in values]
+    leaves = given.leaves(known)
+    many = any(isinstance(x, Tracer) or x.ndim for x in known)
+    if many:
+        scene = jax.tree.unflatten(given.structure, leaves)
+        for place in varied:
+            leaves[place] = np.nan
+        models, possible = exact_models(jax.tree.unflatten(given.structure, leaves))
+    else:
+        models, possible = _exact_model(
+            given.structure,
+            tuple(
+                math.nan if place in varied else float(leaves[place])
+                for place in _deciding(given.structure)
+            ),
+        )
+    operation = _operation(given.structure, given.ledger, tuple(possible), directions)
     if operation is None:
         return None
     programs = sum(((models > place) * 1.0 for place in possible[:-1]), 0.0)
-    lanes = any(isinstance(x, Tracer) or x.ndim for x in known)
-    return operation, _effort(scene) if lanes else 0.0, programs
+    return operation, _effort(scene) if many else 0.0, programs
+
+
+@functools.lru_cache(maxsize=256)
+def _deciding(structure) -> tuple[int, ...]:
+    """The leaves of a scene that decide which model is exact."""
+    posture, damping, _ = _groups(structure)
+    return tuple(sorted(posture | damping))
+
+
+@functools.lru_cache(maxsize=1024)
+def _exact_model(structure, deciding: tuple[float, ...]):
+    """`exact_models` of a single impact, by the values that decide."""
+    leaves = [np.nan] * structure.num_leaves
+    for place, value in zip(_deciding(structure), deciding, strict=True):
+        leaves[place] = np.float64(value)
+    return exact_models(jax.tree.unflatten(structure, leaves))
+
+
+@functools.lru_cache(maxsize=256)
+def _groups(structure) -> tuple[set[int], set[int], set[int]]:
+    """Leaves of a scene: those that may leave the symmetry, of dashpots, others."""
+    scene = jax.tree.unflatten(structure, range(structure.num_leaves))
+    posture = {*jax.tree.leaves((scene.block.shape, scene.impact))}
+    posture -= {scene.impact.speed}
+    damping = {*jax.tree.leaves(scene.soil.damping)}
+    return posture, damping, {*range(structure.num_leaves)} - posture - damping
 
 
 def _effort(scene: Scene):
@@ -211,14 +277,14 @@ _operations: dict[tuple, Operation] = {}
 
 
 def _operation(
-    choice: Choice, possible: tuple[int, ...], directions: int
+    structure, ledger: bool, possible: tuple[int, ...], directions: int
 ) -> Operation | None:
     """The operation for the models that there may be."""
-    key = choice, possible, directions
+    key = structure, ledger, possible, directions
     if key not in _operations:
         kernels = []
         for place in possible:
-            assembly = Assembly(choice.structure, MODELS[place], choice.ledger)
+            assembly = Assembly(structure, MODELS[place], ledger)
             if directions:
                 kernels.append(compile_native_along(assembly, directions))
             else:
@@ -245,48 +311,45 @@ def compute_lanes(assembly: Assembly, scenes: Scene, tolerance, floor) -> Number
     return summarise_lanes(scenes, lanes)
 
 
-def _by_xla(choice: Choice, leaves, tolerance, floor, varied=None):
-    """Numbers, with `varied` also their derivatives, by XLA's program."""
-    known = list(leaves)
-    for place in varied or ():
+def _by_xla(given: Given, values: list, varied: list[int]):
+    """Numbers, with leaves in `varied` also their derivatives, as `_columns` gives
+    them, by XLA's program."""
+    known = given.leaves([np.nan if isinstance(x, Tracer) else x for x in values])
+    for place in varied:
         known[place] = np.nan
-    known = [np.nan if isinstance(x, Tracer) else np.asarray(x) for x in known]
-    _, possible = exact_models(jax.tree.unflatten(choice.structure, known))
-    assembly = Assembly(choice.structure, MODELS[max(possible)], choice.ledger)
+    known = [np.asarray(x) for x in known]
+    _, possible = exact_models(jax.tree.unflatten(given.structure, known))
+    assembly = Assembly(given.structure, MODELS[max(possible)], given.ledger)
+    leaves, setting = given.leaves(values), given.rest[-2:]
     shape = np.broadcast_shapes(*map(np.shape, leaves))
     if not shape:
-        return _in_xla(assembly, varied, leaves, tolerance, floor)
+        return _in_xla(assembly, tuple(varied), leaves, *setting)
     rows = [jnp.broadcast_to(leaf, shape).reshape(math.prod(shape)) for leaf in leaves]
-    found = jax.vmap(lambda *row: _in_xla(assembly, varied, row, tolerance, floor))(
+    found = jax.vmap(lambda *row: _in_xla(assembly, tuple(varied), row, *setting))(
         *rows
     )
-    return jax.tree.map(lambda x: x.reshape(shape), found)
+    if not varied:
+        return jax.tree.map(lambda x: x.reshape(shape), found)
+    numbers, columns = found
+    columns = [jnp.moveaxis(column, 0, -1) for column in columns]
+    columns = [column.reshape(len(column), *shape) for column in columns]
+    return jax.tree.map(lambda x: x.reshape(shape), numbers), columns
 
 
 def _compute_leaves(assembly, varied, leaves, tolerance, floor):
-    if varied is None:
-        scene = jax.tree.unflatten(assembly.structure, leaves)
-        return compute(assembly, scene, tolerance, floor)
-
     def of_varied(values):
         all_leaves = list(leaves)
         for place, value in zip(varied, values, strict=True):
             all_leaves[place] = value
-        numbers = _compute_leaves(assembly, None, all_leaves, tolerance, floor)
-        return numbers, numbers
+        scene = jax.tree.unflatten(assembly.structure, all_leaves)
+        numbers = compute(assembly, scene, tolerance, floor)
+        return jnp.stack(jax.tree.leaves(numbers)), numbers
 
-    columns, numbers = jax.jacfwd(of_varied, has_aux=True)(
-        [leaves[place] for place in varied]
-    )
-    by_leaf = [
-        jax.tree.map(lambda entry, k=k: entry[k], columns, is_leaf=_is_list)
-        for k in range(len(varied))
-    ]
-    return numbers, by_leaf
-
-
-def _is_list(value) -> bool:
-    return isinstance(value, list)
+    values = [leaves[place] for place in varied]
+    if not varied:
+        return of_varied(values)[1]
+    columns, numbers = jax.jacfwd(of_varied, has_aux=True)(values)
+    return numbers, columns
 
 
 _in_xla = unfused_jit(_compute_leaves, static_argnums=(0, 1))

@@ -1,6 +1,7 @@
 """Checks at the boundary: values that a scene may have, and names that are chosen."""
 
 import functools
+import math
 import os
 import warnings
 from collections.abc import Collection, Iterable
@@ -24,6 +25,7 @@ from .columns import (
     RESULT_COLUMNS,
     InputColumn,
     columns_of,
+    leaf_places,
     why_unknown,
 )
 
@@ -64,6 +66,55 @@ def check_scene(
         if isinstance(value, Tracer) or not np.size(value):
             continue
         _check_field(name, column, value, warn=warn, of=of)
+
+
+def sound_values(
+    structure: jax.tree_util.PyTreeDef, leaves: list
+) -> np.ndarray | None:
+    """The numbers of a single impact, if `check_scene` has nothing to say of them; None
+    also where that would have to look closer. A tenth of its time.
+
+    Args:
+        structure, leaves: of the scene.
+    """
+    limits = _limits(structure)
+    if limits is None or any(isinstance(leaf, Tracer) for leaf in leaves):
+        return None
+    try:
+        values = np.array(leaves, float)
+    except ValueError:  # of several shapes
+        return None
+    sound = values.ndim == 1 and np.all((limits[0] <= values) & (values <= limits[1]))
+    return values if sound else None
+
+
+@functools.lru_cache(maxsize=256)
+def _limits(structure: jax.tree_util.PyTreeDef) -> tuple[np.ndarray, ...] | None:
+    """Least and largest usual values of the leaves of a scene, in SI; None where parts
+    are not the package's own."""
+    scene = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
+    if not isinstance(scene, Scene) or not all(
+        isinstance(getattr(scene, part), kind) for part, kind in KINDS.items()
+    ):
+        return None
+    parts = [getattr(scene.soil, slot) for slot in parts_of(Soil)]
+    if not all(is_ours(type(part)) for part in (*parts, scene.block.shape)):
+        return None
+    places = leaf_places(scene)
+    low, high = np.full((2, structure.num_leaves), np.nan)  # no limits: not looked at
+    for name, column in columns_of(scene).items():
+        ends = [
+            (column.lower, column.lower_allowed, math.inf),
+            (column.upper, column.upper_allowed, -math.inf),
+        ]
+        # An end that is left out, and infinity, are inside of the next number.
+        least, most = (
+            end if allowed and math.isfinite(end) else math.nextafter(end, inwards)
+            for end, allowed, inwards in ends
+        )
+        low[places[name]] = max(least, column.usual[0]) * column.factor
+        high[places[name]] = min(most, column.usual[1]) * column.factor
+    return low, high
 
 
 @functools.lru_cache(maxsize=256)
