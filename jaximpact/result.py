@@ -49,16 +49,17 @@ class ImpactResult(Numbers):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Numbers of impacts along each axis; `()` for one impact."""
+        """Shape of every number; `()` for one impact."""
         return np.shape(self.outcome_code)
 
     @property
     def outcome(self) -> Outcome | np.ndarray:
-        """How the impact ended; of many impacts an array of the words, of type `str`,
-        as tables and datasets hold them: `result.outcome == "failed"`.
+        """How the impact ended; of many impacts an array of the words, of type `str`
+        as in tables and datasets, which files hold and which compare with a word:
+        `result.outcome == "failed"`.
 
         Not to be had from inside a JAX transformation; use `outcome_code` there, which
-        is compared with the members of `Outcome`.
+        compares with the members of `Outcome`.
         """
         if self.shape == ():
             return Outcome(int(self.outcome_code))
@@ -95,7 +96,8 @@ class ImpactResult(Numbers):
         Fields of the scene that are one number for all impacts stay one number, but a
         shape that differs from impact to impact becomes that of the impact taken.
 
-        Raises IndexError as NumPy does.
+        Raises IndexError as NumPy does; inside a JAX transformation places beyond the
+        ends are taken for the ends, as JAX does.
         """
         take = _Taking(self.shape, index, self)
         numbers = {
@@ -157,7 +159,7 @@ class ImpactResult(Numbers):
 
         Args:
             dims: names of the dimensions, one for each axis of `result.shape`; by
-                default `impact`, or `impact_0`, `impact_1` and so on. The name of a
+                default `scene`, or `scene_0`, `scene_1` and so on. The name of a
                 quantity that varies along that axis alone (`"angle_deg"`) makes it the
                 index of the dimension.
 

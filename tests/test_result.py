@@ -4,6 +4,7 @@ in words, frames and datasets."""
 import copy
 import dataclasses
 import html
+import json
 import pickle
 import re
 from pathlib import Path
@@ -73,7 +74,7 @@ def of_shapes():
         Soil(hardening="HardeningPerRootArea"),
         Impact(angle=0.3, orientation=0.4),
     )
-    kinds = [Ellipsoid, RectangularPrism, Ellipsoid]
+    kinds = [RectangularPrism, Ellipsoid, Ellipsoid]
     return simulate_batch(with_shapes(scene, kinds), accuracy="fast")
 
 
@@ -162,9 +163,9 @@ def test_a_scene_taken_out_gives_its_numbers_again(batch, place):
 
 def test_a_scene_taken_out_has_its_own_shape(of_shapes):
     kinds = [type(one.scene.block.shape) for one in of_shapes]
-    assert kinds == [Ellipsoid, RectangularPrism, Ellipsoid]
-    again = simulate(of_shapes[1].scene, accuracy="fast")
-    assert float(again.e_n) == pytest.approx(of_shapes.e_n[1], rel=SAME)
+    assert kinds == [RectangularPrism, Ellipsoid, Ellipsoid]
+    again = simulate(of_shapes[0].scene, accuracy="fast")
+    assert float(again.e_n) == pytest.approx(of_shapes.e_n[0], rel=SAME)
     # Several stay several.
     assert of_shapes[:1].scene.block.shape.kinds == (Ellipsoid, RectangularPrism)
 
@@ -278,14 +279,17 @@ def test_a_dataset_is_written_and_computed_again(name, request, tmp_path):
 
 def test_inputs_are_coordinates_along_what_they_vary(batch, grid):
     assert dict(batch.to_xarray().sizes) == {"scene": 6}
-    coordinates = grid.to_xarray().coords
-    assert {name: c.dims for name, c in coordinates.items()} == {
+    dataset = grid.to_xarray()
+    assert {name: c.dims for name, c in dataset.coords.items()} == {
         "gamma_v": ("scene_0",),
         "angle_deg": ("scene_1",),
     }
+    base = json.loads(dataset.attrs["base"])
+    assert base.keys() == columns_of(grid.scene).keys() - {"gamma_v", "angle_deg"}
+    assert base["aspect_ratio"] == 1.5
     # Named dimensions have their coordinate even where nothing varies.
-    one = grid[:1, 0].to_xarray(("angle_deg",))
-    assert one.angle_deg.values.tolist() == [0.0]
+    one = grid[:1, 1].to_xarray(("angle_deg",))
+    np.testing.assert_allclose(one.angle_deg, [30.0], rtol=1e-15)
     assert not batch[0].to_xarray().coords
 
 
@@ -402,6 +406,8 @@ def test_what_is_no_result_is_shown_without_words(batch, changed):
     assert "outcomes" not in repr(tree)
     assert repr(tree).startswith("ImpactResult(")
     assert tree._repr_html_().startswith("<pre>")
+    in_part = dataclasses.replace(batch, e_n=changed(batch.e_n + 0.0))
+    assert "e_n" in repr(in_part)
 
 
 def test_a_result_that_was_donated_is_shown(batch):

@@ -105,8 +105,9 @@ def label_of(kind: type[AbstractShape], kinds: Iterable[type[AbstractShape]]) ->
 
 def shape_coordinate(dimensions, kinds: np.ndarray) -> tuple:
     """Classes of shapes as a coordinate of a dataset."""
-    labels = [label_of(kind, set(kinds.flat)) for kind in kinds.flat]
-    values = np.array(labels).reshape(kinds.shape)
+    different = set(kinds.flat)
+    labels = {kind: label_of(kind, different) for kind in different}
+    values = np.array([labels[kind] for kind in kinds.flat]).reshape(kinds.shape)
     return dimensions, values, {"long_name": SHAPE}
 
 
