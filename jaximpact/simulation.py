@@ -11,7 +11,7 @@ from .formats.checks import check_scene
 from .history import record_history
 from .precision import require_float64
 from .result import ImpactResult
-from .scene import Impact, Scene, as_scene, shape_of
+from .scene import Impact, Scene, as_scene, shape_of, with_axes
 from .soil import Soil
 
 
@@ -59,7 +59,8 @@ def simulate(
             isinstance(leaf, Tracer) for leaf in jax.tree.leaves(scene)
         )
     numbers = solve(scene, setting, ledger)
-    result = ImpactResult(**vars(numbers), scene=scene, accuracy=setting)
+    held = with_axes(scene, len(shape))
+    result = ImpactResult(**vars(numbers), scene=held, accuracy=setting)
     if not history:
         return result
     recorded = record_history(scene, setting)

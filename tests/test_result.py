@@ -12,6 +12,7 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -178,6 +179,26 @@ def test_series_are_taken_with_their_impacts(batch):
     np.testing.assert_array_equal(result[2].history.penetration, series[2])
     np.testing.assert_array_equal(result[..., 1:3].history.moment, series[1:3])
     np.testing.assert_array_equal(result[2].history.time, history.time)
+
+
+def test_arrays_and_vmap_give_the_results_of_a_batch(grid):
+    def of(gamma_v):
+        impact = Impact(angle=np.radians(ANGLE_DEG), orientation=0.4)
+        soil = Soil(gamma_v=gamma_v)
+        return simulate(
+            Block(aspect_ratio=1.5), soil, impact, accuracy="fast", ledger=True
+        )
+
+    # A field has its own axes, and under vmap those of each field come behind another.
+    for result in (of(GAMMA_V[:, None]), jax.vmap(of)(GAMMA_V)):
+        pd.testing.assert_frame_equal(
+            result.to_dataframe(all_inputs=True),
+            grid.to_dataframe(all_inputs=True),
+            rtol=SAME,
+        )
+        one = result[2, 1]
+        again = simulate(one.scene, accuracy="fast", ledger=True)
+        assert float(again.e_n) == pytest.approx(float(one.e_n), rel=SAME)
 
 
 def test_iteration_gives_the_impacts_in_order(batch, grid):
