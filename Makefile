@@ -23,7 +23,7 @@ STUDIES = wyllie
 QUICK = $(addprefix tests/test_,native.py cache.py laws.py foundation.py model.py \
     known.py batch.py journal.py tables.py scene_file.py outputs.py interruption.py \
     malformed_inputs.py environments.py defaults.py cli_simulate.py \
-    calibration_one_call.py scene.py own_laws.py)
+    calibration_one_call.py scene.py own_laws.py result.py)
 
 .PHONY: help calibrate test quick lint driver clean
 

@@ -134,4 +134,19 @@ def shape_of(scene: Scene) -> tuple[int, ...]:
         ) from None
 
 
+def with_axes(scene: Scene, count: int) -> Scene:
+    """The scene with so many axes in every field, the missing ones of length one in
+    front.
+
+    Fields broadcast as before, and also after `jax.vmap` has put an axis in front of
+    each, where those with fewer axes would no longer match.
+    """
+
+    def field(leaf):
+        missing = count - jnp.ndim(leaf)
+        return jnp.reshape(leaf, (1,) * missing + jnp.shape(leaf)) if missing else leaf
+
+    return jax.tree.map(field, scene)
+
+
 PARTS = tuple(field.name for field in dataclasses.fields(Scene))

@@ -8,41 +8,12 @@ from ._jax_internals import Tracer
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
 from .engines.solving import solve
-from .formats import provenance
 from .formats.checks import check_scene, sound_values
-from .history import History, record_history
-from .mechanics.outcomes import Outcome
+from .history import record_history
 from .precision import require_float64
-from .scene import Impact, Scene, as_scene, shape_of
+from .result import ImpactResult
+from .scene import Impact, Scene, as_scene, shape_of, with_axes
 from .soil import Soil
-from .summary import Numbers
-
-
-class ImpactResult(Numbers):
-    """Everything about one impact: its numbers, and what they were computed from."""
-
-    scene: Scene
-    accuracy: Accuracy = eqx.field(static=True)
-    history: History | None = None
-    model_tolerance: float = eqx.field(default=0.0, static=True)
-    """Error for which a model that leaves something out was allowed."""
-
-    @property
-    def outcome(self) -> Outcome:
-        """How the impact ended. Not to be had from inside a JAX transformation; use
-        `outcome_code` there."""
-        return Outcome(int(self.outcome_code))
-
-    def plot(self, path=None):
-        """Force, penetration, rotation and energy against time; see
-        `plotting.plot_impact`. Records the history first if it was not asked for."""
-        from .plotting import plot_impact
-
-        return plot_impact(self, path)
-
-    def manifest(self) -> dict:
-        """What is needed to compute this again, ready for JSON."""
-        return provenance.manifest(self.scene, self.accuracy, self.model_tolerance)
 
 
 def simulate(
@@ -83,15 +54,14 @@ def simulate(
     setting = get_accuracy(accuracy)
     scene = as_scene(scene, soil, impact)
     leaves, structure = jax.tree.flatten(scene)
-    values = sound_values(structure, leaves)
+    values, held = sound_values(structure, leaves), scene
     if values is None:
         check_scene(scene, batched=True, warn=True)
-        shape_of(scene)
-        values = leaves
+        values, held = leaves, with_axes(scene, len(shape_of(scene)))
     if ledger is None:
         ledger = not any(isinstance(x, Tracer) or np.ndim(x) for x in values)
     numbers = solve(structure, values, setting, ledger)
-    result = ImpactResult(**vars(numbers), scene=scene, accuracy=setting)
+    result = ImpactResult(**vars(numbers), scene=held, accuracy=setting)
     if not history:
         return result
     recorded = record_history(scene, setting)

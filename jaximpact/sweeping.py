@@ -1,6 +1,5 @@
 """Parametric sweeps: impacts over any quantities of the scene, with names and units."""
 
-import dataclasses
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -18,40 +17,34 @@ from .errors import InputError
 from .fields import expect, real_numbers
 from .formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from .formats.columns import (
-    FURTHER_COLUMNS,
     OUTCOME_COLUMN,
-    OUTCOME_MEANING,
-    RESULT_COLUMNS,
     SLOTS,
     InputColumn,
     columns_of,
     why_unknown,
 )
-from .formats.provenance import versions
-from .formats.results import count_outcomes
+from .formats.datasets import (
+    OUTPUT_COLUMNS,
+    SHAPES,
+    attributes_of,
+    dataset_of,
+    shape_coordinate,
+)
 from .formats.scenes import (
     SHAPE,
     part_named,
     scene_of_values,
     scene_values,
     scene_with,
-    text_of,
     with_shapes,
 )
 from .identity import name_of, part_names
-from .mechanics.outcomes import Outcome
 from .scene import Impact, Scene, as_scene
 from .shapes import AbstractShape
-from .simulation import ImpactResult
 from .soil import Soil
 
 LABELS = "name"
 """Key of a group of quantities that gives the labels along its dimension."""
-SHAPES = "shapes"
-"""Attribute of a sweep over shapes: label -> the name by which each is found, and what
-it was."""
-OUTPUT_COLUMNS = RESULT_COLUMNS | FURTHER_COLUMNS
-"""The numbers that a sweep holds."""
 
 Axes = Mapping[str, ArrayLike | Mapping[str, ArrayLike]]
 
@@ -115,7 +108,15 @@ def sweep(
         journal=journal,
         progress=progress,
     )
-    return _dataset(base, grid, shape, result)
+    return dataset_of(
+        result,
+        [axis.name for axis in grid],
+        shape,
+        coordinates_of(grid, scene),
+        base,
+        scene_values(base),
+        [kind for axis in grid for kind in axis.values.get(SHAPE, ())],
+    )
 
 
 def repeat_sweep(dataset: xr.Dataset, **how) -> xr.Dataset:
@@ -173,6 +174,12 @@ def _same_shape(text: str, stored: str) -> type[AbstractShape]:
 
 def axes_of(dataset: xr.Dataset) -> dict[str, ArrayLike | dict[str, ArrayLike]]:
     """The axes of a sweep, as `sweep` takes them."""
+    for name, coordinate in dataset.coords.items():
+        if coordinate.ndim > 1:
+            raise InputError(
+                f"{name} varies along {' and '.join(coordinate.dims)}, but a quantity "
+                "of a sweep varies along one dimension"
+            )
     axes = {}
     for dimension in dataset[OUTCOME_COLUMN].dims:
         along = {
@@ -346,56 +353,6 @@ def spread(base: Scene, grid: list[_Axis], shape: tuple[int, ...]) -> Scene:
     return scene_with(_of_shapes(base, along.pop(SHAPE, ())), along)
 
 
-def _dataset(
-    base: Scene,
-    grid: list[_Axis],
-    shape: tuple[int, ...],
-    result: ImpactResult,
-) -> xr.Dataset:
-    dimensions = [axis.name for axis in grid]
-    variables = {
-        name: (
-            dimensions,
-            np.asarray(getattr(result, column.field)).reshape(shape),
-            {"units": column.unit, "long_name": column.meaning},
-        )
-        for name, column in OUTPUT_COLUMNS.items()
-    }
-    names = np.array([str(outcome) for outcome in Outcome])
-    codes = np.asarray(result.outcome_code).astype(int)
-    variables[OUTCOME_COLUMN] = (
-        dimensions,
-        names[codes].reshape(shape),
-        {"long_name": OUTCOME_MEANING},
-    )
-    shapes = {}
-    for axis in grid:
-        shapes |= {
-            _label(kind, axis.values[SHAPE]): [text_of(kind), name_of(kind)]
-            for kind in axis.values.get(SHAPE, ())
-        }
-    return xr.Dataset(
-        variables,
-        coordinates_of(grid, result.scene),
-        attrs={
-            "title": "jaximpact: impacts of rock blocks on deformable ground",
-            "base": json.dumps(scene_values(base)),
-            "accuracy": json.dumps(dataclasses.asdict(result.accuracy)),
-            "model_tolerance": result.model_tolerance,
-            "laws": json.dumps(part_names(base.soil, base.block)),
-            "versions": json.dumps(versions()),
-            "outcomes": json.dumps(count_outcomes(result)),
-        }
-        | ({SHAPES: json.dumps(shapes)} if shapes else {}),
-    )
-
-
-def _label(kind: type[AbstractShape], kinds: Iterable[type[AbstractShape]]) -> str:
-    """What a shape is called among others: its class's name, if that says which."""
-    same = {other for other in kinds if other.__name__ == kind.__name__}
-    return kind.__name__ if len(same) == 1 else text_of(kind)
-
-
 def coordinates_of(grid: list[_Axis], scene: Scene) -> dict:
     """The quantities of the axes as coordinates of a dataset.
 
@@ -408,10 +365,7 @@ def coordinates_of(grid: list[_Axis], scene: Scene) -> dict:
             coordinates[axis.name] = (axis.name, axis.labels)
         for name, values in axis.values.items():
             if name == SHAPE:
-                labels = np.array([_label(kind, values) for kind in values])
-                coordinates[name] = (axis.name, labels, {"long_name": "shape"})
+                coordinates[name] = shape_coordinate(axis.name, values)
                 continue
-            column = columns[name]
-            attributes = {"units": column.unit, "long_name": column.meaning}
-            coordinates[name] = (axis.name, values, attributes)
+            coordinates[name] = (axis.name, values, attributes_of(columns[name]))
     return coordinates

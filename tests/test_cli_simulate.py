@@ -11,8 +11,7 @@ from command_line import assert_one_line_error
 
 from jaximpact import Block, Impact, ImpactResult, Soil, simulate
 from jaximpact.cli import main
-from jaximpact.cli.report import ENERGY_ITEMS
-from jaximpact.formats.columns import FURTHER_COLUMNS, RESULT_COLUMNS
+from jaximpact.formats.columns import ENERGY_COLUMNS, FURTHER_COLUMNS, RESULT_COLUMNS
 
 
 @pytest.fixture(scope="module")
@@ -33,8 +32,9 @@ def test_simulate_prints_every_result_as_json(folder, capsys, impact_along_the_n
     for column in (*RESULT_COLUMNS.values(), *FURTHER_COLUMNS.values()):
         if column.name != "e_t":
             assert shown[column.name] == float(getattr(result, column.field))
-    for name in ENERGY_ITEMS:
-        assert shown["energy_J"][name] == float(getattr(result.energy, name))
+    for column in ENERGY_COLUMNS.values():
+        expected = float(getattr(result.energy, column.field))
+        assert shown["energy_J"][column.field] == expected
     assert shown["manifest"]["scene"]["mass_kg"] == 500.0
     assert shown["manifest"]["accuracy"]["name"] == "balanced"
 
@@ -52,7 +52,7 @@ def test_simulate_prints_every_result_as_text(folder, capsys, impact_along_the_n
             float(getattr(result, column.field)), rel=1e-5, nan_ok=True
         )
         assert unit == column.unit.split()[0]
-    assert energy.keys() == ENERGY_ITEMS.keys()
+    assert energy.keys() == {column.field for column in ENERGY_COLUMNS.values()}
     assert energy["kinetic_in"] == ["49000", "J"]
 
 

@@ -1,4 +1,4 @@
-"""An impact as an operation of JAX: the same numbers, to the last bit, whatever JAX does
+"""An impact as an operation of JAX: the same numbers, to the last bit, whatever is done
 around it."""
 
 import concurrent.futures
@@ -145,7 +145,7 @@ def test_control_flow(scenes, gradients):
     scene = jax.tree.map(lambda x: x[0], scenes)
 
     def grows(carry):
-        gamma_v, e_n = carry
+        gamma_v, _ = carry
         return 2.0 * gamma_v, rebound(2.0 * gamma_v, scene.soil.c_v, scene)
 
     _, last = jax.jit(
@@ -186,17 +186,17 @@ def test_any_leaf_may_be_differentiated():
     """By all parameters of a scene at once, against central differences at "reference".
     Their error is that of the step, 1e-4 of the parameter, squared, and that of the
     values, some 1e-10 by 1e-4."""
-    scene = Scene(
+    damped = Scene(
         Block(aspect_ratio=1.7, mass=900.0),
         Soil(dilatancy=0.2, alpha_vR=0.3, eta_N=0.1, eta_T=0.1, eta_R=0.1),
         Impact(speed=11.0, angle=0.4, orientation=0.3, angular_velocity=1.0, slope=0.2),
     )
-    undamped = dataclasses.replace(scene.soil, eta_N=0.0, eta_T=0.0, eta_R=0.0)
+    undamped = dataclasses.replace(damped.soil, eta_N=0.0, eta_T=0.0, eta_R=0.0)
 
     def rebound(scene):
         return simulate(scene, accuracy="reference").e_n
 
-    for scene in (scene, Scene(scene.block, undamped, scene.impact)):
+    for scene in (damped, Scene(damped.block, undamped, damped.impact)):
         found = jax.tree.leaves(jax.grad(rebound)(scene))
         leaves, structure = jax.tree.flatten(scene)
         paths = [

@@ -4,25 +4,13 @@ import math
 
 from ..formats.align import align
 from ..formats.columns import (
+    ENERGY_COLUMNS,
     FURTHER_COLUMNS,
     OUTCOME_COLUMN,
     OUTCOME_MEANING,
     RESULT_COLUMNS,
 )
 from ..simulation import ImpactResult
-
-ENERGY_ITEMS = {
-    "kinetic_in": "kinetic energy at impact",
-    "gravity": "work of gravity",
-    "arm": "work of the arm between centre and deepest point",
-    "stiffness": "work of the change of stiffness",
-    "kinetic_out": "kinetic energy at the end",
-    "elastic": "elastic energy left",
-    "viscoplastic": "dissipated by yielding",
-    "slider": "dissipated by sliding",
-    "dashpot": "dissipated by damping",
-    "residual": "first four less the next five: error of the integration",
-}
 
 
 def as_text(result: ImpactResult) -> str:
@@ -33,8 +21,13 @@ def as_text(result: ImpactResult) -> str:
         (c.name, f"{_number(result, c.field):.6g}", c.unit, c.meaning) for c in columns
     ]
     rows += [
-        (f"energy {name}", f"{_number(result.energy, name):.6g}", "J", meaning)
-        for name, meaning in ENERGY_ITEMS.items()
+        (
+            f"energy {c.field}",
+            f"{_number(result.energy, c.field):.6g}",
+            c.unit,
+            c.meaning,
+        )
+        for c in ENERGY_COLUMNS.values()
     ]
     return align(rows)
 
@@ -43,7 +36,10 @@ def as_json(result: ImpactResult) -> dict:
     """The same as a tree of plain values, None for NaN, with the manifest."""
     columns = (*RESULT_COLUMNS.values(), *FURTHER_COLUMNS.values())
     results = {c.name: _number_or_none(result, c.field) for c in columns}
-    energy = {name: _number_or_none(result.energy, name) for name in ENERGY_ITEMS}
+    energy = {
+        c.field: _number_or_none(result.energy, c.field)
+        for c in ENERGY_COLUMNS.values()
+    }
     return {
         OUTCOME_COLUMN: str(result.outcome),
         **results,

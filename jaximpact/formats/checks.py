@@ -68,9 +68,7 @@ def check_scene(
         _check_field(name, column, value, warn=warn, of=of)
 
 
-def sound_values(
-    structure: jax.tree_util.PyTreeDef, leaves: list
-) -> np.ndarray | None:
+def sound_values(structure: jax.tree_util.PyTreeDef, leaves: list) -> np.ndarray | None:
     """The numbers of a single impact, if `check_scene` has nothing to say of them; None
     also where that would have to look closer. A tenth of its time.
 

@@ -179,7 +179,7 @@ def _of_whole(part: str, kind: type, declared_parts: tuple) -> dict[str, InputCo
 @functools.cache
 def _taken() -> dict[str, str]:
     """Names that tables and files have for something else, and for what."""
-    results = (*RESULT_COLUMNS, *FURTHER_COLUMNS, OUTCOME_COLUMN)
+    results = (*RESULT_COLUMNS, *FURTHER_COLUMNS, *ENERGY_COLUMNS, OUTCOME_COLUMN)
     return {
         **dict.fromkeys(
             (*results, *(SIGMA_PREFIX + n for n in results)), "that of a result"
@@ -344,6 +344,22 @@ FURTHER_COLUMNS: dict[str, ResultColumn] = {
     )
 }
 """Results that a table of results does not hold."""
+ENERGY_COLUMNS: dict[str, ResultColumn] = {
+    f"energy_{item}_J": ResultColumn(f"energy_{item}_J", item, "J", meaning)
+    for item, meaning in {
+        "kinetic_in": "kinetic energy at impact",
+        "gravity": "work of gravity",
+        "arm": "work of the arm between centre and deepest point",
+        "stiffness": "work of the change of stiffness",
+        "kinetic_out": "kinetic energy at the end",
+        "elastic": "elastic energy left",
+        "viscoplastic": "dissipated by yielding",
+        "slider": "dissipated by sliding",
+        "dashpot": "dissipated by damping",
+        "residual": "first four less the next five: error of the integration",
+    }.items()
+}
+"""The items of the energy ledger."""
 OUTCOME_COLUMN = "outcome"
 OUTCOME_MEANING = (
     "how it ended: detached, toppled, arrested, in contact, separating or failed"

@@ -5,20 +5,29 @@ import json
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..collector import collector_paused
 from ..mechanics.outcomes import Outcome
-from ..simulation import ImpactResult
 from .columns import OUTCOME_COLUMN, RESULT_COLUMNS
 from .files import refuse_inputs, replacing
 from .outputs import manifest_path
 from .provenance import batch_manifest
 from .tables import SLICE_ROWS, Table
 
+if TYPE_CHECKING:
+    from ..result import ImpactResult
 
-def count_outcomes(result: ImpactResult) -> dict[str, int]:
+
+def outcomes_in_words(codes) -> np.ndarray:
+    """The words of outcomes, as an array of the shape of their codes."""
+    words = np.array([str(outcome) for outcome in Outcome])
+    return words[np.asarray(codes).astype(int)]
+
+
+def count_outcomes(result: "ImpactResult") -> dict[str, int]:
     """How many impacts ended in which way, outcomes that did not occur left out."""
     codes, counts = np.unique(
         np.asarray(result.outcome_code).astype(int), return_counts=True
@@ -30,7 +39,7 @@ def count_outcomes(result: ImpactResult) -> dict[str, int]:
 
 
 @collector_paused()
-def write_results(path: Path, table: Table, result: ImpactResult) -> None:
+def write_results(path: Path, table: Table, result: "ImpactResult") -> None:
     """Write the table with its results, and the manifest beside it.
 
     Header and rows stand as they came; `RESULT_COLUMNS` and the outcome follow, every
@@ -67,7 +76,7 @@ def write_results(path: Path, table: Table, result: ImpactResult) -> None:
             os.fsync(file.fileno())
 
 
-def _lines(table: Table, result: ImpactResult) -> Iterator[Iterator[str]]:
+def _lines(table: Table, result: "ImpactResult") -> Iterator[Iterator[str]]:
     """The lines of one slice of rows after another."""
     numbers = [
         np.asarray(getattr(result, column.field)) for column in RESULT_COLUMNS.values()

@@ -105,17 +105,25 @@ def scene_of_values(
 
 def scene_values(scene: Scene) -> dict:
     """The scene as `scene_of_values` takes it, ready for JSON."""
-    values = {}
-    for slot, part in SLOTS.items():
-        held = getattr(getattr(scene, part), slot)
-        if isinstance(held, MixedShapes):
-            texts = np.array([text_of(kind) for kind in held.kinds])
-            values[slot] = texts[np.asarray(held.index, int)].tolist()
-        elif type(held) is not USUAL[slot]:
-            values[slot] = text_of(type(held))
+    values: dict = unusual_parts(scene)
+    shape = scene.block.shape
+    if isinstance(shape, MixedShapes):
+        texts = np.array([text_of(kind) for kind in shape.kinds])
+        values[SHAPE] = texts[np.asarray(shape.index, int)].tolist()
     for column in columns_of(scene).values():
         values[column.name] = value_of(scene, column).tolist()
     return values
+
+
+def unusual_parts(scene: Scene) -> dict[str, str]:
+    """Names of the laws and the shape that are not the usual ones, by what each is for;
+    of several shapes none."""
+    held = {slot: getattr(getattr(scene, part), slot) for slot, part in SLOTS.items()}
+    return {
+        slot: text_of(type(part))
+        for slot, part in held.items()
+        if type(part) is not USUAL[slot] and not isinstance(part, MixedShapes)
+    }
 
 
 def text_of(kind: type[Part]) -> str:

@@ -19,9 +19,10 @@ from ..formats.columns import (
     OUTCOME_MEANING,
     InputColumn,
     ResultColumn,
-    columns_of,
 )
+from ..formats.datasets import SCENE_DIMENSION, scene_coordinates
 from ..formats.provenance import versions
+from ..formats.results import outcomes_in_words
 from ..formats.scenes import scene_values, value_of
 from ..identity import part_names
 from ..mechanics.outcomes import Outcome
@@ -41,7 +42,6 @@ from .names import (
 from .sizes import is_zero, natural_size
 from .verdicts import AGREES_WITHIN, Check, State, flags
 
-SCENE_DIMENSION = "scene"
 DEFAULT_ACCURACY = "reference"
 STEPS = (1e-3, 3e-5)
 """Steps of the differences, by the parameter. The second, which noise reaches sooner
@@ -130,7 +130,7 @@ def elasticities(
         if any(np.ndim(leaf) for leaf in jax.tree.leaves(scene)):
             scene, count = broadcast_scene(scene)
             shape, dimensions = (count,), (SCENE_DIMENSION,)
-            coordinates = _differing(scene)
+            coordinates = scene_coordinates(scene, shape, dimensions)
     inputs = parameter_columns(scene, parameters)
     scene, count = broadcast_scene(scene)
     counter = _Counter(progress, count * len(inputs) * (1 + POINTS * bool(check)))
@@ -150,8 +150,6 @@ def elasticities(
         for name, attributes in _VARIABLES.items()
     }
     numbers: Numbers = found[0]["numbers"]
-    names = np.array([str(outcome) for outcome in Outcome])
-    codes = np.asarray(numbers.outcome_code).astype(int)
     variables |= {
         "parameter_value": (
             (*dimensions, "parameter"),
@@ -169,7 +167,7 @@ def elasticities(
         ),
         OUTCOME_COLUMN: (
             dimensions,
-            names[codes].reshape(shape),
+            outcomes_in_words(numbers.outcome_code).reshape(shape),
             {"long_name": OUTCOME_MEANING},
         ),
     }
@@ -230,19 +228,6 @@ class _Counter:
         """Say that all is done; what has no neighbours was counted in."""
         if self.done < self.total:
             self(self.total - self.done)
-
-
-def _differing(scene: Scene) -> dict:
-    """Coordinates of many scenes: the quantities in which they differ."""
-    return {
-        column.name: (
-            SCENE_DIMENSION,
-            values,
-            {"units": column.unit, "long_name": column.meaning},
-        )
-        for column in columns_of(scene).values()
-        if np.ptp(values := value_of(scene, column)) > 0.0
-    }
 
 
 def _by_parameter(

@@ -10,8 +10,8 @@ from ..formats.columns import (
     ResultColumn,
     columns_of,
 )
+from ..formats.datasets import OUTPUT_COLUMNS
 from ..scene import Scene
-from ..sweeping import OUTPUT_COLUMNS
 
 USUAL_PARAMETERS = ("c_v", "gamma_v", "k_E")
 DEFAULT_OUTPUTS = tuple(RESULT_COLUMNS)
