@@ -95,7 +95,9 @@ def _thread_functions() -> tuple[int | None, int | None]:
 
 def call(
     operation: Operation,
-    inputs: Sequence[Array],
+    common: Array,
+    places: Sequence[int],
+    values: Sequence[Array],
     effort: Array,
     program: Array,
     along: Sequence[int] = (),
@@ -104,8 +106,9 @@ def call(
     """Results of impacts, one array for each row.
 
     Args:
-        inputs: rows of the kernels, float64 arrays that broadcast to the shape of the
-            lanes.
+        common: inputs of the kernels that all lanes have in common, one array.
+        places, values: the inputs that they do not, and their values: float64 arrays
+            that broadcast to the shape of the lanes.
         effort: how long a lane takes, less for longer, so that the longest begin first.
         program: the place of a lane's kernel.
         along: leaves of the directions; -1 for a direction that is not wanted.
@@ -115,7 +118,7 @@ def call(
         Rows of results, each of the shape of the lanes; then what is sampled, with an
         axis of times behind.
     """
-    lanes, own = [*inputs, effort, program], []
+    lanes, own = [*values, effort, program], []
     shape = np.broadcast_shapes(*map(np.shape, lanes))
     if operation.directions:
         own.append(np.array(along, float))
@@ -125,8 +128,12 @@ def call(
     shapes = [shape] * operation.result_rows
     if times is not None:
         shapes += [(*shape, np.shape(times)[-1])] * operation.sampled_rows
-    operands = [_of_rank(x, len(shape)) for x in lanes]
-    operands += [_of_rank(x, len(shape) + 1) for x in own]
+    of_all = [common, np.array(places, float)]
+    operands = [
+        *(_of_rank(x, len(shape) + 1) for x in of_all),
+        *(_of_rank(x, len(shape)) for x in lanes),
+        *(_of_rank(x, len(shape) + 1) for x in own),
+    ]
     results = result_types(shapes, operands)
     return list(
         jax.ffi.ffi_call(operation.name, results, vmap_method="expand_dims")(*operands)

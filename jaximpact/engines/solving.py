@@ -175,10 +175,7 @@ def _columns_of_group(given: Given, values: list, varied: list[int]):
 def _call(operation: Operation, along, places, rest, values, effort, program):
     """Rows of numbers, and their derivatives along the directions: one array with axes
     of directions and of rows first."""
-    inputs = [rest[k] for k in range(len(rest))]
-    for place, value in zip(places, values, strict=True):
-        inputs[place] = value
-    rows = call(operation, inputs, effort, program, along)
+    rows = call(operation, rest, places, values, effort, program, along)
     if not along:
         return rows, None
     count = operation.result_rows // (1 + len(along))

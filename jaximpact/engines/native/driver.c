@@ -202,9 +202,10 @@ int64_t run(const Program *program, Columns *columns, const double *inputs, int6
 typedef struct {
     int64_t count; /* of the programs */
     Program programs[PROGRAMS];
-    /* Operands are `leaves` inputs, tolerance and floor among them; the effort and the
-     * program of a lane; with `directions` the inputs that each is along, with samples
-     * the times. */
+    /* Operands are `leaves` inputs that all lanes have in common, tolerance and floor
+     * among them; the places of those that lanes have of their own, and one operand for
+     * each of these; the effort and the program of a lane; with `directions` the inputs
+     * that each is along, with samples the times. */
     int64_t leaves, directions, samples;
     int64_t threads;
     /* pthread_create and pthread_join; NULL where there are none. */
@@ -226,7 +227,8 @@ typedef struct {
 
 typedef struct {
     int64_t axes, dims[AXES], lanes;
-    const Operand *operands;
+    int64_t own_inputs; /* of a lane */
+    const Operand *common, *places, *own, *effort, *program, *along, *times_asked;
     double *const *results; /* a dense array for each row */
     int64_t times;
     Turn *turns; /* lanes by program, those that take longest first */
@@ -258,12 +260,16 @@ static int take_lane(Exchange *exchange, const Program *program, Columns *column
         return 0;
     int64_t lane = job->turns[turn].lane, leaves = operation.leaves;
     for (int64_t row = 0; row < leaves; row++)
-        columns->work[PACK * row + column] = *value_of(job, &job->operands[row], lane);
+        columns->work[PACK * row + column] = job->common->data[row];
+    for (int64_t k = 0; k < job->own_inputs; k++) {
+        int64_t row = (int64_t)job->places->data[k];
+        columns->work[PACK * row + column] = *value_of(job, &job->own[k], lane);
+    }
     for (int64_t row = leaves; row < program->input_rows; row++)
         columns->work[PACK * row + column] = 0.0;
     /* Tolerance and floor, the last two, are not differentiated. */
     for (int64_t k = 0; k < operation.directions; k++) {
-        int64_t along = (int64_t)job->operands[leaves + 2].data[k];
+        int64_t along = (int64_t)job->along->data[k];
         if (along >= 0)
             columns->work[PACK * (leaves + k * (leaves - 2) + along) + column] = 1.0;
     }
@@ -289,8 +295,7 @@ static double next_time(Exchange *exchange, Columns *columns, int column)
     int64_t k = columns->sampled[column];
     if (k == job->times)
         return __builtin_inf();
-    const Operand *times = &job->operands[operation.leaves + 2 + (operation.directions > 0)];
-    return value_of(job, times, columns->lane[column])[k];
+    return value_of(job, job->times_asked, columns->lane[column])[k];
 }
 
 static void give_sample(Exchange *exchange, const Program *program, Columns *columns, int column)
@@ -338,14 +343,12 @@ static int longer_first(const void *a, const void *b)
 /* Puts the lanes into the order in which they are to begin. */
 static void arrange(Job *job)
 {
-    const Operand *effort = &job->operands[operation.leaves];
-    const Operand *program = &job->operands[operation.leaves + 1];
     int64_t first = 0;
     for (int place = 0; place < operation.count; place++) {
         int64_t k = first;
         for (int64_t lane = 0; lane < job->lanes; lane++)
-            if ((int)*value_of(job, program, lane) == place)
-                job->turns[k++] = (Turn){*value_of(job, effort, lane), lane};
+            if ((int)*value_of(job, job->program, lane) == place)
+                job->turns[k++] = (Turn){*value_of(job, job->effort, lane), lane};
         if (k - first > PACK)
             qsort(job->turns + first, k - first, sizeof(Turn), longer_first);
         job->next[place] = first;
@@ -416,7 +419,8 @@ static void *compute_call(void *frame, Job *job, Operand *operands, int64_t coun
     for (int64_t axis = 0; axis < AXES; axis++)
         job->dims[axis] = 1;
     for (int64_t k = 0; k < count; k++) {
-        int64_t own = k >= operation.leaves + 2; /* of directions, and of times */
+        /* All lanes' inputs and their places; directions, and times */
+        int64_t own = k < 2 || k >= job->own_inputs + 4;
         const char *wrong = read_operand(buffers[k], own, job, &operands[k]);
         if (wrong)
             return error(frame, INVALID_ARGUMENT, wrong);
@@ -428,7 +432,13 @@ static void *compute_call(void *frame, Job *job, Operand *operands, int64_t coun
         const void *times = buffers[count - 1];
         job->times = AT(int64_t *, times, 40)[job->axes];
     }
-    job->operands = operands;
+    job->common = operands;
+    job->places = operands + 1;
+    job->own = operands + 2;
+    job->effort = job->own + job->own_inputs;
+    job->program = job->effort + 1;
+    job->along = job->program + 1;
+    job->times_asked = operands + count - 1;
     job->lanes = 1;
     for (int64_t axis = 0; axis < job->axes; axis++)
         job->lanes *= job->dims[axis];
@@ -466,12 +476,13 @@ void *impacts(void *frame)
         return NULL;
     }
     int64_t count = AT(int64_t, frame, 56);
-    if (count != operation.leaves + 2 + (operation.directions > 0) + operation.samples)
-        return error(frame, INVALID_ARGUMENT, "jaximpact: a wrong number of operands");
+    int64_t own_inputs = count - 4 - (operation.directions > 0) - operation.samples;
+    if (own_inputs < 0)
+        return error(frame, INVALID_ARGUMENT, "jaximpact: too few operands");
     Operand *operands = malloc(sizeof(Operand) * count);
     if (!operands)
         return error(frame, RESOURCE_EXHAUSTED, "jaximpact: out of memory");
-    Job job = {0};
+    Job job = {.own_inputs = own_inputs};
     void *wrong = compute_call(frame, &job, operands, count);
     free(operands);
     return wrong;

@@ -1,4 +1,4 @@
-; Made from driver.c by 'make driver'; sha256 a0201107d6436b329d9e1a235b763f724da312b2e2022be395a506afe1e7b872
+; Made from driver.c by 'make driver'; sha256 1490ea01f5607af7ebba7d59ae902d994de518b7c6c444e812ffde9b41435699
 
 %struct.Operation = type { i64, [32 x %struct.Program], i64, i64, i64, i64, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double] }
@@ -6,13 +6,13 @@
 %struct.Exchange = type { ptr, ptr, ptr, ptr }
 %struct.Columns = type { ptr, [8 x i64], [8 x double], [8 x i64], [8 x i64] }
 %struct.anon = type { i64, ptr, ptr, i32 }
-%struct.Job = type { i64, [24 x i64], i64, ptr, ptr, i64, ptr, [32 x i64], [32 x i64], i64, i32 }
+%struct.Job = type { i64, [24 x i64], i64, i64, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, i64, ptr, [32 x i64], [32 x i64], i64, i32 }
 %struct.Operand = type { ptr, [24 x i64] }
 %struct.Turn = type { double, i64 }
 %struct.Share = type { %struct.Exchange, ptr, i32 }
 
 @operation = dso_local global %struct.Operation zeroinitializer, align 8
-@.str = private unnamed_addr constant [38 x i8] c"jaximpact: a wrong number of operands\00", align 1
+@.str = private unnamed_addr constant [28 x i8] c"jaximpact: too few operands\00", align 1
 @.str.1 = private unnamed_addr constant [25 x i8] c"jaximpact: out of memory\00", align 1
 @.str.2 = private unnamed_addr constant [37 x i8] c"jaximpact: a wrong number of results\00", align 1
 @.str.3 = private unnamed_addr constant [41 x i8] c"jaximpact: operands differ in their axes\00", align 1
@@ -469,65 +469,66 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   store i32 0, ptr %19, align 4
   %20 = getelementptr inbounds i8, ptr %18, i64 28
   store i32 1, ptr %20, align 4
-  br label %372
+  br label %386
 
 21:
   %22 = getelementptr inbounds i8, ptr %0, i64 56
   %23 = load i64, ptr %22, align 8
-  %24 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 2), align 8
-  %25 = add nsw i64 %24, 2
-  %26 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
-  %27 = icmp sgt i64 %26, 0
-  %28 = zext i1 %27 to i64
-  %29 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
-  %30 = add i64 %25, %29
-  %31 = add i64 %30, %28
-  %32 = icmp eq i64 %23, %31
-  br i1 %32, label %42, label %33
+  %24 = add nsw i64 %23, -4
+  %25 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
+  %26 = icmp sgt i64 %25, 0
+  %27 = sext i1 %26 to i64
+  %28 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
+  %29 = sub i64 %24, %28
+  %30 = add i64 %29, %27
+  %31 = icmp slt i64 %30, 0
+  br i1 %31, label %32, label %41
 
-33:
+32:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %7)
   store i64 32, ptr %7, align 8
-  %34 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 1
-  store ptr null, ptr %34, align 8
-  %35 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 2
-  store ptr @.str, ptr %35, align 8
-  %36 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 3
-  store i32 3, ptr %36, align 8
-  %37 = getelementptr inbounds i8, ptr %0, i64 16
-  %38 = load ptr, ptr %37, align 8
-  %39 = getelementptr inbounds i8, ptr %38, i64 48
-  %40 = load ptr, ptr %39, align 8
-  %41 = call ptr %40(ptr noundef nonnull %7)
+  %33 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 1
+  store ptr null, ptr %33, align 8
+  %34 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 2
+  store ptr @.str, ptr %34, align 8
+  %35 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 3
+  store i32 3, ptr %35, align 8
+  %36 = getelementptr inbounds i8, ptr %0, i64 16
+  %37 = load ptr, ptr %36, align 8
+  %38 = getelementptr inbounds i8, ptr %37, i64 48
+  %39 = load ptr, ptr %38, align 8
+  %40 = call ptr %39(ptr noundef nonnull %7)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %7)
-  br label %372
+  br label %386
 
-42:
-  %43 = mul i64 %23, 200
-  %44 = tail call noalias ptr @malloc(i64 noundef %43)
-  %45 = icmp eq ptr %44, null
-  br i1 %45, label %46, label %55
+41:
+  %42 = mul i64 %23, 200
+  %43 = tail call noalias ptr @malloc(i64 noundef %42)
+  %44 = icmp eq ptr %43, null
+  br i1 %44, label %45, label %54
 
-46:
+45:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %6)
   store i64 32, ptr %6, align 8
-  %47 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 1
-  store ptr null, ptr %47, align 8
-  %48 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 2
-  store ptr @.str.1, ptr %48, align 8
-  %49 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 3
-  store i32 8, ptr %49, align 8
-  %50 = getelementptr inbounds i8, ptr %0, i64 16
-  %51 = load ptr, ptr %50, align 8
-  %52 = getelementptr inbounds i8, ptr %51, i64 48
-  %53 = load ptr, ptr %52, align 8
-  %54 = call ptr %53(ptr noundef nonnull %6)
+  %46 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 1
+  store ptr null, ptr %46, align 8
+  %47 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 2
+  store ptr @.str.1, ptr %47, align 8
+  %48 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 3
+  store i32 8, ptr %48, align 8
+  %49 = getelementptr inbounds i8, ptr %0, i64 16
+  %50 = load ptr, ptr %49, align 8
+  %51 = getelementptr inbounds i8, ptr %50, i64 48
+  %52 = load ptr, ptr %51, align 8
+  %53 = call ptr %52(ptr noundef nonnull %6)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %6)
-  br label %372
+  br label %386
 
-55:
-  call void @llvm.lifetime.start.p0(i64 768, ptr nonnull %8)
-  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(768) %8, i8 0, i64 768, i1 false)
+54:
+  call void @llvm.lifetime.start.p0(i64 824, ptr nonnull %8)
+  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(824) %8, i8 0, i64 824, i1 false)
+  %55 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 3
+  store i64 %30, ptr %55, align 8
   %56 = getelementptr inbounds i8, ptr %0, i64 72
   %57 = load ptr, ptr %56, align 8
   %58 = getelementptr inbounds i8, ptr %0, i64 112
@@ -555,11 +556,11 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %73 = load ptr, ptr %72, align 8
   %74 = call ptr %73(ptr noundef nonnull %5)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %5)
-  br label %370
+  br label %384
 
 75:
   %76 = icmp sgt i64 %23, 0
-  br i1 %76, label %77, label %167
+  br i1 %76, label %77, label %169
 
 77:
   %78 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 1
@@ -572,7 +573,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   br label %94
 
 85:
-  %86 = phi i64 [ %88, %85 ], [ 0, %55 ]
+  %86 = phi i64 [ %88, %85 ], [ 0, %54 ]
   %87 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %86
   store i64 1, ptr %87, align 8
   %88 = add nuw nsw i64 %86, 1
@@ -583,432 +584,452 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %91 = add nuw nsw i64 %98, 1
   %92 = icmp slt i64 %91, %23
   %93 = icmp eq i64 %91, %23
-  br i1 %93, label %167, label %94
+  br i1 %93, label %169, label %94
 
 94:
   %95 = phi i1 [ true, %77 ], [ %92, %90 ]
-  %96 = phi ptr [ undef, %77 ], [ %166, %90 ]
-  %97 = phi i64 [ -1, %77 ], [ %165, %90 ]
+  %96 = phi ptr [ undef, %77 ], [ %168, %90 ]
+  %97 = phi i64 [ -1, %77 ], [ %167, %90 ]
   %98 = phi i64 [ 0, %77 ], [ %91, %90 ]
-  %99 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 2), align 8
-  %100 = add nsw i64 %99, 2
-  %101 = icmp sge i64 %98, %100
-  %102 = zext i1 %101 to i64
-  %103 = getelementptr inbounds ptr, ptr %57, i64 %98
-  %104 = load ptr, ptr %103, align 8
-  %105 = getelementptr inbounds %struct.Operand, ptr %44, i64 %98
-  %106 = getelementptr inbounds i8, ptr %104, i64 32
-  %107 = load i64, ptr %106, align 8
-  %108 = getelementptr inbounds i8, ptr %104, i64 40
-  %109 = load ptr, ptr %108, align 8
-  %110 = getelementptr inbounds i8, ptr %104, i64 16
-  %111 = load i32, ptr %110, align 4
-  %112 = icmp eq i32 %111, 12
-  br i1 %112, label %113, label %143
-
-113:
-  %114 = icmp slt i64 %107, %102
-  br i1 %114, label %143, label %115
+  %99 = icmp ult i64 %98, 2
+  %100 = load i64, ptr %55, align 8
+  %101 = add nsw i64 %100, 4
+  %102 = icmp sge i64 %98, %101
+  %103 = select i1 %99, i1 true, i1 %102
+  %104 = zext i1 %103 to i64
+  %105 = getelementptr inbounds ptr, ptr %57, i64 %98
+  %106 = load ptr, ptr %105, align 8
+  %107 = getelementptr inbounds %struct.Operand, ptr %43, i64 %98
+  %108 = getelementptr inbounds i8, ptr %106, i64 32
+  %109 = load i64, ptr %108, align 8
+  %110 = getelementptr inbounds i8, ptr %106, i64 40
+  %111 = load ptr, ptr %110, align 8
+  %112 = getelementptr inbounds i8, ptr %106, i64 16
+  %113 = load i32, ptr %112, align 4
+  %114 = icmp eq i32 %113, 12
+  br i1 %114, label %115, label %145
 
 115:
-  %116 = sub nsw i64 %107, %102
-  %117 = icmp sgt i64 %116, 24
-  br i1 %117, label %143, label %118
+  %116 = icmp slt i64 %109, %104
+  br i1 %116, label %145, label %117
 
-118:
-  %119 = getelementptr inbounds i8, ptr %104, i64 24
-  %120 = load ptr, ptr %119, align 8
-  store ptr %120, ptr %105, align 8
-  store i64 %116, ptr %8, align 8
-  %121 = icmp sgt i64 %107, 0
-  br i1 %121, label %122, label %143
+117:
+  %118 = sub nsw i64 %109, %104
+  %119 = icmp sgt i64 %118, 24
+  br i1 %119, label %145, label %120
 
-122:
-  %123 = phi i64 [ %125, %138 ], [ %107, %118 ]
-  %124 = phi i64 [ %141, %138 ], [ 1, %118 ]
-  %125 = add nsw i64 %123, -1
-  %126 = load i64, ptr %8, align 8
-  %127 = icmp sgt i64 %123, %126
-  br i1 %127, label %138, label %128
+120:
+  %121 = getelementptr inbounds i8, ptr %106, i64 24
+  %122 = load ptr, ptr %121, align 8
+  store ptr %122, ptr %107, align 8
+  store i64 %118, ptr %8, align 8
+  %123 = icmp sgt i64 %109, 0
+  br i1 %123, label %124, label %145
 
-128:
-  %129 = getelementptr inbounds i64, ptr %109, i64 %125
-  %130 = load i64, ptr %129, align 8
-  %131 = icmp eq i64 %130, 1
-  %132 = select i1 %131, i64 0, i64 %124
-  %133 = getelementptr inbounds %struct.Operand, ptr %44, i64 %98, i32 1, i64 %125
-  store i64 %132, ptr %133, align 8
-  %134 = load i64, ptr %129, align 8
-  %135 = icmp eq i64 %134, 1
-  br i1 %135, label %138, label %136
+124:
+  %125 = phi i64 [ %127, %140 ], [ %109, %120 ]
+  %126 = phi i64 [ %143, %140 ], [ 1, %120 ]
+  %127 = add nsw i64 %125, -1
+  %128 = load i64, ptr %8, align 8
+  %129 = icmp sgt i64 %125, %128
+  br i1 %129, label %140, label %130
 
-136:
-  %137 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %125
-  store i64 %134, ptr %137, align 8
-  br label %138
+130:
+  %131 = getelementptr inbounds i64, ptr %111, i64 %127
+  %132 = load i64, ptr %131, align 8
+  %133 = icmp eq i64 %132, 1
+  %134 = select i1 %133, i64 0, i64 %126
+  %135 = getelementptr inbounds %struct.Operand, ptr %43, i64 %98, i32 1, i64 %127
+  store i64 %134, ptr %135, align 8
+  %136 = load i64, ptr %131, align 8
+  %137 = icmp eq i64 %136, 1
+  br i1 %137, label %140, label %138
 
 138:
-  %139 = getelementptr inbounds i64, ptr %109, i64 %125
-  %140 = load i64, ptr %139, align 8
-  %141 = mul nsw i64 %140, %124
-  %142 = icmp sgt i64 %123, 1
-  br i1 %142, label %122, label %143
+  %139 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %127
+  store i64 %136, ptr %139, align 8
+  br label %140
 
-143:
-  %144 = phi i1 [ false, %94 ], [ false, %113 ], [ false, %115 ], [ true, %118 ], [ true, %138 ]
-  %145 = phi ptr [ @.str.4, %94 ], [ @.str.5, %113 ], [ @.str.5, %115 ], [ null, %118 ], [ null, %138 ]
-  br i1 %144, label %151, label %146
+140:
+  %141 = getelementptr inbounds i64, ptr %111, i64 %127
+  %142 = load i64, ptr %141, align 8
+  %143 = mul nsw i64 %142, %126
+  %144 = icmp sgt i64 %125, 1
+  br i1 %144, label %124, label %145
 
-146:
+145:
+  %146 = phi i1 [ false, %94 ], [ false, %115 ], [ false, %117 ], [ true, %120 ], [ true, %140 ]
+  %147 = phi ptr [ @.str.4, %94 ], [ @.str.5, %115 ], [ @.str.5, %117 ], [ null, %120 ], [ null, %140 ]
+  br i1 %146, label %153, label %148
+
+148:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %4)
   store i64 32, ptr %4, align 8
   store ptr null, ptr %78, align 8
-  store ptr %145, ptr %79, align 8
+  store ptr %147, ptr %79, align 8
   store i32 3, ptr %80, align 8
-  %147 = load ptr, ptr %81, align 8
-  %148 = getelementptr inbounds i8, ptr %147, i64 48
-  %149 = load ptr, ptr %148, align 8
-  %150 = call ptr %149(ptr noundef nonnull %4)
+  %149 = load ptr, ptr %81, align 8
+  %150 = getelementptr inbounds i8, ptr %149, i64 48
+  %151 = load ptr, ptr %150, align 8
+  %152 = call ptr %151(ptr noundef nonnull %4)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %4)
-  br label %163
+  br label %165
 
-151:
-  %152 = icmp slt i64 %97, 0
-  %153 = load i64, ptr %8, align 8
-  %154 = icmp eq i64 %153, %97
-  %155 = select i1 %152, i1 true, i1 %154
-  br i1 %155, label %161, label %156
+153:
+  %154 = icmp slt i64 %97, 0
+  %155 = load i64, ptr %8, align 8
+  %156 = icmp eq i64 %155, %97
+  %157 = select i1 %154, i1 true, i1 %156
+  br i1 %157, label %163, label %158
 
-156:
+158:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %3)
   store i64 32, ptr %3, align 8
   store ptr null, ptr %82, align 8
   store ptr @.str.3, ptr %83, align 8
   store i32 3, ptr %84, align 8
-  %157 = load ptr, ptr %81, align 8
-  %158 = getelementptr inbounds i8, ptr %157, i64 48
-  %159 = load ptr, ptr %158, align 8
-  %160 = call ptr %159(ptr noundef nonnull %3)
+  %159 = load ptr, ptr %81, align 8
+  %160 = getelementptr inbounds i8, ptr %159, i64 48
+  %161 = load ptr, ptr %160, align 8
+  %162 = call ptr %161(ptr noundef nonnull %3)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %3)
-  br label %163
-
-161:
-  %162 = load i64, ptr %8, align 8
-  br label %163
+  br label %165
 
 163:
-  %164 = phi i1 [ true, %161 ], [ false, %156 ], [ false, %146 ]
-  %165 = phi i64 [ %162, %161 ], [ %97, %156 ], [ %97, %146 ]
-  %166 = phi ptr [ %96, %161 ], [ %160, %156 ], [ %150, %146 ]
-  br i1 %164, label %90, label %167
+  %164 = load i64, ptr %8, align 8
+  br label %165
 
-167:
-  %168 = phi i1 [ %76, %75 ], [ %95, %163 ], [ %92, %90 ]
-  %169 = phi ptr [ undef, %75 ], [ %166, %90 ], [ %166, %163 ]
-  br i1 %168, label %370, label %170
+165:
+  %166 = phi i1 [ true, %163 ], [ false, %158 ], [ false, %148 ]
+  %167 = phi i64 [ %164, %163 ], [ %97, %158 ], [ %97, %148 ]
+  %168 = phi ptr [ %96, %163 ], [ %162, %158 ], [ %152, %148 ]
+  br i1 %166, label %90, label %169
 
-170:
-  %171 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
-  %172 = icmp eq i64 %171, 0
-  br i1 %172, label %183, label %173
+169:
+  %170 = phi i1 [ %76, %75 ], [ %95, %165 ], [ %92, %90 ]
+  %171 = phi ptr [ undef, %75 ], [ %168, %90 ], [ %168, %165 ]
+  br i1 %170, label %384, label %172
 
-173:
-  %174 = add nsw i64 %23, -1
-  %175 = getelementptr inbounds ptr, ptr %57, i64 %174
-  %176 = load ptr, ptr %175, align 8
-  %177 = getelementptr inbounds i8, ptr %176, i64 40
+172:
+  %173 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
+  %174 = icmp eq i64 %173, 0
+  br i1 %174, label %185, label %175
+
+175:
+  %176 = add nsw i64 %23, -1
+  %177 = getelementptr inbounds ptr, ptr %57, i64 %176
   %178 = load ptr, ptr %177, align 8
-  %179 = load i64, ptr %8, align 8
-  %180 = getelementptr inbounds i64, ptr %178, i64 %179
-  %181 = load i64, ptr %180, align 8
-  %182 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 5
-  store i64 %181, ptr %182, align 8
-  br label %183
+  %179 = getelementptr inbounds i8, ptr %178, i64 40
+  %180 = load ptr, ptr %179, align 8
+  %181 = load i64, ptr %8, align 8
+  %182 = getelementptr inbounds i64, ptr %180, i64 %181
+  %183 = load i64, ptr %182, align 8
+  %184 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 12
+  store i64 %183, ptr %184, align 8
+  br label %185
 
-183:
-  %184 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 3
-  store ptr %44, ptr %184, align 8
-  %185 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 2
-  store i64 1, ptr %185, align 8
-  %186 = load i64, ptr %8, align 8
-  %187 = icmp sgt i64 %186, 0
-  br i1 %187, label %194, label %188
+185:
+  %186 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 4
+  store ptr %43, ptr %186, align 8
+  %187 = getelementptr inbounds %struct.Operand, ptr %43, i64 1
+  %188 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 5
+  store ptr %187, ptr %188, align 8
+  %189 = getelementptr inbounds %struct.Operand, ptr %43, i64 2
+  %190 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 6
+  store ptr %189, ptr %190, align 8
+  %191 = load i64, ptr %55, align 8
+  %192 = getelementptr inbounds %struct.Operand, ptr %189, i64 %191
+  %193 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 7
+  store ptr %192, ptr %193, align 8
+  %194 = getelementptr inbounds %struct.Operand, ptr %192, i64 1
+  %195 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 8
+  store ptr %194, ptr %195, align 8
+  %196 = getelementptr inbounds %struct.Operand, ptr %194, i64 1
+  %197 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 9
+  store ptr %196, ptr %197, align 8
+  %198 = getelementptr inbounds %struct.Operand, ptr %43, i64 %23
+  %199 = getelementptr inbounds %struct.Operand, ptr %198, i64 -1
+  %200 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 10
+  store ptr %199, ptr %200, align 8
+  %201 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 2
+  store i64 1, ptr %201, align 8
+  %202 = load i64, ptr %8, align 8
+  %203 = icmp sgt i64 %202, 0
+  br i1 %203, label %210, label %204
 
-188:
-  %189 = load i64, ptr @operation, align 8
-  %190 = icmp sgt i64 %189, 0
-  br i1 %190, label %191, label %203
+204:
+  %205 = load i64, ptr @operation, align 8
+  %206 = icmp sgt i64 %205, 0
+  br i1 %206, label %207, label %219
 
-191:
-  %192 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 9
-  %193 = load i64, ptr %192, align 8
-  br label %206
+207:
+  %208 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 16
+  %209 = load i64, ptr %208, align 8
+  br label %222
 
-194:
-  %195 = phi i64 [ %199, %194 ], [ 1, %183 ]
-  %196 = phi i64 [ %200, %194 ], [ 0, %183 ]
-  %197 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %196
-  %198 = load i64, ptr %197, align 8
-  %199 = mul nsw i64 %198, %195
-  store i64 %199, ptr %185, align 8
-  %200 = add nuw nsw i64 %196, 1
-  %201 = icmp eq i64 %200, %186
-  br i1 %201, label %188, label %194
+210:
+  %211 = phi i64 [ %215, %210 ], [ 1, %185 ]
+  %212 = phi i64 [ %216, %210 ], [ 0, %185 ]
+  %213 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %212
+  %214 = load i64, ptr %213, align 8
+  %215 = mul nsw i64 %214, %211
+  store i64 %215, ptr %201, align 8
+  %216 = add nuw nsw i64 %212, 1
+  %217 = icmp eq i64 %216, %202
+  br i1 %217, label %204, label %210
 
-202:
-  store i64 %213, ptr %192, align 8
-  br label %203
+218:
+  store i64 %229, ptr %208, align 8
+  br label %219
 
-203:
-  %204 = load i64, ptr %185, align 8
-  %205 = icmp eq i64 %204, 0
-  br i1 %205, label %370, label %217
+219:
+  %220 = load i64, ptr %201, align 8
+  %221 = icmp eq i64 %220, 0
+  br i1 %221, label %384, label %233
 
-206:
-  %207 = phi i64 [ %193, %191 ], [ %213, %206 ]
-  %208 = phi i64 [ %193, %191 ], [ %214, %206 ]
-  %209 = phi i64 [ 0, %191 ], [ %215, %206 ]
-  %210 = getelementptr inbounds %struct.Operation, ptr @operation, i64 0, i32 1, i64 %209, i32 4
-  %211 = load i64, ptr %210, align 8
-  %212 = icmp sgt i64 %211, %208
-  %213 = select i1 %212, i64 %211, i64 %207
-  %214 = call i64 @llvm.smax.i64(i64 %211, i64 %208)
-  %215 = add nuw nsw i64 %209, 1
-  %216 = icmp eq i64 %215, %189
-  br i1 %216, label %202, label %206
+222:
+  %223 = phi i64 [ %209, %207 ], [ %229, %222 ]
+  %224 = phi i64 [ %209, %207 ], [ %230, %222 ]
+  %225 = phi i64 [ 0, %207 ], [ %231, %222 ]
+  %226 = getelementptr inbounds %struct.Operation, ptr @operation, i64 0, i32 1, i64 %225, i32 4
+  %227 = load i64, ptr %226, align 8
+  %228 = icmp sgt i64 %227, %224
+  %229 = select i1 %228, i64 %227, i64 %223
+  %230 = call i64 @llvm.smax.i64(i64 %227, i64 %224)
+  %231 = add nuw nsw i64 %225, 1
+  %232 = icmp eq i64 %231, %205
+  br i1 %232, label %218, label %222
 
-217:
-  %218 = shl i64 %64, 3
-  %219 = call noalias ptr @malloc(i64 noundef %218)
-  %220 = shl i64 %204, 4
-  %221 = call noalias ptr @malloc(i64 noundef %220)
-  %222 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 6
-  store ptr %221, ptr %222, align 8
-  %223 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 4
-  store ptr %219, ptr %223, align 8
-  %224 = icmp eq ptr %219, null
-  %225 = icmp eq ptr %221, null
-  %226 = or i1 %224, %225
-  br i1 %226, label %354, label %227
-
-227:
-  %228 = icmp sgt i64 %64, 0
-  br i1 %228, label %345, label %229
-
-229:
-  %230 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 2), align 8
-  %231 = getelementptr inbounds %struct.Operand, ptr %44, i64 %230
-  %232 = add nsw i64 %230, 1
-  %233 = getelementptr inbounds %struct.Operand, ptr %44, i64 %232
-  br i1 %190, label %234, label %306
-
-234:
-  %235 = phi i64 [ %303, %300 ], [ 0, %229 ]
-  %236 = phi i64 [ %240, %300 ], [ 0, %229 ]
-  %237 = load i64, ptr %185, align 8
-  %238 = icmp sgt i64 %237, 0
-  br i1 %238, label %243, label %239
-
-239:
-  %240 = phi i64 [ %236, %234 ], [ %293, %292 ]
-  %241 = sub nsw i64 %240, %236
-  %242 = icmp sgt i64 %241, 8
-  br i1 %242, label %297, label %300
+233:
+  %234 = shl i64 %64, 3
+  %235 = call noalias ptr @malloc(i64 noundef %234)
+  %236 = shl i64 %220, 4
+  %237 = call noalias ptr @malloc(i64 noundef %236)
+  %238 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 13
+  store ptr %237, ptr %238, align 8
+  %239 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 11
+  store ptr %235, ptr %239, align 8
+  %240 = icmp eq ptr %235, null
+  %241 = icmp eq ptr %237, null
+  %242 = or i1 %240, %241
+  br i1 %242, label %368, label %243
 
 243:
-  %244 = phi i64 [ %294, %292 ], [ 0, %234 ]
-  %245 = phi i64 [ %293, %292 ], [ %236, %234 ]
-  %246 = load ptr, ptr %233, align 8
-  %247 = load i64, ptr %8, align 8
-  %248 = icmp sgt i64 %247, 0
-  br i1 %248, label %249, label %263
+  %244 = icmp sgt i64 %64, 0
+  br i1 %244, label %359, label %245
 
-249:
-  %250 = phi i64 [ %253, %249 ], [ %247, %243 ]
-  %251 = phi ptr [ %260, %249 ], [ %246, %243 ]
-  %252 = phi i64 [ %261, %249 ], [ %244, %243 ]
-  %253 = add nsw i64 %250, -1
-  %254 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %253
-  %255 = load i64, ptr %254, align 8
-  %256 = srem i64 %252, %255
-  %257 = getelementptr inbounds %struct.Operand, ptr %44, i64 %232, i32 1, i64 %253
-  %258 = load i64, ptr %257, align 8
-  %259 = mul nsw i64 %258, %256
-  %260 = getelementptr inbounds double, ptr %251, i64 %259
-  %261 = sdiv i64 %252, %255
-  %262 = icmp sgt i64 %250, 1
-  br i1 %262, label %249, label %263
+245:
+  br i1 %206, label %246, label %320
 
-263:
-  %264 = phi ptr [ %246, %243 ], [ %260, %249 ]
-  %265 = load double, ptr %264, align 8
-  %266 = fptosi double %265 to i32
-  %267 = zext i32 %266 to i64
-  %268 = icmp eq i64 %235, %267
-  br i1 %268, label %269, label %292
+246:
+  %247 = phi i64 [ %317, %314 ], [ 0, %245 ]
+  %248 = phi i64 [ %252, %314 ], [ 0, %245 ]
+  %249 = load i64, ptr %201, align 8
+  %250 = icmp sgt i64 %249, 0
+  br i1 %250, label %255, label %251
 
-269:
-  %270 = load ptr, ptr %222, align 8
-  %271 = add nsw i64 %245, 1
-  %272 = getelementptr inbounds %struct.Turn, ptr %270, i64 %245
-  %273 = load ptr, ptr %231, align 8
-  br i1 %248, label %274, label %288
+251:
+  %252 = phi i64 [ %248, %246 ], [ %307, %306 ]
+  %253 = sub nsw i64 %252, %248
+  %254 = icmp sgt i64 %253, 8
+  br i1 %254, label %311, label %314
 
-274:
-  %275 = phi i64 [ %278, %274 ], [ %247, %269 ]
-  %276 = phi ptr [ %285, %274 ], [ %273, %269 ]
-  %277 = phi i64 [ %286, %274 ], [ %244, %269 ]
-  %278 = add nsw i64 %275, -1
-  %279 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %278
-  %280 = load i64, ptr %279, align 8
-  %281 = srem i64 %277, %280
-  %282 = getelementptr inbounds %struct.Operand, ptr %44, i64 %230, i32 1, i64 %278
-  %283 = load i64, ptr %282, align 8
-  %284 = mul nsw i64 %283, %281
-  %285 = getelementptr inbounds double, ptr %276, i64 %284
-  %286 = sdiv i64 %277, %280
-  %287 = icmp sgt i64 %275, 1
-  br i1 %287, label %274, label %288
+255:
+  %256 = phi i64 [ %308, %306 ], [ 0, %246 ]
+  %257 = phi i64 [ %307, %306 ], [ %248, %246 ]
+  %258 = load ptr, ptr %195, align 8
+  %259 = load ptr, ptr %258, align 8
+  %260 = load i64, ptr %8, align 8
+  %261 = icmp sgt i64 %260, 0
+  br i1 %261, label %262, label %276
+
+262:
+  %263 = phi i64 [ %266, %262 ], [ %260, %255 ]
+  %264 = phi ptr [ %273, %262 ], [ %259, %255 ]
+  %265 = phi i64 [ %274, %262 ], [ %256, %255 ]
+  %266 = add nsw i64 %263, -1
+  %267 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %266
+  %268 = load i64, ptr %267, align 8
+  %269 = srem i64 %265, %268
+  %270 = getelementptr inbounds %struct.Operand, ptr %258, i64 0, i32 1, i64 %266
+  %271 = load i64, ptr %270, align 8
+  %272 = mul nsw i64 %271, %269
+  %273 = getelementptr inbounds double, ptr %264, i64 %272
+  %274 = sdiv i64 %265, %268
+  %275 = icmp sgt i64 %263, 1
+  br i1 %275, label %262, label %276
+
+276:
+  %277 = phi ptr [ %259, %255 ], [ %273, %262 ]
+  %278 = load double, ptr %277, align 8
+  %279 = fptosi double %278 to i32
+  %280 = zext i32 %279 to i64
+  %281 = icmp eq i64 %247, %280
+  br i1 %281, label %282, label %306
+
+282:
+  %283 = load ptr, ptr %238, align 8
+  %284 = add nsw i64 %257, 1
+  %285 = getelementptr inbounds %struct.Turn, ptr %283, i64 %257
+  %286 = load ptr, ptr %193, align 8
+  %287 = load ptr, ptr %286, align 8
+  br i1 %261, label %288, label %302
 
 288:
-  %289 = phi ptr [ %273, %269 ], [ %285, %274 ]
-  %290 = load double, ptr %289, align 8
-  store double %290, ptr %272, align 8
-  %291 = getelementptr inbounds i8, ptr %272, i64 8
-  store i64 %244, ptr %291, align 8
-  br label %292
+  %289 = phi i64 [ %292, %288 ], [ %260, %282 ]
+  %290 = phi ptr [ %299, %288 ], [ %287, %282 ]
+  %291 = phi i64 [ %300, %288 ], [ %256, %282 ]
+  %292 = add nsw i64 %289, -1
+  %293 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %292
+  %294 = load i64, ptr %293, align 8
+  %295 = srem i64 %291, %294
+  %296 = getelementptr inbounds %struct.Operand, ptr %286, i64 0, i32 1, i64 %292
+  %297 = load i64, ptr %296, align 8
+  %298 = mul nsw i64 %297, %295
+  %299 = getelementptr inbounds double, ptr %290, i64 %298
+  %300 = sdiv i64 %291, %294
+  %301 = icmp sgt i64 %289, 1
+  br i1 %301, label %288, label %302
 
-292:
-  %293 = phi i64 [ %271, %288 ], [ %245, %263 ]
-  %294 = add nuw nsw i64 %244, 1
-  %295 = load i64, ptr %185, align 8
-  %296 = icmp slt i64 %294, %295
-  br i1 %296, label %243, label %239
-
-297:
-  %298 = load ptr, ptr %222, align 8
-  %299 = getelementptr inbounds %struct.Turn, ptr %298, i64 %236
-  call void @qsort(ptr noundef %299, i64 noundef %241, i64 noundef 16, ptr noundef nonnull @longer_first)
-  br label %300
-
-300:
-  %301 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 7, i64 %235
-  store i64 %236, ptr %301, align 8
-  %302 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 8, i64 %235
-  store i64 %240, ptr %302, align 8
-  %303 = add nuw nsw i64 %235, 1
-  %304 = load i64, ptr @operation, align 8
-  %305 = icmp sgt i64 %304, %303
-  br i1 %305, label %234, label %306
+302:
+  %303 = phi ptr [ %287, %282 ], [ %299, %288 ]
+  %304 = load double, ptr %303, align 8
+  store double %304, ptr %285, align 8
+  %305 = getelementptr inbounds i8, ptr %285, i64 8
+  store i64 %256, ptr %305, align 8
+  br label %306
 
 306:
-  %307 = load i64, ptr %185, align 8
-  %308 = add nsw i64 %307, 7
-  %309 = sdiv i64 %308, 8
-  %310 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 5), align 8
-  %311 = call i64 @llvm.smin.i64(i64 %309, i64 %310)
-  %312 = icmp sgt i64 %311, 1
-  %313 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 6), align 8
-  %314 = icmp ne ptr %313, null
-  %315 = select i1 %312, i1 %314, i1 false
-  br i1 %315, label %316, label %319
+  %307 = phi i64 [ %284, %302 ], [ %257, %276 ]
+  %308 = add nuw nsw i64 %256, 1
+  %309 = load i64, ptr %201, align 8
+  %310 = icmp slt i64 %308, %309
+  br i1 %310, label %255, label %251
 
-316:
-  %317 = shl i64 %311, 3
-  %318 = call noalias ptr @malloc(i64 noundef %317)
-  br label %319
+311:
+  %312 = load ptr, ptr %238, align 8
+  %313 = getelementptr inbounds %struct.Turn, ptr %312, i64 %248
+  call void @qsort(ptr noundef %313, i64 noundef %253, i64 noundef 16, ptr noundef nonnull @longer_first)
+  br label %314
 
-319:
-  %320 = phi ptr [ %318, %316 ], [ null, %306 ]
-  %321 = icmp ne ptr %320, null
-  %322 = select i1 %321, i1 %312, i1 false
-  br i1 %322, label %323, label %332
+314:
+  %315 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 14, i64 %247
+  store i64 %248, ptr %315, align 8
+  %316 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 15, i64 %247
+  store i64 %252, ptr %316, align 8
+  %317 = add nuw nsw i64 %247, 1
+  %318 = load i64, ptr @operation, align 8
+  %319 = icmp sgt i64 %318, %317
+  br i1 %319, label %246, label %320
 
-323:
-  %324 = phi i64 [ %330, %329 ], [ 1, %319 ]
-  %325 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 6), align 8
-  %326 = getelementptr inbounds i64, ptr %320, i64 %324
-  %327 = call i32 %325(ptr noundef nonnull %326, ptr noundef null, ptr noundef nonnull @work, ptr noundef nonnull %8)
-  %328 = icmp eq i32 %327, 0
-  br i1 %328, label %329, label %332
+320:
+  %321 = load i64, ptr %201, align 8
+  %322 = add nsw i64 %321, 7
+  %323 = sdiv i64 %322, 8
+  %324 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 5), align 8
+  %325 = call i64 @llvm.smin.i64(i64 %323, i64 %324)
+  %326 = icmp sgt i64 %325, 1
+  %327 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 6), align 8
+  %328 = icmp ne ptr %327, null
+  %329 = select i1 %326, i1 %328, i1 false
+  br i1 %329, label %330, label %333
 
-329:
-  %330 = add nuw nsw i64 %324, 1
-  %331 = icmp eq i64 %330, %311
-  br i1 %331, label %332, label %323
+330:
+  %331 = shl i64 %325, 3
+  %332 = call noalias ptr @malloc(i64 noundef %331)
+  br label %333
 
-332:
-  %333 = phi i64 [ 1, %319 ], [ %324, %323 ], [ %330, %329 ]
-  %334 = call ptr @work(ptr noundef nonnull %8)
-  %335 = icmp ugt i64 %333, 1
-  br i1 %335, label %336, label %344
+333:
+  %334 = phi ptr [ %332, %330 ], [ null, %320 ]
+  %335 = icmp ne ptr %334, null
+  %336 = select i1 %335, i1 %326, i1 false
+  br i1 %336, label %337, label %346
 
-336:
-  %337 = phi i64 [ %342, %336 ], [ 1, %332 ]
-  %338 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 7), align 8
-  %339 = getelementptr inbounds i64, ptr %320, i64 %337
-  %340 = load i64, ptr %339, align 8
-  %341 = call i32 %338(i64 noundef %340, ptr noundef null)
-  %342 = add nuw nsw i64 %337, 1
-  %343 = icmp eq i64 %342, %333
-  br i1 %343, label %344, label %336
+337:
+  %338 = phi i64 [ %344, %343 ], [ 1, %333 ]
+  %339 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 6), align 8
+  %340 = getelementptr inbounds i64, ptr %334, i64 %338
+  %341 = call i32 %339(ptr noundef nonnull %340, ptr noundef null, ptr noundef nonnull @work, ptr noundef nonnull %8)
+  %342 = icmp eq i32 %341, 0
+  br i1 %342, label %343, label %346
 
-344:
-  call void @free(ptr noundef %320)
-  br label %356
+343:
+  %344 = add nuw nsw i64 %338, 1
+  %345 = icmp eq i64 %344, %325
+  br i1 %345, label %346, label %337
 
-345:
-  %346 = phi i64 [ %352, %345 ], [ 0, %227 ]
-  %347 = getelementptr inbounds ptr, ptr %59, i64 %346
-  %348 = load ptr, ptr %347, align 8
-  %349 = getelementptr inbounds i8, ptr %348, i64 24
-  %350 = load ptr, ptr %349, align 8
-  %351 = getelementptr inbounds ptr, ptr %219, i64 %346
-  store ptr %350, ptr %351, align 8
-  %352 = add nuw nsw i64 %346, 1
-  %353 = icmp eq i64 %352, %64
-  br i1 %353, label %229, label %345
+346:
+  %347 = phi i64 [ 1, %333 ], [ %338, %337 ], [ %344, %343 ]
+  %348 = call ptr @work(ptr noundef nonnull %8)
+  %349 = icmp ugt i64 %347, 1
+  br i1 %349, label %350, label %358
 
-354:
-  %355 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 10
-  store i32 1, ptr %355, align 8
-  br label %356
+350:
+  %351 = phi i64 [ %356, %350 ], [ 1, %346 ]
+  %352 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 7), align 8
+  %353 = getelementptr inbounds i64, ptr %334, i64 %351
+  %354 = load i64, ptr %353, align 8
+  %355 = call i32 %352(i64 noundef %354, ptr noundef null)
+  %356 = add nuw nsw i64 %351, 1
+  %357 = icmp eq i64 %356, %347
+  br i1 %357, label %358, label %350
 
-356:
-  %357 = load ptr, ptr %222, align 8
-  call void @free(ptr noundef %357)
-  call void @free(ptr noundef %219)
-  %358 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 10
-  %359 = load i32, ptr %358, align 8
-  %360 = icmp eq i32 %359, 0
-  br i1 %360, label %370, label %361
+358:
+  call void @free(ptr noundef %334)
+  br label %370
 
-361:
-  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %2)
-  store i64 32, ptr %2, align 8
-  %362 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 1
-  store ptr null, ptr %362, align 8
-  %363 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 2
-  store ptr @.str.1, ptr %363, align 8
-  %364 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 3
-  store i32 8, ptr %364, align 8
-  %365 = getelementptr inbounds i8, ptr %0, i64 16
-  %366 = load ptr, ptr %365, align 8
-  %367 = getelementptr inbounds i8, ptr %366, i64 48
-  %368 = load ptr, ptr %367, align 8
-  %369 = call ptr %368(ptr noundef nonnull %2)
-  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %2)
+359:
+  %360 = phi i64 [ %366, %359 ], [ 0, %243 ]
+  %361 = getelementptr inbounds ptr, ptr %59, i64 %360
+  %362 = load ptr, ptr %361, align 8
+  %363 = getelementptr inbounds i8, ptr %362, i64 24
+  %364 = load ptr, ptr %363, align 8
+  %365 = getelementptr inbounds ptr, ptr %235, i64 %360
+  store ptr %364, ptr %365, align 8
+  %366 = add nuw nsw i64 %360, 1
+  %367 = icmp eq i64 %366, %64
+  br i1 %367, label %245, label %359
+
+368:
+  %369 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 17
+  store i32 1, ptr %369, align 8
   br label %370
 
 370:
-  %371 = phi ptr [ %74, %66 ], [ %169, %167 ], [ null, %203 ], [ %369, %361 ], [ null, %356 ]
-  call void @free(ptr noundef %44)
-  call void @llvm.lifetime.end.p0(i64 768, ptr nonnull %8)
-  br label %372
+  %371 = load ptr, ptr %238, align 8
+  call void @free(ptr noundef %371)
+  call void @free(ptr noundef %235)
+  %372 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 17
+  %373 = load i32, ptr %372, align 8
+  %374 = icmp eq i32 %373, 0
+  br i1 %374, label %384, label %375
 
-372:
-  %373 = phi ptr [ null, %16 ], [ %41, %33 ], [ %371, %370 ], [ %54, %46 ]
-  ret ptr %373
+375:
+  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %2)
+  store i64 32, ptr %2, align 8
+  %376 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 1
+  store ptr null, ptr %376, align 8
+  %377 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 2
+  store ptr @.str.1, ptr %377, align 8
+  %378 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 3
+  store i32 8, ptr %378, align 8
+  %379 = getelementptr inbounds i8, ptr %0, i64 16
+  %380 = load ptr, ptr %379, align 8
+  %381 = getelementptr inbounds i8, ptr %380, i64 48
+  %382 = load ptr, ptr %381, align 8
+  %383 = call ptr %382(ptr noundef nonnull %2)
+  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %2)
+  br label %384
+
+384:
+  %385 = phi ptr [ %74, %66 ], [ %171, %169 ], [ null, %219 ], [ %383, %375 ], [ null, %370 ]
+  call void @free(ptr noundef %43)
+  call void @llvm.lifetime.end.p0(i64 824, ptr nonnull %8)
+  br label %386
+
+386:
+  %387 = phi ptr [ null, %16 ], [ %40, %32 ], [ %385, %384 ], [ %53, %45 ]
+  ret ptr %387
 }
 
 declare noalias noundef ptr @malloc(i64 noundef) local_unnamed_addr
@@ -1049,7 +1070,7 @@ define internal i32 @longer_first(ptr nocapture noundef readonly %0, ptr nocaptu
 define internal noalias ptr @work(ptr noundef %0) {
   %2 = alloca %struct.Columns, align 8
   %3 = alloca %struct.Share, align 8
-  %4 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 9
+  %4 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 16
   %5 = load i64, ptr %4, align 8
   %6 = shl i64 %5, 6
   %7 = add i64 %6, 64
@@ -1058,7 +1079,7 @@ define internal noalias ptr @work(ptr noundef %0) {
   br i1 %9, label %10, label %12
 
 10:
-  %11 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 10
+  %11 = getelementptr inbounds %struct.Job, ptr %0, i64 0, i32 17
   store i32 1, ptr %11, align 8
   br label %35
 
@@ -1120,17 +1141,17 @@ define internal i32 @take_lane(ptr nocapture noundef readonly %0, ptr nocapture 
   %7 = getelementptr inbounds %struct.Share, ptr %0, i64 0, i32 2
   %8 = load i32, ptr %7, align 8
   %9 = sext i32 %8 to i64
-  %10 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 7, i64 %9
+  %10 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 14, i64 %9
   %11 = atomicrmw add ptr %10, i64 1 monotonic, align 8
   %12 = load i32, ptr %7, align 8
   %13 = sext i32 %12 to i64
-  %14 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 8, i64 %13
+  %14 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 15, i64 %13
   %15 = load i64, ptr %14, align 8
   %16 = icmp slt i64 %11, %15
-  br i1 %16, label %17, label %104
+  br i1 %16, label %17, label %128
 
 17:
-  %18 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 6
+  %18 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 13
   %19 = load ptr, ptr %18, align 8
   %20 = getelementptr inbounds %struct.Turn, ptr %19, i64 %11, i32 1
   %21 = load i64, ptr %20, align 8
@@ -1139,118 +1160,149 @@ define internal i32 @take_lane(ptr nocapture noundef readonly %0, ptr nocapture 
   br i1 %23, label %24, label %27
 
 24:
-  %25 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 3
+  %25 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 4
   %26 = sext i32 %3 to i64
-  br label %33
+  br label %35
 
 27:
-  %28 = getelementptr inbounds %struct.Program, ptr %1, i64 0, i32 5
+  %28 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 3
   %29 = load i64, ptr %28, align 8
-  %30 = icmp slt i64 %22, %29
-  br i1 %30, label %31, label %63
+  %30 = icmp sgt i64 %29, 0
+  br i1 %30, label %31, label %47
 
 31:
-  %32 = sext i32 %3 to i64
-  br label %71
+  %32 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 5
+  %33 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 6
+  %34 = sext i32 %3 to i64
+  br label %53
 
-33:
-  %34 = phi i64 [ 0, %24 ], [ %61, %54 ]
-  %35 = load ptr, ptr %25, align 8
-  %36 = getelementptr inbounds %struct.Operand, ptr %35, i64 %34
-  %37 = load ptr, ptr %36, align 8
-  %38 = load i64, ptr %6, align 8
-  %39 = icmp sgt i64 %38, 0
-  br i1 %39, label %40, label %54
+35:
+  %36 = phi i64 [ 0, %24 ], [ %45, %35 ]
+  %37 = load ptr, ptr %25, align 8
+  %38 = load ptr, ptr %37, align 8
+  %39 = getelementptr inbounds double, ptr %38, i64 %36
+  %40 = load double, ptr %39, align 8
+  %41 = load ptr, ptr %2, align 8
+  %42 = shl nsw i64 %36, 3
+  %43 = add nsw i64 %42, %26
+  %44 = getelementptr inbounds double, ptr %41, i64 %43
+  store double %40, ptr %44, align 8
+  %45 = add nuw nsw i64 %36, 1
+  %46 = icmp eq i64 %45, %22
+  br i1 %46, label %27, label %35
 
-40:
-  %41 = phi i64 [ %44, %40 ], [ %38, %33 ]
-  %42 = phi ptr [ %51, %40 ], [ %37, %33 ]
-  %43 = phi i64 [ %52, %40 ], [ %21, %33 ]
-  %44 = add nsw i64 %41, -1
-  %45 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 1, i64 %44
-  %46 = load i64, ptr %45, align 8
-  %47 = srem i64 %43, %46
-  %48 = getelementptr inbounds %struct.Operand, ptr %35, i64 %34, i32 1, i64 %44
+47:
+  %48 = getelementptr inbounds %struct.Program, ptr %1, i64 0, i32 5
   %49 = load i64, ptr %48, align 8
-  %50 = mul nsw i64 %49, %47
-  %51 = getelementptr inbounds double, ptr %42, i64 %50
-  %52 = sdiv i64 %43, %46
-  %53 = icmp sgt i64 %41, 1
-  br i1 %53, label %40, label %54
+  %50 = icmp slt i64 %22, %49
+  br i1 %50, label %51, label %89
 
-54:
-  %55 = phi ptr [ %37, %33 ], [ %51, %40 ]
-  %56 = load double, ptr %55, align 8
-  %57 = load ptr, ptr %2, align 8
-  %58 = shl nsw i64 %34, 3
-  %59 = add nsw i64 %58, %26
-  %60 = getelementptr inbounds double, ptr %57, i64 %59
-  store double %56, ptr %60, align 8
-  %61 = add nuw nsw i64 %34, 1
-  %62 = icmp eq i64 %61, %22
-  br i1 %62, label %27, label %33
+51:
+  %52 = sext i32 %3 to i64
+  br label %96
 
-63:
-  %64 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
-  %65 = icmp sgt i64 %64, 0
-  br i1 %65, label %66, label %80
+53:
+  %54 = phi i64 [ 0, %31 ], [ %86, %79 ]
+  %55 = load ptr, ptr %32, align 8
+  %56 = load ptr, ptr %55, align 8
+  %57 = getelementptr inbounds double, ptr %56, i64 %54
+  %58 = load double, ptr %57, align 8
+  %59 = fptosi double %58 to i64
+  %60 = load ptr, ptr %33, align 8
+  %61 = getelementptr inbounds %struct.Operand, ptr %60, i64 %54
+  %62 = load ptr, ptr %61, align 8
+  %63 = load i64, ptr %6, align 8
+  %64 = icmp sgt i64 %63, 0
+  br i1 %64, label %65, label %79
 
-66:
-  %67 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 3
-  %68 = add nsw i64 %22, 2
-  %69 = add nsw i64 %22, -2
-  %70 = sext i32 %3 to i64
-  br label %83
+65:
+  %66 = phi i64 [ %69, %65 ], [ %63, %53 ]
+  %67 = phi ptr [ %76, %65 ], [ %62, %53 ]
+  %68 = phi i64 [ %77, %65 ], [ %21, %53 ]
+  %69 = add nsw i64 %66, -1
+  %70 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 1, i64 %69
+  %71 = load i64, ptr %70, align 8
+  %72 = srem i64 %68, %71
+  %73 = getelementptr inbounds %struct.Operand, ptr %60, i64 %54, i32 1, i64 %69
+  %74 = load i64, ptr %73, align 8
+  %75 = mul nsw i64 %74, %72
+  %76 = getelementptr inbounds double, ptr %67, i64 %75
+  %77 = sdiv i64 %68, %71
+  %78 = icmp sgt i64 %66, 1
+  br i1 %78, label %65, label %79
 
-71:
-  %72 = phi i64 [ %22, %31 ], [ %77, %71 ]
-  %73 = load ptr, ptr %2, align 8
-  %74 = shl nsw i64 %72, 3
-  %75 = add nsw i64 %74, %32
-  %76 = getelementptr inbounds double, ptr %73, i64 %75
-  store double 0.000000e+00, ptr %76, align 8
-  %77 = add nsw i64 %72, 1
-  %78 = load i64, ptr %28, align 8
-  %79 = icmp slt i64 %77, %78
-  br i1 %79, label %71, label %63
+79:
+  %80 = phi ptr [ %62, %53 ], [ %76, %65 ]
+  %81 = load double, ptr %80, align 8
+  %82 = load ptr, ptr %2, align 8
+  %83 = shl nsw i64 %59, 3
+  %84 = add nsw i64 %83, %34
+  %85 = getelementptr inbounds double, ptr %82, i64 %84
+  store double %81, ptr %85, align 8
+  %86 = add nuw nsw i64 %54, 1
+  %87 = load i64, ptr %28, align 8
+  %88 = icmp slt i64 %86, %87
+  br i1 %88, label %53, label %47
 
-80:
-  %81 = sext i32 %3 to i64
-  %82 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %81
-  store i64 %21, ptr %82, align 8
-  br label %104
-
-83:
-  %84 = phi i64 [ 0, %66 ], [ %101, %100 ]
-  %85 = load ptr, ptr %67, align 8
-  %86 = getelementptr inbounds %struct.Operand, ptr %85, i64 %68
-  %87 = load ptr, ptr %86, align 8
-  %88 = getelementptr inbounds double, ptr %87, i64 %84
-  %89 = load double, ptr %88, align 8
-  %90 = fptosi double %89 to i64
-  %91 = icmp sgt i64 %90, -1
-  br i1 %91, label %92, label %100
+89:
+  %90 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
+  %91 = icmp sgt i64 %90, 0
+  br i1 %91, label %92, label %105
 
 92:
-  %93 = load ptr, ptr %2, align 8
-  %94 = mul nsw i64 %84, %69
-  %95 = add nsw i64 %94, %22
-  %96 = add nsw i64 %95, %90
-  %97 = shl nsw i64 %96, 3
-  %98 = add nsw i64 %97, %70
-  %99 = getelementptr inbounds double, ptr %93, i64 %98
-  store double 1.000000e+00, ptr %99, align 8
-  br label %100
+  %93 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 9
+  %94 = add nsw i64 %22, -2
+  %95 = sext i32 %3 to i64
+  br label %108
 
-100:
-  %101 = add nuw nsw i64 %84, 1
-  %102 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
-  %103 = icmp slt i64 %101, %102
-  br i1 %103, label %83, label %80
+96:
+  %97 = phi i64 [ %22, %51 ], [ %102, %96 ]
+  %98 = load ptr, ptr %2, align 8
+  %99 = shl nsw i64 %97, 3
+  %100 = add nsw i64 %99, %52
+  %101 = getelementptr inbounds double, ptr %98, i64 %100
+  store double 0.000000e+00, ptr %101, align 8
+  %102 = add nsw i64 %97, 1
+  %103 = load i64, ptr %48, align 8
+  %104 = icmp slt i64 %102, %103
+  br i1 %104, label %96, label %89
 
-104:
-  %105 = phi i32 [ 1, %80 ], [ 0, %4 ]
-  ret i32 %105
+105:
+  %106 = sext i32 %3 to i64
+  %107 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %106
+  store i64 %21, ptr %107, align 8
+  br label %128
+
+108:
+  %109 = phi i64 [ 0, %92 ], [ %125, %124 ]
+  %110 = load ptr, ptr %93, align 8
+  %111 = load ptr, ptr %110, align 8
+  %112 = getelementptr inbounds double, ptr %111, i64 %109
+  %113 = load double, ptr %112, align 8
+  %114 = fptosi double %113 to i64
+  %115 = icmp sgt i64 %114, -1
+  br i1 %115, label %116, label %124
+
+116:
+  %117 = load ptr, ptr %2, align 8
+  %118 = mul nsw i64 %109, %94
+  %119 = add nsw i64 %118, %22
+  %120 = add nsw i64 %119, %114
+  %121 = shl nsw i64 %120, 3
+  %122 = add nsw i64 %121, %95
+  %123 = getelementptr inbounds double, ptr %117, i64 %122
+  store double 1.000000e+00, ptr %123, align 8
+  br label %124
+
+124:
+  %125 = add nuw nsw i64 %109, 1
+  %126 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
+  %127 = icmp slt i64 %125, %126
+  br i1 %127, label %108, label %105
+
+128:
+  %129 = phi i32 [ 1, %105 ], [ 0, %4 ]
+  ret i32 %129
 }
 
 define internal void @give_lane(ptr nocapture noundef readonly %0, ptr nocapture noundef readonly %1, ptr nocapture noundef readonly %2, i32 noundef %3) {
@@ -1269,7 +1321,7 @@ define internal void @give_lane(ptr nocapture noundef readonly %0, ptr nocapture
   br i1 %16, label %17, label %20
 
 17:
-  %18 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 4
+  %18 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 11
   %19 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %12
   br label %30
 
@@ -1282,8 +1334,8 @@ define internal void @give_lane(ptr nocapture noundef readonly %0, ptr nocapture
 
 25:
   %26 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %12
-  %27 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 5
-  %28 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 4
+  %27 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 12
+  %28 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 11
   %29 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %12
   br label %44
 
@@ -1344,56 +1396,49 @@ define internal double @next_time(ptr nocapture noundef readonly %0, ptr nocaptu
   %6 = sext i32 %2 to i64
   %7 = getelementptr inbounds %struct.Columns, ptr %1, i64 0, i32 4, i64 %6
   %8 = load i64, ptr %7, align 8
-  %9 = getelementptr inbounds %struct.Job, ptr %5, i64 0, i32 5
+  %9 = getelementptr inbounds %struct.Job, ptr %5, i64 0, i32 12
   %10 = load i64, ptr %9, align 8
   %11 = icmp eq i64 %8, %10
-  br i1 %11, label %46, label %12
+  br i1 %11, label %39, label %12
 
 12:
-  %13 = getelementptr inbounds %struct.Job, ptr %5, i64 0, i32 3
+  %13 = getelementptr inbounds %struct.Job, ptr %5, i64 0, i32 10
   %14 = load ptr, ptr %13, align 8
-  %15 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 2), align 8
-  %16 = add nsw i64 %15, 2
-  %17 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
-  %18 = icmp sgt i64 %17, 0
-  %19 = zext i1 %18 to i64
-  %20 = add nsw i64 %16, %19
-  %21 = getelementptr inbounds %struct.Operand, ptr %14, i64 %20
-  %22 = load ptr, ptr %21, align 8
-  %23 = load i64, ptr %5, align 8
-  %24 = icmp sgt i64 %23, 0
-  br i1 %24, label %25, label %42
+  %15 = load ptr, ptr %14, align 8
+  %16 = load i64, ptr %5, align 8
+  %17 = icmp sgt i64 %16, 0
+  br i1 %17, label %18, label %35
 
-25:
-  %26 = getelementptr inbounds %struct.Columns, ptr %1, i64 0, i32 1, i64 %6
+18:
+  %19 = getelementptr inbounds %struct.Columns, ptr %1, i64 0, i32 1, i64 %6
+  %20 = load i64, ptr %19, align 8
+  br label %21
+
+21:
+  %22 = phi i64 [ %25, %21 ], [ %16, %18 ]
+  %23 = phi ptr [ %32, %21 ], [ %15, %18 ]
+  %24 = phi i64 [ %33, %21 ], [ %20, %18 ]
+  %25 = add nsw i64 %22, -1
+  %26 = getelementptr inbounds %struct.Job, ptr %5, i64 0, i32 1, i64 %25
   %27 = load i64, ptr %26, align 8
-  br label %28
+  %28 = srem i64 %24, %27
+  %29 = getelementptr inbounds %struct.Operand, ptr %14, i64 0, i32 1, i64 %25
+  %30 = load i64, ptr %29, align 8
+  %31 = mul nsw i64 %30, %28
+  %32 = getelementptr inbounds double, ptr %23, i64 %31
+  %33 = sdiv i64 %24, %27
+  %34 = icmp sgt i64 %22, 1
+  br i1 %34, label %21, label %35
 
-28:
-  %29 = phi i64 [ %32, %28 ], [ %23, %25 ]
-  %30 = phi ptr [ %39, %28 ], [ %22, %25 ]
-  %31 = phi i64 [ %40, %28 ], [ %27, %25 ]
-  %32 = add nsw i64 %29, -1
-  %33 = getelementptr inbounds %struct.Job, ptr %5, i64 0, i32 1, i64 %32
-  %34 = load i64, ptr %33, align 8
-  %35 = srem i64 %31, %34
-  %36 = getelementptr inbounds %struct.Operand, ptr %14, i64 %20, i32 1, i64 %32
-  %37 = load i64, ptr %36, align 8
-  %38 = mul nsw i64 %37, %35
-  %39 = getelementptr inbounds double, ptr %30, i64 %38
-  %40 = sdiv i64 %31, %34
-  %41 = icmp sgt i64 %29, 1
-  br i1 %41, label %28, label %42
+35:
+  %36 = phi ptr [ %15, %12 ], [ %32, %21 ]
+  %37 = getelementptr inbounds double, ptr %36, i64 %8
+  %38 = load double, ptr %37, align 8
+  br label %39
 
-42:
-  %43 = phi ptr [ %22, %12 ], [ %39, %28 ]
-  %44 = getelementptr inbounds double, ptr %43, i64 %8
-  %45 = load double, ptr %44, align 8
-  br label %46
-
-46:
-  %47 = phi double [ %45, %42 ], [ 0x7FF0000000000000, %3 ]
-  ret double %47
+39:
+  %40 = phi double [ %38, %35 ], [ 0x7FF0000000000000, %3 ]
+  ret double %40
 }
 
 define internal void @give_sample(ptr nocapture noundef readonly %0, ptr nocapture noundef readonly %1, ptr nocapture noundef readonly %2, i32 noundef %3) {
@@ -1408,7 +1453,7 @@ define internal void @give_sample(ptr nocapture noundef readonly %0, ptr nocaptu
   %13 = getelementptr inbounds double, ptr %11, i64 %12
   %14 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %12
   %15 = load i64, ptr %14, align 8
-  %16 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 5
+  %16 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 12
   %17 = load i64, ptr %16, align 8
   %18 = mul nsw i64 %17, %15
   %19 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %12
@@ -1420,7 +1465,7 @@ define internal void @give_sample(ptr nocapture noundef readonly %0, ptr nocaptu
   br i1 %24, label %25, label %28
 
 25:
-  %26 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 4
+  %26 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 11
   %27 = getelementptr inbounds %struct.Program, ptr %1, i64 0, i32 7
   br label %29
 
