@@ -22,12 +22,12 @@ from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
 from .engines.machine import NativeWorker, compile_native, computes_on_cpu
 from .engines.marching import (
-    CORES,
     MarchingWorker,
     compile_programs,
     lanes_of_worker,
     worker_devices,
 )
+from .engines.threads import thread_count
 from .errors import InputError
 from .fields import real_number
 from .formats.checks import check_scene
@@ -262,7 +262,7 @@ def run_groups(
         timing: is given what `simulate_batch` says.
     """
     begin = time.perf_counter()
-    with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
+    with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
         prepared = list(
             pool.map(lambda group: _workers(scene, *group, accuracy), groups)
         )
@@ -287,7 +287,7 @@ def _workers(
         scene = next(s for s in alone if jax.tree.structure(s) == assembly.structure)
     kernel = compile_native(assembly) if computes_on_cpu() else None
     if kernel is not None:
-        return [NativeWorker(kernel, scene, accuracy)] * CORES
+        return [NativeWorker(kernel, scene, accuracy)] * thread_count()
     devices = worker_devices()
     width = lanes_of_worker(len(chosen), devices)
     different = list(dict.fromkeys(devices))

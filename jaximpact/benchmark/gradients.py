@@ -15,7 +15,7 @@ from ..engines.machine import (
     kernel_inputs,
     solve_rows,
 )
-from ..engines.marching import CORES
+from ..engines.threads import thread_count
 from ..formats.columns import leaf_places
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.problem import Assembly
@@ -51,7 +51,7 @@ def forward_gradient(
         assembly = Assembly(jax.tree.structure(scenes), MODELS[place], ledger=False)
         kernels[place] = compile_native_along(assembly)
         own = np.flatnonzero(places == place)
-        pieces = CORES if batch else len(own)
+        pieces = thread_count() if batch else len(own)
         parts += [(place, piece) for piece in np.array_split(own, pieces) if len(piece)]
 
     def compute(part) -> np.ndarray:
@@ -67,7 +67,7 @@ def forward_gradient(
 
     found = np.empty((count_of(scenes), len(PARAMETERS)))
     begin = time.perf_counter()
-    with concurrent.futures.ThreadPoolExecutor(CORES if batch else 1) as pool:
+    with concurrent.futures.ThreadPoolExecutor(thread_count() if batch else 1) as pool:
         for (_, own), values in zip(parts, pool.map(compute, parts), strict=True):
             found[own] = values
     return found, time.perf_counter() - begin

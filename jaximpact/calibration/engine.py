@@ -24,8 +24,8 @@ from ..engines.machine import (
     solve_rows,
     with_setting,
 )
-from ..engines.marching import CORES
 from ..engines.solving import compute_lanes
+from ..engines.threads import thread_count
 from ..formats.columns import RESULT_COLUMNS
 from ..mechanics.problem import Assembly
 
@@ -155,11 +155,11 @@ class Engine:
 def _on_all_cores(work: Callable, rows: np.ndarray) -> list:
     """What the work gives of some of the columns at a time, in their order."""
     count = rows.shape[1]
-    size = max(1, min(AT_ONCE, -(-count // CORES)))
+    size = max(1, min(AT_ONCE, -(-count // thread_count())))
     parts = [rows[:, first : first + size] for first in range(0, count, size)]
     if len(parts) == 1:
         return [work(parts[0])]
-    with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
+    with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
         return list(pool.map(work, parts))
 
 

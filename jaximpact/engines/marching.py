@@ -6,7 +6,6 @@ no machine code (`machine`).
 """
 
 import functools
-import os
 import threading
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
@@ -21,6 +20,7 @@ from ..scene import Scene
 from ..solver.lanes import Lanes, march, start_lanes
 from ..summary import Numbers, summarise_lanes
 from .compilation import compile_unfused
+from .threads import thread_count
 
 WIDTH, SMALL_WIDTH = 512, 32
 """Impacts that a worker integrates side by side: fewer waste time on dispatch, more on
@@ -29,7 +29,6 @@ WIDTH_OF_ACCELERATOR = 32_768
 """The same on a GPU, which has that many threads; not measured."""
 STEPS = 16
 """Steps between two looks at which lanes have ended."""
-CORES = os.cpu_count() or 1
 
 
 class Programs(NamedTuple):
@@ -179,7 +178,7 @@ def worker_devices() -> list[jax.Device]:
     has one."""
     devices = jax.local_devices()
     if len(devices) == 1 and devices[0].platform == "cpu":
-        return devices * CORES
+        return devices * thread_count()
     return devices
 
 

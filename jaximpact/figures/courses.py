@@ -1,12 +1,12 @@
 """Courses of impacts over time."""
 
 import concurrent.futures
-import os
 from collections.abc import Iterable, Sequence
 
 import numpy as np
 import pandas as pd
 
+from ..engines.threads import thread_count
 from ..formats.columns import OUTCOME_COLUMN
 from ..scene import Scene
 from ..simulation import ImpactResult, simulate
@@ -49,7 +49,7 @@ def record_courses(
     study.progress(f"0 of {total} courses")
     # The first compiles what all use.
     results = [record(points[0])]
-    pool = concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1)
+    pool = concurrent.futures.ThreadPoolExecutor(thread_count())
     try:
         for result in pool.map(record, points[1:]):
             results.append(result)

@@ -12,7 +12,7 @@ from ..engines.machine import (
     solve_rows,
     with_setting,
 )
-from ..engines.marching import CORES
+from ..engines.threads import thread_count
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.problem import Assembly
 from ..scene import Scene
@@ -73,7 +73,7 @@ def differentiate_impacts(scene: Scene, accuracy: Accuracy) -> tuple[Blow, np.nd
         found[:, lane] = [getattr(numbers, n) for n in (*FIELDS, "outcome_code")]
         tangents[:, parameter, lane] = [getattr(along, name) for name in FIELDS]
 
-    with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
+    with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
         list(pool.map(solve, jobs))
     blow = Blow(*(Dual(v, t) for v, t in zip(found[:-1], tangents, strict=True)))
     return blow, found[-1].astype(int)

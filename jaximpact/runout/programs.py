@@ -15,8 +15,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..engines.machine import without_machine_code
-from ..engines.marching import CORES
 from ..engines.native import Kernel, NoMachineCode, compile_kernel
+from ..engines.threads import thread_count
 from .dual import Dual, carries, carrying
 
 LANES_OF_A_THREAD = 512
@@ -76,7 +76,7 @@ class Program:
             )
             results[:, ended] = of_ended
 
-        threads = max(1, min(CORES, lanes // self.lanes_of_a_thread))
+        threads = max(1, min(thread_count(), lanes // self.lanes_of_a_thread))
         if threads == 1:
             work(np.arange(lanes))
         else:

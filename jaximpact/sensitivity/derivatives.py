@@ -18,8 +18,8 @@ from ..engines.machine import (
     solve_rows,
     with_setting,
 )
-from ..engines.marching import CORES
 from ..engines.solving import compute_lanes
+from ..engines.threads import thread_count
 from ..formats.columns import InputColumn, leaf_places
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.problem import Assembly
@@ -88,7 +88,7 @@ def derivatives(
             slopes[:, places] = jax.tree.leaves(along)
         done(len(places))
 
-    pool = concurrent.futures.ThreadPoolExecutor(CORES)
+    pool = concurrent.futures.ThreadPoolExecutor(thread_count())
     try:
         for _ in pool.map(solve, jobs):
             pass

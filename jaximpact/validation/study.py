@@ -9,7 +9,7 @@ import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY, get_accuracy
 from ..batch import simulate_batch
-from ..engines.marching import CORES
+from ..engines.threads import thread_count
 from ..formats.scenes import scene_of_values, scene_values
 from ..history import record_history
 from ..mechanics.outcomes import Outcome
@@ -139,7 +139,7 @@ class Study(Datasets):
         first, *rest = itertools.product(*grid.values())
         # What the first compiles the others share.
         histories = [record(first)]
-        with concurrent.futures.ThreadPoolExecutor(CORES) as pool:
+        with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
             histories += pool.map(record, rest)
         longest = max(len(history.time) for history in histories)
         shape = *map(len, grid.values()), longest
