@@ -13,6 +13,7 @@ from jaxtyping import Array, Float
 from ..laws import Branch
 from ..mechanics.dynamics import Work
 from ..mechanics.kinks import SWITCHED_OFF, at_start, branch_of
+from ..mechanics.outcomes import Margins
 from ..mechanics.problem import Observed, Problem, Watched
 from .cubic import peak_of_cubic
 from .rosenbrock import DenseOutput, per_width
@@ -20,7 +21,7 @@ from .rosenbrock import DenseOutput, per_width
 Scalar = Float[Array, ""]
 
 INITIAL_MARGIN = 1e-6
-"""Margin that stands for the one before the first step, whose true value may be less
+"""Margin that stands for those before the first step, whose true values may be less
 than what counts as zero."""
 PROGRESS = 0.01
 """Part of the time reached by which a step must take it on, at the onset."""
@@ -47,6 +48,11 @@ class Fold(NamedTuple):
     stalled: Scalar | None
     """With dashpots: steps without progress at the onset."""
 
+    @property
+    def margin(self) -> Scalar:
+        """The least of the margins to an end."""
+        return jnp.min(jnp.stack(self.watched.margins), axis=0)
+
     def rate_at_start(self, start, start_rate, end, end_rate, width):
         """Rate at the start of the next step, on its branch: the one known, or after a
         switch that of the parabola through what is known."""
@@ -63,17 +69,17 @@ def start_fold(problem: Problem, vector) -> Fold:
     zero = jnp.zeros_like(vector[0])
     nothing = Observed(*[zero] * len(Observed._fields))
     watched = problem.watch(list(vector), zero)
-    still = jax.tree.map(jnp.zeros_like, watched.switches)
+    still = jax.tree.map(jnp.zeros_like, watched)._replace(observed=nothing)
     return Fold(
         peaks=nothing._replace(normal_force=watched.observed.normal_force),
         peak_times=nothing,
         work=Work(*[zero] * len(Work._fields)),
         watched=Watched(
             nothing,
-            zero + INITIAL_MARGIN,
+            Margins(*[zero + INITIAL_MARGIN] * len(Margins._fields)),
             at_start(problem.ground, watched.switches),
         ),
-        watched_rate=Watched(nothing, zero, still),
+        watched_rate=still,
         rates=jnp.zeros_like(vector),
         turned=zero,
         stalled=zero if problem.model.damped else None,

@@ -136,9 +136,7 @@ def diffrax_arguments(problem: Problem, vector: Float[Array, " n"]) -> dict:
         y0=Course(vector, start_fold(problem, vector)),
         args=problem,
         stepsize_controller=step_size_controller(),
-        event=diffrax.Event(
-            lambda t, y, args, **kwargs: y.fold.watched.margin <= LANDING
-        ),
+        event=diffrax.Event(lambda t, y, args, **kwargs: y.fold.margin <= LANDING),
         adjoint=diffrax.ForwardMode(),
         max_steps=problem.max_steps,
         throw=False,
@@ -182,7 +180,12 @@ def end_of(
     the step that met the event could not land on it, or its margin fades to zero, the
     correction would be a leap, back in time even: there its value is left out.
     """
-    margin, slope = course.fold.watched.margin, course.fold.watched_rate.margin
+    margins = jnp.stack(course.fold.watched.margins)
+    least = jnp.argmin(margins, axis=0)
+    margin, slope = (
+        jnp.take_along_axis(values, least[None], axis=0)[0]
+        for values in (margins, jnp.stack(course.fold.watched_rate.margins))
+    )
     falls = event & (slope * time < -LANDING)
     correction = jnp.where(falls, margin / jnp.where(falls, slope, 1.0), 0.0)
     is_leap = jnp.abs(correction) > LARGEST_CORRECTION * time

@@ -12,14 +12,16 @@ from typing import NamedTuple
 import diffrax
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from ..mechanics.kinks import SWITCHED_OFF, in_force
-from ..mechanics.problem import Problem
+from ..mechanics.problem import Problem, Watched
+from ..safe import TINY
 from .cubic import peak_of_cubic, root_of_cubic
 from .folding import Fold
 
 Scalar = Float[Array, ""]
+Flag = Bool[Array, ""]
 
 LANDING = 1e-10
 """A margin within this counts as zero."""
@@ -33,31 +35,48 @@ PATIENCE = 40
 may swing about a switch where they have no stable state, and land without end."""
 SHORTEST_PART = 0.01
 """Part to which a step is cut at most in one try to land."""
+ONSET, LARGEST_GROWTH = 0.1, 2.0
+"""The onset of an impact, by the time in which the block moves by its size, and the
+most by which a step grows there on top of what its error allows."""
 
 
-def first_landing(problem: Problem, before: Fold, after: Fold, width):
-    """Whether a step passes the end or a switch, and where the first of them lies.
+class Landing(NamedTuple):
+    """Where a step passes the end or a switch, or the next one is to meet it."""
 
-    Returns:
-        True where it does, and the place as a part of the step. A switch is to be
-        passed by half of what counts as zero, so that the next step starts on the far
-        side.
+    passed: Flag
+    """True where the step passes one."""
+    part: Scalar
+    """Part of the step at which it does."""
+    ahead: Scalar
+    """Where it does not: width of the next step that would land, were the margin or the
+    switching function to go on as a straight line [s]; infinite if none is coming."""
+    is_end: Flag
+    """True if it is the end."""
 
-    The margin may go down to the end and rise again within one step: where its cubic
+
+def first_landing(problem: Problem, before: Fold, after: Fold, width) -> Landing:
+    """The first end or switch that a step passes or comes to.
+
+    A switch is to be passed by half of what counts as zero, so that the next step
+    starts on the far side.
+
+    A margin may go down to the end and rise again within one step: where its cubic
     does, the step is taken as one to the cubic's lowest point. A switch that is passed
     there and back within one step is not seen: the error control resolves what swings,
-    so such an excursion is a small part of the swing.
+    so such an excursion is a small part of the swing. Each margin has a cubic of its
+    own: the least of them is one at the start of a step and another at its end.
     """
     on = jnp.maximum(ON_SWITCH[0], ON_SWITCH[1] * problem.tolerance)
     side = [jnp.sign(value) for value in jax.tree.leaves(before.watched.switches)]
+    ends = len(before.watched.margins)
 
-    def both(margin, switches):
-        values = jax.tree.leaves(switches)
+    def all_of(watched: Watched):
+        values = jax.tree.leaves(watched.switches)
         switches = [s * value for s, value in zip(side, values, strict=True)]
-        return jnp.stack([margin, *switches])
+        return jnp.stack([*watched.margins, *switches])
 
     start, start_rate, end, end_rate = (
-        both(watched.margin, watched.switches)
+        all_of(watched)
         for watched in (
             before.watched,
             before.watched_rate,
@@ -65,43 +84,63 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width):
             after.watched_rate,
         )
     )
-    # The margin only up to its lowest point
-    rate = before.rate_at_start(start[0], start_rate[0], end[0], end_rate[0], width)
-    depth, place = peak_of_cubic(-start[0], -rate, -end[0], -end_rate[0], width)
-    lowest_rate = jnp.where(place < 1.0, 0.0, end_rate[0])
-    end = jnp.concatenate([-depth[None], end[1:]])
-    end_rate = jnp.concatenate([lowest_rate[None], end_rate[1:]])
-    active = in_force(before.watched.switches, problem.ground.soil.hardening)
-    counts = jnp.stack(jax.tree.leaves(active)) & (start[1:] > SWITCHED_OFF)
-    beyond = jnp.concatenate(
-        [end[:1] < -LANDING, counts & (end[1:] < -on)],
+    start_rate = before.rate_at_start(start, start_rate, end, end_rate, width)
+    # Margins only up to their lowest points
+    depth, place = peak_of_cubic(
+        -start[:ends], -start_rate[:ends], -end[:ends], -end_rate[:ends], width
     )
+    lowest_rate = jnp.where(place < 1.0, 0.0, end_rate[:ends])
+    share = jnp.concatenate([place, jnp.ones_like(end[ends:])])
+    end = jnp.concatenate([-depth, end[ends:]])
+    end_rate = jnp.concatenate([lowest_rate, end_rate[ends:]])
+    active = in_force(before.watched.switches, problem.ground.soil.hardening)
+    counts = jnp.concatenate(
+        [
+            jnp.ones_like(place, bool),
+            jnp.stack(jax.tree.leaves(active)) & (start[ends:] > SWITCHED_OFF),
+        ]
+    )
+    limit = jnp.stack([jnp.full_like(on, LANDING)] * ends + [on] * (len(end) - ends))
+    beyond = counts & (end < -limit)
+    falls = counts & (end < start)
     # The one that a straight line would put first is looked at closely; if it was
     # another, the next try will tell.
-    guess = jnp.where(beyond, start / jnp.where(beyond, start - end, 1.0), 2.0)
-    first = jnp.argmin(guess, axis=0)
+    guess = start / jnp.where(falls, start - end, 1.0)
+    guess = jnp.where(beyond, share * guess, 1.0 + jnp.abs(guess))
+    first = jnp.argmin(jnp.where(falls, guess, jnp.inf), axis=0)
     passed = jnp.any(beyond, axis=0)
+    is_end = first < ends
 
-    def of_first(values, harmless):
-        value = jnp.take_along_axis(values, first[None], axis=0)[0]
-        return jnp.where(passed, value, harmless)
+    def of_first(values):
+        return jnp.take_along_axis(values, first[None], axis=0)[0]
 
-    shift = jnp.where(first == 0, 0.0, 0.5 * on)
-    start, end = of_first(start, 1.0) + shift, of_first(end, -1.0) + shift
-    end_rate = of_first(end_rate, 0.0)
-    share = jnp.where(first == 0, place, 1.0)
-    width = share * width
-    start_rate = before.rate_at_start(
-        start, of_first(start_rate, 0.0), end, end_rate, width
+    def of_passed(values, harmless):
+        return jnp.where(passed, of_first(values), harmless)
+
+    shift = jnp.where(is_end, 0.0, 0.5 * on)
+    share = of_passed(share, 1.0)
+    part = share * root_of_cubic(
+        of_passed(start, 1.0) + shift,
+        of_passed(start_rate, 0.0),
+        of_passed(end, -1.0) + shift,
+        of_passed(end_rate, 0.0),
+        share * width,
     )
-    part = share * root_of_cubic(start, start_rate, end, end_rate, width)
-    # A step far too long has a cubic that says little.
-    return passed, jnp.maximum(part, SHORTEST_PART)
+    rate = of_first(end_rate)
+    comes = ~passed & of_first(falls) & (rate < 0.0)
+    ahead = (of_first(end) + shift) / jnp.where(comes, -rate, 1.0)
+    return Landing(
+        passed=passed,
+        # A step far too long has a cubic that says little.
+        part=jnp.maximum(part, SHORTEST_PART),
+        ahead=jnp.where(comes, ahead, jnp.inf),
+        is_end=is_end,
+    )
 
 
 def first_width(problem: Problem) -> Scalar:
-    """Width of the first step [s]: 1e-12 of the time in which the block moves by R."""
-    return 1e-12 * problem.passing_time
+    """Width of the first step [s]: 1e-9 of the time in which the block moves by R."""
+    return 1e-9 * problem.passing_time
 
 
 class LandingState(NamedTuple):
@@ -146,7 +185,7 @@ class LandingController(diffrax.AbstractStepSizeController):
         )
         before, after = jax.lax.stop_gradient((y0.fold, y1_candidate.fold))
         width = t1 - t0
-        passed, part = first_landing(args, before, after, width)
+        passed, part, ahead, is_end = first_landing(args, before, after, width)
         smallest = SMALLEST_WIDTH * t0
         # Forces that jump leave an error at every width: the jump is taken in one step
         # that is too short to move anything else.
@@ -161,6 +200,11 @@ class LandingController(diffrax.AbstractStepSizeController):
         )
         landed = keep & ~beyond
         settled = landed & ((after.turned == 0.0) | (tries >= 2 * PATIENCE))
+        # At the onset all grows as powers of time: an error stays what it is if the
+        # width grows as time does.
+        growth = jnp.minimum(next_t0 / jnp.maximum(t0, TINY), LARGEST_GROWTH)
+        grows = landed & (next_t0 < ONSET * args.passing_time)
+        next_t1 = jnp.where(grows, next_t0 + growth * (next_t1 - next_t0), next_t1)
         # What has just been found too long is not tried again at once.
         next_t1 = jnp.where(
             keep & (rejected > 0.0), jnp.minimum(next_t1, next_t0 + width), next_t1
@@ -170,6 +214,9 @@ class LandingController(diffrax.AbstractStepSizeController):
             jnp.maximum(next_t1, next_t0 + resumed),
             next_t1,
         )
+        # A step that was cut falls short by little, and an end is not to be run past.
+        aims = landed & (after.turned == 0.0) & ((tries > 0.0) | is_end) & ~passing
+        next_t1 = jnp.where(aims, jnp.minimum(next_t1, next_t0 + ahead), next_t1)
         # Time must go on where a step was cut to less than its rounding.
         next_t1 = jnp.where(landed, jnp.maximum(next_t1, next_t0 + smallest), next_t1)
         cut_t1 = t0 + jnp.maximum(part * width, smallest)

@@ -122,7 +122,7 @@ def step_lanes(lanes: Lanes) -> Lanes:
         time=jnp.where(going, time, lanes.time),
         until=jnp.where(going, jnp.minimum(until, TIME_LIMIT), lanes.until),
         control=where(going, state, lanes.control),
-        event=lanes.event | (going & (course.fold.watched.margin <= LANDING)),
+        event=lanes.event | (going & (course.fold.margin <= LANDING)),
         accepted=lanes.accepted + (going & keep),
         rejected=lanes.rejected + (going & ~keep),
     )

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import llvmlite.binding as llvm
 
+from .divisors import Divisors, parts_of
 from .graph import FLOAT, INPUT, INTEGER, OPERATIONS, TRUTH, Node, Value
 
 PACK = 8
@@ -70,6 +71,7 @@ class _Writer:
     def __init__(self):
         self.lines: list[str] = []
         self.names: dict[int, str] = {}
+        self.inverses: dict[int, str] = {}
 
     def name(self, value: Value) -> str:
         return self.names[id(value)] if isinstance(value, Node) else _constant(value)
@@ -107,13 +109,44 @@ class _Writer:
         self.lines.append(f"  store {FLOATS} {name}, ptr {row}, align 64")
 
     def write(self, nodes: list[Node]) -> None:
+        divisors = Divisors(nodes)
         for node in nodes:
             if node.operation == INPUT:
                 name = self.load(node.arguments[0], node.kind)
+            elif divisors.inverted(node):
+                name = self.quotient(*node.arguments, divisors)
             else:
-                text = OPERATIONS[node.operation].text
-                name = self.new(text.format(*map(self.name, node.arguments), **VECTORS))
+                name = self.operation(node.operation, *map(self.name, node.arguments))
             self.names[id(node)] = name
+
+    def operation(self, operation: str, *operands: str) -> str:
+        return self.new(OPERATIONS[operation].text.format(*operands, **VECTORS))
+
+    def quotient(self, numerator: Value, divisor: Node, divisors: Divisors) -> str:
+        inverse = self.inverse(divisor, divisors)
+        if numerator == 1.0:
+            return inverse
+        return self.operation("multiply", self.name(numerator), inverse)
+
+    def inverse(self, value: Value, divisors: Divisors) -> str:
+        """The name of one over a value, worked out once."""
+        if not isinstance(value, Node):
+            return _constant(OPERATIONS["divide"].fold(1.0, value))
+        if id(value) not in self.inverses:
+            self.inverses[id(value)] = self.new_inverse(value, divisors)
+        return self.inverses[id(value)]
+
+    def new_inverse(self, value: Node, divisors: Divisors) -> str:
+        if not divisors.splits(value):
+            return self.operation("divide", ONE, self.name(value))
+        first, *rest = value.arguments
+        if value.operation == "divide":
+            operands = self.name(*rest), self.inverse(first, divisors)
+            return self.operation("multiply", *operands)
+        inverses = [self.inverse(part, divisors) for part in parts_of(value)]
+        if value.operation == "multiply":
+            return self.operation("multiply", *inverses)
+        return self.operation(value.operation, self.name(first), *inverses)
 
 
 def write_function(

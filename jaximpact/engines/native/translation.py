@@ -202,12 +202,14 @@ class Translator:
         def power(x: Value) -> Value:
             if kind_of(x) != FLOAT:
                 raise NoMachineCode(f"no native powers of {kind_of(x)}")
+            if exponent < 0:  # by the inverse, which other quotients may share
+                x = graph.apply("divide", 1.0, x)
             result, square, left = 1.0, x, abs(exponent)
             while left:
                 if left & 1:
                     result = graph.apply("multiply", result, square)
                 square, left = graph.apply("multiply", square, square), left >> 1
-            return graph.apply("divide", 1.0, result) if exponent < 0 else result
+            return result
 
         return _each(power, values)
 
