@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import llvmlite.binding as llvm
 
-from .divisors import Divisors, parts_of
 from .graph import FLOAT, INPUT, INTEGER, OPERATIONS, TRUTH, Node, Value
+from .writing import is_quotient, parts_to_invert, product_in
 
 PACK = 8
 """Lanes in a vector: one register of AVX-512, two of AVX2, four of Neon."""
@@ -109,44 +109,54 @@ class _Writer:
         self.lines.append(f"  store {FLOATS} {name}, ptr {row}, align 64")
 
     def write(self, nodes: list[Node]) -> None:
-        divisors = Divisors(nodes)
         for node in nodes:
-            if node.operation == INPUT:
-                name = self.load(node.arguments[0], node.kind)
-            elif divisors.inverted(node):
-                name = self.quotient(*node.arguments, divisors)
-            else:
-                name = self.operation(node.operation, *map(self.name, node.arguments))
-            self.names[id(node)] = name
+            # What a node needs beyond its arguments, as inverses, is written on the way.
+            if id(node) not in self.names:
+                self.names[id(node)] = self.written(node)
+
+    def written(self, node: Node) -> str:
+        """The name of what a node gives."""
+        operation, arguments = node.operation, node.arguments
+        if operation == INPUT:
+            return self.load(arguments[0], node.kind)
+        if is_quotient(node):
+            numerator, divisor = arguments
+            inverse = self.inverse(divisor)
+            if numerator == 1.0:
+                return inverse
+            return self.operation("multiply", self.name(numerator), inverse)
+        place = product_in(node)
+        if place is None:
+            return self.operation(operation, *map(self.name, arguments))
+        one, other = map(self.name, arguments[place].arguments)
+        rest = self.name(arguments[1 - place])
+        if operation == "subtract" and place == 0:
+            rest = self.operation("negate", rest)
+        if operation == "subtract" and place == 1:
+            one = self.operation("negate", one)
+        return self.operation("fused", one, other, rest)
 
     def operation(self, operation: str, *operands: str) -> str:
         return self.new(OPERATIONS[operation].text.format(*operands, **VECTORS))
 
-    def quotient(self, numerator: Value, divisor: Node, divisors: Divisors) -> str:
-        inverse = self.inverse(divisor, divisors)
-        if numerator == 1.0:
-            return inverse
-        return self.operation("multiply", self.name(numerator), inverse)
-
-    def inverse(self, value: Value, divisors: Divisors) -> str:
+    def inverse(self, value: Value) -> str:
         """The name of one over a value, worked out once."""
         if not isinstance(value, Node):
             return _constant(OPERATIONS["divide"].fold(1.0, value))
         if id(value) not in self.inverses:
-            self.inverses[id(value)] = self.new_inverse(value, divisors)
+            self.inverses[id(value)] = self.new_inverse(value)
         return self.inverses[id(value)]
 
-    def new_inverse(self, value: Node, divisors: Divisors) -> str:
-        if not divisors.splits(value):
+    def new_inverse(self, value: Node) -> str:
+        parts = parts_to_invert(value)
+        if not parts:
             return self.operation("divide", ONE, self.name(value))
-        first, *rest = value.arguments
-        if value.operation == "divide":
-            operands = self.name(*rest), self.inverse(first, divisors)
-            return self.operation("multiply", *operands)
-        inverses = [self.inverse(part, divisors) for part in parts_of(value)]
+        inverses = map(self.inverse, parts)
         if value.operation == "multiply":
             return self.operation("multiply", *inverses)
-        return self.operation(value.operation, self.name(first), *inverses)
+        if value.operation == "divide":
+            return self.operation("multiply", self.name(value.arguments[1]), *inverses)
+        return self.operation("choose_float", self.name(value.arguments[0]), *inverses)
 
 
 def write_function(

@@ -76,8 +76,7 @@ def _compare(fold: Callable, predicate: str, commutes: bool = False) -> Operatio
     return Operation(TRUTH, fold, f"fcmp {predicate} {{f}} {{0}}, {{1}}", commutes)
 
 
-# LLVM is not to put products and sums into one instruction, which rounds once: what is
-# zero by symmetry would become the rounding of a product, and the first steps noise.
+# LLVM is not to put products and sums into one instruction: `writing` says which may.
 OPERATIONS = {
     "add": Operation(FLOAT, operator.add, "fadd {f} {0}, {1}", True),
     "subtract": Operation(FLOAT, operator.sub, "fsub {f} {0}, {1}"),
