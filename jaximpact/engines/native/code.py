@@ -7,12 +7,14 @@ from typing import NamedTuple
 import llvmlite.binding as llvm
 
 from .graph import FLOAT, INPUT, INTEGER, OPERATIONS, TRUTH, Node, Value
+from .parting import Body, hand_on
 from .writing import is_quotient, parts_to_invert, product_in
 
 PACK = 8
 """Lanes in a vector: one register of AVX-512, two of AVX2, four of Neon."""
 FLOATS, INTEGERS, TRUTHS = (f"<{PACK} x {kind}>" for kind in (FLOAT, INTEGER, TRUTH))
 VECTORS = {"f": FLOATS, "i": INTEGERS, "t": TRUTHS}
+TYPES = {FLOAT: FLOATS, INTEGER: INTEGERS, TRUTH: TRUTHS}
 DECLARATIONS = f"""
 declare {FLOATS} @llvm.fabs.v{PACK}f64({FLOATS})
 declare {FLOATS} @llvm.sqrt.v{PACK}f64({FLOATS})
@@ -72,6 +74,8 @@ class _Writer:
         self.lines: list[str] = []
         self.names: dict[int, str] = {}
         self.inverses: dict[int, str] = {}
+        self.breaks: list[int] = []
+        self.types: dict[str, str] = {}
 
     def name(self, value: Value) -> str:
         return self.names[id(value)] if isinstance(value, Node) else _constant(value)
@@ -110,9 +114,9 @@ class _Writer:
 
     def write(self, nodes: list[Node]) -> None:
         for node in nodes:
-            # What a node needs beyond its arguments, as inverses, is written on the way.
-            if id(node) not in self.names:
-                self.names[id(node)] = self.written(node)
+            self.breaks.append(len(self.lines))
+            name = self.names[id(node)] = self.written(node)
+            self.types[name] = TYPES[node.kind]
 
     def written(self, node: Node) -> str:
         """The name of what a node gives."""
@@ -144,7 +148,8 @@ class _Writer:
         if not isinstance(value, Node):
             return _constant(OPERATIONS["divide"].fold(1.0, value))
         if id(value) not in self.inverses:
-            self.inverses[id(value)] = self.new_inverse(value)
+            name = self.inverses[id(value)] = self.new_inverse(value)
+            self.types[name] = FLOATS
         return self.inverses[id(value)]
 
     def new_inverse(self, value: Node) -> str:
@@ -160,28 +165,40 @@ class _Writer:
 
 
 def write_function(
-    name: str, outputs: list[Output], truth: Value, masked: bool = False
-) -> str:
+    name: str,
+    outputs: list[Output],
+    truth: Value,
+    masked: bool = False,
+    free_row: int = 0,
+) -> tuple[str, int]:
     """A function on the rows of the memory that it is called with.
 
     It stores the outputs, if `masked` in the columns named by the bits of its second
     argument alone, and returns the bits of a truth.
+
+    Args:
+        free_row: from which on the memory is free; the function may use it.
+
+    Returns:
+        The text, and how many of the free rows it uses.
     """
     writer = _Writer()
     writer.write(in_order([*(output.value for output in outputs), truth]))
+    writer.breaks.append(len(writer.lines))
     mask = writer.new(f"bitcast i{PACK} %columns to {TRUTHS}") if masked else None
     for output in outputs:
         writer.store(output, mask)
     bits = writer.new(f"bitcast {TRUTHS} {writer.name(truth)} to i{PACK}")
-    bit_type = f"i{PACK}"
-    return "\n".join(
-        [
-            f"define {bit_type} @{name}(ptr %work, {bit_type} %columns) #0 {{",
-            *writer.lines,
-            f"  ret {bit_type} {bits}",
-            "}\n",
-        ]
-    )
+    body = Body(writer.lines, writer.breaks, writer.types)
+    parts, used = hand_on(body, free_row, PACK)
+    arguments, lines = f"(ptr %work, i{PACK} %columns)", []
+    for place, part in enumerate(parts[:-1]):
+        lines += [f"define internal void @{name}_{place}{arguments} #0 {{", *part]
+        lines += ["  ret void", "}"]
+    lines.append(f"define i{PACK} @{name}{arguments} #0 {{")
+    lines += [f"  call void @{name}_{k}{arguments}" for k in range(len(parts) - 1)]
+    lines += [*parts[-1], f"  ret i{PACK} {bits}", "}\n"]
+    return "\n".join(lines), used
 
 
 def host() -> tuple[str, str]:

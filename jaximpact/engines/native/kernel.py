@@ -41,6 +41,8 @@ class Code(NamedTuple):
     result_rows: int
     rows: int
     """Of inputs, state and results together, and of what is sampled."""
+    spare_rows: int
+    """Behind them, for what functions keep while they run."""
     time_row: int = -1
     """In which the state has the time reached, where something is sampled."""
     sampled_rows: int = 0
@@ -88,7 +90,7 @@ class Kernel:
             step=address("step"),
             finish=address("finish"),
             sample=address("sample") if code.sampled_rows else None,
-            rows=code.rows,
+            rows=code.rows + code.spare_rows,
             input_rows=code.input_rows,
             results_row=(asked if code.sampled_rows else code.rows) - code.result_rows,
             result_rows=code.result_rows,
@@ -123,7 +125,7 @@ class Workspace:
     def __init__(self, kernel: Kernel):
         self._kernel = kernel  # The code must live as long as this.
         self._run = shared_driver().run
-        self._columns, self._space = new_columns(kernel.code.rows)
+        self._columns, self._space = new_columns(kernel.program.rows)
 
     def run(
         self, names: np.ndarray, inputs: np.ndarray, wait: bool
@@ -229,10 +231,10 @@ def compile_code(
         )
         layout = _Layout(copies)
         at_given, at_states, at_results = map(layout.allot, (given, states, results))
-        text = [
-            _written("begin", begin, at_given, at_states, masked=True),
-            _written("step", step, at_states, at_states, says=True),
-            _written("finish", finish, at_given + at_states, at_results),
+        functions_written = [
+            ("begin", begin, at_given, at_states, dict(masked=True)),
+            ("step", step, at_states, at_states, dict(says=True)),
+            ("finish", finish, at_given + at_states, at_results, {}),
         ]
         time_row, sampled_rows = -1, 0
         if functions.sample is not None:
@@ -244,17 +246,29 @@ def compile_code(
             at_samples = layout.allot(samples)
             sampled_rows = sum(part.rows for part in at_samples)
             time_row = at_states[0].place_of(functions.time, states[0])
-            text.append(
-                _written(
-                    "sample", sample, [*at_states, at_asked], at_samples, masked=True
+            functions_written.append(
+                (
+                    "sample",
+                    sample,
+                    [*at_states, at_asked],
+                    at_samples,
+                    dict(masked=True),
                 )
             )
+        text, spare_rows = zip(
+            *(
+                _written(*arguments, free_row=layout.rows, **how)
+                for *arguments, how in functions_written
+            ),
+            strict=True,
+        )
     return Code(
         compile_text("\n".join([*text, DECLARATIONS])),
         sum(part.rows for part in at_given),
         at_given[0].rows,
         sum(part.rows for part in at_results),
         layout.rows,
+        max(spare_rows),
         time_row,
         sampled_rows,
     )
@@ -310,7 +324,8 @@ def _written(
     targets: Sequence[_Part],
     masked: bool = False,
     says: bool = False,
-) -> str:
+    free_row: int = 0,
+) -> tuple[str, int]:
     """A traced function, written for LLVM. What it takes is in the rows of the sources,
     what it gives goes to those of the targets, but for what it `says` at last."""
     graph, outputs, said = Graph(), [], False
@@ -348,7 +363,7 @@ def _written(
                     Output(start + i, x, kind_of(x)) for i, x in enumerate(values)
                 ]
     changed = [output for output in outputs if not _stays(output)]
-    return write_function(name, changed, said, masked)
+    return write_function(name, changed, said, masked, free_row)
 
 
 def _stays(output: Output) -> bool:

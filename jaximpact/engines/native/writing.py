@@ -1,5 +1,5 @@
-"""How the arithmetic of a graph is written: quotients by inverses, sums with products in
-one instruction.
+"""How arithmetic is written: quotients by inverses, sums with products in one
+instruction.
 
 A division takes the time of some ten products. So a quotient is written as a product
 with the inverse of its divisor, which all quotients by it share; and the inverse of a
