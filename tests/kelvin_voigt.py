@@ -82,7 +82,7 @@ class KelvinVoigt(eqx.Module):
         force, still = self.force(rows), jnp.zeros_like(rows[0])
         observed = Observed(rows[0], rows[0], force, still, still)
         switches = Switches(*[still + 1.0] * 8)
-        return Watched(observed, self.margins(rows, largest_force).force, switches)
+        return Watched(observed, self.margins(rows, largest_force), switches)
 
     def watch_with_rate(self, vector, rates, largest_force, branch):
         return jax.jvp(
