@@ -126,9 +126,9 @@ def machine_code_along(scene, times, solver=None):
     return jax.tree.unflatten(kernel.structure, list(results[:, 0]))
 
 
-def assert_equal(found, expected, tolerance):
+def assert_equal(found, expected, tolerance, of_times=None):
     """Every number within a tolerance, by its own size or, where that is next to
-    nothing, by that of its kind."""
+    nothing, by that of its kind; times of peaks within one of their own."""
     energy = float(expected.energy.kinetic_in)
     scales = {
         "rotation": 1.0,
@@ -143,8 +143,10 @@ def assert_equal(found, expected, tolerance):
         elif field.name != "steps":
             size = np.maximum(np.abs(theirs), scales.get(field.name, 0.0))
             size = np.where(np.isnan(size), 1.0, size)
+            is_time = of_times and field.name.startswith("time_of")
+            allowed = (of_times if is_time else tolerance) * size
             np.testing.assert_allclose(
-                mine, theirs, rtol=0.0, atol=tolerance * size, err_msg=field.name
+                mine, theirs, rtol=0.0, atol=allowed, err_msg=field.name
             )
 
 
@@ -157,8 +159,9 @@ def test_the_same_steps_lead_to_the_same_numbers(name):
     # The method once more, in the form in which any solver is used
     assert_equal(machine_code_along(scene, times, Rodas5P()), theirs, 1e-12)
     # Left to itself the machine code chooses its own steps, which rounding may change:
-    # to the tolerance of `balanced`.
-    assert_equal(simulate(scene), theirs, 1e-5)
+    # to the tolerance of `balanced`. A peak is flat: its time is certain to the square
+    # root of what its value is.
+    assert_equal(simulate(scene), theirs, 1e-5, of_times=3e-3)
 
 
 @pytest.mark.xla
@@ -168,9 +171,9 @@ def test_other_solvers_come_to_the_same_numbers():
     found = simulate(scene, accuracy="reference", engine=diffrax.Dopri8(), history=True)
     assert found.manifest()["engine"] == found.engine == "diffrax, Dopri8"
     assert expected.manifest()["engine"] == "machine code"
-    # A hundred times the tolerance, 1e-8: errors of the steps add up, and a force moves
-    # little about its peak, whose time is the less certain.
-    assert_equal(found, expected, 1e-6)
+    # A hundred times the tolerance, 1e-8: errors of the steps add up; and its square
+    # root for the times of peaks, which are flat.
+    assert_equal(found, expected, 1e-6, of_times=1e-3)
     assert found.history.time[-1] == pytest.approx(float(found.duration), rel=1e-9)
 
 
