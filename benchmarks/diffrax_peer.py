@@ -17,6 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
 
+from jaximpact.benchmark.gradients import PARAMETERS, shifted
 from jaximpact.engines.compilation import unfused_jit
 from jaximpact.mechanics.model import PLANAR
 from jaximpact.mechanics.outcomes import TIME_LIMIT, closing_velocity
@@ -33,6 +34,21 @@ LANES = 32
 def _rates(t, scaled, problem):
     rows = list(scaled * problem.scale)
     return jnp.stack(problem.rates(rows)) / problem.scale
+
+
+@jax.custom_jvp
+def _finite_rates(t, scaled, problem):
+    """The rates, with derivatives that are finite: where an iteration that has diverged
+    is differentiated, lineax would raise an exception."""
+    return _rates(t, scaled, problem)
+
+
+@_finite_rates.defjvp
+def _finite_rates_jvp(primals, tangents):
+    t, scaled, problem = primals
+    at = t, jnp.where(jnp.isfinite(scaled), scaled, 1.0), problem
+    _, along = jax.jvp(_rates, at, tangents)
+    return _rates(*primals), jnp.where(jnp.isfinite(along), along, 0.0)
 
 
 def _margin(t, y, args, **kwargs):
@@ -59,7 +75,7 @@ class Diffrax:
         )
         start = vector / problem.scale
         solution = diffrax.diffeqsolve(
-            diffrax.ODETerm(_rates),
+            diffrax.ODETerm(_finite_rates),
             self.solver,
             t0=0.0,
             t1=TIME_LIMIT,
@@ -93,38 +109,68 @@ class Diffrax:
 
     def solve(self, scenes, tolerance: float, batch: bool) -> Answer:
         """Impacts in lanes, on a thread for each core; or one after another."""
-        count = np.size(scenes.impact.speed)
-        size, compute = (LANES, self._lanes) if batch else (None, self._single)
+        compute = self._lanes if batch else self._single
+        return Answer(*_in_parts(compute, scenes, tolerance, batch))
 
-        def part(places):
-            here = jax.tree.map(lambda x: np.asarray(x)[places], scenes)
-            return np.asarray(compute(here, tolerance))
 
-        if batch:
-            filled = np.resize(np.arange(count), -(-count // size) * size)
-            parts = list(filled.reshape(-1, size))
-        else:
-            parts = list(range(count))
-        part(parts[0])  # compiles
-        begin = time.perf_counter()
-        with concurrent.futures.ThreadPoolExecutor(
-            (os.cpu_count() or 1) if batch else 1
-        ) as pool:
-            e_n = np.hstack(list(pool.map(part, parts)))[:count]
-        return Answer(e_n, time.perf_counter() - begin)
+class DiffraxForward(Diffrax):
+    """The same with derivatives: of an implicit solver. Those through an explicit one
+    grow without bound where the equations are stiff."""
+
+    def _gradient(self, scene, tolerance):
+        """Derivatives of e_n by the logarithms of `PARAMETERS`, for one scene."""
+        return jax.jacfwd(lambda shift: self.e_n(shifted(scene, shift), tolerance))(
+            jnp.zeros(len(PARAMETERS))
+        )
+
+    @functools.cached_property
+    def _single_gradient(self):
+        return unfused_jit(self._gradient)
+
+    @functools.cached_property
+    def _gradient_lanes(self):
+        return unfused_jit(jax.vmap(self._gradient, in_axes=(0, None)))
+
+    def gradient(self, scenes, batch: bool, tolerance: float):
+        """Derivatives `(n, 3)`, and seconds, as `solve` does."""
+        compute = self._gradient_lanes if batch else self._single_gradient
+        return _in_parts(compute, scenes, tolerance, batch)
+
+
+def _in_parts(compute, scenes, tolerance, batch) -> tuple[np.ndarray, float]:
+    """Results of a compiled function, and seconds without compiling."""
+    count = np.size(scenes.impact.speed)
+
+    def part(places):
+        here = jax.tree.map(lambda x: np.asarray(x)[places], scenes)
+        return np.asarray(compute(here, tolerance))
+
+    if batch:
+        filled = np.resize(np.arange(count), -(-count // LANES) * LANES)
+        parts = list(filled.reshape(-1, LANES))
+    else:
+        parts = list(range(count))
+    part(parts[0])  # compiles
+    begin = time.perf_counter()
+    with concurrent.futures.ThreadPoolExecutor(
+        (os.cpu_count() or 1) if batch else 1
+    ) as pool:
+        found = list(pool.map(part, parts))
+    seconds = time.perf_counter() - begin
+    return (np.concatenate if batch else np.stack)(found)[:count], seconds
 
 
 def methods() -> list[Diffrax]:
     """What this module brings."""
     root_finder = diffrax.VeryChord(rtol=1e-4, atol=1e-4)
     return [
-        Diffrax(
+        DiffraxForward(
             "Kvaerno3",
             diffrax.Kvaerno3(root_finder=root_finder),
             (1e-3, 1e-4, 1e-5),
             5_000,
         ),
-        Diffrax(
+        DiffraxForward(
             "Kvaerno5",
             diffrax.Kvaerno5(root_finder=root_finder),
             (1e-3, 1e-4, 1e-5, 1e-6),

@@ -79,10 +79,10 @@ USUAL_STEPS = 20_000
 """Steps that memory is set aside for at first; all of `MAX_STEPS` take 200 MB."""
 
 
-def _record(assembly, room, scene, tolerance, floor):
+def _record(assembly, room, solver, scene, tolerance, floor):
     problem, vector = pose(scene, assembly, tolerance, floor)
     solution = diffrax.diffeqsolve(
-        **diffrax_arguments(problem, vector) | {"max_steps": room},
+        **diffrax_arguments(problem, vector, solver) | {"max_steps": room},
         saveat=diffrax.SaveAt(t0=True, steps=True),
     )
     rows = jax.vmap(_row, in_axes=(None, 0, 0, 0))(
@@ -92,11 +92,16 @@ def _record(assembly, room, scene, tolerance, floor):
     return rows, solution.stats["num_accepted_steps"], full
 
 
-_record_compiled = unfused_jit(_record, static_argnums=(0, 1))
+_record_compiled = unfused_jit(_record, static_argnums=(0, 1, 2))
 
 
-def record_history(scene: Scene, accuracy: Accuracy) -> History:
-    """Course of one impact as NumPy arrays, one entry for the start and each step.
+def record_history(
+    scene: Scene,
+    accuracy: Accuracy,
+    solver: diffrax.AbstractAdaptiveSolver | None = None,
+) -> History:
+    """Course of one impact as NumPy arrays, one entry for the start and each step, by
+    the package's method or another solver.
 
     Raises ValueError under a JAX transformation: the number of steps is not known
     there.
@@ -112,6 +117,7 @@ def record_history(scene: Scene, accuracy: Accuracy) -> History:
         rows, steps, full = _record_compiled(
             assemble(scene),
             room,
+            solver,
             scene,
             jnp.asarray(accuracy.tolerance),
             jnp.asarray(accuracy.floor),

@@ -15,6 +15,7 @@ import numpy as np
 
 from ._jax_internals import Tracer
 from .accuracy import Accuracy
+from .engines.selection import MACHINE_CODE
 from .formats import provenance
 from .history import History
 from .mechanics.outcomes import Outcome
@@ -46,6 +47,9 @@ class ImpactResult(Numbers):
     history: History | None = None
     model_tolerance: float = eqx.field(default=0.0, static=True)
     """Error for which a model that leaves something out was allowed."""
+    engine: str = eqx.field(default=MACHINE_CODE, static=True)
+    """What it was asked to be computed by: machine code (XLA where there is none), or
+    diffrax, with the name of the solver if that is not the package's own."""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -178,7 +182,9 @@ class ImpactResult(Numbers):
 
     def manifest(self) -> dict:
         """What is needed to compute this again, ready for JSON."""
-        return provenance.manifest(self.scene, self.accuracy, self.model_tolerance)
+        return provenance.manifest(
+            self.scene, self.accuracy, self.model_tolerance, self.engine
+        )
 
 
 class _Taking:

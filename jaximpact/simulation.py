@@ -3,10 +3,12 @@
 import equinox as eqx
 import jax
 import numpy as np
+from diffrax import AbstractAdaptiveSolver
 
 from ._jax_internals import Tracer
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
+from .engines.selection import MACHINE_CODE, get_engine
 from .engines.solving import solve
 from .formats.checks import check_scene, sound_values
 from .history import record_history
@@ -24,6 +26,7 @@ def simulate(
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     history: bool = False,
     ledger: bool | None = None,
+    engine: str | AbstractAdaptiveSolver = MACHINE_CODE,
 ) -> ImpactResult:
     """Simulate an impact, or many.
 
@@ -36,6 +39,10 @@ def simulate(
             not under a JAX transformation.
         ledger: also keep the energy ledger (`result.energy`), which costs a quarter. By
             default of a single impact, outside of JAX's transformations.
+        engine: "machine code"; or "diffrax", the same method as diffrax runs it, in a
+            program that XLA compiles: slower, and independent of the machine code; or
+            a solver of diffrax, such as `diffrax.Kvaerno5()`, in place of the method,
+            which may take many more steps (`MAX_STEPS`, then the outcome is `failed`).
 
     Returns:
         `ImpactResult`. A scene whose integration fails gives NaN and the outcome
@@ -47,7 +54,8 @@ def simulate(
     there.
 
     Raises:
-        ValueError: a value out of its range, or an array where a scalar is needed.
+        ValueError: a value out of its range, an array where a scalar is needed, an
+            unknown accuracy or engine, or a solver that estimates no errors.
         RuntimeError: JAX is set to float32.
     """
     require_float64()
@@ -60,11 +68,14 @@ def simulate(
         values, held = leaves, with_axes(scene, len(shape_of(scene)))
     if ledger is None:
         ledger = not any(isinstance(x, Tracer) or np.ndim(x) for x in values)
-    numbers = solve(structure, values, setting, ledger)
-    result = ImpactResult(**vars(numbers), scene=held, accuracy=setting)
+    chosen = get_engine(engine)
+    numbers = solve(structure, values, setting, ledger, chosen)
+    result = ImpactResult(
+        **vars(numbers), scene=held, accuracy=setting, engine=chosen.name
+    )
     if not history:
         return result
-    recorded = record_history(scene, setting)
+    recorded = record_history(scene, setting, chosen.solver)
     return eqx.tree_at(
         lambda r: r.history, result, recorded, is_leaf=lambda x: x is None
     )

@@ -22,6 +22,7 @@ from jaximpact.benchmark.scenes import SETS, choose, mixed_scenes, parametric_sc
 from jaximpact.benchmark.section import Bench
 from jaximpact.benchmark.stability import VERDICTS, believed, verdict
 from jaximpact.benchmark.target import coarsest_within
+from jaximpact.benchmark.work_precision import gradient_of
 from jaximpact.cli import main
 
 ROOT = Path(__file__).parents[1]
@@ -219,6 +220,25 @@ def test_differences_are_those_of_the_logarithms():
     # Linear in the logarithms: exact but for rounding over the step.
     np.testing.assert_allclose(found, [[1.0, 2.0, 3.0]] * 5, rtol=1e-12)
     assert seconds == 7.0  # the value and two sides of three parameters
+
+
+def test_peers_take_their_own_derivatives_and_slow_differences_are_left_out():
+    class WithGradient(Known):
+        def gradient(self, scenes, batch, tolerance):
+            return np.full((count_of(scenes), 3), tolerance), 1.0
+
+    class Slow(Known):
+        def solve(self, scenes, tolerance, batch):
+            return super().solve(scenes, tolerance, batch)._replace(seconds=100.0)
+
+    told = []
+    bench = Bench(TINY, [], "", told.append)
+    scenes, exact = mixed_scenes(4, 0), np.zeros((4, 3))
+    own = gradient_of(bench, WithGradient(), 1e-3, scenes, exact)
+    np.testing.assert_array_equal(own(scenes, batch=True)[0], np.full((4, 3), 1e-3))
+    assert gradient_of(bench, Known(), 1e-3, scenes, exact) is not None
+    assert gradient_of(bench, Slow(), 1e-3, scenes, exact) is None
+    assert "left out" in told[-1]
 
 
 def test_forward_gradient_is_that_of_differences():

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaximpact import Block, Impact, Scene, Soil, batch, simulate, simulate_batch
+from jaximpact import Block, Impact, Scene, Soil, batch, simulate_batch
 from jaximpact.cache import open_cache
 from jaximpact.dependence import depends
 from jaximpact.engines.machine import compile_native, compile_native_along
@@ -394,30 +394,6 @@ def test_a_primitive_that_a_later_jax_describes_otherwise_is_named(monkeypatch):
     monkeypatch.setattr(translation, "scan_counts", described_otherwise)
     with pytest.raises(NoMachineCode, match=r"JAX .* 'scan' .*count_of_constants"):
         native(OPERATIONS["loop"], *PAIRS)
-
-
-@pytest.mark.xla
-@pytest.mark.parametrize("damping", [0.0, 0.2])
-def test_derivatives_as_by_xla(damping, monkeypatch):
-    block = Block(aspect_ratio=2.0)
-    impact = Impact(angle=0.5, orientation=0.3, angular_velocity=-5.0)
-
-    def results(parameters):
-        gamma_v, speed = parameters
-        moved = dataclasses.replace(impact, speed=speed)
-        result = simulate(block, Soil(gamma_v=gamma_v, eta_N=damping), moved)
-        return jnp.stack([result.e_n, result.max_moment, result.duration])
-
-    at = jnp.array([8.7, 14.0])
-    mine, along = jax.jacfwd(results)(at), jax.jvp(results, (at,), (at,))[1]
-    back = jax.vjp(results, at)[1](jnp.ones(3))[0]
-    # linear in both modes, to rounding
-    np.testing.assert_allclose(along, mine @ at, rtol=1e-12)
-    np.testing.assert_allclose(back, mine.sum(axis=0), rtol=1e-12)
-    monkeypatch.setattr("jaximpact.engines.solving.computes_on_cpu", lambda: False)
-    theirs = jax.jacfwd(results)(at)
-    # Rounding changes the steps: equal to the error of derivatives at "balanced".
-    np.testing.assert_allclose(mine, theirs, rtol=1e-3)
 
 
 def test_dependence_is_seen_through_calls():

@@ -1,4 +1,8 @@
-"""Derivatives of e_n by the logarithms of soil parameters: forward, and differences."""
+"""Derivatives of e_n by the logarithms of soil parameters: forward, and differences.
+
+A peer that has derivatives of its own has a function `gradient` of scenes, batch or
+not, and tolerance, which gives what `forward_gradient` does.
+"""
 
 import concurrent.futures
 import dataclasses

@@ -23,6 +23,8 @@ class Settings:
     steps: tuple[float, ...] = (0.1, 0.03, 0.01, 0.001)
     """Steps of differences in the logarithm of a parameter, of which peers get the
     best."""
+    differences_limit_s: float = 30.0
+    """Peers whose differences take longer than that to find their step are left out."""
     ladder_scenes: int = 64
     """Impacts of each parametric set."""
     batch_sizes: tuple[int, ...] = (1, 10, 100, 1_000, 10_000, 100_000)

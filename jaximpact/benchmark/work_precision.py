@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..accuracy import PRESETS
-from .gradients import difference_gradient, exact_gradient, forward_gradient
+from .gradients import PARAMETERS, difference_gradient, exact_gradient, forward_gradient
 from .measuring import affordable, error_figures, interleaved_minima
 from .methods import Method, Ours, exact_e_n
 from .scenes import choose, mixed_scenes
@@ -53,13 +53,31 @@ def measure_gradients(bench: Bench) -> list[Row]:
     ways = []
     for method in bench.methods:
         for tolerance in method.tolerances:
-            if isinstance(method, Ours):
-                run = functools.partial(forward_gradient, tolerance=tolerance)
-            else:
-                step = _best_step(bench, method, tolerance, scenes, exact)
-                run = functools.partial(difference_gradient, method, tolerance, step)
-            ways.append(Way(method, tolerance, run))
+            run = gradient_of(bench, method, tolerance, scenes, exact)
+            if run is not None:
+                ways.append(Way(method, tolerance, run))
     return _measure(bench, ways, scenes, exact)
+
+
+def gradient_of(bench, method, tolerance, scenes, exact):
+    """How a method takes derivatives, as a function of scenes and of batch or not; None
+    where that would take too long."""
+    if isinstance(method, Ours):
+        return functools.partial(forward_gradient, tolerance=tolerance)
+    if hasattr(method, "gradient"):
+        return functools.partial(method.gradient, tolerance=tolerance)
+    few = choose(scenes, np.arange(min(bench.settings.least_impacts, len(exact))))
+    method.solve(few, tolerance, batch=True)  # compiles
+    seconds = method.solve(few, tolerance, batch=True).seconds
+    solves = 2 * len(PARAMETERS) * len(bench.settings.steps)
+    if solves * seconds > bench.settings.differences_limit_s:
+        bench.say(
+            f"{method.name} at {tolerance:g}: left out, differences would take "
+            f"{solves * seconds:.0f} s to find their step"
+        )
+        return None
+    step = _best_step(bench, method, tolerance, scenes, exact)
+    return functools.partial(difference_gradient, method, tolerance, step)
 
 
 def _best_step(bench, method, tolerance, scenes, exact) -> float:

@@ -1,7 +1,8 @@
 """Numbers of impacts, differentiable in both modes, whatever JAX does around them.
 
 On a CPU the machine code computes them, as an operation of JAX (`operation`); for laws
-that have none, and on other devices, XLA's program of the model does.
+that have none, and on other devices, XLA's program of the model does. That integrates
+with diffrax, and is also the second way, by which the machine code can be checked.
 
 The derivative is taken forward through the integration, for those inputs only that are
 being differentiated (`jax.custom_jvp` with symbolic zeros). What remains is linear, so
@@ -16,6 +17,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+from diffrax import AbstractAdaptiveSolver
 from jax.custom_derivatives import SymbolicZero
 
 from .._jax_internals import Tracer, namespace_of
@@ -23,12 +25,14 @@ from ..accuracy import Accuracy
 from ..mechanics.model import MODELS, exact_models
 from ..mechanics.problem import Assembly, pose
 from ..scene import Scene
+from ..solver.any_solver import require_derivatives
 from ..solver.integration import integrate
 from ..solver.lanes import march, start_lanes
 from ..summary import Numbers, numbers_of_no_value, summarise, summarise_lanes
 from .compilation import unfused_jit
 from .machine import compile_native, compile_native_along, computes_on_cpu
 from .operation import Operation, call, register
+from .selection import MACHINE_CODE, Engine
 
 MOST_DIRECTIONS = 3
 """Derivatives that share a run of an impact. Each costs some two thirds of the value;
@@ -46,6 +50,7 @@ class Given(NamedTuple):
     rest: np.ndarray
     """All other leaves, each at its place, then tolerance and floor. They stay known
     inside of `jax.jit`, and a single array is quicker to hand over than thirty."""
+    engine: Engine
 
     def leaves(self, values: list) -> list:
         """Leaves of the scene, with the values of those at `places`."""
@@ -64,13 +69,20 @@ def _number_structure(ledger: bool):
     return jax.tree.structure(numbers_of_no_value(ledger))
 
 
-def solve(structure, leaves, accuracy: Accuracy, ledger: bool) -> Numbers:
+def solve(
+    structure,
+    leaves,
+    accuracy: Accuracy,
+    ledger: bool,
+    engine: Engine = Engine(MACHINE_CODE),  # noqa: B008
+) -> Numbers:
     """Numbers of impacts, by the cheapest model that is exact for each.
 
     Args:
         structure, leaves: of a scene. Leaves are arrays that broadcast, whose shape the
             numbers have.
         ledger: also keep the energy ledger.
+        engine: what computes them.
     """
     places, rest = [], np.empty(len(leaves) + 2)
     rest[-2:] = accuracy.tolerance, accuracy.floor
@@ -81,7 +93,7 @@ def solve(structure, leaves, accuracy: Accuracy, ledger: bool) -> Numbers:
         else:
             rest[place] = leaf
     values = [leaves[place] for place in places]
-    given = Given(structure, ledger, tuple(places), rest)
+    given = Given(structure, ledger, tuple(places), rest, engine)
     if any(isinstance(value, Tracer) for value in values):
         return _solve(given, values)
     # Nothing to differentiate: half the time of a call would go into asking.
@@ -209,8 +221,8 @@ def _no_second_order(operation, along, places, rest, primals, tangents):
 
 def _choose(given: Given, values: list, varied: list[int], directions: int):
     """The operation, the effort of each lane and the place of its kernel; None where
-    there is no machine code."""
-    if not computes_on_cpu():
+    there is no machine code, or none is asked for."""
+    if not (given.engine.is_machine_code and computes_on_cpu()):
         return None
     # A derivative leaves the symmetry that a cheaper model rests on.
     known = [x if isinstance(x, Tracer) else np.asarray(x) for x in values]
@@ -292,10 +304,20 @@ def _operation(
     return _operations[key]
 
 
-def compute(assembly: Assembly, scene: Scene, tolerance, floor) -> Numbers:
-    """Numbers of one impact: pure, differentiable in forward mode."""
+def compute(
+    assembly: Assembly,
+    scene: Scene,
+    tolerance,
+    floor,
+    solver: AbstractAdaptiveSolver | None = None,
+) -> Numbers:
+    """Numbers of one impact: pure, differentiable in forward mode.
+
+    Args:
+        solver: as an `Engine` has it.
+    """
     problem, vector = pose(scene, assembly, tolerance, floor)
-    return summarise(scene, problem, integrate(problem, vector))
+    return summarise(scene, problem, integrate(problem, vector, solver))
 
 
 def compute_lanes(assembly: Assembly, scenes: Scene, tolerance, floor) -> Numbers:
@@ -311,6 +333,9 @@ def compute_lanes(assembly: Assembly, scenes: Scene, tolerance, floor) -> Number
 def _by_xla(given: Given, values: list, varied: list[int]):
     """Numbers, with leaves in `varied` also their derivatives, as `_columns` gives
     them, by XLA's program."""
+    solver = given.engine.solver
+    if varied:
+        require_derivatives(solver)
     known = given.leaves([np.nan if isinstance(x, Tracer) else x for x in values])
     for place in varied:
         known[place] = np.nan
@@ -320,11 +345,11 @@ def _by_xla(given: Given, values: list, varied: list[int]):
     leaves, setting = given.leaves(values), given.rest[-2:]
     shape = np.broadcast_shapes(*map(np.shape, leaves))
     if not shape:
-        return _in_xla(assembly, tuple(varied), leaves, *setting)
+        return _in_xla(assembly, tuple(varied), solver, leaves, *setting)
     rows = [jnp.broadcast_to(leaf, shape).reshape(math.prod(shape)) for leaf in leaves]
-    found = jax.vmap(lambda *row: _in_xla(assembly, tuple(varied), row, *setting))(
-        *rows
-    )
+    found = jax.vmap(
+        lambda *row: _in_xla(assembly, tuple(varied), solver, row, *setting)
+    )(*rows)
     if not varied:
         return jax.tree.map(lambda x: x.reshape(shape), found)
     numbers, columns = found
@@ -333,13 +358,13 @@ def _by_xla(given: Given, values: list, varied: list[int]):
     return jax.tree.map(lambda x: x.reshape(shape), numbers), columns
 
 
-def _compute_leaves(assembly, varied, leaves, tolerance, floor):
+def _compute_leaves(assembly, varied, solver, leaves, tolerance, floor):
     def of_varied(values):
         all_leaves = list(leaves)
         for place, value in zip(varied, values, strict=True):
             all_leaves[place] = value
         scene = jax.tree.unflatten(assembly.structure, all_leaves)
-        numbers = compute(assembly, scene, tolerance, floor)
+        numbers = compute(assembly, scene, tolerance, floor, solver)
         return jnp.stack(jax.tree.leaves(numbers)), numbers
 
     values = [leaves[place] for place in varied]
@@ -349,4 +374,4 @@ def _compute_leaves(assembly, varied, leaves, tolerance, floor):
     return numbers, columns
 
 
-_in_xla = unfused_jit(_compute_leaves, static_argnums=(0, 1))
+_in_xla = unfused_jit(_compute_leaves, static_argnums=(0, 1, 2))

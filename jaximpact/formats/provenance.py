@@ -31,8 +31,10 @@ def versions() -> dict[str, str]:
     return found | {package: version_of(package) for package in PACKAGES}
 
 
-def manifest(scene: "Scene", accuracy: Accuracy, model_tolerance: float) -> dict:
-    """Parameters, laws, shape, versions and accuracy, ready for JSON."""
+def manifest(
+    scene: "Scene", accuracy: Accuracy, model_tolerance: float, engine: str
+) -> dict:
+    """Parameters, laws, shape, versions, accuracy and engine, ready for JSON."""
     from ..identity import part_names
     from .scenes import scene_values
 
@@ -41,6 +43,7 @@ def manifest(scene: "Scene", accuracy: Accuracy, model_tolerance: float) -> dict
         "laws": part_names(scene.soil, scene.block),
         "accuracy": dataclasses.asdict(accuracy),
         "model_tolerance": model_tolerance,
+        "engine": engine,
         "versions": versions(),
     }
 

@@ -1,22 +1,27 @@
 """One impact integrated from touch to end: diffrax, Rodas5P and the end events.
 
+Rodas5P may be replaced by another solver of diffrax (`any_solver`); all else stays.
 What is wanted besides the end state is folded over the accepted steps (`folding`).
 diffrax watches one margin, the least of all, and stops when the step size control
 (`landing`) has landed on its root. Step widths are cut from differentiation; a last
 Newton correction, nil in value, carries the derivative of the event's time.
 """
 
+import functools
 from typing import ClassVar, NamedTuple
 
 import diffrax
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import optimistix as optx
 from jaxtyping import Array, Float
 
+from ..laws import Branch
 from ..mechanics.kinks import branch_of
 from ..mechanics.outcomes import TIME_LIMIT, Margins
 from ..mechanics.problem import Observed, Problem, jacobian_pattern
+from .any_solver import solver_step
 from .folding import Fold, fold_step, start_fold
 from .landing import LANDING, LandingController
 from .rosenbrock import ORDER, DenseOutput, dense_output, rodas5p_step
@@ -40,26 +45,32 @@ TERMS = diffrax.ODETerm(lambda t, y, args: y)
 """What diffrax wants for a vector field; `advance` takes the problem's own."""
 
 
-@jax.jit
+@functools.partial(jax.jit, static_argnames="solver")
 def advance(
-    problem: Problem, course: Course, time: Scalar, width: Scalar
+    problem: Problem,
+    course: Course,
+    time: Scalar,
+    width: Scalar,
+    solver: diffrax.AbstractAdaptiveSolver | None = None,
 ) -> tuple[Course, Course]:
-    """One step: the course after it, and its errors in units of what is allowed. (`jit`
-    keeps diffrax from tracing it four times over.)"""
+    """One step of the package's method, or of another solver: the course after it, and
+    its errors in units of what is allowed. (`jit` keeps diffrax from tracing it four
+    times over.)"""
     branch = branch_of(course.fold.watched.switches)
-    vector, error, stages = rodas5p_step(
-        lambda rows: problem.rates(rows, branch, course.fold.stalled),
-        course.vector,
-        width,
-        jacobian_pattern(problem),
-    )
+    if solver is None:
+        vector, error, step = _rodas5p(problem, course, width, branch)
+    else:
+        vector, error, step = solver_step(
+            solver,
+            problem,
+            course.vector,
+            width,
+            branch,
+            course.fold.stalled,
+            course.fold.peaks.normal_force,
+        )
     size = jnp.maximum(jnp.abs(course.vector), jnp.abs(vector))
     allowed = problem.allowed_error(size, course.fold.peaks.normal_force)
-    step = DenseOutput(
-        t0=jnp.zeros_like(width),
-        t1=width,
-        **dense_output(course.vector, vector, stages),
-    )
     fold = fold_step(problem, course.fold, time, step, branch)
     vector = problem.on_next_side(vector, branch, fold.watched.switches)
     after = Course(vector, fold)
@@ -69,19 +80,41 @@ def advance(
     return after, errors._replace(vector=jnp.where(jnp.isfinite(error), error, 1e6))
 
 
+def _rodas5p(problem: Problem, course: Course, width: Scalar, branch: Branch):
+    """State after a step of the package's method, its error, and the dense output."""
+    vector, error, stages = rodas5p_step(
+        lambda rows: problem.rates(rows, branch, course.fold.stalled),
+        course.vector,
+        width,
+        jacobian_pattern(problem),
+    )
+    step = DenseOutput(
+        t0=jnp.zeros_like(width),
+        t1=width,
+        **dense_output(course.vector, vector, stages),
+    )
+    return vector, error, step
+
+
 class FoldingSolver(diffrax.AbstractAdaptiveSolver):
-    """Rodas5P on the state vector, folding what is wanted over the steps.
+    """A solver on the state vector, folding what is wanted over the steps.
 
     The error it returns is in units of what is allowed, so the step size controller
     takes a tolerance of one.
     """
+
+    solver: diffrax.AbstractAdaptiveSolver | None = eqx.field(default=None, static=True)
+    """None for the package's method."""
 
     term_structure: ClassVar = diffrax.ODETerm
     # Saved are steps and the end, and the event is landed on: nothing interpolates.
     interpolation_cls: ClassVar = diffrax.LocalLinearInterpolation
 
     def order(self, terms):
-        return ORDER
+        return ORDER if self.solver is None else self.solver.order(terms)
+
+    def error_order(self, terms):
+        return ORDER if self.solver is None else self.solver.error_order(terms)
 
     def init(self, terms, t0, t1, y0, args):
         return None
@@ -90,7 +123,7 @@ class FoldingSolver(diffrax.AbstractAdaptiveSolver):
         return terms.vf(t0, y0, args)
 
     def step(self, terms, t0, t1, y0, args, solver_state, made_jump):
-        after, errors = advance(args, y0, t0, terms.contr(t0, t1))
+        after, errors = advance(args, y0, t0, terms.contr(t0, t1), self.solver)
         info = dict(y0=y0, y1=after)
         return after, errors, info, solver_state, diffrax.RESULTS.successful
 
@@ -124,11 +157,15 @@ def step_size_controller() -> LandingController:
     )
 
 
-def diffrax_arguments(problem: Problem, vector: Float[Array, " n"]) -> dict:
+def diffrax_arguments(
+    problem: Problem,
+    vector: Float[Array, " n"],
+    solver: diffrax.AbstractAdaptiveSolver | None = None,
+) -> dict:
     """What `diffrax.diffeqsolve` is called with, but for what it saves."""
     return dict(
         terms=TERMS,
-        solver=FoldingSolver(),
+        solver=FoldingSolver(solver),
         t0=0.0,
         t1=TIME_LIMIT,
         # Given here, it would be checked in a callback to the host.
@@ -156,9 +193,18 @@ def _peaks_at_the_end(problem: Problem, fold: Fold, time: Scalar, vector) -> Fol
     return fold._replace(peaks=Observed(*peaks))
 
 
-def integrate(problem: Problem, vector: Float[Array, " n"]) -> End:
-    """Integrate from touch to end. Differentiable in forward mode."""
-    solution = diffrax.diffeqsolve(**diffrax_arguments(problem, vector))
+def integrate(
+    problem: Problem,
+    vector: Float[Array, " n"],
+    solver: diffrax.AbstractAdaptiveSolver | None = None,
+) -> End:
+    """Integrate from touch to end. Differentiable in forward mode.
+
+    Args:
+        solver: one that `any_solver.usable_solver` has completed; None for the
+            package's method.
+    """
+    solution = diffrax.diffeqsolve(**diffrax_arguments(problem, vector, solver))
     event = solution.result == diffrax.RESULTS.event_occurred
     return end_of(
         problem,
