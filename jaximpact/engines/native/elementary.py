@@ -1,7 +1,8 @@
 """Elementary functions in vector arithmetic.
 
 Reductions of the argument and polynomials are those of fdlibm (Sun Microsystems, 1993),
-with the cases taken by selection. Errors are below two units in the last place. Numbers
+with the cases taken by selection. Errors are below two units in the last place, of the
+tangent below four, and of its inverse below two and a half. Numbers
 below the smallest normal one count as zero, as they do in XLA's programs on CPU.
 """
 
