@@ -416,8 +416,9 @@ def test_derivatives_as_by_xla(damping, monkeypatch):
     np.testing.assert_allclose(back, mine.sum(axis=0), rtol=1e-12)
     monkeypatch.setattr("jaximpact.engines.solving.computes_on_cpu", lambda: False)
     theirs = jax.jacfwd(results)(at)
-    # Rounding changes the steps: equal to the error of derivatives at "balanced".
-    np.testing.assert_allclose(mine, theirs, rtol=1e-3)
+    # Rounding changes the steps: equal to the error of derivatives at "balanced", which
+    # with dashpots is up to 1 percent.
+    np.testing.assert_allclose(mine, theirs, rtol=1e-2 if damping else 1e-3)
 
 
 def test_dependence_is_seen_through_calls():
