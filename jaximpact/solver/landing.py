@@ -14,6 +14,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
+from ..mechanics.dynamics import INITIAL_SINKING
 from ..mechanics.kinks import SWITCHED_OFF, in_force
 from ..mechanics.problem import Problem, Watched
 from ..safe import TINY
@@ -35,9 +36,11 @@ PATIENCE = 40
 may swing about a switch where they have no stable state, and land without end."""
 SHORTEST_PART = 0.01
 """Part to which a step is cut at most in one try to land."""
-ONSET, LARGEST_GROWTH = 0.1, 2.0
-"""The onset of an impact, by the time in which the block moves by its size, and the
-most by which a step grows there on top of what its error allows."""
+ONSET = INITIAL_SINKING, 0.1
+"""The onset of an impact, by the time in which the block moves by its size: what the
+springs are pressed by at touch is forgotten, and all grows as powers of time."""
+LARGEST_GROWTH = 1.6
+"""Most by which a step grows at the onset on top of what its error allows."""
 
 
 class Landing(NamedTuple):
@@ -50,8 +53,6 @@ class Landing(NamedTuple):
     ahead: Scalar
     """Where it does not: width of the next step that would land, were the margin or the
     switching function to go on as a straight line [s]; infinite if none is coming."""
-    is_end: Flag
-    """True if it is the end."""
 
 
 def first_landing(problem: Problem, before: Fold, after: Fold, width) -> Landing:
@@ -109,7 +110,6 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width) -> Landing
     guess = jnp.where(beyond, share * guess, 1.0 + jnp.abs(guess))
     first = jnp.argmin(jnp.where(falls, guess, jnp.inf), axis=0)
     passed = jnp.any(beyond, axis=0)
-    is_end = first < ends
 
     def of_first(values):
         return jnp.take_along_axis(values, first[None], axis=0)[0]
@@ -117,7 +117,7 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width) -> Landing
     def of_passed(values, harmless):
         return jnp.where(passed, of_first(values), harmless)
 
-    shift = jnp.where(is_end, 0.0, 0.5 * on)
+    shift = jnp.where(first < ends, 0.0, 0.5 * on)
     share = of_passed(share, 1.0)
     part = share * root_of_cubic(
         of_passed(start, 1.0) + shift,
@@ -126,21 +126,20 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width) -> Landing
         of_passed(end_rate, 0.0),
         share * width,
     )
-    rate = of_first(end_rate)
-    comes = ~passed & of_first(falls) & (rate < 0.0)
-    ahead = (of_first(end) + shift) / jnp.where(comes, -rate, 1.0)
+    left, rate = of_first(end) + shift, of_first(end_rate)
+    comes = ~passed & of_first(falls) & (left > 0.0) & (rate < 0.0)
+    ahead = left / jnp.where(comes, -rate, 1.0)
     return Landing(
         passed=passed,
         # A step far too long has a cubic that says little.
         part=jnp.maximum(part, SHORTEST_PART),
         ahead=jnp.where(comes, ahead, jnp.inf),
-        is_end=is_end,
     )
 
 
 def first_width(problem: Problem) -> Scalar:
-    """Width of the first step [s]: 1e-9 of the time in which the block moves by R."""
-    return 1e-9 * problem.passing_time
+    """Width of the first step [s]: 1e-12 of the time in which the block moves by R."""
+    return 1e-12 * problem.passing_time
 
 
 class LandingState(NamedTuple):
@@ -185,7 +184,7 @@ class LandingController(diffrax.AbstractStepSizeController):
         )
         before, after = jax.lax.stop_gradient((y0.fold, y1_candidate.fold))
         width = t1 - t0
-        passed, part, ahead, is_end = first_landing(args, before, after, width)
+        passed, part, ahead = first_landing(args, before, after, width)
         smallest = SMALLEST_WIDTH * t0
         # Forces that jump leave an error at every width: the jump is taken in one step
         # that is too short to move anything else.
@@ -200,10 +199,10 @@ class LandingController(diffrax.AbstractStepSizeController):
         )
         landed = keep & ~beyond
         settled = landed & ((after.turned == 0.0) | (tries >= 2 * PATIENCE))
-        # At the onset all grows as powers of time: an error stays what it is if the
-        # width grows as time does.
+        # The error of a power of time stays what it is if the width grows as time does.
         growth = jnp.minimum(next_t0 / jnp.maximum(t0, TINY), LARGEST_GROWTH)
-        grows = landed & (next_t0 < ONSET * args.passing_time)
+        begin, end = (part * args.passing_time for part in ONSET)
+        grows = landed & (begin < t0) & (t0 < end)
         next_t1 = jnp.where(grows, next_t0 + growth * (next_t1 - next_t0), next_t1)
         # What has just been found too long is not tried again at once.
         next_t1 = jnp.where(
@@ -214,8 +213,8 @@ class LandingController(diffrax.AbstractStepSizeController):
             jnp.maximum(next_t1, next_t0 + resumed),
             next_t1,
         )
-        # A step that was cut falls short by little, and an end is not to be run past.
-        aims = landed & (after.turned == 0.0) & ((tries > 0.0) | is_end) & ~passing
+        # A step that was cut falls short by little.
+        aims = landed & (after.turned == 0.0) & (tries > 0.0) & ~passing
         next_t1 = jnp.where(aims, jnp.minimum(next_t1, next_t0 + ahead), next_t1)
         # Time must go on where a step was cut to less than its rounding.
         next_t1 = jnp.where(landed, jnp.maximum(next_t1, next_t0 + smallest), next_t1)
