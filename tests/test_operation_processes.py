@@ -1,5 +1,5 @@
-"""An impact as an operation of JAX, in processes of their own: over several devices, and
-from programs that JAX has kept."""
+"""An impact as an operation of JAX, in processes of their own: over several devices,
+and from programs that JAX has kept."""
 
 import os
 import subprocess
@@ -62,7 +62,7 @@ print(sum(event == "/jax/compilation_cache/cache_hits" for event in hits))
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    """Runs Python, with one cache of machine code for all; gives what it has printed."""
+    """Runs Python, with one cache of machine code for all; gives what it printed."""
     cache = tmp_path_factory.mktemp("cache")
 
     def run(text: str, **variables: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""How many threads may compute: what the environment says, and what the system grants."""
+"""How many threads may compute: what the environment says and the system grants."""
 
 import math
 import os
