@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
+from jax.sharding import NamedSharding, PartitionSpec
 
 __all__ = [
     "ClosedJaxpr",
@@ -35,15 +36,22 @@ _EAGER_TRACES = {"EvalTrace", "LinearizeTrace", "JVPTrace", "JaxprTrace", "Batch
 def result_types(shapes: Sequence[tuple], operands: Sequence) -> list:
     """Types of float64 results of these shapes.
 
-    Inside `jax.shard_map` they vary over the axes over which what they come from does.
+    Inside `jax.shard_map` they vary over the axes of the mesh over which what they come
+    from does.
     """
     types = [jax.typeof(operand) for operand in operands]
-    if hasattr(types[0], "manual_axis_type"):  # JAX 0.10 and later
-        kinds = [t.manual_axis_type for t in types]
-        varying = frozenset().union(*(kind.varying for kind in kinds))
-        said = {"manual_axis_type": type(kinds[0])(varying=varying)} if varying else {}
+    # JAX 0.10 and later; before it `vma`
+    kinds = [getattr(t, "manual_axis_type", None) for t in types]
+    axes = [k.varying if k else t.vma for k, t in zip(kinds, types, strict=True)]
+    varying = frozenset().union(*axes)
+    if not varying:
+        return [jax.ShapeDtypeStruct(shape, jnp.float64) for shape in shapes]
+    mesh = next(t for t, own in zip(types, axes, strict=True) if own).sharding.mesh
+    said = {"sharding": NamedSharding(mesh, PartitionSpec())}
+    if kinds[0] is None:
+        said["vma"] = varying
     else:
-        said = {"vma": frozenset().union(*(t.vma for t in types))}
+        said["manual_axis_type"] = type(kinds[0])(varying=varying)
     return [jax.ShapeDtypeStruct(shape, jnp.float64, **said) for shape in shapes]
 
 

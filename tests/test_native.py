@@ -387,6 +387,8 @@ def test_the_slower_way_can_be_refused(monkeypatch):
     monkeypatch.setenv("JAXIMPACT_REQUIRE_MACHINE_CODE", "1")
     with pytest.raises(IncompleteError, match="no native code for the primitive"):
         simulate_batch(on_ground_without_machine_code(oblique_scenes(2)))
+    with pytest.raises(IncompleteError, match="no native code for the primitive"):
+        jax.jit(simulate)(on_ground_without_machine_code(oblique_scenes(2)))
 
 
 def test_a_primitive_that_a_later_jax_describes_otherwise_is_named(monkeypatch):

@@ -4,16 +4,28 @@ around it."""
 import concurrent.futures
 import dataclasses
 import functools
+import math
+import re
+import time
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax import export
 
 from jaximpact import Block, Impact, Scene, Soil, simulate, simulate_batch
 from jaximpact.benchmark.scenes import mixed_scenes
+from jaximpact.engines import machine, operation
+from jaximpact.engines.threads import thread_count
+from jaximpact.mechanics.model import MODELS, PLANAR, exact_models
+from jaximpact.mechanics.outcomes import Outcome
+from jaximpact.shapes import Ellipsoid
 
-FAST = functools.partial(simulate, accuracy="fast")
+FAST = functools.partial(simulate, accuracy="fast", ledger=False)
+UNDAMPED = dict.fromkeys(("eta_N", "eta_T", "eta_R"), 0.0)
+"""Known inside of `jit` too, which saves the models with dashpots."""
 COUNT = 37
 """Not a multiple of the eight lanes of a vector."""
 
@@ -30,7 +42,7 @@ def expected(scenes):
 
 
 def rebound(gamma_v, c_v, scene: Scene):
-    soil = dataclasses.replace(scene.soil, gamma_v=gamma_v, c_v=c_v)
+    soil = dataclasses.replace(scene.soil, gamma_v=gamma_v, c_v=c_v, **UNDAMPED)
     return FAST(Scene(scene.block, soil, scene.impact)).e_n
 
 
@@ -182,6 +194,86 @@ def test_several_threads_at_once(scenes, expected):
             assert_same(found, expected)
 
 
+def test_any_number_of_threads_gives_the_same(scenes, expected):
+    solved = jax.jit(jax.vmap(FAST))
+    try:
+        for count in (1, 2, 5):
+            for known in operation._registered.values():
+                known.driver.operation.threads = count
+            assert_same(solved(scenes), expected)
+    finally:
+        for known in operation._registered.values():
+            known.driver.operation.threads = thread_count()
+
+
+def test_of_threads_that_ask_at_once_one_compiles():
+    asked = []
+
+    @machine._kept_here
+    def compiled(assembly):
+        asked.append(assembly)
+        time.sleep(0.1)
+        return object()
+
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        found = set(pool.map(compiled, ["one", "one", "other", "one"]))
+    assert sorted(asked) == ["one", "other"]
+    assert len(found) == 2
+
+
+def test_a_lane_that_is_no_number_leaves_the_others_alone(scenes, expected):
+    """Also in the order in which lanes begin, which goes by the speed."""
+    speed = scenes.impact.speed.at[3].set(np.nan)
+    impact = dataclasses.replace(scenes.impact, speed=speed)
+    found = jax.jit(FAST)(Scene(scenes.block, scenes.soil, impact))
+    assert found.outcome_code[3] == Outcome.failed
+    assert np.isnan(found.e_n[3])
+    np.testing.assert_array_equal(np.delete(found.e_n, 3), np.delete(expected.e_n, 3))
+
+
+@pytest.mark.parametrize("kind", [jnp.float32, jnp.int64])
+def test_leaves_of_another_type_are_taken_for_their_values(scenes, kind):
+    def with_speed(speed):
+        return eqx.tree_at(lambda s: s.impact.speed, scenes, speed)
+
+    speed = (scenes.impact.speed + 0.3).astype(kind)
+    other, expected = with_speed(speed), FAST(with_speed(speed.astype(float)))
+    for solved in (FAST, jax.jit(FAST), jax.jit(jax.vmap(FAST))):
+        assert_same(solved(other), expected)
+
+
+def test_too_many_axes_are_refused_in_words():
+    speed = jnp.full((1,) * 25, 14.0)
+    with pytest.raises(jax.errors.JaxRuntimeError, match="arrays of at most 24 axes"):
+        jax.jit(FAST)(Scene(impact=Impact(speed=speed)))
+
+
+def test_a_program_can_be_exported(scenes, expected):
+    program = jax.jit(lambda scenes: FAST(scenes).e_n)
+    names = re.findall(r"jaximpact_[0-9a-f]{32}", program.lower(scenes).as_text())
+    allowed = [export.DisabledSafetyCheck.custom_call(name) for name in names]
+    exported = export.export(program, disabled_checks=allowed)(scenes)
+    np.testing.assert_array_equal(exported.call(scenes), expected.e_n)
+
+
+class OfNumbers(Ellipsoid):
+    """A shape that tells of a number alone whether it is upright."""
+
+    def is_upright(self, orientation):
+        return abs(math.sin(2.0 * orientation)) < 1e-12
+
+
+def test_a_shape_that_knows_numbers_alone():
+    """Where JAX traces, the model is one that is always exact."""
+
+    def place(orientation):
+        block = Block(shape=OfNumbers(aspect_ratio=2.0))
+        return exact_models(Scene(block, Soil(), Impact(orientation=orientation)))[0]
+
+    assert place(0.0) == 0
+    assert jax.jit(place)(0.0) == MODELS.index(PLANAR)
+
+
 def test_any_leaf_may_be_differentiated():
     """By all parameters of a scene at once, against central differences at "reference".
     Their error is that of the step, 1e-4 of the parameter, squared, and that of the
@@ -191,10 +283,10 @@ def test_any_leaf_may_be_differentiated():
         Soil(dilatancy=0.2, alpha_vR=0.3, eta_N=0.1, eta_T=0.1, eta_R=0.1),
         Impact(speed=11.0, angle=0.4, orientation=0.3, angular_velocity=1.0, slope=0.2),
     )
-    undamped = dataclasses.replace(damped.soil, eta_N=0.0, eta_T=0.0, eta_R=0.0)
+    undamped = dataclasses.replace(damped.soil, **UNDAMPED)
 
     def rebound(scene):
-        return simulate(scene, accuracy="reference").e_n
+        return simulate(scene, accuracy="reference", ledger=False).e_n
 
     for scene in (damped, Scene(damped.block, undamped, damped.impact)):
         found = jax.tree.leaves(jax.grad(rebound)(scene))

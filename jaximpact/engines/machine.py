@@ -55,9 +55,13 @@ def _kept_here(compile_kernel: Callable) -> Callable:
         except NoMachineCode as problem:
             return problem
 
+    locks: dict[tuple, threading.Lock] = {}
+
     @functools.wraps(compile_kernel)
     def compiled(*arguments) -> Kernel | None:
-        found = kernel_or_problem(*arguments)
+        # Of threads that ask at once, one compiles.
+        with locks.setdefault(arguments, threading.Lock()):
+            found = kernel_or_problem(*arguments)
         if isinstance(found, NoMachineCode):
             without_machine_code(found)
             return None

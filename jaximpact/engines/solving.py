@@ -10,6 +10,7 @@ JAX can transpose it: `jax.grad` costs as much as `jax.jacfwd` does, in proporti
 the number of parameters that vary.
 """
 
+import concurrent.futures
 import functools
 import math
 from typing import NamedTuple
@@ -24,6 +25,7 @@ from .._jax_internals import Tracer, namespace_of
 from ..accuracy import Accuracy
 from ..mechanics.model import MODELS, exact_models
 from ..mechanics.problem import Assembly, pose
+from ..precision import float64_leaf
 from ..scene import Scene
 from ..solver.any_solver import require_derivatives
 from ..solver.integration import integrate
@@ -31,8 +33,10 @@ from ..solver.lanes import march, start_lanes
 from ..summary import Numbers, numbers_of_no_value, summarise, summarise_lanes
 from .compilation import unfused_jit
 from .machine import compile_native, compile_native_along, computes_on_cpu
+from .native import Kernel
 from .operation import Operation, call, register
 from .selection import MACHINE_CODE, Engine
+from .threads import thread_count
 
 MOST_DIRECTIONS = 3
 """Derivatives that share a run of an impact. Each costs some two thirds of the value;
@@ -92,12 +96,17 @@ def solve(
             rest[place] = np.nan
         else:
             rest[place] = leaf
-    values = [leaves[place] for place in places]
+    # Whoever puts leaves in place by himself may put numbers of another type.
+    values = [_float64(leaves[place]) for place in places]
     given = Given(structure, ledger, tuple(places), rest, engine)
     if any(isinstance(value, Tracer) for value in values):
         return _solve(given, values)
     # Nothing to differentiate: half the time of a call would go into asking.
     return _values(given, values)
+
+
+def _float64(leaf):
+    return leaf if leaf.dtype == np.float64 else float64_leaf(leaf)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
@@ -291,15 +300,20 @@ def _operation(
     """The operation for the models that there may be."""
     key = structure, ledger, possible, directions
     if key not in _operations:
-        kernels = []
-        for place in possible:
+
+        def compiled(place: int) -> Kernel | None:
             assembly = Assembly(structure, MODELS[place], ledger)
-            if directions:
-                kernels.append(compile_native_along(assembly, directions))
-            else:
-                kernels.append(compile_native(assembly))
-            if kernels[-1] is None:
-                return None
+            # What the caller has set in a `with` is not set in another thread.
+            with jax.enable_x64(True):
+                if directions:
+                    return compile_native_along(assembly, directions)
+                return compile_native(assembly)
+
+        # At once, since LLVM leaves other threads of Python alone; the dearest first.
+        with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
+            kernels = list(pool.map(compiled, reversed(possible)))[::-1]
+        if None in kernels:
+            return None
         _operations[key] = register(kernels, directions)
     return _operations[key]
 

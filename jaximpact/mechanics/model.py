@@ -9,7 +9,11 @@ from typing import NamedTuple
 
 import jax
 import numpy as np
-from jax.errors import TracerArrayConversionError, TracerBoolConversionError
+from jax.errors import (
+    ConcretizationTypeError,
+    TracerArrayConversionError,
+    TracerIntegerConversionError,
+)
 
 from .._jax_internals import Tracer, namespace_of
 from ..block import Block
@@ -132,11 +136,16 @@ def exact_models(scene: Scene):
 
 
 def _unless_numpy_only(function: Callable, otherwise):
-    """What a function gives. Laws and shapes of users may know NumPy's arrays alone:
-    while JAX traces they say nothing, and the cheaper models are ruled out."""
+    """What a function gives. Laws and shapes of users may know numbers and NumPy's
+    arrays alone: while JAX traces they say nothing, and the cheaper models are ruled
+    out."""
     try:
         return function()
-    except (TracerArrayConversionError, TracerBoolConversionError):
+    except (
+        ConcretizationTypeError,
+        TracerArrayConversionError,
+        TracerIntegerConversionError,
+    ):
         return otherwise
 
 

@@ -13,7 +13,7 @@
 
 #define PACK 8 /* lanes in a vector, as in code.py */
 #define ALL 0xFF
-#define AXES 24
+#define AXES 24 /* told in a message too */
 #define PROGRAMS 32
 #define RETRIES 7
 #define ALIGNMENT 64
@@ -347,8 +347,11 @@ static void arrange(Job *job)
     for (int place = 0; place < operation.count; place++) {
         int64_t k = first;
         for (int64_t lane = 0; lane < job->lanes; lane++)
-            if ((int)*value_of(job, job->program, lane) == place)
-                job->turns[k++] = (Turn){*value_of(job, job->effort, lane), lane};
+            if ((int)*value_of(job, job->program, lane) == place) {
+                double found = *value_of(job, job->effort, lane);
+                /* qsort needs an order, which NaN has not. */
+                job->turns[k++] = (Turn){found == found ? found : 0.0, lane};
+            }
         if (k - first > PACK)
             qsort(job->turns + first, k - first, sizeof(Turn), longer_first);
         job->next[place] = first;
@@ -396,17 +399,29 @@ static const char *read_operand(const void *buffer, int64_t own, Job *job, Opera
     if (AT(int32_t, buffer, 16) != FLOAT64)
         return "jaximpact computes in float64, but an operand has another type";
     if (rank < own || rank - own > AXES)
-        return "jaximpact: too few or too many axes";
+        return "jaximpact: impacts take arrays of at most 24 axes, with those of vmap";
     operand->data = AT(double *, buffer, 24);
     job->axes = rank - own;
     for (int64_t axis = rank; axis-- > 0; stride *= dims[axis]) {
         if (axis >= job->axes)
             continue;
         operand->stride[axis] = dims[axis] == 1 ? 0 : stride;
-        if (dims[axis] != 1)
-            job->dims[axis] = dims[axis];
+        if (dims[axis] == 1)
+            continue;
+        if (job->dims[axis] != 1 && job->dims[axis] != dims[axis])
+            return "jaximpact: operands do not broadcast";
+        job->dims[axis] = dims[axis];
     }
     return NULL;
+}
+
+/* Whether a result is an array of float64 of so many elements. */
+static int has_room(const void *buffer, int64_t count)
+{
+    int64_t rank = AT(int64_t, buffer, 32), *dims = AT(int64_t *, buffer, 40), room = 1;
+    for (int64_t axis = 0; axis < rank; axis++)
+        room *= dims[axis];
+    return AT(int32_t, buffer, 16) == FLOAT64 && room == count;
 }
 
 static void *compute_call(void *frame, Job *job, Operand *operands, int64_t count)
@@ -432,6 +447,8 @@ static void *compute_call(void *frame, Job *job, Operand *operands, int64_t coun
         const void *times = buffers[count - 1];
         job->times = AT(int64_t *, times, 40)[job->axes];
     }
+    if (AT(int64_t *, buffers[0], 40)[job->axes] != operation.leaves)
+        return error(frame, INVALID_ARGUMENT, "jaximpact: a wrong number of inputs");
     job->common = operands;
     job->places = operands + 1;
     job->own = operands + 2;
@@ -448,6 +465,10 @@ static void *compute_call(void *frame, Job *job, Operand *operands, int64_t coun
     if (!job->lanes)
         return NULL;
     int64_t rows = programs_results + sampled;
+    for (int64_t row = 0; row < rows; row++)
+        if (!has_room(results[row], job->lanes * (row < programs_results ? 1 : job->times)))
+            return error(frame, INVALID_ARGUMENT,
+                         "jaximpact: a result is not float64 of the shape of the lanes");
     double **outputs = malloc(sizeof(double *) * rows);
     job->turns = malloc(sizeof(Turn) * job->lanes);
     job->results = outputs;

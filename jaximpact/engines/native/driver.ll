@@ -1,4 +1,4 @@
-; Made from driver.c by 'make driver'; sha256 1490ea01f5607af7ebba7d59ae902d994de518b7c6c444e812ffde9b41435699
+; Made from driver.c by 'make driver'; sha256 af815bd6eb7596c15ec4dbe3aea507bc5f9ecce01eb3a15305dae6880e1ccffe
 
 %struct.Operation = type { i64, [32 x %struct.Program], i64, i64, i64, i64, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double] }
@@ -16,8 +16,11 @@
 @.str.1 = private unnamed_addr constant [25 x i8] c"jaximpact: out of memory\00", align 1
 @.str.2 = private unnamed_addr constant [37 x i8] c"jaximpact: a wrong number of results\00", align 1
 @.str.3 = private unnamed_addr constant [41 x i8] c"jaximpact: operands differ in their axes\00", align 1
-@.str.4 = private unnamed_addr constant [63 x i8] c"jaximpact computes in float64, but an operand has another type\00", align 1
-@.str.5 = private unnamed_addr constant [36 x i8] c"jaximpact: too few or too many axes\00", align 1
+@.str.4 = private unnamed_addr constant [36 x i8] c"jaximpact: a wrong number of inputs\00", align 1
+@.str.5 = private unnamed_addr constant [61 x i8] c"jaximpact: a result is not float64 of the shape of the lanes\00", align 1
+@.str.6 = private unnamed_addr constant [63 x i8] c"jaximpact computes in float64, but an operand has another type\00", align 1
+@.str.7 = private unnamed_addr constant [70 x i8] c"jaximpact: impacts take arrays of at most 24 axes, with those of vmap\00", align 1
+@.str.8 = private unnamed_addr constant [37 x i8] c"jaximpact: operands do not broadcast\00", align 1
 
 define dso_local i64 @run(ptr noundef %0, ptr noundef %1, ptr noundef %2, i64 noundef %3, ptr noundef %4, ptr noundef %5, i64 noundef %6, ptr noundef %7, i64 noundef %8) local_unnamed_addr {
   %10 = alloca %struct.Matrices, align 8
@@ -450,586 +453,697 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %5 = alloca %struct.anon, align 8
   %6 = alloca %struct.anon, align 8
   %7 = alloca %struct.anon, align 8
-  %8 = alloca %struct.Job, align 8
-  %9 = getelementptr inbounds i8, ptr %0, i64 8
-  %10 = load ptr, ptr %9, align 8
-  %11 = icmp eq ptr %10, null
-  br i1 %11, label %21, label %12
+  %8 = alloca %struct.anon, align 8
+  %9 = alloca %struct.anon, align 8
+  %10 = alloca %struct.Job, align 8
+  %11 = getelementptr inbounds i8, ptr %0, i64 8
+  %12 = load ptr, ptr %11, align 8
+  %13 = icmp eq ptr %12, null
+  br i1 %13, label %23, label %14
 
-12:
-  %13 = getelementptr inbounds i8, ptr %10, i64 8
-  %14 = load i32, ptr %13, align 4
-  %15 = icmp eq i32 %14, 1
-  br i1 %15, label %16, label %21
+14:
+  %15 = getelementptr inbounds i8, ptr %12, i64 8
+  %16 = load i32, ptr %15, align 4
+  %17 = icmp eq i32 %16, 1
+  br i1 %17, label %18, label %23
 
-16:
-  %17 = getelementptr inbounds i8, ptr %10, i64 24
-  %18 = load ptr, ptr %17, align 8
-  %19 = getelementptr inbounds i8, ptr %18, i64 24
-  store i32 0, ptr %19, align 4
-  %20 = getelementptr inbounds i8, ptr %18, i64 28
-  store i32 1, ptr %20, align 4
-  br label %386
+18:
+  %19 = getelementptr inbounds i8, ptr %12, i64 24
+  %20 = load ptr, ptr %19, align 8
+  %21 = getelementptr inbounds i8, ptr %20, i64 24
+  store i32 0, ptr %21, align 4
+  %22 = getelementptr inbounds i8, ptr %20, i64 28
+  store i32 1, ptr %22, align 4
+  br label %463
 
-21:
-  %22 = getelementptr inbounds i8, ptr %0, i64 56
-  %23 = load i64, ptr %22, align 8
-  %24 = add nsw i64 %23, -4
-  %25 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
-  %26 = icmp sgt i64 %25, 0
-  %27 = sext i1 %26 to i64
-  %28 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
-  %29 = sub i64 %24, %28
-  %30 = add i64 %29, %27
-  %31 = icmp slt i64 %30, 0
-  br i1 %31, label %32, label %41
+23:
+  %24 = getelementptr inbounds i8, ptr %0, i64 56
+  %25 = load i64, ptr %24, align 8
+  %26 = add nsw i64 %25, -4
+  %27 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
+  %28 = icmp sgt i64 %27, 0
+  %29 = sext i1 %28 to i64
+  %30 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
+  %31 = sub i64 %26, %30
+  %32 = add i64 %31, %29
+  %33 = icmp slt i64 %32, 0
+  br i1 %33, label %34, label %43
 
-32:
+34:
+  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %9)
+  store i64 32, ptr %9, align 8
+  %35 = getelementptr inbounds %struct.anon, ptr %9, i64 0, i32 1
+  store ptr null, ptr %35, align 8
+  %36 = getelementptr inbounds %struct.anon, ptr %9, i64 0, i32 2
+  store ptr @.str, ptr %36, align 8
+  %37 = getelementptr inbounds %struct.anon, ptr %9, i64 0, i32 3
+  store i32 3, ptr %37, align 8
+  %38 = getelementptr inbounds i8, ptr %0, i64 16
+  %39 = load ptr, ptr %38, align 8
+  %40 = getelementptr inbounds i8, ptr %39, i64 48
+  %41 = load ptr, ptr %40, align 8
+  %42 = call ptr %41(ptr noundef nonnull %9)
+  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %9)
+  br label %463
+
+43:
+  %44 = mul i64 %25, 200
+  %45 = tail call noalias ptr @malloc(i64 noundef %44)
+  %46 = icmp eq ptr %45, null
+  br i1 %46, label %47, label %56
+
+47:
+  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %8)
+  store i64 32, ptr %8, align 8
+  %48 = getelementptr inbounds %struct.anon, ptr %8, i64 0, i32 1
+  store ptr null, ptr %48, align 8
+  %49 = getelementptr inbounds %struct.anon, ptr %8, i64 0, i32 2
+  store ptr @.str.1, ptr %49, align 8
+  %50 = getelementptr inbounds %struct.anon, ptr %8, i64 0, i32 3
+  store i32 8, ptr %50, align 8
+  %51 = getelementptr inbounds i8, ptr %0, i64 16
+  %52 = load ptr, ptr %51, align 8
+  %53 = getelementptr inbounds i8, ptr %52, i64 48
+  %54 = load ptr, ptr %53, align 8
+  %55 = call ptr %54(ptr noundef nonnull %8)
+  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %8)
+  br label %463
+
+56:
+  call void @llvm.lifetime.start.p0(i64 824, ptr nonnull %10)
+  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(824) %10, i8 0, i64 824, i1 false)
+  %57 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 3
+  store i64 %32, ptr %57, align 8
+  %58 = getelementptr inbounds i8, ptr %0, i64 72
+  %59 = load ptr, ptr %58, align 8
+  %60 = getelementptr inbounds i8, ptr %0, i64 112
+  %61 = load ptr, ptr %60, align 8
+  %62 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 1, i64 0, i32 7), align 8
+  %63 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 1, i64 0, i32 14), align 8
+  %64 = getelementptr inbounds i8, ptr %0, i64 96
+  %65 = load i64, ptr %64, align 8
+  %66 = add nsw i64 %63, %62
+  %67 = icmp eq i64 %65, %66
+  br i1 %67, label %87, label %68
+
+68:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %7)
   store i64 32, ptr %7, align 8
-  %33 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 1
-  store ptr null, ptr %33, align 8
-  %34 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 2
-  store ptr @.str, ptr %34, align 8
-  %35 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 3
-  store i32 3, ptr %35, align 8
-  %36 = getelementptr inbounds i8, ptr %0, i64 16
-  %37 = load ptr, ptr %36, align 8
-  %38 = getelementptr inbounds i8, ptr %37, i64 48
-  %39 = load ptr, ptr %38, align 8
-  %40 = call ptr %39(ptr noundef nonnull %7)
-  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %7)
-  br label %386
-
-41:
-  %42 = mul i64 %23, 200
-  %43 = tail call noalias ptr @malloc(i64 noundef %42)
-  %44 = icmp eq ptr %43, null
-  br i1 %44, label %45, label %54
-
-45:
-  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %6)
-  store i64 32, ptr %6, align 8
-  %46 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 1
-  store ptr null, ptr %46, align 8
-  %47 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 2
-  store ptr @.str.1, ptr %47, align 8
-  %48 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 3
-  store i32 8, ptr %48, align 8
-  %49 = getelementptr inbounds i8, ptr %0, i64 16
-  %50 = load ptr, ptr %49, align 8
-  %51 = getelementptr inbounds i8, ptr %50, i64 48
-  %52 = load ptr, ptr %51, align 8
-  %53 = call ptr %52(ptr noundef nonnull %6)
-  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %6)
-  br label %386
-
-54:
-  call void @llvm.lifetime.start.p0(i64 824, ptr nonnull %8)
-  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(824) %8, i8 0, i64 824, i1 false)
-  %55 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 3
-  store i64 %30, ptr %55, align 8
-  %56 = getelementptr inbounds i8, ptr %0, i64 72
-  %57 = load ptr, ptr %56, align 8
-  %58 = getelementptr inbounds i8, ptr %0, i64 112
-  %59 = load ptr, ptr %58, align 8
-  %60 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 1, i64 0, i32 7), align 8
-  %61 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 1, i64 0, i32 14), align 8
-  %62 = getelementptr inbounds i8, ptr %0, i64 96
-  %63 = load i64, ptr %62, align 8
-  %64 = add nsw i64 %61, %60
-  %65 = icmp eq i64 %63, %64
-  br i1 %65, label %85, label %66
-
-66:
-  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %5)
-  store i64 32, ptr %5, align 8
-  %67 = getelementptr inbounds %struct.anon, ptr %5, i64 0, i32 1
-  store ptr null, ptr %67, align 8
-  %68 = getelementptr inbounds %struct.anon, ptr %5, i64 0, i32 2
-  store ptr @.str.2, ptr %68, align 8
-  %69 = getelementptr inbounds %struct.anon, ptr %5, i64 0, i32 3
-  store i32 3, ptr %69, align 8
-  %70 = getelementptr inbounds i8, ptr %0, i64 16
-  %71 = load ptr, ptr %70, align 8
-  %72 = getelementptr inbounds i8, ptr %71, i64 48
+  %69 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 1
+  store ptr null, ptr %69, align 8
+  %70 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 2
+  store ptr @.str.2, ptr %70, align 8
+  %71 = getelementptr inbounds %struct.anon, ptr %7, i64 0, i32 3
+  store i32 3, ptr %71, align 8
+  %72 = getelementptr inbounds i8, ptr %0, i64 16
   %73 = load ptr, ptr %72, align 8
-  %74 = call ptr %73(ptr noundef nonnull %5)
-  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %5)
-  br label %384
-
-75:
-  %76 = icmp sgt i64 %23, 0
-  br i1 %76, label %77, label %169
+  %74 = getelementptr inbounds i8, ptr %73, i64 48
+  %75 = load ptr, ptr %74, align 8
+  %76 = call ptr %75(ptr noundef nonnull %7)
+  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %7)
+  br label %461
 
 77:
-  %78 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 1
-  %79 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 2
-  %80 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 3
-  %81 = getelementptr inbounds i8, ptr %0, i64 16
-  %82 = getelementptr inbounds %struct.anon, ptr %3, i64 0, i32 1
-  %83 = getelementptr inbounds %struct.anon, ptr %3, i64 0, i32 2
-  %84 = getelementptr inbounds %struct.anon, ptr %3, i64 0, i32 3
-  br label %94
+  %78 = icmp sgt i64 %25, 0
+  br i1 %78, label %79, label %176
 
-85:
-  %86 = phi i64 [ %88, %85 ], [ 0, %54 ]
-  %87 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %86
-  store i64 1, ptr %87, align 8
-  %88 = add nuw nsw i64 %86, 1
-  %89 = icmp eq i64 %88, 24
-  br i1 %89, label %75, label %85
+79:
+  %80 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 1
+  %81 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 2
+  %82 = getelementptr inbounds %struct.anon, ptr %6, i64 0, i32 3
+  %83 = getelementptr inbounds i8, ptr %0, i64 16
+  %84 = getelementptr inbounds %struct.anon, ptr %5, i64 0, i32 1
+  %85 = getelementptr inbounds %struct.anon, ptr %5, i64 0, i32 2
+  %86 = getelementptr inbounds %struct.anon, ptr %5, i64 0, i32 3
+  br label %96
 
-90:
-  %91 = add nuw nsw i64 %98, 1
-  %92 = icmp slt i64 %91, %23
-  %93 = icmp eq i64 %91, %23
-  br i1 %93, label %169, label %94
+87:
+  %88 = phi i64 [ %90, %87 ], [ 0, %56 ]
+  %89 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 1, i64 %88
+  store i64 1, ptr %89, align 8
+  %90 = add nuw nsw i64 %88, 1
+  %91 = icmp eq i64 %90, 24
+  br i1 %91, label %77, label %87
 
-94:
-  %95 = phi i1 [ true, %77 ], [ %92, %90 ]
-  %96 = phi ptr [ undef, %77 ], [ %168, %90 ]
-  %97 = phi i64 [ -1, %77 ], [ %167, %90 ]
-  %98 = phi i64 [ 0, %77 ], [ %91, %90 ]
-  %99 = icmp ult i64 %98, 2
-  %100 = load i64, ptr %55, align 8
-  %101 = add nsw i64 %100, 4
-  %102 = icmp sge i64 %98, %101
-  %103 = select i1 %99, i1 true, i1 %102
-  %104 = zext i1 %103 to i64
-  %105 = getelementptr inbounds ptr, ptr %57, i64 %98
-  %106 = load ptr, ptr %105, align 8
-  %107 = getelementptr inbounds %struct.Operand, ptr %43, i64 %98
-  %108 = getelementptr inbounds i8, ptr %106, i64 32
-  %109 = load i64, ptr %108, align 8
-  %110 = getelementptr inbounds i8, ptr %106, i64 40
-  %111 = load ptr, ptr %110, align 8
-  %112 = getelementptr inbounds i8, ptr %106, i64 16
-  %113 = load i32, ptr %112, align 4
-  %114 = icmp eq i32 %113, 12
-  br i1 %114, label %115, label %145
+92:
+  %93 = add nuw nsw i64 %100, 1
+  %94 = icmp slt i64 %93, %25
+  %95 = icmp eq i64 %93, %25
+  br i1 %95, label %176, label %96
 
-115:
-  %116 = icmp slt i64 %109, %104
-  br i1 %116, label %145, label %117
+96:
+  %97 = phi i1 [ true, %79 ], [ %94, %92 ]
+  %98 = phi ptr [ undef, %79 ], [ %175, %92 ]
+  %99 = phi i64 [ -1, %79 ], [ %174, %92 ]
+  %100 = phi i64 [ 0, %79 ], [ %93, %92 ]
+  %101 = icmp ult i64 %100, 2
+  %102 = load i64, ptr %57, align 8
+  %103 = add nsw i64 %102, 4
+  %104 = icmp sge i64 %100, %103
+  %105 = select i1 %101, i1 true, i1 %104
+  %106 = zext i1 %105 to i64
+  %107 = getelementptr inbounds ptr, ptr %59, i64 %100
+  %108 = load ptr, ptr %107, align 8
+  %109 = getelementptr inbounds %struct.Operand, ptr %45, i64 %100
+  %110 = getelementptr inbounds i8, ptr %108, i64 32
+  %111 = load i64, ptr %110, align 8
+  %112 = getelementptr inbounds i8, ptr %108, i64 40
+  %113 = load ptr, ptr %112, align 8
+  %114 = getelementptr inbounds i8, ptr %108, i64 16
+  %115 = load i32, ptr %114, align 4
+  %116 = icmp eq i32 %115, 12
+  br i1 %116, label %117, label %152
 
 117:
-  %118 = sub nsw i64 %109, %104
-  %119 = icmp sgt i64 %118, 24
-  br i1 %119, label %145, label %120
+  %118 = icmp slt i64 %111, %106
+  br i1 %118, label %152, label %119
 
-120:
-  %121 = getelementptr inbounds i8, ptr %106, i64 24
-  %122 = load ptr, ptr %121, align 8
-  store ptr %122, ptr %107, align 8
-  store i64 %118, ptr %8, align 8
-  %123 = icmp sgt i64 %109, 0
-  br i1 %123, label %124, label %145
+119:
+  %120 = sub nsw i64 %111, %106
+  %121 = icmp sgt i64 %120, 24
+  br i1 %121, label %152, label %122
 
-124:
-  %125 = phi i64 [ %127, %140 ], [ %109, %120 ]
-  %126 = phi i64 [ %143, %140 ], [ 1, %120 ]
-  %127 = add nsw i64 %125, -1
-  %128 = load i64, ptr %8, align 8
-  %129 = icmp sgt i64 %125, %128
-  br i1 %129, label %140, label %130
+122:
+  %123 = getelementptr inbounds i8, ptr %108, i64 24
+  %124 = load ptr, ptr %123, align 8
+  store ptr %124, ptr %109, align 8
+  store i64 %120, ptr %10, align 8
+  %125 = icmp slt i64 %111, 1
+  br i1 %125, label %152, label %126
 
-130:
-  %131 = getelementptr inbounds i64, ptr %111, i64 %127
-  %132 = load i64, ptr %131, align 8
-  %133 = icmp eq i64 %132, 1
-  %134 = select i1 %133, i64 0, i64 %126
-  %135 = getelementptr inbounds %struct.Operand, ptr %43, i64 %98, i32 1, i64 %127
-  store i64 %134, ptr %135, align 8
-  %136 = load i64, ptr %131, align 8
-  %137 = icmp eq i64 %136, 1
-  br i1 %137, label %140, label %138
+126:
+  %127 = phi i64 [ %129, %147 ], [ %111, %122 ]
+  %128 = phi i64 [ %150, %147 ], [ 1, %122 ]
+  %129 = add nsw i64 %127, -1
+  %130 = load i64, ptr %10, align 8
+  %131 = icmp sgt i64 %127, %130
+  br i1 %131, label %147, label %132
 
-138:
-  %139 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %127
-  store i64 %136, ptr %139, align 8
-  br label %140
+132:
+  %133 = getelementptr inbounds i64, ptr %113, i64 %129
+  %134 = load i64, ptr %133, align 8
+  %135 = icmp eq i64 %134, 1
+  %136 = select i1 %135, i64 0, i64 %128
+  %137 = getelementptr inbounds %struct.Operand, ptr %45, i64 %100, i32 1, i64 %129
+  store i64 %136, ptr %137, align 8
+  %138 = load i64, ptr %133, align 8
+  %139 = icmp eq i64 %138, 1
+  br i1 %139, label %147, label %140
 
 140:
-  %141 = getelementptr inbounds i64, ptr %111, i64 %127
+  %141 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 1, i64 %129
   %142 = load i64, ptr %141, align 8
-  %143 = mul nsw i64 %142, %126
-  %144 = icmp sgt i64 %125, 1
-  br i1 %144, label %124, label %145
+  %143 = icmp eq i64 %142, 1
+  %144 = icmp eq i64 %142, %138
+  %145 = select i1 %143, i1 true, i1 %144
+  br i1 %145, label %146, label %152
 
-145:
-  %146 = phi i1 [ false, %94 ], [ false, %115 ], [ false, %117 ], [ true, %120 ], [ true, %140 ]
-  %147 = phi ptr [ @.str.4, %94 ], [ @.str.5, %115 ], [ @.str.5, %117 ], [ null, %120 ], [ null, %140 ]
-  br i1 %146, label %153, label %148
+146:
+  store i64 %138, ptr %141, align 8
+  br label %147
 
-148:
-  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %4)
-  store i64 32, ptr %4, align 8
-  store ptr null, ptr %78, align 8
-  store ptr %147, ptr %79, align 8
-  store i32 3, ptr %80, align 8
-  %149 = load ptr, ptr %81, align 8
-  %150 = getelementptr inbounds i8, ptr %149, i64 48
-  %151 = load ptr, ptr %150, align 8
-  %152 = call ptr %151(ptr noundef nonnull %4)
-  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %4)
-  br label %165
+147:
+  %148 = getelementptr inbounds i64, ptr %113, i64 %129
+  %149 = load i64, ptr %148, align 8
+  %150 = mul nsw i64 %149, %128
+  %151 = icmp slt i64 %127, 2
+  br i1 %151, label %152, label %126
 
-153:
-  %154 = icmp slt i64 %97, 0
-  %155 = load i64, ptr %8, align 8
-  %156 = icmp eq i64 %155, %97
-  %157 = select i1 %154, i1 true, i1 %156
-  br i1 %157, label %163, label %158
+152:
+  %153 = phi i1 [ false, %96 ], [ false, %117 ], [ false, %119 ], [ true, %122 ], [ false, %140 ], [ true, %147 ]
+  %154 = phi ptr [ @.str.6, %96 ], [ @.str.7, %117 ], [ @.str.7, %119 ], [ null, %122 ], [ @.str.8, %140 ], [ null, %147 ]
+  br i1 %153, label %160, label %155
 
-158:
-  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %3)
-  store i64 32, ptr %3, align 8
-  store ptr null, ptr %82, align 8
-  store ptr @.str.3, ptr %83, align 8
-  store i32 3, ptr %84, align 8
-  %159 = load ptr, ptr %81, align 8
-  %160 = getelementptr inbounds i8, ptr %159, i64 48
-  %161 = load ptr, ptr %160, align 8
-  %162 = call ptr %161(ptr noundef nonnull %3)
-  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %3)
-  br label %165
+155:
+  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %6)
+  store i64 32, ptr %6, align 8
+  store ptr null, ptr %80, align 8
+  store ptr %154, ptr %81, align 8
+  store i32 3, ptr %82, align 8
+  %156 = load ptr, ptr %83, align 8
+  %157 = getelementptr inbounds i8, ptr %156, i64 48
+  %158 = load ptr, ptr %157, align 8
+  %159 = call ptr %158(ptr noundef nonnull %6)
+  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %6)
+  br label %172
 
-163:
-  %164 = load i64, ptr %8, align 8
-  br label %165
+160:
+  %161 = icmp slt i64 %99, 0
+  %162 = load i64, ptr %10, align 8
+  %163 = icmp eq i64 %162, %99
+  %164 = select i1 %161, i1 true, i1 %163
+  br i1 %164, label %170, label %165
 
 165:
-  %166 = phi i1 [ true, %163 ], [ false, %158 ], [ false, %148 ]
-  %167 = phi i64 [ %164, %163 ], [ %97, %158 ], [ %97, %148 ]
-  %168 = phi ptr [ %96, %163 ], [ %162, %158 ], [ %152, %148 ]
-  br i1 %166, label %90, label %169
+  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %5)
+  store i64 32, ptr %5, align 8
+  store ptr null, ptr %84, align 8
+  store ptr @.str.3, ptr %85, align 8
+  store i32 3, ptr %86, align 8
+  %166 = load ptr, ptr %83, align 8
+  %167 = getelementptr inbounds i8, ptr %166, i64 48
+  %168 = load ptr, ptr %167, align 8
+  %169 = call ptr %168(ptr noundef nonnull %5)
+  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %5)
+  br label %172
 
-169:
-  %170 = phi i1 [ %76, %75 ], [ %95, %165 ], [ %92, %90 ]
-  %171 = phi ptr [ undef, %75 ], [ %168, %90 ], [ %168, %165 ]
-  br i1 %170, label %384, label %172
+170:
+  %171 = load i64, ptr %10, align 8
+  br label %172
 
 172:
-  %173 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
-  %174 = icmp eq i64 %173, 0
-  br i1 %174, label %185, label %175
+  %173 = phi i1 [ true, %170 ], [ false, %165 ], [ false, %155 ]
+  %174 = phi i64 [ %171, %170 ], [ %99, %165 ], [ %99, %155 ]
+  %175 = phi ptr [ %98, %170 ], [ %169, %165 ], [ %159, %155 ]
+  br i1 %173, label %92, label %176
 
-175:
-  %176 = add nsw i64 %23, -1
-  %177 = getelementptr inbounds ptr, ptr %57, i64 %176
-  %178 = load ptr, ptr %177, align 8
-  %179 = getelementptr inbounds i8, ptr %178, i64 40
-  %180 = load ptr, ptr %179, align 8
-  %181 = load i64, ptr %8, align 8
-  %182 = getelementptr inbounds i64, ptr %180, i64 %181
-  %183 = load i64, ptr %182, align 8
-  %184 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 12
-  store i64 %183, ptr %184, align 8
-  br label %185
+176:
+  %177 = phi i1 [ %78, %77 ], [ %97, %172 ], [ %94, %92 ]
+  %178 = phi ptr [ undef, %77 ], [ %175, %92 ], [ %175, %172 ]
+  br i1 %177, label %461, label %179
 
-185:
-  %186 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 4
-  store ptr %43, ptr %186, align 8
-  %187 = getelementptr inbounds %struct.Operand, ptr %43, i64 1
-  %188 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 5
-  store ptr %187, ptr %188, align 8
-  %189 = getelementptr inbounds %struct.Operand, ptr %43, i64 2
-  %190 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 6
-  store ptr %189, ptr %190, align 8
-  %191 = load i64, ptr %55, align 8
-  %192 = getelementptr inbounds %struct.Operand, ptr %189, i64 %191
-  %193 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 7
-  store ptr %192, ptr %193, align 8
-  %194 = getelementptr inbounds %struct.Operand, ptr %192, i64 1
-  %195 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 8
-  store ptr %194, ptr %195, align 8
-  %196 = getelementptr inbounds %struct.Operand, ptr %194, i64 1
-  %197 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 9
-  store ptr %196, ptr %197, align 8
-  %198 = getelementptr inbounds %struct.Operand, ptr %43, i64 %23
-  %199 = getelementptr inbounds %struct.Operand, ptr %198, i64 -1
-  %200 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 10
-  store ptr %199, ptr %200, align 8
-  %201 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 2
-  store i64 1, ptr %201, align 8
-  %202 = load i64, ptr %8, align 8
-  %203 = icmp sgt i64 %202, 0
-  br i1 %203, label %210, label %204
+179:
+  %180 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
+  %181 = icmp eq i64 %180, 0
+  br i1 %181, label %192, label %182
 
-204:
-  %205 = load i64, ptr @operation, align 8
-  %206 = icmp sgt i64 %205, 0
-  br i1 %206, label %207, label %219
+182:
+  %183 = add nsw i64 %25, -1
+  %184 = getelementptr inbounds ptr, ptr %59, i64 %183
+  %185 = load ptr, ptr %184, align 8
+  %186 = getelementptr inbounds i8, ptr %185, i64 40
+  %187 = load ptr, ptr %186, align 8
+  %188 = load i64, ptr %10, align 8
+  %189 = getelementptr inbounds i64, ptr %187, i64 %188
+  %190 = load i64, ptr %189, align 8
+  %191 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 12
+  store i64 %190, ptr %191, align 8
+  br label %192
 
-207:
-  %208 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 16
-  %209 = load i64, ptr %208, align 8
-  br label %222
+192:
+  %193 = load ptr, ptr %59, align 8
+  %194 = getelementptr inbounds i8, ptr %193, i64 40
+  %195 = load ptr, ptr %194, align 8
+  %196 = load i64, ptr %10, align 8
+  %197 = getelementptr inbounds i64, ptr %195, i64 %196
+  %198 = load i64, ptr %197, align 8
+  %199 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 2), align 8
+  %200 = icmp eq i64 %198, %199
+  br i1 %200, label %210, label %201
+
+201:
+  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %4)
+  store i64 32, ptr %4, align 8
+  %202 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 1
+  store ptr null, ptr %202, align 8
+  %203 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 2
+  store ptr @.str.4, ptr %203, align 8
+  %204 = getelementptr inbounds %struct.anon, ptr %4, i64 0, i32 3
+  store i32 3, ptr %204, align 8
+  %205 = getelementptr inbounds i8, ptr %0, i64 16
+  %206 = load ptr, ptr %205, align 8
+  %207 = getelementptr inbounds i8, ptr %206, i64 48
+  %208 = load ptr, ptr %207, align 8
+  %209 = call ptr %208(ptr noundef nonnull %4)
+  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %4)
+  br label %461
 
 210:
-  %211 = phi i64 [ %215, %210 ], [ 1, %185 ]
-  %212 = phi i64 [ %216, %210 ], [ 0, %185 ]
-  %213 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %212
-  %214 = load i64, ptr %213, align 8
-  %215 = mul nsw i64 %214, %211
-  store i64 %215, ptr %201, align 8
-  %216 = add nuw nsw i64 %212, 1
-  %217 = icmp eq i64 %216, %202
-  br i1 %217, label %204, label %210
+  %211 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 4
+  store ptr %45, ptr %211, align 8
+  %212 = getelementptr inbounds %struct.Operand, ptr %45, i64 1
+  %213 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 5
+  store ptr %212, ptr %213, align 8
+  %214 = getelementptr inbounds %struct.Operand, ptr %45, i64 2
+  %215 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 6
+  store ptr %214, ptr %215, align 8
+  %216 = load i64, ptr %57, align 8
+  %217 = getelementptr inbounds %struct.Operand, ptr %214, i64 %216
+  %218 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 7
+  store ptr %217, ptr %218, align 8
+  %219 = getelementptr inbounds %struct.Operand, ptr %217, i64 1
+  %220 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 8
+  store ptr %219, ptr %220, align 8
+  %221 = getelementptr inbounds %struct.Operand, ptr %219, i64 1
+  %222 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 9
+  store ptr %221, ptr %222, align 8
+  %223 = getelementptr inbounds %struct.Operand, ptr %45, i64 %25
+  %224 = getelementptr inbounds %struct.Operand, ptr %223, i64 -1
+  %225 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 10
+  store ptr %224, ptr %225, align 8
+  %226 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 2
+  store i64 1, ptr %226, align 8
+  %227 = icmp sgt i64 %196, 0
+  br i1 %227, label %234, label %228
 
-218:
-  store i64 %229, ptr %208, align 8
-  br label %219
+228:
+  %229 = load i64, ptr @operation, align 8
+  %230 = icmp sgt i64 %229, 0
+  br i1 %230, label %231, label %243
 
-219:
-  %220 = load i64, ptr %201, align 8
-  %221 = icmp eq i64 %220, 0
-  br i1 %221, label %384, label %233
+231:
+  %232 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 16
+  %233 = load i64, ptr %232, align 8
+  br label %251
 
-222:
-  %223 = phi i64 [ %209, %207 ], [ %229, %222 ]
-  %224 = phi i64 [ %209, %207 ], [ %230, %222 ]
-  %225 = phi i64 [ 0, %207 ], [ %231, %222 ]
-  %226 = getelementptr inbounds %struct.Operation, ptr @operation, i64 0, i32 1, i64 %225, i32 4
-  %227 = load i64, ptr %226, align 8
-  %228 = icmp sgt i64 %227, %224
-  %229 = select i1 %228, i64 %227, i64 %223
-  %230 = call i64 @llvm.smax.i64(i64 %227, i64 %224)
-  %231 = add nuw nsw i64 %225, 1
-  %232 = icmp eq i64 %231, %205
-  br i1 %232, label %218, label %222
+234:
+  %235 = phi i64 [ %239, %234 ], [ 1, %210 ]
+  %236 = phi i64 [ %240, %234 ], [ 0, %210 ]
+  %237 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 1, i64 %236
+  %238 = load i64, ptr %237, align 8
+  %239 = mul nsw i64 %238, %235
+  store i64 %239, ptr %226, align 8
+  %240 = add nuw nsw i64 %236, 1
+  %241 = icmp eq i64 %240, %196
+  br i1 %241, label %228, label %234
 
-233:
-  %234 = shl i64 %64, 3
-  %235 = call noalias ptr @malloc(i64 noundef %234)
-  %236 = shl i64 %220, 4
-  %237 = call noalias ptr @malloc(i64 noundef %236)
-  %238 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 13
-  store ptr %237, ptr %238, align 8
-  %239 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 11
-  store ptr %235, ptr %239, align 8
-  %240 = icmp eq ptr %235, null
-  %241 = icmp eq ptr %237, null
-  %242 = or i1 %240, %241
-  br i1 %242, label %368, label %243
+242:
+  store i64 %258, ptr %232, align 8
+  br label %243
 
 243:
-  %244 = icmp sgt i64 %64, 0
-  br i1 %244, label %359, label %245
-
-245:
-  br i1 %206, label %246, label %320
+  %244 = load i64, ptr %226, align 8
+  %245 = icmp eq i64 %244, 0
+  br i1 %245, label %461, label %246
 
 246:
-  %247 = phi i64 [ %317, %314 ], [ 0, %245 ]
-  %248 = phi i64 [ %252, %314 ], [ 0, %245 ]
-  %249 = load i64, ptr %201, align 8
-  %250 = icmp sgt i64 %249, 0
-  br i1 %250, label %255, label %251
+  %247 = icmp sgt i64 %66, 0
+  br i1 %247, label %248, label %303
+
+248:
+  %249 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 12
+  %250 = load i64, ptr %249, align 8
+  br label %266
 
 251:
-  %252 = phi i64 [ %248, %246 ], [ %307, %306 ]
-  %253 = sub nsw i64 %252, %248
-  %254 = icmp sgt i64 %253, 8
-  br i1 %254, label %311, label %314
-
-255:
-  %256 = phi i64 [ %308, %306 ], [ 0, %246 ]
-  %257 = phi i64 [ %307, %306 ], [ %248, %246 ]
-  %258 = load ptr, ptr %195, align 8
-  %259 = load ptr, ptr %258, align 8
-  %260 = load i64, ptr %8, align 8
-  %261 = icmp sgt i64 %260, 0
-  br i1 %261, label %262, label %276
+  %252 = phi i64 [ %233, %231 ], [ %258, %251 ]
+  %253 = phi i64 [ %233, %231 ], [ %259, %251 ]
+  %254 = phi i64 [ 0, %231 ], [ %260, %251 ]
+  %255 = getelementptr inbounds %struct.Operation, ptr @operation, i64 0, i32 1, i64 %254, i32 4
+  %256 = load i64, ptr %255, align 8
+  %257 = icmp sgt i64 %256, %253
+  %258 = select i1 %257, i64 %256, i64 %252
+  %259 = call i64 @llvm.smax.i64(i64 %256, i64 %253)
+  %260 = add nuw nsw i64 %254, 1
+  %261 = icmp eq i64 %260, %229
+  br i1 %261, label %242, label %251
 
 262:
-  %263 = phi i64 [ %266, %262 ], [ %260, %255 ]
-  %264 = phi ptr [ %273, %262 ], [ %259, %255 ]
-  %265 = phi i64 [ %274, %262 ], [ %256, %255 ]
-  %266 = add nsw i64 %263, -1
-  %267 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %266
-  %268 = load i64, ptr %267, align 8
-  %269 = srem i64 %265, %268
-  %270 = getelementptr inbounds %struct.Operand, ptr %258, i64 0, i32 1, i64 %266
-  %271 = load i64, ptr %270, align 8
-  %272 = mul nsw i64 %271, %269
-  %273 = getelementptr inbounds double, ptr %264, i64 %272
-  %274 = sdiv i64 %265, %268
-  %275 = icmp sgt i64 %263, 1
-  br i1 %275, label %262, label %276
+  %263 = add nuw nsw i64 %268, 1
+  %264 = icmp slt i64 %263, %66
+  %265 = icmp eq i64 %263, %66
+  br i1 %265, label %303, label %266
 
-276:
-  %277 = phi ptr [ %259, %255 ], [ %273, %262 ]
-  %278 = load double, ptr %277, align 8
-  %279 = fptosi double %278 to i32
-  %280 = zext i32 %279 to i64
-  %281 = icmp eq i64 %247, %280
-  br i1 %281, label %282, label %306
+266:
+  %267 = phi i1 [ true, %248 ], [ %264, %262 ]
+  %268 = phi i64 [ 0, %248 ], [ %263, %262 ]
+  %269 = getelementptr inbounds ptr, ptr %61, i64 %268
+  %270 = load ptr, ptr %269, align 8
+  %271 = icmp slt i64 %268, %62
+  %272 = select i1 %271, i64 1, i64 %250
+  %273 = mul nsw i64 %272, %244
+  %274 = getelementptr inbounds i8, ptr %270, i64 32
+  %275 = load i64, ptr %274, align 8
+  %276 = getelementptr inbounds i8, ptr %270, i64 40
+  %277 = load ptr, ptr %276, align 8
+  %278 = icmp sgt i64 %275, 0
+  br i1 %278, label %279, label %287
 
-282:
-  %283 = load ptr, ptr %238, align 8
-  %284 = add nsw i64 %257, 1
-  %285 = getelementptr inbounds %struct.Turn, ptr %283, i64 %257
-  %286 = load ptr, ptr %193, align 8
-  %287 = load ptr, ptr %286, align 8
-  br i1 %261, label %288, label %302
+279:
+  %280 = phi i64 [ %285, %279 ], [ 0, %266 ]
+  %281 = phi i64 [ %284, %279 ], [ 1, %266 ]
+  %282 = getelementptr inbounds i64, ptr %277, i64 %280
+  %283 = load i64, ptr %282, align 8
+  %284 = mul nsw i64 %283, %281
+  %285 = add nuw nsw i64 %280, 1
+  %286 = icmp eq i64 %285, %275
+  br i1 %286, label %287, label %279
 
-288:
-  %289 = phi i64 [ %292, %288 ], [ %260, %282 ]
-  %290 = phi ptr [ %299, %288 ], [ %287, %282 ]
-  %291 = phi i64 [ %300, %288 ], [ %256, %282 ]
-  %292 = add nsw i64 %289, -1
-  %293 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 1, i64 %292
-  %294 = load i64, ptr %293, align 8
-  %295 = srem i64 %291, %294
-  %296 = getelementptr inbounds %struct.Operand, ptr %286, i64 0, i32 1, i64 %292
-  %297 = load i64, ptr %296, align 8
-  %298 = mul nsw i64 %297, %295
-  %299 = getelementptr inbounds double, ptr %290, i64 %298
-  %300 = sdiv i64 %291, %294
-  %301 = icmp sgt i64 %289, 1
-  br i1 %301, label %288, label %302
+287:
+  %288 = phi i64 [ 1, %266 ], [ %284, %279 ]
+  %289 = getelementptr inbounds i8, ptr %270, i64 16
+  %290 = load i32, ptr %289, align 4
+  %291 = icmp ne i32 %290, 12
+  %292 = icmp ne i64 %288, %273
+  %293 = select i1 %291, i1 true, i1 %292
+  br i1 %293, label %294, label %262
 
-302:
-  %303 = phi ptr [ %287, %282 ], [ %299, %288 ]
-  %304 = load double, ptr %303, align 8
-  store double %304, ptr %285, align 8
-  %305 = getelementptr inbounds i8, ptr %285, i64 8
-  store i64 %256, ptr %305, align 8
-  br label %306
+294:
+  call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %3)
+  store i64 32, ptr %3, align 8
+  %295 = getelementptr inbounds %struct.anon, ptr %3, i64 0, i32 1
+  store ptr null, ptr %295, align 8
+  %296 = getelementptr inbounds %struct.anon, ptr %3, i64 0, i32 2
+  store ptr @.str.5, ptr %296, align 8
+  %297 = getelementptr inbounds %struct.anon, ptr %3, i64 0, i32 3
+  store i32 3, ptr %297, align 8
+  %298 = getelementptr inbounds i8, ptr %0, i64 16
+  %299 = load ptr, ptr %298, align 8
+  %300 = getelementptr inbounds i8, ptr %299, i64 48
+  %301 = load ptr, ptr %300, align 8
+  %302 = call ptr %301(ptr noundef nonnull %3)
+  call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %3)
+  br label %303
+
+303:
+  %304 = phi i1 [ %267, %294 ], [ %247, %246 ], [ %264, %262 ]
+  %305 = phi ptr [ %302, %294 ], [ %178, %246 ], [ %178, %262 ]
+  br i1 %304, label %461, label %306
 
 306:
-  %307 = phi i64 [ %284, %302 ], [ %257, %276 ]
-  %308 = add nuw nsw i64 %256, 1
-  %309 = load i64, ptr %201, align 8
-  %310 = icmp slt i64 %308, %309
-  br i1 %310, label %255, label %251
+  %307 = shl i64 %66, 3
+  %308 = call noalias ptr @malloc(i64 noundef %307)
+  %309 = load i64, ptr %226, align 8
+  %310 = shl i64 %309, 4
+  %311 = call noalias ptr @malloc(i64 noundef %310)
+  %312 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 13
+  store ptr %311, ptr %312, align 8
+  %313 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 11
+  store ptr %308, ptr %313, align 8
+  %314 = icmp eq ptr %308, null
+  %315 = icmp eq ptr %311, null
+  %316 = or i1 %314, %315
+  br i1 %316, label %445, label %317
 
-311:
-  %312 = load ptr, ptr %238, align 8
-  %313 = getelementptr inbounds %struct.Turn, ptr %312, i64 %248
-  call void @qsort(ptr noundef %313, i64 noundef %253, i64 noundef 16, ptr noundef nonnull @longer_first)
-  br label %314
+317:
+  br i1 %247, label %436, label %318
 
-314:
-  %315 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 14, i64 %247
-  store i64 %248, ptr %315, align 8
-  %316 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 15, i64 %247
-  store i64 %252, ptr %316, align 8
-  %317 = add nuw nsw i64 %247, 1
-  %318 = load i64, ptr @operation, align 8
-  %319 = icmp sgt i64 %318, %317
-  br i1 %319, label %246, label %320
+318:
+  %319 = load i64, ptr @operation, align 8
+  %320 = icmp sgt i64 %319, 0
+  br i1 %320, label %321, label %397
 
-320:
-  %321 = load i64, ptr %201, align 8
-  %322 = add nsw i64 %321, 7
-  %323 = sdiv i64 %322, 8
-  %324 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 5), align 8
-  %325 = call i64 @llvm.smin.i64(i64 %323, i64 %324)
-  %326 = icmp sgt i64 %325, 1
-  %327 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 6), align 8
-  %328 = icmp ne ptr %327, null
-  %329 = select i1 %326, i1 %328, i1 false
-  br i1 %329, label %330, label %333
+321:
+  %322 = phi i64 [ %394, %391 ], [ 0, %318 ]
+  %323 = phi i64 [ %327, %391 ], [ 0, %318 ]
+  %324 = load i64, ptr %226, align 8
+  %325 = icmp sgt i64 %324, 0
+  br i1 %325, label %330, label %326
+
+326:
+  %327 = phi i64 [ %323, %321 ], [ %384, %383 ]
+  %328 = sub nsw i64 %327, %323
+  %329 = icmp sgt i64 %328, 8
+  br i1 %329, label %388, label %391
 
 330:
-  %331 = shl i64 %325, 3
-  %332 = call noalias ptr @malloc(i64 noundef %331)
-  br label %333
-
-333:
-  %334 = phi ptr [ %332, %330 ], [ null, %320 ]
-  %335 = icmp ne ptr %334, null
-  %336 = select i1 %335, i1 %326, i1 false
-  br i1 %336, label %337, label %346
+  %331 = phi i64 [ %385, %383 ], [ 0, %321 ]
+  %332 = phi i64 [ %384, %383 ], [ %323, %321 ]
+  %333 = load ptr, ptr %220, align 8
+  %334 = load ptr, ptr %333, align 8
+  %335 = load i64, ptr %10, align 8
+  %336 = icmp sgt i64 %335, 0
+  br i1 %336, label %337, label %351
 
 337:
-  %338 = phi i64 [ %344, %343 ], [ 1, %333 ]
-  %339 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 6), align 8
-  %340 = getelementptr inbounds i64, ptr %334, i64 %338
-  %341 = call i32 %339(ptr noundef nonnull %340, ptr noundef null, ptr noundef nonnull @work, ptr noundef nonnull %8)
-  %342 = icmp eq i32 %341, 0
-  br i1 %342, label %343, label %346
+  %338 = phi i64 [ %341, %337 ], [ %335, %330 ]
+  %339 = phi ptr [ %348, %337 ], [ %334, %330 ]
+  %340 = phi i64 [ %349, %337 ], [ %331, %330 ]
+  %341 = add nsw i64 %338, -1
+  %342 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 1, i64 %341
+  %343 = load i64, ptr %342, align 8
+  %344 = srem i64 %340, %343
+  %345 = getelementptr inbounds %struct.Operand, ptr %333, i64 0, i32 1, i64 %341
+  %346 = load i64, ptr %345, align 8
+  %347 = mul nsw i64 %346, %344
+  %348 = getelementptr inbounds double, ptr %339, i64 %347
+  %349 = sdiv i64 %340, %343
+  %350 = icmp sgt i64 %338, 1
+  br i1 %350, label %337, label %351
 
-343:
-  %344 = add nuw nsw i64 %338, 1
-  %345 = icmp eq i64 %344, %325
-  br i1 %345, label %346, label %337
+351:
+  %352 = phi ptr [ %334, %330 ], [ %348, %337 ]
+  %353 = load double, ptr %352, align 8
+  %354 = fptosi double %353 to i32
+  %355 = zext i32 %354 to i64
+  %356 = icmp eq i64 %322, %355
+  br i1 %356, label %357, label %383
 
-346:
-  %347 = phi i64 [ 1, %333 ], [ %338, %337 ], [ %344, %343 ]
-  %348 = call ptr @work(ptr noundef nonnull %8)
-  %349 = icmp ugt i64 %347, 1
-  br i1 %349, label %350, label %358
+357:
+  %358 = load ptr, ptr %218, align 8
+  %359 = load ptr, ptr %358, align 8
+  br i1 %336, label %360, label %374
 
-350:
-  %351 = phi i64 [ %356, %350 ], [ 1, %346 ]
-  %352 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 7), align 8
-  %353 = getelementptr inbounds i64, ptr %334, i64 %351
-  %354 = load i64, ptr %353, align 8
-  %355 = call i32 %352(i64 noundef %354, ptr noundef null)
-  %356 = add nuw nsw i64 %351, 1
-  %357 = icmp eq i64 %356, %347
-  br i1 %357, label %358, label %350
+360:
+  %361 = phi i64 [ %364, %360 ], [ %335, %357 ]
+  %362 = phi ptr [ %371, %360 ], [ %359, %357 ]
+  %363 = phi i64 [ %372, %360 ], [ %331, %357 ]
+  %364 = add nsw i64 %361, -1
+  %365 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 1, i64 %364
+  %366 = load i64, ptr %365, align 8
+  %367 = srem i64 %363, %366
+  %368 = getelementptr inbounds %struct.Operand, ptr %358, i64 0, i32 1, i64 %364
+  %369 = load i64, ptr %368, align 8
+  %370 = mul nsw i64 %369, %367
+  %371 = getelementptr inbounds double, ptr %362, i64 %370
+  %372 = sdiv i64 %363, %366
+  %373 = icmp sgt i64 %361, 1
+  br i1 %373, label %360, label %374
 
-358:
-  call void @free(ptr noundef %334)
-  br label %370
+374:
+  %375 = phi ptr [ %359, %357 ], [ %371, %360 ]
+  %376 = load double, ptr %375, align 8
+  %377 = load ptr, ptr %312, align 8
+  %378 = add nsw i64 %332, 1
+  %379 = getelementptr inbounds %struct.Turn, ptr %377, i64 %332
+  %380 = fcmp ord double %376, 0.000000e+00
+  %381 = select i1 %380, double %376, double 0.000000e+00
+  store double %381, ptr %379, align 8
+  %382 = getelementptr inbounds i8, ptr %379, i64 8
+  store i64 %331, ptr %382, align 8
+  br label %383
 
-359:
-  %360 = phi i64 [ %366, %359 ], [ 0, %243 ]
-  %361 = getelementptr inbounds ptr, ptr %59, i64 %360
-  %362 = load ptr, ptr %361, align 8
-  %363 = getelementptr inbounds i8, ptr %362, i64 24
-  %364 = load ptr, ptr %363, align 8
-  %365 = getelementptr inbounds ptr, ptr %235, i64 %360
-  store ptr %364, ptr %365, align 8
-  %366 = add nuw nsw i64 %360, 1
-  %367 = icmp eq i64 %366, %64
-  br i1 %367, label %245, label %359
+383:
+  %384 = phi i64 [ %378, %374 ], [ %332, %351 ]
+  %385 = add nuw nsw i64 %331, 1
+  %386 = load i64, ptr %226, align 8
+  %387 = icmp slt i64 %385, %386
+  br i1 %387, label %330, label %326
 
-368:
-  %369 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 17
-  store i32 1, ptr %369, align 8
-  br label %370
+388:
+  %389 = load ptr, ptr %312, align 8
+  %390 = getelementptr inbounds %struct.Turn, ptr %389, i64 %323
+  call void @qsort(ptr noundef %390, i64 noundef %328, i64 noundef 16, ptr noundef nonnull @longer_first)
+  br label %391
 
-370:
-  %371 = load ptr, ptr %238, align 8
-  call void @free(ptr noundef %371)
-  call void @free(ptr noundef %235)
-  %372 = getelementptr inbounds %struct.Job, ptr %8, i64 0, i32 17
-  %373 = load i32, ptr %372, align 8
-  %374 = icmp eq i32 %373, 0
-  br i1 %374, label %384, label %375
+391:
+  %392 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 14, i64 %322
+  store i64 %323, ptr %392, align 8
+  %393 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 15, i64 %322
+  store i64 %327, ptr %393, align 8
+  %394 = add nuw nsw i64 %322, 1
+  %395 = load i64, ptr @operation, align 8
+  %396 = icmp sgt i64 %395, %394
+  br i1 %396, label %321, label %397
 
-375:
+397:
+  %398 = load i64, ptr %226, align 8
+  %399 = add nsw i64 %398, 7
+  %400 = sdiv i64 %399, 8
+  %401 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 5), align 8
+  %402 = call i64 @llvm.smin.i64(i64 %400, i64 %401)
+  %403 = icmp sgt i64 %402, 1
+  %404 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 6), align 8
+  %405 = icmp ne ptr %404, null
+  %406 = select i1 %403, i1 %405, i1 false
+  br i1 %406, label %407, label %410
+
+407:
+  %408 = shl i64 %402, 3
+  %409 = call noalias ptr @malloc(i64 noundef %408)
+  br label %410
+
+410:
+  %411 = phi ptr [ %409, %407 ], [ null, %397 ]
+  %412 = icmp ne ptr %411, null
+  %413 = select i1 %412, i1 %403, i1 false
+  br i1 %413, label %414, label %423
+
+414:
+  %415 = phi i64 [ %421, %420 ], [ 1, %410 ]
+  %416 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 6), align 8
+  %417 = getelementptr inbounds i64, ptr %411, i64 %415
+  %418 = call i32 %416(ptr noundef nonnull %417, ptr noundef null, ptr noundef nonnull @work, ptr noundef nonnull %10)
+  %419 = icmp eq i32 %418, 0
+  br i1 %419, label %420, label %423
+
+420:
+  %421 = add nuw nsw i64 %415, 1
+  %422 = icmp eq i64 %421, %402
+  br i1 %422, label %423, label %414
+
+423:
+  %424 = phi i64 [ 1, %410 ], [ %415, %414 ], [ %421, %420 ]
+  %425 = call ptr @work(ptr noundef nonnull %10)
+  %426 = icmp ugt i64 %424, 1
+  br i1 %426, label %427, label %435
+
+427:
+  %428 = phi i64 [ %433, %427 ], [ 1, %423 ]
+  %429 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 7), align 8
+  %430 = getelementptr inbounds i64, ptr %411, i64 %428
+  %431 = load i64, ptr %430, align 8
+  %432 = call i32 %429(i64 noundef %431, ptr noundef null)
+  %433 = add nuw nsw i64 %428, 1
+  %434 = icmp eq i64 %433, %424
+  br i1 %434, label %435, label %427
+
+435:
+  call void @free(ptr noundef %411)
+  br label %447
+
+436:
+  %437 = phi i64 [ %443, %436 ], [ 0, %317 ]
+  %438 = getelementptr inbounds ptr, ptr %61, i64 %437
+  %439 = load ptr, ptr %438, align 8
+  %440 = getelementptr inbounds i8, ptr %439, i64 24
+  %441 = load ptr, ptr %440, align 8
+  %442 = getelementptr inbounds ptr, ptr %308, i64 %437
+  store ptr %441, ptr %442, align 8
+  %443 = add nuw nsw i64 %437, 1
+  %444 = icmp eq i64 %443, %66
+  br i1 %444, label %318, label %436
+
+445:
+  %446 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 17
+  store i32 1, ptr %446, align 8
+  br label %447
+
+447:
+  %448 = load ptr, ptr %312, align 8
+  call void @free(ptr noundef %448)
+  call void @free(ptr noundef %308)
+  %449 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 17
+  %450 = load i32, ptr %449, align 8
+  %451 = icmp eq i32 %450, 0
+  br i1 %451, label %461, label %452
+
+452:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %2)
   store i64 32, ptr %2, align 8
-  %376 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 1
-  store ptr null, ptr %376, align 8
-  %377 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 2
-  store ptr @.str.1, ptr %377, align 8
-  %378 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 3
-  store i32 8, ptr %378, align 8
-  %379 = getelementptr inbounds i8, ptr %0, i64 16
-  %380 = load ptr, ptr %379, align 8
-  %381 = getelementptr inbounds i8, ptr %380, i64 48
-  %382 = load ptr, ptr %381, align 8
-  %383 = call ptr %382(ptr noundef nonnull %2)
+  %453 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 1
+  store ptr null, ptr %453, align 8
+  %454 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 2
+  store ptr @.str.1, ptr %454, align 8
+  %455 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 3
+  store i32 8, ptr %455, align 8
+  %456 = getelementptr inbounds i8, ptr %0, i64 16
+  %457 = load ptr, ptr %456, align 8
+  %458 = getelementptr inbounds i8, ptr %457, i64 48
+  %459 = load ptr, ptr %458, align 8
+  %460 = call ptr %459(ptr noundef nonnull %2)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %2)
-  br label %384
+  br label %461
 
-384:
-  %385 = phi ptr [ %74, %66 ], [ %171, %169 ], [ null, %219 ], [ %383, %375 ], [ null, %370 ]
-  call void @free(ptr noundef %43)
-  call void @llvm.lifetime.end.p0(i64 824, ptr nonnull %8)
-  br label %386
+461:
+  %462 = phi ptr [ %76, %68 ], [ %209, %201 ], [ %178, %176 ], [ null, %243 ], [ %305, %303 ], [ %460, %452 ], [ null, %447 ]
+  call void @free(ptr noundef %45)
+  call void @llvm.lifetime.end.p0(i64 824, ptr nonnull %10)
+  br label %463
 
-386:
-  %387 = phi ptr [ null, %16 ], [ %40, %32 ], [ %385, %384 ], [ %53, %45 ]
-  ret ptr %387
+463:
+  %464 = phi ptr [ null, %18 ], [ %42, %34 ], [ %462, %461 ], [ %55, %47 ]
+  ret ptr %464
 }
 
 declare noalias noundef ptr @malloc(i64 noundef) local_unnamed_addr
