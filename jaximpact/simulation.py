@@ -85,8 +85,8 @@ def simulate(
             )
         if not chosen.is_machine_code:
             raise InputError(
-                f"save_at is not to be had with the engine {chosen.name}; ask for every "
-                "step, with history=True, or leave the engine out"
+                f"save_at is not to be had with the engine {chosen.name}; ask for "
+                "every step, with history=True, or leave the engine out"
             )
         times, shape = check_times("save_at", save_at, shape_of(scene))
         held = with_axes(scene, len(shape)) if shape else held
