@@ -1,29 +1,35 @@
-"""The course of one impact, step by step."""
+"""The course of an impact: forces, motion and energies against time."""
 
-from typing import NamedTuple
+import functools
+from typing import TYPE_CHECKING, NamedTuple
 
-import diffrax
 import jax
 import jax.numpy as jnp
-import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
-from ._jax_internals import Tracer, is_inside_jit
-from .accuracy import MAX_STEPS, Accuracy
-from .engines.compilation import unfused_jit
-from .mechanics.dynamics import elastic_energy, kinetic_energy
-from .mechanics.problem import Problem, assemble, pose
-from .scene import Scene
-from .solver.integration import diffrax_arguments
+from .laws import Branch
+from .mechanics.dynamics import Work, elastic_energy, kinetic_energy
+from .mechanics.outcomes import Outcome
+from .mechanics.problem import Problem
 
-Series = Float[Array, " steps"]
+if TYPE_CHECKING:  # which takes a while to load
+    import xarray as xr
+
+Series = Float[Array, "*lanes times"]
+
+FORCES = ("normal_force", "tangential_force", "moment")
 
 
 class History(NamedTuple):
-    """The impact at the start and at the end of every step taken, in SI units.
+    """An impact against time, in SI units: with `save_at` at the times given, along the
+    last axis; with `history=True` at the start and at the end of every step.
+
+    At other times than those in contact there are no forces: they are 0 before the
+    contact, and after a block has detached; all else is NaN, as nothing is known of it.
 
     Energies in J: `kinetic + elastic + viscoplastic + slider + dashpot` equals the
-    kinetic energy at the start plus `gravity + arm + stiffness`.
+    kinetic energy at the start plus `gravity + arm + stiffness`. From `gravity` on they
+    are None without the energy ledger.
     """
 
     time: Series
@@ -42,19 +48,42 @@ class History(NamedTuple):
     rotational_ratio: Series
     kinetic: Series
     elastic: Series
-    gravity: Series
-    viscoplastic: Series
-    slider: Series
-    dashpot: Series
-    arm: Series
-    stiffness: Series
+    gravity: Series | None = None
+    viscoplastic: Series | None = None
+    slider: Series | None = None
+    dashpot: Series | None = None
+    arm: Series | None = None
+    stiffness: Series | None = None
+    in_contact: Bool[Array, "*lanes times"] | None = None
+    """Whether a time is in the contact; None with `history=True`, where all are."""
+
+    def to_xarray(self, dims: tuple[str, ...] | None = None) -> "xr.Dataset":
+        """The series as a dataset over `time`, with units and meanings.
+
+        Args:
+            dims: names of the axes before that of time; by default `scene`, or
+                `scene_0`, `scene_1` and so on, as in `ImpactResult.to_xarray`.
+
+        Raises InputError for impacts with different times, and for a wrong number of
+        names.
+        """
+        from .formats.series import dataset_of_history
+
+        return dataset_of_history(self, dims)
 
 
-def _row(problem: Problem, time, vector, work) -> History:
-    motion, now = problem.contact(vector)
+def history_at(
+    problem: Problem,
+    time,
+    vector: Float[Array, " n"],
+    work: Work | None,
+    branch: Branch | None = None,
+) -> History:
+    """What a history holds of one state."""
+    motion, now = problem.contact(vector, branch)
     ground = problem.ground
     kinetic = kinetic_energy(ground, motion)
-    return History(
+    history = History(
         time=time,
         penetration=motion.penetration,
         sinking=now.foundation.sinking,
@@ -71,58 +100,43 @@ def _row(problem: Problem, time, vector, work) -> History:
         rotational_ratio=0.5 * ground.inertia * motion.angular_velocity**2 / kinetic,
         kinetic=kinetic,
         elastic=elastic_energy(motion, now.stiffness),
-        **work._asdict(),
+        **({} if work is None else work._asdict()),
+    )
+    return jax.tree.map(
+        lambda x: jnp.broadcast_to(jnp.asarray(x, float), jnp.shape(time)), history
     )
 
 
-USUAL_STEPS = 20_000
-"""Steps that memory is set aside for at first; all of `MAX_STEPS` take 200 MB."""
+def history_of_no_value(ledger: bool) -> History:
+    """Zeros, to tell the structure of what is sampled."""
+    of_ledger = dict.fromkeys(Work._fields, 0.0) if ledger else {}
+    required = [name for name in History._fields if name not in History._field_defaults]
+    return History(**dict.fromkeys(required, 0.0), **of_ledger)
 
 
-def _record(assembly, room, solver, scene, tolerance, floor):
-    problem, vector = pose(scene, assembly, tolerance, floor)
-    solution = diffrax.diffeqsolve(
-        **diffrax_arguments(problem, vector, solver) | {"max_steps": room},
-        saveat=diffrax.SaveAt(t0=True, steps=True),
-    )
-    rows = jax.vmap(_row, in_axes=(None, 0, 0, 0))(
-        problem, solution.ts, solution.ys.vector, solution.ys.fold.work
-    )
-    full = solution.result == diffrax.RESULTS.max_steps_reached
-    return rows, solution.stats["num_accepted_steps"], full
+@functools.partial(jax.jit, inline=True)
+def outside_contact(samples: History, outcome_code, times: Series) -> History:
+    """The history at all times, by what was sampled in the contact.
 
-
-_record_compiled = unfused_jit(_record, static_argnums=(0, 1, 2))
-
-
-def record_history(
-    scene: Scene,
-    accuracy: Accuracy,
-    solver: diffrax.AbstractAdaptiveSolver | None = None,
-) -> History:
-    """Course of one impact as NumPy arrays, one entry for the start and each step, by
-    the package's method or another solver.
-
-    Raises ValueError under a JAX transformation: the number of steps is not known
-    there.
+    Args:
+        samples: NaN after the end. What stands before the contact says nothing.
+        outcome_code: `(*lanes,)`.
     """
-    if is_inside_jit(scene) or any(
-        isinstance(leaf, Tracer) for leaf in jax.tree.leaves(scene)
-    ):
-        raise ValueError(
-            "history=True cannot be used inside a JAX transformation; differentiate or "
-            "batch simulate without it"
-        )
-    for room in (USUAL_STEPS, MAX_STEPS):
-        rows, steps, full = _record_compiled(
-            assemble(scene),
-            room,
-            solver,
-            scene,
-            jnp.asarray(accuracy.tolerance),
-            jnp.asarray(accuracy.floor),
-        )
-        if not full:
-            break
-    count = min(int(steps) + 1, room)
-    return History(*(np.asarray(series)[:count] for series in rows))
+    code = outcome_code[..., None]
+    before, after = times < 0.0, jnp.isnan(samples.time)
+    separating = code == Outcome.separating
+    known = code != Outcome.failed
+    in_contact = ~before & ~after & ~separating & known
+    # NaN is no time.
+    free = before | (after & (code == Outcome.detached)) | separating
+    free = free & known & ~jnp.isnan(times)
+    outside = samples._replace(time=times)
+    for name in samples._fields[1:]:
+        series = getattr(samples, name)
+        if series is not None:
+            otherwise = jnp.where(free, 0.0, jnp.nan) if name in FORCES else jnp.nan
+            series = jnp.where(in_contact, series, otherwise)
+            outside = outside._replace(**{name: series})
+    return outside._replace(
+        time=jnp.broadcast_to(times, in_contact.shape), in_contact=in_contact
+    )

@@ -8,13 +8,15 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import jax
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from .engines.recording import record_history
 from .formats.files import replacing
-from .history import History, record_history
+from .history import History
 from .mechanics.outcomes import Outcome
 from .parameters import parameters_of
 from .scene import Scene
@@ -61,7 +63,7 @@ def plot_impact(result: "ImpactResult", path: str | Path | None = None) -> Figur
     figure.suptitle(f"{scene_in_words(result.scene)}\n{outcome_in_words(result)}")
     history = _finite_part(_history_of(result))
     if result.outcome is Outcome.separating:
-        history = History(*(series[:1] for series in history))
+        history = _first_rows(history, 1)
     for draw, place in (
         (draw_forces, grid[0, 0]),
         (draw_depth, grid[0, 1]),
@@ -82,16 +84,21 @@ def plain(text: str) -> str:
 
 
 def _history_of(result: "ImpactResult") -> History:
-    if result.history is not None:
-        return result.history
+    recorded = result.history
+    # At the times of `save_at` it need not hold the peaks, nor the end.
+    if recorded is not None and recorded.in_contact is None:
+        return recorded
     return record_history(result.scene, result.accuracy)
 
 
 def _finite_part(history: History) -> History:
     """The rows before the first that is not finite: a failed impact may have some."""
-    finite = np.all(np.isfinite(np.stack(history)), axis=0)
-    count = len(finite) if finite.all() else int(np.argmin(finite))
-    return History(*(series[:count] for series in history))
+    finite = np.all(np.isfinite(np.stack(jax.tree.leaves(history))), axis=0)
+    return _first_rows(history, len(finite) if finite.all() else np.argmin(finite))
+
+
+def _first_rows(history: History, count: int) -> History:
+    return jax.tree.map(lambda series: series[:count], history)
 
 
 def scene_in_words(scene: Scene) -> str:

@@ -1,17 +1,20 @@
 """Impacts: from a scene to every number that the model gives."""
 
-import equinox as eqx
+import dataclasses
+
 import jax
 import numpy as np
 from diffrax import AbstractAdaptiveSolver
+from numpy.typing import ArrayLike
 
 from ._jax_internals import Tracer
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .block import Block
+from .engines.recording import solve_recorded
 from .engines.selection import MACHINE_CODE, get_engine
-from .engines.solving import solve
-from .formats.checks import check_scene, sound_values
-from .history import record_history
+from .engines.solving import solve, solve_at
+from .errors import InputError
+from .formats.checks import check_scene, check_times, sound_values
 from .precision import require_float64
 from .result import ImpactResult
 from .scene import Impact, Scene, as_scene, shape_of, with_axes
@@ -24,6 +27,7 @@ def simulate(
     impact: Impact | None = None,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
+    save_at: ArrayLike | None = None,
     history: bool = False,
     ledger: bool | None = None,
     engine: str | AbstractAdaptiveSolver = MACHINE_CODE,
@@ -35,7 +39,12 @@ def simulate(
             are scalars, or arrays with any axes that broadcast; results have their
             shape. (For millions, with a journal and progress: `simulate_batch`.)
         accuracy: "fast", "balanced" or "reference"; see `PRESETS`.
-        history: also record the course of the impact (`result.history`); of one impact,
+        save_at: times since touch [s] at which forces and motion are wanted
+            (`result.history`), in any order: `(times,)`, or with axes before that
+            broadcast with the fields. For measured curves: it goes through `jit`,
+            `vmap` and `grad`, by the times too. Where there is no machine code XLA
+            computes it.
+        history: also record the start and every step of one impact (`result.history`);
             not under a JAX transformation.
         ledger: also keep the energy ledger (`result.energy`), which costs a quarter. By
             default of a single impact, outside of JAX's transformations.
@@ -54,8 +63,9 @@ def simulate(
     there.
 
     Raises:
-        ValueError: a value out of its range, an array where a scalar is needed, an
-            unknown accuracy or engine, or a solver that estimates no errors.
+        ValueError: a value out of its range, a time that is NaN, an unknown accuracy or
+            engine, a solver that estimates no errors, `save_at` together with
+            `history` or with diffrax, or many impacts with `history`.
         RuntimeError: JAX is set to float32.
     """
     require_float64()
@@ -66,16 +76,35 @@ def simulate(
     if values is None:
         check_scene(scene, batched=True, warn=True)
         values, held = leaves, with_axes(scene, len(shape_of(scene)))
-    if ledger is None:
-        ledger = not any(isinstance(x, Tracer) or np.ndim(x) for x in values)
     chosen = get_engine(engine)
-    numbers = solve(structure, values, setting, ledger, chosen)
-    result = ImpactResult(
-        **vars(numbers), scene=held, accuracy=setting, engine=chosen.name
-    )
-    if not history:
-        return result
-    recorded = record_history(scene, setting, chosen.solver)
-    return eqx.tree_at(
-        lambda r: r.history, result, recorded, is_leaf=lambda x: x is None
+    times, recorded = np.zeros(0), None
+    if save_at is not None:
+        if history:
+            raise InputError(
+                "give save_at=times or history=True, which records every step, not both"
+            )
+        if not chosen.is_machine_code:
+            raise InputError(
+                f"save_at is not to be had with the engine {chosen.name}; ask for "
+                "every step, with history=True, or leave the engine out"
+            )
+        times, shape = check_times("save_at", save_at, shape_of(scene))
+        held = with_axes(scene, len(shape)) if shape else held
+    if ledger is None:
+        many = times.ndim > 1 or any(np.ndim(x) for x in values)
+        ledger = not many and not any(isinstance(x, Tracer) for x in (*values, times))
+    if save_at is not None:
+        numbers, recorded = solve_at(structure, values, setting, ledger, times)
+    elif history:
+        numbers, recorded = solve_recorded(scene, setting, chosen)
+        if not ledger:
+            numbers = dataclasses.replace(numbers, energy=None)
+    else:
+        numbers = solve(structure, values, setting, ledger, chosen)
+    return ImpactResult(
+        **vars(numbers),
+        scene=held,
+        accuracy=setting,
+        history=recorded,
+        engine=chosen.name,
     )

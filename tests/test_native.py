@@ -1,6 +1,8 @@
 """Machine code of the package's own: it computes what JAX computes, for every lane."""
 
 import dataclasses
+import hashlib
+import importlib.resources
 
 import jax
 import jax.numpy as jnp
@@ -413,3 +415,10 @@ def test_dependence_is_seen_through_calls():
     assert depends(traced, [True, False, False]) == [True, True, False, False]
     assert depends(traced, [False, True, False]) == [False, True, False, False]
     assert depends(traced, [False, False, True]) == [False, False, True, True]
+
+
+def test_driver_is_made_from_its_source():
+    """driver.ll, which runs, is that of driver.c, which is read: else `make driver`."""
+    folder = importlib.resources.files("jaximpact.engines.native")
+    digest = hashlib.sha256((folder / "driver.c").read_bytes()).hexdigest()
+    assert digest in (folder / "driver.ll").read_text().partition("\n")[0]

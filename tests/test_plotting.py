@@ -121,7 +121,7 @@ def test_separating_block_is_drawn_without_a_course():
 @pytest.mark.parametrize("rows", [0, 1, 40])
 def test_failed_impact_is_drawn_as_far_as_it_came(result, rows, tmp_path):
     broken = jax.tree.map(np.array, result.history)
-    for series in broken:
+    for series in jax.tree.leaves(broken):
         series[rows:] = np.nan
     numbers = jax.tree.map(lambda x: x * np.nan, eqx.filter(result, eqx.is_array))
     failed = eqx.tree_at(

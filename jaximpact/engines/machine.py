@@ -2,6 +2,7 @@
 
 import functools
 import hashlib
+import inspect
 import os
 import threading
 import warnings
@@ -18,11 +19,12 @@ from ..accuracy import MAX_STEPS, RETRIES, Accuracy
 from ..dependence import depends
 from ..errors import IncompleteError, NoMachineCodeWarning
 from ..formats.provenance import versions
+from ..history import History
 from ..identity import described
 from ..mechanics.outcomes import Outcome
 from ..mechanics.problem import Assembly
 from ..scene import Scene
-from ..solver.lanes import Lanes, start_lanes, step_lanes
+from ..solver.lanes import Lanes, sample_lanes, start_lanes, step_lanes
 from ..summary import Numbers, numbers_of_no_value, summarise_lanes
 from .native import (
     Code,
@@ -55,13 +57,16 @@ def _kept_here(compile_kernel: Callable) -> Callable:
         except NoMachineCode as problem:
             return problem
 
+    signature = inspect.signature(compile_kernel)
     locks: dict[tuple, threading.Lock] = {}
 
     @functools.wraps(compile_kernel)
-    def compiled(*arguments) -> Kernel | None:
+    def compiled(*given, **by_name) -> Kernel | None:
+        arguments = signature.bind(*given, **by_name)
+        arguments.apply_defaults()  # that a kernel has one key, however it is asked for
         # Of threads that ask at once, one compiles.
-        with locks.setdefault(arguments, threading.Lock()):
-            found = kernel_or_problem(*arguments)
+        with locks.setdefault(arguments.args, threading.Lock()):
+            found = kernel_or_problem(*arguments.args)
         if isinstance(found, NoMachineCode):
             without_machine_code(found)
             return None
@@ -72,17 +77,24 @@ def _kept_here(compile_kernel: Callable) -> Callable:
 
 
 @_kept_here
-def compile_native(assembly: Assembly) -> Kernel | None:
+def compile_native(assembly: Assembly, sampled: bool = False) -> Kernel | None:
     """Machine code for an assembly of the model, from scenes, tolerance and floor. None
-    if its laws, which may be the user's own, do what has no machine code."""
-    lanes = _Lanes(assembly)
+    if its laws, which may be the user's own, do what has no machine code.
+
+    Args:
+        sampled: also gives a `History` at times asked for on the way.
+    """
+    lanes = _Lanes(assembly, sampled)
     functions = LaneFunctions(
         lambda inputs, _: (lanes.begin(inputs), ()),
         lambda state, _: _nothing_own(*lanes.step(state)),
         lambda inputs, _, state, __: (lanes.finish(inputs, state), ()),
+        *(lambda state, _, time: (lanes.sample(state, time), ()), _time_of) * sampled,
     )
     code = _kept_or_compiled(
-        assembly, None, lambda: compile_code(functions, _inputs(assembly))
+        assembly,
+        "sampled" if sampled else None,
+        lambda: compile_code(functions, _inputs(assembly)),
     )
     structure = jax.tree.structure(numbers_of_no_value(assembly.ledger))
     return Kernel(code, structure, _retries(assembly))
@@ -90,6 +102,10 @@ def compile_native(assembly: Assembly) -> Kernel | None:
 
 def _nothing_own(state, going):
     return state, (), going
+
+
+def _time_of(lanes: Lanes):
+    return lanes.time
 
 
 def _retries(assembly: Assembly) -> Retries:
@@ -108,7 +124,9 @@ def _retries(assembly: Assembly) -> Retries:
 
 
 @_kept_here
-def compile_native_along(assembly: Assembly, directions: int = 1) -> Kernel | None:
+def compile_native_along(
+    assembly: Assembly, directions: int = 1, sampled: bool = False
+) -> Kernel | None:
     """Machine code for an assembly of the model, from scenes, tolerance and floor, and
     directions along which it is differentiated. None as for `compile_native`.
 
@@ -118,6 +136,8 @@ def compile_native_along(assembly: Assembly, directions: int = 1) -> Kernel | No
             control and branches, and all that the value needs. The code is the same
             whatever the leaves, so that it is compiled once. Results are a pair:
             numbers, and a tuple of their derivatives along the directions.
+        sampled: as for `compile_native`; then each direction has a row more, behind
+            its leaves, for the times asked for.
 
     Of the state, course and constants of the problem are differentiated; widths of
     steps, and with them the time, are not.
@@ -125,12 +145,15 @@ def compile_native_along(assembly: Assembly, directions: int = 1) -> Kernel | No
 
     def compile_lanes() -> Code:
         inputs = _inputs(assembly)
-        lanes = _Along(assembly, inputs)
-        functions = LaneFunctions(lanes.begin, lanes.step, lanes.finish)
-        direction = [inputs[1]] * assembly.structure.num_leaves
+        lanes = _Along(assembly, inputs, sampled)
+        functions = LaneFunctions(
+            lanes.begin, lanes.step, lanes.finish, *(lanes.sample, _time_of) * sampled
+        )
+        direction = [inputs[1]] * (assembly.structure.num_leaves + sampled)
         return compile_code(functions, inputs, direction, directions)
 
-    code = _kept_or_compiled(assembly, ("along", directions), compile_lanes)
+    choice = "along", directions, *("sampled",) * sampled
+    code = _kept_or_compiled(assembly, choice, compile_lanes)
     numbers = numbers_of_no_value(assembly.ledger)
     structure = jax.tree.structure((numbers, (numbers,) * directions))
     return Kernel(code, structure, _retries(assembly))
@@ -207,10 +230,11 @@ class _Lanes(NamedTuple):
     """What lanes do."""
 
     assembly: Assembly
+    sampled: bool = False
 
     def begin(self, inputs) -> Lanes:
         scenes, tolerance, floor = inputs
-        return start_lanes(self.assembly, scenes, tolerance[0], floor[0])
+        return start_lanes(self.assembly, scenes, tolerance[0], floor[0], self.sampled)
 
     def step(self, lanes: Lanes) -> tuple[Lanes, Bool[Array, " lanes"]]:
         lanes = step_lanes(lanes)
@@ -219,6 +243,9 @@ class _Lanes(NamedTuple):
     def finish(self, inputs, lanes: Lanes) -> Numbers:
         return summarise_lanes(inputs[0], lanes)
 
+    def sample(self, lanes: Lanes, times) -> History:
+        return sample_lanes(lanes, times)
+
 
 class _Along:
     """What lanes do, and the derivative along a direction of what they have come to.
@@ -226,8 +253,8 @@ class _Along:
     Of the lanes those leaves are differentiated that change with any leaf of a scene.
     """
 
-    def __init__(self, assembly: Assembly, inputs):
-        self.lanes = _Lanes(assembly)
+    def __init__(self, assembly: Assembly, inputs, sampled: bool = False):
+        self.lanes = _Lanes(assembly, sampled)
         self.varied = list(range(assembly.structure.num_leaves))
         traced, lanes = jax.make_jaxpr(self.lanes.begin, return_shape=True)(inputs)
         places = (_changing(traced, lanes, place) for place in self.varied)
@@ -238,23 +265,40 @@ class _Along:
             lanes = self.lanes.begin(_with_leaves(inputs, self.varied, values))
             return _leaves(lanes, self.changing), lanes
 
+        by_leaves, by_time = self._split(direction, self.varied)
         _, slope, lanes = jax.jvp(
-            of_leaves, _leaves(inputs, self.varied), list(direction), has_aux=True
+            of_leaves, _leaves(inputs, self.varied), by_leaves, has_aux=True
         )
-        return lanes, slope
+        return lanes, [*slope, *by_time]
+
+    def _split(self, derivatives, places: list[int]):
+        """Those of leaves, and that of the times asked for if there are any."""
+        return list(derivatives[: len(places)]), list(derivatives[len(places) :])
 
     def step(self, lanes, slope):
         def of_changing(*values):
             after, going = self.lanes.step(_with_leaves(lanes, self.changing, values))
             return _leaves(after, self.changing), (after, going)
 
+        slope, by_time = self._split(slope, self.changing)
         _, slope, (after, going) = jax.jvp(
             of_changing, _leaves(lanes, self.changing), slope, has_aux=True
         )
-        return after, slope, going
+        return after, [*slope, *by_time], going
+
+    def sample(self, lanes, slope, times):
+        def of_changing(times, *values):
+            lanes_then = _with_leaves(lanes, self.changing, values)
+            return self.lanes.sample(lanes_then, times)
+
+        slope, by_time = self._split(slope, self.changing)
+        values = times, *_leaves(lanes, self.changing)
+        return jax.jvp(of_changing, values, (*by_time, *slope))
 
     def finish(self, inputs, direction, lanes, slope):
         count = len(self.varied)
+        direction, _ = self._split(direction, self.varied)
+        slope, _ = self._split(slope, self.changing)
 
         def of_both(*values):
             return self.lanes.finish(

@@ -20,16 +20,18 @@ import jax.numpy as jnp
 import numpy as np
 from diffrax import AbstractAdaptiveSolver
 from jax.custom_derivatives import SymbolicZero
+from jaxtyping import Array
 
 from .._jax_internals import Tracer, namespace_of
 from ..accuracy import Accuracy
+from ..history import History, history_of_no_value, outside_contact
 from ..mechanics.model import MODELS, exact_models
 from ..mechanics.problem import Assembly, pose
 from ..precision import float64_leaf
 from ..scene import Scene
 from ..solver.any_solver import require_derivatives
 from ..solver.integration import integrate
-from ..solver.lanes import march, start_lanes
+from ..solver.lanes import march, march_and_sample, start_lanes
 from ..summary import Numbers, numbers_of_no_value, summarise, summarise_lanes
 from .compilation import unfused_jit
 from .machine import compile_native, compile_native_along, computes_on_cpu
@@ -55,6 +57,8 @@ class Given(NamedTuple):
     """All other leaves, each at its place, then tolerance and floor. They stay known
     inside of `jax.jit`, and a single array is quicker to hand over than thirty."""
     engine: Engine
+    sampled: bool = False
+    """Whether a history is sampled at times that are asked for."""
 
     def leaves(self, values: list) -> list:
         """Leaves of the scene, with the values of those at `places`."""
@@ -63,14 +67,22 @@ class Given(NamedTuple):
             leaves[place] = value
         return leaves
 
-    @property
-    def number_structure(self) -> jax.tree_util.PyTreeDef:
-        return _number_structure(self.ledger)
+    def solution(self, rows) -> "Solution":
+        """What rows of results are."""
+        return jax.tree.unflatten(_structure(self.ledger, self.sampled), rows)
+
+
+class Solution(NamedTuple):
+    """What is computed of impacts."""
+
+    numbers: Numbers
+    samples: History | None
 
 
 @functools.cache
-def _number_structure(ledger: bool):
-    return jax.tree.structure(numbers_of_no_value(ledger))
+def _structure(ledger: bool, sampled: bool):
+    samples = history_of_no_value(ledger) if sampled else None
+    return jax.tree.structure(Solution(numbers_of_no_value(ledger), samples))
 
 
 def solve(
@@ -88,6 +100,54 @@ def solve(
         ledger: also keep the energy ledger.
         engine: what computes them.
     """
+    return _solved(structure, leaves, accuracy, ledger, None, engine).numbers
+
+
+def solve_at(
+    structure, leaves, accuracy: Accuracy, ledger: bool, times: Array
+) -> tuple[Numbers, History]:
+    """Numbers of impacts, and their histories at times `(..., times)`, whose leading
+    axes broadcast with the leaves."""
+    solved = functools.partial(_solved, structure, leaves, accuracy, ledger)
+    xp = namespace_of(times)
+    order = xp.argsort(times, axis=-1)
+    in_order = xp.take_along_axis(times, order, axis=-1)
+    back = xp.argsort(order, axis=-1)
+    if any(isinstance(x, Tracer) for x in (*leaves, times)):
+        numbers, samples = solved(in_order)
+        history = outside_contact(samples, numbers.outcome_code, in_order)
+        if xp is jnp or np.any(order != np.arange(order.shape[-1])):
+            history = _at_places(jnp, history, back)
+        return numbers, history
+    # Each number of times would be compiled for: there are more, by up to twice, of
+    # which none comes.
+    count = times.shape[-1]
+    padded = np.full((*times.shape[:-1], 1 << max(count - 1, 0).bit_length()), np.inf)
+    padded[..., :count] = in_order
+    numbers, samples = solved(padded)
+    history = outside_contact(samples, numbers.outcome_code, padded)
+    history = _at_places(np, jax.tree.map(np.asarray, history), back)
+    return numbers, jax.device_put(history)
+
+
+def _at_places(xp, history: History, places) -> History:
+    """The history with its times in another order, by NumPy or `jax.numpy`."""
+    if places.ndim == 1:
+        return jax.tree.map(lambda series: series[..., places], history)
+    places = xp.broadcast_to(places, (*history.time.shape[:-1], places.shape[-1]))
+    return jax.tree.map(
+        lambda series: xp.take_along_axis(series, places, axis=-1), history
+    )
+
+
+def _solved(
+    structure,
+    leaves,
+    accuracy: Accuracy,
+    ledger: bool,
+    times,
+    engine: Engine = Engine(MACHINE_CODE),  # noqa: B008
+) -> Solution:
     places, rest = [], np.empty(len(leaves) + 2)
     rest[-2:] = accuracy.tolerance, accuracy.floor
     for place, leaf in enumerate(leaves):
@@ -98,11 +158,11 @@ def solve(
             rest[place] = leaf
     # Whoever puts leaves in place by himself may put numbers of another type.
     values = [_float64(leaves[place]) for place in places]
-    given = Given(structure, ledger, tuple(places), rest, engine)
-    if any(isinstance(value, Tracer) for value in values):
-        return _solve(given, values)
+    given = Given(structure, ledger, tuple(places), rest, engine, times is not None)
+    if any(isinstance(value, Tracer) for value in (*values, times)):
+        return _solve(given, values, times)
     # Nothing to differentiate: half the time of a call would go into asking.
-    return _values(given, values)
+    return _values(given, values, times)
 
 
 def _float64(leaf):
@@ -110,20 +170,35 @@ def _float64(leaf):
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _solve(given: Given, values: list) -> Numbers:
-    return _values(given, values)
+def _solve(given: Given, values: list, times) -> Solution:
+    return _values(given, values, times)
 
 
 @functools.partial(_solve.defjvp, symbolic_zeros=True)
 def _solve_jvp(given: Given, primals, tangents):
-    (values,), (steps,) = primals, tangents
-    varied = [k for k, s in enumerate(steps) if not isinstance(s, SymbolicZero)]
-    if not varied:
-        numbers = _values(given, values)
-        return numbers, jax.tree.map(jnp.zeros_like, numbers)
-    numbers, columns = _columns(given, values, [given.places[k] for k in varied])
-    changes = _along(columns, [steps[k] for k in varied])
-    return numbers, jax.tree.unflatten(given.number_structure, changes)
+    steps = dict(zip(given.places, tangents[0], strict=True))
+    if given.sampled:
+        steps[_place_of_times(given.structure)] = tangents[1]
+    steps = {k: s for k, s in steps.items() if not isinstance(s, SymbolicZero)}
+    if not steps:
+        solution = _values(given, *primals)
+        return solution, jax.tree.map(jnp.zeros_like, solution)
+    solution, columns = _columns(given, *primals, list(steps))
+    if not given.sampled:
+        of_numbers = [column for (column,) in columns]
+        return solution, given.solution(_along(of_numbers, list(steps.values())))
+    # No number changes with the times, and a sample with its own alone.
+    by_time = steps.pop(_place_of_times(given.structure), None)
+    of_numbers, of_samples = zip(*columns, strict=True)
+    changes = _along(list(of_numbers[: len(steps)]), list(steps.values()))
+    along_time = [step[..., None] for step in steps.values()]
+    along_time += [] if by_time is None else [by_time]
+    ended = jnp.isnan(solution.samples.time)
+    # After the end derivatives are NaN, and in reverse mode 0 times NaN would be too.
+    of_samples = [jnp.where(ended, 0.0, column) for column in of_samples]
+    if not steps:
+        changes = [jnp.zeros_like(x) for x in jax.tree.leaves(solution.numbers)]
+    return solution, given.solution([*changes, *_along(of_samples, along_time)])
 
 
 @jax.jit
@@ -134,31 +209,39 @@ def _along(columns: list, steps: list) -> list:
     Args:
         columns: for each step, the derivatives of all numbers by it.
     """
+    if not columns:
+        return []
     return [
         sum(column[k] * step for column, step in zip(columns, steps, strict=True))
         for k in range(len(columns[0]))
     ]
 
 
-def _values(given: Given, values: list) -> Numbers:
-    """Numbers alone."""
+def _values(given: Given, values: list, times) -> Solution:
+    """Results without derivatives."""
     chosen = _choose(given, values, [], 0)
     if chosen is None:
-        return _by_xla(given, values, [])
+        return _by_xla(given, values, times, [])
     operation, *turn = chosen
-    rows, _ = _call(operation, (), given.places, given.rest, values, *turn)
-    return jax.tree.unflatten(given.number_structure, rows)
+    rows, _ = _call(operation, (), given.places, given.rest, values, *turn, times)
+    return given.solution(rows)
 
 
-def _columns(given: Given, values: list, varied: list[int]):
-    """Numbers, and for each of the leaves named in `varied` the derivatives of all
-    numbers by it, on a first axis."""
-    numbers, by_leaf = None, {}
+def _columns(given: Given, values: list, times, varied: list[int]):
+    """Results, and for each of the leaves named in `varied` the derivatives of all
+    numbers, and those of all samples, by it, on a first axis."""
+    solution, by_leaf = None, {}
     for group in _by_model(given, varied):
-        found = _columns_of_group(given, values, group)
-        numbers = found[0] if numbers is None else numbers
+        found = _columns_of_group(given, values, times, group)
+        solution = found[0] if solution is None else solution
         by_leaf |= zip(group, found[1], strict=True)
-    return numbers, [by_leaf[place] for place in varied]
+    return solution, [by_leaf[place] for place in varied]
+
+
+def _place_of_times(structure) -> int:
+    """By which derivatives with respect to the times are called: that behind those of
+    the leaves of a scene."""
+    return structure.num_leaves
 
 
 def _by_model(given: Given, varied: list[int]) -> list[list[int]]:
@@ -168,6 +251,7 @@ def _by_model(given: Given, varied: list[int]) -> list[list[int]]:
     damping ratios dashpots; the others need no more than the value does.
     """
     posture, damping, others = _groups(given.structure)
+    others = others | {_place_of_times(given.structure)}
     groups = (
         [place for place in varied if place in group]
         for group in (others, posture, damping)
@@ -175,33 +259,38 @@ def _by_model(given: Given, varied: list[int]) -> list[list[int]]:
     return [group for group in groups if group]
 
 
-def _columns_of_group(given: Given, values: list, varied: list[int]):
+def _columns_of_group(given: Given, values: list, times, varied: list[int]):
     # One code to compile for two and for more
     directions = 1 if len(varied) == 1 else MOST_DIRECTIONS
     chosen = _choose(given, values, varied, directions)
     if chosen is None:
-        return _by_xla(given, values, varied)
+        return _by_xla(given, values, times, varied)
     operation, *turn = chosen
     rows, columns = None, []
     for first in range(0, len(varied), directions):
         along = varied[first : first + directions]
         padded = (*along, *[-1] * (directions - len(along)))
         known = padded, given.places, _Unhashed(given.rest)
-        rows, found = _first_order(operation, *known, values, *turn)
-        columns += [found[k] for k in range(len(along))]
-    return jax.tree.unflatten(given.number_structure, rows), columns
+        rows, found = _first_order(operation, *known, values, *turn, times)
+        columns += [tuple(part[k] for part in found) for k in range(len(along))]
+    return given.solution(rows), columns
 
 
 @functools.partial(jax.jit, static_argnums=(0, 1, 2), inline=True)
-def _call(operation: Operation, along, places, rest, values, effort, program):
-    """Rows of numbers, and their derivatives along the directions: one array with axes
-    of directions and of rows first."""
-    rows = call(operation, rest, places, values, effort, program, along)
+def _call(operation: Operation, along, places, rest, values, effort, program, times):
+    """Rows of numbers, then of samples, and the derivatives of either along the
+    directions: an array with axes of directions and of rows first."""
+    results = call(operation, rest, places, values, effort, program, along, times)
     if not along:
-        return rows, None
-    count = operation.result_rows // (1 + len(along))
-    columns = jnp.stack(rows[count:]).reshape(len(along), count, *rows[0].shape)
-    return rows[:count], columns
+        return results, None
+    rows, columns = [], []
+    for part in results[: operation.result_rows], results[operation.result_rows :]:
+        count = len(part) // (1 + len(along))
+        rows += part[:count]
+        if count:
+            shape = len(along), count, *part[0].shape
+            columns.append(jnp.stack(part[count:]).reshape(shape))
+    return rows, columns
 
 
 class _Unhashed:
@@ -212,8 +301,8 @@ class _Unhashed:
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2, 3))
-def _first_order(operation, along, places, rest, values, effort, program):
-    return _call(operation, along, places, rest.value, values, effort, program)
+def _first_order(operation, along, places, rest, values, effort, program, times):
+    return _call(operation, along, places, rest.value, values, effort, program, times)
 
 
 @functools.partial(_first_order.defjvp, symbolic_zeros=True)
@@ -240,7 +329,8 @@ def _choose(given: Given, values: list, varied: list[int], directions: int):
     if many:
         scene = jax.tree.unflatten(given.structure, leaves)
         for place in varied:
-            leaves[place] = np.nan
+            if place != _place_of_times(given.structure):
+                leaves[place] = np.nan
         models, possible = exact_models(jax.tree.unflatten(given.structure, leaves))
     else:
         models, possible = _exact_model(
@@ -250,7 +340,8 @@ def _choose(given: Given, values: list, varied: list[int], directions: int):
                 for place in _deciding(given.structure)
             ),
         )
-    operation = _operation(given.structure, given.ledger, tuple(possible), directions)
+    key = given.structure, given.ledger, given.sampled
+    operation = _operation(*key, tuple(possible), directions)
     if operation is None:
         return None
     programs = sum(((models > place) * 1.0 for place in possible[:-1]), 0.0)
@@ -295,10 +386,10 @@ _operations: dict[tuple, Operation] = {}
 
 
 def _operation(
-    structure, ledger: bool, possible: tuple[int, ...], directions: int
+    structure, ledger: bool, sampled: bool, possible: tuple[int, ...], directions: int
 ) -> Operation | None:
     """The operation for the models that there may be."""
-    key = structure, ledger, possible, directions
+    key = structure, ledger, sampled, possible, directions
     if key not in _operations:
 
         def compiled(place: int) -> Kernel | None:
@@ -306,8 +397,8 @@ def _operation(
             # What the caller has set in a `with` is not set in another thread.
             with jax.enable_x64(True):
                 if directions:
-                    return compile_native_along(assembly, directions)
-                return compile_native(assembly)
+                    return compile_native_along(assembly, directions, sampled)
+                return compile_native(assembly, sampled)
 
         # At once, since LLVM leaves other threads of Python alone; the dearest first.
         with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
@@ -344,48 +435,79 @@ def compute_lanes(assembly: Assembly, scenes: Scene, tolerance, floor) -> Number
     return summarise_lanes(scenes, lanes)
 
 
-def _by_xla(given: Given, values: list, varied: list[int]):
-    """Numbers, with leaves in `varied` also their derivatives, as `_columns` gives
+def compute_at(
+    assembly: Assembly, scene: Scene, tolerance, floor, times
+) -> tuple[Numbers, History]:
+    """Numbers of one impact, and what is sampled of it at times, after its end NaN.
+
+    Pure, differentiable in forward mode.
+    """
+    scenes = jax.tree.map(lambda leaf: jnp.reshape(leaf, (1,)), scene)
+    lanes = start_lanes(assembly, scenes, tolerance, floor, sampled=True)
+    lanes, samples = march_and_sample(lanes, times)
+    numbers = summarise_lanes(scenes, lanes)
+    return jax.tree.map(lambda x: x[0], numbers), samples
+
+
+def _by_xla(given: Given, values: list, times, varied: list[int]):
+    """Results, with leaves in `varied` also their derivatives, as `_columns` gives
     them, by XLA's program."""
     solver = given.engine.solver
     if varied:
         require_derivatives(solver)
     known = given.leaves([np.nan if isinstance(x, Tracer) else x for x in values])
     for place in varied:
-        known[place] = np.nan
+        if place != _place_of_times(given.structure):
+            known[place] = np.nan
     known = [np.asarray(x) for x in known]
     _, possible = exact_models(jax.tree.unflatten(given.structure, known))
     assembly = Assembly(given.structure, MODELS[max(possible)], given.ledger)
     leaves, setting = given.leaves(values), given.rest[-2:]
-    shape = np.broadcast_shapes(*map(np.shape, leaves))
+    own = () if times is None else np.shape(times)[:-1]
+    shape = np.broadcast_shapes(own, *map(np.shape, leaves))
     if not shape:
-        return _in_xla(assembly, tuple(varied), solver, leaves, *setting)
-    rows = [jnp.broadcast_to(leaf, shape).reshape(math.prod(shape)) for leaf in leaves]
-    found = jax.vmap(
-        lambda *row: _in_xla(assembly, tuple(varied), solver, row, *setting)
-    )(*rows)
+        return _in_xla(assembly, tuple(varied), solver, leaves, *setting, times)
+    lanes = math.prod(shape)
+    rows = [jnp.broadcast_to(leaf, shape).reshape(lanes) for leaf in leaves]
+    if times is not None:
+        series = np.shape(times)[-1:]
+        times = jnp.broadcast_to(times, shape + series).reshape(lanes, *series)
+    known = assembly, tuple(varied), solver
+    found = jax.vmap(lambda row, times: _in_xla(*known, row, *setting, times))(
+        rows, times
+    )
+
+    def with_lanes(x, axis):
+        return x.reshape(*x.shape[:axis], *shape, *x.shape[axis + 1 :])
+
     if not varied:
-        return jax.tree.map(lambda x: x.reshape(shape), found)
-    numbers, columns = found
-    columns = [jnp.moveaxis(column, 0, -1) for column in columns]
-    columns = [column.reshape(len(column), *shape) for column in columns]
-    return jax.tree.map(lambda x: x.reshape(shape), numbers), columns
+        return jax.tree.map(lambda x: with_lanes(x, 0), found)
+    solution, columns = found
+    columns = jax.tree.map(lambda x: with_lanes(jnp.moveaxis(x, 0, 1), 1), columns)
+    return jax.tree.map(lambda x: with_lanes(x, 0), solution), columns
 
 
-def _compute_leaves(assembly, varied, solver, leaves, tolerance, floor):
+def _compute_leaves(assembly, varied, solver, leaves, tolerance, floor, times):
     def of_varied(values):
-        all_leaves = list(leaves)
+        with_delay = [*leaves, 0.0]
         for place, value in zip(varied, values, strict=True):
-            all_leaves[place] = value
+            with_delay[place] = value
+        *all_leaves, delay = with_delay
         scene = jax.tree.unflatten(assembly.structure, all_leaves)
-        numbers = compute(assembly, scene, tolerance, floor, solver)
-        return jnp.stack(jax.tree.leaves(numbers)), numbers
+        if times is None:
+            solution = compute(assembly, scene, tolerance, floor, solver), None
+        else:
+            solution = compute_at(assembly, scene, tolerance, floor, times + delay)
+        parts = [
+            jnp.stack(jax.tree.leaves(part)) for part in solution if part is not None
+        ]
+        return parts, Solution(*solution)
 
-    values = [leaves[place] for place in varied]
+    values = [(*leaves, 0.0)[place] for place in varied]
     if not varied:
         return of_varied(values)[1]
-    columns, numbers = jax.jacfwd(of_varied, has_aux=True)(values)
-    return numbers, columns
+    columns, solution = jax.jacfwd(of_varied, has_aux=True)(values)
+    return solution, list(zip(*columns, strict=True))
 
 
 _in_xla = unfused_jit(_compute_leaves, static_argnums=(0, 1, 2))

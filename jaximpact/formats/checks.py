@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from .._jax_internals import Tracer
 from ..block import Block
 from ..errors import InputError, UnusualValueWarning
-from ..fields import expect
+from ..fields import expect, real_numbers
 from ..identity import is_ours
 from ..laws.checking import check_law
 from ..parameters import parts_of
@@ -113,6 +113,37 @@ def _limits(structure: jax.tree_util.PyTreeDef) -> tuple[np.ndarray, ...] | None
         low[places[name]] = max(least, column.usual[0]) * column.factor
         high[places[name]] = min(most, column.usual[1]) * column.factor
     return low, high
+
+
+def check_times(
+    name: str, times: ArrayLike, lanes: tuple[int, ...]
+) -> tuple[np.ndarray | jax.Array, tuple[int, ...]]:
+    """Times at which histories are wanted, as float64 numbers, and the shape of the
+    impacts by times and scenes.
+
+    Raises InputError for what is no series of numbers, for NaN, and for axes before
+    that of time that do not broadcast with those of the scenes.
+
+    Args:
+        name: what an error calls them. lanes: shape of the scenes.
+    """
+    times = real_numbers(name, times)
+    if not times.ndim:
+        raise InputError(f"{name} must be a series of times, but is one: {times}")
+    try:
+        shape = np.broadcast_shapes(lanes, times.shape[:-1])
+    except ValueError:
+        raise InputError(
+            f"{name} has the shape {times.shape}; need (times,), or axes before that "
+            f"of time that broadcast with those of the scenes, {lanes}"
+        ) from None
+    if isinstance(times, Tracer):
+        return times.astype(float), shape
+    times = np.asarray(times, float)
+    if np.any(np.isnan(times)):
+        place = int(np.argmax(np.isnan(times)))
+        raise InputError(f"{name} must be times in seconds, but time {place} is NaN")
+    return times, shape
 
 
 @functools.lru_cache(maxsize=256)

@@ -116,20 +116,7 @@ def fold_step(
         )
     work = fold.work
     if problem.ledger:
-        nodes = jnp.asarray(GAUSS_NODES)
-
-        def power_at(node):
-            vector = step.evaluate(step.t0 + node * width)
-            return problem.power(vector, step.rate(node), branch)
-
-        powers = jax.lax.map(power_at, nodes)
-        work = jax.tree.map(
-            lambda total, power: (
-                total + width * jnp.dot(jnp.asarray(GAUSS_WEIGHTS), power)
-            ),
-            work,
-            powers,
-        )
+        work = add_work(problem, work, step, 1.0, branch)
     sides = _stacked(branch), _stacked(branch_of(watched.switches))
     is_on = jnp.abs(_stacked(watched.switches)) > SWITCHED_OFF
     turned = jnp.any((sides[0] != sides[1]) & is_on, axis=0)
@@ -142,6 +129,24 @@ def fold_step(
         rates=rates,
         turned=jnp.where(turned, 1.0, 0.0),
         stalled=_stalled_steps(problem, fold, time, width),
+    )
+
+
+def add_work(
+    problem: Problem, work: Work, step: DenseOutput, part: Scalar | float, branch
+) -> Work:
+    """The work up to a part of a step, by that up to its start."""
+    width = part * (step.t1 - step.t0)
+
+    def power_at(node):
+        vector = step.evaluate(step.t0 + node * width)
+        return problem.power(vector, step.rate(part * node), branch)
+
+    powers = jax.lax.map(power_at, jnp.asarray(GAUSS_NODES))
+    return jax.tree.map(
+        lambda total, power: total + width * jnp.dot(jnp.asarray(GAUSS_WEIGHTS), power),
+        work,
+        powers,
     )
 
 

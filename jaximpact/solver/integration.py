@@ -25,6 +25,7 @@ from .any_solver import solver_step
 from .folding import Fold, fold_step, start_fold
 from .landing import LANDING, LandingController
 from .rosenbrock import ORDER, DenseOutput, dense_output, rodas5p_step
+from .sampling import LastStep
 
 Scalar = Float[Array, ""]
 
@@ -39,6 +40,8 @@ class Course(NamedTuple):
 
     vector: Float[Array, " n"]
     fold: Fold
+    last: LastStep | None = None
+    """Where samples are taken on the way: the last step that was accepted."""
 
 
 TERMS = diffrax.ODETerm(lambda t, y, args: y)
@@ -73,11 +76,16 @@ def advance(
     allowed = problem.allowed_error(size, course.fold.peaks.normal_force)
     fold = fold_step(problem, course.fold, time, step, branch)
     vector = problem.on_next_side(vector, branch, fold.watched.switches)
+    last = None
+    if course.last is not None:
+        last = LastStep(time, step, branch, course.fold.work)
     after = Course(vector, fold)
     # Where a step ran out of the numbers it is too long, by much.
     error = jax.lax.stop_gradient(error / allowed)
     errors = jax.tree.map(jnp.zeros_like, after)
-    return after, errors._replace(vector=jnp.where(jnp.isfinite(error), error, 1e6))
+    return after._replace(last=last), errors._replace(
+        vector=jnp.where(jnp.isfinite(error), error, 1e6)
+    )
 
 
 def _rodas5p(problem: Problem, course: Course, width: Scalar, branch: Branch):

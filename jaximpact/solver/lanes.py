@@ -13,6 +13,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from ..history import History
 from ..mechanics.dynamics import initial_motion
 from ..mechanics.outcomes import TIME_LIMIT, closing_velocity
 from ..mechanics.problem import Problem, pose
@@ -27,6 +28,7 @@ from .integration import (
 )
 from .landing import LANDING, LandingState
 from .rosenbrock import ORDER
+from .sampling import no_step, sample
 
 LaneScalars = Float[Array, " lanes"]
 
@@ -57,12 +59,14 @@ class Lanes(NamedTuple):
         )
 
 
-def start_lanes(assembly, scenes, tolerance, floor) -> Lanes:
-    """Lanes at the start of their impacts."""
+def start_lanes(assembly, scenes, tolerance, floor, sampled: bool = False) -> Lanes:
+    """Lanes at the start of their impacts, which can be `sampled` on the way."""
 
     def of_scene(scene):
         problem, vector = pose(scene, assembly, tolerance, floor)
-        course = Course(vector, start_fold(problem, vector))
+        fold = start_fold(problem, vector)
+        last = no_step(vector, fold) if sampled else None
+        course = Course(vector, fold, last)
         start = jnp.zeros_like(problem.force_scale)
         until, control = step_size_controller().init(
             TERMS, start, TIME_LIMIT, course, None, problem, None, ORDER
@@ -102,8 +106,8 @@ def step_lanes(lanes: Lanes) -> Lanes:
                 (
                     lanes.time,
                     lanes.until,
-                    lanes.course,
-                    after,
+                    lanes.course._replace(last=None),
+                    after._replace(last=None),
                     lanes.problem,
                     errors,
                     lanes.control,
@@ -128,6 +132,13 @@ def step_lanes(lanes: Lanes) -> Lanes:
     )
 
 
+def sample_lanes(lanes: Lanes, times: LaneScalars) -> History:
+    """The impacts at times in their last steps."""
+    return jax.vmap(sample, in_axes=(-1, -1, 0))(
+        lanes.problem, lanes.course.last, times
+    )
+
+
 def march(lanes: Lanes, steps: int | None = None) -> Lanes:
     """Step all lanes until all have ended, or so many steps."""
 
@@ -141,6 +152,27 @@ def march(lanes: Lanes, steps: int | None = None) -> Lanes:
         return step_lanes(lanes), count + 1
 
     return jax.lax.while_loop(unfinished, body, (lanes, 0))[0]
+
+
+def march_and_sample(lanes: Lanes, times: Float[Array, " times"]):
+    """A single lane at its end, and what is sampled of it at times, after its end
+    NaN."""
+
+    def samples_of(lanes, time):
+        return jax.tree.map(lambda x: x[0], sample_lanes(lanes, time[None]))
+
+    def body(carry):
+        lanes, samples = carry
+        lanes = step_lanes(lanes)
+        now = jax.vmap(samples_of, in_axes=(None, 0))(lanes, times)
+        due = (times <= lanes.time) & jnp.isnan(samples.time)
+        return lanes, jax.tree.map(lambda x, y: jnp.where(due, x, y), now, samples)
+
+    first = jax.vmap(samples_of, in_axes=(None, 0))(lanes, times)
+    nothing = jax.tree.map(lambda x: jnp.full_like(x, jnp.nan), first)
+    return jax.lax.while_loop(
+        lambda carry: jnp.any(carry[0].going), body, (lanes, nothing)
+    )
 
 
 def end_lanes(lanes: Lanes) -> End:

@@ -9,9 +9,9 @@ import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY, get_accuracy
 from ..batch import simulate_batch
+from ..engines.recording import record_history
 from ..engines.threads import thread_count
 from ..formats.scenes import scene_of_values, scene_values
-from ..history import record_history
 from ..mechanics.outcomes import Outcome
 from ..parametric_sets import PARAMETRIC_SETS, TABLE_1, parametric_set
 from ..scene import Scene

@@ -54,7 +54,7 @@ struct Exchange {
     int (*take)(Exchange *, const Program *, Columns *, int column);
     void (*give)(Exchange *, const Program *, Columns *, int column);
     /* Time asked for next by a lane; infinite if none is. */
-    double (*next_time)(Exchange *, Columns *, int column);
+    double (*next_time)(Exchange *, const Program *, Columns *, int column);
     void (*give_sample)(Exchange *, const Program *, Columns *, int column);
 };
 
@@ -87,7 +87,7 @@ static void sample(const Program *program, Columns *columns, Exchange *exchange,
         for (int column = 0; column < PACK; column++) {
             if (!(full >> column & 1))
                 continue;
-            asked[column] = exchange->next_time(exchange, columns, column);
+            asked[column] = exchange->next_time(exchange, program, columns, column);
             if (asked[column] <= time[column])
                 due |= 1 << column;
         }
@@ -147,6 +147,13 @@ static void go_on(const Program *program, Columns *columns, Exchange *exchange, 
 
 /* ---- For Python: matrices with one column a lane. */
 
+/* What is sampled of one lane at its start and at the end of every step. */
+typedef struct {
+    double *samples; /* a row for each thing sampled, with a column a step */
+    int64_t room, count;
+    double reached;
+} Course;
+
 typedef struct {
     Exchange exchange;
     const double *inputs;
@@ -155,6 +162,7 @@ typedef struct {
     double *outputs;
     int64_t room, done;
     int64_t *ended;
+    Course *course;
 } Matrices;
 
 static int take_column(Exchange *exchange, const Program *program, Columns *columns, int column)
@@ -177,14 +185,40 @@ static void give_column(Exchange *exchange, const Program *program, Columns *col
     m->ended[m->done++] = columns->lane[column];
 }
 
+/* Where a lane that has failed begins again, so does its course. */
+static double next_step(Exchange *exchange, const Program *program, Columns *columns, int column)
+{
+    Course *course = ((Matrices *)exchange)->course;
+    double time = columns->work[PACK * program->time + column];
+    if (!course)
+        return __builtin_inf();
+    if (columns->sampled[column] == 0)
+        return 0.0;
+    return time > course->reached ? time : __builtin_inf();
+}
+
+static void give_step(Exchange *exchange, const Program *program, Columns *columns, int column)
+{
+    Course *course = ((Matrices *)exchange)->course;
+    const double *sampled = columns->work + PACK * program->sampled_row + column;
+    int64_t step = columns->sampled[column];
+    course->reached = columns->work[PACK * program->asked + column];
+    course->count = step + 1;
+    if (step < course->room)
+        for (int64_t row = 0; row < program->sampled_rows; row++)
+            course->samples[row * course->room + step] = sampled[PACK * row];
+}
+
 /* Begins the lanes of `inputs`, whose names are `names`, and goes on. Results of lanes
  * that come to their ends go to the columns of `outputs`, which has room for so many,
- * and their names to `ended`; how many there were is returned. */
+ * and their names to `ended`; how many there were is returned. Of a lane alone the
+ * course is recorded, if there is one. */
 int64_t run(const Program *program, Columns *columns, const double *inputs, int64_t count,
-            const int64_t *names, double *outputs, int64_t room, int64_t *ended, int64_t wait)
+            const int64_t *names, double *outputs, int64_t room, int64_t *ended, int64_t wait,
+            Course *course)
 {
-    Matrices matrices = {{take_column, give_column, NULL, NULL},
-                         inputs, count, 0, names, outputs, room, 0, ended};
+    Matrices matrices = {{take_column, give_column, next_step, give_step},
+                         inputs, count, 0, names, outputs, room, 0, ended, course};
     uint64_t mode = enter_float_mode();
     go_on(program, columns, &matrices.exchange, (int)wait);
     leave_float_mode(mode);
@@ -267,11 +301,11 @@ static int take_lane(Exchange *exchange, const Program *program, Columns *column
     }
     for (int64_t row = leaves; row < program->input_rows; row++)
         columns->work[PACK * row + column] = 0.0;
-    /* Tolerance and floor, the last two, are not differentiated. */
     for (int64_t k = 0; k < operation.directions; k++) {
         int64_t along = (int64_t)job->along->data[k];
+        int64_t own = (program->input_rows - leaves) / operation.directions;
         if (along >= 0)
-            columns->work[PACK * (leaves + k * (leaves - 2) + along) + column] = 1.0;
+            columns->work[PACK * (leaves + k * own + along) + column] = 1.0;
     }
     columns->lane[column] = lane;
     return 1;
@@ -289,8 +323,9 @@ static void give_lane(Exchange *exchange, const Program *program, Columns *colum
                         [columns->lane[column] * job->times + k] = __builtin_nan("");
 }
 
-static double next_time(Exchange *exchange, Columns *columns, int column)
+static double next_time(Exchange *exchange, const Program *program, Columns *columns, int column)
 {
+    (void)program;
     Job *job = ((Share *)exchange)->job;
     int64_t k = columns->sampled[column];
     if (k == job->times)

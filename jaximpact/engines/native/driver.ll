@@ -1,10 +1,11 @@
-; Made from driver.c by 'make driver'; sha256 af815bd6eb7596c15ec4dbe3aea507bc5f9ecce01eb3a15305dae6880e1ccffe
+; Made from driver.c by 'make driver'; sha256 4dfe209d7b7449d08de5cdd50039f20711cb96443d8c89803816c784514bc0eb
 
 %struct.Operation = type { i64, [32 x %struct.Program], i64, i64, i64, i64, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double] }
-%struct.Matrices = type { %struct.Exchange, ptr, i64, i64, ptr, ptr, i64, i64, ptr }
+%struct.Matrices = type { %struct.Exchange, ptr, i64, i64, ptr, ptr, i64, i64, ptr, ptr }
 %struct.Exchange = type { ptr, ptr, ptr, ptr }
 %struct.Columns = type { ptr, [8 x i64], [8 x double], [8 x i64], [8 x i64] }
+%struct.Course = type { ptr, i64, i64, double }
 %struct.anon = type { i64, ptr, ptr, i32 }
 %struct.Job = type { i64, [24 x i64], i64, i64, ptr, ptr, ptr, ptr, ptr, ptr, ptr, ptr, i64, ptr, [32 x i64], [32 x i64], i64, i32 }
 %struct.Operand = type { ptr, [24 x i64] }
@@ -22,37 +23,41 @@
 @.str.7 = private unnamed_addr constant [70 x i8] c"jaximpact: impacts take arrays of at most 24 axes, with those of vmap\00", align 1
 @.str.8 = private unnamed_addr constant [37 x i8] c"jaximpact: operands do not broadcast\00", align 1
 
-define dso_local i64 @run(ptr noundef %0, ptr noundef %1, ptr noundef %2, i64 noundef %3, ptr noundef %4, ptr noundef %5, i64 noundef %6, ptr noundef %7, i64 noundef %8) local_unnamed_addr {
-  %10 = alloca %struct.Matrices, align 8
-  call void @llvm.lifetime.start.p0(i64 96, ptr nonnull %10)
-  store ptr @take_column, ptr %10, align 8
-  %11 = getelementptr inbounds %struct.Exchange, ptr %10, i64 0, i32 1
-  store ptr @give_column, ptr %11, align 8
-  %12 = getelementptr inbounds %struct.Exchange, ptr %10, i64 0, i32 2
-  %13 = getelementptr inbounds %struct.Matrices, ptr %10, i64 0, i32 1
-  call void @llvm.memset.p0.i64(ptr noundef nonnull align 8 dereferenceable(16) %12, i8 0, i64 16, i1 false)
-  store ptr %2, ptr %13, align 8
-  %14 = getelementptr inbounds %struct.Matrices, ptr %10, i64 0, i32 2
-  store i64 %3, ptr %14, align 8
-  %15 = getelementptr inbounds %struct.Matrices, ptr %10, i64 0, i32 3
-  store i64 0, ptr %15, align 8
-  %16 = getelementptr inbounds %struct.Matrices, ptr %10, i64 0, i32 4
-  store ptr %4, ptr %16, align 8
-  %17 = getelementptr inbounds %struct.Matrices, ptr %10, i64 0, i32 5
-  store ptr %5, ptr %17, align 8
-  %18 = getelementptr inbounds %struct.Matrices, ptr %10, i64 0, i32 6
-  store i64 %6, ptr %18, align 8
-  %19 = getelementptr inbounds %struct.Matrices, ptr %10, i64 0, i32 7
-  store i64 0, ptr %19, align 8
-  %20 = getelementptr inbounds %struct.Matrices, ptr %10, i64 0, i32 8
-  store ptr %7, ptr %20, align 8
-  %21 = tail call i64 @enter_float_mode()
-  %22 = trunc i64 %8 to i32
-  call fastcc void @go_on(ptr noundef %0, ptr noundef %1, ptr noundef nonnull %10, i32 noundef %22)
-  call void @leave_float_mode(i64 noundef %21)
-  %23 = load i64, ptr %19, align 8
-  call void @llvm.lifetime.end.p0(i64 96, ptr nonnull %10)
-  ret i64 %23
+define dso_local i64 @run(ptr noundef %0, ptr noundef %1, ptr noundef %2, i64 noundef %3, ptr noundef %4, ptr noundef %5, i64 noundef %6, ptr noundef %7, i64 noundef %8, ptr noundef %9) local_unnamed_addr {
+  %11 = alloca %struct.Matrices, align 8
+  call void @llvm.lifetime.start.p0(i64 104, ptr nonnull %11)
+  store ptr @take_column, ptr %11, align 8
+  %12 = getelementptr inbounds %struct.Exchange, ptr %11, i64 0, i32 1
+  store ptr @give_column, ptr %12, align 8
+  %13 = getelementptr inbounds %struct.Exchange, ptr %11, i64 0, i32 2
+  store ptr @next_step, ptr %13, align 8
+  %14 = getelementptr inbounds %struct.Exchange, ptr %11, i64 0, i32 3
+  store ptr @give_step, ptr %14, align 8
+  %15 = getelementptr inbounds %struct.Matrices, ptr %11, i64 0, i32 1
+  store ptr %2, ptr %15, align 8
+  %16 = getelementptr inbounds %struct.Matrices, ptr %11, i64 0, i32 2
+  store i64 %3, ptr %16, align 8
+  %17 = getelementptr inbounds %struct.Matrices, ptr %11, i64 0, i32 3
+  store i64 0, ptr %17, align 8
+  %18 = getelementptr inbounds %struct.Matrices, ptr %11, i64 0, i32 4
+  store ptr %4, ptr %18, align 8
+  %19 = getelementptr inbounds %struct.Matrices, ptr %11, i64 0, i32 5
+  store ptr %5, ptr %19, align 8
+  %20 = getelementptr inbounds %struct.Matrices, ptr %11, i64 0, i32 6
+  store i64 %6, ptr %20, align 8
+  %21 = getelementptr inbounds %struct.Matrices, ptr %11, i64 0, i32 7
+  store i64 0, ptr %21, align 8
+  %22 = getelementptr inbounds %struct.Matrices, ptr %11, i64 0, i32 8
+  store ptr %7, ptr %22, align 8
+  %23 = getelementptr inbounds %struct.Matrices, ptr %11, i64 0, i32 9
+  store ptr %9, ptr %23, align 8
+  %24 = tail call i64 @enter_float_mode()
+  %25 = trunc i64 %8 to i32
+  call fastcc void @go_on(ptr noundef %0, ptr noundef %1, ptr noundef nonnull %11, i32 noundef %25)
+  call void @leave_float_mode(i64 noundef %24)
+  %26 = load i64, ptr %21, align 8
+  call void @llvm.lifetime.end.p0(i64 104, ptr nonnull %11)
+  ret i64 %26
 }
 
 declare void @llvm.lifetime.start.p0(i64 immarg, ptr nocapture)
@@ -161,6 +166,92 @@ define internal void @give_column(ptr nocapture noundef %0, ptr nocapture nounde
   %40 = load i64, ptr %12, align 8
   %41 = icmp slt i64 %39, %40
   br i1 %41, label %28, label %19
+}
+
+define internal double @next_step(ptr nocapture noundef readonly %0, ptr nocapture noundef readonly %1, ptr nocapture noundef readonly %2, i32 noundef %3) {
+  %5 = getelementptr inbounds %struct.Matrices, ptr %0, i64 0, i32 9
+  %6 = load ptr, ptr %5, align 8
+  %7 = load ptr, ptr %2, align 8
+  %8 = getelementptr inbounds %struct.Program, ptr %1, i64 0, i32 11
+  %9 = load i64, ptr %8, align 8
+  %10 = shl nsw i64 %9, 3
+  %11 = sext i32 %3 to i64
+  %12 = add nsw i64 %10, %11
+  %13 = getelementptr inbounds double, ptr %7, i64 %12
+  %14 = load double, ptr %13, align 8
+  %15 = icmp eq ptr %6, null
+  br i1 %15, label %25, label %16
+
+16:
+  %17 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %11
+  %18 = load i64, ptr %17, align 8
+  %19 = icmp eq i64 %18, 0
+  br i1 %19, label %25, label %20
+
+20:
+  %21 = getelementptr inbounds %struct.Course, ptr %6, i64 0, i32 3
+  %22 = load double, ptr %21, align 8
+  %23 = fcmp ogt double %14, %22
+  %24 = select i1 %23, double %14, double 0x7FF0000000000000
+  br label %25
+
+25:
+  %26 = phi double [ %24, %20 ], [ 0x7FF0000000000000, %4 ], [ 0.000000e+00, %16 ]
+  ret double %26
+}
+
+define internal void @give_step(ptr nocapture noundef readonly %0, ptr nocapture noundef readonly %1, ptr nocapture noundef readonly %2, i32 noundef %3) {
+  %5 = getelementptr inbounds %struct.Matrices, ptr %0, i64 0, i32 9
+  %6 = load ptr, ptr %5, align 8
+  %7 = load ptr, ptr %2, align 8
+  %8 = getelementptr inbounds %struct.Program, ptr %1, i64 0, i32 13
+  %9 = load i64, ptr %8, align 8
+  %10 = shl nsw i64 %9, 3
+  %11 = getelementptr inbounds double, ptr %7, i64 %10
+  %12 = sext i32 %3 to i64
+  %13 = getelementptr inbounds double, ptr %11, i64 %12
+  %14 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %12
+  %15 = load i64, ptr %14, align 8
+  %16 = getelementptr inbounds %struct.Program, ptr %1, i64 0, i32 12
+  %17 = load i64, ptr %16, align 8
+  %18 = shl nsw i64 %17, 3
+  %19 = add nsw i64 %18, %12
+  %20 = getelementptr inbounds double, ptr %7, i64 %19
+  %21 = load double, ptr %20, align 8
+  %22 = getelementptr inbounds %struct.Course, ptr %6, i64 0, i32 3
+  store double %21, ptr %22, align 8
+  %23 = add nsw i64 %15, 1
+  %24 = getelementptr inbounds %struct.Course, ptr %6, i64 0, i32 2
+  store i64 %23, ptr %24, align 8
+  %25 = getelementptr inbounds %struct.Course, ptr %6, i64 0, i32 1
+  %26 = load i64, ptr %25, align 8
+  %27 = icmp slt i64 %15, %26
+  br i1 %27, label %28, label %45
+
+28:
+  %29 = getelementptr inbounds %struct.Program, ptr %1, i64 0, i32 14
+  %30 = load i64, ptr %29, align 8
+  %31 = icmp sgt i64 %30, 0
+  br i1 %31, label %32, label %45
+
+32:
+  %33 = phi i64 [ %42, %32 ], [ 0, %28 ]
+  %34 = shl nsw i64 %33, 3
+  %35 = getelementptr inbounds double, ptr %13, i64 %34
+  %36 = load double, ptr %35, align 8
+  %37 = load ptr, ptr %6, align 8
+  %38 = load i64, ptr %25, align 8
+  %39 = mul nsw i64 %38, %33
+  %40 = add nsw i64 %39, %15
+  %41 = getelementptr inbounds double, ptr %37, i64 %40
+  store double %36, ptr %41, align 8
+  %42 = add nuw nsw i64 %33, 1
+  %43 = load i64, ptr %29, align 8
+  %44 = icmp slt i64 %42, %43
+  br i1 %44, label %32, label %45
+
+45:
+  ret void
 }
 
 define internal fastcc void @go_on(ptr noundef %0, ptr noundef %1, ptr noundef %2, i32 noundef %3) unnamed_addr {
@@ -296,7 +387,7 @@ define internal fastcc void @go_on(ptr noundef %0, ptr noundef %1, ptr noundef %
 
 100:
   %101 = load ptr, ptr %11, align 8
-  %102 = tail call double %101(ptr noundef %2, ptr noundef nonnull %1, i32 noundef %96)
+  %102 = tail call double %101(ptr noundef %2, ptr noundef %0, ptr noundef nonnull %1, i32 noundef %96)
   %103 = getelementptr inbounds double, ptr %90, i64 %94
   store double %102, ptr %103, align 8
   %104 = getelementptr inbounds double, ptr %87, i64 %94
@@ -1262,7 +1353,7 @@ define internal i32 @take_lane(ptr nocapture noundef readonly %0, ptr nocapture 
   %14 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 15, i64 %13
   %15 = load i64, ptr %14, align 8
   %16 = icmp slt i64 %11, %15
-  br i1 %16, label %17, label %128
+  br i1 %16, label %17, label %132
 
 17:
   %18 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 13
@@ -1359,13 +1450,13 @@ define internal i32 @take_lane(ptr nocapture noundef readonly %0, ptr nocapture 
   br i1 %88, label %53, label %47
 
 89:
-  %90 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
-  %91 = icmp sgt i64 %90, 0
-  br i1 %91, label %92, label %105
+  %90 = getelementptr inbounds %struct.Program, ptr %1, i64 0, i32 5
+  %91 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
+  %92 = icmp sgt i64 %91, 0
+  br i1 %92, label %93, label %105
 
-92:
-  %93 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 9
-  %94 = add nsw i64 %22, -2
+93:
+  %94 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 9
   %95 = sext i32 %3 to i64
   br label %108
 
@@ -1385,38 +1476,42 @@ define internal i32 @take_lane(ptr nocapture noundef readonly %0, ptr nocapture 
   %106 = sext i32 %3 to i64
   %107 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %106
   store i64 %21, ptr %107, align 8
-  br label %128
+  br label %132
 
 108:
-  %109 = phi i64 [ 0, %92 ], [ %125, %124 ]
-  %110 = load ptr, ptr %93, align 8
-  %111 = load ptr, ptr %110, align 8
-  %112 = getelementptr inbounds double, ptr %111, i64 %109
-  %113 = load double, ptr %112, align 8
-  %114 = fptosi double %113 to i64
-  %115 = icmp sgt i64 %114, -1
-  br i1 %115, label %116, label %124
+  %109 = phi i64 [ %91, %93 ], [ %130, %128 ]
+  %110 = phi i64 [ 0, %93 ], [ %129, %128 ]
+  %111 = load ptr, ptr %94, align 8
+  %112 = load ptr, ptr %111, align 8
+  %113 = getelementptr inbounds double, ptr %112, i64 %110
+  %114 = load double, ptr %113, align 8
+  %115 = fptosi double %114 to i64
+  %116 = icmp sgt i64 %115, -1
+  br i1 %116, label %117, label %128
 
-116:
-  %117 = load ptr, ptr %2, align 8
-  %118 = mul nsw i64 %109, %94
-  %119 = add nsw i64 %118, %22
-  %120 = add nsw i64 %119, %114
-  %121 = shl nsw i64 %120, 3
-  %122 = add nsw i64 %121, %95
-  %123 = getelementptr inbounds double, ptr %117, i64 %122
-  store double 1.000000e+00, ptr %123, align 8
-  br label %124
-
-124:
-  %125 = add nuw nsw i64 %109, 1
-  %126 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
-  %127 = icmp slt i64 %125, %126
-  br i1 %127, label %108, label %105
+117:
+  %118 = load i64, ptr %90, align 8
+  %119 = sub nsw i64 %118, %22
+  %120 = sdiv i64 %119, %109
+  %121 = load ptr, ptr %2, align 8
+  %122 = mul nsw i64 %120, %110
+  %123 = add i64 %22, %115
+  %124 = add i64 %123, %122
+  %125 = shl nsw i64 %124, 3
+  %126 = add nsw i64 %125, %95
+  %127 = getelementptr inbounds double, ptr %121, i64 %126
+  store double 1.000000e+00, ptr %127, align 8
+  br label %128
 
 128:
-  %129 = phi i32 [ 1, %105 ], [ 0, %4 ]
-  ret i32 %129
+  %129 = add nuw nsw i64 %110, 1
+  %130 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 3), align 8
+  %131 = icmp slt i64 %129, %130
+  br i1 %131, label %108, label %105
+
+132:
+  %133 = phi i32 [ 1, %105 ], [ 0, %4 ]
+  ret i32 %133
 }
 
 define internal void @give_lane(ptr nocapture noundef readonly %0, ptr nocapture noundef readonly %1, ptr nocapture noundef readonly %2, i32 noundef %3) {
@@ -1504,55 +1599,55 @@ define internal void @give_lane(ptr nocapture noundef readonly %0, ptr nocapture
   br i1 %67, label %53, label %49
 }
 
-define internal double @next_time(ptr nocapture noundef readonly %0, ptr nocapture noundef readonly %1, i32 noundef %2) {
-  %4 = getelementptr inbounds %struct.Share, ptr %0, i64 0, i32 1
-  %5 = load ptr, ptr %4, align 8
-  %6 = sext i32 %2 to i64
-  %7 = getelementptr inbounds %struct.Columns, ptr %1, i64 0, i32 4, i64 %6
-  %8 = load i64, ptr %7, align 8
-  %9 = getelementptr inbounds %struct.Job, ptr %5, i64 0, i32 12
-  %10 = load i64, ptr %9, align 8
-  %11 = icmp eq i64 %8, %10
-  br i1 %11, label %39, label %12
+define internal double @next_time(ptr nocapture noundef readonly %0, ptr nocapture readnone %1, ptr nocapture noundef readonly %2, i32 noundef %3) {
+  %5 = getelementptr inbounds %struct.Share, ptr %0, i64 0, i32 1
+  %6 = load ptr, ptr %5, align 8
+  %7 = sext i32 %3 to i64
+  %8 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 4, i64 %7
+  %9 = load i64, ptr %8, align 8
+  %10 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 12
+  %11 = load i64, ptr %10, align 8
+  %12 = icmp eq i64 %9, %11
+  br i1 %12, label %40, label %13
 
-12:
-  %13 = getelementptr inbounds %struct.Job, ptr %5, i64 0, i32 10
-  %14 = load ptr, ptr %13, align 8
+13:
+  %14 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 10
   %15 = load ptr, ptr %14, align 8
-  %16 = load i64, ptr %5, align 8
-  %17 = icmp sgt i64 %16, 0
-  br i1 %17, label %18, label %35
+  %16 = load ptr, ptr %15, align 8
+  %17 = load i64, ptr %6, align 8
+  %18 = icmp sgt i64 %17, 0
+  br i1 %18, label %19, label %36
 
-18:
-  %19 = getelementptr inbounds %struct.Columns, ptr %1, i64 0, i32 1, i64 %6
-  %20 = load i64, ptr %19, align 8
-  br label %21
+19:
+  %20 = getelementptr inbounds %struct.Columns, ptr %2, i64 0, i32 1, i64 %7
+  %21 = load i64, ptr %20, align 8
+  br label %22
 
-21:
-  %22 = phi i64 [ %25, %21 ], [ %16, %18 ]
-  %23 = phi ptr [ %32, %21 ], [ %15, %18 ]
-  %24 = phi i64 [ %33, %21 ], [ %20, %18 ]
-  %25 = add nsw i64 %22, -1
-  %26 = getelementptr inbounds %struct.Job, ptr %5, i64 0, i32 1, i64 %25
-  %27 = load i64, ptr %26, align 8
-  %28 = srem i64 %24, %27
-  %29 = getelementptr inbounds %struct.Operand, ptr %14, i64 0, i32 1, i64 %25
-  %30 = load i64, ptr %29, align 8
-  %31 = mul nsw i64 %30, %28
-  %32 = getelementptr inbounds double, ptr %23, i64 %31
-  %33 = sdiv i64 %24, %27
-  %34 = icmp sgt i64 %22, 1
-  br i1 %34, label %21, label %35
+22:
+  %23 = phi i64 [ %26, %22 ], [ %17, %19 ]
+  %24 = phi ptr [ %33, %22 ], [ %16, %19 ]
+  %25 = phi i64 [ %34, %22 ], [ %21, %19 ]
+  %26 = add nsw i64 %23, -1
+  %27 = getelementptr inbounds %struct.Job, ptr %6, i64 0, i32 1, i64 %26
+  %28 = load i64, ptr %27, align 8
+  %29 = srem i64 %25, %28
+  %30 = getelementptr inbounds %struct.Operand, ptr %15, i64 0, i32 1, i64 %26
+  %31 = load i64, ptr %30, align 8
+  %32 = mul nsw i64 %31, %29
+  %33 = getelementptr inbounds double, ptr %24, i64 %32
+  %34 = sdiv i64 %25, %28
+  %35 = icmp sgt i64 %23, 1
+  br i1 %35, label %22, label %36
 
-35:
-  %36 = phi ptr [ %15, %12 ], [ %32, %21 ]
-  %37 = getelementptr inbounds double, ptr %36, i64 %8
-  %38 = load double, ptr %37, align 8
-  br label %39
+36:
+  %37 = phi ptr [ %16, %13 ], [ %33, %22 ]
+  %38 = getelementptr inbounds double, ptr %37, i64 %9
+  %39 = load double, ptr %38, align 8
+  br label %40
 
-39:
-  %40 = phi double [ %38, %35 ], [ 0x7FF0000000000000, %3 ]
-  ret double %40
+40:
+  %41 = phi double [ %39, %36 ], [ 0x7FF0000000000000, %4 ]
+  ret double %41
 }
 
 define internal void @give_sample(ptr nocapture noundef readonly %0, ptr nocapture noundef readonly %1, ptr nocapture noundef readonly %2, i32 noundef %3) {

@@ -56,12 +56,23 @@ class Operation(ctypes.Structure):
     )
 
 
+class Course(ctypes.Structure):
+    """What is sampled of one lane at its start and after every step; see driver.c."""
+
+    _fields_ = (
+        ("samples", POINTER),
+        ("room", INTEGER),
+        ("count", INTEGER),
+        ("reached", DOUBLE),
+    )
+
+
 RUN = ctypes.CFUNCTYPE(
     INTEGER,
     *(POINTER, POINTER),
     *(POINTER, INTEGER, POINTER),
     *(POINTER, INTEGER, POINTER),
-    INTEGER,
+    *(INTEGER, POINTER),
 )
 FLOAT_MODE = {
     "x86": """

@@ -24,11 +24,14 @@ from .code import (
     load,
     write_function,
 )
-from .driver import Program, new_columns, shared_driver
+from .driver import Course, Program, new_columns, shared_driver
 from .graph import FLOAT, INPUT, INTEGER, TRUTH, Graph, Node, kind_of
 from .translation import Translator
 
 KINDS = {"f": FLOAT, "i": INTEGER, "b": TRUTH}
+USUAL_STEPS = 2_000
+"""For which there is room when a course is recorded; a lane that takes more runs once
+more."""
 
 
 class Code(NamedTuple):
@@ -127,8 +130,31 @@ class Workspace:
         self._run = shared_driver().run
         self._columns, self._space = new_columns(kernel.program.rows)
 
+    def record(self, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Results of one lane, and what is sampled of it at its start and at the end of
+        every step.
+
+        Args:
+            inputs: `(input_rows, 1)`.
+
+        Returns:
+            Results `(result_rows, 1)`, and samples `(sampled_rows, 1 + steps)`.
+        """
+        names, room = np.zeros(1, int), USUAL_STEPS
+        while True:
+            samples = np.empty((self._kernel.code.sampled_rows, room))
+            course = Course(samples=samples.ctypes.data, room=room)
+            _, results = self.run(names, inputs, False, course)
+            if course.count <= room:
+                return results, samples[:, : course.count]
+            room = course.count
+
     def run(
-        self, names: np.ndarray, inputs: np.ndarray, wait: bool
+        self,
+        names: np.ndarray,
+        inputs: np.ndarray,
+        wait: bool,
+        course: Course | None = None,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Begin lanes, and go on until all have ended.
 
@@ -136,6 +162,7 @@ class Workspace:
             names: of the lanes, integers that are not negative.
             inputs: `(input_rows, lanes)`.
             wait: go on only until a column is empty, to be called again.
+            course: what is sampled goes there, if there is a single lane.
 
         Returns:
             Names of the lanes that have ended, and their results
@@ -156,7 +183,7 @@ class Workspace:
             *(ctypes.addressof(self._kernel.program), ctypes.addressof(self._columns)),
             *(inputs.ctypes.data, len(names), names.ctypes.data),
             *(results.ctypes.data, room, ended.ctypes.data),
-            wait,
+            *(wait, course and ctypes.addressof(course)),
         )
         return ended[:count], results[:, :count]
 
