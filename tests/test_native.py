@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaximpact import Block, Impact, Scene, Soil, batch, simulate_batch
+from jaximpact import Block, Impact, Scene, Soil, batch, simulate, simulate_batch
 from jaximpact.cache import open_cache
 from jaximpact.dependence import depends
 from jaximpact.engines.machine import compile_native, compile_native_along
