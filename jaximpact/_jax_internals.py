@@ -42,7 +42,9 @@ def result_types(shapes: Sequence[tuple], operands: Sequence) -> list:
     types = [jax.typeof(operand) for operand in operands]
     # JAX 0.10 and later; before it `vma`
     kinds = [getattr(t, "manual_axis_type", None) for t in types]
-    axes = [k.varying if k else t.vma for k, t in zip(kinds, types, strict=True)]
+    axes = [
+        t.vma if k is None else k.varying for k, t in zip(kinds, types, strict=True)
+    ]
     varying = frozenset().union(*axes)
     if not varying:
         return [jax.ShapeDtypeStruct(shape, jnp.float64) for shape in shapes]
