@@ -5,6 +5,7 @@ import importlib
 import json
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import jax
 import numpy as np
@@ -13,7 +14,7 @@ from command_line import assert_one_line_error
 from csv_files import rows_of
 
 from jaximpact import Accuracy, Impact, Scene, simulate_batch
-from jaximpact.benchmark import Settings, run, run_benchmark
+from jaximpact.benchmark import Settings, in_jax, run, run_benchmark
 from jaximpact.benchmark.explicit_step import LIMIT, fastest_rates, steps_needed
 from jaximpact.benchmark.gradients import difference_gradient, forward_gradient
 from jaximpact.benchmark.measuring import error_figures, interleaved_minima
@@ -32,6 +33,9 @@ TINY = Settings(
     budget_s=1e-3,
     least_impacts=4,
     repeats=1,
+    jax_scenes=8,
+    jax_singles=2,
+    jax_repeats=1,
     batch_sizes=(1, 8),
     map_points=3,
     sweep_points=2,
@@ -296,6 +300,39 @@ def test_every_peer_answers(package):
     # Ten times what they were measured to err by at that tolerance.
     np.testing.assert_allclose(answer.e_n, exact, atol=5e-3)
     assert answer.seconds > 0.0
+
+
+def test_every_way_inside_jax_is_measured(monkeypatch):
+    # In place of the model, which takes long to compile
+    def product(scene, ledger):
+        return SimpleNamespace(e_n=scene.soil.k_E * scene.soil.c_v)
+
+    monkeypatch.setattr(in_jax, "simulate", product)
+    rows = in_jax.measure(Bench(TINY, [], "", lambda text: None))
+    impacts = {row["way"]: row["impacts"] for row in rows}
+    assert impacts == {
+        in_jax.BATCH: 8,
+        in_jax.VALUES: 8,
+        in_jax.GRADIENTS: 8,
+        in_jax.JITTED: 1,
+        in_jax.EAGER: 1,
+        in_jax.EAGER_GRADIENT: 1,
+        in_jax.STEPS: 1,
+    }
+    in_jax.draw(rows)
+
+    seconds = {
+        in_jax.BATCH: 3.0,
+        in_jax.VALUES: 4.0,
+        in_jax.GRADIENTS: 16.0,
+        in_jax.JITTED: 7e-4,
+        in_jax.EAGER: 1e-3,
+        in_jax.EAGER_GRADIENT: 2e-3,
+        in_jax.STEPS: 6e-4,
+    }
+    known = [row | {"seconds": seconds[row["way"]]} for row in rows]
+    found = [cell for _, cell in in_jax.table(known)[1:]]
+    assert found == ["0.75", "0.25", "100 µs", "600 µs", "1000 µs", "2000 µs"]
 
 
 def test_unknown_section_is_a_one_line_error(tmp_path, capsys):

@@ -7,6 +7,7 @@ import functools
 import math
 import re
 import time
+from pathlib import Path
 
 import equinox as eqx
 import jax
@@ -26,6 +27,7 @@ from jaximpact.shapes import Ellipsoid
 FAST = functools.partial(simulate, accuracy="fast", ledger=False)
 UNDAMPED = dict.fromkeys(("eta_N", "eta_T", "eta_R"), 0.0)
 """Known inside of `jit` too, which saves the models with dashpots."""
+PAGE = Path(__file__).parents[1] / "docs" / "in-jax.md"
 COUNT = 37
 """Not a multiple of the eight lanes of a vector."""
 
@@ -331,6 +333,14 @@ def test_empty_and_single_lanes():
     one = FAST(Block(), Soil(), Impact(speed=jnp.array([14.0])))
     assert one.e_n.shape == (1,)
     assert float(one.e_n[0]) == float(FAST(Block(), Soil(), Impact(speed=14.0)).e_n)
+
+
+def test_the_page_on_jax_runs():
+    names = {}
+    text = PAGE.read_text(encoding="utf-8")
+    for block in re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        exec(compile(block, str(PAGE), "exec"), names)
+    assert np.all(np.isfinite(names["gradient"]))
 
 
 def test_float32_is_refused_with_the_cure():

@@ -13,12 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..accuracy import Accuracy
-from ..engines.machine import (
-    along_leaves,
-    compile_native_along,
-    kernel_inputs,
-    solve_rows,
-)
+from ..engines.machine import compile_native_along, kernel_inputs, solve_rows
 from ..engines.threads import thread_count
 from ..formats.columns import leaf_places
 from ..mechanics.model import MODELS, model_places
@@ -53,7 +48,7 @@ def forward_gradient(
     kernels, parts = {}, []
     for place in np.unique(places):
         assembly = Assembly(jax.tree.structure(scenes), MODELS[place], ledger=False)
-        kernels[place] = compile_native_along(assembly)
+        kernels[place] = compile_native_along(assembly, len(PARAMETERS))
         own = np.flatnonzero(places == place)
         pieces = thread_count() if batch else len(own)
         parts += [(place, piece) for piece in np.array_split(own, pieces) if len(piece)]
@@ -62,12 +57,18 @@ def forward_gradient(
         place, own = part
         here = choose(scenes, own)
         inputs = np.stack(kernel_inputs(here, accuracy))
-        rows = np.repeat(inputs, len(varied), axis=1)
-        leaves = np.tile(varied, inputs.shape[1])
-        _, (along,) = solve_rows(kernels[place], along_leaves(rows, leaves))
+        rows, lanes = inputs.shape
+        directions = np.zeros((len(varied), rows - 2, lanes))  # but tolerance and floor
+        directions[np.arange(len(varied)), varied] = 1.0
+        _, along = solve_rows(kernels[place], np.concatenate([inputs, *directions]))
         # By the parameter's logarithm
-        values = [getattr(here.soil, name) for name in PARAMETERS]
-        return along.e_n.reshape(-1, len(varied)) * np.stack(values, axis=1)
+        return np.stack(
+            [
+                column.e_n * getattr(here.soil, name)
+                for name, column in zip(PARAMETERS, along, strict=True)
+            ],
+            axis=1,
+        )
 
     found = np.empty((count_of(scenes), len(PARAMETERS)))
     begin = time.perf_counter()

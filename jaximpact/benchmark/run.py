@@ -27,6 +27,7 @@ from ..formats.provenance import version_of, versions
 from ..precision import require_float64
 from .compile_time import COMPILE_TIME
 from .explicit_step import EXPLICIT_STEP
+from .in_jax import IN_JAX
 from .ladder import LADDER
 from .methods import Ours, find_peers
 from .section import Bench, Row, Section
@@ -42,6 +43,7 @@ SECTIONS = {
         WORK_PRECISION,
         GRADIENT,
         TARGET,
+        IN_JAX,
         LADDER,
         THROUGHPUT,
         COMPILE_TIME,

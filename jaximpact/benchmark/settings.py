@@ -25,6 +25,11 @@ class Settings:
     best."""
     differences_limit_s: float = 30.0
     """Peers whose differences take longer than that to find their step are left out."""
+    jax_scenes: int = 4_096
+    """Impacts under `jit` and `vmap`."""
+    jax_singles: int = 30
+    """Calls of one impact, of which the shortest counts."""
+    jax_repeats: int = 10
     ladder_scenes: int = 64
     """Impacts of each parametric set."""
     batch_sizes: tuple[int, ...] = (1, 10, 100, 1_000, 10_000, 100_000)

@@ -15,6 +15,7 @@ Sections, each NAME.png with its data NAME.csv and its figures NAME.md:
   work-precision  error of e_n against time, one impact at a time and in batches
   gradient        the same for derivatives by k_E, gamma_v and c_v
   target          impacts a second at 95 % of errors within 1e-3, against numbalsoda
+  in-jax          what jit, vmap and grad add to an impact, and to many
   ladder          error against cost of each model on each parametric set
   throughput      impacts a second against the size of the batch
   compile-time    first uses, each in a process of its own
