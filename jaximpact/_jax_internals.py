@@ -24,6 +24,7 @@ __all__ = [
     "is_inside_jit",
     "keep_programs_by",
     "namespace_of",
+    "number_in",
     "place_of",
     "result_types",
     "scan_counts",
@@ -61,6 +62,20 @@ def namespace_of(*values):
     """`jax.numpy` where JAX is tracing one of the values, else `numpy`, which is a
     hundred times quicker for a few numbers."""
     return jnp if any(isinstance(value, Tracer) for value in values) else np
+
+
+def number_in(tracer: Tracer):
+    """The number that a tracer stands for, if it is known and the same in all lanes of
+    `jax.vmap`; else the tracer."""
+    value = tracer
+    while isinstance(value, Tracer):
+        # Of what is batched, and of what is differentiated
+        value = getattr(value, "val", getattr(value, "primal", None))
+    if value is None or not np.size(value):
+        return tracer
+    values = np.asarray(value)
+    least = np.min(values)
+    return least if least == np.max(values) else tracer
 
 
 def called(equation) -> ClosedJaxpr | None:

@@ -22,7 +22,7 @@ from diffrax import AbstractAdaptiveSolver
 from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array
 
-from .._jax_internals import Tracer, namespace_of
+from .._jax_internals import Tracer, namespace_of, number_in
 from ..accuracy import Accuracy
 from ..history import History, history_of_no_value, outside_contact
 from ..mechanics.model import MODELS, exact_models
@@ -328,6 +328,8 @@ def _choose(given: Given, values: list, varied: list[int], directions: int):
     many = any(isinstance(x, Tracer) or x.ndim for x in known)
     if many:
         scene = jax.tree.unflatten(given.structure, leaves)
+        # What is one number for all lanes decides as that number does.
+        leaves = [number_in(x) if isinstance(x, Tracer) else x for x in leaves]
         for place in varied:
             if place != _place_of_times(given.structure):
                 leaves[place] = np.nan
