@@ -36,12 +36,12 @@ from .formats.provenance import versions
 from .identity import part_names
 from .mechanics.model import MODELS, model_places
 from .mechanics.problem import Assembly
+from .numbers import Numbers, numbers_of_no_value
 from .precision import require_float64
 from .scene import Impact, Scene, as_scene, shape_of
 from .shapes import MixedShapes
 from .simulation import ImpactResult
 from .soil import Soil
-from .summary import Numbers, numbers_of_no_value
 
 
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:

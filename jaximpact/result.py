@@ -19,9 +19,9 @@ from .engines.selection import MACHINE_CODE
 from .formats import provenance
 from .history import History
 from .mechanics.outcomes import Outcome
+from .numbers import Numbers
 from .scene import Scene
 from .shapes import MixedShapes
-from .summary import Numbers
 
 if TYPE_CHECKING:  # both take a while to load
     import pandas as pd

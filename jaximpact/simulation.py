@@ -1,10 +1,10 @@
 """Impacts: from a scene to every number that the model gives."""
 
 import dataclasses
+from typing import TYPE_CHECKING, Union
 
 import jax
 import numpy as np
-from diffrax import AbstractAdaptiveSolver
 from numpy.typing import ArrayLike
 
 from ._jax_internals import Tracer
@@ -20,6 +20,9 @@ from .result import ImpactResult
 from .scene import Impact, Scene, as_scene, shape_of, with_axes
 from .soil import Soil
 
+if TYPE_CHECKING:  # which takes a while to load
+    from diffrax import AbstractAdaptiveSolver
+
 
 def simulate(
     scene: Scene | Block,
@@ -30,7 +33,7 @@ def simulate(
     save_at: ArrayLike | None = None,
     history: bool = False,
     ledger: bool | None = None,
-    engine: str | AbstractAdaptiveSolver = MACHINE_CODE,
+    engine: Union[str, "AbstractAdaptiveSolver"] = MACHINE_CODE,
 ) -> ImpactResult:
     """Simulate an impact, or many.
 

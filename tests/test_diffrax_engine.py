@@ -30,6 +30,7 @@ from jaximpact.errors import InputError
 from jaximpact.laws import AbstractFlow, displacement_rates, overstress
 from jaximpact.mechanics.outcomes import TIME_LIMIT
 from jaximpact.mechanics.problem import assemble, pose
+from jaximpact.numbers import Numbers
 from jaximpact.parameters import parameter
 from jaximpact.safe import safe_power
 from jaximpact.shapes import RectangularPrism
@@ -46,7 +47,7 @@ from jaximpact.solver.integration import (
 )
 from jaximpact.solver.lanes import Lanes, end_lanes, start_lanes, step_lanes
 from jaximpact.solver.rosenbrock import ORDER, Rodas5P
-from jaximpact.summary import Numbers, summarise, summarise_lanes
+from jaximpact.summary import summarise, summarise_lanes
 
 OBLIQUE = Impact(angle=0.5, orientation=0.3, angular_velocity=-5.0)
 LONG = Block(aspect_ratio=2.0)

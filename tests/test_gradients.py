@@ -17,7 +17,7 @@ from jaximpact.engines.machine import (
     kernel_inputs,
     solve_rows,
 )
-from jaximpact.engines.solving import compute
+from jaximpact.engines.xla import compute
 from jaximpact.formats.columns import leaf_places
 from jaximpact.mechanics.model import PLANAR, PLANAR_DAMPED, select_model
 from jaximpact.mechanics.problem import Assembly

@@ -19,7 +19,7 @@ from jaximpact import (
 )
 from jaximpact.batch import broadcast_scene
 from jaximpact.engines.compilation import unfused_jit
-from jaximpact.engines.solving import compute_lanes
+from jaximpact.engines.xla import compute_lanes
 from jaximpact.mechanics.model import (
     MODELS,
     PLANAR,

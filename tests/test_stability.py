@@ -20,7 +20,7 @@ from make_stability_scenes import DEGREE, ENDS, USUAL, inside, scene_of
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate_batch
 from jaximpact.accuracy import PRESETS
 from jaximpact.engines.compilation import unfused_jit
-from jaximpact.engines.solving import compute_lanes
+from jaximpact.engines.xla import compute_lanes
 from jaximpact.mechanics.model import PLANAR
 from jaximpact.mechanics.problem import Assembly
 from jaximpact.scene import GRAVITY

@@ -24,8 +24,8 @@ from ..engines.machine import (
     solve_rows,
     with_setting,
 )
-from ..engines.solving import compute_lanes
 from ..engines.threads import thread_count
+from ..engines.xla import compute_lanes
 from ..formats.columns import RESULT_COLUMNS
 from ..mechanics.problem import Assembly
 

@@ -8,31 +8,23 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool
 
 from ..accuracy import MAX_STEPS, RETRIES, Accuracy
-from ..dependence import depends
 from ..errors import IncompleteError, NoMachineCodeWarning
 from ..formats.provenance import versions
-from ..history import History
 from ..identity import described
 from ..mechanics.outcomes import Outcome
 from ..mechanics.problem import Assembly
+from ..numbers import Numbers, numbers_of_no_value
 from ..scene import Scene
-from ..solver.lanes import Lanes, sample_lanes, start_lanes, step_lanes
-from ..summary import Numbers, numbers_of_no_value, summarise_lanes
 from .native import (
     Code,
     Kernel,
-    LaneFunctions,
     NoMachineCode,
     Retries,
-    compile_code,
     host,
     kept,
 )
@@ -84,28 +76,16 @@ def compile_native(assembly: Assembly, sampled: bool = False) -> Kernel | None:
     Args:
         sampled: also gives a `History` at times asked for on the way.
     """
-    lanes = _Lanes(assembly, sampled)
-    functions = LaneFunctions(
-        lambda inputs, _: (lanes.begin(inputs), ()),
-        lambda state, _: _nothing_own(*lanes.step(state)),
-        lambda inputs, _, state, __: (lanes.finish(inputs, state), ()),
-        *(lambda state, _, time: (lanes.sample(state, time), ()), _time_of) * sampled,
-    )
-    code = _kept_or_compiled(
-        assembly,
-        "sampled" if sampled else None,
-        lambda: compile_code(functions, _inputs(assembly)),
-    )
+
+    def compile_lanes() -> Code:
+        # It loads diffrax, which takes a while.
+        from .lane_functions import code_of_values
+
+        return code_of_values(assembly, sampled)
+
+    code = _kept_or_compiled(assembly, "sampled" if sampled else None, compile_lanes)
     structure = jax.tree.structure(numbers_of_no_value(assembly.ledger))
     return Kernel(code, structure, _retries(assembly))
-
-
-def _nothing_own(state, going):
-    return state, (), going
-
-
-def _time_of(lanes: Lanes):
-    return lanes.time
 
 
 def _retries(assembly: Assembly) -> Retries:
@@ -144,28 +124,15 @@ def compile_native_along(
     """
 
     def compile_lanes() -> Code:
-        inputs = _inputs(assembly)
-        lanes = _Along(assembly, inputs, sampled)
-        functions = LaneFunctions(
-            lanes.begin, lanes.step, lanes.finish, *(lanes.sample, _time_of) * sampled
-        )
-        direction = [inputs[1]] * (assembly.structure.num_leaves + sampled)
-        return compile_code(functions, inputs, direction, directions)
+        from .lane_functions import code_of_derivatives
+
+        return code_of_derivatives(assembly, directions, sampled)
 
     choice = "along", directions, *("sampled",) * sampled
     code = _kept_or_compiled(assembly, choice, compile_lanes)
     numbers = numbers_of_no_value(assembly.ledger)
     structure = jax.tree.structure((numbers, (numbers,) * directions))
     return Kernel(code, structure, _retries(assembly))
-
-
-def _inputs(assembly: Assembly):
-    """What stands for scenes, tolerance and floor of one lane."""
-    one = jax.ShapeDtypeStruct((1,), float)
-    scenes = jax.tree.unflatten(
-        assembly.structure, [one] * assembly.structure.num_leaves
-    )
-    return scenes, one, one
 
 
 def _kept_or_compiled(
@@ -224,118 +191,6 @@ def installed() -> tuple[dict[str, str], str]:
         if path.suffix in (".py", ".ll"):
             digest.update(path.read_bytes())
     return versions(), digest.hexdigest()
-
-
-class _Lanes(NamedTuple):
-    """What lanes do."""
-
-    assembly: Assembly
-    sampled: bool = False
-
-    def begin(self, inputs) -> Lanes:
-        scenes, tolerance, floor = inputs
-        return start_lanes(self.assembly, scenes, tolerance[0], floor[0], self.sampled)
-
-    def step(self, lanes: Lanes) -> tuple[Lanes, Bool[Array, " lanes"]]:
-        lanes = step_lanes(lanes)
-        return lanes, lanes.going
-
-    def finish(self, inputs, lanes: Lanes) -> Numbers:
-        return summarise_lanes(inputs[0], lanes)
-
-    def sample(self, lanes: Lanes, times) -> History:
-        return sample_lanes(lanes, times)
-
-
-class _Along:
-    """What lanes do, and the derivative along a direction of what they have come to.
-
-    Of the lanes those leaves are differentiated that change with any leaf of a scene.
-    """
-
-    def __init__(self, assembly: Assembly, inputs, sampled: bool = False):
-        self.lanes = _Lanes(assembly, sampled)
-        self.varied = list(range(assembly.structure.num_leaves))
-        traced, lanes = jax.make_jaxpr(self.lanes.begin, return_shape=True)(inputs)
-        places = (_changing(traced, lanes, place) for place in self.varied)
-        self.changing = sorted(set().union(*places))
-
-    def begin(self, inputs, direction):
-        def of_leaves(*values):
-            lanes = self.lanes.begin(_with_leaves(inputs, self.varied, values))
-            return _leaves(lanes, self.changing), lanes
-
-        by_leaves, by_time = self._split(direction, self.varied)
-        _, slope, lanes = jax.jvp(
-            of_leaves, _leaves(inputs, self.varied), by_leaves, has_aux=True
-        )
-        return lanes, [*slope, *by_time]
-
-    def _split(self, derivatives, places: list[int]):
-        """Those of leaves, and that of the times asked for if there are any."""
-        return list(derivatives[: len(places)]), list(derivatives[len(places) :])
-
-    def step(self, lanes, slope):
-        def of_changing(*values):
-            after, going = self.lanes.step(_with_leaves(lanes, self.changing, values))
-            return _leaves(after, self.changing), (after, going)
-
-        slope, by_time = self._split(slope, self.changing)
-        _, slope, (after, going) = jax.jvp(
-            of_changing, _leaves(lanes, self.changing), slope, has_aux=True
-        )
-        return after, [*slope, *by_time], going
-
-    def sample(self, lanes, slope, times):
-        def of_changing(times, *values):
-            lanes_then = _with_leaves(lanes, self.changing, values)
-            return self.lanes.sample(lanes_then, times)
-
-        slope, by_time = self._split(slope, self.changing)
-        values = times, *_leaves(lanes, self.changing)
-        return jax.jvp(of_changing, values, (*by_time, *slope))
-
-    def finish(self, inputs, direction, lanes, slope):
-        count = len(self.varied)
-        direction, _ = self._split(direction, self.varied)
-        slope, _ = self._split(slope, self.changing)
-
-        def of_both(*values):
-            return self.lanes.finish(
-                _with_leaves(inputs, self.varied, values[:count]),
-                _with_leaves(lanes, self.changing, values[count:]),
-            )
-
-        values = _leaves(inputs, self.varied) + _leaves(lanes, self.changing)
-        return jax.jvp(of_both, values, [*direction, *slope])
-
-
-def _changing(traced, lanes: Lanes, place: int) -> list[int]:
-    """Leaves of lanes that change with a leaf of their inputs, in their course or, as
-    constants, from the start."""
-    varied = [i == place for i in range(len(traced.in_avals))]
-    from_start = depends(traced.jaxpr, varied)
-    course = {id(leaf) for leaf in jax.tree.leaves(lanes.course)}
-    constants = {id(leaf) for leaf in jax.tree.leaves(lanes.problem)}
-    return [
-        i
-        for i, leaf in enumerate(jax.tree.leaves(lanes))
-        if jnp.issubdtype(leaf.dtype, jnp.inexact)
-        and (id(leaf) in course or (id(leaf) in constants and from_start[i]))
-    ]
-
-
-def _leaves(tree, places: list[int]) -> list[Array]:
-    leaves = jax.tree.leaves(tree)
-    return [leaves[place] for place in places]
-
-
-def _with_leaves(tree, places: list[int], values):
-    """The tree with other values of some leaves."""
-    leaves, structure = jax.tree.flatten(tree)
-    for place, value in zip(places, values, strict=True):
-        leaves[place] = value
-    return jax.tree.unflatten(structure, leaves)
 
 
 def kernel_inputs(scene: Scene, accuracy: Accuracy) -> list[np.ndarray]:

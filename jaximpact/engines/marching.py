@@ -16,9 +16,10 @@ import numpy as np
 
 from ..accuracy import Accuracy
 from ..mechanics.problem import Assembly
+from ..numbers import Numbers
 from ..scene import Scene
 from ..solver.lanes import Lanes, march, start_lanes
-from ..summary import Numbers, summarise_lanes
+from ..summary import summarise_lanes
 from .compilation import compile_unfused
 from .threads import thread_count
 

@@ -1,25 +1,18 @@
 """The history of one impact, step by step."""
 
-import diffrax
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from .._jax_internals import Tracer, is_inside_jit
-from ..accuracy import MAX_STEPS, Accuracy
+from ..accuracy import Accuracy
 from ..errors import InputError
-from ..history import History, history_at, history_of_no_value
-from ..mechanics.problem import assemble, pose
+from ..history import History, history_of_no_value
+from ..mechanics.problem import assemble
+from ..numbers import Numbers
 from ..scene import Scene, shape_of
-from ..solver.integration import diffrax_arguments
-from ..summary import Numbers
-from .compilation import unfused_jit
 from .machine import compile_native, computes_on_cpu
 from .selection import MACHINE_CODE, Engine
 from .solving import solve
-
-USUAL_STEPS = 20_000
-"""Steps that memory is set aside for at first; all of `MAX_STEPS` take 200 MB."""
 
 
 def solve_recorded(
@@ -50,9 +43,11 @@ def solve_recorded(
     if engine.is_machine_code and computes_on_cpu():
         kernel = compile_native(assembly, sampled=True)
     if kernel is None:
+        from .xla import record_by_xla  # loads diffrax, which takes a while
+
         leaves, structure = jax.tree.flatten(scene)
         numbers = solve(structure, leaves, accuracy, True, engine)
-        return numbers, _record_by_xla(scene, accuracy, engine.solver)
+        return numbers, record_by_xla(scene, accuracy, engine.solver)
     inputs = [*jax.tree.leaves(scene), accuracy.tolerance, accuracy.floor]
     results, samples = kernel.workspace().record(np.array(inputs, float)[:, None])
     numbers = jax.tree.unflatten(kernel.structure, [row[0] for row in results])
@@ -63,35 +58,3 @@ def solve_recorded(
 def record_history(scene: Scene, accuracy: Accuracy) -> History:
     """The history that `solve_recorded` gives."""
     return solve_recorded(scene, accuracy)[1]
-
-
-def _record(assembly, room, solver, scene, tolerance, floor):
-    problem, vector = pose(scene, assembly, tolerance, floor)
-    solution = diffrax.diffeqsolve(
-        **diffrax_arguments(problem, vector, solver) | {"max_steps": room},
-        saveat=diffrax.SaveAt(t0=True, steps=True),
-    )
-    rows = jax.vmap(history_at, in_axes=(None, 0, 0, 0))(
-        problem, solution.ts, solution.ys.vector, solution.ys.fold.work
-    )
-    full = solution.result == diffrax.RESULTS.max_steps_reached
-    return rows, solution.stats["num_accepted_steps"], full
-
-
-_record_compiled = unfused_jit(_record, static_argnums=(0, 1, 2))
-
-
-def _record_by_xla(scene: Scene, accuracy: Accuracy, solver) -> History:
-    for room in (USUAL_STEPS, MAX_STEPS):
-        rows, steps, full = _record_compiled(
-            assemble(scene),
-            room,
-            solver,
-            scene,
-            jnp.asarray(accuracy.tolerance),
-            jnp.asarray(accuracy.floor),
-        )
-        if not full:
-            break
-    count = min(int(steps) + 1, room)
-    return jax.tree.map(lambda series: np.asarray(series)[:count], rows)

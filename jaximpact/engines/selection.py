@@ -1,11 +1,11 @@
 """Which of the ways to the numbers is asked for."""
 
-from typing import NamedTuple
-
-import diffrax
+from typing import TYPE_CHECKING, NamedTuple, Union
 
 from ..errors import InputError, nearest
-from ..solver.any_solver import usable_solver
+
+if TYPE_CHECKING:  # which takes a while to load
+    import diffrax
 
 MACHINE_CODE, DIFFRAX = ENGINES = "machine code", "diffrax"
 
@@ -14,7 +14,7 @@ class Engine(NamedTuple):
     """A way to the numbers of an impact."""
 
     name: str
-    solver: diffrax.AbstractAdaptiveSolver | None = None
+    solver: "diffrax.AbstractAdaptiveSolver | None" = None
     """What takes the steps; None for the package's method."""
 
     @property
@@ -23,12 +23,18 @@ class Engine(NamedTuple):
         return self.name == MACHINE_CODE
 
 
-def get_engine(engine: str | diffrax.AbstractAdaptiveSolver) -> Engine:
+def get_engine(engine: Union[str, "diffrax.AbstractAdaptiveSolver"]) -> Engine:
     """The engine of that name, or diffrax with that solver.
 
     Raises InputError for an unknown name, with the nearest known, and for a solver that
     cannot be used.
     """
+    if isinstance(engine, str) and engine in ENGINES:
+        return Engine(engine)
+    import diffrax
+
+    from ..solver.any_solver import usable_solver
+
     if isinstance(engine, diffrax.AbstractSolver):
         return Engine(f"{DIFFRAX}, {type(engine).__name__}", usable_solver(engine))
     if isinstance(engine, type) and issubclass(engine, diffrax.AbstractSolver):
@@ -36,9 +42,7 @@ def get_engine(engine: str | diffrax.AbstractAdaptiveSolver) -> Engine:
             f"engine is the class {engine.__name__}; need a solver made of it, "
             f"{engine.__name__}()"
         )
-    if not isinstance(engine, str) or engine not in ENGINES:
-        raise InputError(
-            f"engine must be one of {', '.join(ENGINES)}, or a solver of diffrax, but "
-            f"{engine!r} was given; did you mean {nearest(engine, ENGINES)!r}?"
-        )
-    return Engine(engine)
+    raise InputError(
+        f"engine must be one of {', '.join(ENGINES)}, or a solver of diffrax, but "
+        f"{engine!r} was given; did you mean {nearest(engine, ENGINES)!r}?"
+    )

@@ -18,7 +18,6 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from diffrax import AbstractAdaptiveSolver
 from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array
 
@@ -26,14 +25,10 @@ from .._jax_internals import Tracer, namespace_of, number_in
 from ..accuracy import Accuracy
 from ..history import History, history_of_no_value, outside_contact
 from ..mechanics.model import MODELS, exact_models
-from ..mechanics.problem import Assembly, pose
+from ..mechanics.problem import Assembly
+from ..numbers import Numbers, Solution, numbers_of_no_value
 from ..precision import float64_leaf
 from ..scene import Scene
-from ..solver.any_solver import require_derivatives
-from ..solver.integration import integrate
-from ..solver.lanes import march, march_and_sample, start_lanes
-from ..summary import Numbers, numbers_of_no_value, summarise, summarise_lanes
-from .compilation import unfused_jit
 from .machine import compile_native, compile_native_along, computes_on_cpu
 from .native import Kernel
 from .operation import Operation, call, register
@@ -67,16 +62,9 @@ class Given(NamedTuple):
             leaves[place] = value
         return leaves
 
-    def solution(self, rows) -> "Solution":
+    def solution(self, rows) -> Solution:
         """What rows of results are."""
         return jax.tree.unflatten(_structure(self.ledger, self.sampled), rows)
-
-
-class Solution(NamedTuple):
-    """What is computed of impacts."""
-
-    numbers: Numbers
-    samples: History | None
 
 
 @functools.cache
@@ -411,52 +399,12 @@ def _operation(
     return _operations[key]
 
 
-def compute(
-    assembly: Assembly,
-    scene: Scene,
-    tolerance,
-    floor,
-    solver: AbstractAdaptiveSolver | None = None,
-) -> Numbers:
-    """Numbers of one impact: pure, differentiable in forward mode.
-
-    Args:
-        solver: as an `Engine` has it.
-    """
-    problem, vector = pose(scene, assembly, tolerance, floor)
-    return summarise(scene, problem, integrate(problem, vector, solver))
-
-
-def compute_lanes(assembly: Assembly, scenes: Scene, tolerance, floor) -> Numbers:
-    """Numbers of many impacts side by side, to the slowest; scene fields are
-    `(lanes,)`.
-
-    Pure, differentiable in forward mode.
-    """
-    lanes = march(start_lanes(assembly, scenes, tolerance, floor))
-    return summarise_lanes(scenes, lanes)
-
-
-def compute_at(
-    assembly: Assembly, scene: Scene, tolerance, floor, times
-) -> tuple[Numbers, History]:
-    """Numbers of one impact, and what is sampled of it at times, after its end NaN.
-
-    Pure, differentiable in forward mode.
-    """
-    scenes = jax.tree.map(lambda leaf: jnp.reshape(leaf, (1,)), scene)
-    lanes = start_lanes(assembly, scenes, tolerance, floor, sampled=True)
-    lanes, samples = march_and_sample(lanes, times)
-    numbers = summarise_lanes(scenes, lanes)
-    return jax.tree.map(lambda x: x[0], numbers), samples
-
-
 def _by_xla(given: Given, values: list, times, varied: list[int]):
     """Results, with leaves in `varied` also their derivatives, as `_columns` gives
     them, by XLA's program."""
+    from .xla import in_xla  # loads diffrax, which takes a while
+
     solver = given.engine.solver
-    if varied:
-        require_derivatives(solver)
     known = given.leaves([np.nan if isinstance(x, Tracer) else x for x in values])
     for place in varied:
         if place != _place_of_times(given.structure):
@@ -468,14 +416,14 @@ def _by_xla(given: Given, values: list, times, varied: list[int]):
     own = () if times is None else np.shape(times)[:-1]
     shape = np.broadcast_shapes(own, *map(np.shape, leaves))
     if not shape:
-        return _in_xla(assembly, tuple(varied), solver, leaves, *setting, times)
+        return in_xla(assembly, tuple(varied), solver, leaves, *setting, times)
     lanes = math.prod(shape)
     rows = [jnp.broadcast_to(leaf, shape).reshape(lanes) for leaf in leaves]
     if times is not None:
         series = np.shape(times)[-1:]
         times = jnp.broadcast_to(times, shape + series).reshape(lanes, *series)
     known = assembly, tuple(varied), solver
-    found = jax.vmap(lambda row, times: _in_xla(*known, row, *setting, times))(
+    found = jax.vmap(lambda row, times: in_xla(*known, row, *setting, times))(
         rows, times
     )
 
@@ -487,29 +435,3 @@ def _by_xla(given: Given, values: list, times, varied: list[int]):
     solution, columns = found
     columns = jax.tree.map(lambda x: with_lanes(jnp.moveaxis(x, 0, 1), 1), columns)
     return jax.tree.map(lambda x: with_lanes(x, 0), solution), columns
-
-
-def _compute_leaves(assembly, varied, solver, leaves, tolerance, floor, times):
-    def of_varied(values):
-        with_delay = [*leaves, 0.0]
-        for place, value in zip(varied, values, strict=True):
-            with_delay[place] = value
-        *all_leaves, delay = with_delay
-        scene = jax.tree.unflatten(assembly.structure, all_leaves)
-        if times is None:
-            solution = compute(assembly, scene, tolerance, floor, solver), None
-        else:
-            solution = compute_at(assembly, scene, tolerance, floor, times + delay)
-        parts = [
-            jnp.stack(jax.tree.leaves(part)) for part in solution if part is not None
-        ]
-        return parts, Solution(*solution)
-
-    values = [(*leaves, 0.0)[place] for place in varied]
-    if not varied:
-        return of_varied(values)[1]
-    columns, solution = jax.jacfwd(of_varied, has_aux=True)(values)
-    return solution, list(zip(*columns, strict=True))
-
-
-_in_xla = unfused_jit(_compute_leaves, static_argnums=(0, 1, 2))

@@ -18,13 +18,13 @@ from ..engines.machine import (
     solve_rows,
     with_setting,
 )
-from ..engines.solving import compute_lanes
 from ..engines.threads import thread_count
+from ..engines.xla import compute_lanes
 from ..formats.columns import InputColumn, leaf_places
 from ..mechanics.model import MODELS, model_places
 from ..mechanics.problem import Assembly
+from ..numbers import Numbers, numbers_of_no_value
 from ..scene import Scene
-from ..summary import Numbers, numbers_of_no_value
 
 PART = 256
 """Impacts that a core takes at a time; the last of a part leave lanes empty."""

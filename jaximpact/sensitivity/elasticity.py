@@ -26,10 +26,10 @@ from ..formats.results import outcomes_in_words
 from ..formats.scenes import scene_values, value_of
 from ..identity import part_names
 from ..mechanics.outcomes import Outcome
+from ..numbers import Numbers
 from ..precision import require_float64
 from ..scene import Impact, Scene, as_scene
 from ..soil import Soil
-from ..summary import Numbers
 from ..sweeping import Axes, check_axes, coordinates_of, spread
 from .derivatives import derivatives
 from .differences import POINTS, differences, size_of
