@@ -10,7 +10,6 @@ JAX can transpose it: `jax.grad` costs as much as `jax.jacfwd` does, in proporti
 the number of parameters that vary.
 """
 
-import concurrent.futures
 import functools
 import math
 from typing import NamedTuple
@@ -30,10 +29,8 @@ from ..numbers import Numbers, Solution, numbers_of_no_value
 from ..precision import float64_leaf
 from ..scene import Scene
 from .machine import compile_native, compile_native_along, computes_on_cpu
-from .native import Kernel
 from .operation import Operation, call, register
 from .selection import MACHINE_CODE, Engine
-from .threads import thread_count
 
 MOST_DIRECTIONS = 3
 """Derivatives that share a run of an impact. Each costs some two thirds of the value;
@@ -381,20 +378,16 @@ def _operation(
     """The operation for the models that there may be."""
     key = structure, ledger, sampled, possible, directions
     if key not in _operations:
-
-        def compiled(place: int) -> Kernel | None:
+        kernels = []
+        # One after the other: LLVM is called by one thread at a time (llvmlite).
+        for place in possible:
             assembly = Assembly(structure, MODELS[place], ledger)
-            # What the caller has set in a `with` is not set in another thread.
-            with jax.enable_x64(True):
-                if directions:
-                    return compile_native_along(assembly, directions, sampled)
-                return compile_native(assembly, sampled)
-
-        # At once, since LLVM leaves other threads of Python alone; the dearest first.
-        with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
-            kernels = list(pool.map(compiled, reversed(possible)))[::-1]
-        if None in kernels:
-            return None
+            if directions:
+                kernels.append(compile_native_along(assembly, directions, sampled))
+            else:
+                kernels.append(compile_native(assembly, sampled))
+            if kernels[-1] is None:
+                return None
         _operations[key] = register(kernels, directions)
     return _operations[key]
 
