@@ -71,7 +71,9 @@ def number_in(tracer: Tracer):
     while isinstance(value, Tracer):
         # Of what is batched, and of what is differentiated
         value = getattr(value, "val", getattr(value, "primal", None))
-    if value is None or not np.size(value):
+    if not isinstance(value, np.ndarray | np.generic | float | jax.Array):
+        return tracer  # inside of `jax.jit` nothing is known
+    if not np.size(value):
         return tracer
     values = np.asarray(value)
     least = np.min(values)

@@ -316,7 +316,7 @@ def test_kept_machine_code_runs(cache, monkeypatch):
     scenes = oblique_scenes(20)
     made = simulate_batch(scenes, accuracy="fast")
     compile_native.cache_clear()
-    monkeypatch.setattr("jaximpact.engines.machine.compile_code", None)
+    monkeypatch.setattr("jaximpact.engines.lane_functions.compile_code", None)
     found = simulate_batch(scenes, accuracy="fast")
     for a, b in zip(jax.tree.leaves(made), jax.tree.leaves(found), strict=True):
         np.testing.assert_array_equal(a, b)
