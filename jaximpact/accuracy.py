@@ -24,14 +24,15 @@ class Accuracy:
     allowed (`Problem.allowed_error`).
 
     Measured on 1 024 random scenes of the paper's parametric sets, against a tolerance
-    of 1e-10; gradients are those of six results by log k_E, gamma_v and c_v, relative
-    to the larger of gradient and result:
+    of 1e-10; gradients are those of six results (e_n, e_contact, e_bar, largest
+    penetration and normal force, duration) by log k_E, gamma_v and c_v, relative to the
+    larger of gradient and result:
 
     | name | steps | e_n, median | e_n, 95 % | gradient, median | gradient, 95 % |
     |---|---|---|---|---|---|
-    | fast | 98 | 7e-6 | 4e-5 | 1e-4 | 7e-3 |
-    | balanced | 164 | 1.9e-7 | 9e-7 | 5e-6 | 4e-4 |
-    | reference | 622 | 2.2e-10 | 1.7e-9 | 3e-8 | 3e-6 |
+    | fast | 70 | 7e-6 | 3e-5 | 2e-4 | 4e-3 |
+    | balanced | 136 | 1.4e-7 | 8e-7 | 4e-6 | 9e-5 |
+    | reference | 523 | 1.4e-10 | 5e-10 | 2e-8 | 6e-7 |
     """
 
     name: str

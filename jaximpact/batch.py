@@ -159,7 +159,7 @@ def simulate_batch(
         Each result is what the scene gives by itself, to rounding, whatever its place.
 
     All cores are used, or all devices if JAX has several. Not differentiable; for
-    derivatives use `jax.vmap` around `simulate`.
+    derivatives use `simulate`, which takes arrays too.
 
     Raises:
         ValueError: a value out of its range, naming the scene.
