@@ -106,14 +106,18 @@ def summarise(scene: Scene, problem: Problem, end: End) -> Numbers:
             **work,
         )
     numbers = Numbers(
-        e_n=-defined_ratio(normal, start.normal_velocity),
+        # A quotient of two equal numbers may be off one by a rounding.
+        e_n=unless_separating(-defined_ratio(normal, start.normal_velocity), -1.0),
         e_t=(
-            defined_ratio(tangential, start.tangential_velocity)
+            unless_separating(
+                defined_ratio(tangential, start.tangential_velocity),
+                jnp.where(start.tangential_velocity == 0.0, jnp.nan, 1.0),
+            )
             if "tangential_velocity" in problem.model.unknowns
             else jnp.full_like(tangential, jnp.nan)
         ),
         e_contact=e_contact,
-        e_bar=safe_sqrt(kinetic_out / kinetic_in),
+        e_bar=unless_separating(safe_sqrt(kinetic_out / kinetic_in), 1.0),
         R_r=0.5 * ground.inertia * spin**2 / kinetic_out,
         e_n_vijayakumar=vijayakumar_coefficient(
             scene.block,

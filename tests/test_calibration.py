@@ -415,7 +415,10 @@ def test_verdicts_of_the_twin(twin):
     assert determined == {"c_v": True, "gamma_v": True, "k_E": True, "alpha_s": False}
     assert "no influence" in variant.verdicts[3].reason
     held = variant.profiles["alpha_s"]
-    assert np.max(held.rise) < 1e-3
+    # Each point is a fit of its own, which may stop early: nothing beside 1.92, where a
+    # 95 % interval ends.
+    assert np.max(held.rise) < 0.2
+    assert np.median(held.rise) < 1e-3
     assert held.low is None
     assert held.high is None
     # Near the minimum a profile is the parabola of the standard error.

@@ -138,10 +138,11 @@ def test_statistics_over_orientations():
     assert 0 < cell.separating == np.sum(~struck) < 40
     assert cell.impacts == struck.sum()
     e_n = np.asarray(result.e_n)[struck]
-    # The same model, by another path through the tables' units.
-    assert cell.e_n_mean == pytest.approx(np.mean(e_n), rel=1e-6)
-    assert cell.e_n_sd == pytest.approx(np.std(e_n), rel=1e-6)
-    assert cell.e_n_p95 == pytest.approx(np.percentile(e_n, 95), rel=1e-6)
+    # The same model, by another path through the tables' units, whose rounding changes
+    # steps: by the error of "fast".
+    assert cell.e_n_mean == pytest.approx(np.mean(e_n), rel=1e-4)
+    assert cell.e_n_sd == pytest.approx(np.std(e_n), rel=1e-4)
+    assert cell.e_n_p95 == pytest.approx(np.percentile(e_n, 95), rel=1e-4)
     shares = [cell[name] for name in cell.data_vars if str(name).startswith("share")]
     assert float(sum(shares)) == pytest.approx(1.0)
     assert cell.share_toppled == np.mean(names[struck] == "toppled")
