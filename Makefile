@@ -1,13 +1,16 @@
 # make calibrate   set up, fit the study calibration/wyllie
 # make test        set up, run the tests
-# make quick       set up, run the quick ones, machine code included
-# make lint        set up, check the style
+# make quick       set up, run the quick ones: every room, machine code included
+# make lint        set up, check the style and the types
+# make docs        set up, build the site in out/docs; warnings are errors
+# make pages       set up, put what the pages' blocks print now into the pages
+# make notebooks   set up, execute the notebooks and store their outputs
 # make driver      make driver.ll from driver.c, which needs clang
 # make clean       remove the environment, results and caches
 #
 # Needs Python 3.11 or newer; another one: make test PYTHON=python3.12
 # Another place for the environment: make test VENV=/tmp/venv
-# Some of the tests: make test TESTS=tests/test_laws.py
+# Some of the tests: make test TESTS=tests/unit/test_laws.py
 # With the oldest dependencies allowed: make quick OLDEST=1 VENV=/tmp/oldest
 
 PYTHON ?= python3
@@ -19,13 +22,7 @@ OLDEST ?=
 PIP = $(VENV)/bin/python -m pip --disable-pip-version-check
 STUDIES = wyllie
 
-# What hangs on the versions of Python, JAX and NumPy, without long compilations by XLA.
-QUICK = $(addprefix tests/test_,native.py cache.py laws.py foundation.py model.py \
-    known.py batch.py journal.py tables.py scene_file.py outputs.py interruption.py \
-    malformed_inputs.py environments.py defaults.py cli_simulate.py \
-    calibration_one_call.py scene.py own_laws.py result.py)
-
-.PHONY: help calibrate test quick lint driver clean
+.PHONY: help calibrate test quick lint docs pages notebooks driver clean
 
 help:
 	@sed -n '/^#/!q; s/^# \{0,1\}//p' Makefile
@@ -41,11 +38,21 @@ test: $(VENV)/.installed
 	$(VENV)/bin/python -m pytest -n 2 --dist loadfile $(TESTS)
 
 quick: $(VENV)/.installed
-	$(VENV)/bin/python -m pytest -n 2 --dist loadfile -m "not xla" $(QUICK)
+	$(VENV)/bin/python -m pytest -n 2 --dist loadfile -m "not slow and not xla and not docs" $(TESTS)
 
 lint: $(VENV)/.linter
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
+	$(VENV)/bin/pyright --pythonpath $(VENV)/bin/python
+
+pages: $(VENV)/.installed
+	$(VENV)/bin/python tests/helpers/pages.py
+
+notebooks: $(VENV)/.installed
+	$(VENV)/bin/python tests/helpers/store_notebooks.py
+
+docs: $(VENV)/.docs
+	$(VENV)/bin/python -m sphinx -b html -W --keep-going -n docs $(OUT)/docs
 
 # The stamps are written last, so that an installation that broke off is taken up again.
 $(VENV)/.installed: pyproject.toml
@@ -62,9 +69,13 @@ $(VENV)/.linter: $(VENV)/.installed
 	$(PIP) install --quiet --editable '.[dev]'
 	@touch "$@"
 
+$(VENV)/.docs: $(VENV)/.installed
+	$(PIP) install --quiet --editable '.[docs]'
+	@touch "$@"
+
 # Nothing of the processor that it is made on is left in the text.
 CLANG ?= clang
-NATIVE = jaximpact/engines/native
+NATIVE = jaximpact/backend/simd
 driver:
 	(echo "; Made from driver.c by 'make driver'; sha256 $$(sha256sum < $(NATIVE)/driver.c | cut -c1-64)"; \
 	    $(CLANG) -O1 -S -emit-llvm -Wall -Wextra -Werror -fno-strict-aliasing -fno-ident \

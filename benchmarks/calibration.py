@@ -5,8 +5,8 @@
 
 The study is `calibration/wyllie`, both variants, 64 starts each. Ours is fitted in
 processes of its own, with nothing compiled before (cold) and again (warm); SciPy with
-finite differences on the compiled right-hand side of `benchmarks/model.py`, from the
-first starts of the same 64, integrated by numbalsoda, which is the fastest peer, and by
+finite differences on the compiled right-hand side of `benchmarks/peers/model.py`, from
+the first starts of the same 64, integrated by numbalsoda, the fastest peer, and by
 `scipy.integrate.solve_ivp`. What peers compile is not timed. Peers take minutes for a
 few starts; what 64 would take is in proportion.
 """
@@ -30,8 +30,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jaximpact.formats.align import align
-from jaximpact.formats.files import replacing
+from jaximpact.io.display import align
+from jaximpact.io.files import replacing
 
 ROOT = Path(__file__).parent.parent
 STUDY = ROOT / "calibration" / "wyllie" / "study.toml"
@@ -58,60 +58,61 @@ PEERS = (
 
 
 class Fitted(NamedTuple):
-    """Both variants, fitted in one way."""
+    """Fits of both variants by one method."""
 
-    way: str
+    method: str
     rms: np.ndarray
-    """At the end of each start, the given one first, `(variants, starts)`."""
+    """Root mean square at the end of each start, the given one first, shape (variants,
+    starts)."""
     seconds: float
     """Wall time of all of them."""
     processor_seconds: float
-    """Of all cores; NaN where it was not measured."""
+    """Processor time of all cores; NaN where it was not measured."""
     impacts: int
 
 
 class Compared(NamedTuple):
-    """A way beside ours."""
+    """A method beside ours."""
 
-    way: str
+    method: str
     starts: int
-    """Of each variant."""
+    """Starts of each variant."""
     given: np.ndarray
-    """rms from the start that the study gives, `(variants,)`."""
+    """rms from the start that the study gives, shape (variants,)."""
     best: np.ndarray
-    """Least rms, likewise."""
+    """Least rms, shape (variants,)."""
     reached: np.ndarray
-    """Starts whose rms is no more than the goal, likewise."""
+    """Starts whose rms is no more than the goal, shape (variants,)."""
     impacts: int
     seconds: float
     processor_seconds: float
     seconds_of_all: float
-    """For all of the study's starts: measured, or in proportion to those made."""
+    """Seconds for all starts of the study: measured, or in proportion to those made."""
     times_cold: float
-    """That over what ours takes cold."""
+    """Those seconds over what ours takes cold."""
 
 
-def compare(ways: list[Fitted], starts: int, cold: float) -> list[Compared]:
-    """Every way beside ours.
+def compare(fitted: list[Fitted], starts: int, cold: float) -> list[Compared]:
+    """Compare every method with ours.
 
     Args:
         starts: of the study.
         cold: seconds that ours takes for all of them with nothing compiled.
     """
     rows = []
-    for way in ways:
-        made = way.rms.shape[1]
-        seconds = way.seconds * starts / made
+    for method in fitted:
+        made = method.rms.shape[1]
+        seconds = method.seconds * starts / made
         rows.append(
             Compared(
-                way.way,
+                method.method,
                 made,
-                way.rms[:, 0],
-                np.min(way.rms, axis=1),
-                np.sum(way.rms <= np.array([*GOALS.values()])[:, None], axis=1),
-                way.impacts,
-                way.seconds,
-                way.processor_seconds,
+                method.rms[:, 0],
+                np.min(method.rms, axis=1),
+                np.sum(method.rms <= np.array([*GOALS.values()])[:, None], axis=1),
+                method.impacts,
+                method.seconds,
+                method.processor_seconds,
                 seconds,
                 seconds / cold,
             )
@@ -126,7 +127,7 @@ def as_rows(compared: list[Compared]) -> list[tuple[str, ...]]:
         head += [f"{name}: rms given", "best", f"<= {goal}"]
     rows = [(*head, "impacts", "s", "CPU s", "s for all starts", "times ours cold")]
     for one in compared:
-        cells = [one.way, str(one.starts)]
+        cells = [one.method, str(one.starts)]
         for given, best, reached in zip(one.given, one.best, one.reached, strict=True):
             cells += [f"{given:.4f}", f"{best:.4f}", f"{reached} of {one.starts}"]
         cells += [
@@ -159,11 +160,11 @@ class Ours(NamedTuple):
     """One run of ours."""
 
     answer: dict
-    """Of `our_fit`."""
+    """What `our_fit` prints."""
     seconds: float
     processor_seconds: float
     command_seconds: float
-    """Of `jaximpact calibrate`, with examination and report."""
+    """Time of `jaximpact calibrate`, with examination and report."""
     command_processor_seconds: float
 
 
@@ -189,7 +190,7 @@ def in_words(kind: str, run: Ours) -> str:
 
 
 def fit_ours(repeats: int) -> dict[str, Ours]:
-    """Of each kind, cold and warm, the run that took least time."""
+    """The shortest of several runs, cold and warm."""
     runs = {"cold": [], "warm": []}
     for _ in range(repeats):
         with tempfile.TemporaryDirectory() as folder:
@@ -203,7 +204,8 @@ def fit_peer(
     study, peer: Peer, method, starts: int, say: Callable[[str], None]
 ) -> Fitted:
     """SciPy's least squares on a peer, from the study's first starts."""
-    from jaximpact.calibration.objective import Objective, engine_of
+    from jaximpact.calibration.problem.forward_model import engine_of
+    from jaximpact.calibration.problem.objective import Objective
     from jaximpact.calibration.study import starts_of
 
     from . import least_squares
@@ -213,7 +215,7 @@ def fit_peer(
     for variant in study.variants:
         x = starts_of(Objective(study, variant, engine))[:starts]
         misfit = least_squares.Misfit(study, variant, method, peer.tolerance)
-        misfit(1.0 + misfit.bounds.part(x[0]))  # compiles
+        misfit(1.0 + misfit.bounds.fraction(x[0]))  # compiles
         for place, start in enumerate(x, 1):
             begin = time.process_time()
             ended.append(least_squares.fit(misfit, start))
@@ -237,7 +239,9 @@ def methods_of(peers: tuple[Peer, ...]) -> list:
     found = []
     for peer in peers:
         try:
-            brought = importlib.import_module(f".{peer.module}", __package__).methods()
+            brought = importlib.import_module(
+                f".peers.{peer.module}", __package__
+            ).methods()
         except ImportError as error:
             sys.exit(f"{error}; the peers need pip install 'jaximpact[peers]'")
         found.append(next(m for m in brought if m.name == peer.method))
@@ -258,7 +262,7 @@ def main() -> None:
     arguments = parser.parse_args()
     methods, study = methods_of(PEERS), read_study(STUDY)
     ours = fit_ours(arguments.repeats)
-    ways = [
+    fitted = [
         Fitted(
             f"jaximpact, {kind}",
             np.array(run.answer["rms"]),
@@ -280,8 +284,8 @@ def main() -> None:
 
     counts = arguments.starts, arguments.scipy_starts
     for peer, method, starts in zip(PEERS, methods, counts, strict=True):
-        ways.append(fit_peer(study, peer, method, starts, say))
-    rows = as_rows(compare(ways, study.starts, ours["cold"].seconds))
+        fitted.append(fit_peer(study, peer, method, starts, say))
+    rows = as_rows(compare(fitted, study.starts, ours["cold"].seconds))
     print(align(rows))
     print(f"load at the end {os.getloadavg()[0]:.1f}")
     if arguments.out is not None:

@@ -26,8 +26,8 @@ def main() -> None:
     sys.path.insert(0, str(FOLDER))
     import make
 
-    from jaximpact.calibration.objective import engine_of
-    from jaximpact.calibration.study_file import read_study
+    from jaximpact.calibration.problem.config import read_study
+    from jaximpact.calibration.problem.forward_model import engine_of
 
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=200)
@@ -58,9 +58,9 @@ def _repeat(study, engine, measured, stated: bool):
     """Fit and interval of one repeat, in x, and whether the fit is a minimum."""
     from make import NOISE
 
-    from jaximpact.calibration.objective import Objective
+    from jaximpact.calibration.diagnostics.uncertainty import estimate
+    from jaximpact.calibration.problem.objective import Objective
     from jaximpact.calibration.study import best_fit
-    from jaximpact.calibration.uncertainty import estimate
 
     true = np.where(study.known, np.abs(study.measured), 1.0)
     study = dataclasses.replace(study, measured=measured)

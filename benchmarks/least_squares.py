@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from jaximpact.calibration.objective import bounds_of
+from jaximpact.calibration.problem.forward_model import bounds_of
 
 STEP = 1e-4
-"""Of differences, as a part of the range."""
+"""Step of differences, as a fraction of the range."""
 ENOUGH = 1e-6
 """Relative change of cost, unknowns and gradient at which a fit ends; less is the
 noise of the impacts."""
@@ -28,9 +28,9 @@ class Ended(NamedTuple):
     """A fit from one start."""
 
     rms: float
-    """Over the tests, of predicted less measured."""
+    """Root mean square over the tests of predicted less measured."""
     seconds: float
-    """In the peer's solver; the rest, which is little, is not counted."""
+    """Time in the peer's solver; the rest, which is little, is not counted."""
     impacts: int
 
 
@@ -52,7 +52,7 @@ class Misfit:
 
     def __call__(self, part: np.ndarray) -> np.ndarray:
         """Residuals `(tests,)` at parts of the ranges, from 1 to 2."""
-        p = self.bounds.parameter(self.bounds.at_part(part - 1.0))
+        p = self.bounds.parameter(self.bounds.at_fraction(part - 1.0))
         scene = self.study.tests.scene(
             self.soil | dict(zip(self.names, p, strict=True))
         )
@@ -68,7 +68,7 @@ def fit(misfit: Misfit, x: np.ndarray) -> Ended:
     misfit.seconds, misfit.impacts = 0.0, 0
     found = least_squares(
         misfit,
-        1.0 + misfit.bounds.part(x),
+        1.0 + misfit.bounds.fraction(x),
         jac="2-point",
         diff_step=STEP,
         bounds=(1.0, 2.0),

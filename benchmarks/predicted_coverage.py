@@ -85,10 +85,10 @@ def _print(kind, rows, targets) -> None:
 
 def _impacts(random, targets, spread):
     """Columns of all impacts, and what the model gives for them."""
-    from jaximpact.calibration.campaigns import joined_tables
-    from jaximpact.calibration.given import table_given
-    from jaximpact.calibration.objective import Objective
-    from jaximpact.calibration.study_file import study_of
+    from jaximpact.calibration.arguments import table_given
+    from jaximpact.calibration.problem.config import study_of
+    from jaximpact.calibration.problem.dataset import joined_tables
+    from jaximpact.calibration.problem.objective import Objective
 
     count = TESTS + NEW
     low, high = SPEEDS
@@ -101,18 +101,20 @@ def _impacts(random, targets, spread):
     study = study_of(joined_tables((table_given(nothing),)), {})
     objective = Objective(study, study.variants[0], _engine(study))
     x = objective.bounds.coordinate(np.array([[p.start for p in study.parameters]]))
-    return columns, objective.glance(x, np.zeros(x.shape, bool)).predicted[0]
+    return columns, objective.evaluate_partially(x, np.zeros(x.shape, bool)).predicted[
+        0
+    ]
 
 
 def _engine(study):
-    from jaximpact.calibration.objective import engine_of
+    from jaximpact.calibration.problem.forward_model import engine_of
 
     return engine_of(study)
 
 
 def _rows(columns, measured, targets, chosen):
-    from jaximpact.calibration.campaigns import joined_tables
-    from jaximpact.calibration.given import table_given
+    from jaximpact.calibration.arguments import table_given
+    from jaximpact.calibration.problem.dataset import joined_tables
 
     rows = columns | dict(zip(targets, measured.T, strict=True))
     rows = {name: np.asarray(values)[chosen] for name, values in rows.items()}
@@ -120,7 +122,7 @@ def _rows(columns, measured, targets, chosen):
 
 
 def _study(columns, measured, targets, kind, starts):
-    from jaximpact.calibration.study_file import study_of
+    from jaximpact.calibration.problem.config import study_of
 
     content = {"starts": starts, "accuracy": "balanced"}
     if kind == "stated":
@@ -139,21 +141,27 @@ def _fit_and_predict(study, engine, columns, measured, targets):
     """Which new measurements lie in their intervals and how wide these are, over the
     value, `(tests, targets)`, of each target the least value first; and r. None where
     the fit's draws are not to be trusted."""
-    from jaximpact.calibration.draws import draw
+    from jaximpact.calibration.diagnostics.importance_sampling import (
+        draw,
+        freedom_of_targets,
+        weights_of,
+    )
+    from jaximpact.calibration.diagnostics.uncertainty import estimate
+    from jaximpact.calibration.estimation.sigma import relative_sigma
     from jaximpact.calibration.fitted_ground import FittedGround, FittedVariant
-    from jaximpact.calibration.objective import Objective
     from jaximpact.calibration.prediction import held_out_study, predict_variant
-    from jaximpact.calibration.proportional import PartOfSize, least_size
-    from jaximpact.calibration.scatter import part_of_size
+    from jaximpact.calibration.problem.noise import (
+        ProportionalScatter,
+        least_size,
+    )
+    from jaximpact.calibration.problem.objective import Objective
     from jaximpact.calibration.study import best_fit
-    from jaximpact.calibration.uncertainty import estimate
-    from jaximpact.calibration.unknown_scale import freedom_of_targets, weights_of
 
     objective, _, best = best_fit(Objective(study, study.variants[0], engine))
     points, bounds = best.points, objective.bounds
     uncertainty = estimate(objective, points)
     draws = draw(objective, points, uncertainty.inflation, count=DRAWS)
-    parts = part_of_size(study, objective.sigma, points.predicted[0])
+    parts = relative_sigma(study, objective.sigma, points.predicted[0])
     least = least_size(study.measured)
     named = enumerate(targets)
     fitted = FittedVariant(
@@ -166,7 +174,7 @@ def _fit_and_predict(study, engine, columns, measured, targets):
         allowed={},
         sigma=dict(zip(targets, np.median(objective.sigma, axis=0), strict=True)),
         proportional={
-            name: PartOfSize(parts[place], least[place])
+            name: ProportionalScatter(parts[place], least[place])
             for place, name in named
             if study.proportional[place]
         },

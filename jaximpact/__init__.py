@@ -5,12 +5,11 @@ import importlib
 _MODULES = {
     "accuracy": ("PRESETS", "Accuracy"),
     "batch": ("simulate_batch",),
-    "block": ("Block",),
     "calibration": ("calibrate", "predict"),
-    "formats.netcdf": ("read_netcdf", "write_netcdf"),
-    "mechanics.model": ("select_model",),
-    "mechanics.outcomes": ("Outcome",),
-    "parametric_sets": ("parametric_set",),
+    "io.datasets": ("read_netcdf", "write_netcdf"),
+    "impact.reduced_models": ("select_model",),
+    "impact.termination": ("Outcome",),
+    "paper.sets": ("parametric_set",),
     "rebound": (
         "BozzoloPamini",
         "ConstantCoefficients",
@@ -21,11 +20,11 @@ _MODULES = {
     ),
     "result": ("ImpactResult",),
     "restitution": ("energetic_coefficient", "vijayakumar_coefficient"),
-    "scene": ("Impact", "Scene"),
+    "scene": ("Block", "Impact", "Scene"),
     "sensitivity": ("Range", "elasticities", "morris", "sobol"),
     "simulation": ("simulate",),
     "soil": ("Soil",),
-    "summary": ("EnergyLedger",),
+    "impact.summary": ("EnergyLedger",),
     "sweeping": ("repeat_sweep", "sweep"),
 }
 """Where the public names are. Each module is imported when it is asked for: JAX takes a
@@ -33,7 +32,7 @@ second to load, in which the commands must serve Ctrl-C already, and xarray, sta
 and drawing take another."""
 
 _PLACES = {name: module for module, names in _MODULES.items() for name in names}
-__all__ = sorted(_PLACES)
+__all__ = sorted(_PLACES)  # pyright: ignore[reportUnsupportedDunderAll]
 
 
 def __getattr__(name: str):

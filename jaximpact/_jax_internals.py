@@ -1,11 +1,12 @@
-"""What the package takes of JAX that is not its public interface, in one place.
+"""Uses of JAX beyond its public interface, in one place.
 
 A new version of JAX that moves any of it is met here, and in the table of primitives
-that have machine code (`engines.native.translation`).
+that have machine code (`backend.simd.lower_jaxpr`).
 """
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -28,10 +29,16 @@ __all__ = [
     "place_of",
     "result_types",
     "scan_counts",
+    "setting",
 ]
 
 _CALLS = {"jit": "jaxpr", "pjit": "jaxpr", "custom_jvp_call": "call_jaxpr"}
 _EAGER_TRACES = {"EvalTrace", "LinearizeTrace", "JVPTrace", "JaxprTrace", "BatchTrace"}
+
+
+def setting(name: str):
+    """A setting of `jax.config`, which type checkers do not see."""
+    return getattr(jax.config, name)
 
 
 def result_types(shapes: Sequence[tuple], operands: Sequence) -> list:
@@ -50,7 +57,7 @@ def result_types(shapes: Sequence[tuple], operands: Sequence) -> list:
     if not varying:
         return [jax.ShapeDtypeStruct(shape, jnp.float64) for shape in shapes]
     mesh = next(t for t, own in zip(types, axes, strict=True) if own).sharding.mesh
-    said = {"sharding": NamedSharding(mesh, PartitionSpec())}
+    said: dict[str, Any] = {"sharding": NamedSharding(mesh, PartitionSpec())}
     if kinds[0] is None:
         said["vma"] = varying
     else:
@@ -58,7 +65,7 @@ def result_types(shapes: Sequence[tuple], operands: Sequence) -> list:
     return [jax.ShapeDtypeStruct(shape, jnp.float64, **said) for shape in shapes]
 
 
-def namespace_of(*values):
+def namespace_of(*values) -> Any:
     """`jax.numpy` where JAX is tracing one of the values, else `numpy`, which is a
     hundred times quicker for a few numbers."""
     return jnp if any(isinstance(value, Tracer) for value in values) else np

@@ -1,4 +1,4 @@
-"""How exactly an impact is integrated: the named settings."""
+"""Accuracy of the integration: named settings."""
 
 import dataclasses
 import math
@@ -9,7 +9,7 @@ MAX_STEPS = 300_000
 """Steps after which an impact is given up as failed. Small blocks on very hard ground
 vibrate thousands of times and take tens of thousands of steps."""
 MAX_STEPS_DAMPED = 50_000
-"""The same with dashpots, where forces that swing without end are what takes steps."""
+"""Limit of steps with dashpots, where forces that oscillate without end take steps."""
 RETRIES = (0.5, 0.2, 0.1, 0.05, 0.03, 0.01, 0.003)
 """Factors of the tolerance with which a failed impact is tried again. Whether the
 forces of dashpots come to rest at the onset hangs on the last digits of the steps."""
@@ -37,7 +37,9 @@ class Accuracy:
 
     name: str
     tolerance: float
+    """Relative tolerance [-], above 0."""
     floor: float
+    """Fraction of each unknown's scale below which errors count as absolute [-]."""
 
     def __post_init__(self):
         for name in ("tolerance", "floor"):
@@ -53,6 +55,7 @@ PRESETS = {
     "balanced": Accuracy("balanced", 1e-5, 1e-2),
     "reference": Accuracy("reference", 1e-8, 1e-2),
 }
+"""Settings of the error control by name: `fast`, `balanced` and `reference`."""
 
 
 DEFAULT_ACCURACY = "balanced"

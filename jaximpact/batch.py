@@ -1,9 +1,9 @@
 """Many impacts: the same model over arrays of scenes, on every core or device.
 
-Each worker keeps so many lanes going, and a lane that has ended gives its place to the
-next scene, so that no lane waits for the slowest. On a CPU lanes run in machine code of
-our own (`machine`); on other devices, and for laws that have none, in XLA's programs
-(`marching`).
+Each worker integrates a fixed number of lanes at once, and a lane that has ended takes
+the next scene, so that no lane waits for the slowest. On a CPU lanes run in machine
+code (`backend.native_backend`); on other devices, and for laws that have none, in XLA's
+programs (`backend.xla_batched`).
 """
 
 import concurrent.futures
@@ -14,31 +14,32 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import jax
 import numpy as np
 
+from ._checks import real_number
+from ._precision import require_float64
+from ._versions import versions
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from .block import Block
-from .engines.machine import NativeWorker, compile_native, computes_on_cpu
-from .engines.marching import (
+from .backend.native_backend import NativeWorker, compile_native, computes_on_cpu
+from .backend.threads import thread_count
+from .backend.xla_batched import (
     MarchingWorker,
     compile_programs,
     lanes_of_worker,
     worker_devices,
 )
-from .engines.threads import thread_count
 from .errors import InputError
-from .fields import real_number
-from .formats.checks import check_scene
-from .formats.journal import Journal
-from .formats.provenance import versions
 from .identity import part_names
-from .mechanics.model import MODELS, model_places
-from .mechanics.problem import Assembly
-from .numbers import Numbers, numbers_of_no_value
-from .precision import require_float64
-from .scene import Impact, Scene, as_scene, shape_of
+from .impact.problem import Assembly
+from .impact.reduced_models import MODELS, model_places
+from .impact.summary import ImpactSummary, empty_summary
+from .io.checks import check_scene
+from .io.journal import Journal
+from .progress import Progress, ProgressFunction, as_progress
+from .scene import Block, Impact, Scene, as_scene, shape_of
 from .shapes import MixedShapes
 from .simulation import ImpactResult
 from .soil import Soil
@@ -88,41 +89,6 @@ def by_shape(scene: Scene) -> list[tuple[Scene, np.ndarray]]:
     return found
 
 
-def groups_of(
-    scene: Scene, order: np.ndarray, model_tolerance: float, ledger: bool
-) -> list[tuple[Assembly, np.ndarray]]:
-    """Assemblies that scenes are computed with, and the scenes of each, for
-    `run_groups`.
-
-    Args:
-        scene: fields `(n,)`. order: places of those that are to be computed.
-    """
-    groups = []
-    for alone, chosen in by_shape(scene):
-        places = model_places(alone, model_tolerance)
-        places = np.where(chosen, places, -1)[order]
-        groups += [
-            (
-                Assembly(jax.tree.structure(alone), MODELS[place], ledger),
-                order[places == place],
-            )
-            for place in np.unique(places[places >= 0])
-        ]
-    return groups
-
-
-def order_by_effort(scene: Scene) -> np.ndarray:
-    """An order of the scenes that puts the longest contacts first.
-
-    At the end of a batch lanes stand empty while the last ones finish. Long are the
-    contacts of little speed into the ground, in units of what gravity gives over a
-    block's size.
-    """
-    speed = np.asarray(scene.impact.speed) * np.cos(np.asarray(scene.impact.angle))
-    size = np.cbrt(np.asarray(scene.block.mass) / np.asarray(scene.block.density))
-    return np.argsort(speed / np.sqrt(size), kind="stable")
-
-
 def simulate_batch(
     scene: Scene | Block,
     soil: Soil | None = None,
@@ -132,7 +98,7 @@ def simulate_batch(
     ledger: bool = False,
     model_tolerance: float = 0.0,
     journal: Path | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | ProgressFunction | None = None,
     timing: dict | None = None,
 ) -> ImpactResult:
     """Simulate many impacts.
@@ -143,20 +109,20 @@ def simulate_batch(
             as by itself.
         accuracy: as for `simulate`.
         ledger: also keep the energy ledger of each impact.
-        model_tolerance: error in `e_n` and `e_bar` for which a model that leaves
-            something out may be taken where it was measured to be within it; see
-            `select_model`. 0: only where it is exact.
-        journal: file that takes the results as they come. If it is there from a run
-            that was cut short, its results are taken over and only the others are
-            computed. It is left behind; remove it once the results are safe.
+        model_tolerance: error in `e_n` and `e_bar` up to which a reduced model may be
+            used where its error was measured; see `select_model`. 0: only where the
+            reduced model is exact.
+        journal: file that keeps the results as they come. A journal of an interrupted
+            run is read, and only what is missing is computed. The file is left behind;
+            remove it once the results are safe.
         progress: called as `progress(done, n)` as results come in.
-        timing: a dictionary to be given `compile_s`, `run_s`, `impacts`, how many were
-            computed, and `engine`, by what: "machine code" or "XLA".
+        timing: a dictionary that receives `compile_s`, `run_s`, `impacts` (the number
+            computed) and `engine` ("machine code" or "XLA").
 
     Returns:
-        `ImpactResult` with arrays `(n,)` in the order given. A scene
-        that cannot be integrated gets NaN and the outcome `failed`; the rest go on.
-        Each result is what the scene gives by itself, to rounding, whatever its place.
+        `ImpactResult` with arrays `(n,)` in the order given. A scene that cannot be
+        integrated gets NaN and the outcome `failed`; the rest go on. Each result is, to
+        rounding, the one that the scene gives by itself.
 
     All cores are used, or all devices if JAX has several. Not differentiable; for
     derivatives use `simulate`, which takes arrays too.
@@ -174,25 +140,23 @@ def simulate_batch(
         for alone, _ in by_shape(scene):
             check_scene(alone, batched=True)
     scene, count = broadcast_scene(scene)
-    timing = {} if timing is None else timing
-    names, structure = _columns(numbers_of_no_value(ledger))
+    names, structure = _columns(empty_summary(ledger))
     numbers = np.empty((len(names), count))
     missing = np.ones(count, bool)
-    done = 0
-    lock = threading.Lock()
+    told, done, lock = as_progress(progress), 0, threading.Lock()
+    opened = contextlib.nullcontext()
+    if journal is not None:
+        subject = _subject(scene, count, setting, model_tolerance)
+        opened = Journal(journal, subject, names, count)
 
-    with contextlib.ExitStack() as stack:
-        kept = None
-        if journal is not None:
-            subject = _subject(scene, count, setting, model_tolerance)
-            kept = stack.enter_context(Journal(journal, subject, names, count))
+    with opened as kept:
+        if kept is not None:
             places, rows = kept.rows()
             numbers[:, places], missing[places] = rows.T, False
-            done = len(places)
-            if progress is not None and done:
-                progress(done, count)
+            if done := len(places):
+                told("impacts", done, count)
 
-        def keep(places: np.ndarray, of_places: Numbers) -> None:
+        def keep(places: np.ndarray, of_places: ImpactSummary) -> None:
             nonlocal done
             rows = np.stack(jax.tree.leaves(of_places), axis=-1)
             with lock:
@@ -200,13 +164,17 @@ def simulate_batch(
                     kept.append(places, rows)
                 numbers[:, places] = rows.T
                 done += len(places)
-                if progress is not None:
-                    progress(done, count)
+                told("impacts", done, count)
 
-        wanted = order_by_effort(scene)
-        wanted = wanted[missing[wanted]]
-        groups = groups_of(scene, wanted, model_tolerance, ledger)
-        run_groups(scene, groups, setting, keep, timing)
+        compute_scenes(
+            scene,
+            setting,
+            keep,
+            places=np.flatnonzero(missing),
+            model_tolerance=model_tolerance,
+            ledger=ledger,
+            timing=timing,
+        )
     columns = jax.tree.unflatten(structure, list(numbers))
     return ImpactResult(
         **vars(columns),
@@ -216,7 +184,7 @@ def simulate_batch(
     )
 
 
-def _columns(template: Numbers) -> tuple[list[str], jax.tree_util.PyTreeDef]:
+def _columns(template: ImpactSummary) -> tuple[list[str], Any]:
     """Names of the leaves, and the structure that they make up."""
     leaves, structure = jax.tree_util.tree_flatten_with_path(template)
     return [jax.tree_util.keystr(path)[1:] for path, _ in leaves], structure
@@ -228,7 +196,7 @@ def _subject(
     """What the results depend on, ready for JSON."""
     digest = hashlib.sha256()
     for leaf in jax.tree.leaves(scene):
-        digest.update(np.ascontiguousarray(leaf))
+        digest.update(np.asarray(leaf).tobytes())
     names = part_names(scene.block, scene.soil)
     for slot, name in names.items():
         if "source not known" in name:
@@ -245,37 +213,76 @@ def _subject(
     }
 
 
-def run_groups(
+def compute_scenes(
     scene: Scene,
-    groups: list[tuple[Assembly, np.ndarray]],
     accuracy: Accuracy,
-    keep: Callable,
-    timing: dict,
+    keep: Callable[[np.ndarray, ImpactSummary], None],
+    *,
+    places: np.ndarray | None = None,
+    model_tolerance: float = 0.0,
+    ledger: bool = False,
+    timing: dict | None = None,
 ) -> None:
-    """Compute groups of scenes, each with its assembly of the model.
+    """Compute scenes on all cores or devices, without checking them.
 
     Args:
-        scene: every field an array of one length; not checked.
-        groups: assemblies, and places of the scenes that each is for. Where shapes are
-            mixed, an assembly may be of the structure of one alone, as of `by_shape`.
+        scene: every field an array of one length.
+        accuracy: of the integration.
         keep: called as `keep(places, numbers)`, from any thread, as results come.
-        timing: is given what `simulate_batch` says.
+        places: indices of the scenes to compute; all by default.
+        model_tolerance, ledger, timing: as for `simulate_batch`.
     """
+    order = _longest_first(scene)
+    if places is not None:
+        order = order[np.isin(order, places)]
+    groups = _groups(scene, order, model_tolerance, ledger)
     begin = time.perf_counter()
     with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
         prepared = list(
-            pool.map(lambda group: _workers(scene, *group, accuracy), groups)
+            pool.map(
+                lambda group: _workers(scene, group[0], group[1], accuracy), groups
+            )
         )
     started = time.perf_counter()
     for (_, chosen), workers in zip(groups, prepared, strict=True):
         _run_side_by_side(workers, chosen, keep)
-    engines = {workers[0].engine for workers in prepared}
-    timing |= {
-        "engine": " and ".join(sorted(engines)),
-        "impacts": sum(len(chosen) for _, chosen in groups),
-        "compile_s": started - begin,
-        "run_s": time.perf_counter() - started,
-    }
+    if timing is not None:
+        timing |= {
+            "engine": " and ".join(sorted({workers[0].engine for workers in prepared})),
+            "impacts": len(order),
+            "compile_s": started - begin,
+            "run_s": time.perf_counter() - started,
+        }
+
+
+def _longest_first(scene: Scene) -> np.ndarray:
+    """Order scenes by the expected duration of contact, the longest first, so that few
+    lanes stand empty at the end of a batch.
+
+    Contacts are long where the speed into the ground is small beside what gravity gives
+    over the size of a block.
+    """
+    speed = np.asarray(scene.impact.speed) * np.cos(np.asarray(scene.impact.angle))
+    size = np.cbrt(np.asarray(scene.block.mass) / np.asarray(scene.block.density))
+    return np.argsort(speed / np.sqrt(size), kind="stable")
+
+
+def _groups(
+    scene: Scene, order: np.ndarray, model_tolerance: float, ledger: bool
+) -> list[tuple[Assembly, np.ndarray]]:
+    """Assemblies of the model, and the indices of the scenes that each is for; of mixed
+    shapes every assembly is for one."""
+    groups = []
+    for alone, of_shape in by_shape(scene):
+        models = np.where(of_shape, model_places(alone, model_tolerance), -1)[order]
+        groups += [
+            (
+                Assembly(jax.tree.structure(alone), MODELS[model], ledger),
+                order[models == model],
+            )
+            for model in np.unique(models[models >= 0])
+        ]
+    return groups
 
 
 def _workers(

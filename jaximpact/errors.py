@@ -1,8 +1,9 @@
-"""The errors of the package's edge: input that cannot be used, and results that could
-not be had."""
+"""Errors and warnings: input that cannot be used, results that cannot be had."""
 
+import contextlib
 import difflib
 import os
+from collections.abc import Iterator
 
 LONGEST = 600
 """Characters of a message."""
@@ -36,9 +37,25 @@ class InputError(ValueError):
         super().__init__(shown(message))
 
 
+@contextlib.contextmanager
+def located(
+    file: str | os.PathLike | None = None,
+    key: str | None = None,
+    *,
+    row: int | None = None,
+    column: str | None = None,
+) -> Iterator[None]:
+    """Add the place to an InputError of a check that does not know it."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(
+            str(error), file=file, row=row, column=column, key=key
+        ) from error
+
+
 class NoMachineCodeWarning(UserWarning):
-    """Impacts are computed the slow way: laws or a version of JAX have no machine
-    code."""
+    """Warning that laws or a version of JAX have no machine code, and XLA computes."""
 
 
 class UnusualValueWarning(UserWarning):
@@ -58,14 +75,18 @@ class UnusualValueWarning(UserWarning):
 
 
 class IncompleteError(Exception):
-    """Something that a command was asked for could not be computed; the rest was. The
-    message is one line."""
+    """A part of what was asked for that could not be computed, while the rest was.
+
+    The message is one line.
+    """
 
 
 def shown(text: str) -> str:
-    """A text as one line that a terminal can print: control characters, marks that turn
-    the direction of writing and halves of characters are escaped, and what is too long
-    loses its middle."""
+    """Make one line of a text that a terminal can print.
+
+    Control characters, marks that turn the direction of writing and halves of
+    characters are escaped; a text that is too long loses its middle.
+    """
     if len(text) > LONGEST:
         half = LONGEST // 2
         text = f"{text[:half]} ... {text[-half:]}"
@@ -76,7 +97,7 @@ def shown(text: str) -> str:
 
 
 def nearest(name: str, known) -> str:
-    """The known name most like a given one."""
+    """Find the known name most like a given one."""
     folded = {str(k).lower(): str(k) for k in known}
     # Comparing takes as long as the name is.
     asked = str(name)[:LONGEST].lower()

@@ -98,7 +98,9 @@ def file_of(kind: type) -> Path | None:
     """The file by which a class is named: where it stands, if it was read from there or
     from the program that runs; None for one of a module that can be imported."""
     module = sys.modules.get(kind.__module__)
-    is_program = kind.__module__ == "__main__" and module.__spec__ is None
+    is_program = (
+        kind.__module__ == "__main__" and getattr(module, "__spec__", None) is None
+    )
     return _file(module) if is_program or hasattr(module, READ_BY_NAME) else None
 
 
@@ -134,6 +136,8 @@ def _loaded(path: Path, digest: str):
     if getattr(being_read, "__file__", None) == str(path):
         return being_read  # a program that names a law of its own
     spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None, path  # its name ends in .py
+    assert spec.loader is not None, path
     module = importlib.util.module_from_spec(spec)
     setattr(module, READ_BY_NAME, True)
     sys.modules[name] = module

@@ -1,5 +1,5 @@
-"""What laws and shapes are, for keys and manifests: a law that was edited is another
-law."""
+"""Identity of laws and shapes, for keys and manifests: a law that was edited is
+another law."""
 
 import dataclasses
 import functools
@@ -44,9 +44,9 @@ def name_of(kind: type[Part]) -> str:
 
 
 def described(tree) -> tuple | None:
-    """All of a tree of modules that a program compiled for it depends on: classes,
-    digests of those that are not the package's, and static fields. None if the source
-    of a class is not known."""
+    """Everything of a tree of modules that a program compiled for it depends on:
+    classes, digests of those that are not the package's, and static fields; None if the
+    source of a class is not known."""
     if not isinstance(tree, eqx.Module):
         return ("value", jax.tree.structure(tree).num_leaves)
     digest = source_digest(type(tree))
@@ -74,7 +74,8 @@ def source_digest(kind: type) -> str | None:
     session, or was made inside a function, whose variables no source tells."""
     if kinds := made_of(kind):
         digests = [source_digest(one) for one in kinds]
-        return None if None in digests else "".join(digests)
+        known = [digest for digest in digests if digest is not None]
+        return "".join(known) if len(known) == len(digests) else None
     modules: dict[str, ModuleType] = {}
     for base in kind.__mro__:
         module = sys.modules.get(base.__module__)

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM, and what they leave behind.
+"""Interrupts by Ctrl-C and SIGTERM, and what they leave behind.
 
 In a process of the command line they end it from a thread of their own, and no
 KeyboardInterrupt is raised: that exception is dropped inside callbacks of JAX, ctypes
@@ -15,8 +15,11 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 
-ENDINGS = {signal.SIGINT: (130, "interrupted"), signal.SIGTERM: (143, "terminated")}
-"""Exit code, and what is said."""
+ENDINGS: dict[int, tuple[int, str]] = {
+    signal.SIGINT: (130, "interrupted"),
+    signal.SIGTERM: (143, "terminated"),
+}
+"""Signal -> exit code, and word for the message."""
 PATIENCE = 2.0
 """Seconds that other threads have to finish the files they are writing."""
 
@@ -24,9 +27,9 @@ _prospects: list[Callable[[], str]] = []
 _unfinished: dict[os.PathLike, int] = {}
 """Files being written, and the thread of each."""
 _beginning = threading.Lock()
-"""Held by who begins a file, and for good once the process is ending."""
+"""Lock of whoever begins a file; held for good once the process is ending."""
 _ending = threading.RLock()
-"""Held by who ends the process, whom a second signal may interrupt."""
+"""Lock of whoever ends the process, whom a second signal may interrupt."""
 
 
 def _goes_on() -> str:
@@ -35,7 +38,7 @@ def _goes_on() -> str:
 
 @contextlib.contextmanager
 def resumable(prospect: Callable[[], str] = _goes_on) -> Iterator[None]:
-    """Where the work inside is interrupted, the interrupt says what becomes of it.
+    """Have an interrupt of the work inside say what becomes of that work.
 
     Args:
         prospect: called when the interrupt comes, from any thread.
@@ -51,7 +54,7 @@ def resumable(prospect: Callable[[], str] = _goes_on) -> Iterator[None]:
 
 @contextlib.contextmanager
 def unfinished(path: os.PathLike) -> Iterator[None]:
-    """The file written inside is of no use until the end: a signal removes it."""
+    """Have a signal remove the file that is written inside."""
     with _beginning:
         _unfinished[path] = threading.get_ident()
     try:
@@ -62,7 +65,7 @@ def unfinished(path: os.PathLike) -> Iterator[None]:
 
 @contextlib.contextmanager
 def ending_on_signals() -> Iterator[None]:
-    """Ctrl-C or SIGTERM inside ends the process at once, with one line on stderr.
+    """End the process at once, with one line on stderr, on Ctrl-C or SIGTERM inside.
 
     For a process that does nothing else, and its main thread. What it was told to
     ignore it goes on ignoring (`nohup`); after the block it ignores both, since the

@@ -1,37 +1,58 @@
 """Laws, shapes and what is made of them: modules whose parameters tell what they are.
 
-A parameter says its default, unit, range and meaning where it is declared; columns of
-tables, keys of files, checks and the order of a program's inputs are read off there.
+A parameter has its default, unit, range and meaning where it is declared; columns of
+tables, keys of files, checks, docstrings and the order of a program's inputs are read
+off there.
 """
 
 import dataclasses
 import functools
+import html
+import inspect
 import math
-from typing import NamedTuple
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 
 import equinox as eqx
 import jax
 import numpy as np
 
+from ._checks import real_numbers
 from ._jax_internals import Tracer
+from ._precision import float64_leaf
 from .errors import InputError, nearest
-from .fields import real_numbers
 from .finding import find_part
-from .precision import float64_leaf
 from .units import SIZES, SUFFIXES
+
+if TYPE_CHECKING:
+
+    class Module:
+        """What type checkers see of `equinox.Module`.
+
+        They would derive the constructor from the fields, which hold float64 arrays; it
+        takes whatever `real_numbers` takes, and parameters of parts by their names.
+        """
+
+        __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
+
+        def __init__(self, *given: Any, **named: Any) -> None: ...
+else:
+    Module = eqx.Module
 
 EVERYWHERE = (-math.inf, math.inf)
 
 
 class Declared(NamedTuple):
-    """What a parameter says of itself, in the unit that users write it in."""
+    """Unit, range and meaning of a parameter, in the unit that users write it in."""
 
     default: float
-    """NaN for a parameter that must be given."""
+    """Value if none is given; NaN for a parameter that must be given."""
     unit: str
+    """Unit of the default, the range and the column."""
     range: str
-    """An interval: "(0, inf)", "[0, 1]"."""
+    """Interval of the values allowed: "(0, inf)", "[0, 1]"."""
     meaning: str
+    """Meaning in a few words."""
     column: str
     """Name of the column of tables, and of the key of files, that holds it."""
     usual: tuple[float, float]
@@ -39,12 +60,12 @@ class Declared(NamedTuple):
 
     @property
     def factor(self) -> float:
-        """Value in SI units = factor x value in `unit`."""
+        """Ratio of the value in SI units to the value in `unit`."""
         return SIZES.get(self.unit, 1.0)
 
     @property
     def si_default(self) -> float:
-        """The default in SI units and radians."""
+        """Default in SI units and radians."""
         if self.unit == "deg":
             return math.radians(self.default)
         return self.default * self.factor
@@ -58,8 +79,8 @@ def parameter(
     *,
     column: str | None = None,
     usual: tuple[float, float] = EVERYWHERE,
-):
-    """A parameter of a law, a shape or a part of the scene.
+) -> Any:
+    """Declare a parameter of a law, a shape or a part of the scene.
 
     The field holds a float64 array in SI units and radians. It can be swept, batched,
     differentiated and fitted.
@@ -71,7 +92,7 @@ def parameter(
             "-" for none, "deg", "deg/s" or "kN/m3".
         range: interval of the values allowed, with round brackets where an end is left
             out: "(0, inf)", "[0, 1]".
-        meaning: a few words.
+        meaning: a few words, for tables, docstrings and messages.
         column: name of its column in tables and of its key in files; by default the
             field's name, with the unit behind it where that is not SI
             (`friction_angle_deg`).
@@ -118,7 +139,7 @@ def _ends(told: str, interval: str) -> tuple[float, float]:
 
 @functools.cache
 def declared_of(kind: type) -> dict[str, Declared]:
-    """The parameters that a class declares itself: field to what it says."""
+    """The parameters that a class declares itself: field name to what is declared."""
     found = {}
     for field in dataclasses.fields(kind):
         declared = field.metadata.get("declared")
@@ -129,12 +150,103 @@ def declared_of(kind: type) -> dict[str, Declared]:
     return found
 
 
-class Parameters(eqx.Module):
-    """Fields that are real numbers or arrays of them, as `real_numbers` allows.
+TABLE_HEADING = (
+    "Parameters (given in SI units and radians; here in the unit of tables):"
+)
+"""Line above the table of parameters in the docstring of a class."""
 
-    Raises InputError for a value of another kind, TypeError for an unknown field, with
-    the nearest known.
+
+def _add_table(kind: type) -> None:
+    """Add a table of the parameters to the docstring of a class being made.
+
+    The class is no dataclass yet, and its fields are where dataclasses looks for them.
+    Not when it is asked for: `help` takes a docstring that is no plain text for none.
     """
+    if kind.__doc__ is None:
+        return
+    fields = dict(getattr(kind, "__dataclass_fields__", {}))
+    fields |= {n: f for n, f in vars(kind).items() if isinstance(f, dataclasses.Field)}
+    rows = []
+    for name, field in fields.items():
+        if declared := field.metadata.get("declared"):
+            rows.append(_declared_cells(name, declared))
+        elif "base" in field.metadata:
+            held = cast(type[Part], field.default_factory)
+            rows.append((f"{name}: {held.__name__}", "", "", "", ""))
+            rows += [_declared_cells(*pair) for pair in declared_of(held).items()]
+    if not rows:
+        return
+    rows = [("name", "default", "unit", "range", "meaning"), *rows]
+    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
+    rows.insert(1, tuple("-" * width for width in widths))
+    table = "\n".join(f"| {' | '.join(map(str.ljust, r, widths))} |" for r in rows)
+    kind.__doc__ = f"{inspect.cleandoc(kind.__doc__)}\n\n{TABLE_HEADING}\n\n{table}\n"
+
+
+def _declared_cells(name: str, said: Declared) -> tuple[str, ...]:
+    default = "" if math.isnan(said.default) else f"{said.default:g}"
+    return name, default, said.unit, said.range, said.meaning
+
+
+def with_unit(value, unit: str = "-", factor: float = 1.0) -> str:
+    """A number with its unit; of an array its smallest and largest value, and shape.
+
+    Args:
+        value: in SI units; anything else than numbers is with_unit as it is.
+        unit: to be with_unit behind the value, "-" for none.
+        factor: value in SI units over value in `unit`.
+    """
+    unit = "" if unit == "-" else f" {unit}"
+    if isinstance(value, Tracer):
+        return "(traced)"
+    if isinstance(value, jax.Array) and value.is_deleted():
+        return "(deleted)"
+    if not isinstance(value, np.ndarray | np.generic | jax.Array | int | float):
+        return repr(value)
+    values = np.asarray(value)
+    if values.dtype.kind not in "fiu":
+        return f"{values.dtype} {values.shape}"
+    values = values / factor
+    if values.ndim == 0:
+        return f"{float(values):.6g}{unit}"
+    if not values.size:
+        return "(empty)"
+    least, most = (f"{end:.6g}" for end in (np.min(values), np.max(values)))
+    return f"{least if least == most else f'{least} to {most}'}{unit} {values.shape}"
+
+
+Row = tuple[str, ...]
+
+
+def html_table(head: str, rows: Iterable[Row]) -> str:
+    """Make a table for notebooks; a row of one cell is a heading within it."""
+    left = 'style="text-align:left"'
+    lines = [f"<div><b>{html.escape(head)}</b></div>", "<table>"]
+    for row in rows:
+        cell = f"th colspan=3 {left}" if len(row) == 1 else f"td {left}"
+        cells = (f"<{cell}>{html.escape(text)}</{cell[:2]}>" for text in row)
+        lines.append(f"<tr>{''.join(cells)}</tr>")
+    return "\n".join([*lines, "</table>"])
+
+
+def _own_rows(whole: "Part | Composite") -> list[Row]:
+    """Name, value and meaning of the parameters that an object declares itself."""
+    return [
+        (name, with_unit(getattr(whole, name), said.unit, said.factor), said.meaning)
+        for name, said in declared_of(type(whole)).items()
+    ]
+
+
+class Part(Module):
+    """A law or a shape: one replaceable part of a `Composite`, with own parameters.
+
+    Raises InputError for a parameter that is no number and no array of numbers (see
+    `real_numbers`), TypeError for an unknown field, with the nearest known.
+    """
+
+    def __init_subclass__(cls, **arguments):
+        super().__init_subclass__(**arguments)
+        _add_table(cls)
 
     def __new__(cls, *given, **named):
         names = _names(cls)
@@ -145,11 +257,17 @@ class Parameters(eqx.Module):
                     f"{nearest(name, names)}?"
                 )
         # More than there are fields: Python itself complains.
-        pairs = (*zip(names, given, strict=False), *named.items())
-        for name, value in pairs:
-            if type(value) is not float and name in _numeric(cls):
-                real_numbers(f"{cls.__name__}.{name}", value)
+        for name, value in (*zip(names, given, strict=False), *named.items()):
+            if name in _numeric(cls):
+                _check(cls, name, value)
         return super().__new__(cls)
+
+    def __repr__(self) -> str:
+        inside = ", ".join(f"{name}={value}" for name, value, _ in _own_rows(self))
+        return f"{type(self).__name__}({inside})"
+
+    def _repr_html_(self) -> str:
+        return html_table(type(self).__name__, _own_rows(self))
 
 
 @functools.cache
@@ -163,38 +281,13 @@ def _numeric(kind: type) -> set[str]:
     return {field.name for field in fields if not field.metadata.get("static")}
 
 
-def _line(name: str, said: Declared, value) -> str:
-    """A parameter with its value, unit and meaning."""
-    return f"{name:<18} {_shown(value, said):<14} {said.meaning}"
+def part(base: type[Part], default: type[Part]) -> Any:
+    """Declare a field that holds a part.
 
-
-def _shown(value, said: Declared) -> str:
-    """A value in the unit that users write it in; of an array its ends and size."""
-    unit = "" if said.unit == "-" else f" {said.unit}"
-    if isinstance(value, Tracer) or not isinstance(value, np.ndarray | jax.Array):
-        return f"{value}{unit}" if isinstance(value, int | float) else "(traced)"
-    values = np.asarray(value) / said.factor
-    if values.ndim == 0:
-        return f"{float(values):.6g}{unit}"
-    if not values.size:
-        return "(empty)"
-    ends = f"{np.min(values):.6g} to {np.max(values):.6g}"
-    return f"{ends}{unit} {values.shape}"
-
-
-class Part(Parameters):
-    """A law or a shape: one replaceable part of a `Composite`, with parameters of its
-    own."""
-
-    def __repr__(self) -> str:
-        said = parameters_of(self)
-        inside = (f"{name}={_shown(getattr(self, name), said[name])}" for name in said)
-        return f"{type(self).__name__}({', '.join(inside)})"
-
-
-def part(base: type[Part], default: type[Part]):
-    """A field that holds a part: of a class derived from `base`, by default of
-    `default`."""
+    Args:
+        base: class from which the part must derive.
+        default: class of the part if none is given.
+    """
     return eqx.field(default_factory=default, metadata={"base": base})
 
 
@@ -205,7 +298,13 @@ def parts_of(kind: type) -> dict[str, type[Part]]:
     return {f.name: f.metadata["base"] for f in fields if "base" in f.metadata}
 
 
-class Composite(eqx.Module):
+def _default_part(kind: type, slot: str) -> type[Part]:
+    """The class of the part that a composite has if none is given."""
+    (field,) = (field for field in dataclasses.fields(kind) if field.name == slot)
+    return cast(type[Part], field.default_factory)
+
+
+class Composite(Module):
     """Parameters of its own, and parts that own theirs.
 
     All parameters are set and read by their names alone, wherever they stand:
@@ -213,7 +312,14 @@ class Composite(eqx.Module):
     `soil.flow.gamma_v`. A parameter given by its name takes precedence over the one of
     a part given beside it, so that `dataclasses.replace(soil, gamma_v=5.0)` does what
     it says.
+
+    Raises InputError for values that are no numbers and parts of another class,
+    TypeError for an unknown parameter, with the nearest known.
     """
+
+    def __init_subclass__(cls, **arguments):
+        super().__init_subclass__(**arguments)
+        _add_table(cls)
 
     def __init__(self, *given, **named):
         kind = type(self)
@@ -228,7 +334,7 @@ class Composite(eqx.Module):
         for slot, base in parts_of(kind).items():
             given_part = named.pop(slot, None)
             if given_part is None:
-                given_part = fields[slot].default_factory()
+                given_part = _default_part(kind, slot)()
             elif isinstance(given_part, str):
                 given_part = find_part(slot, base, given_part)
             _check_part(f"{kind.__name__}.{slot}", base, given_part)
@@ -242,8 +348,8 @@ class Composite(eqx.Module):
             elif name not in fields:
                 known = (*fields, *owner)
                 raise TypeError(
-                    f"{kind.__name__} has no parameter {name!r}{_of_parts(self)}; did "
-                    f"you mean {nearest(name, known)}?"
+                    f"{kind.__name__} has no parameter {name!r}{_unusual_parts(self)}; "
+                    f"did you mean {nearest(name, known)}?"
                 )
         for slot, values in changed.items():
             object.__setattr__(
@@ -255,32 +361,42 @@ class Composite(eqx.Module):
             object.__setattr__(self, name, value)
 
     def __repr__(self) -> str:
-        said = declared_of(type(self))
-        inside = [f"{name}={_shown(getattr(self, name), said[name])}" for name in said]
+        inside = [f"{name}={value}" for name, value, _ in _own_rows(self)]
         inside += [f"{slot}={getattr(self, slot)!r}" for slot in parts_of(type(self))]
         return f"{type(self).__name__}({', '.join(inside)})"
 
     def __str__(self) -> str:
         """A table of all parameters, with units and meanings, part by part."""
-        lines = [type(self).__name__]
-        for name, said in declared_of(type(self)).items():
-            lines.append("  " + _line(name, said, getattr(self, name)))
-        for slot in parts_of(type(self)):
-            held = getattr(self, slot)
-            lines.append(f"  {slot}: {type(held).__name__}")
-            for name, said in parameters_of(held).items():
-                lines.append("    " + _line(name, said, getattr(held, name)))
+        lines, indent = [type(self).__name__], "  "
+        for row in self.rows():
+            if len(row) == 1:
+                lines.append(f"  {row[0]}")
+                indent = "    "
+            else:
+                lines.append(f"{indent}{row[0]:<18} {row[1]:<14} {row[2]}")
         return "\n".join(lines)
 
+    def _repr_html_(self) -> str:
+        return html_table(type(self).__name__, self.rows())
+
+    def rows(self) -> list[Row]:
+        """Name, value and meaning of every parameter; above those of a part a row of
+        one cell with its field and class."""
+        rows = _own_rows(self)
+        for slot in parts_of(type(self)):
+            held = getattr(self, slot)
+            rows += [(f"{slot}: {type(held).__name__}",), *_own_rows(held)]
+        return rows
+
     def path_of(self, name: str) -> tuple[str, ...]:
-        """Names that lead to a parameter: its own, behind the field of the part that
-        owns it."""
+        """Field names that lead to a parameter: that of the part that owns it, if one
+        does, and its own."""
         for slot in parts_of(type(self)):
             if name in parameters_of(vars(self)[slot]):
                 return slot, name
         return (name,)
 
-    def __getattr__(self, name: str):
+    def __getattr__(self, name: str) -> Any:
         if not name.startswith("__"):
             held = vars(self)
             for slot in parts_of(type(self)):
@@ -292,7 +408,7 @@ class Composite(eqx.Module):
                     known += parameters_of(held[slot])
                 raise AttributeError(
                     f"{type(self).__name__} has no parameter {name!r}"
-                    f"{_of_parts(self)}; did you mean {nearest(name, known)}?"
+                    f"{_unusual_parts(self)}; did you mean {nearest(name, known)}?"
                 )
         raise AttributeError(f"{type(self).__name__!r} object has no {name!r}")
 
@@ -343,21 +459,22 @@ def _check_fields(kind: type[Part]) -> None:
 
 
 def _check(kind: type, name: str, value) -> None:
+    # Most values are floats, and numbers for sure.
     if type(value) is not float:
         real_numbers(f"{kind.__name__}.{name}", value)
 
 
-def _of_parts(whole: Composite) -> str:
+def _unusual_parts(whole: Composite) -> str:
     """The parts of a composite that are not its usual ones, to follow a message."""
-    fields = {field.name: field for field in dataclasses.fields(whole)}
+    kind = type(whole)
     others = [
         f"{slot} {type(held).__name__}"
-        for slot in parts_of(type(whole))
-        if type(held := vars(whole)[slot]) is not fields[slot].default_factory
+        for slot in parts_of(kind)
+        if type(held := vars(whole)[slot]) is not _default_part(kind, slot)
     ]
     return f" with {' and '.join(others)}" if others else ""
 
 
 def parameters_of(part: Part) -> dict[str, Declared]:
-    """The parameters of a part: field to what it says."""
+    """The parameters of a part: field name to what is declared of it."""
     return declared_of(type(part))

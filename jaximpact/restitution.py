@@ -1,12 +1,10 @@
 """Restitution coefficients, from velocities before and after an impact."""
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
-from .block import Block
-from .safe import safe_sqrt
-
-Scalar = Float[Array, ""]
+from ._safe import safe_sqrt
+from ._types import Scalar
+from .scene import Block
 
 
 def defined_ratio(numerator: Scalar, denominator: Scalar) -> Scalar:

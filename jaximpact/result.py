@@ -1,7 +1,7 @@
-"""The results of one impact, or of many: numbers, and what they were computed from.
+"""The result of one impact, or of many: its numbers, and what they were computed from.
 
-Arrays of NumPy and of JAX do alike, and so do those that a JAX transformation is
-tracing; words and tables alone need values that are known.
+Arrays of NumPy, of JAX, and those that a JAX transformation traces serve alike. Words,
+tables and pictures need values that are known.
 """
 
 import dataclasses
@@ -10,46 +10,53 @@ from typing import TYPE_CHECKING
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-from ._jax_internals import Tracer
+from ._versions import versions
 from .accuracy import Accuracy
-from .engines.selection import MACHINE_CODE
-from .formats import provenance
-from .history import History
-from .mechanics.outcomes import Outcome
-from .numbers import Numbers
+from .backend.engine_names import MACHINE_CODE
+from .identity import part_names
+from .impact.history import History
+from .impact.summary import ImpactSummary
+from .impact.termination import Outcome
+from .indexing import Selection, is_traced
+from .quantities import ENERGY_COLUMNS, FURTHER_COLUMNS, RESULT_COLUMNS
 from .scene import Scene
-from .shapes import MixedShapes
+from .scene_quantities import scene_values
 
-if TYPE_CHECKING:  # both take a while to load
+if TYPE_CHECKING:  # all three take a while to load
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 
-_ALWAYS = [f.name for f in dataclasses.fields(Numbers) if f.name != "energy"]
-"""The numbers that every result has."""
+class ImpactResult(ImpactSummary):
+    """Everything about one impact, or about many: its numbers, its scene, its history.
 
+    The number of one impact is a scalar; of many impacts it is an array of the shape
+    `result.shape`, and the result is indexed as such an array: `result[3]`,
+    `result[2:5]`, `result[result.e_n > 0.1]`, `result[i, j]`. A selection is again a
+    result, with the scenes that belong to it, in arrays of NumPy or of JAX as before.
+    A failed impact has NaN in every number.
 
-class ImpactResult(Numbers):
-    """Everything about one impact, or about many: its numbers, and what they were
-    computed from.
-
-    Of many impacts every number is an array of the shape `result.shape`, and the result
-    can be indexed as such an array: `result[3]`, `result[2:5]`,
-    `result[result.e_n > 0.1]`, `result[i, j]`. What is taken out is again a result,
-    with the scenes that belong to it, in arrays of NumPy or of JAX as before.
+    Symbols: n is into the ground, t down-slope, rotation clockwise; u_n is the
+    penetration of the block's centre, u_D that of its lowest point, v_n and v_t are
+    velocities of the centre; N, T and M are the normal force, the tangential force and
+    the moment of the ground. `e_n` is -v_n after over v_n before the impact, and
+    negative where the block still moves into the ground as the contact ends.
     """
 
     scene: Scene
+    """The impacts' blocks, soils and arrivals, in SI units."""
     accuracy: Accuracy = eqx.field(static=True)
+    """Tolerances of the integration."""
     history: History | None = None
+    """Forces, motion and energies against time; None where none was asked for."""
     model_tolerance: float = eqx.field(default=0.0, static=True)
     """Error for which a model that leaves something out was allowed."""
     engine: str = eqx.field(default=MACHINE_CODE, static=True)
-    """What it was asked to be computed by: machine code (XLA where there is none), or
-    diffrax, with the name of the solver if that is not the package's own."""
+    """Engine asked for: machine code (XLA where there is none), or diffrax, with the
+    name of the solver if that is not the package's own."""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -58,22 +65,23 @@ class ImpactResult(Numbers):
 
     @property
     def outcome(self) -> Outcome | np.ndarray:
-        """How the impact ended; of many impacts an array of the words, of type `str`
-        as in tables and datasets, which files hold and which compare with a word:
+        """How the impact ended; of many impacts an array of words, of type `str`
+        as in tables and datasets, which compares with a word:
         `result.outcome == "failed"`.
 
-        Not to be had from inside a JAX transformation; use `outcome_code` there, which
-        compares with the members of `Outcome`.
+        Inside a JAX transformation there is `outcome_code` alone, which compares with
+        the members of `Outcome`.
         """
         if self.shape == ():
             return Outcome(int(self.outcome_code))
-        from .formats.results import outcomes_in_words
+        from .io.result_table import outcomes_in_words
 
         return outcomes_in_words(self.outcome_code)
 
     def outcome_counts(self) -> dict[str, int]:
-        """How many impacts ended in which way, outcomes that did not occur left out."""
-        from .formats.results import count_outcomes
+        """Count the impacts that ended in each way; ways that did not occur are left
+        out."""
+        from .io.result_table import count_outcomes
 
         return count_outcomes(self)
 
@@ -92,70 +100,83 @@ class ImpactResult(Numbers):
             raise TypeError(
                 "this is the result of one impact, over which nothing can be iterated"
             )
-        return (self[place] for place in range(len(self)))
+        return (self[index] for index in range(len(self)))
 
     def __getitem__(self, index) -> "ImpactResult":
-        """Some of the impacts, as an array of them is indexed.
+        """Select some of the impacts, as an array of them is indexed.
 
         Fields of the scene that are one number for all impacts stay one number, but a
-        shape that differs from impact to impact becomes that of the impact taken.
+        shape that differs from impact to impact becomes that of the impact selected.
 
-        Raises IndexError as NumPy does; inside a JAX transformation places beyond the
-        ends are taken for the ends, as JAX does.
+        Raises IndexError as NumPy does; inside a JAX transformation an index beyond an
+        end counts as the end, as in JAX.
         """
-        take = _Taking(self.shape, index, self)
-        numbers = {
-            field.name: jax.tree.map(take.of_each, getattr(self, field.name))
-            for field in dataclasses.fields(Numbers)
+        selection = Selection(self.shape, index, self)
+        selected = {
+            field.name: selection.of_numbers(getattr(self, field.name))
+            for field in dataclasses.fields(ImpactSummary)
         }
-        scene = jax.tree.map(take.of_scene, self.scene)
-        if np.shape(numbers["outcome_code"]) == ():
-            scene = _with_own_shape(scene)
-        history = jax.tree.map(take.of_series, self.history)
-        taken = numbers | {"scene": scene, "history": history}
-        if isinstance(self.outcome_code, jax.Array) and not take.traced:
-            taken = jax.device_put(taken)
-        return dataclasses.replace(self, **taken)
+        selected["scene"] = selection.of_scene(self.scene)
+        selected["history"] = selection.of_history(self.history)
+        if isinstance(self.outcome_code, jax.Array) and not selection.traced:
+            selected = jax.device_put(selected)
+        return dataclasses.replace(self, **selected)
 
     def __repr__(self) -> str:
-        return self._shown("text") or super().__repr__()
+        if not self._is_known():
+            return eqx.Module.__repr__(self)
+        from .io.display import as_text
+
+        return as_text(*self._shown())
 
     def _repr_html_(self) -> str:
-        return self._shown("html") or f"<pre>{super().__repr__()}</pre>"
+        if not self._is_known():
+            return f"<pre>{eqx.Module.__repr__(self)}</pre>"
+        from .io.display import as_html
 
-    def _shown(self, how: str) -> str | None:
-        """The result as "text" or "html". None where that is not to be had: while a
-        transformation traces it or holds other things in its fields, and for trees of
-        derivatives or means, whose outcomes are none."""
-        with_values = (self.scene, [getattr(self, name) for name in _ALWAYS])
-        leaves = jax.tree.leaves(with_values, is_leaf=lambda x: x is None)
-        if not all(map(_is_known, leaves)):
-            return None
-        if not np.all(np.isin(self.outcome_code, list(Outcome))):
-            return None
-        from .formats import display
+        return as_html(*self._shown())
 
-        return {"text": display.as_text, "html": display.as_html}[how](self)
+    def _shown(self) -> tuple:
+        return self, self.scene, self.accuracy.name, self.history
+
+    def _is_known(self) -> bool:
+        """Whether the values can be shown: not while a transformation traces them or
+        holds other things in the fields, nor in trees of derivatives or of means, which
+        have no outcomes."""
+        names = [f.name for f in dataclasses.fields(ImpactSummary)]
+        numbers = [getattr(self, name) for name in names if name != "energy"]
+        leaves = jax.tree.leaves((self.scene, numbers), is_leaf=lambda x: x is None)
+        return all(map(_is_known, leaves)) and bool(
+            np.all(np.isin(self.outcome_code, list(Outcome)))
+        )
 
     def to_dataframe(self, *, all_inputs: bool = False) -> "pd.DataFrame":
-        """The results as a table, one row an impact, as `jaximpact batch` writes them.
+        """Make a table with one row an impact, as `jaximpact batch` writes it.
 
-        First come the quantities of the scene that vary, then the results, then the
-        outcome in words; names and units are those of the tables (`angle_deg`,
-        `max_normal_force_N`). A failed impact has NaN. What the shape of a row has no
-        parameter for is NaN too.
+        Columns, from the left:
+
+        - the quantities of the scene that vary, in the units of their names
+          (`mass_kg`, `angle_deg`; NaN where the shape of a row has no such parameter),
+        - the results: `e_n`, `e_t`, `e_contact`, `e_bar`, `R_r` [-],
+          `max_penetration_m`, `max_sinking_m` [m], `max_normal_force_N` [N],
+          `max_moment_Nm` [N m], `duration_s` [s], `rotation_rad` [rad], `v_n_mps`,
+          `v_t_mps` [m/s], `omega_radps` [rad/s]; NaN in a failed impact,
+        - `outcome` in words.
+
+        Rows are numbered from 0; with several axes there is a level of the index for
+        each.
 
         Args:
             all_inputs: also the quantities that are the same for all impacts, and the
                 names of laws and shapes that are not the usual ones.
         """
-        from .formats.frames import frame_of
+        from .io.datasets import frame_of
 
-        return frame_of(self, all_inputs)
+        return frame_of(self, self.scene, all_inputs)
 
     def to_xarray(self, dims: tuple[str, ...] | None = None) -> "xr.Dataset":
-        """Every number as a dataset, with units, meanings and provenance, as `sweep`
-        gives it.
+        """Make a dataset of every number, with units, meanings and provenance, as
+        `sweep` gives it.
 
         Quantities of the scene that vary are coordinates along the dimensions along
         which they do; all others stand in the attribute `base`. With the energy ledger
@@ -169,84 +190,68 @@ class ImpactResult(Numbers):
 
         Raises InputError for names that cannot be those of the dimensions.
         """
-        from .formats.datasets import dataset_of_result
+        from .io.datasets import dataset_of_impacts
 
-        return dataset_of_result(self, dims)
-
-    def plot(self, path=None):
-        """Force, penetration, rotation and energy against time; see
-        `plotting.plot_impact`. Records the history first if it was not asked for."""
-        from .plotting import plot_impact
-
-        return plot_impact(self, path)
-
-    def manifest(self) -> dict:
-        """What is needed to compute this again, ready for JSON."""
-        return provenance.manifest(
-            self.scene, self.accuracy, self.model_tolerance, self.engine
+        return dataset_of_impacts(
+            self, self.scene, self.accuracy, self.model_tolerance, dims
         )
 
+    def plot(self, path=None) -> "Figure":
+        """Draw force, penetration, rotation and energy against time, and a side view.
 
-class _Taking:
-    """Indexing of arrays whose leading axes are those of the impacts."""
+        The history is drawn if every step was asked for; otherwise the impact is
+        recorded again.
 
-    def __init__(self, shape: tuple[int, ...], index, result: ImpactResult):
-        index = index if isinstance(index, tuple) else (index,)
-        self.traced = any(map(_is_traced, jax.tree.leaves((index, result))))
-        self._shape = shape
-        self._index = tuple(map(_plain, index))
-        # JAX takes 50 microseconds for each of 60 arrays, and compiles for each new
-        # shape: it is for what NumPy cannot do.
-        self._numpy = jnp if self.traced else np
+        Args:
+            path: where to save the figure too, in the format that the suffix names
+                (png, pdf, svg); a file of that name is replaced once the new one is
+                whole.
 
-    def of_each(self, leaf):
-        """Entries of an array with an entry for each impact."""
-        return self._of(leaf, self._shape, 0)
+        Raises ValueError for a result of many impacts, and for a suffix that names no
+        format.
+        """
+        from .backend.recording import record_history
+        from .plotting.impact import plot_impact
 
-    def of_scene(self, leaf):
-        """Entries of a field of the scene; a number for all impacts is itself one."""
-        return self.of_each(leaf) if np.ndim(leaf) else leaf
+        if self.shape:
+            raise ValueError(
+                f"plot draws one impact, but the result holds {self.shape}; take one "
+                "of them"
+            )
+        recorded = self.history
+        # At the times of `save_at` it need not hold the peaks, nor the end.
+        if recorded is None or recorded.in_contact is not None:
+            recorded = record_history(self.scene, self.accuracy)
+        return plot_impact(self, self.scene, recorded, path)
 
-    def of_series(self, leaf):
-        """Entries of series, whose last axis is time; one for all impacts stays."""
-        if np.ndim(leaf) < 2:
-            return leaf
-        return self._of(leaf, (*self._shape, np.shape(leaf)[-1]), 1)
-
-    def _of(self, leaf, shape: tuple[int, ...], further_axes: int):
-        if any(entry is Ellipsis for entry in self._index):
-            index = self._index + (slice(None),) * further_axes
-        else:
-            index = (*self._index, ...)  # which gives arrays, never NumPy's scalars
-        values = self._numpy.asarray(leaf)
-        if values.shape != shape:
-            values = self._numpy.broadcast_to(values, shape)
-        return values[index]
-
-
-def _is_traced(value) -> bool:
-    return isinstance(value, Tracer)
-
-
-def _plain(entry):
-    """An entry of an index as NumPy and JAX both take it."""
-    if isinstance(entry, list):
-        return np.asarray(entry) if entry else np.zeros(0, int)
-    is_array = hasattr(entry, "__array__") and not _is_traced(entry)
-    return np.asarray(entry) if is_array else entry
-
-
-def _with_own_shape(scene: Scene) -> Scene:
-    """One scene with its own shape in place of one of several, where it is known
-    which."""
-    shape = scene.block.shape
-    if not isinstance(shape, MixedShapes) or _is_traced(shape.index):
-        return scene
-    own = shape.alone(int(shape.index))
-    return Scene(dataclasses.replace(scene.block, shape=own), scene.soil, scene.impact)
+    def manifest(self) -> dict:
+        """State what is needed to compute this again, ready for JSON."""
+        return {
+            "scene": scene_values(self.scene),
+            "laws": part_names(self.scene.soil, self.scene.block),
+            "accuracy": dataclasses.asdict(self.accuracy),
+            "model_tolerance": self.model_tolerance,
+            "engine": self.engine,
+            "versions": versions(),
+        }
 
 
 def _is_known(leaf) -> bool:
     if isinstance(leaf, jax.Array):
-        return not _is_traced(leaf) and not leaf.is_deleted()
+        return not is_traced(leaf) and not leaf.is_deleted()
     return isinstance(leaf, np.ndarray | np.generic | float)
+
+
+def _described(heading: str, columns: dict) -> str:
+    """Numbers with unit and meaning, as lines of a docstring."""
+    lines = [f"        {c.field} [{c.unit}]: {c.meaning}." for c in columns.values()]
+    return "\n".join(["", f"    {heading}:", *lines, ""])
+
+
+ImpactResult.__doc__ = f"{ImpactResult.__doc__}" + "".join(
+    [
+        _described("Numbers", RESULT_COLUMNS | FURTHER_COLUMNS),
+        _described("Energies, in `energy`", ENERGY_COLUMNS),
+    ]
+)
+"""Every number with its unit and meaning, from the one place where these are said."""

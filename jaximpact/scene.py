@@ -1,4 +1,4 @@
-"""How a block arrives, and the scene: block, soil and impact together."""
+"""Blocks, impacts and scenes: what is computed."""
 
 import dataclasses
 
@@ -8,12 +8,56 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from .block import Block
+from ._checks import expect, real_numbers
+from ._types import Scalar
 from .errors import InputError
-from .fields import expect, real_numbers
-from .parameters import Composite, parameter
+from .parameters import Composite, html_table, parameter, part
+from .shapes import AbstractShape, Ellipsoid, SemiAxes
 from .soil import Soil
 from .units import DEGREE
+
+
+class Block(Composite):
+    """A homogeneous block.
+
+    `Block(aspect_ratio=2.0)` is an ellipsoid of revolution twice as long as thick;
+    `Block(shape=EllipticCylinder(aspect_ratio=2.0))` another shape. Parameters of the
+    shape are set and read by their names alone: `block.aspect_ratio`.
+
+    Sizes and inertia are recomputed from the parameters, so that gradients with respect
+    to any of them are complete.
+    """
+
+    mass: Scalar = parameter(
+        100.0, "kg", "(0, inf)", "mass", column="mass_kg", usual=(1e-6, 1e8)
+    )
+    density: Scalar = parameter(
+        2577.8,
+        "kg/m3",
+        "(0, inf)",
+        "density",
+        column="density_kgm3",
+        usual=(100.0, 2e4),
+    )
+    shape: AbstractShape = part(AbstractShape, Ellipsoid)
+
+    @property
+    def semi_axes(self) -> SemiAxes:
+        """Semi-axes H, R and W [m], shape of the block's parameters."""
+        return self.shape.semi_axes(self.mass, self.density)
+
+    @property
+    def inertia(self) -> Scalar:
+        """Moment of inertia about the out-of-plane axis through the centre [kg m2]."""
+        return self.shape.inertia(self.mass, self.semi_axes)
+
+    @property
+    def sphericity(self) -> Scalar:
+        r"""Sphericity index $S_p = A_r^{-2/3}$, of the lengths H and R = W alone,
+        whatever the shape (eq. 8 of the paper by our count, see docs/model.md; others
+        call it eq. 17)."""
+        return self.aspect_ratio ** (-2.0 / 3.0)
+
 
 GRAVITY = 9.81
 """Acceleration of gravity [m/s2]."""
@@ -45,7 +89,7 @@ class Impact(Composite):
         "angle from the ground's normal to the major axis",
         usual=(-360.0, 360.0),
     )
-    """theta_0 [rad], angle from the ground's normal to the block's major axis."""
+    """Orientation theta_0 [rad], angle from the ground's normal to the major axis."""
     angular_velocity: Float[Array, ""] = parameter(
         0.0,
         "deg/s",
@@ -53,7 +97,7 @@ class Impact(Composite):
         "spin at impact, clockwise positive",
         usual=(-3e4, 3e4),
     )
-    """Omega_0 [rad/s], clockwise positive."""
+    """Angular velocity Omega_0 [rad/s], clockwise positive."""
     slope: Float[Array, ""] = parameter(0.0, "deg", "(-90, 90)", "slope angle")
     """Slope angle omega [rad], in (-pi/2, pi/2)."""
 
@@ -61,7 +105,7 @@ class Impact(Composite):
     def from_degrees(
         cls, speed=14.0, angle=0.0, orientation=0.0, angular_velocity=0.0, slope=0.0
     ) -> "Impact":
-        """An impact with its angles in degrees, and its spin in degrees a second."""
+        """Make an impact from angles in degrees, and spin in degrees a second."""
         angles = (angle, orientation, angular_velocity, slope)
         names = ("angle", "orientation", "angular_velocity", "slope")
         angles = {
@@ -74,22 +118,41 @@ class Impact(Composite):
 
     @property
     def normal_velocity(self) -> Float[Array, ""]:
-        """v_n at impact [m/s], positive into the ground."""
+        """Normal velocity v_n at impact [m/s], positive into the ground."""
         return self.speed * jnp.cos(self.angle)
 
     @property
     def tangential_velocity(self) -> Float[Array, ""]:
-        """v_t at impact [m/s], positive down-slope."""
+        """Tangential velocity v_t at impact [m/s], positive down-slope."""
         return self.speed * jnp.sin(self.angle)
 
 
 class Scene(eqx.Module):
-    """One impact to compute: which block, on which soil, arriving how; or many, if
-    fields are arrays. What is not given has its default."""
+    """A block, a soil and an impact: what one computation needs.
+
+    Of many impacts the fields are arrays; different shapes broadcast. What is not given
+    has its default.
+    """
 
     block: Block = eqx.field(default_factory=Block)
     soil: Soil = eqx.field(default_factory=Soil)
     impact: Impact = eqx.field(default_factory=Impact)
+
+    def __repr__(self) -> str:
+        return (
+            f"Scene({', '.join(f'{name}={getattr(self, name)!r}' for name in PARTS)})"
+        )
+
+    def __str__(self) -> str:
+        """A table of all parameters, with units and meanings."""
+        return "\n".join(str(getattr(self, name)) for name in PARTS)
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for name in PARTS:
+            whole = getattr(self, name)
+            rows += [(type(whole).__name__,), *whole.rows()]
+        return html_table("Scene", rows)
 
 
 def as_scene(
@@ -97,8 +160,8 @@ def as_scene(
     soil: Soil | None = None,
     impact: "Impact | None" = None,
 ) -> "Scene":
-    """What functions take as a scene: one, or its block, soil and impact, side by side
-    or in a tuple; what is left out has its default.
+    """Make a scene from one, or from its block, soil and impact, side by side or in a
+    tuple; what is left out has its default.
 
     Raises InputError for anything else.
     """
@@ -111,10 +174,10 @@ def as_scene(
         return scene
     if isinstance(scene, tuple | list):
         return as_scene(*scene)
-    parts = {"block": scene, "soil": soil, "impact": impact}
-    given = {part: value for part, value in parts.items() if value is not None}
-    for part, value in given.items():
-        expect(part, value, {"block": Block, "soil": Soil, "impact": Impact}[part])
+    components = {"block": scene, "soil": soil, "impact": impact}
+    given = {name: value for name, value in components.items() if value is not None}
+    for name, value in given.items():
+        expect(name, value, {"block": Block, "soil": Soil, "impact": Impact}[name])
     return Scene(**given)
 
 
@@ -135,7 +198,7 @@ def shape_of(scene: Scene) -> tuple[int, ...]:
 
 
 def with_axes(scene: Scene, count: int) -> Scene:
-    """The scene with so many axes in every field, the missing ones of length one in
+    """Give every field of a scene a number of axes, the missing ones of length one in
     front.
 
     Fields broadcast as before, and also after `jax.vmap` has put an axis in front of

@@ -1,4 +1,4 @@
-"""Impacts: from a scene to every number that the model gives."""
+"""Simulation of impacts: from a scene to every number that the model gives."""
 
 import dataclasses
 from typing import TYPE_CHECKING, Union
@@ -8,16 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._jax_internals import Tracer
+from ._precision import require_float64
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from .block import Block
-from .engines.recording import solve_recorded
-from .engines.selection import MACHINE_CODE, get_engine
-from .engines.solving import solve, solve_at
+from .backend.derivative_rules import solve, solve_at
+from .backend.engine_names import MACHINE_CODE, get_engine
+from .backend.recording import solve_recorded
 from .errors import InputError
-from .formats.checks import check_scene, check_times, sound_values
-from .precision import require_float64
+from .io.checks import check_scene, check_times, usual_values
 from .result import ImpactResult
-from .scene import Impact, Scene, as_scene, shape_of, with_axes
+from .scene import Block, Impact, Scene, as_scene, shape_of, with_axes
 from .soil import Soil
 
 if TYPE_CHECKING:  # which takes a while to load
@@ -38,27 +37,30 @@ def simulate(
     """Simulate an impact, or many.
 
     Args:
-        scene: a `Scene`, or its block, with the soil and the impact beside it. Fields
-            are scalars, or arrays with any axes that broadcast; results have their
-            shape. (For millions, with a journal and progress: `simulate_batch`.)
+        scene: a `Scene`, or its block, followed by soil and impact. Fields are
+            scalars, or arrays of any shapes that broadcast; results have the shape
+            that they broadcast to. (`simulate_batch` computes millions, with a journal
+            and progress.)
         accuracy: "fast", "balanced" or "reference"; see `PRESETS`.
         save_at: times since touch [s] at which forces and motion are wanted
-            (`result.history`), in any order: `(times,)`, or with axes before that
-            broadcast with the fields. For measured curves: it goes through `jit`,
-            `vmap` and `grad`, by the times too. Where there is no machine code XLA
-            computes it.
+            (`result.history`), in any order, shape `(times,)`, or with axes in front
+            that broadcast with the fields. It goes through `jit`, `vmap` and `grad`,
+            also with respect to the times, as a comparison with measured curves needs.
+            Where there is no machine code XLA computes it.
         history: also record the start and every step of one impact (`result.history`);
             not under a JAX transformation.
-        ledger: also keep the energy ledger (`result.energy`), which costs a quarter. By
-            default of a single impact, outside of JAX's transformations.
-        engine: "machine code"; or "diffrax", the same method as diffrax runs it, in a
+        ledger: also keep the energy ledger (`result.energy`), which costs a quarter of
+            the time. The default is True for a single impact outside of JAX's
+            transformations, else False.
+        engine: "machine code"; or "diffrax", the same method run by diffrax in a
             program that XLA compiles: slower, and independent of the machine code; or
-            a solver of diffrax, such as `diffrax.Kvaerno5()`, in place of the method,
-            which may take many more steps (`MAX_STEPS`, then the outcome is `failed`).
+            a solver of diffrax, such as `diffrax.Kvaerno5()`, instead of the method.
+            Such a solver may take many more steps; after `MAX_STEPS` of them the
+            outcome is `failed`.
 
     Returns:
-        `ImpactResult`. A scene whose integration fails gives NaN and the outcome
-        `failed`; nothing is raised.
+        `ImpactResult`, every number with its unit in `help(ImpactResult)`. A scene
+        whose integration fails gives NaN and the outcome `failed`; nothing is raised.
 
     Differentiable in forward and reverse mode with respect to every field of block,
     soil and impact, through the event that ends the impact. The derivative is that of
@@ -75,7 +77,7 @@ def simulate(
     setting = get_accuracy(accuracy)
     scene = as_scene(scene, soil, impact)
     leaves, structure = jax.tree.flatten(scene)
-    values, held = sound_values(structure, leaves), scene
+    values, held = usual_values(structure, leaves), scene
     if values is None:
         check_scene(scene, batched=True, warn=True)
         values, held = leaves, with_axes(scene, len(shape_of(scene)))

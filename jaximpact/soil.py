@@ -1,4 +1,4 @@
-"""The ground: its geotechnical description, and the laws of the macro-element."""
+"""Soils: geotechnical description, and the laws of the macro-element."""
 
 from . import laws
 from ._types import Scalar
@@ -64,6 +64,6 @@ class Soil(Composite):
 
     @classmethod
     def supplement_gamma_v_0_85(cls) -> "Soil":
-        """The same with gamma_v = 0.85 m/s: the slowest flow, and the highest rebound,
-        of the three."""
+        """The ground of the supplementary material with gamma_v = 0.85 m/s: the slowest
+        flow, and the highest rebound, of the three."""
         return cls(c_v=0.5, gamma_v=0.85)

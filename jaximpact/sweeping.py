@@ -2,49 +2,43 @@
 
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from ._checks import expect, real_numbers
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
-from .block import Block
 from .errors import InputError
-from .fields import expect, real_numbers
-from .formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
-from .formats.columns import (
-    OUTCOME_COLUMN,
-    SLOTS,
-    InputColumn,
-    columns_of,
-    why_unknown,
-)
-from .formats.datasets import (
+from .identity import name_of, part_names
+from .io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
+from .io.datasets import (
     OUTPUT_COLUMNS,
     SHAPES,
     attributes_of,
     dataset_of,
     shape_coordinate,
 )
-from .formats.scenes import (
+from .progress import Progress, ProgressFunction
+from .quantities import OUTCOME_COLUMN, SLOTS, InputColumn, columns_of, why_unknown
+from .scene import Block, Impact, Scene, as_scene
+from .scene_quantities import (
     SHAPE,
-    part_named,
     scene_of_values,
     scene_values,
     scene_with,
+    shape_named,
     with_shapes,
 )
-from .identity import name_of, part_names
-from .scene import Impact, Scene, as_scene
 from .shapes import AbstractShape
 from .soil import Soil
 
 LABELS = "name"
-"""Key of a group of quantities that gives the labels along its dimension."""
+"""Key, in a group of quantities, of the labels along its dimension."""
 
 Axes = Mapping[str, ArrayLike | Mapping[str, ArrayLike]]
 
@@ -53,11 +47,13 @@ class _Axis(NamedTuple):
     """One dimension of a sweep."""
 
     name: str
-    values: dict[str, np.ndarray]
-    """Quantities that vary along it, in the units of their columns; of the shape, its
-    classes."""
+    values: dict[str, Any]
+    """Quantities that vary along the axis -> arrays in the units of their columns; of
+    the shape, an array of its classes."""
     labels: np.ndarray | None
+    """Labels of the points, if there are any."""
     length: int
+    """Number of points."""
 
 
 def sweep(
@@ -67,28 +63,26 @@ def sweep(
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     model_tolerance: float = 0.0,
     journal: Path | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | ProgressFunction | None = None,
 ) -> xr.Dataset:
-    """Impacts at every combination of the values along the axes.
+    """Compute impacts at every combination of the values along the axes.
 
     Args:
-        base: the scene, as for `simulate`, scalars only, in SI units; what no axis says
-            is as here.
-        axes: dimension -> values, in its order. A dimension named as an input column
-            (`"angle_deg"`) takes a list of that quantity, in the unit of its name;
-            columns are those of the base's own laws and shapes. `"shape"` takes names
-            of shapes, as `Block` does; a parameter that a shape does not have changes
-            nothing for it. Any other name stands for quantities that vary together: a
-            mapping from input columns to lists of one length, and from `"name"` to
-            labels, if wanted.
+        base: the scene, as for `simulate`, scalars only, in SI units; the values of
+            what varies along no axis.
+        axes: dimension -> values. A dimension named as an input column (`"angle_deg"`)
+            takes a list of that quantity, in the unit of its name; columns are those of
+            the base's own laws and shapes. `"shape"` takes names of shapes, as `Block`
+            does; a parameter that a shape does not have changes nothing for it. Any
+            other name stands for quantities that vary together: a mapping from input
+            columns to lists of one length, and optionally from `"name"` to labels.
         accuracy, model_tolerance, journal, progress: as for `simulate_batch`.
 
     Returns:
-        A dataset with a variable for each number of an impact, named and in units as in
-        the tables, and `outcome` in words. Coordinates are the quantities of the axes.
-        Points that fail are NaN with the outcome `failed`; counts of outcomes, the
-        base, accuracy, laws and versions stand in the attributes, enough for
-        `repeat_sweep`.
+        A dataset with a variable for each number of an impact, with names and units as
+        in the tables, and `outcome` in words. Coordinates are the quantities of the
+        axes. Points that fail are NaN with the outcome `failed`. Counts of outcomes,
+        base, accuracy, laws and versions are attributes, sufficient for `repeat_sweep`.
 
     Raises:
         InputError: an unknown quantity, a value out of its range, lists that do not
@@ -110,6 +104,8 @@ def sweep(
     )
     return dataset_of(
         result,
+        setting,
+        result.model_tolerance,
         [axis.name for axis in grid],
         shape,
         coordinates_of(grid, scene),
@@ -141,39 +137,32 @@ def repeat_sweep(dataset: xr.Dataset, **how) -> xr.Dataset:
             f"the dataset does not say what it was computed from ({error!r}); "
             "a dataset from sweep is needed"
         ) from None
+
+    def check_same(slot: str, stored: str | None, found: str) -> None:
+        if stored != found:
+            raise InputError(
+                f"the dataset was computed with {slot} {stored}, but there is {found} "
+                "now"
+            )
+
+    def same_shape(text: str, stored: str) -> type[AbstractShape]:
+        kind = shape_named(text)
+        check_same(SHAPE, stored, name_of(kind))
+        return kind
+
     base = scene_of_values(values)
     for slot, name in part_names(base.soil, base.block).items():
-        _check_same(slot, stored_laws.get(slot), name)
+        check_same(slot, stored_laws.get(slot), name)
     axes = axes_of(dataset)
     shapes = json.loads(dataset.attrs.get(SHAPES, "{}"))
-    for along in (axes, *(along for along in axes.values() if _is_group(along))):
+    for along in (axes, *(a for a in axes.values() if isinstance(a, dict))):
         if SHAPE in along:
-            along[SHAPE] = [_same_shape(*shapes[label]) for label in along[SHAPE]]
-    return sweep(
-        base,
-        axes,
-        accuracy=accuracy,
-        model_tolerance=model_tolerance,
-        **how,
-    )
+            along[SHAPE] = [same_shape(*shapes[label]) for label in along[SHAPE]]
+    return sweep(base, axes, accuracy=accuracy, model_tolerance=model_tolerance, **how)
 
 
-def _check_same(slot: str, stored: str | None, found: str) -> None:
-    if stored != found:
-        raise InputError(
-            f"the dataset was computed with {slot} {stored}, but there is {found} now"
-        )
-
-
-def _same_shape(text: str, stored: str) -> type[AbstractShape]:
-    """The class of shapes of a name, if it is what it was."""
-    kind = type(part_named(SHAPE, text))
-    _check_same(SHAPE, stored, name_of(kind))
-    return kind
-
-
-def axes_of(dataset: xr.Dataset) -> dict[str, ArrayLike | dict[str, ArrayLike]]:
-    """The axes of a sweep, as `sweep` takes them."""
+def axes_of(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the axes of a sweep, as `sweep` takes them."""
     for name, coordinate in dataset.coords.items():
         if coordinate.ndim > 1:
             raise InputError(
@@ -200,15 +189,14 @@ def axes_of(dataset: xr.Dataset) -> dict[str, ArrayLike | dict[str, ArrayLike]]:
 
 
 def check_axes(axes: Axes, base: Scene) -> list[_Axis]:
-    """The axes, checked. Raises InputError as `sweep` does."""
+    """Check axes and their values. Raises InputError as `sweep` does."""
     expect("axes", axes, Mapping)
     if not axes:
         raise InputError("a sweep needs at least one axis, but got none")
     columns = columns_of_axes(axes, base)
     grid, seen = [], {}
     for name, given in axes.items():
-        read = _read_group if _is_group(given) else _read_one
-        axis = read(name, given, columns)
+        axis = _checked_axis(name, given, columns)
         for quantity in axis.values:
             if quantity in seen:
                 raise InputError(
@@ -221,77 +209,51 @@ def check_axes(axes: Axes, base: Scene) -> list[_Axis]:
     return grid
 
 
-def _is_group(given) -> bool:
-    return isinstance(given, Mapping)
-
-
 def columns_of_axes(axes: Axes, base: Scene) -> dict[str, InputColumn]:
-    """The columns that may vary: of the base and, where shapes vary, of all of them."""
-    return columns_of(_of_shapes(base, _shapes_of(axes)))
-
-
-def _shapes_of(axes: Axes) -> list[type[AbstractShape]]:
-    """The shapes that vary along the axes."""
+    """Return the columns that may vary: those of the base and, where shapes vary, of
+    all these shapes."""
     for name, given in axes.items():
-        if _is_group(given) and SHAPE in given:
-            return list(_kinds(f"axis {name}: {SHAPE}", given[SHAPE]))
-        if name == SHAPE and not _is_group(given):
-            return list(_kinds(f"axis {SHAPE}", given))
-    return []
+        for quantity, values in _quantities_of(name, given).items():
+            if quantity == SHAPE:
+                return columns_of(
+                    with_shapes(base, _kinds(_place(name, SHAPE), values))
+                )
+    return columns_of(base)
 
 
-def _of_shapes(base: Scene, kinds: Sequence[type[AbstractShape]]) -> Scene:
-    return with_shapes(base, kinds) if len(kinds) else base
+def _quantities_of(name: str, given) -> Mapping[str, ArrayLike]:
+    """What varies along an axis: the group's quantities, or the one it is named for."""
+    return given if isinstance(given, Mapping) else {name: given}
 
 
-def _kinds(where: str, given) -> np.ndarray:
-    """Classes of shapes, by their names."""
-    several = isinstance(given, Iterable) and not isinstance(given, str)
-    texts = list(given) if several else []
-    kinds = np.empty(len(texts), object)
-    for place, text in enumerate(texts):
-        if isinstance(text, type) and issubclass(text, AbstractShape):
-            kinds[place] = text
-        elif isinstance(text, str):
-            kinds[place] = type(part_named(SHAPE, text))
-        else:
-            texts = []
-            break
-    if not texts:
-        raise InputError(f"{where} must be a list of names of shapes, but is {given!r}")
-    return kinds
+def _place(axis: str, quantity: str) -> str:
+    """Name a quantity of an axis in messages."""
+    return f"axis {axis}" if axis == quantity else f"axis {axis}: {quantity}"
 
 
-def _read_one(name: str, given: ArrayLike, columns: Mapping[str, InputColumn]) -> _Axis:
-    if name == SHAPE:
-        kinds = _kinds(f"axis {name}", given)
-        return _Axis(name, {name: kinds}, None, len(kinds))
-    if name not in columns:
-        raise InputError(f"axis {name} is unknown; {why_unknown_axis(name, columns)}")
-    values = _numbers(name, columns[name], given)
-    return _Axis(name, {name: values}, None, len(values))
-
-
-def _read_group(
-    name: str, given: Mapping[str, ArrayLike], columns: Mapping[str, InputColumn]
+def _checked_axis(
+    name: str,
+    given: ArrayLike | Mapping[str, ArrayLike],
+    columns: Mapping[str, InputColumn],
 ) -> _Axis:
-    taken = {*columns, *OUTPUT_COLUMNS, OUTCOME_COLUMN, SHAPE}
-    if name in taken:
+    grouped = isinstance(given, Mapping)
+    if grouped and name in {*columns, *OUTPUT_COLUMNS, OUTCOME_COLUMN, SHAPE}:
         raise InputError(
             f"axis {name} varies several quantities together and needs a name of its "
             f"own, but {name} is a quantity"
         )
     labels, values = None, {}
-    for quantity, numbers in given.items():
-        if quantity == LABELS:
-            labels = _labels(name, numbers)
+    for quantity, entries in _quantities_of(name, given).items():
+        place = _place(name, quantity)
+        if quantity == LABELS and grouped:
+            labels = _labels(place, entries)
         elif quantity == SHAPE:
-            values[quantity] = _kinds(f"axis {name}: {quantity}", numbers)
-        elif quantity not in columns:
-            why = why_unknown_axis(quantity, columns, LABELS)
-            raise InputError(f"axis {name}: {quantity} is unknown; {why}")
+            values[quantity] = _kinds(place, entries)
+        elif quantity in columns:
+            values[quantity] = _numbers(place, columns[quantity], entries)
         else:
-            values[quantity] = _numbers(name, columns[quantity], numbers)
+            why = why_unknown_axis(quantity, columns, *[LABELS] * grouped)
+            raise InputError(f"{place} is unknown; {why}")
     if not values:
         raise InputError(f"axis {name} varies no quantity; give at least one")
     lengths = {quantity: len(numbers) for quantity, numbers in values.items()}
@@ -309,52 +271,73 @@ def _read_group(
 def why_unknown_axis(
     name: str, columns: Mapping[str, InputColumn], *others: str
 ) -> str:
-    """What may have been meant by a quantity that cannot vary."""
+    """Say what may have been meant by a quantity that cannot vary."""
     if name in SLOTS:
         return f"a sweep has one {name}, that of its base"
     return why_unknown(name, (*columns, SHAPE, *others))
 
 
-def _labels(axis: str, given) -> np.ndarray:
+def _entries(given) -> list:
+    """Return the entries of a list; none of what is no list."""
     several = isinstance(given, Iterable) and not isinstance(given, str)
-    texts = list(given) if several else []
+    return list(given) if several else []
+
+
+def _kinds(place: str, given) -> Any:
+    """Return an array of classes of shapes, given by their names or themselves."""
+    entries = _entries(given)
+    kinds = np.empty(len(entries), object)
+    for i, entry in enumerate(entries):
+        if isinstance(entry, str):
+            kinds[i] = shape_named(entry)
+        elif isinstance(entry, type) and issubclass(entry, AbstractShape):
+            kinds[i] = entry
+        else:
+            entries = []
+            break
+    if not entries:
+        raise InputError(f"{place} must be a list of names of shapes, but is {given!r}")
+    return kinds
+
+
+def _labels(place: str, given) -> np.ndarray:
+    texts = _entries(given)
     if not texts or not all(isinstance(text, str) for text in texts):
-        raise InputError(f"axis {axis}: {LABELS} must be texts, but is {given!r}")
+        raise InputError(f"{place} must be texts, but is {given!r}")
     return np.array(texts)
 
 
-def _numbers(axis: str, column: InputColumn, given: ArrayLike) -> np.ndarray:
-    """Values of a quantity, checked."""
-    quantity = column.name
-    where = f"axis {axis}" if axis == quantity else f"axis {axis}: {quantity}"
-    values = np.asarray(real_numbers(where, given), float)
+def _numbers(place: str, column: InputColumn, given: ArrayLike) -> np.ndarray:
+    """Return values of a quantity, checked, in the unit of its column."""
+    values = np.asarray(real_numbers(place, given), float)
     if values.ndim != 1 or values.size == 0:
         raise InputError(
-            f"{where} must be a list of at least one number, but has shape "
+            f"{place} must be a list of at least one number, but has shape "
             f"{values.shape}"
         )
     bad = ~column.is_allowed(values)
     if np.any(bad):
         value = values[bad][0]
         raise InputError(
-            f"{where} must be {column.requirement}, but holds {value:g}"
+            f"{place} must be {column.requirement}, but holds {value:g}"
             f"{column.hint(value, column.unit)}"
         )
     return values
 
 
 def spread(base: Scene, grid: list[_Axis], shape: tuple[int, ...]) -> Scene:
-    """The scenes of all points, one after another, the last axis fastest."""
+    """Return the scenes of all points, one after another, the last axis fastest."""
     along = {}
     for place, axis in enumerate(grid):
         lie = [-1 if i == place else 1 for i in range(len(grid))]
         for name, values in axis.values.items():
             along[name] = np.broadcast_to(values.reshape(lie), shape).ravel()
-    return scene_with(_of_shapes(base, along.pop(SHAPE, ())), along)
+    kinds = along.pop(SHAPE, None)
+    return scene_with(base if kinds is None else with_shapes(base, kinds), along)
 
 
 def coordinates_of(grid: list[_Axis], scene: Scene) -> dict:
-    """The quantities of the axes as coordinates of a dataset.
+    """Return the quantities of the axes as coordinates of a dataset.
 
     Args:
         scene: of all points.
@@ -364,8 +347,9 @@ def coordinates_of(grid: list[_Axis], scene: Scene) -> dict:
         if axis.labels is not None:
             coordinates[axis.name] = (axis.name, axis.labels)
         for name, values in axis.values.items():
-            if name == SHAPE:
-                coordinates[name] = shape_coordinate(axis.name, values)
-                continue
-            coordinates[name] = (axis.name, values, attributes_of(columns[name]))
+            coordinates[name] = (
+                shape_coordinate(axis.name, values)
+                if name == SHAPE
+                else (axis.name, values, attributes_of(columns[name]))
+            )
     return coordinates

@@ -1,14 +1,13 @@
-"""Soil parameters from measured impacts, with what the data do not determine."""
+"""Soil parameters from measured impacts, and which of them are identifiable."""
 
-from .candidates import Sigma
-from .examination import Examination, examine
-from .further_tests import suggest_tests
-from .one_call import Calibration, calibrate
-from .prediction import Prediction, predict
-from .run import run_study
-from .sampling import sample_posterior, to_inference_data
-from .study import StudyResult, VariantResult, fit_study
-from .study_file import Study, read_study
+from .api import Calibration, Prediction, calibrate, predict, run_study
+from .diagnostics.examination import Examination, examine
+from .diagnostics.further_tests import suggest_tests
+from .diagnostics.nuts import sample_posterior, to_inference_data
+from .diagnostics.results import StudyResult, VariantResult
+from .problem.candidates import Sigma
+from .problem.config import Study, read_study
+from .study import fit_study
 
 __all__ = [
     "Calibration",

@@ -1,4 +1,4 @@
-"""What a finished calibration says of the ground, read again from its numbers."""
+"""Fitted ground of a finished calibration, read from its fit.json."""
 
 import json
 import os
@@ -9,84 +9,86 @@ import numpy as np
 
 from ..accuracy import Accuracy
 from ..errors import InputError
-from ..formats.reading import read_text
+from ..io.files import read_text
 from ..parameters import Part
-from .draws import FEWEST
-from .laws import parts_of_entries
-from .nuisance import Prior
-from .proportional import PartOfSize
-from .study_file import Parameter, Variant
+from .diagnostics.importance_sampling import FEWEST
+from .problem.config import Parameter, Variant
+from .problem.laws import parts_of_entries
+from .problem.noise import ProportionalScatter
+from .problem.nuisance import Prior
 
 FILE = "fit.json"
 FILES = ("report.html", "report.md", "report.txt", FILE, "fitted.csv", "fit.png")
-"""That every calibration writes."""
+"""Files that every calibration writes."""
 
 
 class FittedVariant(NamedTuple):
-    """One variant, with draws of what the tests leave open."""
+    """Fit of one variant, with draws of its posterior."""
 
     variant: Variant
     unknowns: tuple[str, ...]
-    """Of the soil's parameters, then of the nuisances."""
+    """Names of the soil's parameters, then of the nuisance parameters."""
     best: np.ndarray
-    """The best fit, in the units of the columns, `(unknowns,)`."""
+    """Best fit in the units of the columns, shape (unknowns,)."""
     draws: np.ndarray
-    """`(draws, unknowns)`"""
+    """Draws in the units of the columns, shape (draws, unknowns)."""
     weights: np.ndarray
+    """Weights of the draws; their sum is 1."""
     undetermined: tuple[str, ...]
+    """Parameters that are not identifiable."""
     allowed: dict[str, tuple[float | None, float | None]]
-    """What the profile of each parameter leaves at 95 %; None for the bound."""
+    """95 % profile-likelihood interval of each parameter; None for a bound."""
     sigma: dict[str, float]
-    """Scatter of each target's measurements about the model; their median where it is
-    proportional."""
-    proportional: dict[str, PartOfSize]
-    """Of the targets whose scatter was estimated as a part of the value."""
+    """Standard deviation of each target's measurements about the model; the median
+    where it is proportional."""
+    proportional: dict[str, ProportionalScatter]
+    """Scatter of the targets where it was estimated as a fraction of the value."""
     estimated: dict[str, bool]
-    """Whether it comes from the scatter about the fit."""
+    """Whether the sigma of each target was estimated from the residuals."""
     inflation: float
-    """Of the sigmas' squares."""
+    """Factor on the squares of the given sigmas."""
     freedom: dict[str, float]
-    """Degrees of freedom that the fit left of each target."""
+    """Degrees of freedom of each target."""
     accuracy: Accuracy
-    """Of impacts, that the draws were found to need."""
+    """Accuracy of the impacts that the draws need."""
 
     @property
     def trusted(self) -> bool:
-        """Whether enough draws count."""
+        """Whether the effective sample size is large enough."""
         return bool(1.0 / np.sum(self.weights**2) >= FEWEST * len(self.weights))
 
 
 class FittedGround(NamedTuple):
-    """A calibration."""
+    """Fitted ground of a calibration, one for each variant."""
 
     title: str
     variants: tuple[FittedVariant, ...]
     parameters: tuple[Parameter, ...]
     soil: dict[str, float]
-    """Values that were held, in the units of the columns."""
+    """Values of fixed parameters in the units of their columns."""
     nuisances: dict[str, dict]
     targets: tuple[str, ...]
     accuracy: str
     seed: int
     ranges: dict[str, tuple[float, float]]
-    """Least and largest value of every column in the fitted tests."""
+    """Smallest and largest value of every column in the fitted tests."""
     results: dict[str, dict]
-    """Of each target how many were measured, their mean and standard deviation."""
+    """Number, mean and standard deviation of the measurements of each target."""
     versions: dict[str, str]
     parts: dict[str, Part]
-    """Laws, and the shape of blocks that do not say theirs, by what they are for."""
+    """Laws, and the shape of blocks that do not state theirs, by slot."""
     block: dict[str, float]
-    """Values of the block that the fitted tests had in common."""
+    """Values of the block that all fitted tests share."""
     shapes: tuple[str, ...] = ()
-    """Those that fitted blocks had, if it is known."""
+    """Shapes of the fitted blocks, if known."""
 
 
 DAMAGED = (LookupError, TypeError, AttributeError, ValueError, ArithmeticError)
-"""What reading a tree of another form leads to."""
+"""Exceptions of reading a tree of another form."""
 
 
 def read_fitted(path: Path) -> FittedGround:
-    """Read what `calibrate` wrote.
+    """Read the fit.json that `calibrate` wrote.
 
     Args:
         path: fit.json, or the directory that holds it.
@@ -119,7 +121,7 @@ def read_fitted(path: Path) -> FittedGround:
 
 
 def files_of_fit(path: Path) -> list[Path]:
-    """The files of a calibration, named as for `read_fitted`; not its pictures."""
+    """List the files of a calibration, given as for `read_fitted`, but its pictures."""
     directory = path if path.is_dir() else path.parent
     return [path, *(directory / name for name in FILES)]
 
@@ -127,11 +129,11 @@ def files_of_fit(path: Path) -> list[Path]:
 def fitted_of(
     tree: dict, parts: dict[str, Part], laws: list[dict[str, Part]]
 ) -> FittedGround:
-    """The same of the numbers themselves.
+    """Make the fitted ground from the numbers of fit.json.
 
     Args:
         parts: laws and shape of the study.
-        laws: of each variant, where they differ.
+        laws: laws of each variant, where they differ.
     """
     manifest = tree["manifest"]
     return FittedGround(
@@ -182,7 +184,7 @@ def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
         },
         sigma={name: one["sigma"] for name, one in entry["fit"].items()},
         proportional={
-            name: PartOfSize(one["part_of_size"], one["least_size"])
+            name: ProportionalScatter(one["part_of_size"], one["least_size"])
             for name, one in entry["fit"].items()
             if "part_of_size" in one
         },

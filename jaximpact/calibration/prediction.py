@@ -1,17 +1,15 @@
-r"""Tests that a fit has not seen, predicted with the fitted ground, and scored.
+r"""Prediction of tests that a fit has not seen, and its scores.
 
-A measurement of such a test is what the model gives for each of the fit's draws of the
-unknowns, and scatter about it: the fit's sigma, times the root of its inflation. Where
-sigmas were given to the fit, a sigma in the table of the new tests takes its place;
-where the scatter was estimated it is Student's, of the degrees of freedom left. Scatter
-that was estimated as a part of the value is that part of the draws' median.
+A measurement of such a test is the model's value for each draw of the unknowns, plus
+scatter: the sigma of the fit, times the root of its inflation. Where sigmas were given
+to the fit, a sigma in the table of the new tests replaces it; where the scatter was
+estimated it follows Student's distribution with the degrees of freedom left. Scatter
+estimated as a fraction of the value is that fraction of the draws' median.
 
-A nuisance of a group that the fit knows has the fit's values; that of another is drawn
-from its prior, once a group and draw.
+A nuisance parameter of a group that the fit knows has the fit's values; that of another
+group is sampled from its prior, once for each group and draw.
 """
 
-import os
-from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,94 +17,85 @@ import numpy as np
 
 from ..accuracy import PRESETS
 from ..errors import InputError
-from ..fields import expect
-from ..formats.scenes import SHAPE
 from ..identity import name_of
-from ..mechanics.outcomes import Outcome
-from ..precision import require_float64
-from . import prediction_text
-from .campaigns import Measurements, joined_tables
-from .candidates import Candidates
-from .engine import Engine
-from .fitted_ground import (
-    FittedGround,
-    FittedVariant,
-    files_of_fit,
-    fitted_of,
-    read_fitted,
-)
-from .given import table_given
-from .laws import scene_of
-from .least_squares import Progress
-from .losses import LOSSES
-from .nuisance import EACH_TEST, Nuisance, read_nuisances
-from .objective import Objective, engines_of, names_of
-from .one_call import Calibration
-from .predictive import CONFIDENCES, Predictive, predictive
-from .study_file import METHODS, Study
+from ..impact.termination import Outcome
+from ..progress import Progress
+from ..scene_quantities import SHAPE
+from .diagnostics.predictive import CONFIDENCES, Predictive, predictive
+from .estimation.starts import SILENT
+from .fitted_ground import FittedGround, FittedVariant
+from .problem.candidates import Candidates
+from .problem.config import METHODS, Study
+from .problem.dataset import Measurements
+from .problem.forward_model import Engine, engines_of
+from .problem.noise import LOSSES
+from .problem.nuisance import EACH_TEST, Nuisance, read_nuisances
+from .problem.objective import Objective, names_of
 
 BESIDE = 1e-6
-"""Part of a range, or of its larger end, by which a test may lie outside."""
+"""Fraction of a range, or of its larger end, by which a test may lie outside."""
 
 
 class Outside(NamedTuple):
-    """A column in which tests leave the range of those that were fitted."""
+    """Column in which tests leave the range of the fitted ones."""
 
     column: str
     low: float
     high: float
-    """The range of the fitted tests."""
+    """Range of the fitted tests [unit of the column]."""
     tests: np.ndarray
-    """Which leave it."""
+    """Indices of the tests that leave it."""
 
 
 class VariantPrediction(NamedTuple):
-    """Of one variant; arrays are `(tests, targets)`, NaN where there is nothing."""
+    """Predictions of one variant, shape (tests, targets); NaN where there is none."""
 
     fitted: FittedVariant
     outcomes: list[str]
-    """Of every test, at the best fit."""
+    """Outcome of every test at the best fit."""
     outcome_share: np.ndarray
-    """Weight of the draws that end like it, `(tests,)`."""
+    """Weight of the draws with that outcome, shape (tests,)."""
     best: np.ndarray
-    """What the model gives for the best fit."""
+    """Value of the model at the best fit."""
     model_low: np.ndarray
-    """To `model_high` 95 % of what it gives for the draws."""
+    """Lower end of the 95 % interval of the model's values; `model_high` the upper."""
     model_high: np.ndarray
     middle: np.ndarray
-    """Median of the measurement predicted."""
+    """Median of the predicted measurement."""
     low_50: np.ndarray
-    """To `high_50` half of such measurements, and to `high_95` 95 %."""
+    """Lower end of the 50 % interval of measurements; `high_50` the upper, and `low_95`
+    and `high_95` those of the 95 % interval."""
     high_50: np.ndarray
     low_95: np.ndarray
     high_95: np.ndarray
     sigma: np.ndarray
-    """Of the scatter; 0 where nobody stated it."""
+    """Standard deviation of the scatter; 0 where it is unknown."""
     missing_part: np.ndarray
     """Weight of the draws without a result."""
     crps: np.ndarray
-    """Of what was measured exactly (`predictive`)."""
+    """CRPS of exact measurements (`predictive`)."""
     mean_crps: np.ndarray
-    """The same of the plain forecast: mean and scatter of the fitted tests."""
+    """CRPS of the forecast by mean and scatter of the fitted tests."""
     limit_chance: np.ndarray
-    """Of a limit: the chance, as predicted, that it is kept."""
+    """Predicted probability that a limit is satisfied."""
 
 
-class Prediction(NamedTuple):
-    """Tests, and what each variant of a calibration predicts of them."""
+class PredictedTests(NamedTuple):
+    """Tests, and the predictions of each variant of a calibration."""
 
     ground: FittedGround
     tests: Measurements
     targets: tuple[str, ...]
-    """Those that were fitted, then what else was measured."""
+    """Fitted targets, then other measured results."""
     measured: np.ndarray
-    """`(tests, targets)`; NaN where nothing was measured."""
+    """Measurements, shape (tests, targets); NaN where there is none."""
     censored: np.ndarray
-    """1 where the true value is above, -1 where it is below, else 0."""
+    """1 where the true value is above, -1 where it is below, else 0; the same shape."""
     outside: list[Outside]
+    """Columns in which tests leave the range of the fitted ones."""
     variants: list[VariantPrediction]
     inputs: list[Path]
-    """Files that it was made from."""
+    """Files from which the predictions were made."""
 
     @property
     def new_shapes(self) -> list[str]:
@@ -114,63 +103,34 @@ class Prediction(NamedTuple):
         fitted = self.ground.shapes
         return sorted({*self.tests.shapes} - {*fitted}) if fitted else []
 
-    def __str__(self) -> str:
-        return prediction_text.as_text(self)
 
-    def write(self, path: str | os.PathLike) -> None:
-        """Write a table of all predictions, and scores and origin beside it.
-
-        Raises InputError for a path that would replace what they were made from.
-        """
-        prediction_text.write(self, Path(path))
-
-
-def predict(
-    result: Calibration | str | os.PathLike,
-    tests: str | os.PathLike | Mapping,
-    *,
-    progress: Progress | None = None,
-) -> Prediction:
-    """Predict tests with a fitted ground; score what was measured of them.
+def predict_tests(
+    ground: FittedGround,
+    measurements: Measurements,
+    inputs: list[Path],
+    progress: Progress,
+) -> PredictedTests:
+    """Predict tests with every variant of a fitted ground.
 
     Args:
-        result: of `calibrate`, or the fit.json or directory that it wrote.
-        tests: as for `calibrate`. Result columns are not needed; those that are there
-            are compared with the predictions, and empty cells and limits are as there.
-        progress: called with lines of text.
-
-    Where the fit did not determine a parameter its draws go as far as the fit's bounds,
-    and the intervals are as wide as that makes them.
-
-    Raises InputError, naming file, row and column, for what cannot be used;
-    RuntimeError if JAX is set to float32.
+        inputs: files from which the ground was read.
     """
-    require_float64()
-    expect("result", result, Calibration, str, os.PathLike)
-    if isinstance(result, Calibration):
-        ground, inputs = ground_of(result), result.result.study.inputs
-    else:
-        ground, inputs = read_fitted(Path(result)), files_of_fit(Path(result))
-    measurements = joined_tables((table_given(tests, scene_of(ground.parts)),))
     study = held_out_study(ground, measurements)
-    progress = progress or (lambda text: None)
     progress("compiling once")
-    engines = engines_of(study)
-    variants = []
-    for number, (fitted, engine) in enumerate(
-        zip(ground.variants, engines, strict=True), 1
-    ):
-        start = f"variant {number} of {len(ground.variants)}: "
-        variants.append(
-            predict_variant(
-                study,
-                ground,
-                fitted,
-                engine,
-                lambda text, start=start: progress(start + text),
-            )
+    count, engines = len(ground.variants), engines_of(study)
+    variants = [
+        predict_variant(
+            study,
+            ground,
+            fitted,
+            engine,
+            progress.within(f"variant {number} of {count}: "),
         )
-    return Prediction(
+        for number, (fitted, engine) in enumerate(
+            zip(ground.variants, engines, strict=True), 1
+        )
+    ]
+    return PredictedTests(
         ground=ground,
         tests=study.tests,
         targets=study.targets,
@@ -182,15 +142,8 @@ def predict(
     )
 
 
-def ground_of(found: Calibration) -> FittedGround:
-    """What a calibration found, as `read_fitted` gives it."""
-    study = found.result.study
-    laws = [variant.laws for variant in study.variants]
-    return fitted_of(found.as_json(), study.parts, laws)
-
-
 def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
-    """New tests as a study with the parameters of a fit. It is not fitted."""
+    """Make a study of new tests with the parameters of a fit; it is not fitted."""
     path = tests.files[0].path
     _check_laws(ground, tests, path)
     tests = tests.with_inputs(
@@ -251,7 +204,7 @@ def _check_laws(ground: FittedGround, tests: Measurements, path: Path) -> None:
 def _nuisances(
     ground: FittedGround, tests: Measurements, path: Path
 ) -> tuple[Nuisance, ...]:
-    """Those of the fit that the new tests leave open."""
+    """Select nuisance parameters of the fit that the new tests leave open."""
     entries = {}
     for name, entry in ground.nuisances.items():
         in_table = name in tests.inputs
@@ -261,7 +214,7 @@ def _nuisances(
                 file=path,
             )
         if in_table and not entry["added"]:
-            continue  # nobody had measured it then; here it is known
+            continue  # unknown in the fitted tests, known here
         entries[name] = {key: entry[key] for key in entry if key != "added"}
     of_first = tests.with_laws(ground.variants[0].variant.laws)
     return read_nuisances(path, {"nuisance": entries}, of_first, ground.soil)
@@ -270,16 +223,16 @@ def _nuisances(
 def unknowns(
     study: Study, fitted: FittedVariant, seed: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The unknowns of the new tests, in the units of the columns.
+    """Sample the unknowns of the new tests, in the units of the columns.
 
     Returns:
-        Best values `(unknowns,)`, where a group is new the prior's mean, draws
-        `(draws, unknowns)` and their weights.
+        Best values (unknowns,), the prior's mean for a new group, draws (draws,
+        unknowns) and their weights.
     """
     random = np.random.default_rng(seed)
     soil, of_fit, weights = len(study.parameters), fitted.draws, fitted.weights
     if study.nuisances:
-        # A draw that carries much weight would carry one value of a new group.
+        # Resampled: a draw of much weight would have one value of a new group.
         count = len(weights)
         middles = (np.arange(count) + 0.5) / count
         of_fit = of_fit[np.searchsorted(np.cumsum(weights), middles)]
@@ -288,7 +241,7 @@ def unknowns(
     labels = names_of(study)[soil:]
     stated = study.tests.files[0].labels
     for nuisance in study.nuisances:
-        # A file's name stands in for a campaign's: no sign that it is the same.
+        # A file name in place of a campaign does not show that it is the same.
         named = nuisance.by != EACH_TEST and nuisance.by in stated
         for place in range(len(nuisance.groups)):
             label = labels.pop(0)
@@ -309,8 +262,9 @@ def predict_variant(
     ground: FittedGround,
     fitted: FittedVariant,
     engine: Engine,
-    progress: Progress = lambda text: None,
+    progress: Progress = SILENT,
 ) -> VariantPrediction:
+    """Predict the tests of a study with one variant of a fitted ground."""
     objective = Objective(study, fitted.variant, engine, PRESETS[ground.accuracy])
     best, draws, weights = unknowns(study, fitted, ground.seed)
     at_best = objective.values(_coordinates(objective, best[None]))
@@ -334,7 +288,7 @@ def predict_variant(
 
 
 def _coordinates(objective: Objective, parameters: np.ndarray) -> np.ndarray:
-    """x of unknowns in the units of the columns."""
+    """Convert unknowns in the units of the columns to x."""
     bounds = objective.bounds
     return bounds.coordinate(np.clip(parameters, bounds.lower, bounds.upper))
 
@@ -342,12 +296,12 @@ def _coordinates(objective: Objective, parameters: np.ndarray) -> np.ndarray:
 def scatter(
     study: Study, fitted: FittedVariant, predicted: np.ndarray, weights: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Sigma of a measurement about the model `(tests, targets)`, 0 where nobody stated
-    it, and the degrees of freedom from which it was estimated `(targets,)`.
+    """Compute sigma of a measurement about the model (tests, targets), 0 where unknown,
+    and the degrees of freedom from which it was estimated (targets,).
 
     Args:
-        predicted: by the draws, `(draws, tests, targets)`.
-        weights: of the draws.
+        predicted: predictions of the draws, shape (draws, tests, targets).
+        weights: weights of the draws.
     """
     sigma = np.zeros(study.measured.shape)
     freedom = np.full(len(study.targets), np.inf)
@@ -369,7 +323,7 @@ def scatter(
 
 
 def _medians(predicted: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Of what the draws give for each test, `(tests,)`; 0 where no draw gives any."""
+    """Compute the median of the draws for each test, shape (tests,); 0 without any."""
     found = [predictive(values, weights, 0.0) for values in predicted.T]
     return np.array([0.0 if one is None else one.quantile(0.5) for one in found])
 
@@ -377,7 +331,7 @@ def _medians(predicted: np.ndarray, weights: np.ndarray) -> np.ndarray:
 def _of_cells(
     study, ground, weights, predicted, sigma, freedom, progress: Progress
 ) -> dict:
-    """Quantiles and scores of every test and target."""
+    """Compute quantiles and scores of every test and target."""
     shape = study.measured.shape
     names = ("model_low", "model_high", "middle", "low_50", "high_50", "low_95")
     names += ("high_95", "crps", "mean_crps", "limit_chance")
@@ -392,6 +346,7 @@ def _of_cells(
         if model is None:
             continue
         of_one = predictive(values, weights, sigma[cell], freedom[cell[1]])
+        assert of_one is not None  # the model has a value
         found["model_low"][cell] = model.quantile(tails[1])
         found["model_high"][cell] = model.quantile(1.0 - tails[1])
         found["middle"][cell] = of_one.quantile(0.5)
@@ -412,8 +367,8 @@ def _of_cells(
 
 
 def plain_forecast(results: dict | None) -> Predictive | None:
-    """What is expected of a target without a model: as in the fitted tests, Student's
-    distribution about their mean. None of fewer than two."""
+    """Forecast a target without a model: Student's distribution about the mean of the
+    fitted tests. None of fewer than two."""
     if results is None or results["count"] < 2:
         return None
     count = results["count"]
@@ -423,7 +378,7 @@ def plain_forecast(results: dict | None) -> Predictive | None:
 
 
 def _outside(ground: FittedGround, tests: Measurements) -> list[Outside]:
-    """Columns in which tests leave the range of the fitted ones."""
+    """Find the columns in which tests leave the range of the fitted ones."""
     fitted = {parameter.name for parameter in ground.parameters}
     columns = tests.columns(ground.soil)
     found = []
@@ -436,3 +391,84 @@ def _outside(ground: FittedGround, tests: Measurements) -> list[Outside]:
         if np.any(beyond):
             found.append(Outside(name, low, high, np.flatnonzero(beyond)))
     return found
+
+
+class Scores(NamedTuple):
+    """Scores of the predictions of one target; None where undefined."""
+
+    count: int
+    """Number of exact measurements with a prediction."""
+    unpredicted: int
+    """Number of measurements and limits without one."""
+    rms: float | None
+    """Root mean square of predicted median less measured [unit of the target]."""
+    bias: float | None
+    """Mean of that difference."""
+    inside_50: int
+    """Number of measurements within their 50 % intervals."""
+    inside_95: int
+    """Number of measurements within their 95 % intervals."""
+    crps: float | None
+    """Mean CRPS [unit of the target]; see `predictive`."""
+    mean_rms: float | None
+    """Root mean square error of the mean of the fitted tests as forecast."""
+    mean_crps: float | None
+    """Mean CRPS of that forecast."""
+    skill: float | None
+    """Skill score 1 - crps / mean_crps: 1 is perfect, below 0 worse than that mean."""
+    limits: int
+    """Number of limits with a prediction."""
+    limits_expected: float
+    """Expected number of satisfied limits, as a sum of probabilities."""
+
+
+def score(prediction: PredictedTests, variant: VariantPrediction) -> dict[str, Scores]:
+    """Score every target of which anything was measured."""
+    found = {}
+    for place, name in enumerate(prediction.targets):
+        known = np.isfinite(prediction.measured[:, place])
+        if np.any(known):
+            found[name] = _score(prediction, variant, name, place, known)
+    return found
+
+
+def _score(prediction, variant, name: str, place: int, known) -> Scores:
+    limit = known & (prediction.censored[:, place] != 0)
+    there = np.isfinite(variant.middle[:, place])
+    exact = known & ~limit & there
+    measured = prediction.measured[exact, place]
+    apart = variant.middle[exact, place] - measured
+    inside = [
+        (measured >= getattr(variant, f"low_{percent}")[exact, place])
+        & (measured <= getattr(variant, f"high_{percent}")[exact, place])
+        for percent in (50, 95)
+    ]
+    results = prediction.ground.results.get(name, {"count": 0})
+    crps, mean_crps = (
+        _mean(part[exact, place]) for part in (variant.crps, variant.mean_crps)
+    )
+    mean_rms = _rms(results["mean"] - measured) if results["count"] else None
+    return Scores(
+        count=int(np.sum(exact)),
+        unpredicted=int(np.sum(known & ~there)),
+        rms=_rms(apart),
+        bias=_mean(apart),
+        inside_50=int(np.sum(inside[0])),
+        inside_95=int(np.sum(inside[1])),
+        crps=crps,
+        mean_rms=mean_rms,
+        mean_crps=mean_crps,
+        skill=1.0 - crps / mean_crps if crps is not None and mean_crps else None,
+        limits=int(np.sum(limit & there)),
+        limits_expected=float(np.sum(variant.limit_chance[limit & there, place])),
+    )
+
+
+def _mean(values) -> float | None:
+    return (
+        float(np.mean(values)) if len(values) and np.all(np.isfinite(values)) else None
+    )
+
+
+def _rms(values) -> float | None:
+    return float(np.sqrt(np.mean(values**2))) if len(values) else None

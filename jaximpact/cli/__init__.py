@@ -1,39 +1,30 @@
 """The command `jaximpact`.
 
-One module a command; each has `add_parser(commands)`, which names its function `run`.
-What needs JAX is imported by `run`.
+A module adds its commands by `add_parser(commands)`. JAX takes a second to load:
+whatever needs it is imported by the function that runs the command.
 """
 
 import argparse
+import contextlib
+import io
 import os
 import sys
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 
-from ..errors import IncompleteError, InputError
-from ..formats.provenance import version_of
-from . import (
-    batch,
-    benchmark,
-    calibrate,
-    figures,
-    predict,
-    runout,
-    sensitivity,
-    simulate,
-    sweep,
-    tabulate,
-    validate,
-)
+from .._versions import version_of
+from ..errors import IncompleteError, InputError, UnusualValueWarning
+from . import batch, calibrate, paper, runout, sensitivity, simulate, sweep, tabulate
 from .progress import forget, say
-from .streams import prepare_streams, stdout_problem, warnings_in_one_line
 
+COMMANDS = (simulate, batch, sweep, runout, tabulate, sensitivity, calibrate, paper)
 USER_ERROR = 2
 SYSTEM_ERROR = 1
 INTERRUPTED = 130
 BROKEN_PIPE = 141
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
     """Reports a wrong argument like any other wrong input: in one line."""
 
     def format_help(self) -> str:
@@ -52,7 +43,10 @@ class _Parser(argparse.ArgumentParser):
         (file or sys.stderr).write(message)
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(
+    argv: Sequence[str] | None = None,
+    make_parser: Callable[[], argparse.ArgumentParser] | None = None,
+) -> int:
     """Run a command and return its exit code.
 
     0: done. 1: the system refused, for example a full disk, or something could not be
@@ -60,10 +54,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     went wrong is one line on stderr. Sets JAX to float64, and to keep compiled programs
     in the package's cache if `JAX_COMPILATION_CACHE_DIR` does not say where.
     """
-    prepare_streams()
+    _prepare_streams()
     try:
-        with warnings_in_one_line():
-            _run(argv)
+        with _warnings_in_one_line():
+            _run(argv, make_parser or _parser)
     except InputError as error:
         return _report(f"error: {error}", USER_ERROR)
     except KeyboardInterrupt as error:
@@ -73,17 +67,25 @@ def main(argv: Sequence[str] | None = None) -> int:
         forget(sys.stdout)
         return BROKEN_PIPE
     except (OSError, IncompleteError) as error:
-        return _report(f"error: {stdout_problem() or error}", SYSTEM_ERROR)
+        return _report(f"error: {_stdout_problem() or error}", SYSTEM_ERROR)
     except MemoryError as error:
         return _report(f"error: out of memory: {error}", SYSTEM_ERROR)
     return 0
 
 
-def _run(argv: Sequence[str] | None) -> None:
+def _run(
+    argv: Sequence[str] | None, make_parser: Callable[[], argparse.ArgumentParser]
+) -> None:
+    words = sys.argv[1:] if argv is None else argv
+    if make_parser is _parser and list(words[:1]) == ["benchmark"]:
+        raise InputError(
+            "benchmark is no longer a command of jaximpact; in a checkout of the "
+            "repository run python -m benchmarks"
+        )
     if any("\0" in text for text in argv or ()):
         raise InputError("an argument holds a null character, which no name may hold")
     try:
-        arguments = _parser().parse_args(argv)
+        arguments = make_parser().parse_args(argv)
     except SystemExit:  # --help and --version are done
         sys.stdout.flush()
         raise
@@ -94,7 +96,7 @@ def _run(argv: Sequence[str] | None) -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = Parser(
         prog="jaximpact",
         description="Impacts of rock blocks on deformable ground.",
         allow_abbrev=False,
@@ -103,20 +105,8 @@ def _parser() -> argparse.ArgumentParser:
         "--version", action="version", version=f"%(prog)s {version_of('jaximpact')}"
     )
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (
-        simulate,
-        batch,
-        sweep,
-        runout,
-        tabulate,
-        figures,
-        sensitivity,
-        calibrate,
-        predict,
-        validate,
-        benchmark,
-    ):
-        command.add_parser(commands)
+    for module in COMMANDS:
+        module.add_parser(commands)
     return parser
 
 
@@ -124,7 +114,7 @@ def _set_up_jax() -> None:
     try:
         import jax
 
-        from ..engines.kept_programs import keep_programs
+        from ..backend.xla_compilation import keep_programs
     except ValueError as error:  # of a setting in the environment
         raise InputError(f"JAX cannot be set up: {error}") from None
 
@@ -152,3 +142,54 @@ def _check_platforms(jax) -> None:
 def _report(message: str, code: int) -> int:
     say(message)
     return code
+
+
+def _prepare_streams() -> None:
+    """Make the standard streams such that any text can be written to them.
+
+    A character that the encoding lacks is replaced. Writing to a closed stdout fails as
+    on a full disk, and to a closed stderr is lost. Descriptors 0 to 2 are taken, so
+    that no file of ours gets one that other code writes to.
+    """
+    for descriptor in range(3):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            # The lowest free descriptor is this one.
+            os.open(os.devnull, os.O_RDWR if descriptor == 2 else os.O_RDONLY)
+    if sys.stdout is None:
+        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    if sys.stderr is None:
+        sys.stderr = open(2, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    for stream, errors in ((sys.stdout, "replace"), (sys.stderr, "backslashreplace")):
+        # Streams that stand in for them, as in tests, take every character.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors=errors)
+
+
+def _stdout_problem() -> str | None:
+    """Why stdout cannot be written to; then what it holds is let go of. None if it
+    can."""
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        forget(sys.stdout)
+        return f"stdout cannot be written: {error.strerror}"
+    return None
+
+
+@contextlib.contextmanager
+def _warnings_in_one_line():
+    """Warnings are a line on stderr each, of unusual values one for each quantity."""
+    told = set()
+
+    def show(message, category, filename, lineno, file=None, line=None):
+        quantity = getattr(message, "quantity", None)
+        if issubclass(category, UnusualValueWarning) and quantity in told:
+            return
+        told.add(quantity)
+        say(f"warning: {message}")
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show
+        yield

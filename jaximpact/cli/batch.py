@@ -5,10 +5,10 @@ import math
 from pathlib import Path
 
 from ..accuracy import DEFAULT_ACCURACY
-from ..formats.outputs import journal_path, manifest_path, output_files
 from ..interruption import resumable
+from ..io.output_files import journal_path, manifest_path, output_files
 from . import options
-from .progress import Progress, say
+from .progress import ProgressLines, say
 
 DESCRIPTION = """\
 Compute every impact of a CSV of scenes and append the results to its rows.
@@ -39,13 +39,13 @@ def _columns() -> str:
 
 def add_parser(commands) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "batch",
+        run,
         help="many impacts from a CSV",
         description=DESCRIPTION,
         epilog=_columns,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
     )
     parser.add_argument(
         "scenes", type=Path, metavar="scenes.csv", help="table of scenes, one a row"
@@ -80,7 +80,6 @@ def add_parser(commands) -> None:
         action="store_true",
         help="print seconds of compilation and of running, and impacts per second",
     )
-    parser.set_defaults(run=run)
 
 
 def _tolerance(text: str) -> float:
@@ -94,7 +93,9 @@ def _tolerance(text: str) -> float:
 def run(arguments: argparse.Namespace) -> None:
     """Compute the table."""
     from .. import batch
-    from ..formats import results, scene_file, tables
+    from ..io import result_table as results
+    from ..io import scene_file
+    from ..io import scene_table as tables
 
     scenes, base, out = arguments.scenes, arguments.base, arguments.out
     timing = {}
@@ -111,8 +112,8 @@ def run(arguments: argparse.Namespace) -> None:
             base, of_file = scene_file.read_scene(base)
             accuracy = accuracy or of_file
         table = tables.read_table(scenes, base=base)
-        with Progress("impacts") as progress:
-            progress(0, len(table.rows))
+        with ProgressLines() as progress:
+            progress("impacts", 0, len(table.rows))
             result = batch.simulate_batch(
                 table.scene(),
                 accuracy=accuracy or DEFAULT_ACCURACY,
@@ -121,7 +122,9 @@ def run(arguments: argparse.Namespace) -> None:
                 progress=progress,
                 timing=timing,
             )
-        results.write_results(out, table, result)
+        results.write_results(
+            out, table, result, result.accuracy, result.model_tolerance
+        )
     if arguments.timing:
         rate = timing["impacts"] / timing["run_s"]
         say(

@@ -1,18 +1,19 @@
-"""`jaximpact calibrate`: soil parameters from measured impacts."""
+"""`jaximpact calibrate` and `jaximpact predict`: soil parameters from measured impacts,
+and predictions with them."""
 
 import argparse
-import sys
+import contextlib
 import time
 from pathlib import Path
 
-from ..errors import shown
 from ..interruption import resumable
+from ..io.output_files import manifest_path, output_files
 from . import options
-from .progress import say, write
+from .progress import ProgressLines, say
 
 DESCRIPTION = """\
-Fit soil parameters to a table of measured impacts, and say what the data do not
-determine.
+Fit soil parameters to a table of measured impacts, and say which of them are not
+identifiable from these data.
 
 What to fit is a table of tests (CSV), or a study that names one. Of a table alone c_v,
 gamma_v and k_E are fitted to all the results that it holds. A study is a TOML file:
@@ -61,18 +62,32 @@ Written to DIR: report.html, one page with all that was found, and the same as r
 with pictures in report/; report.txt (also printed), fit.json with a manifest,
 fitted.csv and fit.png. Finished fits are kept in DIR/unfinished until then: after
 Ctrl-C the same command goes on there."""
-SAY_EVERY = 5.0
-"""Seconds between lines of progress where stderr is not a terminal."""
+PREDICT = """\
+Predict tests with the ground that `jaximpact calibrate` fitted, and score what was
+measured of them.
+
+Printed, for each variant of the fit: rms and bias of every target, how many
+measurements lie in their intervals of 50 and 95 %, the mean continuous ranked
+probability score (CRPS), and the same for the mean of the fitted tests as a plain
+forecast; which tests lie outside the range of the fitted ones; what was not
+identifiable; and, of up to 30 tests, each prediction. Intervals hold what the fit
+leaves open and the scatter of a measurement as the fit states it.
+
+The ground has the laws of the fit, and blocks its shape where the tests do not say
+theirs; a law that was edited since is refused.
+
+Tests need no result columns; those that are there may have empty cells, limits like
+>0.3 or <0.1, and `sigma_` columns, as for `jaximpact calibrate`."""
 
 
 def add_parser(commands) -> None:
-    """Add the command to the command line."""
-    parser = commands.add_parser(
+    """Add both commands to the command line."""
+    parser = options.add_command(
+        commands,
         "calibrate",
+        run,
         help="fit soil parameters to measured impacts",
         description=DESCRIPTION,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
     )
     parser.add_argument(
         "study",
@@ -88,15 +103,37 @@ def add_parser(commands) -> None:
         help="sample the posterior too, by NUTS, some minutes for each variant, and "
         "write posterior.nc for ArviZ; needs pip install 'jaximpact[bayes]'",
     )
-    parser.set_defaults(run=run)
+
+    parser = options.add_command(
+        commands,
+        "predict",
+        run_predict,
+        help="predict further tests with fitted soil parameters, and score them",
+        description=PREDICT,
+    )
+    parser.add_argument(
+        "result",
+        type=Path,
+        metavar="RESULT",
+        help="the directory that `jaximpact calibrate` wrote, or its fit.json",
+    )
+    parser.add_argument(
+        "tests", type=Path, metavar="tests.csv", help="the tests to predict"
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="predictions.csv",
+        help="table of all predictions, with scores and origin beside it in "
+        "predictions.csv.manifest.json",
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Fit."""
-    from ..calibration.report import as_text
-    from ..calibration.reservations import of_all
-    from ..calibration.run import UNFINISHED, fit_and_examine
-    from ..calibration.study_file import read_study
+    from ..calibration.api import UNFINISHED, fit_and_examine
+    from ..calibration.problem.config import read_study
+    from ..calibration.report.files import as_text
 
     kept = arguments.out / UNFINISHED
 
@@ -106,41 +143,34 @@ def run(arguments: argparse.Namespace) -> None:
         return "no fit was finished; the same command starts anew"
 
     begin = time.monotonic()
-    with resumable(prospect), Lines() as progress:
+    with resumable(prospect), ProgressLines() as progress:
         result, examined = fit_and_examine(
             read_study(arguments.study),
             arguments.out,
             posterior=arguments.posterior,
             progress=progress,
         )
-    print(as_text(result, of_all(result, examined)), end="")
+    print(as_text(result, examined), end="")
     seconds = time.monotonic() - begin
     say(f"{result.seconds:.0f} s for the fits, {seconds:.0f} s in all")
     say(f"the report is {arguments.out / 'report.html'}")
 
 
-class Lines:
-    """Lines of progress on stderr: on a terminal each in place of the last, else one
-    every few seconds. To be used in a `with`, which ends the line that is open."""
+def run_predict(arguments: argparse.Namespace) -> None:
+    """Predict."""
+    from ..calibration.api import predict
+    from ..calibration.fitted_ground import files_of_fit
 
-    def __init__(self):
-        self.stream = sys.stderr
-        self.overwrites = self.stream.isatty()
-        self.length = 0
-        self.last = -SAY_EVERY
-
-    def __enter__(self) -> "Lines":
-        return self
-
-    def __exit__(self, *exception) -> None:
-        if self.length:
-            write(self.stream, "\n")
-
-    def __call__(self, text: str) -> None:
-        text, now = shown(text), time.monotonic()
-        if self.overwrites:
-            write(self.stream, "\r" + text.ljust(self.length))
-            self.length = len(text)
-        elif now - self.last >= SAY_EVERY:
-            write(self.stream, f"{text}\n")
-            self.last = now
+    out, files = arguments.out, contextlib.nullcontext()
+    if out is not None:
+        files = output_files(
+            {"--out": out},
+            inputs=[arguments.tests, *files_of_fit(arguments.result)],
+            beside={manifest_path(out): manifest_path(out)},
+        )
+    with files:
+        with ProgressLines() as progress:
+            found = predict(arguments.result, arguments.tests, progress=progress)
+        if out is not None:
+            found.write(out)
+    print(found, end="")

@@ -1,15 +1,37 @@
 """Options and help that several commands share."""
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..accuracy import PRESETS
-from ..formats.align import align
-from ..formats.directory import LIST
+from ..io.output_files import LIST
 
 if TYPE_CHECKING:
-    from ..formats.columns import InputColumn
+    from ..quantities import InputColumn
+
+
+def add_command(
+    commands, name: str, run: Callable[[argparse.Namespace], None], **texts
+) -> argparse.ArgumentParser:
+    """Add a command to the command line.
+
+    Args:
+        commands: the subparsers of the command line.
+        name: what users type.
+        run: called with the arguments.
+        texts: `help` in one line, `description`, and `epilog` if there is one; a text
+            that is read off the laws is a function, since these load JAX.
+    """
+    parser = commands.add_parser(
+        name,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+        **texts,
+    )
+    parser.set_defaults(run=run)
+    return parser
 
 
 def add_accuracy(parser: argparse.ArgumentParser, *, otherwise: str) -> None:
@@ -40,14 +62,10 @@ def add_directory(
 
 
 def input_help(title: str) -> str:
-    """The quantities of a scene: name, unit, default, range and meaning; laws and
-    shapes by name, and the quantities that only these have."""
-    from ..formats.columns import (
-        INPUT_COLUMNS,
-        SLOTS,
-        columns_of_class,
-        shipped_parts,
-    )
+    """List the quantities of a scene with unit, default, range and meaning, the laws
+    and shapes by name, and the quantities that only these have."""
+    from ..io.display import align
+    from ..quantities import INPUT_COLUMNS, SLOTS, columns_of_class, shipped_parts
 
     rows = [("name", "unit", "default", "range", "meaning")]
     rows += [_row(column) for column in INPUT_COLUMNS.values()]
@@ -84,15 +102,16 @@ def _row(column: "InputColumn") -> tuple[str, ...]:
 
 
 def label_help() -> str:
-    """The columns of free text."""
-    from ..formats.columns import LABEL_COLUMNS
+    """List the columns of free text."""
+    from ..quantities import LABEL_COLUMNS
 
     return f"Columns of free text, carried along unchanged: {', '.join(LABEL_COLUMNS)}."
 
 
 def result_help() -> str:
-    """The results: name, unit and meaning."""
-    from ..formats.columns import OUTCOME_COLUMN, OUTCOME_MEANING, RESULT_COLUMNS
+    """List the results with unit and meaning."""
+    from ..io.display import align
+    from ..quantities import OUTCOME_COLUMN, OUTCOME_MEANING, RESULT_COLUMNS
 
     rows = [("name", "unit", "meaning")]
     rows += [(c.name, c.unit, c.meaning) for c in RESULT_COLUMNS.values()]

@@ -1,18 +1,22 @@
-"""Progress of long work, on stderr."""
+"""Lines on stderr: messages, and the progress of long work."""
 
 import contextlib
 import os
 import sys
+import time
 from typing import TextIO
 
 from ..errors import shown
+from ..progress import Progress, in_words
 
 PARTS = 10
-"""Lines of progress in all where stderr is not a terminal."""
+"""Lines of progress of counted work in all, where stderr is not a terminal."""
+SAY_EVERY = 5.0
+"""Seconds between lines of progress of uncounted work, where stderr is not one."""
 
 
 def say(text: str) -> None:
-    """A line on stderr that tells whose it is."""
+    """Write a message on stderr, with the name of the command before it."""
     write(sys.stderr, f"jaximpact: {shown(text)}\n")
 
 
@@ -31,31 +35,45 @@ def forget(stream: TextIO) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
-class Progress:
-    """Says how far the work is: `progress(done, total)`.
+class ProgressLines(Progress):
+    """Progress as lines on stderr, to be used in a `with`.
 
-    On a terminal one line that overwrites itself; else a line every tenth. To be used
-    in a `with`, which ends the line that is open.
+    On a terminal each line overwrites the last one, and the end of the `with` ends the
+    line. Elsewhere counted work has a line every tenth, and other work one every few
+    seconds.
     """
 
-    def __init__(self, unit: str):
-        self.unit = unit
-        self.stream = sys.stderr
-        self.overwrites = self.stream.isatty()
-        self.part = -1
+    def __init__(self):
+        self._stream = sys.stderr
+        self._overwrites = self._stream.isatty()
+        self._length = 0
+        self._last_part: tuple[str, int] | None = None
+        self._last_time = -SAY_EVERY
 
-    def __enter__(self) -> "Progress":
+    def __enter__(self) -> "ProgressLines":
         return self
 
     def __exit__(self, *exception) -> None:
-        if self.overwrites and self.part >= 0:
-            write(self.stream, "\n")
+        if self._length:
+            write(self._stream, "\n")
 
-    def __call__(self, done: int, total: int) -> None:
-        part = PARTS * done // total
-        if not self.overwrites and part == self.part:
-            return
-        self.part = part
-        percent = 100 * done // total
-        text = f"{done} of {total} {self.unit} ({percent} %)"
-        write(self.stream, f"\r{text}" if self.overwrites else f"{text}\n")
+    def __call__(self, what, done=None, total=None):
+        text = shown(in_words(what, done, total))
+        if done is not None and total is not None:
+            text += f" ({100 * done // total} %)"
+        if self._overwrites:
+            write(self._stream, "\r" + text.ljust(self._length))
+            self._length = len(text)
+        elif self._is_due(what, done, total):
+            write(self._stream, f"{text}\n")
+
+    def _is_due(self, what, done, total) -> bool:
+        """Tell whether the line is written where lines cannot overwrite each other."""
+        if total is not None:
+            before, self._last_part = self._last_part, (what, PARTS * done // total)
+            return self._last_part != before
+        now = time.monotonic()
+        due = now - self._last_time >= SAY_EVERY
+        if due:
+            self._last_time = now
+        return due

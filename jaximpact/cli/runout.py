@@ -1,15 +1,16 @@
-"""`jaximpact runout`: many blocks down a slope."""
+"""`jaximpact runout`: slope run-out of many blocks."""
 
 import argparse
 import textwrap
+from functools import partial
 from pathlib import Path
 
 from ..interruption import resumable
 from . import options
-from .progress import Progress, say
+from .progress import ProgressLines, say
 
 STUDY = """\
-Let many blocks down a slope, and say where they stop and what passes.
+Release many blocks on a slope, and report where they stop and what passes.
 
 The study is a TOML file. Lengths in m, angles in degrees; x to the right, y up.
 
@@ -32,7 +33,7 @@ The study is a TOML file. Lengths in m, angles in degrees; x to the right, y up.
 
     [release]
     x_m = 2
-    clearance_m = 1                # how far it could be let down; or y_m, its centre
+    clearance_m = 1                # vertical gap below the block; or y_m, its centre
     speed_mps = 20                 # with direction_deg; or v_x_mps and v_y_mps
     direction_deg = { from = 0, to = 20 }
     angular_velocity_degps = [0, 2500, 5000]
@@ -44,30 +45,30 @@ The study is a TOML file. Lengths in m, angles in degrees; x to the right, y up.
 
 A quantity of ground, block or release is a number; { mean, sd }, a normal distribution,
 cut off at least and most if they are given; { from, to }, a uniform one; or a list. It
-is drawn once for each block, and so is the ground: a block finds one c_v wherever it
-goes, or one on each segment that has its own. Lists make every combination, those of
+is sampled once per block, and so is the ground: a block finds one c_v wherever it goes,
+or one on each segment that has its own. Lists make every combination, those of
 the ground slowest, the last one fastest, and over again until there are enough blocks.
-What [ground] does not say has its default below; rolling_friction_angle_deg is 20,
+What [ground] does not give has its default below; rolling_friction_angle_deg is 20,
 an assumption, and roughness_deg 0.
 [ground] may name laws of the soil, flow = "my_laws.py:MyFlow", and [block] a shape;
 their parameters are then quantities like the others. All segments have the same laws.
 [ground] may name a calibration, from = "out/wyllie", the directory that `jaximpact
 calibrate` wrote, with variant = "..." where the study has several. Each block then gets
-parameters of its own as the tests leave them, with their correlations, and what the fit
-held. A parameter that the tests do not determine must be said beside it; one that is
-said is held there, and the others are drawn as they are given its value.
-With a roughness each impact meets the ground at an angle of its own, drawn from a
+parameters of its own, sampled from the posterior with their correlations, and what the
+fit held. A parameter that is not identifiable from the tests must be given beside it; a
+parameter that is given is held there, and the others are sampled conditional on it.
+With a roughness each impact meets the ground at an angle of its own, sampled from a
 normal distribution about the segment's, cut off at 3 standard deviations; angles at
-which the block would not strike are drawn again. No contact gains energy by it. Touches
-too slow to be an impact, rolling and sliding see the segment as it is.
+which the block would not strike are sampled again. No contact gains energy by it.
+Touches too slow to be an impact, rolling and sliding see the segment as it is.
 direction_deg goes from the horizontal upwards; orientation_deg from the vertical,
 clockwise, to the major axis; clockwise is positive for angular_velocity_degps.
 
 Further keys, before all tables:
   title          free text
   count          blocks (default: 1000, or the combinations if nothing is random)
-  seed           of the draws (default: 0); block i gets the same numbers whatever the
-                 count, and whatever else is drawn
+  seed           of the random numbers (default: 0); block i gets the same ones whatever
+                 the count, and whatever else is random
   accuracy       of the full model, as --accuracy
   bins           of x, for the envelopes (default: 50)
   time_limit_s, event_limit
@@ -87,7 +88,7 @@ command goes on from there."""
 def _description() -> str:
     """The study's keys, the laws of contacts that there are, and what is written."""
     from ..finding import shipped
-    from ..formats.columns import own_columns
+    from ..quantities import own_columns
     from ..rebound import AbstractRebound
 
     laws = []
@@ -95,11 +96,11 @@ def _description() -> str:
         names = ", ".join(column.name for column in own_columns(kind))
         laws.append(f"{kind.words} ({names})" if names else kind.words)
     in_words = textwrap.fill(
-        "Laws of contacts: full model; table (files, of `jaximpact tabulate`, one for "
+        "Contact laws: full model; table (files, of `jaximpact tabulate`, one for "
         f"each pair of block and ground); {'; '.join(laws)}; and one of your own, "
         'law = "my_rebound.py:MyLaw", with its parameters as keys. '
         "Several [[contacts]], each with a name if their laws do not tell them apart, "
-        "are compared: the same blocks go down by each law.",
+        "are compared: the same blocks are released for each law.",
         88,
         break_on_hyphens=False,
     )
@@ -108,37 +109,38 @@ def _description() -> str:
 
 def add_parser(commands) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "runout",
-        help="many blocks down a slope",
+        run,
+        help="slope run-out of many blocks",
         description=_description,
         epilog=lambda: options.input_help(
             "Quantities of ground and block, among others:"
         ),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
     )
     parser.add_argument(
         "study", type=Path, metavar="slope.toml", help="profile, blocks and releases"
     )
     options.add_directory(parser, "report, tables and drawings")
     options.add_accuracy(parser, otherwise="the study's, else balanced")
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the study."""
-    from ..formats.directory import output_directory
-    from ..formats.files import make_directory
-    from ..runout import comparison, read_slope_studies, run_slope_study
-    from ..runout.output import in_words, names_of_files, write_slope_study
+    from ..io.files import make_directory
+    from ..io.output_files import output_directory
+    from ..runout import read_slope_studies, run_slope_study
+    from ..runout.study import output
 
     studies = read_slope_studies(arguments.study, arguments.accuracy)
     several = len(studies) > 1
     folders = [Path(study.law_directory if several else "") for study in studies]
-    names = [str(f / name) for f in folders for name in names_of_files(studies[0])]
+    names = [
+        str(f / name) for f in folders for name in output.names_of_files(studies[0])
+    ]
     if several:
-        names += comparison.names_of_files(studies[0])
+        names += output.names_of_files(studies[0], comparison=True)
     datasets, journals = {}, []
     directory = output_directory(
         arguments.out, "runout", names, inputs=studies[0].inputs
@@ -149,20 +151,20 @@ def run(arguments: argparse.Namespace) -> None:
             journals.append(arguments.out / folder / "blocks.journal")
             if several:
                 say(f"contacts by {study.law_name}")
-            with Progress("blocks") as progress:
+            with ProgressLines() as progress:
                 dataset = run_slope_study(
-                    study, journal=journals[-1], progress=progress
+                    study, journal=journals[-1], progress=partial(progress, "blocks")
                 )
             datasets[study.law_name] = dataset
         for study, folder in zip(studies, folders, strict=True):
-            write_slope_study(
+            output.write_slope_study(
                 study,
                 datasets[study.law_name],
                 lambda name, folder=folder: new(str(folder / name)),
             )
         if several:
-            comparison.write_comparison(studies[0], datasets, new)
+            output.write_comparison(studies[0], datasets, new)
         for journal in journals:
             journal.unlink()
-    print(comparison.in_words(datasets) if several else in_words(dataset))
+    print(output.compare_in_words(datasets) if several else output.in_words(dataset))
     say(f"tables and drawings written to {arguments.out}")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ..interruption import resumable
 from . import options
-from .progress import Progress, say
+from .progress import ProgressLines, say
 
 METHODS = ("elasticities", "morris", "sobol", "all")
 """As in `sensitivity.study_file`, which loads JAX."""
@@ -39,13 +39,13 @@ and drawings. After a run that was cut short the same command goes on from there
 
 def add_parser(commands) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "sensitivity",
+        run,
         help="which parameters matter",
         description=DESCRIPTION,
         epilog=lambda: options.input_help("Parameters:"),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
     )
     parser.add_argument(
         "study", type=Path, metavar="study.toml", help="scene and parameters"
@@ -62,20 +62,19 @@ def add_parser(commands) -> None:
         otherwise="the study's, else reference for elasticities and balanced for the "
         "rest",
     )
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the study."""
-    from ..sensitivity.run import run_study
+    from ..sensitivity.study import run_study
 
-    with resumable():
+    with resumable(), ProgressLines() as progress:
         result = run_study(
             arguments.study,
             arguments.out,
             method=arguments.method,
             accuracy=arguments.accuracy,
-            progress=lambda name: Progress(f"impacts for {name}"),
+            progress=progress,
         )
     print(result.in_words())
     say(f"tables and drawings written to {arguments.out}")

@@ -3,13 +3,18 @@
 import argparse
 import contextlib
 import json
+import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
-from ..formats.files import replacing
-from ..formats.outputs import output_files
+from ..io.files import replacing
+from ..io.output_files import output_files
 from . import options
+
+if TYPE_CHECKING:
+    from ..result import ImpactResult
 
 PLOT_SUFFIXES = (".png", ".pdf", ".svg")
 DESCRIPTION = """\
@@ -29,13 +34,13 @@ are named by keys of [soil] and [block], and bring keys of their own:
 
 def add_parser(commands) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "simulate",
+        run,
         help="one impact from a TOML file",
         description=DESCRIPTION,
         epilog=lambda: options.input_help("Keys of the scene:"),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
     )
     parser.add_argument(
         "scene", type=Path, metavar="scene.toml", help="block, soil and impact"
@@ -53,14 +58,12 @@ def add_parser(commands) -> None:
         f"{', '.join(PLOT_SUFFIXES)}",
     )
     options.add_accuracy(parser, otherwise=f"the file's, else {DEFAULT_ACCURACY}")
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the impact."""
-    from ..formats.scene_file import read_scene
+    from ..io.scene_file import read_scene
     from ..simulation import simulate
-    from . import report
 
     plot, files = arguments.plot, contextlib.nullcontext()
     if plot is not None:
@@ -81,6 +84,53 @@ def run(arguments: argparse.Namespace) -> None:
             with replacing(plot) as temporary:
                 result.plot(temporary)
     if arguments.json:
-        print(json.dumps(report.as_json(result), indent=2, allow_nan=False))
+        print(json.dumps(as_json(result), indent=2, allow_nan=False))
     else:
-        print(report.as_text(result))
+        print(as_text(result))
+
+
+def as_text(result: "ImpactResult") -> str:
+    """Return every result and the energy ledger as a table with units and meanings."""
+    from ..io.display import align
+    from ..quantities import (
+        ENERGY_COLUMNS,
+        FURTHER_COLUMNS,
+        OUTCOME_COLUMN,
+        OUTCOME_MEANING,
+        RESULT_COLUMNS,
+    )
+
+    columns = [*RESULT_COLUMNS.values(), *FURTHER_COLUMNS.values()]
+    numbers = [(c.name, result, c) for c in columns]
+    numbers += [
+        (f"energy {c.field}", result.energy, c) for c in ENERGY_COLUMNS.values()
+    ]
+    rows = [(OUTCOME_COLUMN, str(result.outcome), "", OUTCOME_MEANING)]
+    rows += [
+        (name, f"{float(getattr(owner, c.field)):.6g}", c.unit, c.meaning)
+        for name, owner, c in numbers
+    ]
+    return align(rows)
+
+
+def as_json(result: "ImpactResult") -> dict:
+    """Return the same as a tree of plain values, None for NaN, with the manifest."""
+    from ..quantities import (
+        ENERGY_COLUMNS,
+        FURTHER_COLUMNS,
+        OUTCOME_COLUMN,
+        RESULT_COLUMNS,
+    )
+
+    def number(owner, field: str) -> float | None:
+        value = float(getattr(owner, field))
+        return value if math.isfinite(value) else None
+
+    columns = (RESULT_COLUMNS | FURTHER_COLUMNS).items()
+    ledger = [c.field for c in ENERGY_COLUMNS.values()]
+    return {
+        OUTCOME_COLUMN: str(result.outcome),
+        **{name: number(result, column.field) for name, column in columns},
+        "energy_J": {field: number(result.energy, field) for field in ledger},
+        "manifest": result.manifest(),
+    }

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 
 from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
-from ..formats.align import align
-from ..formats.outputs import journal_path, output_files
 from ..interruption import resumable
+from ..io.output_files import journal_path, output_files
 from . import options
-from .progress import Progress, say
+from .progress import ProgressLines, say
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,13 +41,13 @@ was cut short the same command goes on where it stopped."""
 
 def add_parser(commands) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "sweep",
+        run,
         help="impacts over a grid of quantities",
         description=DESCRIPTION,
         epilog=lambda: options.input_help("Quantities:"),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
     )
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument(
@@ -67,14 +66,13 @@ def add_parser(commands) -> None:
         "existing one is replaced once the new one is whole",
     )
     options.add_accuracy(parser, otherwise=f"the study's, else {DEFAULT_ACCURACY}")
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the sweep."""
-    from ..formats.netcdf import write_netcdf
-    from ..parametric_sets import parametric_set
-    from ..sweep_study import read_sweep_study
+    from ..io.datasets import write_netcdf
+    from ..paper.sets import parametric_set
+    from ..sweep_file import read_sweep_study
     from ..sweeping import sweep
 
     if arguments.set is not None:
@@ -90,7 +88,7 @@ def run(arguments: argparse.Namespace) -> None:
     inputs = [arguments.study] if arguments.set is None else []
     files = output_files({"--out": out}, inputs=inputs, journals=[journal])
     with files, resumable():
-        with Progress("impacts") as progress:
+        with ProgressLines() as progress:
             dataset = sweep(
                 base,
                 axes,
@@ -107,7 +105,8 @@ def in_words(dataset: "xr.Dataset") -> str:
     """Dimensions, outcomes, and the range of each result."""
     import numpy as np
 
-    from ..formats.columns import RESULT_COLUMNS
+    from ..io.display import align
+    from ..quantities import RESULT_COLUMNS
 
     sizes = [f"{name} {size}" for name, size in dataset.sizes.items()]
     names, counts = np.unique(dataset.outcome, return_counts=True)
@@ -118,7 +117,8 @@ def in_words(dataset: "xr.Dataset") -> str:
         values = values[np.isfinite(values)]
         if values.size:
             of_values = (values.min(), np.median(values), values.max())
-            rows.append((name, column.unit, *(f"{v:.4g}" for v in of_values)))
+            least, median, largest = (f"{value:.4g}" for value in of_values)
+            rows.append((name, column.unit, least, median, largest))
         else:
             rows.append((name, column.unit, "-", "-", "-"))
     return f"axes: {', '.join(sizes)}\noutcomes: {', '.join(ends)}\n{align(rows)}"

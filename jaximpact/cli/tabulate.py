@@ -1,17 +1,14 @@
 """`jaximpact tabulate`: the model's impacts in tables."""
 
 import argparse
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from ..formats.outputs import journal_path, manifest_path, output_files
 from ..interruption import resumable
+from ..io.output_files import journal_path, manifest_path, output_files
 from . import options
-from .progress import Progress, say
-
-if TYPE_CHECKING:
-    from ..tabulated import ReboundTable
+from .progress import ProgressLines, say
 
 DESCRIPTION = """\
 Compute impacts of one block on one ground by the full model and keep them in a table,
@@ -38,7 +35,7 @@ What to tabulate is a TOML file; what it does not say has its default:
     angles_deg = [0, 20, 40, 60, 80]
     angular_velocities_degps = [0, 1000]
     slope_deg = 0
-    orientations = 180              # over half a turn, all alike likely
+    orientations = 180              # over half a turn, all equally likely
 
 --out: the table for `jaximpact runout`, under [[contacts]] with law = "table" and
 files = ["table.nc"]. It belongs to this block on this ground and is refused for others,
@@ -56,15 +53,15 @@ a run that was cut short the same command goes on from there."""
 
 def add_parser(commands) -> None:
     """Add the command to the command line."""
-    parser = commands.add_parser(
+    parser = options.add_command(
+        commands,
         "tabulate",
+        run,
         help="impacts in tables, for run-outs and other programs",
         description=DESCRIPTION,
         epilog=lambda: options.input_help(
             "Quantities of block and ground, among others:"
         ),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
     )
     parser.add_argument(
         "study", type=Path, metavar="table.toml", help="block, ground and axes"
@@ -76,13 +73,13 @@ def add_parser(commands) -> None:
     ):
         parser.add_argument(name, type=Path, metavar=f"file{suffix}", help=what)
     options.add_accuracy(parser, otherwise="the file's, else fast")
-    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Make the tables."""
-    from ..tabulated import orientation_map, tabulate, write_csv, write_map, write_table
-    from ..tabulated.table_file import read_table_study
+    from ..lookup import orientation_map, tabulate, write_csv, write_map, write_table
+    from ..lookup.orientation_map import map_in_words
+    from ..lookup.table_study import read_table_study
 
     wanted = {
         "--out": (arguments.out, ".nc"),
@@ -113,7 +110,7 @@ def run(arguments: argparse.Namespace) -> None:
     )
     with files, resumable():
         if arguments.out or arguments.csv:
-            with Progress("impacts of the table") as progress:
+            with ProgressLines() as lines:
                 table = tabulate(
                     study.block,
                     study.soil,
@@ -122,62 +119,23 @@ def run(arguments: argparse.Namespace) -> None:
                     nodes=study.nodes,
                     accuracy=study.accuracy,
                     journal=journals[0],
-                    progress=progress,
+                    progress=partial(lines, "impacts of the table"),
                 )
             if arguments.out:
                 write_table(arguments.out, table)
             if arguments.csv:
                 write_csv(arguments.csv, table)
-            print(in_words(table))
+            print(table.in_words())
         if arguments.map:
-            with Progress("impacts of the map") as progress:
+            with ProgressLines() as lines:
                 dataset = orientation_map(
                     study.block,
                     study.soil,
                     study.map_axes,
                     accuracy=study.accuracy,
                     journal=journals[-1],
-                    progress=progress,
+                    progress=partial(lines, "impacts of the map"),
                 )
             write_map(arguments.map, dataset)
             print(map_in_words(dataset))
     say(f"written to {', '.join(str(path) for path, _ in wanted.values())}")
-
-
-def in_words(table: "ReboundTable") -> str:
-    """What a table holds and how far it is from the model."""
-    from ..shapes import Ellipsoid
-    from ..units import DEGREE
-
-    shape, error = table.outcomes.shape, table.error
-    kind = type(table.block.shape)
-    kind = "" if kind is Ellipsoid else f"shape {kind.__name__}, "
-    slopes = ", ".join(f"{slope / DEGREE:.4g}" for slope in table.slopes.tolist())
-    low, high = (float(table.speeds[end]) for end in (0, -1))
-    return "\n".join(
-        [
-            f"{table.outcomes.size} impacts of a block of {float(table.block.mass):g} "
-            f"kg, {kind}aspect ratio {float(table.block.aspect_ratio):g}: "
-            f"{' x '.join(map(str, shape))} nodes of total speed ({low:g} to {high:g} "
-            f"m/s), elevation, azimuth, orientation and slope ({slopes} deg)",
-            f"error on {error.impacts} random impacts, by the total speed before: "
-            f"median {error.median:.2g}, 90 % {error.of_90_percent:.2g}, 99 % "
-            f"{error.of_99_percent:.2g}; another outcome in "
-            f"{error.wrong_outcomes:.2%}; {error.failed} left out, as the model failed",
-            f"kinetic energy after by that before, mean: {error.energy:.4g}, in the "
-            f"model {error.energy_of_model:.4g}",
-        ]
-    )
-
-
-def map_in_words(dataset) -> str:
-    """How much a map holds, and what it leaves out."""
-    impacts, separating, failed = (
-        int(dataset[name].sum()) for name in ("impacts", "separating", "failed")
-    )
-    spread = dataset.e_n_sd.median()
-    return (
-        f"map of {dataset.impacts.size} speeds, angles and spins: {impacts} impacts; "
-        f"left out {separating} that move away and {failed} that failed; standard "
-        f"deviation of e_n over orientations, median of the map: {float(spread):.3g}"
-    )

@@ -4,9 +4,9 @@ A law is a class with its parameters as fields and its equation as `__call__`. A
 law of one's own derives from the abstract class of its file and is given to `Soil`.
 """
 
+from .._safe import safe_power, safe_sqrt
 from .._types import Scalar
 from ..parameters import parameter
-from ..safe import safe_power, safe_sqrt
 from .bearing import (
     AbstractBearing,
     BearingFactors,

@@ -15,8 +15,8 @@ class AbstractBearing(Part):
     """Limit load of the foundation."""
 
     def factors(self, friction: Scalar) -> Any:
-        """What the limit load takes from the peak friction angle [rad] alone, worked
-        out once an impact: any tuple of scalars. By default its tangent."""
+        """Quantities of the limit load that depend on the peak friction angle [rad]
+        alone, computed once an impact: any tuple of scalars; by default its tangent."""
         return jnp.tan(friction)
 
     @abc.abstractmethod
@@ -40,7 +40,7 @@ class AbstractBearing(Part):
 
 
 class BearingFactors(NamedTuple):
-    """What the limit load takes from the friction angle alone; all dimensionless."""
+    """Quantities of the limit load that depend on the friction angle alone [-]."""
 
     friction_slope: Scalar  # mu = tan(phi_p)
     surcharge: Scalar  # N_q
@@ -121,8 +121,7 @@ class VesicWithoutDepthFactor(Vesic):
 
 
 class VesicWithoutSurcharge(Vesic):
-    """Vesic's limit load without what grows with depth, $N_q$; a reading to compare
-    with.
+    """Vesic's limit load without the term of depth, $N_q$; a reading to compare with.
 
     Of the paper's claims C01 to C33, 13 hold, 15 hold partly and 5 fail with it
     (default: 17, 13, 3).

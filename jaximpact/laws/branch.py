@@ -1,4 +1,4 @@
-"""Which side of its switches each law is on.
+"""Branches: the side of its switches on which each law is taken.
 
 The laws switch: where the normal force is cut off at zero, at yield, at slip, where
 dilatancy cuts the heave, where a rate whose size counts changes sign, where length and
@@ -10,9 +10,7 @@ function.
 
 from typing import NamedTuple
 
-from jaxtyping import Array, Bool
-
-Flag = Bool[Array, ""]
+from .._types import Flag
 
 
 class Branch(NamedTuple):
@@ -31,8 +29,8 @@ class Branch(NamedTuple):
     slips_down: Flag
     """The tangential force is above the slider's limit."""
     slips_up: Flag
-    """The same, in the negative direction."""
+    """The tangential force is below minus the slider's limit."""
     oblong: Flag
     """The foundation is longer than wide."""
     side: Flag | None = None
-    """Of a shape with flat faces: the side on which its lowest corner lies."""
+    """Side on which the lowest corner lies, for a shape with flat faces; else None."""

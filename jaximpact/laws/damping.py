@@ -3,7 +3,7 @@
 import abc
 import functools
 import operator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -34,11 +34,11 @@ class AbstractDamping(Part):
             mass: $m$ [kg]. inertia: $I$ [kg m2].
         """
 
-    def acts(self) -> tuple[np.ndarray, np.ndarray]:
-        """Where a dashpot may work, the normal one and any: outside of it forces follow
-        from the springs alone, which costs less. For arrays of NumPy, and of JAX while
-        it traces; NaN, which stands for a value that is not known, counts as one that
-        may."""
+    def acts(self) -> tuple[Any, Any]:
+        """Tell whether the normal dashpot may act, and whether any may: where none
+        does, forces follow from the springs alone, which costs less. For arrays of
+        NumPy, and of JAX while it traces; NaN, which stands for a value that is not
+        known, counts as one that acts."""
         return np.asarray(True), np.asarray(True)
 
 
@@ -68,7 +68,7 @@ class DampingRatios(AbstractDamping):
             rotational=2.0 * self.eta_R * jnp.sqrt(stiffness.rotational * inertia),
         )
 
-    def acts(self) -> tuple[np.ndarray, np.ndarray]:
+    def acts(self) -> tuple[Any, Any]:
         normal, *others = (
             ~(namespace_of(ratio).asarray(ratio) <= 0.0)
             for ratio in (self.eta_N, self.eta_T, self.eta_R)

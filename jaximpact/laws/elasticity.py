@@ -5,14 +5,14 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 
+from .._safe import safe_power
 from .._types import Scalar
 from ..parameters import Part, parameter
-from ..safe import safe_power
 from ..shapes import Foundation
 from .branch import Branch
 
 ATMOSPHERIC_PRESSURE = 100e3
-"""p_a [Pa], the reference pressure of Duncan and Chang."""
+"""Reference pressure p_a of Duncan and Chang [Pa]."""
 LEAST_PRESSED = 1e-6
 """Elastic displacement over r_0 below which a modulus does not fall with it."""
 
@@ -100,7 +100,7 @@ def footing_stiffness(
 
 
 def equal_area_radius(foundation: Foundation) -> Scalar:
-    """r_0 [m], radius of a circle of the foundation's area."""
+    """Radius r_0 of a circle of the foundation's area [m]."""
     return 0.5 * jnp.sqrt(foundation.length * foundation.width)
 
 

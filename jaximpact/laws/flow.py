@@ -1,13 +1,13 @@
-"""Visco-plastic flow: how fast, and in which direction."""
+"""Visco-plastic flow: its rate and its direction."""
 
 import abc
 from typing import NamedTuple
 
 import jax.numpy as jnp
 
+from .._safe import TINY, safe_power
 from .._types import Scalar
 from ..parameters import Part, parameter
-from ..safe import TINY, safe_power
 from ..shapes import Foundation
 from .branch import Branch
 from .loading_surface import Load
@@ -79,7 +79,7 @@ def flow_direction(
 def displacement_rates(
     rate: Scalar, load: Load, dilatancy: Scalar, *, branch: Branch | None = None
 ) -> FlowRate:
-    r"""Flow of a given size along `flow_direction` $g$.
+    r"""Displacement rates of flow of a given size along `flow_direction` $g$.
 
     $$ \dot u_n = \dot\lambda g_\xi, \quad \dot u_t = \dot\lambda g_h/\mu, \quad
        \dot\theta = \dot\lambda g_m/(\psi B_t) $$
@@ -106,7 +106,7 @@ class AbstractFluidityFlow(AbstractFlow):
 
     @abc.abstractmethod
     def flow_size(self, load, hardening, foundation, branch) -> Scalar:
-        r"""$\dot\lambda$ [m/s], not negative."""
+        r"""Size of flow $\dot\lambda$ [m/s], not negative."""
 
     def __call__(self, load, hardening, foundation, *, branch=None) -> FlowRate:
         rate = self.flow_size(load, hardening, foundation, branch)
@@ -185,8 +185,9 @@ class PowerNucleusRate(AbstractFluidityFlow):
 
 
 class AbsoluteOverstress(AbstractFluidityFlow):
-    r"""Perzyna's flow with the nucleus $\max(\rho^* - \rho_c, 0)$, not divided by
-    $\rho_c$; a reading to compare with.
+    r"""Perzyna's flow with an overstress that is not relative; to compare with.
+
+    The nucleus is $\max(\rho^* - \rho_c, 0)$, not divided by $\rho_c$.
 
     Of the paper's claims C01 to C33, 14 hold, 13 hold partly and 6 fail with it
     (default: 17, 13, 3).
@@ -198,8 +199,11 @@ class AbsoluteOverstress(AbstractFluidityFlow):
 
 
 class SquaredOverstress(AbstractFluidityFlow):
-    r"""Perzyna's flow with the nucleus $\max(\rho^*/\rho_c - 1, 0)^2$; a reading to
-    compare with. All verdicts on the paper's claims C01 to C33 are the default's."""
+    r"""Perzyna's flow with the overstress squared; a reading to compare with.
+
+    The nucleus is $\max(\rho^*/\rho_c - 1, 0)^2$. All verdicts on the paper's claims
+    C01 to C33 are the default's.
+    """
 
     def flow_size(self, load, hardening, foundation, branch) -> Scalar:
         nucleus = overstress(load.size, hardening, branch=branch) ** 2

@@ -1,7 +1,7 @@
 """Hardening of the visco-plastic element."""
 
 import abc
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import jax.numpy as jnp
 import numpy as np
@@ -13,15 +13,14 @@ from .branch import Branch
 from .flow import FlowRate
 
 INITIAL_HARDENING = 0.01
-"""rho_c at the start [-]."""
-_PER_FOUNDATION = "hardening rate"
+"""Hardening variable rho_c at the start [-]."""
 
 
 class AbstractHardening(Part):
     """Growth of the loading surface with flow."""
 
     initial: ClassVar[float] = INITIAL_HARDENING
-    """rho_c at the start [-], above 0 and below 1."""
+    """Hardening variable rho_c at the start [-], above 0 and below 1."""
 
     @abc.abstractmethod
     def __call__(
@@ -41,9 +40,9 @@ class AbstractHardening(Part):
             branch: the signs of the rates, if not those that they have.
         """
 
-    def heeds_signs(self) -> tuple[Scalar, Scalar]:
-        """Whether the rate has kinks where sliding and where rocking change sign, so
-        that steps of the integration should end there."""
+    def heeds_signs(self) -> tuple[Any, Any]:
+        """Tell whether the rate has kinks where sliding and where rocking change sign,
+        so that steps of the integration should end there."""
         return np.asarray(True), np.asarray(True)
 
 
@@ -68,7 +67,7 @@ class AbstractPathHardening(AbstractHardening):
 
     @abc.abstractmethod
     def path_length(self, foundation: Foundation) -> Scalar:
-        r"""$\ell$, by which the path of flow is measured."""
+        r"""Length $\ell$ over which the path of flow is taken [m]."""
 
     def __call__(self, hardening, flow, foundation, *, branch=None) -> Scalar:
         if branch is None:
@@ -89,7 +88,7 @@ class AbstractPathHardening(AbstractHardening):
         rate = self.c_v * (1.0 - hardening) * path
         return rate / self.path_length(foundation)
 
-    def heeds_signs(self) -> tuple[Scalar, Scalar]:
+    def heeds_signs(self) -> tuple[Any, Any]:
         return self.alpha_vT > 0.0, self.alpha_vR > 0.0
 
 
@@ -109,12 +108,12 @@ class HardeningPerLength(AbstractPathHardening):
 
 
 class HardeningPerRootArea(AbstractPathHardening):
-    r"""Hardening by the path over the root of the foundation's sides:
-    $\ell = \sqrt{B_t B_w}$.
+    r"""Hardening by the path over the root of the foundation's sides.
 
-    A named alternative, the default of this package until 22 November 2026. Of the
-    paper's claims C01 to C33, 14 hold, 14 hold partly and 5 fail with it (default: 17,
-    13, 3): C05, C08 and C10 are lost, none is won.
+    The length is $\ell = \sqrt{B_t B_w}$. A named alternative, the default of this
+    package until 22 November 2026. Of the paper's claims C01 to C33, 14 hold, 14 hold
+    partly and 5 fail with it (default: 17, 13, 3): C05, C08 and C10 are lost, none is
+    won.
     """
 
     def path_length(self, foundation) -> Scalar:
@@ -135,15 +134,16 @@ class HardeningPerMetre(AbstractPathHardening):
 
 
 class SofterStart(HardeningPerLength):
-    r"""The default hardening from $\rho_c = 0.001$ in place of 0.01; a reading to
-    compare with. All verdicts on the paper's claims C01 to C33 are the default's."""
+    r"""The default hardening from $\rho_c = 0.001$ in place of 0.01; to compare with.
+
+    All verdicts on the paper's claims C01 to C33 are the default's.
+    """
 
     initial: ClassVar[float] = 0.001
 
 
 class HarderStart(HardeningPerLength):
-    r"""The default hardening from $\rho_c = 0.1$ in place of 0.01; a reading to compare
-    with.
+    r"""The default hardening from $\rho_c = 0.1$ in place of 0.01; to compare with.
 
     Of the paper's claims C01 to C33, 17 hold, 12 hold partly and 4 fail with it
     (default: 17, 13, 3): C23 is won, C10 lost.

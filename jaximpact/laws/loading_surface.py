@@ -1,5 +1,5 @@
-"""Loading surface of the macro-element: how large a load is, and which way is
-outward."""
+"""Loading surface of the macro-element: the size of a load, and the outward
+gradient."""
 
 import abc
 from typing import NamedTuple
@@ -7,18 +7,18 @@ from typing import NamedTuple
 import equinox as eqx
 import jax.numpy as jnp
 
+from .._safe import TINY, safe_power
 from .._types import Scalar
 from ..parameters import Part, parameter
-from ..safe import TINY, safe_power
 from ..shapes import Foundation
 
 VERTEX_ROUNDING = 0.01
-"""e [-], rounds the vertex of the surface on the axis of pure normal load."""
+"""Rounding e of the vertex of the surface on the axis of pure normal load [-]."""
 LARGEST_RATIO = 1e6
 """Tangential and moment loads count as at most so many times the normal load; at the
 edge of toppling or slip they are of its order. Keeps powers of the ratio finite."""
 TANGENT_FROM = 0.95
-"""Value of w beyond which F is continued by its tangent line."""
+"""Value of w beyond which F is continued by its tangent [-]."""
 
 
 class Forces(NamedTuple):
@@ -38,21 +38,21 @@ class Load(NamedTuple):
     """
 
     size: Scalar
-    """rho*, size of the surface through the load."""
+    """Size rho* of the surface through the load [-]."""
     normal: Scalar
-    """Derivative of rho* by xi."""
+    """Derivative of rho* with respect to xi [-]."""
     tangential: Scalar
-    """Derivative of rho* by h."""
+    """Derivative of rho* with respect to h [-]."""
     rotational: Scalar
-    """Derivative of rho* by m."""
+    """Derivative of rho* with respect to m [-]."""
     tangential_scale: Scalar
-    r"""mu: $h = T/(\mu V_M)$ [-]."""
+    r"""Scale mu of $h = T/(\mu V_M)$ [-]."""
     rotational_scale: Scalar
-    r"""psi B_t: $m = M/(\psi B_t V_M)$ [m]."""
+    r"""Scale psi B_t of $m = M/(\psi B_t V_M)$ [m]."""
 
 
 class AbstractLoadingSurface(Part):
-    """How large a load is, and which way is outward."""
+    """Size of a load, and the outward gradient there."""
 
     @abc.abstractmethod
     def __call__(
@@ -102,7 +102,7 @@ class NovaMontrasio(AbstractLoadingSurface):
         0.33, "-", "(0, inf)", "moment intercept", usual=(1e-2, 1e2)
     )
     rounding: float = eqx.field(default=VERTEX_ROUNDING, static=True)
-    """e [-], positive; a choice of the method, no parameter."""
+    """Rounding e [-], positive; a choice of the method, no parameter."""
 
     def __call__(self, forces, capacity, foundation, friction_slope) -> Load:
         lever = self.psi * foundation.length
@@ -134,8 +134,10 @@ class NovaMontrasio(AbstractLoadingSurface):
 
 
 class SharperVertex(NovaMontrasio):
-    """The default surface with its vertex rounded by 0.001; a reading to compare
-    with. All verdicts on the paper's claims C01 to C33 are the default's."""
+    """The default surface with its vertex rounded by 0.001; a reading to compare with.
+
+    All verdicts on the paper's claims C01 to C33 are the default's.
+    """
 
     rounding: float = eqx.field(default=1e-3, static=True)
 

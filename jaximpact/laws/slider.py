@@ -10,7 +10,7 @@ from ..parameters import Part, parameter
 from .branch import Branch
 
 RELAXATION_TIME = 1e-6
-"""tau_s [s], of the Duvaut-Lions regularisation; contacts last 1e-4 s and more."""
+"""Time tau_s of the Duvaut-Lions regularisation [s]; contacts last 1e-4 s and more."""
 
 
 class AbstractSlider(Part):
@@ -63,7 +63,7 @@ class Coulomb(AbstractSlider):
         1.0, "-", "[0, inf)", "block-soil over soil friction", usual=(0.0, 10.0)
     )
     relaxation_time: float = eqx.field(default=RELAXATION_TIME, static=True)
-    """tau_s [s]; a choice of the method, no parameter."""
+    """Relaxation time tau_s [s]; a choice of the method, no parameter."""
 
     def friction(self, friction_angle) -> Scalar:
         return self.alpha_s * jnp.tan(friction_angle)

@@ -1,6 +1,5 @@
-r"""Rebound by laws in closed form, which know no time and no soil.
-
-The first rung of the ladder, and what today's rockfall programs use.
+r"""Laws of rebound in closed form, as today's rockfall programs use them: without time
+and soil.
 
 Each is a module whose parameters are its leaves; called with a block and an impact it
 gives the velocities after. Pure `jnp`, differentiable; those here take arrays that
@@ -9,13 +8,12 @@ down-slope, rotation clockwise: a block that rolls down-slope without slip has
 $v_t = \Omega R$.
 """
 
-from .base import AbstractRebound
+from .base import AbstractRebound, Rebound
 from .bozzolo_pamini import BozzoloPamini
 from .constant_coefficients import ConstantCoefficients
 from .frictional_ellipsoid import FrictionalEllipsoid
 from .pfeiffer_bowen import PfeifferBowen
 from .rigid_ellipsoid import RigidEllipsoid
-from .velocities import Rebound
 
 __all__ = [
     "AbstractRebound",

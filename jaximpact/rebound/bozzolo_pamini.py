@@ -4,11 +4,8 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
-from ..block import Block
-from ..scene import Impact
-from .base import AbstractRebound
-from .contact_point import contact_point
-from .velocities import Rebound
+from ..scene import Block, Impact
+from .base import AbstractRebound, Rebound, contact_point
 
 
 class BozzoloPamini(AbstractRebound):
@@ -36,7 +33,7 @@ class BozzoloPamini(AbstractRebound):
     words: ClassVar[str] = "Bozzolo and Pamini"
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:
-        """Velocities after."""
+        """Velocities after the impact."""
         point = contact_point(block, impact)
         mass, inertia = block.mass, block.inertia
         normal_arm, tangential_arm = point.normal_arm, point.tangential_arm

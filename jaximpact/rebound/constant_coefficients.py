@@ -1,20 +1,20 @@
-"""Coefficients of restitution that nothing changes."""
+"""Rebound by constant coefficients of restitution."""
 
 from typing import ClassVar
 
-from jaxtyping import Array, Float
-
-from ..block import Block
+from .._types import Scalar
 from ..parameters import parameter
-from ..scene import Impact
-from .base import AbstractRebound
-from .velocities import Rebound
-
-Scalar = Float[Array, ""]
+from ..scene import Block, Impact
+from .base import AbstractRebound, Rebound
 
 
 class ConstantCoefficients(AbstractRebound):
-    r"""$v_n' = -e_n v_n$, $v_t' = e_t v_t$; the rotation stays as it is."""
+    r"""Rebound by constant coefficients, in which the rotation stays as it is.
+
+    $$ v_n' = -e_n v_n, \qquad v_t' = e_t v_t $$
+
+    Smooth. Source: the common practice of rockfall programs.
+    """
 
     words: ClassVar[str] = "constant coefficients"
 
@@ -22,7 +22,7 @@ class ConstantCoefficients(AbstractRebound):
     e_t: Scalar = parameter(None, "-", "[0, 1]", "tangential restitution")
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:
-        """Velocities after."""
+        """Velocities after the impact."""
         return Rebound(
             -self.e_n * impact.normal_velocity,
             self.e_t * impact.tangential_velocity,

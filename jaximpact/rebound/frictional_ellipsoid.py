@@ -3,16 +3,11 @@
 from typing import ClassVar
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
-from ..block import Block
+from .._types import Scalar
 from ..parameters import parameter
-from ..scene import Impact
-from .base import AbstractRebound
-from .contact_point import contact_point, rebound_of_impulse
-from .velocities import Rebound
-
-Scalar = Float[Array, ""]
+from ..scene import Block, Impact
+from .base import AbstractRebound, Rebound, contact_point, rebound_of_impulse
 
 
 class FrictionalEllipsoid(AbstractRebound):
@@ -53,14 +48,14 @@ class FrictionalEllipsoid(AbstractRebound):
     e_contact: Scalar = parameter(
         None, "-", "[0, 1]", "normal restitution at the contact"
     )
-    """$e^*$ [-], impulse of restitution over that of compression."""
+    """Impulse of restitution over that of compression, $e^*$ [-]."""
     friction_coefficient: Scalar = parameter(
         None, "-", "[0, 100]", "coefficient of friction"
     )
-    r"""$\mu$ [-]"""
+    r"""Coefficient of friction $\mu$ [-]."""
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:
-        """Velocities after."""
+        """Velocities after the impact."""
         point = contact_point(block, impact)
         friction, inertia = self.friction_coefficient, block.inertia
         normal = 1.0 / block.mass + point.tangential_arm**2 / inertia

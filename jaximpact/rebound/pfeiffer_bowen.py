@@ -1,25 +1,21 @@
-"""Coefficients that fall with speed, for spheres."""
+"""Rebound by coefficients that fall with speed, for spheres."""
 
 from typing import ClassVar
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
-from ..block import Block
+from .._safe import safe_sqrt
+from .._types import Scalar
 from ..parameters import parameter
-from ..safe import safe_sqrt
-from ..scene import Impact
-from .base import AbstractRebound
-from .velocities import Rebound
-
-Scalar = Float[Array, ""]
+from ..scene import Block, Impact
+from .base import AbstractRebound, Rebound
 
 FOOT = 0.3048
-"""[m]"""
+"""Length of a foot [m]."""
 
 
 class PfeifferBowen(AbstractRebound):
-    r"""Coefficients that fall with speed, after Pfeiffer and Bowen (1989).
+    r"""Rebound by coefficients that fall with speed, after Pfeiffer and Bowen (1989).
 
     $$ v_n' = -\frac{R_n v_n}{1 + (v_n/9.144)^2}, \qquad
        v_t'^2 = \frac{R^2 (I\Omega^2 + m v_t^2)\, f\, s}{I + m R^2} $$
@@ -41,14 +37,14 @@ class PfeifferBowen(AbstractRebound):
     normal_coefficient: Scalar = parameter(
         None, "-", "[1e-6, 1]", "normal restitution at low speed"
     )
-    """R_n [-]"""
+    """Normal coefficient R_n at low speed [-]."""
     tangential_coefficient: Scalar = parameter(
         None, "-", "[0, 1]", "tangential restitution"
     )
-    """R_t [-]"""
+    """Tangential coefficient R_t [-]."""
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:
-        """Velocities after."""
+        """Velocities after the impact."""
         r_n, r_t = self.normal_coefficient, self.tangential_coefficient
         v_n, v_t = impact.normal_velocity, impact.tangential_velocity
         radius, inertia = block.semi_axes.minor, block.inertia

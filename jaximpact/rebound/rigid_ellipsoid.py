@@ -3,21 +3,17 @@
 from typing import ClassVar
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
-from ..block import Block
+from .._types import Scalar
 from ..parameters import parameter
-from ..scene import Impact
-from .base import AbstractRebound
-from .contact_point import contact_point, rebound_of_impulse
-from .velocities import Rebound
-
-Scalar = Float[Array, ""]
+from ..scene import Block, Impact
+from .base import AbstractRebound, Rebound, contact_point, rebound_of_impulse
 
 
 class RigidEllipsoid(AbstractRebound):
-    r"""An instantaneous impulse along the normal, at the deepest point of a rigid
-    ellipse, after Vijayakumar et al. (2012).
+    r"""Rebound of a rigid ellipse by an instantaneous impulse along the normal.
+
+    The impulse acts at the deepest point, after Vijayakumar et al. (2012).
 
     $$ N = (1 + e^\ast)\,\frac{m I}{I + m r_t^2}\,(v_n + r_t\Omega), \qquad
        v_n' = v_n - \frac{N}{m}, \qquad \Omega' = \Omega - \frac{N r_t}{I} $$
@@ -35,7 +31,7 @@ class RigidEllipsoid(AbstractRebound):
     """$e^*$ [-]"""
 
     def __call__(self, block: Block, impact: Impact) -> Rebound:
-        """Velocities after."""
+        """Velocities after the impact."""
         point = contact_point(block, impact)
         arm, mass, inertia = point.tangential_arm, block.mass, block.inertia
         normal = (

@@ -1,22 +1,19 @@
 """Slope run-out: blocks that fly, strike, roll and stop on a profile."""
 
-from .collectors import Passages, first_passages, passages
+from ..impact_response import ImpactResponse, ImpactResponses
+from .analysis import Maxima, Passages, first_passages, maxima_along, passages
+from .blocks import Release
+from .contacts.contact_models import ClosedForm, Contacts, FullModel
+from .derivatives.gradients import Standing, differentiate_runout, runout_gradients
 from .dual import Dual
-from .envelopes import Maxima, maxima_along
-from .gradients import Standing, differentiate_runout, runout_gradients
-from .ground import Ground
-from .profile import Profile, read_profile
-from .quantities import Normal, Uniform, draw
-from .rebounds import Blows, ClosedForm, Contacts, FullModel
-from .record import ContactRecord, Pieces, Way
-from .release import Release
-from .runs import Ending, Runs
-from .slope_file import SlopeStudy, read_slope_studies, read_slope_study
-from .study import run_slope_study
-from .trajectories import simulate_runout
+from .random_inputs import Normal, Uniform, draw
+from .scheduler import simulate_runout
+from .study.run_study import run_slope_study
+from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
+from .terrain import Ground, Profile, read_profile
+from .trajectory import ContactRecord, Ending, MotionMode, Pieces, Runs
 
 __all__ = [
-    "Blows",
     "ClosedForm",
     "ContactRecord",
     "Contacts",
@@ -24,7 +21,10 @@ __all__ = [
     "Ending",
     "FullModel",
     "Ground",
+    "ImpactResponse",
+    "ImpactResponses",
     "Maxima",
+    "MotionMode",
     "Normal",
     "Passages",
     "Pieces",
@@ -34,7 +34,6 @@ __all__ = [
     "SlopeStudy",
     "Standing",
     "Uniform",
-    "Way",
     "differentiate_runout",
     "draw",
     "first_passages",

@@ -1,12 +1,12 @@
-r"""The paper's slope of two planes, and the blocks let go on it.
+r"""The paper's slope of two planes, and the blocks released on it.
 
 A plane 230 m high and 400 m long in plan, which the paper rounds to 30 degrees, then
 600 m of level ground. Blocks of 100 kg start at 20 m/s, at 10 degrees to the
 horizontal, with spins up to 20 000 deg/s. Shapes have the same energy of translation
 and of rotation: spins $\Omega\sqrt{I_s/I}$, with $I_s$ of the sphere.
 
-Source: Dattola et al. (2023), section 3.3. What it does not tell is a reading; those
-are the fields of `BiplanarCase`, with ours as defaults.
+Source: Dattola et al. (2023), section 3.3. What it leaves open are the fields
+of `BiplanarCase`, with our readings as defaults.
 """
 
 import dataclasses
@@ -15,50 +15,51 @@ import math
 
 import numpy as np
 
-from ..block import Block
+from ..scene import Block
 from ..soil import Soil
 from ..units import DEGREE
-from .profile import ROLLING_FRICTION_ANGLE, Profile
-from .release import Release
+from .blocks import Release
+from .terrain import ROLLING_FRICTION_ANGLE, Profile
 
 HEIGHT, SLOPE_LENGTH, FLAT_LENGTH = 230.0, 400.0, 600.0
-"""[m]; lengths in plan."""
+"""Height and lengths in plan [m]."""
 SLOPE = math.atan2(HEIGHT, SLOPE_LENGTH)
-"""Of the upper plane [rad]."""
+"""Angle of the upper plane [rad]."""
 SPEED = 20.0
-"""At release [m/s]."""
+"""Speed at release [m/s]."""
 ASPECT_RATIOS = (1.0, 1.5, 2.0, 3.0, 4.0)
-"""The paper has 1 to 4; the steps are ours."""
+"""Aspect ratios of the blocks; the paper has 1 to 4, the steps are ours."""
 SPINS_DEGPS = tuple(np.linspace(0.0, 20_000.0, 9).tolist())
-"""Of the sphere."""
+"""Spins of the sphere [deg/s]."""
 HOP = 0.5
 """Rise of the centre in a flight [m] up to which a block that tumbles along the ground
-can be said to roll; the first flight rises by some ten metres."""
+counts as rolling; the first flight rises by some ten metres."""
 COEFFICIENTS = (-1.0, 3.0)
-"""Coefficients of restitution that are looked at: those of grazing impacts have no
-bounds."""
+"""Range of coefficients of restitution in the diagrams: those of grazing impacts have
+no bounds."""
 
 
 @dataclasses.dataclass(frozen=True)
 class BiplanarCase:
-    """What the paper leaves open of the case."""
+    """Choices that the paper leaves open."""
 
     direction: float = 10.0 * DEGREE
-    """Of the velocity above the horizontal [rad]: 10 degrees are upwards."""
+    """Angle of the velocity above the horizontal [rad]: 10 degrees are upwards."""
     height: float = 1.0
-    """Of the centres above the crest, at x = 0, at release [m]. Every block is clear of
-    the ground there, and all start from one point."""
+    """Height of the centres above the crest, at x = 0, at release [m]. Every block is
+    clear of the ground there, and all start from one point."""
     orientation: float = 0.0
-    """"Oriented along the major axis": from the vertical to that axis [rad]."""
+    """Angle from the vertical to the major axis [rad]; the paper says "oriented along
+    the major axis"."""
     spin_sense: float = 1.0
     """1 for spins that roll down the slope, -1 for those against."""
     equal_energy: bool = True
-    """Whether shapes have the sphere's energy of rotation; else they have its spin."""
+    """True if shapes have the sphere's energy of rotation; else they have its spin."""
     rolling_friction_angle: float = ROLLING_FRICTION_ANGLE
-    """[rad]"""
+    """Angle of rolling friction [rad]."""
 
     def profile(self, soil: Soil) -> Profile:
-        """The slope, of one ground."""
+        """Make the profile, of one soil."""
         return Profile(
             [0.0, SLOPE_LENGTH, SLOPE_LENGTH + FLAT_LENGTH],
             [HEIGHT, 0.0, 0.0],
@@ -67,10 +68,10 @@ class BiplanarCase:
         )
 
     def release(self, block: Block | None = None) -> Release:
-        """Every aspect ratio at every spin, the spin fastest.
+        """Release blocks of every aspect ratio at every spin, the spin fastest.
 
         Args:
-            block: for mass and density; 100 kg by default.
+            block: gives mass and density; 100 kg by default.
         """
         block = block or Block()
         shapes, spins = np.transpose(

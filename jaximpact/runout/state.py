@@ -1,4 +1,4 @@
-"""Blocks under way."""
+"""State of blocks under way."""
 
 import dataclasses
 import enum
@@ -8,91 +8,97 @@ import numpy as np
 
 from ..laws import Coulomb
 from ..soil import Soil
-from .contact import Matter
-from .ground import Ground, spread
-from .motion import Body, Outline
-from .profile import Profile
-from .programs import closed_form
-from .record import ContactRecord, Growing, Pieces
-from .release import Release
-from .rolling import mean_radius_of
+from .blocks import BlockOutline, Body, MassProperties, Release, mean_radius_of
+from .dual import Values
+from .lane_programs import closed_form
+from .terrain import Ground, Profile, spread
+from .trajectory import ContactRecord, Pieces, Recorder
+
+_friction_of = closed_form(lambda slider, angle: slider.friction(angle))
 
 
 class Phase(enum.IntEnum):
-    """What a block is about to do."""
+    """Next transition of a block."""
 
     airborne = 0
+    """Flight to the next contact."""
     grounded = 1
-    """To go along a segment."""
+    """Motion along a segment."""
     at_edge = 2
-    """To cross a convex break, or an end of the profile."""
+    """Crossing of a convex break, or of an end of the profile."""
     touching = 3
-    """To be struck."""
+    """Contact with the ground."""
     ended = 4
 
 
 @dataclasses.dataclass
 class State:
-    """All blocks of a run; arrays `(blocks,)` that change as it goes on."""
+    """State of all blocks of a run; arrays `(blocks,)` that change as it goes on."""
 
     profile: Profile
     release: Release
-    outline: Outline
-    matter: Matter
+    outline: BlockOutline
+    mass_properties: MassProperties
     radius: np.ndarray
-    """Of the round block that rolls [m]."""
+    """Radius of the round block that rolls [m]."""
     smallest: np.ndarray
-    """Height of its centre as it lies on its flat side [m]."""
+    """Height of the centre of a block lying on its flat side [m]."""
     slope: np.ndarray
-    """Of the profile's segments [rad]."""
+    """Slope angles of the segments [rad], `(segments,)`."""
     length: np.ndarray
-    """Of the profile's segments [m]."""
+    """Lengths of the segments [m], `(segments,)`."""
     soil: Soil
-    """Of each block and segment, fields `(blocks, segments)`."""
-    rolling_friction: np.ndarray
-    """Tangents of the angles of rolling friction, likewise."""
-    sliding_friction: np.ndarray
-    """And of the ground's friction on the block."""
-    roughness: np.ndarray
-    """Standard deviations of the angles of facets [rad], likewise."""
+    """Soil of each block and segment, fields `(blocks, segments)`."""
+    rolling_friction: Values
+    """Tangents of the angles of rolling friction, `(blocks, segments)`."""
+    sliding_friction: Values
+    """Tangents of the angles of friction between block and ground, `(blocks,
+    segments)`."""
+    roughness: Values
+    """Standard deviations of the angles of facets [rad], `(blocks, segments)`."""
     seed: int
-    """Of the facets."""
+    """Seed of the facets."""
     numbers: np.ndarray
-    """Of the blocks, by which their facets are drawn."""
+    """Block numbers that select the random facets."""
     impacts: np.ndarray
-    """So far."""
+    """Number of impacts so far."""
     phase: np.ndarray
+    """Codes of `Phase`."""
     ending: np.ndarray
-    time: np.ndarray
+    """Codes of `Ending`; -1 for a block under way."""
+    time: Values
+    """Time since release [s]."""
     events: np.ndarray
+    """Number of contacts and legs so far."""
     body: Body
-    """At `time`; on the ground its velocities are those of the last flight."""
+    """Position and motion at `time`; on the ground the velocities are those of the
+    last flight."""
     segment: np.ndarray
-    """On which the block goes, or which it touches."""
+    """Segment that the block is on, or touches; -1 in the air."""
     rolls: np.ndarray
-    """True if it rolls, False if it slides."""
-    way: np.ndarray
-    """1 to the right, -1 to the left."""
-    speed_squared: np.ndarray
-    """Along the ground [m2/s2]."""
+    """True for a block that rolls, False for one that slides."""
+    direction: Values
+    """Direction of motion along the ground: 1 to the right, -1 to the left."""
+    speed_squared: Values
+    """Squared speed along the ground [m2/s2]."""
     edge: np.ndarray
-    """The point of the profile that it is about to cross."""
-    plane: np.ndarray
-    """Angle of the plane on which it stands at the edge [rad]."""
-    normal: np.ndarray
-    """Of the plane that it touches, `(2, blocks)`."""
-    gap: np.ndarray
-    """To that plane [m]."""
-    contacts: Growing
-    pieces: Growing
+    """Profile point that the block is about to cross."""
+    plane: Values
+    """Angle of the plane on which the block rests at the edge [rad]."""
+    normal: Values
+    """Normal of the plane that the block touches, x and y, `(2, blocks)`."""
+    gap: Values
+    """Distance to that plane [m]; negative in the ground."""
+    contacts: Recorder
+    pieces: Recorder
 
     @classmethod
     def at_release(
         cls, profile: Profile, release: Release, ground: Ground | None = None
     ) -> "State":
-        """With the profile's own ground if no other is given."""
-        n, found = release.count, ground or profile
-        soil = found.soil
+        """Start all blocks; on the profile's own ground if no other is given."""
+        n, surface = release.count, ground or profile
+        soil = surface.soil
 
         def of_all(values):
             return spread(values, n, profile.segments)
@@ -102,15 +108,15 @@ class State:
             profile=profile,
             release=release,
             outline=outline,
-            matter=release.matter,
+            mass_properties=release.mass_properties,
             radius=mean_radius_of(outline),
             smallest=outline.smallest,
             slope=profile.slope,
             length=profile.length,
             soil=jax.tree.map(of_all, soil),
-            rolling_friction=of_all(np.tan(found.rolling_friction_angle)),
+            rolling_friction=of_all(np.tan(surface.rolling_friction_angle)),
             sliding_friction=of_all(_sliding_friction(soil)),
-            roughness=of_all(found.roughness),
+            roughness=of_all(surface.roughness),
             seed=0 if ground is None else ground.seed,
             numbers=np.arange(n)
             if ground is None or ground.numbers is None
@@ -123,36 +129,29 @@ class State:
             body=Body(*(value.copy() for value in release.body)),
             segment=np.full(n, -1),
             rolls=np.zeros(n, bool),
-            way=np.ones(n),
+            direction=np.ones(n),
             speed_squared=np.zeros(n),
             edge=np.full(n, -1),
             plane=np.zeros(n),
             normal=np.zeros((2, n)),
             gap=np.zeros(n),
-            contacts=Growing(ContactRecord),
-            pieces=Growing(Pieces),
+            contacts=Recorder(ContactRecord),
+            pieces=Recorder(Pieces),
         )
 
-    def of(self, lanes: np.ndarray, tree):
-        """Some lanes of a tree of arrays."""
-        return jax.tree.map(lambda leaf: leaf[lanes], tree)
-
     def end(self, lanes: np.ndarray, ending: int) -> None:
-        """Trajectories end."""
+        """End trajectories, for the reason given."""
         self.phase[lanes] = Phase.ended
         self.ending[lanes] = ending
 
-    def place(self, lanes: np.ndarray, **values) -> None:
-        """Set numbers of the body."""
+    def set_body(self, lanes: np.ndarray, **values) -> None:
+        """Set fields of the body."""
         for name, value in values.items():
             getattr(self.body, name)[lanes] = value
 
 
 def _sliding_friction(soil: Soil):
-    """tan phi_b of the ground on the block, of the shape of the soil's fields."""
+    """Compute tan phi_b between block and ground, of the shape of the soil's fields."""
     if type(soil.slider) is Coulomb:
         return soil.alpha_s * np.tan(soil.friction_angle)
     return _friction_of(soil.slider, soil.friction_angle)
-
-
-_friction_of = closed_form(lambda slider, angle: slider.friction(angle))

@@ -1,13 +1,12 @@
 """Which parameters matter: elasticities, Sobol indices and Morris's effects.
 
-Drawings are in `jaximpact.sensitivity.drawing`.
+Drawings are in `jaximpact.sensitivity.figures`.
 """
 
-from .elasticity import elasticities
-from .in_words import in_words
+from .elasticities import Check, State, elasticities
 from .morris_effects import morris
 from .ranges import Range
 from .sobol_indices import sobol
-from .verdicts import Check, State
+from .text import in_words
 
 __all__ = ["Check", "Range", "State", "elasticities", "in_words", "morris", "sobol"]

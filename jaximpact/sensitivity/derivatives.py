@@ -1,33 +1,63 @@
-"""Results of many impacts and their derivatives by one parameter: in machine code, and
-in XLA where there is none."""
+"""Derivatives of many impacts with respect to one parameter.
+
+`derivatives` differentiates the model itself; `differences` checks that by finite
+differences of neighbouring impacts.
+"""
 
 import concurrent.futures
 from collections.abc import Callable
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
 from ..accuracy import Accuracy
-from ..batch import by_shape
-from ..engines.compilation import unfused_jit
-from ..engines.machine import (
+from ..backend.native_backend import (
     along_leaves,
     compile_native_along,
     computes_on_cpu,
     solve_rows,
     with_setting,
 )
-from ..engines.threads import thread_count
-from ..engines.xla import compute_lanes
-from ..formats.columns import InputColumn, leaf_places
-from ..mechanics.model import MODELS, model_places
-from ..mechanics.problem import Assembly
-from ..numbers import Numbers, numbers_of_no_value
+from ..backend.threads import thread_count
+from ..backend.xla_backend import compute_lanes
+from ..backend.xla_compilation import unfused_jit
+from ..batch import by_shape, simulate_batch
+from ..impact.problem import Assembly
+from ..impact.reduced_models import MODELS, model_places
+from ..impact.summary import ImpactSummary, empty_summary
+from ..quantities import InputColumn, ResultColumn, leaf_places
 from ..scene import Scene
+from ..scene_quantities import scene_with, value_of
 
 PART = 256
-"""Impacts that a core takes at a time; the last of a part leave lanes empty."""
+"""Impacts that a core computes at a time."""
+
+
+POINTS = 5
+STENCILS = {
+    -2: np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12.0,
+    0: np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0,
+    -4: np.array([3.0, -16.0, 36.0, -48.0, 25.0]) / 12.0,
+}
+"""Offset of the first of five equidistant points from the parameter, in steps, and
+weights of a slope of fourth order: central, and one-sided at the edge of a range."""
+DIFFERENCE_ACCURACY = "reference"
+"""Accuracy of the impacts whose differences are taken: errors of 1e-9 leave a slope
+over steps of 1e-3 some six digits."""
+
+
+class Differences(NamedTuple):
+    """Slopes by finite differences [unit of the output per unit of the parameter]."""
+
+    slope: Float[np.ndarray, "scenes outputs"]
+    """Slope; NaN where a neighbour has no value or would be out of range."""
+    roughness: Float[np.ndarray, "scenes outputs"]
+    """Largest third or fourth difference over the step. With the step it tends to zero
+    where the output is smooth, and to a jump's height or a kink's change of slope where
+    one lies among the points."""
 
 
 def derivatives(
@@ -35,22 +65,24 @@ def derivatives(
     column: InputColumn,
     accuracy: Accuracy,
     done: Callable[[int], None],
-) -> tuple[Numbers, Numbers]:
-    """Results, and their derivatives by one parameter in SI units.
+) -> tuple[ImpactSummary, ImpactSummary]:
+    """Compute results, and their derivatives with respect to one parameter in SI units.
 
-    One parameter at a time, by the same program for all: it takes some 4 s to make.
+    One program serves all parameters, one at a time; it compiles for some 4 s. It runs
+    in machine code, and in XLA where the laws have none.
 
     Args:
         scene: fields `(n,)`.
         column: the parameter.
-        done: told how many impacts more are computed.
+        accuracy: of the integration.
+        done: called with the number of impacts that were computed since the last call.
 
     Returns:
-        Numbers with fields `(n,)` and the derivatives of each; NaN where the
+        Numbers with fields `(n,)`, and the derivatives of each; NaN where the
         integration failed.
     """
     count = len(np.asarray(scene.impact.speed))
-    rows = len(jax.tree.leaves(numbers_of_no_value(ledger=False)))
+    rows = len(jax.tree.leaves(empty_summary(ledger=False)))
     values, slopes = np.empty((rows, count)), np.zeros((rows, count))
     jobs = []
     for alone, of_shape in by_shape(scene):
@@ -94,7 +126,7 @@ def derivatives(
             pass
     finally:
         pool.shutdown(cancel_futures=True)
-    of_numbers = jax.tree.structure(numbers_of_no_value(ledger=False))
+    of_numbers = jax.tree.structure(empty_summary(ledger=False))
     return (
         jax.tree.unflatten(of_numbers, list(values)),
         jax.tree.unflatten(of_numbers, list(slopes)),
@@ -102,7 +134,8 @@ def derivatives(
 
 
 def _along_leaf(assembly: Assembly, leaf: int, rows: list, tolerance, floor):
-    """Numbers of lanes, and their derivatives by one leaf of the scene."""
+    """Compute numbers of lanes, and their derivatives with respect to one leaf of the
+    scene."""
 
     def of_leaf(values):
         all_rows = [*rows[:leaf], values, *rows[leaf + 1 :]]
@@ -113,3 +146,63 @@ def _along_leaf(assembly: Assembly, leaf: int, rows: list, tolerance, floor):
 
 
 _in_xla = unfused_jit(_along_leaf, static_argnums=(0, 1))
+
+
+def differences(
+    scene: Scene,
+    column: InputColumn,
+    outputs: tuple[ResultColumn, ...],
+    step: float,
+    done: Callable[[int], None],
+) -> Differences:
+    """Compute slopes with respect to a parameter by differences over five points.
+
+    Args:
+        scene: fields `(n,)`.
+        column: the parameter.
+        outputs: columns of the results whose slopes are wanted.
+        step: distance of the points, as a fraction of the parameter's size.
+        done: called with the number of impacts that were computed.
+    """
+    center = value_of(scene, column)
+    width = step * size_of(column, center)
+    first = _first_points(column, center, width)
+    known = ~np.isnan(first)
+    slope = np.full((len(center), len(outputs)), np.nan)
+    roughness = np.full_like(slope, np.nan)
+    if not known.any():
+        return Differences(slope, roughness)
+    offsets = first[known, None] + np.arange(POINTS)
+    points = center[known, None] + offsets * width[known, None]
+    base = jax.tree.map(lambda x: np.repeat(np.asarray(x)[known], POINTS), scene)
+    result = simulate_batch(
+        scene_with(base, {column.name: points.ravel()}), accuracy=DIFFERENCE_ACCURACY
+    )
+    weights = np.stack([STENCILS[int(offset)] for offset in first[known]])
+    for number, output in enumerate(outputs):
+        values = np.asarray(getattr(result, output.field)).reshape(-1, POINTS)
+        slope[known, number] = np.sum(weights * values, axis=1) / width[known]
+        higher = [np.abs(np.diff(values, n=order)).max(axis=1) for order in (3, 4)]
+        roughness[known, number] = np.maximum(*higher) / width[known]
+    done(points.size)
+    return Differences(slope, roughness)
+
+
+def size_of(column: InputColumn, values: np.ndarray) -> np.ndarray:
+    """Return the size by which changes of a parameter are measured: its absolute value;
+    where that is zero its default, or one SI unit if that is zero too."""
+    typical = abs(column.default) or 1.0 / column.factor
+    return np.where(values == 0.0, typical, np.abs(values))
+
+
+def _first_points(column: InputColumn, center, width) -> np.ndarray:
+    """Return the offset of the first point, in steps; NaN where no five points are in
+    the parameter's range."""
+    first = np.full(len(center), np.nan)
+    for offset in reversed(STENCILS):
+        ends = [
+            column.is_allowed(center + (offset + end) * width)
+            for end in (0, POINTS - 1)
+        ]
+        first[np.logical_and(*ends)] = offset
+    return first

@@ -1,24 +1,33 @@
 """Morris's elementary effects: which parameters matter at all, at little cost."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
+import numpy as np
 import xarray as xr
+from jaxtyping import Float
 
-from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from ..block import Block
-from ..fields import whole_number
-from ..formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
-from ..precision import require_float64
-from ..scene import Impact, Scene, as_scene
+from .._checks import whole_number
+from ..accuracy import DEFAULT_ACCURACY, Accuracy
+from ..io.checks import NUMBERS_PER_IMPACT, check_memory
+from ..progress import Progress, ProgressFunction
+from ..scene import Block, Impact, Scene
 from ..soil import Soil
-from .estimators import LEVELS, morris_of, problem_of
-from .global_result import global_dataset
-from .names import DEFAULT_OUTPUTS, output_columns
-from .ranges import Range, check_ranges
-from .sampling import check_seed, sampled_outputs
+from .ranges import DEFAULT_OUTPUTS, Range
+from .samples import (
+    CONFIDENCE,
+    RESAMPLES,
+    Groups,
+    Method,
+    complete_groups,
+    estimate_over_ranges,
+    problem_of,
+)
 
 DEFAULT_TRAJECTORIES = 256
+LEVELS = 4
+"""Levels of the grid on which the trajectories run; the usual number."""
 
 
 def morris(
@@ -30,22 +39,23 @@ def morris(
     seed: int = 0,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     journal: Path | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | ProgressFunction | None = None,
 ) -> xr.Dataset:
-    r"""Elementary effects of parameters over their ranges.
+    r"""Compute elementary effects of parameters over their ranges.
 
     A trajectory changes one parameter after another by two thirds of its range; the
-    change of the output, over that part, is an elementary effect. Their mean absolute
-    value, mu*, says how much a parameter matters, their deviation, sigma, how much that
-    depends on where one is: on curvature and on the other parameters.
+    change of the output, divided by that fraction, is an elementary effect. The mean
+    absolute effect, mu*, says how much a parameter matters. Their standard deviation,
+    sigma, says how far that depends on the point: nonlinearity and interactions.
 
     Args:
         base, ranges, outputs, seed, accuracy, journal, progress: as for `sobol`.
-        trajectories: each is an impact for every parameter and one more.
+        trajectories: their number; each takes an impact for every parameter and one
+            more.
 
     Returns:
         A dataset over `output` and `parameter`: `mean_effect` (mu),
-        `mean_absolute_effect` (mu*), the half width of its 95 % interval
+        `mean_absolute_effect` (mu*), the half width of its 95 % confidence interval
         (`mean_absolute_effect_interval`, bootstrap) and `effect_deviation` (sigma), in
         the unit of the output over the whole range of the parameter. For each output
         `groups_kept`, `groups_dropped`: a trajectory with an impact that has no value
@@ -55,51 +65,92 @@ def morris(
 
     Raises as `sobol` does.
     """
-    require_float64()
-    base = as_scene(base)
-    check_scene(base)
-    checked, columns = check_ranges(base, ranges), output_columns(outputs)
-    check_seed(seed)
-    check_trajectories(trajectories, len(checked))
-    setting = get_accuracy(accuracy)
-    from SALib.sample import morris as salib  # a second, for pandas and SciPy
-
-    shares = salib.sample(
-        problem_of(checked), trajectories, num_levels=LEVELS, seed=seed
-    )
-    values, outcomes = sampled_outputs(
-        base, checked, shares, columns, setting, journal, progress
-    )
-    rows = len(checked) + 1
-    of_shares = shares.reshape(trajectories, rows, len(checked))
-    of_values = values.reshape(trajectories, rows, len(columns))
-    found = [
-        morris_of(of_shares, of_values[:, :, i], seed) for i in range(len(columns))
-    ]
-    unit = "output_unit"
-    by_parameter = {
-        "mean_effect": (unit, "mu, mean effect of the whole range"),
-        "mean_absolute_effect": (unit, "mu*, mean absolute effect of the whole range"),
-        "mean_absolute_effect_interval": (unit, "half width of its 95 % interval"),
-        "effect_deviation": (unit, "sigma, standard deviation of the effect"),
-    }
-    return global_dataset(
-        "Morris's elementary effects",
-        found,
-        by_parameter,
-        (checked, columns),
-        base=base,
-        accuracy=setting,
+    return estimate_over_ranges(
+        _METHOD,
+        base,
+        ranges,
+        outputs,
+        size=trajectories,
         seed=seed,
-        outcomes=outcomes,
+        accuracy=accuracy,
+        journal=journal,
+        progress=progress,
     )
+
+
+class Morris(NamedTuple):
+    """Elementary effects on one output, in its unit over a parameter's whole range."""
+
+    mean_effect: Float[np.ndarray, " parameters"]
+    mean_absolute_effect: Float[np.ndarray, " parameters"]
+    mean_absolute_effect_interval: Float[np.ndarray, " parameters"]
+    effect_deviation: Float[np.ndarray, " parameters"]
+    groups: Groups
+
+
+def morris_of(
+    fractions: Float[np.ndarray, "trajectories rows parameters"],
+    values: Float[np.ndarray, "trajectories rows"],
+    seed: int,
+) -> Morris:
+    """Estimate elementary effects from trajectories.
+
+    Args:
+        fractions: of the ranges, 0 to 1, from SALib's sample.
+        values: outputs; NaN where there is none.
+        seed: of the bootstrap.
+
+    Source: Morris (1991), doi 10.1080/00401706.1991.10484804, and Campolongo et al.
+    (2007), doi 10.1016/j.envsoft.2006.10.004, as SALib computes it.
+    """
+    from SALib.analyze import morris as salib  # a second, for pandas and SciPy
+
+    parameters = fractions.shape[2]
+    whole, groups = complete_groups(values)
+    if groups.reason:
+        return Morris._make([*[np.full(parameters, np.nan)] * 4, groups])
+    found = salib.analyze(
+        problem_of(map(str, range(parameters))),
+        fractions[np.isfinite(values).all(axis=1)].reshape(-1, parameters),
+        whole.ravel(),
+        num_resamples=RESAMPLES,
+        conf_level=CONFIDENCE,
+        num_levels=LEVELS,
+        seed=seed,
+    )
+    names = ("mu", "mu_star", "mu_star_conf", "sigma")
+    return Morris._make([*(np.asarray(found[n], float) for n in names), groups])
 
 
 def check_trajectories(trajectories: int, parameters: int) -> None:
-    """Raise InputError for too few to have a deviation, and for more than fit into
-    memory."""
+    """Raise InputError for too few trajectories to have a standard deviation, and for
+    more than fit into memory."""
     whole_number("trajectories", trajectories, 2)
     impacts = trajectories * (parameters + 1)
     check_memory(
         impacts * NUMBERS_PER_IMPACT, f"{trajectories} trajectories, {impacts} impacts,"
     )
+
+
+def _sample(problem: dict, trajectories: int, seed: int) -> np.ndarray:
+    from SALib.sample import morris as salib  # a second, for pandas and SciPy
+
+    return salib.sample(problem, trajectories, num_levels=LEVELS, seed=seed)
+
+
+_METHOD = Method(
+    title="Morris's elementary effects",
+    check_size=check_trajectories,
+    sample=_sample,
+    estimate=morris_of,
+    variables={
+        name: {"units": "output_unit", "long_name": meaning}
+        for name, meaning in (
+            ("mean_effect", "mu, mean effect of the whole range"),
+            ("mean_absolute_effect", "mu*, mean absolute effect of the whole range"),
+            ("mean_absolute_effect_interval", "half width of its 95 % interval"),
+            ("effect_deviation", "sigma, standard deviation of the effect"),
+        )
+    },
+    totals={},
+)

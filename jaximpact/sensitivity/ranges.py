@@ -1,39 +1,87 @@
-"""Over what a parameter varies."""
+"""Parameters that vary, the ranges over which they do, and outputs, by the names of
+the tables."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._checks import expect, real_number
 from ..errors import InputError, nearest
-from ..fields import expect, real_number
-from ..formats.columns import InputColumn
+from ..io.checks import checked_names
+from ..io.datasets import OUTPUT_COLUMNS
+from ..quantities import RESULT_COLUMNS, InputColumn, ResultColumn, columns_of
 from ..scene import Scene
-from .names import parameter_columns
 
 UNIFORM, LOG_UNIFORM = DISTRIBUTIONS = ("uniform", "log-uniform")
 
 
+USUAL_PARAMETERS = ("c_v", "gamma_v", "k_E")
+DEFAULT_OUTPUTS = tuple(RESULT_COLUMNS)
+WATCHED = {name: c for name, c in OUTPUT_COLUMNS.items() if name != "steps"}
+"""Outputs that may be asked for: the numbers of the impact, not of its integration."""
+
+
+def default_parameters(scene: Scene) -> tuple[str, ...]:
+    """Return those of c_v, gamma_v and k_E that the scene's laws have."""
+    columns = columns_of(scene)
+    found = tuple(name for name in USUAL_PARAMETERS if name in columns)
+    if not found:
+        raise InputError(
+            f"parameters must be named, as the scene's laws have none of "
+            f"{', '.join(USUAL_PARAMETERS)}"
+        )
+    return found
+
+
+def parameter_columns(scene: Scene, names: Iterable[str]) -> tuple[InputColumn, ...]:
+    """Return the columns of parameters of a scene. Raises InputError for a name that is
+    unknown or stands twice, and for none."""
+    columns = columns_of(scene)
+    names = checked_names("parameter", names, columns)
+    return tuple(columns[name] for name in names)
+
+
+def output_columns(names: Iterable[str]) -> tuple[ResultColumn, ...]:
+    """Return the columns of outputs. Raises InputError as `parameter_columns` does."""
+    return tuple(WATCHED[name] for name in checked_names("output", names, WATCHED))
+
+
+def axes_of_names(
+    inputs: tuple[InputColumn, ...], results: tuple[ResultColumn, ...]
+) -> dict:
+    """Return the coordinates of a dataset over parameters and outputs: names, units."""
+    return {
+        "parameter": [column.name for column in inputs],
+        "output": [column.name for column in results],
+        "parameter_unit": ("parameter", [column.unit for column in inputs]),
+        "output_unit": ("output", [column.unit for column in results]),
+    }
+
+
 @dataclasses.dataclass(frozen=True)
 class Range:
-    """Values that a parameter may have, in the unit of its column.
+    """Distribution of a parameter between two ends, in the unit of its column.
 
-    Between `lower` and `upper`, all equally likely ("uniform"), or all their logarithms
-    ("log-uniform"): for what is known to a factor, such as a stiffness.
+    "uniform", or "log-uniform" (uniform in the logarithm) for what is known to a
+    factor, such as a stiffness.
     """
 
     lower: float
+    """Lower end."""
     upper: float
+    """Upper end."""
     distribution: str = UNIFORM
+    """ "uniform" or "log-uniform"."""
 
-    def values(self, share: ArrayLike) -> np.ndarray:
-        """The value below which a share of the range lies, 0 to 1."""
-        share = np.asarray(share, float)
+    def values(self, fraction: ArrayLike) -> np.ndarray:
+        """Return the quantiles of the distribution, for fractions 0 to 1."""
+        fraction = np.asarray(fraction, float)
         if self.distribution == LOG_UNIFORM:
-            values = self.lower * (self.upper / self.lower) ** share
+            values = self.lower * (self.upper / self.lower) ** fraction
         else:
-            values = self.lower + share * (self.upper - self.lower)
+            values = self.lower + fraction * (self.upper - self.lower)
         # Rounding must not pass the end of what is allowed.
         return np.clip(values, self.lower, self.upper)
 
@@ -41,8 +89,8 @@ class Range:
 def check_ranges(
     scene: Scene, ranges: Mapping[str, Range | tuple[float, float]]
 ) -> dict[str, Range]:
-    """The ranges of parameters of a scene by the names of their columns; a pair is
-    uniform.
+    """Check the ranges of parameters of a scene, by the names of their columns, and
+    return them; a pair of numbers is a uniform range.
 
     Raises InputError for an unknown name, ends out of the column's range or in the
     wrong order, an unknown distribution, and for fewer than two parameters.
@@ -71,7 +119,7 @@ def check_ranges(
 
 
 def check_range(column: InputColumn, given: Range) -> None:
-    """Raise InputError unless it is a range of that column."""
+    """Raise InputError unless a range suits a column."""
     name = column.name
     if given.distribution not in DISTRIBUTIONS:
         raise InputError(

@@ -1,23 +1,30 @@
-"""Sobol indices: which parameters the spread of an output comes from."""
+"""Sobol indices: which parameters the variance of an output comes from."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
+import numpy as np
 import xarray as xr
+from jaxtyping import Float
 
-from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from ..block import Block
+from ..accuracy import DEFAULT_ACCURACY, Accuracy
 from ..errors import InputError
-from ..formats.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
-from ..precision import require_float64
-from ..scene import Impact, Scene, as_scene
+from ..io.checks import NUMBERS_PER_IMPACT, check_memory
+from ..progress import Progress, ProgressFunction
+from ..scene import Block, Impact, Scene
 from ..soil import Soil
-from .estimators import problem_of, sobol_of
-from .global_result import global_dataset
-from .names import DEFAULT_OUTPUTS, output_columns
-from .ranges import Range, check_ranges
-from .sampling import check_seed, sampled_outputs
+from .ranges import DEFAULT_OUTPUTS, Range
+from .samples import (
+    CONFIDENCE,
+    RESAMPLES,
+    Groups,
+    Method,
+    complete_groups,
+    estimate_over_ranges,
+    problem_of,
+)
 
 DEFAULT_BLOCKS = 4096
 
@@ -31,36 +38,37 @@ def sobol(
     seed: int = 0,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     journal: Path | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | ProgressFunction | None = None,
 ) -> xr.Dataset:
-    r"""Sobol indices of impacts over ranges of parameters.
+    r"""Compute Sobol indices of impacts over ranges of parameters.
 
     $$ S_i = \frac{V[E(y | x_i)]}{V[y]}, \qquad
        S_{Ti} = 1 - \frac{V[E(y | x_{\sim i})]}{V[y]} $$
 
-    The first-order index is the part of the variance that goes if a parameter gets
-    known; the total index the part that stays if all others do. What the total has
-    more is in combinations with others.
+    The first-order index is the fraction of the variance that vanishes if a parameter
+    becomes known, the total index the fraction that remains if all others do. Their
+    difference is the part of interactions with other parameters.
 
     Args:
-        base: one impact, as for `simulate`; what does not vary is as here.
+        base: one impact, as for `simulate`; the values of what does not vary.
         ranges: input column -> `Range`, or a pair (lower, upper), uniform, in the unit
             of the column; at least two. Parameters are independent.
-        outputs: result columns; all of a table of results if not said.
-        blocks: of Saltelli's sample, a power of two; each is an impact for every
-            parameter and two more. Intervals narrow with its root.
-        seed: of the sample and of the intervals.
+        outputs: result columns; by default all of a table of results.
+        blocks: number of blocks of Saltelli's sample, a power of two; each takes an
+            impact for every parameter and two more. Confidence intervals narrow with
+            its square root.
+        seed: of the sample and of the bootstrap.
         accuracy, journal, progress: as for `simulate_batch`.
 
     Returns:
         A dataset over `output` and `parameter`: `first_order`, `total_order`, and
-        `..._interval`, the half width of the 95 % interval (bootstrap). For each
-        output its `mean` and `standard_deviation` over the ranges, and
+        `..._interval`, the half width of the 95 % confidence interval (bootstrap). For
+        each output its `mean` and `standard_deviation` over the ranges, and
         `groups_kept`, `groups_dropped`: a block with an impact that has no value is
-        left out whole; see `estimators`. Indices are NaN where fewer than half of the
-        blocks are left, or the output does not change; `reason` says so. Outcomes
-        (attribute `outcomes`) that are no failure count as they are: a separating
-        block has an e_n of -1.
+        left out whole; see `sensitivity.samples`. Indices are NaN where fewer than half
+        of the blocks are left, or the output does not change; `reason` says so.
+        Outcomes (attribute `outcomes`) that are no failure count as they are: a
+        separating block has an e_n of -1.
 
     Source: Saltelli et al. (2010), doi 10.1016/j.cpc.2009.09.018, through SALib.
 
@@ -69,49 +77,64 @@ def sobol(
             two, a journal of something else.
         ValueError: a base that is no single scene.
     """
-    require_float64()
-    base = as_scene(base)
-    check_scene(base)
-    checked, columns = check_ranges(base, ranges), output_columns(outputs)
-    check_seed(seed)
-    check_blocks(blocks, len(checked))
-    setting = get_accuracy(accuracy)
-    from SALib.sample import sobol as salib  # a second, for pandas and SciPy
-
-    shares = salib.sample(
-        problem_of(checked), blocks, calc_second_order=False, seed=seed
-    )
-    values, outcomes = sampled_outputs(
-        base, checked, shares, columns, setting, journal, progress
-    )
-    of_blocks = values.reshape(blocks, len(checked) + 2, len(columns))
-    found = [sobol_of(of_blocks[:, :, i], seed) for i in range(len(columns))]
-    by_parameter = {
-        "first_order": ("-", "first-order index"),
-        "first_order_interval": ("-", "half width of its 95 % interval"),
-        "total_order": ("-", "total index"),
-        "total_order_interval": ("-", "half width of its 95 % interval"),
-    }
-    dataset = global_dataset(
-        "Sobol indices",
-        found,
-        by_parameter,
-        (checked, columns),
-        base=base,
-        accuracy=setting,
+    return estimate_over_ranges(
+        _METHOD,
+        base,
+        ranges,
+        outputs,
+        size=blocks,
         seed=seed,
-        outcomes=outcomes,
+        accuracy=accuracy,
+        journal=journal,
+        progress=progress,
     )
-    dataset["mean"] = ("output", [x.mean for x in found])
-    dataset["standard_deviation"] = ("output", [x.standard_deviation for x in found])
-    for name in ("mean", "standard_deviation"):
-        dataset[name].attrs["long_name"] = f"{name} over the ranges, in output_unit"
-    return dataset
+
+
+class Sobol(NamedTuple):
+    """Sobol indices of one output, with half widths of 95 % confidence intervals."""
+
+    first_order: Float[np.ndarray, " parameters"]
+    first_order_interval: Float[np.ndarray, " parameters"]
+    total_order: Float[np.ndarray, " parameters"]
+    total_order_interval: Float[np.ndarray, " parameters"]
+    mean: float
+    standard_deviation: float
+    groups: Groups
+
+
+def sobol_of(values: Float[np.ndarray, "blocks rows"], seed: int) -> Sobol:
+    """Estimate first-order and total indices from blocks of Saltelli's sample.
+
+    Args:
+        values: a row for each block, in SALib's order: A, then A with each parameter
+            from B, then B; NaN where there is none.
+        seed: of the bootstrap.
+
+    Source: Saltelli et al. (2010), doi 10.1016/j.cpc.2009.09.018, as SALib computes it.
+    """
+    from SALib.analyze import sobol as salib  # a second, for pandas and SciPy
+
+    parameters = values.shape[1] - 2
+    whole, groups = complete_groups(values)
+    if groups.reason:
+        nothing = np.full(parameters, np.nan)
+        return Sobol._make([*[nothing] * 4, np.nan, np.nan, groups])
+    found = salib.analyze(
+        problem_of(map(str, range(parameters))),
+        whole.ravel(),
+        calc_second_order=False,
+        num_resamples=RESAMPLES,
+        conf_level=CONFIDENCE,
+        seed=seed + 1,  # SALib takes 0 for none
+    )
+    indices = (found[name] for name in ("S1", "S1_conf", "ST", "ST_conf"))
+    ends = whole[:, [0, -1]]
+    return Sobol._make([*indices, float(ends.mean()), float(ends.std()), groups])
 
 
 def check_blocks(blocks: int, parameters: int) -> None:
-    """Raise InputError unless it is a power of two, which Sobol's sequence needs for
-    its balance, and the sample fits into memory."""
+    """Raise InputError unless the number of blocks is a power of two, which Sobol's
+    sequence needs for its balance, and the sample fits into memory."""
     if not isinstance(blocks, int) or blocks < 2 or blocks & (blocks - 1):
         near = 1024
         if isinstance(blocks, int) and blocks >= 1:
@@ -121,3 +144,28 @@ def check_blocks(blocks: int, parameters: int) -> None:
         )
     impacts = blocks * (parameters + 2)
     check_memory(impacts * NUMBERS_PER_IMPACT, f"{blocks} blocks, {impacts} impacts,")
+
+
+def _sample(problem: dict, blocks: int, seed: int) -> np.ndarray:
+    from SALib.sample import sobol as salib  # a second, for pandas and SciPy
+
+    return salib.sample(problem, blocks, calc_second_order=False, seed=seed)
+
+
+_INTERVAL = {"units": "-", "long_name": "half width of its 95 % interval"}
+_METHOD = Method(
+    title="Sobol indices",
+    check_size=check_blocks,
+    sample=_sample,
+    estimate=lambda fractions, values, seed: sobol_of(values, seed),
+    variables={
+        "first_order": {"units": "-", "long_name": "first-order index"},
+        "first_order_interval": _INTERVAL,
+        "total_order": {"units": "-", "long_name": "total index"},
+        "total_order_interval": _INTERVAL,
+    },
+    totals={
+        name: {"long_name": f"{name} over the ranges, in output_unit"}
+        for name in ("mean", "standard_deviation")
+    },
+)

@@ -5,7 +5,7 @@ from .elliptic import AbstractElliptic, Ellipsoid, EllipticCylinder
 from .foundation import Foundation, foundation
 from .mixed import MixedShapes, mixed, shape_of_each
 from .prism import RectangularPrism
-from .rolling import RoundBlock
+from .support import RoundBlock
 
 __all__ = [
     "AbstractElliptic",

@@ -1,43 +1,40 @@
-"""What the model takes from the shape of a block."""
+"""Shapes of blocks: the quantities that the model takes from one."""
 
 import abc
-from typing import ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
 
 from .._jax_internals import namespace_of
+from .._types import Flag, Scalar
 from ..parameters import Part
-from .parting import farthest_direction
-from .rolling import RoundBlock, round_block
-
-Scalar = Float[Array, ""]
-Flag = Bool[Array, ""]
+from .support import RoundBlock, farthest_direction, round_block
 
 
 class SemiAxes(NamedTuple):
     """Half of the block's sizes [m]."""
 
     major: Scalar
-    """H, in the plane of motion, along the axis from which orientation is measured."""
+    """Half size H in the plane of motion, along the axis from which orientation is
+    measured."""
     minor: Scalar
-    """R, in the plane of motion, across it."""
+    """Half size R in the plane of motion, across that axis."""
     out_of_plane: Scalar
-    """W, normal to the plane of motion."""
+    """Half size W normal to the plane of motion."""
 
 
 class Section(NamedTuple):
-    """Where the ground cuts the block, from its centre; in metres."""
+    """Section of the block by the ground, from its centre [m]."""
 
     left: Scalar
-    """t_1, up-slope end: of the section at ground level or, where it lies below the
+    """Up-slope end t_1: of the section at ground level or, where it lies below the
     ground, the block's widest point on that side."""
     right: Scalar
-    """t_2, down-slope end, likewise."""
+    """Down-slope end t_2, as for t_1."""
     width: Scalar
-    """B_w, size out of the plane of motion."""
+    """Size B_w out of the plane of motion."""
 
 
 class AbstractShape(Part):
@@ -55,11 +52,15 @@ class AbstractShape(Part):
     `section` then take `side`, a keyword that other shapes are not given.
     """
 
+    if TYPE_CHECKING:  # parameters that every shape declares
+        aspect_ratio: Scalar
+        out_of_plane_ratio: Scalar
+
     most_slender: ClassVar[float | None] = 100.0
-    """Ratio of the foundation's sizes up to which the correction J_s of the stiffness
-    heeds it, 49 there. A block straight out of the plane of motion is beyond it down to
+    """Largest ratio of the foundation's sizes in the correction J_s of the stiffness,
+    which is 49 there. A block straight out of the plane of motion is beyond it down to
     a sinking of some 1e-4 R, and J_s, an exponential, would overflow; what it is there
-    does not show in results. None: without end, as the paper prints J_s."""
+    does not show in results. None: without limit, as the paper prints J_s."""
 
     @property
     @abc.abstractmethod
@@ -121,7 +122,7 @@ class AbstractShape(Part):
     def tangency_arm(
         self, axes: SemiAxes, sin: Scalar, cos: Scalar, *, side: Flag | None = None
     ) -> Scalar:
-        r"""The lowest point from the centre, down-slope positive:
+        r"""Lowest point from the centre, down-slope positive:
         $T_{low} = dr_y/d\Theta$ [m].
 
         Args:
@@ -168,7 +169,7 @@ class AbstractShape(Part):
         return self.support(axes, *now, **on_side(side)) - before
 
     def side_of(self, sin: Scalar, cos: Scalar) -> Scalar | None:
-        """A function that changes sign at orientations where the lowest point jumps
+        """Function that changes sign at orientations where the lowest point jumps
         from one corner to another; None for a shape without flat faces. Steps of the
         integration end there, and between them `support` and `tangency_arm` stay on one
         side."""
@@ -182,15 +183,16 @@ class AbstractShape(Part):
         return jnp.where(is_level, rate * spin > 0.0, value > 0.0), is_level
 
     def is_upright(self, orientation):
-        """Whether the block lies symmetric about the ground's normal, so that a central
-        impact does not turn it: by default at multiples of 90 degrees. For arrays of
-        NumPy, and of JAX while it traces [rad]; NaN stands for what is not known."""
+        """Tell whether the block lies symmetric about the ground's normal, so that a
+        central impact does not turn it: by default at multiples of 90 degrees. For
+        arrays of NumPy, and of JAX while it traces [rad]; NaN stands for what is not
+        known."""
         xp = namespace_of(orientation)
         return xp.abs(xp.sin(2.0 * xp.asarray(orientation))) <= SYMMETRIC_WITHIN
 
     def is_round(self):
-        """Whether nothing depends on the orientation, so that a table needs one node of
-        it: no shape by default. For NumPy arrays."""
+        """Tell whether nothing depends on the orientation, so that a table needs one
+        node of it: no shape by default. For NumPy arrays."""
         return np.zeros(np.shape(self.aspect_ratio), bool)
 
     @property
@@ -208,8 +210,9 @@ class AbstractShape(Part):
     def parting_direction(
         self, axes: SemiAxes, along: Scalar, across: Scalar
     ) -> tuple[Scalar, Scalar]:
-        """Direction, of any length, that parts a point from the block if the point is
-        outside: by default the one in which it is farthest outside, by the support.
+        """Direction, of any length, that separates a point from the block if the point
+        is outside: by default the one in which it is farthest outside, from the
+        support.
 
         Args:
             along, across: coordinates of the point from the centre, along the major
@@ -218,12 +221,12 @@ class AbstractShape(Part):
         return farthest_direction(self, axes, along, across)
 
     def round_block(self, axes: SemiAxes) -> RoundBlock:
-        """The round block that rolls in place of this one in a run-out: by default by
-        the support at many orientations."""
+        """Round block that rolls in place of this one in a run-out: by default from the
+        support at many orientations."""
         return round_block(self, axes)
 
     def outline(self, axes: SemiAxes, count: int = 180) -> np.ndarray:
-        """The outline in the plane of motion, for drawings [m].
+        """Outline in the plane of motion, for drawings [m].
 
         Args:
             axes: half sizes of one block.
@@ -247,7 +250,7 @@ class AbstractShape(Part):
         return np.concatenate([points, points[:1]])
 
 
-def on_side(side: Flag | None) -> dict[str, Flag]:
+def on_side(side: Flag | None) -> dict[str, Any]:
     """The keyword `side`, for a shape that has sides; else nothing."""
     return {} if side is None else {"side": side}
 

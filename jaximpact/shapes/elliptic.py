@@ -3,15 +3,14 @@ elliptic cylinder."""
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 
 from .._jax_internals import namespace_of
+from .._safe import safe_sqrt
+from .._types import Scalar
 from ..parameters import parameter
-from ..safe import safe_sqrt
 from .base import AbstractShape, Section, SemiAxes
-from .rolling import RoundBlock
+from .support import RoundBlock
 
-Scalar = Float[Array, ""]
 USUAL_RATIO = (0.02, 50.0)
 
 
@@ -78,7 +77,7 @@ class AbstractElliptic(AbstractShape):
         return super().is_upright(orientation) | self.is_round()
 
     def is_round(self):
-        """Whether the section is a circle."""
+        """Tell whether the section is a circle."""
         return namespace_of(self.aspect_ratio).asarray(self.aspect_ratio) == 1.0
 
     @property
@@ -87,7 +86,7 @@ class AbstractElliptic(AbstractShape):
         return jnp.maximum(self.aspect_ratio, 1.0)
 
     def largest_bending(self, axes) -> Scalar:
-        r"""$\max(H^2/R - R,\; R^2/H - H)$ [m]."""
+        r"""Largest $r_y''$: $\max(H^2/R - R,\; R^2/H - H)$ [m]."""
         major, minor, _ = axes
         return jnp.maximum(major**2 / minor - minor, minor**2 / major - major)
 
@@ -101,8 +100,9 @@ class AbstractElliptic(AbstractShape):
         return along / axes.major**2, across / axes.minor**2
 
     def round_block(self, axes) -> RoundBlock:
-        r"""The radius by Ramanujan's second formula for the perimeter: to 2e-7 at an
-        aspect ratio of 2, and to 4e-5 at 6. The slope is $|H^2 - R^2|/(2 H R)$."""
+        r"""Round block with the radius by Ramanujan's second formula for the perimeter:
+        to 2e-7 at an aspect ratio of 2, and to 4e-5 at 6. The slope is $|H^2 - R^2|/(2
+        H R)$."""
         major, minor, _ = axes
         h = ((major - minor) / (major + minor)) ** 2
         return RoundBlock(
@@ -112,7 +112,7 @@ class AbstractElliptic(AbstractShape):
         )
 
     def outline(self, axes, count=180) -> np.ndarray:
-        """Begins at the end of the major axis; see `AbstractShape.outline`."""
+        """Outline from the end of the major axis; see `AbstractShape.outline`."""
         turn = np.linspace(0.0, 2.0 * np.pi, count + 1)
         return np.column_stack(
             [float(axes.minor) * np.sin(turn), float(axes.major) * np.cos(turn)]
@@ -166,14 +166,13 @@ class Ellipsoid(AbstractElliptic):
 
 
 class EllipticCylinder(AbstractElliptic):
-    r"""A cylinder of elliptic section, its axis normal to the plane of motion: plane
-    strain.
+    r"""A cylinder of elliptic section, its axis normal to the plane of motion.
 
     $$ R = \left(\frac{m}{2 \pi \rho A_r (W/R)}\right)^{1/3},
        \qquad I = \tfrac{1}{4} m (H^2 + R^2), \qquad B_w = 2 W $$
 
-    The section in the plane of motion is the ellipsoid's. Exact: no cut out of the
-    plane is left out.
+    The section in the plane of motion is the ellipsoid's. Plane strain: no cut out of
+    the plane is left out.
     """
 
     @property

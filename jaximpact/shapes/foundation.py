@@ -23,30 +23,28 @@ tangent and cosine.
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
 
-from .base import AbstractShape, Flag, SemiAxes, on_side
-
-Scalar = Float[Array, ""]
+from .._types import Flag, Scalar
+from .base import AbstractShape, SemiAxes, on_side
 
 
 class Foundation(NamedTuple):
     """The equivalent foundation at one moment; lengths in metres."""
 
     length: Scalar
-    """B_t, size along the slope."""
+    """Size B_t along the slope."""
     width: Scalar
-    """B_w, size out of the plane of motion."""
+    """Size B_w out of the plane of motion."""
     sinking: Scalar
-    """u_D, depth of the block's deepest point."""
+    """Sinking u_D: depth of the block's deepest point."""
     normal_arm: Scalar
-    """r_n, height of the block's centre above the ground."""
+    """Height r_n of the block's centre above the ground."""
     tangential_arm: Scalar
-    """r_t, centre of the foundation from the block's centre, down-slope positive."""
+    """Centre r_t of the foundation from the block's centre, down-slope positive."""
     tangency_arm: Scalar
-    """T_low, the block's deepest point from its centre, down-slope positive."""
+    """Deepest point T_low of the block from its centre, down-slope positive."""
     most_slender: float | None = None
-    """Ratio of the sizes up to which laws heed it; see `AbstractShape`."""
+    """Largest ratio of the sizes in the laws [-]; see `AbstractShape`."""
 
 
 def foundation(
@@ -61,8 +59,8 @@ def foundation(
     """Sizes and arms of the equivalent foundation of a sunk block.
 
     Args:
-        shape: of the block. axes: its half sizes [m].
-        sin, cos: of the orientation $\\Theta$.
+        shape: shape of the block. axes: its half sizes [m].
+        sin, cos: sine and cosine of the orientation $\\Theta$.
         sinking: $u_D$ [m], depth of the deepest point. At or below zero there is no
             section: both sizes are 0, and their gradients are 0.
         side: on which the shape is to stay; see `AbstractShape.side_of`.

@@ -1,36 +1,35 @@
-"""Several shapes in one scene: each lane has one of them."""
+"""Mixed shapes: several in one scene, one for each lane."""
 
 import abc
 import dataclasses
 import functools
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 
+from .._precision import float64_leaf
+from .._types import Flag, Scalar
 from ..errors import InputError
 from ..parameters import Declared, declared_of, parameter
-from ..precision import float64_leaf
-from .base import AbstractShape, Flag, Section, SemiAxes, on_side
-from .rolling import RoundBlock
-
-Scalar = Float[Array, ""]
+from .base import AbstractShape, Section, SemiAxes, on_side
+from .support import RoundBlock
 
 
 class MixedShapes(AbstractShape):
     """One of several shapes, `index` says which.
 
     `mixed(Ellipsoid, RectangularPrism)` is such a class. Its parameters are those of
-    all its shapes, each once; a lane heeds those that its shape has, and the values of
-    the others change nothing.
+    all its shapes, each once; those that the shape of a lane does not have change
+    nothing there.
     """
 
     # No parameter, and said to be none.
     index: Scalar = eqx.field(converter=float64_leaf, metadata={"declared": None})
-    """Place among `kinds` of the shape of a lane: a whole number."""
+    """Index among `kinds` of the shape of a lane: a whole number."""
 
     @property
     @abc.abstractmethod
@@ -56,8 +55,8 @@ class MixedShapes(AbstractShape):
         return [self.alone(place) for place in range(len(self.kinds))]
 
     def _chosen(self, of_shape: Callable):
-        """What the lane's shape gives. The others are worked out too, of finite inputs,
-        so that their derivatives are finite and count nothing."""
+        """Select the result of the lane's shape. The others are computed too, for
+        finite inputs, so that their derivatives are finite and count nothing."""
         *others, found = [of_shape(shape) for shape in self._alone()]
         for place, other in reversed(list(enumerate(others))):
             is_it = self.index == place
@@ -151,15 +150,15 @@ class MixedShapes(AbstractShape):
         return self.alone(int(self.index)).outline(axes, count)
 
 
-def _on_its(shape: AbstractShape, side: Flag | None) -> dict[str, Flag]:
-    """The keyword `side` for a shape that has sides; the others are not given it."""
+def _on_its(shape: AbstractShape, side: Flag | None) -> dict[str, Any]:
+    """Keyword `side` for a shape that has sides; nothing for the others."""
     level = jnp.zeros(()), jnp.ones(())
     return {} if shape.side_of(*level) is None else on_side(side)
 
 
 @functools.cache
 def mixed(*kinds: type[AbstractShape]) -> type[MixedShapes]:
-    """The class of blocks that have one of several shapes each.
+    """Make the class of blocks that have one of several shapes each.
 
     Raises InputError for two parameters of one name that differ in unit or column.
     """
@@ -190,8 +189,10 @@ def mixed(*kinds: type[AbstractShape]) -> type[MixedShapes]:
 
 
 def shape_of_each(kinds: Sequence[type[AbstractShape]]) -> AbstractShape:
-    """The shape of each of many blocks, with its default parameters; of one class if
-    they all are."""
+    """Make the shapes of many blocks, with default parameters.
+
+    They are `MixedShapes` unless all blocks have a shape of one class.
+    """
     different = sorted(set(kinds), key=lambda kind: (kind.__module__, kind.__name__))
     if len(different) == 1:
         return different[0]()
@@ -211,8 +212,8 @@ def shape_of_each(kinds: Sequence[type[AbstractShape]]) -> AbstractShape:
 
 
 def _declared(kinds: Sequence[type[AbstractShape]]) -> dict[str, Declared]:
-    """What parameters of several shapes say, of one name once; ranges are those within
-    which any of them is allowed."""
+    """Declarations of the parameters of several shapes, each name once; ranges are
+    those within which any of them is allowed."""
     found: dict[str, Declared] = {}
     owner: dict[str, type] = {}
     for kind in kinds:

@@ -2,20 +2,19 @@ r"""Rectangular prism whose corners in the plane of motion are rounded."""
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 
 from .._jax_internals import Tracer, namespace_of
+from .._safe import safe_sqrt
+from .._types import Scalar
 from ..errors import InputError
 from ..parameters import parameter
-from ..safe import safe_sqrt
 from .base import SYMMETRIC_WITHIN, AbstractShape, Section
 from .elliptic import USUAL_RATIO
-from .rolling import RoundBlock
+from .support import RoundBlock
 
-Scalar = Float[Array, ""]
 LEAST_SLOPE = 1e-12
-"""Faces are not taken as closer to level than this [rad]: they are cut further away
-than the block is large."""
+"""Least angle of a face from level or upright [rad]: below it the ground would cut the
+face farther away than the block is large."""
 
 
 class RectangularPrism(AbstractShape):
@@ -107,7 +106,8 @@ class RectangularPrism(AbstractShape):
         return sin * cos
 
     def is_upright(self, orientation):
-        """Also at 45 degrees for a square, and always for a circle."""
+        """Tell whether the block lies symmetric: also at 45 degrees for a square, and
+        always for a circle."""
         xp = namespace_of(self.aspect_ratio, self.corner_radius_ratio, orientation)
         square = xp.asarray(self.aspect_ratio) == 1.0
         circle = square & (xp.asarray(self.corner_radius_ratio) == 1.0)
@@ -124,10 +124,11 @@ class RectangularPrism(AbstractShape):
         """Signs of sine and cosine, by the side that is told; 0 where a face is
         level."""
         if side is None:
-            return tuple(
+            sin_sign, cos_sign = (
                 jnp.where(jnp.abs(x) <= SYMMETRIC_WITHIN, 0.0, jnp.sign(x))
                 for x in (sin, cos)
             )
+            return sin_sign, cos_sign
         product = jnp.where(side, 1.0, -1.0)
         steep = jnp.abs(sin) > jnp.abs(cos)
         sin_sign = jnp.where(steep, jnp.sign(sin), product * jnp.sign(cos))
@@ -149,8 +150,8 @@ class RectangularPrism(AbstractShape):
         return short * sin_sign * cos - long * cos_sign * sin
 
     def parting_direction(self, axes, along, across) -> tuple[Scalar, Scalar]:
-        """From the nearest point of the rectangle without its rounding; of a point
-        inside of that one, the normal of the nearest face."""
+        """Direction from the nearest point of the rectangle without its rounding; for a
+        point inside of that one, the normal of the nearest face."""
         radius = self._radius(axes.major, axes.minor)
         beyond = jnp.abs(along) - (axes.major - radius)
         beside = jnp.abs(across) - (axes.minor - radius)
@@ -164,8 +165,9 @@ class RectangularPrism(AbstractShape):
         )
 
     def round_block(self, axes) -> RoundBlock:
-        r"""Its perimeter is $4(a + b) + 2\pi\rho$; it falls over the corner of one of
-        its faces, from the edge of the level one."""
+        r"""Round block in closed form: the perimeter is $4(a + b) + 2\pi\rho$; the
+        block falls over the corner of one of its faces, from the edge of the level
+        one."""
         radius = self._radius(axes.major, axes.minor)
         a, b = axes.major - radius, axes.minor - radius
         return RoundBlock(

@@ -1,0 +1,163 @@
+"""What the operation of JAX costs beside what it computes: in `jit`, `vmap` and `grad`,
+and of one impact."""
+
+import dataclasses
+import functools
+import time
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from matplotlib.figure import Figure
+
+from jaximpact.accuracy import PRESETS
+from jaximpact.backend.native_backend import compile_native, solve_rows
+from jaximpact.batch import simulate_batch
+from jaximpact.impact.problem import Assembly
+from jaximpact.impact.reduced_models import PLANAR
+from jaximpact.plotting.style import BLUE, GREY, in_style, panels
+from jaximpact.scene import Block, Impact, Scene
+from jaximpact.simulation import simulate
+from jaximpact.soil import Soil
+
+from ..impacts import PARAMETERS, mixed_scenes, shifted
+from .section import Bench, Row, Section, interleaved_minima
+
+BATCH = "simulate_batch"
+VALUES = "jit(vmap)"
+GRADIENTS = "jit(grad(mean(vmap)))"
+STEPS = "machine code alone"
+JITTED = "jit"
+EAGER = "simulate"
+EAGER_GRADIENT = "value_and_grad"
+ALONE = Scene(Block(aspect_ratio=2.0), Soil(), Impact(angle=0.5))
+"""The single impact: three degrees of freedom, no dashpots."""
+
+
+def _e_n(scene: Scene):
+    return simulate(scene, ledger=False).e_n
+
+
+def _e_n_of_parameters(*values):
+    soil = dataclasses.replace(ALONE.soil, **dict(zip(PARAMETERS, values, strict=True)))
+    return _e_n(Scene(ALONE.block, soil, ALONE.impact))
+
+
+def _mean(shift, scenes: Scene):
+    return jnp.mean(jax.vmap(lambda scene: _e_n(shifted(scene, shift)))(scenes))
+
+
+def _calls(count: int) -> dict[str, Callable[[], object]]:
+    """What is measured, by name: functions of nothing, compiled."""
+    scenes = mixed_scenes(count, seed=0)
+    arrays, nothing = jax.tree.map(jnp.asarray, scenes), jnp.zeros(len(PARAMETERS))
+    alone = jax.tree.map(jnp.asarray, ALONE)
+    values, one = jax.jit(jax.vmap(_e_n)), jax.jit(_e_n)
+    gradient = jax.jit(jax.grad(_mean))
+    own = jax.value_and_grad(_e_n_of_parameters, argnums=range(len(PARAMETERS)))
+    parameters = [getattr(ALONE.soil, name) for name in PARAMETERS]
+    calls = {
+        BATCH: lambda: simulate_batch(scenes),
+        VALUES: lambda: values(arrays),
+        GRADIENTS: lambda: gradient(nothing, arrays),
+        JITTED: lambda: one(alone),
+        EAGER: lambda: _e_n(ALONE),
+        EAGER_GRADIENT: lambda: own(*parameters),
+    }
+    for call in calls.values():
+        jax.block_until_ready(call())
+    return calls
+
+
+def _seconds(call: Callable[[], object], calls: int) -> float:
+    """The shortest of so many calls."""
+    shortest = np.inf
+    for _ in range(calls):
+        begin = time.perf_counter()
+        jax.block_until_ready(call())
+        shortest = min(shortest, time.perf_counter() - begin)
+    return shortest
+
+
+def _seconds_of_steps(calls: int) -> float:
+    """An impact in machine code, without what a call from Python takes: that is what no
+    impact takes."""
+    accuracy = PRESETS["balanced"]
+    kernel = compile_native(Assembly(jax.tree.structure(ALONE), PLANAR, ledger=False))
+    setting = [accuracy.tolerance, accuracy.floor]
+    column = np.array([*jax.tree.leaves(ALONE), *setting], float)[:, None]
+    impact, nothing = (
+        _seconds(functools.partial(solve_rows, kernel, lanes), calls)
+        for lanes in (column, column[:, :0])
+    )
+    return impact - nothing
+
+
+def measure(bench: Bench) -> list[Row]:
+    """A row for each way to compute."""
+    settings = bench.settings
+    bench.say("compiling")
+    calls = _calls(settings.jax_scenes)
+    together = (BATCH, VALUES, GRADIENTS)
+    tasks = [
+        functools.partial(
+            _seconds, call, 1 if name in together else settings.jax_singles
+        )
+        for name, call in calls.items()
+    ]
+    tasks.append(functools.partial(_seconds_of_steps, settings.jax_singles))
+    seconds = interleaved_minima(tasks, settings.jax_repeats, np.inf, bench.say)
+    return [
+        {
+            "way": name,
+            "impacts": settings.jax_scenes if name in together else 1,
+            "seconds": shortest,
+        }
+        for name, shortest in zip([*calls, STEPS], seconds, strict=True)
+    ]
+
+
+@in_style
+def draw(rows: list[Row]) -> Figure:
+    """Impacts a second of many, and the time of one."""
+    figure, (many, one) = panels(2, 1, height=1.7)
+    several = [row for row in rows if row["impacts"] > 1]
+    rates = [row["impacts"] / row["seconds"] for row in several]
+    bars = many.barh([row["way"] for row in several], rates, color=BLUE)
+    many.bar_label(bars, [f"{rate:,.0f}" for rate in rates], padding=4)
+    many.set_xlabel("impacts per second [1/s], all cores")
+    alone = [row for row in rows if row["impacts"] == 1]
+    times = [1e6 * row["seconds"] for row in alone]
+    colours = [GREY if row["way"] == STEPS else BLUE for row in alone]
+    bars = one.barh([row["way"] for row in alone], times, color=colours)
+    one.bar_label(bars, [f"{t:,.0f}" for t in times], padding=4)
+    one.set_xlabel("time of one impact [µs]")
+    for axes in (many, one):
+        axes.invert_yaxis()
+        axes.margins(x=0.18)
+    return figure
+
+
+def table(rows: list[Row]) -> list[tuple[str, ...]]:
+    """Each measure."""
+    seconds = {row["way"]: row["seconds"] for row in rows}
+    of_values = seconds[BATCH] / seconds[VALUES]
+    of_gradients = seconds[VALUES] / seconds[GRADIENTS]
+    overhead = seconds[JITTED] - seconds[STEPS]
+    three = ", ".join(PARAMETERS)
+    return [
+        ("measure", "found"),
+        (f"values in {VALUES} over those of {BATCH}", f"{of_values:.2f}"),
+        (f"{GRADIENTS} by {three} over values in {VALUES}", f"{of_gradients:.2f}"),
+        ("one impact inside jit, without its own steps", f"{1e6 * overhead:.0f} µs"),
+        ("one impact, its own steps", f"{1e6 * seconds[STEPS]:.0f} µs"),
+        (f"one impact, {EAGER}", f"{1e6 * seconds[EAGER]:.0f} µs"),
+        (
+            f"one impact, {EAGER_GRADIENT} by {three}",
+            f"{1e6 * seconds[EAGER_GRADIENT]:.0f} µs",
+        ),
+    ]
+
+
+IN_JAX = Section("in-jax", measure, draw, table)

@@ -1,0 +1,231 @@
+"""Error of e_n, and of its gradient, against the time of an impact."""
+
+import functools
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from jaximpact.accuracy import PRESETS
+from jaximpact.plotting.style import in_style, legend_outside, panels
+
+from ..impacts import PARAMETERS, choose, mixed_scenes
+from .gradients import difference_gradient, exact_gradient, forward_gradient
+from .methods import Method, Ours, exact_e_n
+from .section import (
+    Bench,
+    Row,
+    Section,
+    affordable,
+    cell,
+    error_figures,
+    interleaved_minima,
+    table_of,
+)
+from .style import colour_of, log_axes, markers_of, method_handles
+
+MODES = {"single": False, "batch": True}
+PRESET_OF = {preset.tolerance: name for name, preset in PRESETS.items()}
+
+
+class Measured(NamedTuple):
+    """A method at one tolerance, as a function of scenes and of batch or not; gives
+    values `(n,)` or `(n, k)`, and seconds."""
+
+    method: Method
+    tolerance: float
+    run: Callable[..., tuple[np.ndarray, float]]
+
+
+def measure_values(bench: Bench) -> list[Row]:
+    """Rows for e_n."""
+    settings = bench.settings
+    scenes = mixed_scenes(settings.scenes, settings.seed)
+    measured = [
+        Measured(method, tolerance, functools.partial(_solve, method, tolerance))
+        for method in bench.methods
+        for tolerance in method.tolerances
+    ]
+    return _measure(bench, measured, scenes, exact_e_n(scenes))
+
+
+def _solve(method, tolerance, scenes, batch):
+    answer = method.solve(scenes, tolerance, batch)
+    return answer.e_n, answer.seconds
+
+
+def measure_gradients(bench: Bench) -> list[Row]:
+    """Rows for the derivatives of e_n with respect to logarithms of `PARAMETERS`."""
+    settings = bench.settings
+    scenes = mixed_scenes(settings.gradient_scenes, settings.seed)
+    exact = exact_gradient(scenes)
+    measured = []
+    for method in bench.methods:
+        for tolerance in method.tolerances:
+            run = gradient_of(bench, method, tolerance, scenes, exact)
+            if run is not None:
+                measured.append(Measured(method, tolerance, run))
+    return _measure(bench, measured, scenes, exact)
+
+
+def gradient_of(bench, method, tolerance, scenes, exact):
+    """How a method takes derivatives, as a function of scenes and of batch or not; None
+    where that would take too long."""
+    if isinstance(method, Ours):
+        return functools.partial(forward_gradient, tolerance=tolerance)
+    if hasattr(method, "gradient"):
+        return functools.partial(method.gradient, tolerance=tolerance)
+    few = choose(scenes, np.arange(min(bench.settings.least_impacts, len(exact))))
+    method.solve(few, tolerance, batch=True)  # compiles
+    seconds = method.solve(few, tolerance, batch=True).seconds
+    solves = 2 * len(PARAMETERS) * len(bench.settings.steps)
+    if solves * seconds > bench.settings.differences_limit_s:
+        bench.say(
+            f"{method.name} at {tolerance:g}: left out, differences would take "
+            f"{solves * seconds:.0f} s to find their step"
+        )
+        return None
+    step = _best_step(bench, method, tolerance, scenes, exact)
+    return functools.partial(difference_gradient, method, tolerance, step)
+
+
+def _best_step(bench, method, tolerance, scenes, exact) -> float:
+    """The step of differences that serves a method best, on a few scenes."""
+    few = np.arange(min(bench.settings.least_impacts, len(exact)))
+
+    def error(step):
+        found, _ = difference_gradient(
+            method, tolerance, step, choose(scenes, few), batch=True
+        )
+        return error_figures(found, exact[few])["error_95"]
+
+    bench.say(f"{method.name} at {tolerance:g}: which step of differences")
+    return min(bench.settings.steps, key=error)
+
+
+def _measure(bench: Bench, measured: list[Measured], scenes, exact) -> list[Row]:
+    settings = bench.settings
+    tasks, rows = [], []
+    for each in measured:
+        for mode, batch in MODES.items():
+            bench.say(f"{each.method.name} at {each.tolerance:g}, {mode}")
+            most = len(exact) if batch else min(settings.singles, len(exact))
+            few = np.arange(min(most, settings.least_impacts if batch else 4))
+            each.run(choose(scenes, few), batch=batch)  # compiles
+            _, seconds = each.run(choose(scenes, few), batch=batch)
+            count = affordable(
+                seconds, len(few), settings.budget_s, settings.least_impacts, most
+            )
+            places = np.arange(count)
+            values, _ = each.run(choose(scenes, places), batch=batch)
+            rows.append(
+                {
+                    "method": each.method.name,
+                    "family": each.method.family,
+                    "mode": mode,
+                    "tolerance": each.tolerance,
+                    "preset": PRESET_OF.get(each.tolerance, "")
+                    if isinstance(each.method, Ours)
+                    else "",
+                    "impacts": count,
+                    **error_figures(values, exact[places]),
+                }
+            )
+            tasks.append(
+                lambda each=each, batch=batch, places=places: each.run(
+                    choose(scenes, places), batch=batch
+                )[1]
+            )
+    seconds = interleaved_minima(
+        tasks, settings.repeats, 3.0 * settings.budget_s, bench.say
+    )
+    return [
+        row | {"seconds_per_impact": shortest / row["impacts"]}
+        for row, shortest in zip(rows, seconds, strict=True)
+    ]
+
+
+@in_style
+def draw(rows: list[Row], quantity: str) -> Figure:
+    """A row of panels for the median and one for 95 %, a column for each mode."""
+    figure, four = panels(2, 2, height=3.1, sharex="col", sharey=True)
+    markers = markers_of(rows)
+    titles = ("one after another, on one core", "all at once, on every core")
+    errors = (("error_median", "median"), ("error_95", "95 %"))
+    for place, axes in enumerate(four):
+        (key, words), mode = errors[place // 2], list(MODES)[place % 2]
+        log_axes(axes, "time per impact [s]", f"error of {quantity}, {words} [-]")
+        axes.label_outer()
+        if place < len(titles):
+            axes.set_title(titles[place])
+        for name, marker in markers.items():
+            own = [r for r in rows if r["method"] == name and r["mode"] == mode]
+            if own:
+                _draw_method(axes, own, key, marker)
+        axes.axhline(1e-3, color="black", lw=0.8, ls=":")
+        axes.margins(0.12)
+        times = [r["seconds_per_impact"] for r in rows if r["mode"] == mode]
+        axes.set_xlim(left=min(times) / 20.0)  # room for the names of presets
+    legend_outside(figure, method_handles(rows), ncols=3)
+    return figure
+
+
+def _draw_method(axes: Axes, own: list[Row], key: str, marker: str) -> None:
+    own = sorted(own, key=lambda row: row["tolerance"])
+    colour = colour_of(own[0]["family"])
+    time = [row["seconds_per_impact"] for row in own]
+    error = [min(row[key], 2.0) for row in own]
+    ours = any(row["preset"] for row in own)
+    axes.plot(
+        time,
+        error,
+        color=colour,
+        marker=marker,
+        markersize=4,
+        lw=2.0 if ours else 1.0,
+        zorder=3 if ours else 2,
+    )
+    for row, at, value in zip(own, time, error, strict=True):
+        if row["preset"]:
+            axes.annotate(
+                row["preset"],
+                (at, value),
+                xytext=(-4, -4),
+                textcoords="offset points",
+                ha="right",
+                va="top",
+                color=colour,
+                fontsize=9,
+            )
+
+
+def table(rows: list[Row]) -> list[tuple[str, ...]]:
+    """Every point, by method and mode."""
+    return table_of(
+        rows,
+        {
+            "method": cell("method"),
+            "tolerance": lambda row: f"{row['tolerance']:.0e} {row['preset']}".strip(),
+            "mode": cell("mode"),
+            "impacts/s": lambda row: f"{1.0 / row['seconds_per_impact']:.3g}",
+            "error, median": cell("error_median", ".0e"),
+            "error, 95 %": cell("error_95", ".0e"),
+            "failed": cell("failed", ".0%"),
+        },
+    )
+
+
+WORK_PRECISION = Section(
+    "work-precision",
+    measure_values,
+    functools.partial(draw, quantity="$e_n$"),
+    table,
+)
+GRADIENT = Section(
+    "gradient",
+    measure_gradients,
+    functools.partial(draw, quantity=r"$\partial e_n/\partial\ln p$"),
+    table,
+)

@@ -1,0 +1,106 @@
+"""What peers share: the compiled right-hand side, worker processes for those that hold
+Python's lock, and silence for libraries in C that report every impact they give up."""
+
+import atexit
+import concurrent.futures
+import contextlib
+import copy
+import functools
+import itertools
+import multiprocessing
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from ..impacts import Answer
+from . import model
+
+PARTS = 8
+"""Parts of a batch for each core: the slow impacts are spread over the cores."""
+
+
+def answer(p: np.ndarray, start: np.ndarray, e_n: np.ndarray, seconds: float) -> Answer:
+    """The answer, with the e_n of -1 that a block has which never sinks."""
+    e_n = np.where(model.is_separating(p, start), -1.0, e_n)
+    return Answer(np.where(np.isfinite(e_n), e_n, np.nan), seconds)
+
+
+class Compiled:
+    """A method on `model.rates`."""
+
+    slider_time = 1e-6
+    """tau_s [s]"""
+
+    def with_slider_time(self, slider_time: float):
+        """The same with another relaxation time of the slider [s]."""
+        other = copy.copy(self)
+        other.slider_time = slider_time
+        return other
+
+
+@contextlib.contextmanager
+def quiet_stderr() -> Iterator[None]:
+    """What is written to stderr inside, by whatever means, is lost."""
+    sys.stderr.flush()
+    kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nothing)
+
+
+@functools.cache
+def _pool() -> concurrent.futures.ProcessPoolExecutor:
+    # A fork of a process that has run JAX may hang.
+    context = multiprocessing.get_context("spawn")
+    pool = concurrent.futures.ProcessPoolExecutor(os.cpu_count(), context)
+    atexit.register(pool.shutdown, cancel_futures=True)
+    return pool
+
+
+def solve_scenes(
+    one: Callable,
+    p: np.ndarray,
+    start: np.ndarray,
+    tolerance: float,
+    batch: bool,
+    **options,
+) -> Answer:
+    """Impacts by `one(p, start, tolerance, **options)`, which gives e_n or NaN.
+
+    Args:
+        one: a function of a module, so that it can be sent to other processes.
+        batch: on every core, else one after another in this process.
+    """
+    if not batch:
+        begin = time.perf_counter()
+        e_n = _solve_part(one, p, start, tolerance, options)
+        return answer(p, start, e_n, time.perf_counter() - begin)
+    pool = _pool()
+    cores = os.cpu_count() or 1
+    # Processes that have not started yet, and what they compile, are not timed.
+    few = [
+        pool.submit(_solve_part, one, p[:2], start[:2], tolerance, options)
+        for _ in range(2 * cores)
+    ]
+    concurrent.futures.wait(few)
+    edges = np.linspace(0, len(p), min(len(p), PARTS * cores) + 1).astype(int)
+    begin = time.perf_counter()
+    parts = [
+        pool.submit(_solve_part, one, p[a:b], start[a:b], tolerance, options)
+        for a, b in itertools.pairwise(edges)
+    ]
+    e_n = np.concatenate([part.result() for part in parts])
+    return answer(p, start, e_n, time.perf_counter() - begin)
+
+
+def _solve_part(one, p, start, tolerance, options) -> np.ndarray:
+    with quiet_stderr():
+        e_n = [one(p[i], start[i], tolerance, **options) for i in range(len(p))]
+    return np.array(e_n, float)

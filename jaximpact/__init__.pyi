@@ -1,0 +1,60 @@
+"""The public names, for type checkers and editors; `__init__.py` loads each when it is
+asked for."""
+
+from .accuracy import PRESETS, Accuracy
+from .batch import simulate_batch
+from .calibration import calibrate, predict
+from .impact.reduced_models import select_model
+from .impact.summary import EnergyLedger
+from .impact.termination import Outcome
+from .io.datasets import read_netcdf, write_netcdf
+from .paper.sets import parametric_set
+from .rebound import (
+    BozzoloPamini,
+    ConstantCoefficients,
+    FrictionalEllipsoid,
+    PfeifferBowen,
+    Rebound,
+    RigidEllipsoid,
+)
+from .restitution import energetic_coefficient, vijayakumar_coefficient
+from .result import ImpactResult
+from .scene import Block, Impact, Scene
+from .sensitivity import Range, elasticities, morris, sobol
+from .simulation import simulate
+from .soil import Soil
+from .sweeping import repeat_sweep, sweep
+
+__all__ = [
+    "PRESETS",
+    "Accuracy",
+    "Block",
+    "BozzoloPamini",
+    "ConstantCoefficients",
+    "EnergyLedger",
+    "FrictionalEllipsoid",
+    "Impact",
+    "ImpactResult",
+    "Outcome",
+    "PfeifferBowen",
+    "Range",
+    "Rebound",
+    "RigidEllipsoid",
+    "Scene",
+    "Soil",
+    "calibrate",
+    "elasticities",
+    "energetic_coefficient",
+    "morris",
+    "parametric_set",
+    "predict",
+    "read_netcdf",
+    "repeat_sweep",
+    "select_model",
+    "simulate",
+    "simulate_batch",
+    "sobol",
+    "sweep",
+    "vijayakumar_coefficient",
+    "write_netcdf",
+]

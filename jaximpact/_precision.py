@@ -1,0 +1,46 @@
+"""Double precision is required: contact stiffness and overstress span ten decades."""
+
+import functools
+import math
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from ._jax_internals import Tracer, setting
+
+MESSAGE = (
+    "jaximpact computes in float64, but JAX is set to float32: call "
+    "jax.config.update('jax_enable_x64', True) before the first use of jaximpact, "
+    "or set JAX_ENABLE_X64=1 in the environment"
+)
+
+
+def require_float64() -> None:
+    """Raise RuntimeError, with the cure, unless JAX is set to double precision."""
+    if not setting("jax_enable_x64"):
+        raise RuntimeError(MESSAGE)
+
+
+def float64_leaf(value) -> Float[Array, "..."]:
+    """`value` as a float64 array: the converter of every parameter field.
+
+    A plain number stays a concrete array even inside `jax.jit`, so that a simulation
+    can still see there that a scene has no dashpots.
+    """
+    require_float64()
+    if isinstance(value, Tracer):
+        return value if value.dtype == jnp.float64 else value.astype(jnp.float64)
+    if type(value) is float:
+        # -0.0 equals 0.0
+        return _number(value, math.copysign(1.0, value))
+    with jax.ensure_compile_time_eval():
+        return jnp.asarray(value, dtype=jnp.float64)
+
+
+@functools.lru_cache(maxsize=4096)
+def _number(value: float, sign: float) -> Float[Array, ""]:
+    """A plain number as an array; making one takes 20 microseconds, and a scene has
+    thirty, most of them defaults."""
+    with jax.ensure_compile_time_eval():
+        return jnp.asarray(value, dtype=jnp.float64)

@@ -1,0 +1,31 @@
+"""Elementary functions that stay finite, with a finite gradient, at their singular
+point.
+
+`jax.grad` of `jnp.where(x > 0, jnp.sqrt(x), 0)` is NaN at 0, because the branch that
+is not taken is differentiated as well. Every function here feeds its singular operation
+a harmless argument first (the "double where") and is tested at the point itself.
+"""
+
+import jax.numpy as jnp
+
+from ._types import Scalar
+
+TINY = 1e-30
+"""Smallest divisor [-]; far below any force, length or energy of a real impact."""
+
+
+def safe_sqrt(x: Scalar) -> Scalar:
+    """Square root of `max(x, 0)`; value 0 and gradient 0 for `x <= 0`."""
+    positive = x > 0
+    return jnp.where(positive, jnp.sqrt(jnp.where(positive, x, 1.0)), 0.0)
+
+
+def safe_power(x: Scalar, exponent: Scalar) -> Scalar:
+    """`x ** exponent` for `x > 0`; value 0 and gradient 0 for `x <= 0`.
+
+    Written as `exp(exponent log x)`: the same value to rounding, and both factors
+    vectorise on a CPU where `pow` does not.
+    """
+    positive = x > 0
+    log = jnp.log(jnp.where(positive, x, 1.0))
+    return jnp.where(positive, jnp.exp(exponent * log), 0.0)

@@ -1,0 +1,262 @@
+"""The native backend: the model in machine code, for lanes on a CPU."""
+
+import functools
+import hashlib
+import inspect
+import os
+import threading
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+
+from .._versions import versions
+from ..accuracy import MAX_STEPS, RETRIES, Accuracy
+from ..errors import IncompleteError, NoMachineCodeWarning
+from ..identity import described
+from ..impact.problem import Assembly
+from ..impact.summary import ImpactSummary, empty_summary
+from ..impact.termination import Outcome
+from ..scene import Scene
+from ..store import kept
+from .simd import Code, Kernel, NoMachineCode, Retries, host, keep_driver
+
+keep_driver(kept)
+
+NATIVE_PART = 128
+"""Impacts that a worker takes at a time, some 10 ms of work."""
+
+
+def computes_on_cpu() -> bool:
+    """Tell whether JAX computes on the CPU, for which machine code is."""
+    return jax.default_backend() == "cpu"
+
+
+def _kept_here(compile_kernel: Callable) -> Any:
+    """Keep what a compiling function makes for this process; None where there is no
+    machine code, which is refused, or warned of, at each call."""
+
+    @functools.lru_cache(maxsize=32)
+    def kernel_or_problem(*arguments):
+        try:
+            return compile_kernel(*arguments)
+        except NoMachineCode as problem:
+            return problem
+
+    signature = inspect.signature(compile_kernel)
+    locks: dict[tuple, threading.Lock] = {}
+
+    @functools.wraps(compile_kernel)
+    def compiled(*given, **by_name) -> Kernel | None:
+        arguments = signature.bind(*given, **by_name)
+        arguments.apply_defaults()  # that a kernel has one key, however it is asked for
+        # Of threads that ask at once, one compiles.
+        with locks.setdefault(arguments.args, threading.Lock()):
+            found = kernel_or_problem(*arguments.args)
+        if isinstance(found, NoMachineCode):
+            without_machine_code(found)
+            return None
+        return found
+
+    function: Any = compiled
+    function.cache_clear = kernel_or_problem.cache_clear
+    return function
+
+
+@_kept_here
+def compile_native(assembly: Assembly, sampled: bool = False) -> Kernel | None:
+    """Compile an assembly of the model, from scenes, tolerance and floor. None if its
+    laws, which may be the user's own, do what has no machine code.
+
+    Args:
+        sampled: whether it also gives a `History` at times asked for on the way.
+    """
+
+    def compile_lanes() -> Code:
+        # It loads diffrax, which takes a while.
+        from .lane_functions import code_of_values
+
+        return code_of_values(assembly, sampled)
+
+    code = _kept_or_compiled(assembly, "sampled" if sampled else None, compile_lanes)
+    structure = jax.tree.structure(empty_summary(assembly.ledger))
+    return Kernel(code, structure, _retries(assembly))
+
+
+def _retries(assembly: Assembly) -> Retries:
+    """Retries of failed impacts with finer tolerances; not of those that ran out of
+    steps, and would do so again."""
+    structure = jax.tree.structure(empty_summary(assembly.ledger))
+    rows = jax.tree.unflatten(structure, range(structure.num_leaves))
+    return Retries(
+        assembly.structure.num_leaves,  # behind the leaves of a scene
+        rows.outcome_code,
+        rows.steps,
+        float(Outcome.failed),
+        MAX_STEPS,
+        RETRIES,
+    )
+
+
+@_kept_here
+def compile_native_along(
+    assembly: Assembly, directions: int = 1, sampled: bool = False
+) -> Kernel | None:
+    """Compile an assembly of the model, from scenes, tolerance and floor, and
+    directions along which it is differentiated. None as for `compile_native`.
+
+    Args:
+        directions: how many. Inputs end with a row for each leaf of the scene, its
+            derivative along the direction, for each of them. They share steps, their
+            control and branches, and all that the value needs. The code is the same
+            whatever the leaves, so that it is compiled once. Results are a pair:
+            numbers, and a tuple of their derivatives along the directions.
+        sampled: as for `compile_native`; then each direction has a row more, behind
+            its leaves, for the times asked for.
+
+    Of the state, course and constants of the problem are differentiated; widths of
+    steps, and with them the time, are not.
+    """
+
+    def compile_lanes() -> Code:
+        from .lane_functions import code_of_derivatives
+
+        return code_of_derivatives(assembly, directions, sampled)
+
+    choice = "along", directions, *("sampled",) * sampled
+    code = _kept_or_compiled(assembly, choice, compile_lanes)
+    numbers = empty_summary(assembly.ledger)
+    structure = jax.tree.structure((numbers, (numbers,) * directions))
+    return Kernel(code, structure, _retries(assembly))
+
+
+def _kept_or_compiled(
+    assembly: Assembly, choice, compile_lanes: Callable[[], Code]
+) -> Code:
+    """Load the code of an assembly from the disk, or compile and keep it."""
+    key = _key(assembly, choice)
+    if key is None:
+        return compile_lanes()
+    return Code.unpacked(kept(key, lambda: compile_lanes().packed()))
+
+
+def without_machine_code(problem: NoMachineCode) -> None:
+    """Warn that XLA computes what has no machine code, or refuse it if that is asked
+    for."""
+    reason = f"{problem} ({problem.place})" if problem.place else str(problem)
+    if os.environ.get(REQUIRED):
+        raise IncompleteError(
+            f"the laws have no machine code, which {REQUIRED} asks for: {reason}"
+        ) from problem
+    _tell_slower_way(reason)
+
+
+REQUIRED = "JAXIMPACT_REQUIRE_MACHINE_CODE"
+"""Environment variable; where it is set, XLA does not stand in for machine code."""
+
+
+@functools.cache
+def _tell_slower_way(reason: str) -> None:
+    """Warn, once for each reason, that impacts are computed by XLA."""
+    warnings.warn(
+        f"the laws have no machine code, and are computed by XLA: 10 to 20 times "
+        f"slower, after half a minute of compiling: {reason}; set {REQUIRED}=1 to "
+        "refuse this",
+        NoMachineCodeWarning,
+        stacklevel=2,
+    )
+
+
+def _key(assembly: Assembly, choice) -> str | None:
+    """Key of everything that the code of an assembly depends on; None if the source of
+    a user's law is not known, as in an interactive session."""
+    structure = assembly.structure
+    parts = described(jax.tree.unflatten(structure, list(range(structure.num_leaves))))
+    if parts is None:
+        return None
+    choices = assembly._replace(structure=None), parts, choice
+    return repr((choices, host(), *installed()))
+
+
+@functools.cache
+def installed() -> tuple[dict[str, str], str]:
+    """Versions of packages, and a digest of this package's source."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parents[1].rglob("*")):
+        if path.suffix in (".py", ".ll"):
+            digest.update(path.read_bytes())
+    return versions(), digest.hexdigest()
+
+
+def kernel_inputs(scene: Scene, accuracy: Accuracy) -> list[np.ndarray]:
+    """Rows of inputs of the machine code, from a scene of arrays (lanes,)."""
+    setting = _setting(accuracy, len(scene.impact.speed))
+    return [*jax.tree.leaves(scene), *setting]
+
+
+def with_setting(leaves: np.ndarray, accuracy: Accuracy) -> np.ndarray:
+    """Inputs of the machine code as one array, from leaves of scenes (leaves,
+    lanes)."""
+    return np.concatenate([leaves, _setting(accuracy, leaves.shape[1])])
+
+
+def _setting(accuracy: Accuracy, lanes: int) -> np.ndarray:
+    """Tolerance and floor, shape (2, lanes)."""
+    setting = np.array([[accuracy.tolerance], [accuracy.floor]])
+    return np.broadcast_to(setting, (2, lanes))
+
+
+def along_leaves(inputs: np.ndarray, leaves) -> np.ndarray:
+    """Rows of inputs of the code of `compile_native_along`.
+
+    Args:
+        inputs: inputs of the code without a direction, shape (rows, lanes).
+        leaves: leaf with respect to which each lane is differentiated, shape (lanes,),
+            or one for all.
+    """
+    rows, lanes = inputs.shape
+    directions = np.zeros((rows - 2, lanes))  # but tolerance and floor
+    directions[leaves, np.arange(lanes)] = 1.0
+    return np.concatenate([inputs, directions])
+
+
+def solve_side_by_side(kernel: Kernel, scene: Scene, accuracy: Accuracy):
+    """Compute scenes of shape (lanes,) by one core; results are in their order."""
+    return solve_rows(kernel, np.stack(kernel_inputs(scene, accuracy)))
+
+
+def solve_rows(kernel: Kernel, inputs: np.ndarray):
+    """Compute inputs of shape (rows, lanes) by one core; results are in their order."""
+    names = np.arange(inputs.shape[1])
+    ended, results = kernel.workspace().run(names, inputs, wait=False)
+    ordered = np.empty_like(results)
+    ordered[:, ended] = results
+    return jax.tree.unflatten(kernel.structure, list(ordered))
+
+
+class NativeWorker:
+    """A worker that integrates parts of a batch, as it gets them, in machine code."""
+
+    engine = "machine code"
+    part = NATIVE_PART
+
+    def __init__(self, kernel: Kernel, scene: Scene, accuracy: Accuracy):
+        self.kernel = kernel
+        self.rows = kernel_inputs(scene, accuracy)
+
+    def run(
+        self, parts: Iterator[np.ndarray], stop: threading.Event
+    ) -> Iterator[tuple[np.ndarray, ImpactSummary]]:
+        """Results of the parts, in the order in which lanes come to their ends."""
+        workspace, nothing = self.kernel.workspace(), np.zeros(0, int)
+        more = True
+        while more and not stop.is_set():
+            places = next(parts, nothing)
+            more = len(places) > 0
+            inputs = np.stack([row[places] for row in self.rows])
+            ended, results = workspace.run(places, inputs, wait=more)
+            if len(ended):
+                yield ended, jax.tree.unflatten(self.kernel.structure, list(results))

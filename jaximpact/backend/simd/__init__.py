@@ -1,0 +1,27 @@
+"""Machine code for many lanes, by LLVM, from the functions of the model in JAX."""
+
+from .driver import keep_driver
+from .kernel import (
+    Code,
+    Kernel,
+    LaneFunctions,
+    Retries,
+    Workspace,
+    compile_code,
+    compile_kernel,
+)
+from .llvm_ir import host
+from .lower_jaxpr import NoMachineCode
+
+__all__ = [
+    "Code",
+    "Kernel",
+    "LaneFunctions",
+    "NoMachineCode",
+    "Retries",
+    "Workspace",
+    "compile_code",
+    "compile_kernel",
+    "host",
+    "keep_driver",
+]

@@ -1,0 +1,545 @@
+/* Keeps eight lanes going, in machine code that this package makes, until none waits.
+ *
+ * `run` serves Python: a matrix of inputs, with one column a lane. `impacts` serves XLA:
+ * it is the handler of a custom call, whose operands are arrays over axes of lanes.
+ *
+ * driver.ll is made from this file by `make driver`, which needs clang; what the package
+ * needs to run is driver.ll alone. The functions that this file declares `extern` are
+ * written by driver.py for the processor at hand.
+ */
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#define PACK 8 /* lanes in a vector, as in llvm_ir.py */
+#define ALL 0xFF
+#define AXES 24 /* told in a message too */
+#define PROGRAMS 32
+#define RETRIES 7
+#define ALIGNMENT 64
+
+typedef uint8_t Mask; /* a bit a column */
+typedef Mask (*Function)(double *work, Mask columns);
+
+/* What lanes do. A lane's inputs, state and results are a column of the memory `work`,
+ * whose rows are eight wide. */
+typedef struct {
+    Function begin, step, finish;
+    Function sample; /* NULL if nothing is sampled on the way */
+    int64_t rows, input_rows, results_row, result_rows;
+    /* Where the tolerance is among the inputs, outcome and steps are among the results;
+     * -1 where a lane that failed is not tried again. */
+    int64_t tolerance, outcome, steps;
+    /* Of sampling: the rows of the time reached, and of the time asked for; the first
+     * row of what is sampled there, and how many they are. */
+    int64_t time, asked, sampled_row, sampled_rows;
+    /* Code of the outcome `failed`, steps after which it stands, and the factors of the
+     * tolerance with which it is tried again. */
+    double failed, most_steps, retries[RETRIES];
+} Program;
+
+/* Lanes under way. */
+typedef struct {
+    double *work;
+    int64_t lane[PACK]; /* names; -1 in an empty column */
+    double tolerance[PACK];
+    int64_t tries[PACK];
+    int64_t sampled[PACK]; /* times that are done with */
+} Columns;
+
+/* Where lanes come from and where they go. */
+typedef struct Exchange Exchange;
+struct Exchange {
+    /* Writes the inputs of the next lane into a column and names it; 0 if none waits. */
+    int (*take)(Exchange *, const Program *, Columns *, int column);
+    void (*give)(Exchange *, const Program *, Columns *, int column);
+    /* Time asked for next by a lane; infinite if none is. */
+    double (*next_time)(Exchange *, const Program *, Columns *, int column);
+    void (*give_sample)(Exchange *, const Program *, Columns *, int column);
+};
+
+extern uint64_t enter_float_mode(void); /* no flushing of small numbers to zero */
+extern void leave_float_mode(uint64_t);
+
+/* Whether a lane that has ended is to begin again, with a finer tolerance. */
+static int begins_again(const Program *program, Columns *columns, int column)
+{
+    if (program->tolerance < 0 || columns->tries[column] == RETRIES)
+        return 0;
+    const double *results = columns->work + PACK * program->results_row + column;
+    if (results[PACK * program->outcome] != program->failed ||
+        results[PACK * program->steps] >= program->most_steps)
+        return 0;
+    columns->work[PACK * program->tolerance + column] =
+        columns->tolerance[column] * program->retries[columns->tries[column]];
+    columns->tries[column] += 1;
+    columns->sampled[column] = 0;
+    return 1;
+}
+
+/* Takes samples at all times asked for that lanes have passed. */
+static void sample(const Program *program, Columns *columns, Exchange *exchange, Mask full)
+{
+    double *time = columns->work + PACK * program->time;
+    double *asked = columns->work + PACK * program->asked;
+    for (;;) {
+        Mask due = 0;
+        for (int column = 0; column < PACK; column++) {
+            if (!(full >> column & 1))
+                continue;
+            asked[column] = exchange->next_time(exchange, program, columns, column);
+            if (asked[column] <= time[column])
+                due |= 1 << column;
+        }
+        if (!due)
+            return;
+        program->sample(columns->work, due);
+        for (int column = 0; column < PACK; column++)
+            if (due >> column & 1) {
+                exchange->give_sample(exchange, program, columns, column);
+                columns->sampled[column] += 1;
+            }
+    }
+}
+
+/* Goes on until all columns are empty or, if `wait`, until one is and none waits. */
+static void go_on(const Program *program, Columns *columns, Exchange *exchange, int wait)
+{
+    Mask again = 0;
+    for (;;) {
+        Mask full = 0, fresh = again;
+        for (int column = 0; column < PACK; column++) {
+            if (columns->lane[column] < 0 &&
+                exchange->take(exchange, program, columns, column)) {
+                columns->tries[column] = columns->sampled[column] = 0;
+                if (program->tolerance >= 0)
+                    columns->tolerance[column] =
+                        columns->work[PACK * program->tolerance + column];
+                fresh |= 1 << column;
+            }
+            if (columns->lane[column] >= 0)
+                full |= 1 << column;
+        }
+        if (fresh)
+            program->begin(columns->work, fresh);
+        if (!full || (wait && full != ALL))
+            return;
+        Mask ends;
+        do {
+            ends = full & ~program->step(columns->work, ALL);
+            if (program->sample)
+                sample(program, columns, exchange, full);
+        } while (!ends);
+        program->finish(columns->work, ALL);
+        again = 0;
+        for (int column = 0; column < PACK; column++) {
+            if (!(ends >> column & 1))
+                continue;
+            if (begins_again(program, columns, column)) {
+                again |= 1 << column;
+            } else {
+                exchange->give(exchange, program, columns, column);
+                columns->lane[column] = -1;
+            }
+        }
+    }
+}
+
+/* ---- For Python: matrices with one column a lane. */
+
+/* What is sampled of one lane at its start and at the end of every step. */
+typedef struct {
+    double *samples; /* a row for each thing sampled, with a column a step */
+    int64_t room, count;
+    double reached;
+} Course;
+
+typedef struct {
+    Exchange exchange;
+    const double *inputs;
+    int64_t count, taken;
+    const int64_t *names;
+    double *outputs;
+    int64_t room, done;
+    int64_t *ended;
+    Course *course;
+} Matrices;
+
+static int take_column(Exchange *exchange, const Program *program, Columns *columns, int column)
+{
+    Matrices *m = (Matrices *)exchange;
+    if (m->taken == m->count)
+        return 0;
+    for (int64_t row = 0; row < program->input_rows; row++)
+        columns->work[PACK * row + column] = m->inputs[row * m->count + m->taken];
+    columns->lane[column] = m->names[m->taken++];
+    return 1;
+}
+
+static void give_column(Exchange *exchange, const Program *program, Columns *columns, int column)
+{
+    Matrices *m = (Matrices *)exchange;
+    const double *results = columns->work + PACK * program->results_row + column;
+    for (int64_t row = 0; row < program->result_rows; row++)
+        m->outputs[row * m->room + m->done] = results[PACK * row];
+    m->ended[m->done++] = columns->lane[column];
+}
+
+/* Where a lane that has failed begins again, so does its course. */
+static double next_step(Exchange *exchange, const Program *program, Columns *columns, int column)
+{
+    Course *course = ((Matrices *)exchange)->course;
+    double time = columns->work[PACK * program->time + column];
+    if (!course)
+        return __builtin_inf();
+    if (columns->sampled[column] == 0)
+        return 0.0;
+    return time > course->reached ? time : __builtin_inf();
+}
+
+static void give_step(Exchange *exchange, const Program *program, Columns *columns, int column)
+{
+    Course *course = ((Matrices *)exchange)->course;
+    const double *sampled = columns->work + PACK * program->sampled_row + column;
+    int64_t step = columns->sampled[column];
+    course->reached = columns->work[PACK * program->asked + column];
+    course->count = step + 1;
+    if (step < course->room)
+        for (int64_t row = 0; row < program->sampled_rows; row++)
+            course->samples[row * course->room + step] = sampled[PACK * row];
+}
+
+/* Begins the lanes of `inputs`, whose names are `names`, and goes on. Results of lanes
+ * that come to their ends go to the columns of `outputs`, which has room for so many,
+ * and their names to `ended`; how many there were is returned. Of a lane alone the
+ * course is recorded, if there is one. */
+int64_t run(const Program *program, Columns *columns, const double *inputs, int64_t count,
+            const int64_t *names, double *outputs, int64_t room, int64_t *ended, int64_t wait,
+            Course *course)
+{
+    Matrices matrices = {{take_column, give_column, next_step, give_step},
+                         inputs, count, 0, names, outputs, room, 0, ended, course};
+    uint64_t mode = enter_float_mode();
+    go_on(program, columns, &matrices.exchange, (int)wait);
+    leave_float_mode(mode);
+    return matrices.done;
+}
+
+/* ---- For XLA: a handler of custom calls. Offsets are those of c_api.h of XLA's FFI. */
+
+#define AT(type, base, offset) (*(type *)((char *)(base) + (offset)))
+#define FLOAT64 12
+#define EXTENSION_METADATA 1
+#define INVALID_ARGUMENT 3
+#define RESOURCE_EXHAUSTED 8
+
+typedef struct {
+    int64_t count; /* of the programs */
+    Program programs[PROGRAMS];
+    /* Operands are `leaves` inputs that all lanes have in common, tolerance and floor
+     * among them; the places of those that lanes have of their own, and one operand for
+     * each of these; the effort and the program of a lane; with `directions` the inputs
+     * that each is along, with samples the times. */
+    int64_t leaves, directions, samples;
+    int64_t threads;
+    /* pthread_create and pthread_join; NULL where there are none. */
+    int (*create)(void *thread, const void *attributes, void *(*work)(void *), void *);
+    int (*join)(uint64_t thread, void **);
+} Operation;
+
+Operation operation; /* filled in when this code is loaded */
+
+typedef struct {
+    const double *data;
+    int64_t stride[AXES]; /* 0 along an axis of length 1 */
+} Operand;
+
+typedef struct {
+    double effort;
+    int64_t lane;
+} Turn;
+
+typedef struct {
+    int64_t axes, dims[AXES], lanes;
+    int64_t own_inputs; /* of a lane */
+    const Operand *common, *places, *own, *effort, *program, *along, *times_asked;
+    double *const *results; /* a dense array for each row */
+    int64_t times;
+    Turn *turns; /* lanes by program, those that take longest first */
+    int64_t next[PROGRAMS], end[PROGRAMS];
+    int64_t work_rows;
+    int out_of_memory;
+} Job;
+
+typedef struct {
+    Exchange exchange;
+    Job *job;
+    int place; /* of the program */
+} Share;
+
+static const double *value_of(const Job *job, const Operand *operand, int64_t lane)
+{
+    const double *data = operand->data;
+    for (int64_t axis = job->axes; axis-- > 0; lane /= job->dims[axis])
+        data += lane % job->dims[axis] * operand->stride[axis];
+    return data;
+}
+
+static int take_lane(Exchange *exchange, const Program *program, Columns *columns, int column)
+{
+    Share *share = (Share *)exchange;
+    Job *job = share->job;
+    int64_t turn = __atomic_fetch_add(&job->next[share->place], 1, __ATOMIC_RELAXED);
+    if (turn >= job->end[share->place])
+        return 0;
+    int64_t lane = job->turns[turn].lane, leaves = operation.leaves;
+    for (int64_t row = 0; row < leaves; row++)
+        columns->work[PACK * row + column] = job->common->data[row];
+    for (int64_t k = 0; k < job->own_inputs; k++) {
+        int64_t row = (int64_t)job->places->data[k];
+        columns->work[PACK * row + column] = *value_of(job, &job->own[k], lane);
+    }
+    for (int64_t row = leaves; row < program->input_rows; row++)
+        columns->work[PACK * row + column] = 0.0;
+    for (int64_t k = 0; k < operation.directions; k++) {
+        int64_t along = (int64_t)job->along->data[k];
+        int64_t own = (program->input_rows - leaves) / operation.directions;
+        if (along >= 0)
+            columns->work[PACK * (leaves + k * own + along) + column] = 1.0;
+    }
+    columns->lane[column] = lane;
+    return 1;
+}
+
+static void give_lane(Exchange *exchange, const Program *program, Columns *columns, int column)
+{
+    Job *job = ((Share *)exchange)->job;
+    const double *results = columns->work + PACK * program->results_row + column;
+    for (int64_t row = 0; row < program->result_rows; row++)
+        job->results[row][columns->lane[column]] = results[PACK * row];
+    for (int64_t row = 0; row < program->sampled_rows; row++)
+        for (int64_t k = columns->sampled[column]; k < job->times; k++)
+            job->results[program->result_rows + row]
+                        [columns->lane[column] * job->times + k] = __builtin_nan("");
+}
+
+static double next_time(Exchange *exchange, const Program *program, Columns *columns, int column)
+{
+    (void)program;
+    Job *job = ((Share *)exchange)->job;
+    int64_t k = columns->sampled[column];
+    if (k == job->times)
+        return __builtin_inf();
+    return value_of(job, job->times_asked, columns->lane[column])[k];
+}
+
+static void give_sample(Exchange *exchange, const Program *program, Columns *columns, int column)
+{
+    Job *job = ((Share *)exchange)->job;
+    const double *sampled = columns->work + PACK * program->sampled_row + column;
+    int64_t place = columns->lane[column] * job->times + columns->sampled[column];
+    for (int64_t row = 0; row < program->sampled_rows; row++)
+        job->results[program->result_rows + row][place] = sampled[PACK * row];
+}
+
+static void *work(void *argument)
+{
+    Job *job = argument;
+    size_t size = sizeof(double) * PACK * job->work_rows;
+    void *space = calloc(1, size + ALIGNMENT);
+    if (!space) {
+        job->out_of_memory = 1;
+        return NULL;
+    }
+    uint64_t mode = enter_float_mode();
+    Columns columns;
+    columns.work = (double *)(((uintptr_t)space + ALIGNMENT - 1) & ~(uintptr_t)(ALIGNMENT - 1));
+    for (int column = 0; column < PACK; column++)
+        columns.lane[column] = -1;
+    for (int place = 0; place < operation.count; place++) {
+        Share share = {{take_lane, give_lane, next_time, give_sample}, job, place};
+        go_on(&operation.programs[place], &columns, &share.exchange, 0);
+    }
+    leave_float_mode(mode);
+    free(space);
+    return NULL;
+}
+
+static int longer_first(const void *a, const void *b)
+{
+    const Turn *one = a, *other = b;
+    if (one->effort < other->effort)
+        return -1;
+    if (one->effort > other->effort)
+        return 1;
+    return (one->lane > other->lane) - (one->lane < other->lane);
+}
+
+/* Puts the lanes into the order in which they are to begin. */
+static void arrange(Job *job)
+{
+    int64_t first = 0;
+    for (int place = 0; place < operation.count; place++) {
+        int64_t k = first;
+        for (int64_t lane = 0; lane < job->lanes; lane++)
+            if ((int)*value_of(job, job->program, lane) == place) {
+                double found = *value_of(job, job->effort, lane);
+                /* qsort needs an order, which NaN has not. */
+                job->turns[k++] = (Turn){found == found ? found : 0.0, lane};
+            }
+        if (k - first > PACK)
+            qsort(job->turns + first, k - first, sizeof(Turn), longer_first);
+        job->next[place] = first;
+        job->end[place] = first = k;
+    }
+}
+
+static void compute(Job *job)
+{
+    int64_t threads = (job->lanes + PACK - 1) / PACK, started = 1;
+    if (threads > operation.threads)
+        threads = operation.threads;
+    uint64_t *thread = NULL;
+    if (threads > 1 && operation.create)
+        thread = malloc(sizeof(uint64_t) * threads);
+    if (thread)
+        /* Where the system gives no more threads, fewer do the work. */
+        while (started < threads && !operation.create(&thread[started], NULL, work, job))
+            started++;
+    work(job);
+    for (int64_t k = 1; k < started; k++)
+        operation.join(thread[k], NULL);
+    free(thread);
+}
+
+typedef void *Create(void *arguments);
+
+static void *error(void *frame, int32_t code, const char *message)
+{
+    struct {
+        size_t size;
+        void *extension;
+        const char *message;
+        int32_t code;
+    } arguments = {sizeof(arguments), NULL, message, code};
+    void *api = AT(void *, frame, 16);
+    Create *create = AT(Create *, api, 48);
+    return create(&arguments);
+}
+
+/* Axes of lanes of an operand, the last `own` left out; what is wrong, or NULL. */
+static const char *read_operand(const void *buffer, int64_t own, Job *job, Operand *operand)
+{
+    int64_t rank = AT(int64_t, buffer, 32), *dims = AT(int64_t *, buffer, 40), stride = 1;
+    if (AT(int32_t, buffer, 16) != FLOAT64)
+        return "jaximpact computes in float64, but an operand has another type";
+    if (rank < own || rank - own > AXES)
+        return "jaximpact: impacts take arrays of at most 24 axes, with those of vmap";
+    operand->data = AT(double *, buffer, 24);
+    job->axes = rank - own;
+    for (int64_t axis = rank; axis-- > 0; stride *= dims[axis]) {
+        if (axis >= job->axes)
+            continue;
+        operand->stride[axis] = dims[axis] == 1 ? 0 : stride;
+        if (dims[axis] == 1)
+            continue;
+        if (job->dims[axis] != 1 && job->dims[axis] != dims[axis])
+            return "jaximpact: operands do not broadcast";
+        job->dims[axis] = dims[axis];
+    }
+    return NULL;
+}
+
+/* Whether a result is an array of float64 of so many elements. */
+static int has_room(const void *buffer, int64_t count)
+{
+    int64_t rank = AT(int64_t, buffer, 32), *dims = AT(int64_t *, buffer, 40), room = 1;
+    for (int64_t axis = 0; axis < rank; axis++)
+        room *= dims[axis];
+    return AT(int32_t, buffer, 16) == FLOAT64 && room == count;
+}
+
+static void *compute_call(void *frame, Job *job, Operand *operands, int64_t count)
+{
+    void **buffers = AT(void **, frame, 72), **results = AT(void **, frame, 112);
+    int64_t programs_results = operation.programs[0].result_rows;
+    int64_t sampled = operation.programs[0].sampled_rows, axes = -1;
+    if (AT(int64_t, frame, 96) != programs_results + sampled)
+        return error(frame, INVALID_ARGUMENT, "jaximpact: a wrong number of results");
+    for (int64_t axis = 0; axis < AXES; axis++)
+        job->dims[axis] = 1;
+    for (int64_t k = 0; k < count; k++) {
+        /* All lanes' inputs and their places; directions, and times */
+        int64_t own = k < 2 || k >= job->own_inputs + 4;
+        const char *wrong = read_operand(buffers[k], own, job, &operands[k]);
+        if (wrong)
+            return error(frame, INVALID_ARGUMENT, wrong);
+        if (axes >= 0 && job->axes != axes)
+            return error(frame, INVALID_ARGUMENT, "jaximpact: operands differ in their axes");
+        axes = job->axes;
+    }
+    if (operation.samples) {
+        const void *times = buffers[count - 1];
+        job->times = AT(int64_t *, times, 40)[job->axes];
+    }
+    if (AT(int64_t *, buffers[0], 40)[job->axes] != operation.leaves)
+        return error(frame, INVALID_ARGUMENT, "jaximpact: a wrong number of inputs");
+    job->common = operands;
+    job->places = operands + 1;
+    job->own = operands + 2;
+    job->effort = job->own + job->own_inputs;
+    job->program = job->effort + 1;
+    job->along = job->program + 1;
+    job->times_asked = operands + count - 1;
+    job->lanes = 1;
+    for (int64_t axis = 0; axis < job->axes; axis++)
+        job->lanes *= job->dims[axis];
+    for (int64_t place = 0; place < operation.count; place++)
+        if (operation.programs[place].rows > job->work_rows)
+            job->work_rows = operation.programs[place].rows;
+    if (!job->lanes)
+        return NULL;
+    int64_t rows = programs_results + sampled;
+    for (int64_t row = 0; row < rows; row++)
+        if (!has_room(results[row], job->lanes * (row < programs_results ? 1 : job->times)))
+            return error(frame, INVALID_ARGUMENT,
+                         "jaximpact: a result is not float64 of the shape of the lanes");
+    double **outputs = malloc(sizeof(double *) * rows);
+    job->turns = malloc(sizeof(Turn) * job->lanes);
+    job->results = outputs;
+    if (outputs && job->turns) {
+        for (int64_t row = 0; row < rows; row++)
+            outputs[row] = AT(double *, results[row], 24);
+        arrange(job);
+        compute(job);
+    } else {
+        job->out_of_memory = 1;
+    }
+    free(job->turns);
+    free(outputs);
+    if (job->out_of_memory)
+        return error(frame, RESOURCE_EXHAUSTED, "jaximpact: out of memory");
+    return NULL;
+}
+
+void *impacts(void *frame)
+{
+    void *extension = AT(void *, frame, 8);
+    if (extension && AT(int32_t, extension, 8) == EXTENSION_METADATA) {
+        void *metadata = AT(void *, extension, 24);
+        AT(int32_t, metadata, 24) = 0; /* the version that this follows: 0.1 */
+        AT(int32_t, metadata, 28) = 1;
+        return NULL;
+    }
+    int64_t count = AT(int64_t, frame, 56);
+    int64_t own_inputs = count - 4 - (operation.directions > 0) - operation.samples;
+    if (own_inputs < 0)
+        return error(frame, INVALID_ARGUMENT, "jaximpact: too few operands");
+    Operand *operands = malloc(sizeof(Operand) * count);
+    if (!operands)
+        return error(frame, RESOURCE_EXHAUSTED, "jaximpact: out of memory");
+    Job job = {.own_inputs = own_inputs};
+    void *wrong = compute_call(frame, &job, operands, count);
+    free(operands);
+    return wrong;
+}

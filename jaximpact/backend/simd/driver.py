@@ -1,0 +1,195 @@
+"""The driver of driver.c: loading, and the structures that Python fills in."""
+
+import ctypes
+import functools
+import importlib.resources
+import threading
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from llvmlite.binding import ExecutionEngine
+
+from .llvm_ir import PACK, architecture, compile_text, host, load
+
+PACKAGE = __name__.rpartition(".")[0]
+ALIGNMENT = 64
+PROGRAMS, MOST_RETRIES = 32, 7
+POINTER, INTEGER, DOUBLE = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
+
+
+class Program(ctypes.Structure):
+    """Compiled lane functions; see driver.c."""
+
+    _fields_ = (
+        *((name, POINTER) for name in ("begin", "step", "finish", "sample")),
+        *((name, INTEGER) for name in ("rows", "input_rows")),
+        *((name, INTEGER) for name in ("results_row", "result_rows")),
+        *((name, INTEGER) for name in ("tolerance", "outcome", "steps")),
+        *((name, INTEGER) for name in ("time", "asked")),
+        *((name, INTEGER) for name in ("sampled_row", "sampled_rows")),
+        *((name, DOUBLE) for name in ("failed", "most_steps")),
+        ("retries", DOUBLE * MOST_RETRIES),
+    )
+
+
+class Columns(ctypes.Structure):
+    """Lanes under way; see driver.c."""
+
+    _fields_ = (
+        ("work", POINTER),
+        ("lane", INTEGER * PACK),
+        ("tolerance", DOUBLE * PACK),
+        ("tries", INTEGER * PACK),
+        ("sampled", INTEGER * PACK),
+    )
+
+
+class Operation(ctypes.Structure):
+    """Settings of the handler of a custom call; see driver.c."""
+
+    _fields_ = (
+        ("count", INTEGER),
+        ("programs", Program * PROGRAMS),
+        *((name, INTEGER) for name in ("leaves", "directions", "samples")),
+        ("threads", INTEGER),
+        ("create", POINTER),
+        ("join", POINTER),
+    )
+
+
+class Course(ctypes.Structure):
+    """Samples of one lane at its start and after every step; see driver.c."""
+
+    _fields_ = (
+        ("samples", POINTER),
+        ("room", INTEGER),
+        ("count", INTEGER),
+        ("reached", DOUBLE),
+    )
+
+
+RUN = ctypes.CFUNCTYPE(
+    INTEGER,
+    *(POINTER, POINTER),
+    *(POINTER, INTEGER, POINTER),
+    *(POINTER, INTEGER, POINTER),
+    *(INTEGER, POINTER),
+)
+FLOAT_MODE = {
+    "x86": """
+declare void @llvm.x86.sse.stmxcsr(ptr)
+declare void @llvm.x86.sse.ldmxcsr(ptr)
+define i64 @enter_float_mode() {
+  %at = alloca i32
+  call void @llvm.x86.sse.stmxcsr(ptr %at)
+  %before = load i32, ptr %at
+  store i32 8064, ptr %at
+  call void @llvm.x86.sse.ldmxcsr(ptr %at)
+  %result = zext i32 %before to i64
+  ret i64 %result
+}
+define void @leave_float_mode(i64 %before) {
+  %at = alloca i32
+  %mode = trunc i64 %before to i32
+  store i32 %mode, ptr %at
+  call void @llvm.x86.sse.ldmxcsr(ptr %at)
+  ret void
+}
+""",
+    "aarch64": """
+declare i64 @llvm.aarch64.get.fpcr()
+declare void @llvm.aarch64.set.fpcr(i64)
+define i64 @enter_float_mode() {
+  %before = call i64 @llvm.aarch64.get.fpcr()
+  call void @llvm.aarch64.set.fpcr(i64 0)
+  ret i64 %before
+}
+define void @leave_float_mode(i64 %before) {
+  call void @llvm.aarch64.set.fpcr(i64 %before)
+  ret void
+}
+""",
+    "": """
+define i64 @enter_float_mode() {
+  ret i64 0
+}
+define void @leave_float_mode(i64 %before) {
+  ret void
+}
+""",
+}
+"""Functions, by processor, that set arithmetic as the standard has it. XLA has its
+threads flush small numbers to zero, and results would depend on the thread."""
+
+
+class Driver(NamedTuple):
+    """The driver as loaded for one operation."""
+
+    engine: ExecutionEngine
+    operation: Operation
+
+    @property
+    def run(self):
+        """Function that serves Python."""
+        return RUN(self.engine.get_function_address("run"))
+
+    @property
+    def handler(self) -> int:
+        """Address of the function that serves XLA."""
+        return self.engine.get_function_address("impacts")
+
+
+def _made(key: str, make: Callable[[], bytes]) -> bytes:
+    return make()
+
+
+_keep = _made
+
+
+def keep_driver(keep: Callable[[str, Callable[[], bytes]], bytes]) -> None:
+    """Have the driver's object file kept, which takes a tenth of a second to compile.
+
+    Args:
+        keep: gives what is kept under a key, or what a function makes and it keeps.
+    """
+    global _keep
+    _keep = keep
+
+
+@functools.cache
+def driver_object() -> bytes:
+    """Compile the driver into an object file, or find it kept."""
+    text = (importlib.resources.files(PACKAGE) / "driver.ll").read_text()
+    families = {"x86_64": "x86", "aarch64": "aarch64", "arm64": "aarch64"}
+    text += FLOAT_MODE[families.get(architecture(), "")]
+    return _keep(repr(("driver", text, host())), lambda: compile_text(text))
+
+
+def load_driver() -> Driver:
+    """Load the driver, with an operation of its own that is still to be filled in."""
+    engine = load(driver_object())
+    address = engine.get_global_value_address("operation")
+    return Driver(engine, Operation.from_address(address))
+
+
+_shared: list[Driver] = []
+_lock = threading.Lock()
+
+
+def shared_driver() -> Driver:
+    """The driver that serves Python. It is never unloaded: threads that start at once
+    must not load two of which one is thrown away under the other's feet."""
+    with _lock:
+        if not _shared:
+            _shared.append(load_driver())
+    return _shared[0]
+
+
+def new_columns(rows: int) -> tuple[Columns, np.ndarray]:
+    """Make empty columns, and the memory that they work in, which must live as long."""
+    space = np.zeros(rows * PACK * 8 + ALIGNMENT, np.uint8)
+    start = -space.ctypes.data % ALIGNMENT
+    columns = Columns(work=space.ctypes.data + start)
+    columns.lane[:] = [-1] * PACK
+    return columns, space

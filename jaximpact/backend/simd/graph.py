@@ -1,0 +1,209 @@
+"""Straight-line arithmetic as a graph in which equal values are one node.
+
+A value is a `Node`, or a Python number where it is known when the kernel is built.
+Values are 64-bit floats, 64-bit integers or truths, one a lane.
+"""
+
+import math
+import operator
+import struct
+from collections.abc import Callable
+from typing import NamedTuple
+
+FLOAT, INTEGER, TRUTH = "double", "i64", "i1"
+INPUT = "input"
+"""Operation of a value that is given."""
+KINDS = {float: FLOAT, int: INTEGER, bool: TRUTH}
+PYTHON = {kind: python for python, kind in KINDS.items()}
+
+Number = float | int | bool
+
+
+class Node:
+    """The result of one operation."""
+
+    __slots__ = ("arguments", "kind", "number", "operation")
+
+    def __init__(self, operation: str, kind: str, arguments: tuple, number: int):
+        self.operation, self.kind, self.arguments = operation, kind, arguments
+        self.number = number
+        """Place in the order of making: higher than its arguments'."""
+
+
+Value = Node | Number
+
+
+def kind_of(value: Value) -> str:
+    return value.kind if isinstance(value, Node) else KINDS[type(value)]
+
+
+def bits_of(number: float) -> int:
+    """The 64 bits of a float, as a signed integer."""
+    return struct.unpack("<q", struct.pack("<d", number))[0]
+
+
+def float_of(bits: int) -> float:
+    return struct.unpack("<d", struct.pack("<q", bits))[0]
+
+
+def _wrapped(integer: int) -> int:
+    return (integer + 2**63) % 2**64 - 2**63
+
+
+def _divided(a: float, b: float) -> float:
+    if b != 0.0:
+        return a / b
+    if a == 0.0 or math.isnan(a):
+        return math.nan
+    return math.copysign(math.inf, a) * math.copysign(1.0, b)
+
+
+class Operation(NamedTuple):
+    """An operation: its result for numbers, and its text in LLVM for vectors."""
+
+    kind: str
+    fold: Callable
+    text: str
+    """Template with `{f}`, `{i}`, `{t}` for the vector types, and operands by place."""
+    commutes: bool = False
+
+
+def _select(condition: bool, yes: Number, no: Number) -> Number:
+    return yes if condition else no
+
+
+def _compare(fold: Callable, predicate: str, commutes: bool = False) -> Operation:
+    return Operation(TRUTH, fold, f"fcmp {predicate} {{f}} {{0}}, {{1}}", commutes)
+
+
+# LLVM is not to put products and sums into one instruction: `llvm_ir` says which may.
+OPERATIONS = {
+    "add": Operation(FLOAT, operator.add, "fadd {f} {0}, {1}", True),
+    "subtract": Operation(FLOAT, operator.sub, "fsub {f} {0}, {1}"),
+    "multiply": Operation(FLOAT, operator.mul, "fmul {f} {0}, {1}", True),
+    "divide": Operation(FLOAT, _divided, "fdiv {f} {0}, {1}"),
+    "negate": Operation(FLOAT, operator.neg, "fneg {f} {0}"),
+    "magnitude": Operation(FLOAT, abs, "call {f} @llvm.fabs.v8f64({f} {0})"),
+    "root": Operation(
+        FLOAT,
+        lambda x: math.sqrt(x) if x >= 0.0 else math.nan,
+        "call {f} @llvm.sqrt.v8f64({f} {0})",
+    ),
+    "fused": Operation(
+        FLOAT,
+        lambda a, b, c: a * b + c,
+        "call {f} @llvm.fma.v8f64({f} {0}, {f} {1}, {f} {2})",
+    ),
+    "less": _compare(operator.lt, "olt"),
+    "at_most": _compare(operator.le, "ole"),
+    "equal": _compare(operator.eq, "oeq", True),
+    "unlike": _compare(operator.ne, "une", True),
+    "and": Operation(TRUTH, operator.and_, "and {t} {0}, {1}", True),
+    "or": Operation(TRUTH, operator.or_, "or {t} {0}, {1}", True),
+    "differ": Operation(TRUTH, operator.ne, "xor {t} {0}, {1}", True),
+    "choose_float": Operation(FLOAT, _select, "select {t} {0}, {f} {1}, {f} {2}"),
+    "choose_integer": Operation(INTEGER, _select, "select {t} {0}, {i} {1}, {i} {2}"),
+    "choose_truth": Operation(TRUTH, _select, "select {t} {0}, {t} {1}, {t} {2}"),
+    "integer_add": Operation(
+        INTEGER, lambda a, b: _wrapped(a + b), "add {i} {0}, {1}", True
+    ),
+    "integer_subtract": Operation(
+        INTEGER, lambda a, b: _wrapped(a - b), "sub {i} {0}, {1}"
+    ),
+    "integer_multiply": Operation(
+        INTEGER, lambda a, b: _wrapped(a * b), "mul {i} {0}, {1}", True
+    ),
+    "integer_less": Operation(TRUTH, operator.lt, "icmp slt {i} {0}, {1}"),
+    "integer_at_most": Operation(TRUTH, operator.le, "icmp sle {i} {0}, {1}"),
+    "integer_equal": Operation(TRUTH, operator.eq, "icmp eq {i} {0}, {1}", True),
+    "bits_and": Operation(INTEGER, operator.and_, "and {i} {0}, {1}", True),
+    "bits_or": Operation(INTEGER, operator.or_, "or {i} {0}, {1}", True),
+    "bits_differ": Operation(INTEGER, operator.xor, "xor {i} {0}, {1}", True),
+    "shift_left": Operation(INTEGER, lambda a, b: _wrapped(a << b), "shl {i} {0}, {1}"),
+    "shift_right": Operation(INTEGER, operator.rshift, "ashr {i} {0}, {1}"),
+    "to_float": Operation(FLOAT, float, "sitofp {i} {0} to {f}"),
+    "to_bits": Operation(INTEGER, bits_of, "bitcast {f} {0} to {i}"),
+    "from_bits": Operation(FLOAT, float_of, "bitcast {i} {0} to {f}"),
+}
+
+
+class Graph:
+    """A graph of nodes: the same operation on the same arguments is the same node."""
+
+    def __init__(self):
+        self._known: dict[tuple, Node] = {}
+
+    def _key(self, value: Value):
+        if isinstance(value, Node):
+            return value.number
+        # 0.0 and -0.0 are equal, and NaN is not equal to itself.
+        return type(value).__name__, value.hex() if type(value) is float else value
+
+    def _remember(self, key: tuple, kind: str, arguments: tuple) -> Node:
+        node = self._known.get(key)
+        if node is None:
+            node = Node(key[0], kind, arguments, len(self._known))
+            self._known[key] = node
+        return node
+
+    def input(self, place: int, kind: str) -> Node:
+        """Node of the value in a row of the kernel's memory."""
+        return self._remember((INPUT, place), kind, (place,))
+
+    def apply(self, name: str, *arguments: Value) -> Value:
+        """Apply an operation of `OPERATIONS`; numbers alone give a number."""
+        operation = OPERATIONS[name]
+        if not any(isinstance(a, Node) for a in arguments):
+            return PYTHON[operation.kind](operation.fold(*arguments))
+        same = _simplified(name, arguments)
+        if same is not None:
+            return same
+        keys = [self._key(a) for a in arguments]
+        if operation.commutes:
+            keys.sort(key=str)
+        return self._remember((name, *keys), operation.kind, arguments)
+
+    def choose(self, condition: Value, yes: Value, no: Value) -> Value:
+        """Select `yes` where the condition is true, else `no`."""
+        name = {FLOAT: "float", INTEGER: "integer", TRUTH: "truth"}[kind_of(yes)]
+        return self.apply(f"choose_{name}", condition, yes, no)
+
+
+def _is(value: Value, number: Number) -> bool:
+    return type(value) is type(number) and value == number
+
+
+def _simplified(name: str, arguments: tuple) -> Value | None:
+    """The argument, or truth, that the operation gives whatever the others are.
+
+    Products with zero stay: they are not zero for infinity and NaN.
+    """
+    first, *rest = arguments
+    if name.startswith("choose"):
+        yes, no = rest
+        if not isinstance(first, Node):
+            return yes if first else no
+        return yes if yes is no else None
+    if len(arguments) != 2:
+        return None
+    (second,) = rest
+    pairs = ((first, second), (second, first))
+    if name == "add":
+        return next((a for a, b in pairs if _is(b, 0.0)), None)
+    if name == "multiply":
+        return next((a for a, b in pairs if _is(b, 1.0)), None)
+    if name == "subtract":
+        return first if _is(second, 0.0) else None
+    if name == "divide":
+        return first if _is(second, 1.0) else None
+    if name == "and":
+        return next(
+            (a if b else False for a, b in pairs if not isinstance(b, Node)),
+            first if first is second else None,
+        )
+    if name == "or":
+        return next(
+            (True if b else a for a, b in pairs if not isinstance(b, Node)),
+            first if first is second else None,
+        )
+    return None

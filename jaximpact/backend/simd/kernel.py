@@ -1,0 +1,392 @@
+"""Kernels: machine code that takes lanes from their inputs to their results.
+
+What a lane does is given by functions in JAX, which are traced for one lane and
+compiled for vectors of eight. Eight columns of memory hold lanes under way; one that
+has come to its end gives its place to the next. Lanes know nothing of each other: a
+lane's results do not depend, to the last bit, on what runs beside it.
+"""
+
+import ctypes
+import json
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import jax
+import numpy as np
+
+from .driver import Course, Program, new_columns, shared_driver
+from .graph import FLOAT, INPUT, INTEGER, TRUTH, Graph, Node, kind_of
+from .llvm_ir import DECLARATIONS, PACK, Output, compile_text, load, write_function
+from .lower_jaxpr import Translator
+
+KINDS = {"f": FLOAT, "i": INTEGER, "b": TRUTH}
+USUAL_STEPS = 2_000
+"""Steps for which there is room when a course is recorded; a lane that takes more runs
+once more."""
+
+
+class Code(NamedTuple):
+    """Compiled lane functions."""
+
+    object_file: bytes
+    input_rows: int
+    common_inputs: int
+    """First rows of inputs, which copies of a lane have in common."""
+    result_rows: int
+    rows: int
+    """Rows of inputs, state, results and samples together."""
+    spare_rows: int
+    """Rows behind them, for what functions keep while they run."""
+    time_row: int = -1
+    """Row of the state that holds the time reached; -1 where nothing is sampled."""
+    sampled_rows: int = 0
+
+    def packed(self) -> bytes:
+        """The code as bytes, to be kept."""
+        return json.dumps(self[1:]).encode() + b"\n" + self.object_file
+
+    @classmethod
+    def unpacked(cls, content: bytes) -> "Code":
+        numbers, _, object_file = content.partition(b"\n")
+        return cls(object_file, *json.loads(numbers))
+
+
+class Retries(NamedTuple):
+    """Retries of a lane that has failed: with tolerances times each of the factors,
+    unless it has used up its steps."""
+
+    tolerance_row: int
+    """Row of the tolerance among the inputs."""
+    outcome_row: int
+    """Row of the outcome among the results."""
+    steps_row: int
+    failed: float
+    most_steps: float
+    factors: tuple[float, ...]
+
+
+class Kernel:
+    """Compiled code that is ready to run.
+
+    Args:
+        code: what lanes do.
+        structure: of the results, a tree with a row for each leaf.
+        retries: for lanes that fail; None for none.
+    """
+
+    def __init__(self, code: Code, structure, retries: Retries | None = None):
+        self.code, self.structure = code, structure
+        self.engine = load(code.object_file)
+        address = self.engine.get_function_address
+        asked = code.rows - code.sampled_rows - 1  # after the results
+        self.program = Program(
+            begin=address("begin"),
+            step=address("step"),
+            finish=address("finish"),
+            sample=address("sample") if code.sampled_rows else None,
+            rows=code.rows + code.spare_rows,
+            input_rows=code.input_rows,
+            results_row=(asked if code.sampled_rows else code.rows) - code.result_rows,
+            result_rows=code.result_rows,
+            tolerance=-1,
+            time=code.time_row,
+            asked=asked,
+            sampled_row=asked + 1,
+            sampled_rows=code.sampled_rows,
+        )
+        if retries is not None:
+            self.program.tolerance = retries.tolerance_row
+            self.program.outcome = retries.outcome_row
+            self.program.steps = retries.steps_row
+            self.program.failed = retries.failed
+            self.program.most_steps = retries.most_steps
+            self.program.retries[:] = retries.factors
+
+    @property
+    def layout(self) -> bytes:
+        """Description of the code for the driver, without addresses, as bytes."""
+        told = Program.from_buffer_copy(self.program)
+        told.begin = told.step = told.finish = told.sample = None
+        return bytes(told)
+
+    def workspace(self) -> "Workspace":
+        return Workspace(self)
+
+
+class Workspace:
+    """Eight columns in which one thread works with a kernel."""
+
+    def __init__(self, kernel: Kernel):
+        self._kernel = kernel  # The code must live as long as this.
+        self._run = shared_driver().run
+        self._columns, self._space = new_columns(kernel.program.rows)
+
+    def record(self, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Run one lane, and sample it at its start and at the end of every step.
+
+        Args:
+            inputs: inputs of the lane, shape (input_rows, 1).
+
+        Returns:
+            Results (result_rows, 1), and samples (sampled_rows, 1 + steps).
+        """
+        names, room = np.zeros(1, int), USUAL_STEPS
+        while True:
+            samples = np.empty((self._kernel.code.sampled_rows, room))
+            course = Course(samples=samples.ctypes.data, room=room)
+            _, results = self.run(names, inputs, False, course)
+            if course.count <= room:
+                return results, samples[:, : course.count]
+            room = course.count
+
+    def run(
+        self,
+        names: np.ndarray,
+        inputs: np.ndarray,
+        wait: bool,
+        course: Course | None = None,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Begin lanes, and go on until all have ended.
+
+        Args:
+            names: of the lanes, integers that are not negative.
+            inputs: `(input_rows, lanes)`.
+            wait: go on only until a column is empty, to be called again.
+            course: what is sampled goes there, if there is a single lane.
+
+        Returns:
+            Names of the lanes that have ended, and their results
+            `(result_rows, ended)`.
+        """
+        code = self._kernel.code
+        names = np.ascontiguousarray(names, np.int64)
+        inputs = np.ascontiguousarray(inputs, float)
+        if inputs.shape != (code.input_rows, len(names)):
+            raise ValueError(
+                f"got inputs of shape {inputs.shape}, need "
+                f"{(code.input_rows, len(names))}, a row for each and a column a lane"
+            )
+        room = len(names) + PACK
+        results = np.empty((code.result_rows, room))
+        ended = np.empty(room, np.int64)
+        count = self._run(
+            *(ctypes.addressof(self._kernel.program), ctypes.addressof(self._columns)),
+            *(inputs.ctypes.data, len(names), names.ctypes.data),
+            *(results.ctypes.data, room, ended.ctypes.data),
+            *(wait, course and ctypes.addressof(course)),
+        )
+        return ended[:count], results[:, :count]
+
+
+class LaneFunctions(NamedTuple):
+    """Functions in JAX that say what a lane does.
+
+    Each takes and gives what copies of a lane have in common, and what each has of its
+    own; without copies the latter are empty trees. Copies are worked out side by side,
+    and what is common once: a lane with several derivatives has one copy for each.
+    """
+
+    begin: Callable
+    """Function from inputs, and own inputs, to a state and an own state."""
+    step: Callable
+    """Function from both states to the next ones, and whether the lane goes on."""
+    finish: Callable
+    """Function from inputs, own inputs and both states to results and own results."""
+    sample: Callable | None = None
+    """Function from both states and a time that the last step has passed to samples
+    there, common and own."""
+    time: Callable | None = None
+    """Function from a state to the time reached, which must be an array of the
+    state."""
+
+
+def compile_kernel(begin: Callable, step: Callable, finish: Callable, inputs) -> Kernel:
+    """Compile functions of lanes without copies, ready to run.
+
+    Args:
+        begin: from inputs to the state at the start.
+        step: from a state to the next, and whether the lane goes on.
+        finish: from inputs and the last state to results.
+        inputs: as for `compile_code`.
+    """
+
+    def step_both(state, _):
+        state, going = step(state)
+        return state, (), going
+
+    functions = LaneFunctions(
+        lambda inputs, _: (begin(inputs), ()),
+        step_both,
+        lambda inputs, _, state, __: (finish(inputs, state), ()),
+    )
+    state = jax.eval_shape(begin, inputs)
+    results = jax.eval_shape(finish, inputs, state)
+    return Kernel(compile_code(functions, inputs), jax.tree.structure(results))
+
+
+def compile_code(
+    functions: LaneFunctions, inputs, own_inputs=(), copies: int = 1
+) -> Code:
+    """Compile functions of lanes.
+
+    Args:
+        inputs: a tree of arrays, or of what stands for them, with one lane: every
+            array of the functions has one axis of length 1, the lane's.
+        own_inputs: the same, of one copy.
+        copies: how many there are.
+
+    Rows are inputs, own inputs of each copy, state, own states, results, own results;
+    with samples the time asked for, samples and own samples.
+
+    Raises NoMachineCode if a function does what has no native code.
+    """
+    given = inputs, own_inputs
+    begin, states = jax.make_jaxpr(functions.begin, return_shape=True)(*given)
+    step = jax.make_jaxpr(functions.step)(*states)
+    finish, results = jax.make_jaxpr(functions.finish, return_shape=True)(
+        *given, *states
+    )
+    layout = _Layout(copies)
+    at_given, at_states, at_results = map(layout.allot, (given, states, results))
+    functions_written = [
+        ("begin", begin, at_given, at_states, dict(masked=True)),
+        ("step", step, at_states, at_states, dict(says=True)),
+        ("finish", finish, at_given + at_states, at_results, {}),
+    ]
+    time_row, sampled_rows = -1, 0
+    if functions.sample is not None and functions.time is not None:
+        asked = jax.ShapeDtypeStruct((1,), float)
+        sample, samples = jax.make_jaxpr(functions.sample, return_shape=True)(
+            *states, asked
+        )
+        at_asked, _ = layout.allot((asked, ()))
+        at_samples = layout.allot(samples)
+        sampled_rows = sum(part.rows for part in at_samples)
+        time_row = at_states[0].place_of(functions.time, states[0])
+        functions_written.append(
+            (
+                "sample",
+                sample,
+                [*at_states, at_asked],
+                at_samples,
+                dict(masked=True),
+            )
+        )
+    text, spare_rows = zip(
+        *(
+            _written(*arguments, free_row=layout.rows, **how)
+            for *arguments, how in functions_written
+        ),
+        strict=True,
+    )
+    return Code(
+        compile_text("\n".join([*text, DECLARATIONS])),
+        sum(part.rows for part in at_given),
+        at_given[0].rows,
+        sum(part.rows for part in at_results),
+        layout.rows,
+        max(spare_rows),
+        time_row,
+        sampled_rows,
+    )
+
+
+class _Part(NamedTuple):
+    """Rows that hold a tree, or one tree for each copy."""
+
+    start: int
+    shapes: list[tuple[int, ...]]
+    copies: int
+
+    @property
+    def size(self) -> int:
+        """Rows of one copy."""
+        return sum(map(math.prod, self.shapes))
+
+    @property
+    def rows(self) -> int:
+        return self.size * self.copies
+
+    def start_of(self, copy: int) -> int:
+        """First row for a copy; the same for all of what they have in common."""
+        return self.start + (copy * self.size if self.copies > 1 else 0)
+
+    def place_of(self, choose: Callable, tree) -> int:
+        """The row of a leaf, chosen from the tree."""
+        leaves, structure = jax.tree.flatten(tree)
+        chosen = choose(jax.tree.unflatten(structure, range(len(leaves))))
+        return self.start + sum(map(math.prod, self.shapes[:chosen]))
+
+
+class _Layout:
+    """Allots rows, one after the other."""
+
+    def __init__(self, copies: int):
+        self.copies, self.rows = copies, 0
+
+    def allot(self, pair) -> list[_Part]:
+        """Rows for a tree that copies have in common, and for one that each has."""
+        parts = []
+        for tree, copies in zip(pair, (1, self.copies), strict=True):
+            shapes = [leaf.shape for leaf in jax.tree.leaves(tree)]
+            parts.append(_Part(self.rows, shapes, copies))
+            self.rows += parts[-1].rows
+        return parts
+
+
+def _written(
+    name: str,
+    traced,
+    sources: Sequence[_Part],
+    targets: Sequence[_Part],
+    masked: bool = False,
+    says: bool = False,
+    free_row: int = 0,
+) -> tuple[str, int]:
+    """Write a traced function for LLVM. Its arguments are in the rows of the sources,
+    its results go to those of the targets, but for the truth that it `says` last."""
+    graph, outputs, said = Graph(), [], False
+    copies = max(part.copies for part in (*sources, *targets))
+    held: dict[tuple, np.ndarray] = {}
+
+    def inputs_of(copy: int) -> list[np.ndarray]:
+        arrays, kinds = [], iter(traced.in_avals)
+        for part in sources:
+            row = part.start_of(copy)
+            for shape in part.shapes:
+                kind = KINDS[next(kinds).dtype.kind]
+                if (row, shape) not in held:
+                    values = np.empty(shape, object)
+                    for i, index in enumerate(np.ndindex(shape)):
+                        values[index] = graph.input(row + i, kind)
+                    held[row, shape] = values
+                arrays.append(held[row, shape])
+                row += math.prod(shape)
+        return arrays
+
+    found = Translator(graph).run(
+        traced.jaxpr, traced.consts, [inputs_of(copy) for copy in range(copies)]
+    )
+    for copy, arrays in enumerate(found):
+        if says:
+            *arrays, told = arrays
+            said = told.item()
+        arrays = iter(arrays)
+        for part in targets:
+            values = [x for _ in part.shapes for x in next(arrays).ravel()]
+            if copy == 0 or part.copies > 1:
+                start = part.start_of(copy)
+                outputs += [
+                    Output(start + i, x, kind_of(x)) for i, x in enumerate(values)
+                ]
+    changed = [output for output in outputs if not _stays(output)]
+    return write_function(name, changed, said, masked, free_row)
+
+
+def _stays(output: Output) -> bool:
+    """Tell whether a value is in its row already."""
+    value = output.value
+    if not isinstance(value, Node) or value.operation != INPUT:
+        return False
+    return value.arguments == (output.row,)

@@ -1,0 +1,288 @@
+"""Writing of graphs in LLVM's language, and compilation to machine code.
+
+A division takes the time of some ten products. So a quotient is written as a product
+with the inverse of its divisor, which all quotients by it share; and the inverse of a
+product, a quotient or a choice is put together from those of its parts. A sum takes the
+product in it along.
+
+How a value is written depends on what it is made of alone, and never on what else is
+worked out beside it: code with derivatives, or with a ledger, gives the same values to
+the last bit as code without.
+
+What comes out differs from the rounded quotient by a few roundings. For finite operands
+it is a number where that is, but where an inverse leaves the range of normal numbers:
+there zero by next to nothing is NaN.
+"""
+
+import struct
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import llvmlite.binding as llvm
+
+from .function_parts import Body, hand_on
+from .graph import FLOAT, INPUT, INTEGER, OPERATIONS, TRUTH, Node, Value
+
+PACK = 8
+"""Lanes in a vector: one register of AVX-512, two of AVX2, four of Neon."""
+FLOATS, INTEGERS, TRUTHS = (f"<{PACK} x {kind}>" for kind in (FLOAT, INTEGER, TRUTH))
+VECTORS = {"f": FLOATS, "i": INTEGERS, "t": TRUTHS}
+TYPES = {FLOAT: FLOATS, INTEGER: INTEGERS, TRUTH: TRUTHS}
+DECLARATIONS = f"""
+declare {FLOATS} @llvm.fabs.v{PACK}f64({FLOATS})
+declare {FLOATS} @llvm.sqrt.v{PACK}f64({FLOATS})
+declare {FLOATS} @llvm.fma.v{PACK}f64({FLOATS}, {FLOATS}, {FLOATS})
+attributes #0 = {{ "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
+"""
+
+
+class Output(NamedTuple):
+    """A value that a function stores in a row."""
+
+    row: int
+    value: Value
+    kind: str
+
+
+def in_order(roots: Iterable[Value]) -> list[Node]:
+    """List all nodes that the roots need, each after its arguments: inputs where they
+    are first needed, the others as they were made.
+
+    LLVM keeps the order of what depends on nothing between, by and large. As made, a
+    derivative stands by what it is the derivative of. Root by root instead, two
+    thousand values wait for each other in a step with one derivative, and code takes a
+    third longer to compile and to run.
+    """
+    needed: dict[int, Node] = {}
+    stack = [root for root in roots if isinstance(root, Node)]
+    while stack:
+        node = stack.pop()
+        if node.number not in needed:
+            needed[node.number] = node
+            stack.extend(a for a in node.arguments if isinstance(a, Node))
+    ordered: dict[int, Node] = {}
+    for number in sorted(needed):
+        node = needed[number]
+        if node.operation != INPUT:
+            ordered |= {a.number: a for a in node.arguments if isinstance(a, Node)}
+            ordered[number] = node
+    return list((ordered | needed).values())
+
+
+MAY_BE_PRODUCTS = {"multiply", "divide", "negate", "choose_float", "magnitude"}
+"""Operations whose result may be a product as it stands."""
+
+
+def is_quotient(node: Node) -> bool:
+    """Tell whether a node is written as a product with an inverse. A value divided by
+    itself is not: that is one exactly."""
+    return node.operation == "divide" and node.arguments[0] is not node.arguments[1]
+
+
+def parts_to_invert(value: Node) -> tuple[Value, ...]:
+    """Values to invert for the inverse of a value; none if the value is no product,
+    quotient or choice."""
+    if value.operation == "multiply":
+        return value.arguments
+    if value.operation == "divide":
+        return value.arguments[:1]
+    if value.operation == "choose_float":
+        return value.arguments[1:]
+    return ()
+
+
+def product_in(node: Node) -> int | None:
+    """Index, among the operands of a sum or difference, of the product that is fused
+    with it into one instruction, which rounds once; None if none is.
+
+    Not where both operands may be products: what is zero by symmetry would become the
+    rounding of one of them, and the first steps noise.
+    """
+    if node.operation not in ("add", "subtract"):
+        return None
+    may_be = [
+        isinstance(operand, Node) and operand.operation in MAY_BE_PRODUCTS
+        for operand in node.arguments
+    ]
+    if sum(may_be) != 1:
+        return None
+    place = may_be.index(True)
+    return place if node.arguments[place].operation == "multiply" else None
+
+
+def _constant(number: float | int | bool) -> str:
+    if type(number) is bool:
+        return f"splat (i1 {str(number).lower()})"
+    if type(number) is int:
+        return f"splat (i64 {number})"
+    return f"splat (double 0x{struct.pack('>d', number).hex().upper()})"
+
+
+ONE, ZERO = _constant(1.0), _constant(0.0)
+
+
+class _Writer:
+    """Lines of one function on the rows of `%work`."""
+
+    def __init__(self):
+        self.lines: list[str] = []
+        self.names: dict[int, str] = {}
+        self.inverses: dict[int, str] = {}
+        self.breaks: list[int] = []
+        self.types: dict[str, str] = {}
+
+    def name(self, value: Value) -> str:
+        return self.names[id(value)] if isinstance(value, Node) else _constant(value)
+
+    def new(self, text: str) -> str:
+        """Add an instruction; return the name of its result."""
+        name = f"%v{len(self.lines)}"
+        self.lines.append(f"  {name} = {text}")
+        return name
+
+    def row(self, row: int) -> str:
+        return self.new(f"getelementptr double, ptr %work, i64 {row * PACK}")
+
+    def read(self, row: int) -> str:
+        return self.new(f"load {FLOATS}, ptr {self.row(row)}, align 64")
+
+    def load(self, row: int, kind: str) -> str:
+        read = self.read(row)
+        if kind == TRUTH:
+            return self.new(f"fcmp une {FLOATS} {read}, {ZERO}")
+        if kind == INTEGER:
+            return self.new(f"fptosi {FLOATS} {read} to {INTEGERS}")
+        return read
+
+    def store(self, output: Output, mask: str | None) -> None:
+        name = self.name(output.value)
+        if output.kind == TRUTH:
+            name = self.new(f"select {TRUTHS} {name}, {FLOATS} {ONE}, {FLOATS} {ZERO}")
+        if output.kind == INTEGER:
+            name = self.new(f"sitofp {INTEGERS} {name} to {FLOATS}")
+        if mask:
+            old = self.read(output.row)
+            name = self.new(f"select {TRUTHS} {mask}, {FLOATS} {name}, {FLOATS} {old}")
+        row = self.row(output.row)
+        self.lines.append(f"  store {FLOATS} {name}, ptr {row}, align 64")
+
+    def write(self, nodes: list[Node]) -> None:
+        for node in nodes:
+            self.breaks.append(len(self.lines))
+            name = self.names[id(node)] = self.written(node)
+            self.types[name] = TYPES[node.kind]
+
+    def written(self, node: Node) -> str:
+        """Write a node; return the name of its result."""
+        operation, arguments = node.operation, node.arguments
+        if operation == INPUT:
+            return self.load(arguments[0], node.kind)
+        if is_quotient(node):
+            numerator, divisor = arguments
+            inverse = self.inverse(divisor)
+            if numerator == 1.0:
+                return inverse
+            return self.operation("multiply", self.name(numerator), inverse)
+        place = product_in(node)
+        if place is None:
+            return self.operation(operation, *map(self.name, arguments))
+        one, other = map(self.name, arguments[place].arguments)
+        rest = self.name(arguments[1 - place])
+        if operation == "subtract" and place == 0:
+            rest = self.operation("negate", rest)
+        if operation == "subtract" and place == 1:
+            one = self.operation("negate", one)
+        return self.operation("fused", one, other, rest)
+
+    def operation(self, operation: str, *operands: str) -> str:
+        return self.new(OPERATIONS[operation].text.format(*operands, **VECTORS))
+
+    def inverse(self, value: Value) -> str:
+        """Name of one over a value, computed once."""
+        if not isinstance(value, Node):
+            return _constant(OPERATIONS["divide"].fold(1.0, value))
+        if id(value) not in self.inverses:
+            name = self.inverses[id(value)] = self.new_inverse(value)
+            self.types[name] = FLOATS
+        return self.inverses[id(value)]
+
+    def new_inverse(self, value: Node) -> str:
+        parts = parts_to_invert(value)
+        if not parts:
+            return self.operation("divide", ONE, self.name(value))
+        inverses = map(self.inverse, parts)
+        if value.operation == "multiply":
+            return self.operation("multiply", *inverses)
+        if value.operation == "divide":
+            return self.operation("multiply", self.name(value.arguments[1]), *inverses)
+        return self.operation("choose_float", self.name(value.arguments[0]), *inverses)
+
+
+def write_function(
+    name: str,
+    outputs: list[Output],
+    truth: Value,
+    masked: bool = False,
+    free_row: int = 0,
+) -> tuple[str, int]:
+    """Write a function on the rows of the memory that it is called with.
+
+    It stores the outputs, if `masked` in the columns named by the bits of its second
+    argument alone, and returns the bits of a truth.
+
+    Args:
+        free_row: first free row of the memory; the function may use those from it on.
+
+    Returns:
+        The text, and how many of the free rows it uses.
+    """
+    writer = _Writer()
+    writer.write(in_order([*(output.value for output in outputs), truth]))
+    writer.breaks.append(len(writer.lines))
+    mask = writer.new(f"bitcast i{PACK} %columns to {TRUTHS}") if masked else None
+    for output in outputs:
+        writer.store(output, mask)
+    bits = writer.new(f"bitcast {TRUTHS} {writer.name(truth)} to i{PACK}")
+    body = Body(writer.lines, writer.breaks, writer.types)
+    parts, used = hand_on(body, free_row, PACK)
+    arguments, lines = f"(ptr %work, i{PACK} %columns)", []
+    for place, part in enumerate(parts[:-1]):
+        lines += [f"define internal void @{name}_{place}{arguments} #0 {{", *part]
+        lines += ["  ret void", "}"]
+    lines.append(f"define i{PACK} @{name}{arguments} #0 {{")
+    lines += [f"  call void @{name}_{k}{arguments}" for k in range(len(parts) - 1)]
+    lines += [*parts[-1], f"  ret i{PACK} {bits}", "}\n"]
+    return "\n".join(lines), used
+
+
+def host() -> tuple[str, str]:
+    """Name and features of the processor for which code is made."""
+    return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
+def architecture() -> str:
+    """The family of the processor, as "x86_64" or "aarch64"."""
+    return llvm.get_default_triple().partition("-")[0]
+
+
+def _target() -> llvm.TargetMachine:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    name, features = host()
+    return llvm.Target.from_default_triple().create_target_machine(
+        cpu=name, features=features, opt=2, codemodel="jitdefault", jit=True
+    )
+
+
+def compile_text(text: str) -> bytes:
+    """Machine code for this computer, as an object file."""
+    return _target().emit_object(llvm.parse_assembly(text))
+
+
+def load(object_file: bytes):
+    """An engine of LLVM with machine code put to where it can run; the code is there as
+    long as the engine lives."""
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target())
+    engine.add_object_file(llvm.ObjectFileRef.from_data(object_file))
+    engine.finalize_object()
+    return engine

@@ -1,0 +1,501 @@
+"""Lowering of the jaxpr of one lane to a graph.
+
+Arrays of the jaxpr are numpy arrays of values (`graph.Value`), one a lane. Loops of a
+known number of turns are written out.
+"""
+
+import math
+import operator
+from collections.abc import Callable
+from functools import reduce
+from typing import Any
+
+import jax
+import numpy as np
+
+from ..._jax_internals import Literal, called, place_of, scan_counts
+from . import math_functions as elementary
+from .graph import FLOAT, INTEGER, TRUTH, Graph, Node, Value, kind_of
+from .math_functions import REWRITTEN
+
+Values = np.ndarray
+"""Array of values (`graph.Value`)."""
+
+
+def values_of(array) -> Values:
+    """Values of a known array."""
+    array = np.asarray(array)
+    values = np.empty(array.shape, object)
+    for place in np.ndindex(array.shape):
+        values[place] = array[place].item()
+    return values
+
+
+def _each(function: Callable, *arrays: Values) -> Values:
+    """Apply a function of values place by place."""
+    made = np.frompyfunc(function, len(arrays), 1)(*arrays)
+    values = np.empty(np.shape(made), object)
+    values[...] = made
+    return values
+
+
+def _as_array(values) -> Values:
+    """Make an array of values, which NumPy gives as one value where there are no
+    axes."""
+    if isinstance(values, np.ndarray):
+        return values
+    array = np.empty((), object)
+    array[()] = values
+    return array
+
+
+def _first(arrays: list[Values]) -> list[Value]:
+    """One value of each array that has any."""
+    return [array.flat[0] for array in arrays if array.size]
+
+
+def _literal(atom: Literal) -> Values:
+    aval: Any = atom.aval
+    return values_of(np.asarray(atom.val, aval.dtype))
+
+
+class NoMachineCode(NotImplementedError):
+    """An operation that has no machine code."""
+
+    place = ""
+    """File, line and function that it stands in, where that is known."""
+
+
+Copies = list[list[Values]]
+"""Arrays of each of several copies."""
+
+
+class Translator:
+    """A walk through a jaxpr, equation by equation.
+
+    It does so for several copies of the arguments at once. What their arguments have in
+    common is worked out once; of the rest, each equation's results stand side by side.
+    """
+
+    def __init__(self, graph: Graph):
+        self.graph = graph
+
+    def run(self, jaxpr, constants, copies: Copies) -> Copies:
+        """Values of the outputs of a jaxpr, for each copy of its arguments."""
+        shared = dict(zip(jaxpr.constvars, map(values_of, constants), strict=True))
+        known = [
+            shared | dict(zip(jaxpr.invars, arguments, strict=True))
+            for arguments in copies
+        ]
+
+        def read(atoms) -> Copies:
+            literals = {
+                id(atom): _literal(atom) for atom in atoms if isinstance(atom, Literal)
+            }
+            return [
+                [literals[id(a)] if id(a) in literals else of[a] for a in atoms]
+                for of in known
+            ]
+
+        for equation in jaxpr.eqns:
+            outputs = self.outputs(equation, read(equation.invars))
+            for of, values in zip(known, outputs, strict=True):
+                of |= zip(equation.outvars, values, strict=True)
+        return read(jaxpr.outvars)
+
+    def outputs(self, equation, copies: Copies) -> Copies:
+        """Values of the outputs of one equation; an error names its place."""
+        first, *others = copies
+        if others and all(all(map(operator.is_, first, other)) for other in others):
+            return self.outputs(equation, [first]) * len(copies)
+        try:
+            if (inner := called(equation)) is not None:
+                return self.run(inner.jaxpr, inner.consts, copies)
+            if equation.primitive.name == "scan":
+                return self.scan(equation, copies)
+            return [
+                list(map(_as_array, self.apply(equation, inputs))) for inputs in copies
+            ]
+        except NoMachineCode as problem:
+            problem.place = problem.place or place_of(equation)
+            raise
+        except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+            # A version of JAX to come may describe its operations otherwise.
+            problem = NoMachineCode(
+                f"JAX {jax.__version__} describes the primitive "
+                f"'{equation.primitive.name}' in a way that is not known: {error!r}"
+            )
+            problem.place = place_of(equation)
+            raise problem from error
+
+    def apply(self, equation, inputs: list[Values]) -> list[Values]:
+        """Values of the outputs of one equation."""
+        name, params = equation.primitive.name, equation.params
+        if name in SAME:
+            return [_each(lambda x: x, inputs[0])]
+        if name in STRUCTURE:
+            return [STRUCTURE[name](params, *inputs)]
+        if name in PARTS:
+            return PARTS[name](params, *inputs)
+        if name in ELEMENTWISE:
+            function = ELEMENTWISE[name]
+            return [_each(lambda *x: function(self.graph, *x), *inputs)]
+        if name in REWRITTEN and all(kind_of(x) == FLOAT for x in _first(inputs)):
+            avals = [atom.aval for atom in equation.invars]
+            written = jax.make_jaxpr(REWRITTEN[name])(*avals)
+            (outputs,) = self.run(written.jaxpr, written.consts, [inputs])
+            return outputs
+        if name in REDUCTIONS:
+            return [self.reduce(REDUCTIONS[name], params["axes"], *inputs)]
+        method = getattr(self, f"_{name}", None)
+        if method is None:
+            raise NoMachineCode(f"no native code for the primitive '{name}'")
+        return [method(params, *inputs).reshape(equation.outvars[0].aval.shape)]
+
+    def scan(self, equation, copies: Copies) -> Copies:
+        params = equation.params
+        inner, (count, carried) = params["jaxpr"], scan_counts(equation)
+        first = count + carried
+        carries = [inputs[count:first] for inputs in copies]
+        turns = list(range(params["length"]))
+        if params["reverse"]:
+            turns.reverse()
+        rows: list[list] = [[None] * len(turns) for _ in copies]
+        made: dict[tuple, Values] = {}
+
+        def shared(make: Callable, *arrays) -> Values:
+            """What is made of some arrays, once for all copies that hold them."""
+            key = (make, *map(id, arrays))
+            if key not in made:
+                made[key] = make(arrays)
+            return made[key]
+
+        for i in turns:
+            take = lambda arrays, i=i: arrays[0][i]  # noqa: E731
+            outputs = self.run(
+                inner.jaxpr,
+                inner.consts,
+                [
+                    [
+                        *inputs[:count],
+                        *carry,
+                        *(shared(take, s) for s in inputs[first:]),
+                    ]
+                    for inputs, carry in zip(copies, carries, strict=True)
+                ],
+            )
+            carries = [values[:carried] for values in outputs]
+            for row, values in zip(rows, outputs, strict=True):
+                row[i] = values[carried:]
+        return [
+            [*carry, *(shared(np.stack, *arrays) for arrays in zip(*row, strict=True))]
+            for carry, row in zip(carries, rows, strict=True)
+        ]
+
+    def reduce(self, function: Callable, axes, values: Values) -> Values:
+        for axis in sorted(axes, reverse=True):
+            rows = np.moveaxis(values, axis, 0)
+            values = reduce(
+                lambda a, b: _each(lambda *x: function(self.graph, *x), a, b), rows
+            )
+        return values
+
+    def _integer_pow(self, params, values: Values) -> Values:
+        graph, exponent = self.graph, params["y"]
+
+        def power(x: Value) -> Value:
+            if kind_of(x) != FLOAT:
+                raise NoMachineCode(f"no native powers of {kind_of(x)}")
+            if exponent < 0:  # by the inverse, which other quotients may share
+                x = graph.apply("divide", 1.0, x)
+            result, square, left = 1.0, x, abs(exponent)
+            while left:
+                if left & 1:
+                    result = graph.apply("multiply", result, square)
+                square, left = graph.apply("multiply", square, square), left >> 1
+            return result
+
+        return _each(power, values)
+
+    def _convert_element_type(self, params, values: Values) -> Values:
+        graph = self.graph
+        kind = {"f": FLOAT, "i": INTEGER, "u": INTEGER, "b": TRUTH}[
+            np.dtype(params["new_dtype"]).kind
+        ]
+
+        def convert(x: Value) -> Value:
+            if kind_of(x) == kind:
+                return x
+            if kind_of(x) == TRUTH:
+                one, zero = (1.0, 0.0) if kind == FLOAT else (1, 0)
+                return graph.choose(x, one, zero)
+            if kind_of(x) == INTEGER and kind == FLOAT:
+                return graph.apply("to_float", x)
+            raise NoMachineCode(f"no native conversion of {kind_of(x)} to {kind}")
+
+        return _each(convert, values)
+
+    def _dot_general(self, params, left: Values, right: Values) -> Values:
+        contracted, batch = params["dimension_numbers"]
+
+        def arranged(values: Values, summed, over) -> Values:
+            """With axes batch, free, summed."""
+            summed, over = list(map(int, summed)), list(map(int, over))
+            free = [a for a in range(values.ndim) if a not in summed + over]
+            return np.transpose(values, over + free + summed)
+
+        left = arranged(left, contracted[0], batch[0])
+        right = arranged(right, contracted[1], batch[1])
+        batches, sums = len(batch[0]), len(contracted[0])
+        shape = (
+            left.shape[: left.ndim - sums] + right.shape[batches : right.ndim - sums]
+        )
+        pairs = zip(
+            *(
+                x.reshape(
+                    int(np.prod(x.shape[:batches])),
+                    -1,
+                    int(np.prod(x.shape[x.ndim - sums :])),
+                )
+                for x in (left, right)
+            ),
+            strict=True,
+        )
+        at = self.graph.apply
+        values = np.empty(int(np.prod(shape)), object)
+        values[:] = [
+            reduce(
+                lambda x, y: at("add", x, y),
+                [at("multiply", *factors) for factors in zip(a, b, strict=True)],
+            )
+            for rows, columns in pairs
+            for a in rows
+            for b in columns
+        ]
+        return values.reshape(shape)
+
+    def _argmin(self, params, values: Values) -> Values:
+        (axis,) = params["axes"]
+        at = self.graph.apply
+        rows = np.moveaxis(values, axis, 0)
+        if kind_of(values.flat[0]) != FLOAT:
+            raise NoMachineCode(f"no native argmin of {kind_of(values.flat[0])}")
+        least, place = rows[0], _each(lambda _: 0, rows[0])
+        for i, row in enumerate(rows[1:], 1):
+            # The first NaN is least.
+            better = _each(
+                lambda x, m: at(
+                    "and",
+                    at("or", at("less", x, m), at("unlike", x, x)),
+                    at("equal", m, m),
+                ),
+                row,
+                least,
+            )
+            least = _each(self.graph.choose, better, row, least)
+            place = _each(lambda b, p, i=i: self.graph.choose(b, i, p), better, place)
+        return place
+
+    def _gather(self, params, operand: Values, indices: Values) -> Values:
+        axes, mode = params["dimension_numbers"].start_index_map, params["mode"]
+        modes = jax.lax.GatherScatterMode
+        if (
+            indices.size != 1
+            or len(axes) != 1
+            or operand.size != operand.shape[axes[0]]
+            or mode not in (modes.FILL_OR_DROP, modes.CLIP)
+        ):
+            raise NoMachineCode("no native gather but of one entry of a row")
+        row, index = operand.ravel(), indices.item()
+        at, kind = self.graph.apply, kind_of(row[0])
+        if mode == modes.CLIP:  # beyond its ends a row goes on as it ends
+            result, chosen = row[0], "integer_at_most"
+        else:
+            outside = {FLOAT: math.nan, INTEGER: -(2**63), TRUTH: True}
+            result, chosen = outside[kind], "integer_equal"
+        for i, value in enumerate(row):
+            result = self.graph.choose(at(chosen, i, index), value, result)
+        return _each(lambda _: result, indices)
+
+    def _scatter(self, params, operand: Values, indices: Values, updates: Values):
+        numbers = params["dimension_numbers"]
+        rows = tuple(range(operand.ndim - 1))
+        index = indices.item()
+        if (
+            isinstance(index, Node)
+            or tuple(numbers.update_window_dims) != rows
+            or tuple(numbers.inserted_window_dims) != (0,)
+            or tuple(numbers.scatter_dims_to_operand_dims) != (0,)
+        ):
+            raise NoMachineCode("no native scatter but one row's at a known place")
+        result = operand.copy()
+        result[index] = updates
+        return result
+
+
+def _transposed(params, x: Values) -> Values:
+    return np.transpose(x, params["permutation"])
+
+
+def _broadcast(params, x: Values) -> Values:
+    shape = [1] * len(params["shape"])
+    for size, axis in zip(x.shape, params["broadcast_dimensions"], strict=True):
+        shape[axis] = size
+    return np.broadcast_to(x.reshape(shape), params["shape"])
+
+
+def _slice(params, x: Values) -> Values:
+    strides = params["strides"] or (1,) * x.ndim
+    bounds = zip(params["start_indices"], params["limit_indices"], strides, strict=True)
+    return x[tuple(slice(*b) for b in bounds)]
+
+
+def _dynamic_slice(params, x: Values, *starts: Values) -> Values:
+    places = [start.item() for start in starts]
+    if any(isinstance(place, Node) for place in places):
+        raise NoMachineCode("no native dynamic_slice at an unknown place")
+    sizes = params["slice_sizes"]
+    return x[
+        tuple(
+            slice(min(max(place, 0), n - size), min(max(place, 0), n - size) + size)
+            for place, size, n in zip(places, sizes, x.shape, strict=True)
+        )
+    ]
+
+
+SAME = {"stop_gradient", "copy"}
+STRUCTURE = {
+    "broadcast_in_dim": _broadcast,
+    "reshape": lambda params, x: x.reshape(params["new_sizes"]),
+    "squeeze": lambda params, x: np.squeeze(x, tuple(params["dimensions"])),
+    "transpose": _transposed,
+    "slice": _slice,
+    "dynamic_slice": _dynamic_slice,
+    "concatenate": lambda params, *x: np.concatenate(x, params["dimension"]),
+    "stack": lambda params, *x: np.stack(x, params["axis"]),
+    "rev": lambda params, x: np.flip(x, params["dimensions"]),
+    "tile": lambda params, x: np.tile(x, params["reps"]),
+}
+PARTS = {
+    "unstack": lambda params, x: list(np.moveaxis(x, params["axis"], 0)),
+    "split": lambda params, x: np.split(
+        x, np.cumsum(params["sizes"])[:-1], params["axis"]
+    ),
+}
+"""Operations that take an array apart."""
+
+
+def _plain(name: str, integer: str | None = None, truth: str | None = None) -> Callable:
+    """Make an operation that depends on the kind of its last argument."""
+
+    def apply(graph: Graph, *x: Value) -> Value:
+        names = {FLOAT: name, INTEGER: integer, TRUTH: truth}
+        chosen = names[kind_of(x[-1])]
+        if chosen is None:
+            raise NoMachineCode(f"no native '{name}' of {kind_of(x[-1])}")
+        return graph.apply(chosen, *x)
+
+    return apply
+
+
+def _only(kind: str, function: Callable) -> Callable:
+    """Restrict a function to arguments of one kind."""
+
+    def apply(graph: Graph, *x: Value) -> Value:
+        others = {kind_of(value) for value in x} - {kind}
+        if others:
+            raise NoMachineCode(f"no native '{function.__name__}' of {others}")
+        return function(graph, *x)
+
+    return apply
+
+
+def _swapped(function: Callable) -> Callable:
+    return lambda graph, a, b: function(graph, b, a)
+
+
+def _larger(graph: Graph, a: Value, b: Value, is_less: Callable) -> Value:
+    """`a` or `b`; NaN if either is. Of two choices LLVM makes one instruction, which
+    takes its second operand where either is NaN."""
+    if isinstance(a, Node) and not isinstance(b, Node):
+        a, b = b, a
+    chosen = graph.choose(is_less(b, a), a, b)
+    if not isinstance(a, Node):
+        return chosen
+    return graph.choose(graph.apply("unlike", a, a), a, chosen)
+
+
+def _maximum(graph: Graph, a: Value, b: Value) -> Value:
+    return _larger(graph, a, b, lambda x, y: graph.apply("less", x, y))
+
+
+def _minimum(graph: Graph, a: Value, b: Value) -> Value:
+    return _larger(graph, a, b, lambda x, y: graph.apply("less", y, x))
+
+
+def _sign(graph: Graph, x: Value) -> Value:
+    at = graph.apply
+    negative = graph.choose(at("less", x, 0.0), -1.0, x)
+    return graph.choose(at("less", 0.0, x), 1.0, negative)
+
+
+def _square(graph: Graph, x: Value) -> Value:
+    return graph.apply("multiply", x, x)
+
+
+def _is_finite(graph: Graph, x: Value) -> Value:
+    return graph.apply("less", graph.apply("magnitude", x), math.inf)
+
+
+def _not(graph: Graph, x: Value) -> Value:
+    return graph.apply("differ", x, True)
+
+
+def _select(graph: Graph, which: Value, *cases: Value) -> Value:
+    if kind_of(which) != TRUTH:
+        raise NoMachineCode("no native choice between cases by their number")
+    no, yes = cases
+    return graph.choose(which, yes, no)
+
+
+LESS = _plain("less", "integer_less")
+AT_MOST = _plain("at_most", "integer_at_most")
+ELEMENTWISE = {
+    "add": _plain("add", "integer_add"),
+    "add_any": _plain("add", "integer_add"),
+    "sub": _plain("subtract", "integer_subtract"),
+    "mul": _plain("multiply", "integer_multiply"),
+    "div": _plain("divide"),
+    "neg": _plain("negate"),
+    "abs": _plain("magnitude"),
+    "sqrt": _plain("root"),
+    "lt": LESS,
+    "le": AT_MOST,
+    "gt": _swapped(LESS),
+    "ge": _swapped(AT_MOST),
+    "eq": _plain("equal", "integer_equal"),
+    "ne": _plain("unlike", truth="differ"),
+    "and": _plain("bits_and", "bits_and", "and"),
+    "or": _plain("bits_or", "bits_or", "or"),
+    "not": _only(TRUTH, _not),
+    "select_n": _select,
+    "max": _only(FLOAT, _maximum),
+    "min": _only(FLOAT, _minimum),
+    "sign": _only(FLOAT, _sign),
+    "square": _only(FLOAT, _square),
+    "is_finite": _is_finite,
+    "exp": elementary.exp,
+    "log": elementary.log,
+    "sin": elementary.sin,
+    "cos": elementary.cos,
+    "tan": elementary.tan,
+    "atan": elementary.atan,
+    "cbrt": elementary.cbrt,
+}
+REDUCTIONS = {
+    "reduce_sum": ELEMENTWISE["add"],
+    "reduce_min": ELEMENTWISE["min"],
+    "reduce_max": ELEMENTWISE["max"],
+    "reduce_or": ELEMENTWISE["or"],
+    "reduce_and": ELEMENTWISE["and"],
+}

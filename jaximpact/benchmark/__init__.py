@@ -1,6 +1,0 @@
-"""Speed against accuracy, measured: this solver and others on the same impacts."""
-
-from .run import run_benchmark
-from .settings import Settings
-
-__all__ = ["Settings", "run_benchmark"]

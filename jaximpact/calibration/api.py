@@ -1,0 +1,343 @@
+"""Calibration and prediction in one call each: tests in, soil parameters out."""
+
+import dataclasses
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .._checks import expect
+from .._precision import require_float64
+from ..errors import InputError, nearest
+from ..io.files import replacing
+from ..parameters import Part
+from ..progress import Progress, ProgressFunction, as_progress
+from ..quantities import columns_of_part
+from ..scene import Block
+from ..soil import Soil
+from .arguments import study_given, table_given
+from .diagnostics.examination import Examination, examine
+from .diagnostics.nuts import check_extra
+from .diagnostics.results import StudyResult, VariantResult
+from .estimation.fit_cache import FitCache
+from .fitted_ground import FittedGround, files_of_fit, fitted_of, read_fitted
+from .prediction import PredictedTests, predict_tests
+from .problem.config import TOML, Study, read_study
+from .problem.dataset import joined_tables
+from .problem.laws import scene_of
+from .report.contents import contents_of
+from .report.files import as_json, study_directory, write_all
+from .report.prediction import prediction_contents, write_prediction
+from .report.render import render
+from .study import fit_study
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+UNFINISHED = "unfinished"
+"""Folder of finished fits in the directory of a study that is not yet written."""
+
+
+class Calibration:
+    """Result of `calibrate`; `print` it.
+
+    Args:
+        result: fits of the study.
+        examined: diagnostics of every variant.
+    """
+
+    def __init__(self, result: StudyResult, examined: list[Examination]):
+        self.result, self.examined = result, examined
+
+    def __repr__(self) -> str:
+        study, contents = self.result.study, self._contents()
+        lines = [f"<Calibration: {len(study.tests)} tests of {study.title}"]
+        for variant in contents["variants"]:
+            lines += [f"{variant['name']}:"] if contents["several"] else []
+            for name, unit, value, error, interval, _ in variant["parameters_short"][
+                1:
+            ]:
+                unit = "" if unit == "-" else f" {unit}"
+                error = error if error[0] == "n" else f"standard error {error}"
+                lines.append(f"  {name} = {value}{unit}, {error}, 95 %: {interval}")
+        return "\n".join(lines) + ">"
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    def _repr_html_(self) -> str:
+        return render("summary", "html", self._contents())
+
+    def summary(self) -> str:
+        """Summarise the fit: values with standard errors or why they are not
+        identifiable, correlations, errors, verdict and warnings."""
+        return render("summary", "txt", self._contents())
+
+    def _contents(self) -> dict:
+        return contents_of(self.result, self.examined)
+
+    @property
+    def variants(self) -> tuple[str, ...]:
+        """Names of the variants; there is one unless a study file has more."""
+        return tuple(variant.variant.name for variant in self.result.variants)
+
+    @property
+    def soil(self) -> Soil:
+        """Fitted ground, ready for `simulate`; of several variants, use `soil_of`."""
+        return self.soil_of()
+
+    def soil_of(self, variant: str | None = None) -> Soil:
+        """Return the fitted ground of a variant, with its laws.
+
+        Parameters that are not identifiable have the value of the best fit, which is
+        one of many of equal cost. Nuisance parameters are left out.
+
+        Raises InputError if the tests do not share one ground.
+        """
+        fitted, study = self._chosen(variant), self.result.study
+        soil = fitted.objective.scene.soil
+        columns, fields = columns_of_part("soil", soil), {}
+        for name, column in columns.items():
+            values = np.unique(np.asarray(getattr(soil, column.field)))
+            if len(values) > 1:
+                raise InputError(
+                    f"{name} differs from test to test; there is no one soil"
+                )
+            fields[column.field] = float(values[0])
+        for index, parameter in enumerate(study.parameters):
+            column = columns[parameter.name]
+            fields[column.field] = column.factor * float(fitted.parameters[index])
+        return dataclasses.replace(soil, **fields)
+
+    @property
+    def parameters(self) -> dict[str, dict]:
+        """Dictionary of each parameter: `value`, `determined` (whether it is
+        identifiable), `standard_error` and `interval_95` (None if not) and `reason`
+        (why not); of several variants, use `parameters_of`."""
+        return self.parameters_of()
+
+    def parameters_of(self, variant: str | None = None) -> dict[str, dict]:
+        """Return the parameters of a variant."""
+        index = self.result.variants.index(self._chosen(variant))
+        return self.as_json()["variants"][index]["parameters"]
+
+    def as_json(self) -> dict:
+        """Return every number, as in fit.json."""
+        return as_json(self.result, self.examined)
+
+    def plot(self, path: str | os.PathLike | None = None) -> "Figure":
+        """Draw the fit of every target, and the costs of the starts.
+
+        Args:
+            path: file to save the figure in too; replaced once the new one is whole.
+        """
+        # Matplotlib takes half a second to import.
+        from .report.drawings import plot_study
+
+        figure = plot_study(self.result)
+        if path is not None:
+            with replacing(Path(path)) as temporary:
+                figure.savefig(temporary, dpi=120)
+        return figure
+
+    def write(self, out: str | os.PathLike) -> None:
+        """Write the report and its numbers, as `jaximpact calibrate` does."""
+        sampled = any(found.samples is not None for found in self.examined)
+        with study_directory(self.result.study, Path(out), posterior=sampled) as new:
+            write_all(self.result, self.examined, new)
+
+    def _chosen(self, name: str | None) -> VariantResult:
+        if name is None and len(self.variants) > 1:
+            raise InputError(
+                f"there are several variants; name one of {', '.join(self.variants)}"
+            )
+        if name is not None and name not in self.variants:
+            raise InputError(
+                f"variant {name!r} is unknown; did you mean "
+                f"{nearest(name, self.variants)!r}?"
+            )
+        return self.result.variants[self.variants.index(name) if name else 0]
+
+
+class Prediction(PredictedTests):
+    """Result of `predict`; `print` it."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return f"<Prediction: {str(self).strip()}>"
+
+    def __str__(self) -> str:
+        return render("prediction", "txt", prediction_contents(self))
+
+    def _repr_html_(self) -> str:
+        return render("prediction", "html", prediction_contents(self))
+
+    def write(self, path: str | os.PathLike) -> None:
+        """Write a table of all predictions, with scores and origin beside it.
+
+        Raises InputError for a path that would replace a file the predictions were made
+        from.
+        """
+        write_prediction(self, Path(path))
+
+
+def calibrate(
+    tests: str | os.PathLike | Mapping,
+    *,
+    fit: Iterable[str] | Mapping[str, dict] | None = None,
+    ground: Soil | Mapping[str, float | str | Part] | None = None,
+    block: Block | Mapping[str, float | str | Part] | None = None,
+    targets: Iterable[str] | None = None,
+    sigma: Mapping[str, float] | None = None,
+    scatter: str | Mapping[str, str] | None = None,
+    out: str | os.PathLike | None = None,
+    seed: int | None = None,
+    progress: Progress | ProgressFunction | None = None,
+) -> Calibration:
+    """Fit ground parameters to measured impacts, and judge which are identifiable.
+
+    Args:
+        tests: path of a table of tests (CSV), or its columns: a dictionary or a data
+            frame. Columns are those of `jaximpact batch`, in and out, with `sigma_` of
+            results; `docs/calibration.md` shows one. Or path of a study (`.toml`),
+            which states all other arguments itself.
+        fit: soil columns to be fitted; or a table of each as in a study file:
+            `{"c_v": {}, "alpha_s": {"lower": 0.1, "upper": 2.0}}`, with `start` and
+            `prior`; also parameters of the ground's own laws. Default: c_v, gamma_v and
+            k_E between default bounds; other parameters need theirs.
+        ground: laws, and soil parameters that are not fitted, by column in its unit:
+            `{"flow": MyFlow(), "beta": 0.8}`, a law also by its name,
+            `"my_laws.py:MyFlow"`; or a `Soil`: columns of the table take precedence,
+            and fitted parameters start at its values. Default: Table 1 of the paper.
+        block: shape and parameters of the block that all tests have in common and the
+            table does not state, in the same way. Default: an ellipsoid.
+        targets: result columns to fit. Default: all in the table.
+        sigma: standard deviation of a target's measurements, where the table has no
+            column for it. Default: estimated from the residuals.
+        scatter: "constant" or "proportional", one for all targets whose sigma is
+            estimated, or of each: whether sigma is the same in all tests, or the same
+            fraction of the value. Default: "constant".
+        out: directory for the report; an interrupted call continues there.
+        seed: seed of starts and draws. Default: 0.
+        progress: called with lines of text.
+
+    Takes some ten seconds. Equal arguments give equal numbers on one machine.
+
+    Raises InputError, naming file, row and column, for input that cannot be used;
+    RuntimeError if JAX is set to float32.
+    """
+    require_float64()
+    options = dict(fit=fit, ground=ground, block=block, targets=targets)
+    options |= dict(sigma=sigma, scatter=scatter, seed=seed)
+    if isinstance(tests, str | os.PathLike) and Path(tests).suffix.lower() == TOML:
+        for name, value in options.items():
+            if value is not None:
+                raise InputError(f"{name} is for the study itself to say", file=tests)
+        study = read_study(Path(tests))
+    else:
+        study = study_given(tests, **options)
+    expect("out", out, str, os.PathLike, type(None))
+    directory = None if out is None else Path(out)
+    return Calibration(*fit_and_examine(study, directory, progress=progress))
+
+
+def predict(
+    result: Calibration | str | os.PathLike,
+    tests: str | os.PathLike | Mapping,
+    *,
+    progress: Progress | ProgressFunction | None = None,
+) -> Prediction:
+    """Predict tests with a fitted ground, and score those with measurements.
+
+    Args:
+        result: result of `calibrate`, or the fit.json or directory that it wrote.
+        tests: tests as for `calibrate`. Result columns are not needed; those present
+            are compared with the predictions. Empty cells and limits are as there.
+        progress: called with lines of text.
+
+    Draws of a parameter that is not identifiable extend to the fit's bounds, and the
+    intervals are as wide as that makes them.
+
+    Raises InputError, naming file, row and column, for input that cannot be used;
+    RuntimeError if JAX is set to float32.
+    """
+    require_float64()
+    expect("result", result, Calibration, str, os.PathLike)
+    if isinstance(result, Calibration):
+        ground, inputs = ground_of(result), result.result.study.inputs
+    else:
+        ground, inputs = read_fitted(Path(result)), files_of_fit(Path(result))
+    measurements = joined_tables((table_given(tests, scene_of(ground.parts)),))
+    found = predict_tests(ground, measurements, inputs, as_progress(progress))
+    return Prediction(*found)
+
+
+def ground_of(found: Calibration) -> FittedGround:
+    """Convert a calibration as `read_fitted` does."""
+    study = found.result.study
+    laws = [variant.laws for variant in study.variants]
+    return fitted_of(found.as_json(), study.parts, laws)
+
+
+def run_study(
+    study_path: Path,
+    out_dir: Path,
+    *,
+    posterior: bool = False,
+    progress: Progress | ProgressFunction | None = None,
+) -> StudyResult:
+    """Fit a study, compute its diagnostics, and write the report.
+
+    The files are report.html, report.md with its pictures in report/, report.txt,
+    fit.json, fitted.csv and fit.png.
+
+    Finished fits are kept in the directory's `unfinished` until the files are written:
+    an interrupted run continues there.
+
+    Args:
+        study_path: TOML file of the study, with its tables at paths relative to it; or
+            a table of tests alone.
+        out_dir: directory of the files, made if it does not exist; files of an earlier
+            study there are replaced or removed, each new one once it is whole.
+        posterior: whether to sample the posterior by NUTS too, and write posterior.nc
+            for ArviZ, one for each variant; needs the extra `jaximpact[bayes]`.
+        progress: called with lines of text.
+
+    Raises InputError for a study or a directory that cannot be used, BlockingIOError
+    while another process writes there, RuntimeError if JAX is set to float32.
+    """
+    require_float64()
+    study = read_study(study_path)
+    result, _ = fit_and_examine(
+        study, Path(out_dir), posterior=posterior, progress=progress
+    )
+    return result
+
+
+def fit_and_examine(
+    study: Study,
+    out_dir: Path | None,
+    *,
+    posterior: bool = False,
+    progress: Progress | ProgressFunction | None = None,
+) -> tuple[StudyResult, list[Examination]]:
+    """Fit a study and compute its diagnostics; write the files of `run_study` if there
+    is a directory for them."""
+    require_float64()
+    if posterior:
+        check_extra()
+    progress = as_progress(progress)
+    if out_dir is None:
+        result = fit_study(study, progress=progress)
+        return result, examine(result, posterior=posterior, progress=progress)
+    with study_directory(study, out_dir, posterior=posterior) as new:
+        cache = FitCache(out_dir / UNFINISHED)
+        result = fit_study(study, cache=cache, progress=progress)
+        examined = examine(result, posterior=posterior, progress=progress)
+        progress("drawing")
+        write_all(result, examined, new)
+        cache.forget()
+    return result, examined

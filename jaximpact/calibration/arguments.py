@@ -1,0 +1,251 @@
+"""Arguments of `calibrate` and `predict`: tests, ground and block given in Python."""
+
+import csv
+import io
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .._checks import expect
+from ..errors import InputError
+from ..io.scene_table import SIGMA_COLUMNS, Table, read_table, table_of
+from ..parameters import Composite, Part, parts_of
+from ..quantities import (
+    LABEL_COLUMNS,
+    RESULT_COLUMNS,
+    SLOTS,
+    InputColumn,
+    columns_of,
+    columns_of_part,
+    why_unknown,
+)
+from ..scene import Block, Scene
+from ..soil import Soil
+from .problem.config import DEFAULT_BOUNDS, Study, study_of
+from .problem.dataset import joined_tables
+from .problem.laws import parts_and_values, scene_of
+
+COLUMNS = Path("columns given")
+"""Name in errors and in the manifest of tests that come from no file."""
+NAMES = (*LABEL_COLUMNS, *RESULT_COLUMNS, *SIGMA_COLUMNS, *SLOTS)
+"""Names of columns beside those of the scene."""
+MISSING = ("nan", "NaN", "<NA>", "NaT", "None")
+"""Texts of numpy and pandas for a cell without a value."""
+
+
+def table_given(tests: str | os.PathLike | Mapping, base: Scene | None = None) -> Table:
+    """Make the table of tests.
+
+    Args:
+        tests: path of a CSV; or columns by name, as a dictionary or a data frame. A
+            column is a sequence, or one value for all tests. Cells are those of the
+            CSV: numbers, limits such as ">0.3", text; None and NaN are empty.
+        base: scene of defaults, as for `read_table`.
+
+    Columns are written as a CSV and read like one, so that they are checked alike. The
+    first test is in row 2.
+
+    Raises InputError for columns of different lengths, and as `read_table` does.
+    """
+    if isinstance(tests, str | os.PathLike):
+        return read_table(Path(tests), measured=True, base=base)
+    columns = _given_columns(tests, (*columns_of(base or Scene()), *NAMES))
+    lengths = {name: len(c) for name, c in columns.items() if c.ndim == 1}
+    for name, column in columns.items():
+        if column.ndim > 1:
+            raise InputError(
+                f"must be one value a test, but has shape {column.shape}",
+                file=COLUMNS,
+                column=name,
+            )
+    count = max(lengths.values(), default=1)
+    for name, length in lengths.items():
+        if length != count:
+            raise InputError(
+                f"holds {length} values, but another column {count}",
+                file=COLUMNS,
+                column=name,
+            )
+    if not columns:
+        raise InputError("hold no column; tests are needed", file=COLUMNS)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    cells = [np.broadcast_to(column, count).tolist() for column in columns.values()]
+    writer.writerows(
+        [_cell(value) for value in row] for row in zip(*cells, strict=True)
+    )
+    # Lone surrogates are written as such, and reported as invalid UTF-8.
+    data = text.getvalue().encode("utf-8", "surrogatepass")
+    return table_of(data, COLUMNS, measured=True, base=base)
+
+
+def _given_columns(tests: Any, known: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """Collect columns by name; masked cells are None.
+
+    An index of a data frame counts too, where it has the name of a known column.
+    """
+    names = tests.keys() if hasattr(tests, "keys") else getattr(tests, "columns", None)
+    if names is None:
+        raise InputError(
+            "tests must be the path of a table, or columns by name, but are of type "
+            f"{type(tests).__name__}"
+        )
+    if hasattr(tests, "reset_index"):
+        index = [name for name in tests.index.names if name in known]
+        twice = [name for name in index if name in names]
+        tests = tests if twice else tests.reset_index(index)
+        names = [*twice, *tests.keys()]
+    names = list(names)
+    for place, name in enumerate(names):
+        if not isinstance(name, str):
+            raise InputError(
+                f"columns must be named by a text each, but one is {name!r}",
+                file=COLUMNS,
+            )
+        if name in names[:place]:
+            raise InputError(
+                "stands twice among the columns and the index",
+                file=COLUMNS,
+                column=name,
+            )
+    return {name: _cells(tests[name]) for name in names}
+
+
+def _cells(values) -> np.ndarray:
+    if isinstance(values, np.ma.MaskedArray):
+        return np.where(np.ma.getmaskarray(values), np.array(None), values.data)
+    return np.asarray(values, object)
+
+
+def _cell(value) -> str:
+    """Write a value as in a CSV, with all digits of a number."""
+    text = str(value)
+    return "" if text in MISSING else text
+
+
+def study_given(tests, fit, ground, block, targets, sigma, scatter, seed) -> Study:
+    """Make the study of the arguments of `calibrate`."""
+    if isinstance(fit, str):
+        fit = (fit,)
+    expect("fit", fit, Iterable, type(None))
+    expect("targets", targets, Iterable, type(None))
+    of_ground, of_block = _given("ground", Soil, ground), _given("block", Block, block)
+    base = scene_of(of_ground.parts | of_block.parts)
+    measurements = joined_tables((table_given(tests, base),))
+    known = measurements.known_columns
+    columns = {name: column for name, column in known.items() if column.part == "soil"}
+    if not isinstance(fit, Mapping):
+        fit = {n: {} for n in DEFAULT_BOUNDS if n in columns} if fit is None else fit
+        fit = {name: {} for name in fit}
+    _check_names("fit", fit, columns, known)
+    _check_names("ground", of_ground.stated, columns, known)
+    for name, entry in fit.items():
+        expect(f"fit of {name}", entry, Mapping)
+    parameters = {name: dict(entry) for name, entry in fit.items()}
+    for name, entry in parameters.items():
+        if name in of_ground.values:
+            entry.setdefault("start", of_ground.values[name])
+    held = {
+        whole: given.stated
+        | {
+            name: value
+            for name, value in given.values.items()
+            if name in known
+            and name not in (*parameters, *measurements.inputs, *given.stated)
+        }
+        for whole, given in (("soil", of_ground), ("block", of_block))
+    }
+    content = held | {"parameters": parameters, "default_sigma": sigma}
+    content |= {"targets": None if targets is None else list(targets), "seed": seed}
+    content["scatter"] = dict(scatter) if isinstance(scatter, Mapping) else scatter
+    return study_of(
+        measurements,
+        {key: value for key, value in content.items() if value is not None},
+    )
+
+
+class _Given(NamedTuple):
+    """Laws and values of the ground, or of the blocks, as given."""
+
+    parts: dict[str, Part]
+    stated: dict[str, float]
+    """Values by column that the tests or the fit must not state too."""
+    values: dict[str, float]
+    """Values of given objects by column: fits start there, and tables take
+    precedence."""
+
+
+def _given(
+    what: str, kind: type[Composite], given: Composite | Mapping | None
+) -> _Given:
+    """Read laws, or a shape, and values from an argument.
+
+    Args:
+        what: name of the argument.
+        kind: class of the object that it may be.
+    """
+    expect(what, given, kind, Mapping, type(None))
+    if isinstance(given, kind):
+        parts = {slot: getattr(given, slot) for slot in parts_of(kind)}
+        return _Given(parts, {}, _columns(what, given, parts_of(kind)))
+    whole = "soil" if kind is Soil else "block"
+    entries: Any = given or {}
+    parts, stated = parts_and_values(COLUMNS, what, entries, whole, Path())
+    objects = [slot for slot in parts if isinstance(entries[slot], Part)]
+    values = _columns(what, kind(**parts), objects, own=False)
+    return _Given(parts, {n: _plain(v) for n, v in stated.items()}, values)
+
+
+def _columns(
+    what: str, whole: Composite, slots: Iterable[str], *, own: bool = True
+) -> dict[str, float]:
+    """Collect values of a ground or a block in the units of the tables: parameters of
+    some of its parts, and its own if wanted."""
+    values = {}
+    part = "soil" if isinstance(whole, Soil) else "block"
+    slots = set(slots)
+    for name, column in columns_of_part(part, whole).items():
+        path = whole.path_of(column.field)
+        if not (path[0] in slots if len(path) > 1 else own):
+            continue
+        value = np.asarray(getattr(whole, column.field))
+        if value.ndim:
+            raise InputError(
+                f"{what} must be one {part}, but its {column.field} has shape "
+                f"{value.shape}"
+            )
+        values[name] = float(value) / column.factor
+    return values
+
+
+def _plain(value):
+    """Convert a number of numpy or JAX to Python's."""
+    return value.item() if hasattr(value, "item") else value
+
+
+def _check_names(
+    what: str,
+    names: Iterable[str],
+    columns: Mapping[str, InputColumn],
+    known: Mapping[str, InputColumn],
+) -> None:
+    """Raise InputError for a name that is no column of the soil.
+
+    Args:
+        known: columns of the scene.
+    """
+    for name in names:
+        if name in columns:
+            continue
+        if name in known or SLOTS.get(name) == "block":
+            raise InputError(
+                f"{what} names {name!r}, which belongs to block or impact; it "
+                "stands in the table"
+            )
+        raise InputError(
+            f"{what} names {name!r}, which is unknown; {why_unknown(name, columns)}"
+        )

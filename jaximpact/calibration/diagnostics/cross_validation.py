@@ -1,0 +1,252 @@
+r"""Cross-validation: tests or campaigns predicted by a fit without them.
+
+The fit to the rest starts at the best fit to all. Its prediction y of a test that was
+left out has the standard deviation
+
+$$ \sqrt{s^2 \sigma^2 + J C J^T} , $$
+
+with C the covariance of the rest, the bounds a weak prior, and J the derivative of y.
+Estimated sigmas and the inflation s^2 are those of the whole fit; a proportional sigma
+is the same fraction of what the rest predicts. Impacts are computed at "balanced" where
+their errors are small beside the sigmas.
+
+One Gauss-Newton step from the best fit replaces the fit to the rest where it is less
+than a fifth of a standard error of every soil parameter; where more than `AT_MOST`
+tests move the fit farther, also for those of them that move it least.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import bdtr
+
+from ..estimation.least_squares import Progress, Reason, StoppingRule, bounded_step
+from ..estimation.sigma import sizes
+from ..estimation.starts import SILENT, fit, no_finer_than_sigmas
+from ..problem.objective import Objective, Points
+from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
+
+# Not scipy.stats, which takes 0.6 s to import.
+
+SMALL = 0.02
+"""Probability below which a number of misses is not due to chance."""
+
+
+def too_few(inside: int, count: int, confidence: float) -> bool:
+    """Test whether fewer intervals hold their measurement than chance allows.
+
+    The probability of so few among `count` independent intervals of `confidence` each
+    is below `SMALL`.
+    """
+    return bool(bdtr(inside, count, confidence) < SMALL)
+
+
+AT_MOST = 60
+"""Largest number of fits without a test."""
+LEFT_OUT = StoppingRule(
+    1e-4, 1e-4, 1e-3, 1e-2, rejected=8, flat=1e-3, steps=40, joins=False
+)
+"""For fits to the rest: a hundredth of a standard error, below the error of J C J^T.
+Each fits other data, so that none joins another."""
+SMALL_STEP = 0.2
+"""Standard errors below which a Gauss-Newton step replaces the fit: what it lacks is a
+fraction of it, and moves a prediction by a fraction of its error."""
+OTHER_STARTS = 4
+"""Number of ends of other starts from which a fit without a campaign starts too."""
+
+
+class LeftOut(NamedTuple):
+    """Predictions of tests by the fit to the others, group by group."""
+
+    groups: tuple[str, ...]
+    """Names of the groups that were left out."""
+    group: np.ndarray
+    """Index of the group of each test, shape (tests,); -1 without a measurement."""
+    x: np.ndarray
+    """Fits to the rest in x, shape (groups, unknowns)."""
+    reasons: list[Reason]
+    """Reason for which each of them stopped."""
+    moved: np.ndarray
+    """Change of the unknowns in standard errors of the whole fit, shape (groups,
+    unknowns); NaN for one without influence."""
+    predicted: np.ndarray
+    """Prediction of each test by the rest, shape (tests, targets); NaN where none."""
+    deviation: np.ndarray
+    """Standard deviation of a measurement about it, the same shape."""
+    quantile: float
+    """Half width of the 95 % band in these deviations."""
+
+    def standardised(self, measured: np.ndarray) -> np.ndarray:
+        """Compute measured less predicted over the deviation."""
+        return (measured - self.predicted) / self.deviation
+
+    def inside(self, measured: np.ndarray) -> np.ndarray:
+        """Find the measurements within their 95 % bands."""
+        return np.abs(self.standardised(measured)) <= self.quantile
+
+
+def leave_out_each(
+    objective: Objective,
+    points: Points,
+    uncertainty: Uncertainty,
+    *,
+    at_most: int = AT_MOST,
+    progress: Progress = SILENT,
+) -> LeftOut:
+    """Predict each test by the fit without it; tests without a measurement are skipped.
+
+    Args:
+        objective: objective with the sigmas of the fit.
+        points: the best fit, of one lane.
+        uncertainty: uncertainty of the fit.
+        at_most: largest number of fits.
+        progress: told a line of text for each.
+    """
+    study = objective.study
+    measured = np.flatnonzero(np.any(study.known, axis=1))
+    group = np.full(len(study.tests), -1)
+    group[measured] = np.arange(len(measured))
+    each = np.eye(len(study.tests), dtype=bool)[measured]
+    steps = linearised(objective, points, each)
+    soil = len(study.parameters)
+    far = np.max(np.abs(steps / uncertainty.standard_errors)[:, :soil], axis=1)
+    fitted = far > SMALL_STEP
+    fitted[np.argsort(-far, kind="stable")[at_most:]] = False
+    steps[fitted] = np.nan
+    names = tuple(study.tests.name(test) for test in measured)
+    starts = points.x[0][None]
+    return _leave_out(
+        objective, points, uncertainty, names, group, starts, steps, "tests", progress
+    )
+
+
+def leave_out_campaigns(
+    objective: Objective,
+    points: Points,
+    uncertainty: Uncertainty,
+    ends: np.ndarray | None = None,
+    *,
+    progress: Progress = SILENT,
+) -> LeftOut | None:
+    """Predict each campaign by the fit without it; None where there is only one.
+
+    Args:
+        ends: ends of other starts in x, best first, shape (starts, unknowns); the rest
+            is fitted from the first few too, since without a campaign another minimum
+            may be the best.
+    """
+    labels = objective.study.tests.labels["campaign"]
+    names = tuple(dict.fromkeys(labels))
+    if len(names) < 2:
+        return None
+    group = np.array([names.index(label) for label in labels])
+    starts = points.x[0][None]
+    if ends is not None:
+        starts = np.concatenate([starts, ends[:OTHER_STARTS]])
+    steps = np.full((len(names), points.x.shape[1]), np.nan)
+    return _leave_out(
+        *(objective, points, uncertainty, names, group, starts, steps),
+        *("campaigns", progress),
+    )
+
+
+def linearised(objective: Objective, points: Points, left: np.ndarray) -> np.ndarray:
+    """Compute the Gauss-Newton step in x towards the fit to the rest, shape (groups,
+    unknowns).
+
+    Args:
+        left: mask of the tests left out, shape (groups, tests).
+    """
+    bounds, x = objective.bounds, points.x
+    steps = []
+    for tests in left:
+        rest = objective.without(tests).reevaluate(points)
+        free = np.ones(x.shape, bool)
+        step, _ = bounded_step(rest, free, bounds.low - x, bounds.high - x, np.zeros(1))
+        steps.append(step[0])
+    return np.array(steps)
+
+
+def _leave_out(
+    objective, points, uncertainty, names, group, starts, steps, what, progress
+) -> LeftOut:
+    """Predict each group without it: by its linearised step, or by a fit where that is
+    NaN."""
+    study, size = objective.study, points.x.shape[1]
+    predicted = np.full(study.measured.shape, np.nan)
+    deviation = np.full(study.measured.shape, np.nan)
+    ends, reasons = np.empty((len(names), size)), []
+    of_whole = sizes(study, points.predicted[0])
+    coarser = no_finer_than_sigmas(objective)
+    errors = uncertainty.standard_errors
+    for number, step in enumerate(steps):
+        progress(f"{what} left out: {number} of {len(names)}")
+        tests = group == number
+        if np.all(np.isfinite(step)):
+            rest, reason = objective.without(tests), Reason.converged
+            best = _moved(rest, points, step)
+        else:
+            rest = coarser.without(tests)
+            fits = fit(rest, starts, rule=LEFT_OUT)
+            best, reason = fits.points.take([fits.best]), fits.reasons[fits.best]
+        covariance = regular_covariance(rest, best, uncertainty.inflation)
+        rows = best.jacobian[0, tests]
+        variance = np.einsum("rtp,pq,rtq->rt", rows, covariance, rows)
+        predicted[tests] = best.predicted[0, tests]
+        part = sizes(study, best.predicted[0]) / of_whole
+        scatter = (objective.sigma * part) ** 2 * uncertainty.inflation
+        deviation[tests] = np.sqrt(scatter[tests] + variance)
+        ends[number] = best.x[0]
+        reasons.append(reason)
+    moved = (ends - points.x[0]) / np.where(errors < 1e6, errors, np.nan)
+    quantile = uncertainty.quantile
+    return LeftOut(names, group, ends, reasons, moved, predicted, deviation, quantile)
+
+
+def _moved(objective: Objective, points: Points, step: np.ndarray) -> Points:
+    """Move points of one lane by a step, with the model linearised."""
+    x, predicted = points.x + step, points.predicted + points.jacobian @ step
+    return objective.evaluate(x, predicted, points.outcomes, points.jacobian)
+
+
+def in_words(left: LeftOut, objective: Objective, what: str) -> list[str]:
+    """Describe how well the rest predicts what was left out.
+
+    Args:
+        what: "test" or "campaign", which was left out.
+    """
+    study = objective.study
+    exact = study.known & (study.censored == 0) & (left.group >= 0)[:, None]
+    there = exact & np.isfinite(left.predicted)
+    lines = []
+    if np.any(there):
+        inside = int(np.sum(left.inside(study.measured) & there))
+        count = int(np.sum(there))
+        lines.append(
+            f"{inside} of {count} measurements lie within the {100 * CONFIDENCE:g} % "
+            f"band of the fit without their {what}."
+        )
+        if too_few(inside, count, CONFIDENCE):
+            lines.append(
+                "That is fewer than chance allows: the errors of predictions of a new "
+                f"{what} are underestimated."
+            )
+    limits = study.known & (study.censored != 0) & np.isfinite(left.predicted)
+    if np.any(limits):
+        apart = (left.predicted - study.measured) * study.censored
+        kept = int(np.sum(limits & (apart >= 0.0)))
+        lines.append(
+            f"{kept} of {int(np.sum(limits))} limits are satisfied by the fit without "
+            f"their {what}."
+        )
+    missing = int(np.sum(exact & ~np.isfinite(left.predicted)))
+    if missing:
+        lines.append(f"{missing} of them cannot be predicted without their {what}.")
+    lost = [
+        name
+        for name, reason in zip(left.groups, left.reasons, strict=True)
+        if not reason.at_minimum
+    ]
+    if lost:
+        lines.append(f"The fit without {', '.join(lost)} reached no minimum.")
+    return lines

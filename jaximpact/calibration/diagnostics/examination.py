@@ -1,0 +1,366 @@
+r"""Diagnostics of a fit, and the warnings that follow from them.
+
+Whether scatter is constant or proportional is tested by the ratio of the largest
+Gaussian likelihoods. With n residuals e, each over the root of 1 - leverage, and the
+sizes z of the predictions (`problem.noise`),
+
+$$ \ln \frac{L_p}{L_c} = \frac{n}{2} \left( \ln \overline{e^2} -
+   \ln \overline{(e / z)^2} \right) - \sum_i \ln z_i ; $$
+
+either kind has one number that is estimated. Where all z are equal it is 0.
+"""
+
+from collections.abc import Collection
+from typing import NamedTuple
+
+import numpy as np
+
+from ...progress import Progress, ProgressFunction, as_progress
+from ..estimation.sigma import LEAST_FREEDOM, LEAST_PART, leverages
+from ..problem.config import Study
+from ..problem.forward_model import for_each_variant
+from ..problem.noise import CONSTANT, LOSSES, PROPORTIONAL, least_size
+from ..problem.objective import Objective, Points
+from .cross_validation import LeftOut, leave_out_campaigns, leave_out_each
+from .cross_validation import in_words as cross_validation_in_words
+from .further_tests import Suggestions, suggest_tests
+from .importance_sampling import FEWEST as FEWEST_DRAWS
+from .importance_sampling import Draws, draw
+from .nuts import Samples, sample_posterior
+from .predictive import Bands, bands_of
+from .residuals import Residuals, residuals_of
+from .results import StudyResult, VariantResult
+from .uncertainty import LEAST_LEFT
+
+WORSE = 1.1
+"""Ratio of the rms error and the scatter about the mean above which a fit is worse than
+the mean: for repeated impacts it is that scatter itself."""
+HALF = 0.5
+"""Ratio of estimated sigma and that scatter above which noise may be misfit."""
+FEWEST_FOR_MEAN = 3
+FEWEST = 8
+"""Least number of measurements that can tell the kind of scatter."""
+CLEARLY = 3.0
+"""Logarithm of the likelihood ratio that is reported: 20 to 1."""
+MOST_TIMES = 1e3
+"""Likelihood ratio above which its value does not matter."""
+ANGLES = {"angle_deg": np.pi / 2, "orientation_deg": np.pi}
+"""Columns in degrees, and the largest value that they would have in radians."""
+FRACTIONS = {"e_n": 2.0, "e_t": 2.0, "e_contact": 2.0, "e_bar": 2.0}
+"""Results that are ratios, and what half of their measurements do not exceed."""
+TOO_FEW_FOR_SIGMA = (
+    "There are too few measurements to estimate their errors: standard errors follow "
+    "from the nominal sigmas, a guess."
+)
+
+
+class Examination(NamedTuple):
+    """Diagnostics of the fit of one variant."""
+
+    residuals: Residuals
+    draws: Draws
+    bands: Bands
+    each: LeftOut | None
+    """Cross-validation test by test; None for a study of one test."""
+    campaigns: LeftOut | None
+    """Cross-validation campaign by campaign; None where there is only one."""
+    single: Suggestions
+    """Further tests that measure one result each."""
+    together: Suggestions
+    """Further tests that measure all results."""
+    samples: Samples | None = None
+    """Posterior sampled by NUTS, where asked for."""
+
+
+def examine(
+    result: StudyResult,
+    *,
+    posterior: bool = False,
+    progress: Progress | ProgressFunction | None = None,
+) -> list[Examination]:
+    """Compute the diagnostics of every variant.
+
+    Args:
+        posterior: whether to sample the posterior by NUTS too.
+        progress: called with lines of text.
+    """
+    progress = as_progress(progress)
+    several = len(result.variants) > 1
+
+    def examined(variant: VariantResult, progress: Progress) -> Examination:
+        name = variant.variant.name
+        progress = progress.within(f"{name}: ") if several else progress
+        return _examine(result, variant, posterior, progress)
+
+    if posterior:
+        # NUTS calls back from within JAX, where several threads could deadlock.
+        return [examined(variant, progress) for variant in result.variants]
+    engines = [variant.objective.engine for variant in result.variants]
+    return for_each_variant(engines, examined, result.variants, progress)
+
+
+def _examine(
+    result: StudyResult, variant: VariantResult, posterior: bool, progress: Progress
+) -> Examination:
+    study, objective, points = result.study, variant.objective, variant.points
+    uncertainty = variant.uncertainty
+    inflation = uncertainty.inflation
+    draws = draw(objective, points, inflation, seed=study.seed, progress=progress)
+    each = None
+    if np.sum(np.any(study.known, axis=1)) > 1:
+        each = leave_out_each(objective, points, uncertainty, progress=progress)
+    order = np.argsort(variant.start_costs, kind="stable")
+    ends = variant.bounds.coordinate(variant.end_parameters[order])
+    campaigns = leave_out_campaigns(
+        objective, points, uncertainty, ends, progress=progress
+    )
+    progress("further tests")
+    wanted = study.candidates
+
+    def suggested(together: bool) -> Suggestions:
+        return suggest_tests(
+            variant,
+            wanted.axes,
+            wanted.measure,
+            together=together,
+            count=wanted.count,
+            criterion=wanted.criterion,
+        )
+
+    samples = None
+    if posterior:
+        samples = sample_posterior(
+            variant, seed=study.seed, draws=draws, progress=progress
+        )
+    return Examination(
+        residuals=residuals_of(objective, points, inflation),
+        draws=draws,
+        bands=bands_of(objective, draws, inflation),
+        each=each,
+        campaigns=campaigns,
+        single=suggested(False),
+        together=suggested(True),
+        samples=samples,
+    )
+
+
+def fit_of_target(result: StudyResult, variant: VariantResult, target: int) -> dict:
+    """Compute rms, largest and mean of predicted less measured, of exact measurements,
+    and the number of limits that the prediction violates."""
+    study = result.study
+    difference = variant.predicted[:, target] - study.measured[:, target]
+    censored = study.censored[:, target]
+    broken = int(np.sum((censored != 0) & (difference * censored < 0.0)))
+    known = difference[np.isfinite(difference) & (censored == 0)]
+    if not len(known):
+        return {"rms": None, "max": None, "bias": None, "limits_broken": broken}
+    return {
+        "rms": float(np.sqrt(np.mean(known**2))),
+        "max": float(np.max(np.abs(known))),
+        "bias": float(np.mean(known)),
+        "limits_broken": broken,
+    }
+
+
+def freedom_text(freedom: float) -> str:
+    """Write degrees of freedom; a remainder of rounding is 0."""
+    return f"{max(0.0, round(freedom, 2)):.3g}"
+
+
+def warnings_of(
+    result: StudyResult, variant: VariantResult, diagnostics: Examination
+) -> list[str]:
+    """List the reasons, if any, not to trust a fit and its errors."""
+    lines = doubtful_units(result.study)
+    if not variant.reason.at_minimum:
+        lines.append(f"The best fit is no minimum: {variant.reason.words}.")
+    for target, name in enumerate(result.study.targets):
+        lines += _large_misfit(result, variant, target, name)
+    trends = diagnostics.residuals.trends
+    biased = dict.fromkeys(trend.target for trend in trends)
+    lines += doubtful_scatter(variant.objective, variant.points, biased)
+    lines += _doubtful_errors(result.study, variant)
+    for target in biased:
+        against = [trend.against for trend in trends if trend.target == target]
+        lines.append(
+            f"The residuals of {target} depend on {' and '.join(against)}: the model "
+            "is biased, and errors that take the misfit as random are too small."
+        )
+    for left, what in (
+        (diagnostics.each, "test"),
+        (diagnostics.campaigns, "campaign"),
+    ):
+        if left is not None:
+            words = cross_validation_in_words(left, variant.objective, what)
+            lines += [line for line in words if "fewer than chance" in line]
+    lines += _doubtful_draws(diagnostics)
+    found, starts = np.sum(variant.reached), len(variant.start_costs)
+    if found == 0:
+        lines.append(
+            "No start ended at the best fit, which was found later: there may be a "
+            "better one."
+        )
+    if found == 1 and starts > 1:
+        lines.append("Only one start found the best fit: there may be a better one.")
+    if variant.failed:
+        lines.append(f"{variant.failed} predictions could not be computed.")
+    return lines
+
+
+def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
+    """Warn of a misfit above the given sigmas, and of few degrees of freedom."""
+    uncertainty, lines = variant.uncertainty, []
+    if uncertainty.inflation > 1.0:
+        lines.append(
+            "The misfit is larger than the given sigmas allow. Standard errors are "
+            f"multiplied by {np.sqrt(uncertainty.inflation):.3g}, which is right only "
+            "if the misfit is random."
+        )
+    freedom = uncertainty.degrees_of_freedom
+    if freedom < 3.0:
+        lines.append(
+            f"{freedom_text(freedom)} degrees of freedom are left: too few to judge "
+            "how good the fit is."
+        )
+    if freedom < LEAST_FREEDOM and not np.all(study.sigma_given):
+        lines.append(TOO_FEW_FOR_SIGMA)
+    return lines
+
+
+def _doubtful_draws(diagnostics: Examination) -> list[str]:
+    """Warn of a small effective sample size and of costs that are too inaccurate."""
+    lines = []
+    if not diagnostics.draws.trusted:
+        lines.append(
+            f"The effective sample size of the draws is below {100 * FEWEST_DRAWS:g} "
+            "%: the bands are inaccurate. Sample the posterior instead (--posterior)."
+        )
+    for what, subject in (
+        (diagnostics.draws, "bands are"),
+        (diagnostics.samples, "posterior is"),
+    ):
+        if what is not None and what.rough:
+            lines.append(
+                f"At the accuracy {what.accuracy.name} costs have errors of up to "
+                f"{what.error:.2g}, too large for these sigmas. The {subject} "
+                "inaccurate."
+            )
+    return lines
+
+
+def doubtful_units(study: Study) -> list[str]:
+    """Warn of columns whose values look like another unit than their name says."""
+    lines = []
+    for name, most in ANGLES.items():
+        values = study.tests.inputs.get(name, np.zeros(1))
+        whole = np.all(values == np.round(values))
+        if np.max(np.abs(values)) <= most and not whole:
+            lines.append(
+                f"{name} is between {np.min(values):.3g} and {np.max(values):.3g} in "
+                "all tests, and is read as degrees: are these radians?"
+            )
+    for place, name in enumerate(study.targets):
+        middle = np.nanmedian(study.measured[:, place])
+        if middle > FRACTIONS.get(name, np.inf):
+            lines.append(
+                f"Half of the measurements of {name} are above {middle:.3g}, and are "
+                "read as ratios: are these per cent?"
+            )
+    return lines
+
+
+def _large_misfit(
+    result: StudyResult, variant: VariantResult, place: int, name: str
+) -> list[str]:
+    """Warn of a fit that is no better than the mean of the measurements."""
+    study = result.study
+    exact = study.known[:, place] & (study.censored[:, place] == 0)
+    rms = fit_of_target(result, variant, place)["rms"]
+    if np.sum(exact) < FEWEST_FOR_MEAN or rms is None:
+        return []
+    measured = study.measured[exact, place]
+    of_mean = float(np.std(measured))
+    sigma = float(np.median(variant.sigma[exact, place]))
+    if study.proportional[place]:
+        sigma = float(np.sqrt(np.mean(variant.sigma[exact, place] ** 2)))
+    given = study.sigma_given[place]
+    least = LEAST_PART * float(np.sqrt(np.mean(measured**2)))
+    if rms > max(WORSE * of_mean, sigma if given else least):
+        return [
+            f"R2 of {name} is below 0: the rms error of the fit is {rms:.3g}, the "
+            f"standard deviation of the measurements {of_mean:.3g}. The model does not "
+            "describe them, or inputs or units are wrong."
+        ]
+    if not given and sigma > max(HALF * of_mean, least):
+        mean = " on average" if study.proportional[place] else ""
+        return [
+            f"The scatter estimated for {name}, {sigma:.3g}{mean}, is more than half "
+            f"of the standard deviation of its measurements, {of_mean:.3g}. If they "
+            "are more accurate than that, the model is biased: state their sigma."
+        ]
+    return []
+
+
+def doubtful_scatter(
+    objective: Objective, points: Points, biased: Collection[str] = ()
+) -> list[str]:
+    """Warn of targets whose residuals clearly show the other kind of scatter.
+
+    Only exact measurements count, all predicted with one sign, and only Gaussian
+    losses: an outlier, which a robust loss tolerates, would decide the ratio.
+
+    Args:
+        points: the best fit, of one lane.
+        biased: targets that are skipped, since their residuals have a trend: they are
+            misfit, not scatter.
+    """
+    study = objective.study
+    if study.loss != LOSSES[0]:
+        return []
+    predicted = points.predicted[0]
+    left = 1.0 - leverages(objective, points)
+    exact = study.known & (study.censored == 0) & np.isfinite(predicted)
+    least = least_size(study.measured)
+    lines = []
+    for target in np.flatnonzero(~study.sigma_given):
+        if study.targets[target] in biased:
+            continue
+        used = exact[:, target] & (left[:, target] > LEAST_LEFT)
+        value, measured = predicted[used, target], study.measured[used, target]
+        if len(value) < FEWEST or np.min(value) * np.max(value) <= 0.0:
+            continue
+        residual = (measured - value) / np.sqrt(left[used, target])
+        size = np.maximum(np.abs(value), least[target])
+        if np.sum(residual**2) <= LEAST_PART**2 * np.sum(size**2):
+            continue  # errors of the integration, no scatter
+        for_proportional = log_ratio(residual, size)
+        is_proportional = study.proportional[target]
+        against = -for_proportional if is_proportional else for_proportional
+        if against > CLEARLY:
+            lines.append(
+                _scatter_in_words(study.targets[target], is_proportional, against)
+            )
+    return lines
+
+
+def log_ratio(residual: np.ndarray, size: np.ndarray) -> float:
+    """Compute ln(L_p / L_c), above 0 where residuals support proportional scatter."""
+    squares = np.mean(residual**2), np.mean((residual / size) ** 2)
+    half = 0.5 * len(residual)
+    return float(half * np.log(squares[0] / squares[1]) - np.sum(np.log(size)))
+
+
+def _scatter_in_words(name: str, is_proportional: bool, against: float) -> str:
+    times = float(np.exp(min(against, np.log(MOST_TIMES))))
+    chance = f"{times:.0f} times as probable"
+    if against > np.log(MOST_TIMES):
+        chance = f"more than {MOST_TIMES:g} times as probable"
+    if is_proportional:
+        return (
+            f"The residuals of {name} do not grow with its value: constant scatter is "
+            f'{chance} as one in proportion to it. Set scatter.{name} = "{CONSTANT}".'
+        )
+    return (
+        f"The residuals of {name} grow with its value: scatter in proportion to it is "
+        f'{chance} as a constant one. Set scatter.{name} = "{PROPORTIONAL}".'
+    )

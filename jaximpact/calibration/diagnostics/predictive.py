@@ -1,0 +1,151 @@
+r"""Predictive distributions: the model at each draw plus the scatter of measurements.
+
+A distribution is held as weighted atoms: the value of each draw plus equally probable
+values of the scatter. Forecasts are judged by the continuous ranked probability score
+
+$$ \text{CRPS} = E|X - y| - \tfrac12 E|X - X'| , $$
+
+with X and X' independent draws of the prediction and y the measurement: for a forecast
+without spread the absolute error, in the unit of the result; smaller is better
+(Gneiting and Raftery 2007).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import ndtr, ndtri, stdtrit
+
+from ..problem.objective import Objective
+from .importance_sampling import Draws
+from .uncertainty import CONFIDENCE
+
+# Not scipy.stats, which takes 0.6 s to import.
+
+CONFIDENCES = (0.5, 0.95)
+"""Probabilities of the intervals that are reported."""
+PLACES = 101
+"""Values of the scatter about each draw: half a per cent lies beyond the outermost."""
+HALVINGS = 50
+NORMAL_FROM = 200.0
+"""Degrees of freedom above which Student's distribution is taken as normal."""
+
+
+class Predictive(NamedTuple):
+    """Predictive distribution of one measurement; atoms ascending."""
+
+    atoms: np.ndarray
+    weights: np.ndarray
+    """Weights of the atoms; their sum is 1."""
+
+    def quantile(self, fraction: float) -> float:
+        """Compute the value below which a fraction of the distribution lies."""
+        middle = np.cumsum(self.weights) - 0.5 * self.weights
+        return float(np.interp(fraction, middle, self.atoms))
+
+    def above(self, value: float) -> float:
+        """Compute the probability of a larger value."""
+        return float(np.sum(self.weights[self.atoms > value]))
+
+    def crps(self, measured: float) -> float:
+        """Compute the score of a measurement."""
+        apart = np.sum(self.weights * np.abs(self.atoms - measured))
+        upto = np.cumsum(self.weights)
+        spread = np.sum(self.weights * self.atoms * (2.0 * upto - self.weights - 1.0))
+        return float(apart - spread)
+
+
+def predictive(
+    values: np.ndarray, weights: np.ndarray, sigma: float, freedom: float = np.inf
+) -> Predictive | None:
+    """Make the distribution of a measurement; None where no draw has a value.
+
+    Args:
+        values: value of the model at each draw; NaN where there is none.
+        weights: weights of the draws.
+        sigma: standard deviation of the scatter; 0 for the value of the model itself.
+        freedom: degrees of freedom from which sigma was estimated; the scatter then
+            follows Student's distribution.
+    """
+    there = np.isfinite(values) & (weights > 0.0)
+    if not np.any(there):
+        return None
+    atoms, weights = values[there], weights[there]
+    if sigma > 0.0:
+        parts = (np.arange(PLACES) + 0.5) / PLACES
+        scatter = ndtri(parts) if freedom >= NORMAL_FROM else stdtrit(freedom, parts)
+        atoms = (atoms[:, None] + sigma * scatter).ravel()
+        weights = np.repeat(weights, PLACES)
+    order = np.argsort(atoms, kind="stable")
+    return Predictive(atoms[order], weights[order] / np.sum(weights))
+
+
+class Bands(NamedTuple):
+    """95 % bands of every test and target, shape (tests, targets); NaN where no draw
+    has a prediction.
+
+    `low`, `middle` and `high` belong to the value of the model, whose unknowns are
+    uncertain; `measured_low` and `measured_high` to a measurement, which scatters about
+    it.
+    """
+
+    low: np.ndarray
+    middle: np.ndarray
+    high: np.ndarray
+    measured_low: np.ndarray
+    measured_high: np.ndarray
+    failed_fraction: np.ndarray
+    """Weight of the draws without a prediction."""
+
+    def inside(self, measured: np.ndarray) -> np.ndarray:
+        """Find the measurements within the band of measurements."""
+        return (measured >= self.measured_low) & (measured <= self.measured_high)
+
+
+def bands_of(objective: Objective, draws: Draws, inflation: float) -> Bands:
+    """Compute the bands from draws.
+
+    Args:
+        objective: objective with the sigmas of the fit.
+        inflation: factor on the squares of the sigmas.
+    """
+    tail = (1.0 - CONFIDENCE) / 2.0
+    there = np.isfinite(draws.predicted)
+    weights = np.where(there, draws.weights[:, None, None], 0.0)
+    total = np.sum(weights, axis=0)
+    share = weights / np.where(total > 0.0, total, 1.0)
+    values = np.where(there, draws.predicted, 0.0)
+    nothing = np.zeros_like(objective.sigma)
+    scatter = objective.sigma * np.sqrt(inflation)
+    rows = [
+        np.where(total > 0.0, _quantile(values, share, sigma, part), np.nan)
+        for part, sigma in (
+            (tail, nothing),
+            (0.5, nothing),
+            (1.0 - tail, nothing),
+            (tail, scatter),
+            (1.0 - tail, scatter),
+        )
+    ]
+    return Bands(*rows, failed_fraction=np.clip(1.0 - total, 0.0, 1.0))
+
+
+def _quantile(values, weights, sigma, part: float) -> np.ndarray:
+    """Compute a quantile of a mixture of normal distributions (draws, ...) by
+    bisection."""
+    there = weights > 0.0
+    reach = 6.0 * sigma
+    low = np.min(np.where(there, values, np.inf), axis=0) - reach
+    high = np.max(np.where(there, values, -np.inf), axis=0) + reach
+    empty = ~np.any(there, axis=0)
+    low, high = np.where(empty, 0.0, low), np.where(empty, 0.0, high)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        apart = middle - values
+        below = np.where(
+            sigma > 0.0,
+            ndtr(apart / np.where(sigma > 0.0, sigma, 1.0)),
+            (apart >= 0.0).astype(float),
+        )
+        under = np.sum(weights * below, axis=0) < part
+        low, high = np.where(under, middle, low), np.where(under, high, middle)
+    return 0.5 * (low + high)

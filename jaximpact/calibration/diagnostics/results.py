@@ -1,0 +1,90 @@
+"""Results of a fitted study."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..estimation.least_squares import Reason
+from ..problem.bounds import Bounds
+from ..problem.config import Study, Variant
+from ..problem.objective import Objective, Points
+from .identifiability import LikelihoodProfile, Verdict
+from .uncertainty import Uncertainty
+
+
+class VariantResult(NamedTuple):
+    """Fit of one variant; parameters in the units of their columns."""
+
+    variant: Variant
+    bounds: Bounds
+    names: list[str]
+    """Names of the unknowns: the soil's parameters, then the nuisances."""
+    parameters: np.ndarray
+    """Values at the best fit, shape (unknowns,)."""
+    cost: float
+    """Objective function at the best fit."""
+    predicted: np.ndarray
+    """Predictions at the best fit, shape (tests, targets); NaN where there is none."""
+    sigma: np.ndarray
+    """Standard deviations of the measurements, given or estimated, the same shape."""
+    outcomes: np.ndarray
+    """Codes of the outcomes at the best fit, shape (tests,)."""
+    failed: int
+    """Number of measurements without a prediction."""
+    uncertainty: Uncertainty
+    verdicts: list[Verdict]
+    """Verdict on each of the soil's parameters."""
+    directions: list[str]
+    """Parameter combinations in words, the best known first."""
+    profiles: dict[str, LikelihoodProfile]
+    """Likelihood profile of each of the soil's parameters."""
+    start_parameters: np.ndarray
+    """Starting points, the given one first, shape (starts, unknowns)."""
+    end_parameters: np.ndarray
+    """End of the fit from each start, the same shape."""
+    start_costs: np.ndarray
+    """Objective function at these ends, shape (starts,)."""
+    start_reasons: list[Reason]
+    """Reason for which each fit stopped."""
+    start_steps: np.ndarray
+    """Number of steps of each fit, shape (starts,)."""
+    start_restarts: np.ndarray
+    """Number of restarts of each fit from a new point, shape (starts,)."""
+    reason: Reason
+    """Reason for which the reported fit stopped."""
+    objective: Objective
+    """Objective function with the estimated sigmas."""
+    points: Points
+    """Best fit, one lane."""
+
+    @property
+    def reached(self) -> np.ndarray:
+        """Mask of the starts that found the best fit, shape (starts,)."""
+        return np.array([reason.at_minimum for reason in self.start_reasons])
+
+    def standard_error(self, index: int) -> float:
+        """Compute a standard error in the unit of the unknown."""
+        x = self.bounds.coordinate(self.parameters)
+        slope = self.bounds.slope(x)[index]
+        return float(self.uncertainty.standard_errors[index] * slope)
+
+    def interval(self, index: int) -> tuple[float, float]:
+        """Compute the 95 % confidence interval in the unit of the unknown: symmetric in
+        x, and cut at the bounds."""
+        bounds, uncertainty = self.bounds, self.uncertainty
+        x = bounds.coordinate(self.parameters)
+        reach = uncertainty.quantile * uncertainty.standard_errors
+        low = bounds.parameter(np.maximum(x - reach, bounds.low))
+        high = bounds.parameter(np.minimum(x + reach, bounds.high))
+        return float(low[index]), float(high[index])
+
+
+class StudyResult(NamedTuple):
+    """A study and the fits of its variants."""
+
+    study: Study
+    variants: list[VariantResult]
+    seconds: float
+    """Wall time of all fits, compilation included [s]."""
+    engine: str
+    """What computed the impacts: machine code or XLA."""

@@ -1,0 +1,207 @@
+r"""Covariance and standard errors of the unknowns at the best fit.
+
+With J the Jacobian of the predictions over sigma with respect to x, w the weights of
+the targets and P the information of the priors, the curvature of the objective and the
+variance of its gradient are
+
+$$ H = \sum_i w_i h_i J_i^T J_i + P, \qquad V = \sum_i w_i^2 v_i J_i^T J_i + P, $$
+
+with h and v those of the loss: 1 for Gaussian scatter, the curvature of the loss for a
+limit; for a robust loss the mean of its second derivative, and of its slope squared
+over (n - p) / n (Huber 1981, section 7.6). The covariance is H^-1 V H^-1, its inverse
+the Fisher matrix. Where sigmas are given and the misfit is larger than they allow, the
+covariance is multiplied by the reduced chi-square.
+
+Where the sigma of a target is estimated from many measurements, v is the squared slope
+of each over 1 - leverage, so that the scatter may differ between tests (White 1980;
+MacKinnon and White 1985).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+# Not scipy.stats, which takes 0.6 s to import.
+from scipy.special import chdtrc, ndtri, stdtrit
+
+from ..estimation.sigma import (
+    LEAST_EIGENVALUE,
+    leverages,
+    pseudo_inverse,
+    standardised_rows,
+    weights_of_cells,
+)
+from ..problem.noise import losses, true_curvature
+from ..problem.objective import Objective, Points
+
+USELESS_ERROR = 1.0
+"""Standard error in x above which a parameter is not identifiable."""
+NO_INFORMATION = 1e30
+"""Variance along a direction without information."""
+CONFIDENCE = 0.95
+MANY = 20.0
+"""Degrees of freedom from which the scatter is estimated test by test."""
+LEAST_LEFT = 0.1
+"""Least 1 - leverage: a measurement that alone rules the fit has no residual."""
+IMPROBABLE = 0.01
+"""Probability of a larger chi-square below which the given sigmas are too small."""
+
+
+class Uncertainty(NamedTuple):
+    """Covariance in x: standard errors are relative for positive parameters."""
+
+    inflation: float
+    """Factor on the covariance; 1 where the given sigmas can be true."""
+    reduced_chi_square: float
+    """Chi-square of the exact measurements over the degrees of freedom; NaN without
+    any."""
+    degrees_of_freedom: float
+    """Number of exact measurements less the sum of their leverages."""
+    quantile: float
+    """Half width of the 95 % confidence interval in standard errors: of Student's
+    distribution where the scatter was estimated."""
+    covariance: np.ndarray
+    """Covariance in x, shape (unknowns, unknowns)."""
+    standard_errors: np.ndarray
+    """Standard errors in x, shape (unknowns,)."""
+    correlation: np.ndarray
+    """Correlation, shape (unknowns, unknowns)."""
+    eigenvalues: np.ndarray
+    """Eigenvalues, ascending, of the Fisher matrix of the soil's parameters with the
+    nuisances left free, shape (parameters,)."""
+    eigenvectors: np.ndarray
+    """Eigenvectors, one a column."""
+
+
+def estimate(objective: Objective, points: Points) -> Uncertainty:
+    """Estimate the uncertainty at a fit (points of one lane).
+
+    An unknown without influence gets a very large standard error, not NaN.
+    """
+    study = objective.study
+    soil = len(study.parameters)
+    curvature, variance, squares, freedom = _parts(objective, points)
+    covariance = _sandwich(curvature, variance)
+    reduced = squares / freedom if freedom > 0.5 else float("nan")
+    inflation = 1.0
+    given = np.all(study.sigma_given)
+    if given and freedom > 0.5 and chdtrc(freedom, squares) < IMPROBABLE:
+        inflation = reduced
+    covariance = covariance * inflation
+    scattered = not given or inflation > 1.0
+    half = 0.5 + CONFIDENCE / 2.0
+    quantile = stdtrit(max(freedom, 1.0), half) if scattered else ndtri(half)
+    errors = np.sqrt(np.diag(covariance))
+    fisher = _fisher(curvature, variance, soil) / inflation
+    values, vectors = np.linalg.eigh(fisher)
+    return Uncertainty(
+        inflation=inflation,
+        reduced_chi_square=reduced,
+        degrees_of_freedom=freedom,
+        quantile=float(quantile),
+        covariance=covariance,
+        standard_errors=errors,
+        correlation=covariance / np.outer(errors, errors),
+        eigenvalues=np.maximum(values, 0.0),
+        eigenvectors=vectors,
+    )
+
+
+def regular_covariance(
+    objective: Objective, points: Points, inflation: float
+) -> np.ndarray:
+    """Compute the covariance in x with the bounds as a weak prior: always finite.
+
+    An unknown without a prior gets the information of a uniform distribution over its
+    range, 12 / range^2.
+
+    Args:
+        points: a fit, of one lane.
+        inflation: factor on the covariance of the data.
+    """
+    curvature, variance, _, _ = _parts(objective, points)
+    extra = np.diag(bounds_information(objective))
+    half = np.linalg.inv(curvature / inflation + extra)
+    return half @ (variance / inflation + extra) @ half
+
+
+def laplace_covariance(
+    objective: Objective, points: Points, inflation: float
+) -> np.ndarray:
+    """Compute the covariance of the Laplace approximation of the posterior.
+
+    It follows from the curvature alone, with the sigmas taken as true.
+    """
+    curvature = _parts(objective, points)[0] / inflation
+    return np.linalg.inv(curvature + np.diag(bounds_information(objective)))
+
+
+def bounds_information(objective: Objective) -> np.ndarray:
+    """Compute the information of uniform distributions between the bounds; 0 for an
+    unknown with a prior."""
+    width = objective.bounds.high - objective.bounds.low
+    return np.where(np.isinf(objective.prior_sd), 12.0 / width**2, 0.0)
+
+
+def _parts(objective: Objective, points: Points):
+    """Compute H, V, the sum of squares of the exact residuals, and the degrees of
+    freedom."""
+    study = objective.study
+    rows, used, u = standardised_rows(objective, points)
+    exact = used & (study.censored.ravel() == 0)
+    prior = objective.prior_information(points.x[0])
+    taken = leverages(objective, points).ravel()
+    freedom = float(np.sum(exact) - np.sum(taken[exact]))
+    h, v = _of_loss(objective, u, exact, taken, freedom)
+    weights = np.where(used, weights_of_cells(study), 0.0)
+    curvature = (rows.T * (weights * h)) @ rows + np.diag(prior)
+    variance = (rows.T * (weights**2 * v)) @ rows + np.diag(prior)
+    return curvature, variance, float(np.sum(u[exact] ** 2)), freedom
+
+
+def _of_loss(objective, u, exact, taken, freedom):
+    """Compute h and v of every measurement."""
+    study = objective.study
+    of = losses(u, study.censored.ravel(), study.loss)
+    mean_curvature = mean_square = 1.0
+    if study.loss != "gaussian" and np.any(exact):
+        count = np.sum(exact)
+        mean_curvature = np.mean(true_curvature(u[exact], study.loss))
+        mean_square = np.sum(of.slope[exact] ** 2) / max(freedom, 1.0)
+        # With all residuals large the mean may vanish: at least a tenth of the secant.
+        mean_curvature = max(mean_curvature, 0.1 * np.sum(of.curvature[exact]) / count)
+    square = np.where(exact, mean_square, of.curvature)
+    if freedom >= MANY:
+        own = of.slope**2 / np.maximum(1.0 - taken, LEAST_LEFT)
+        for target in np.flatnonzero(~study.sigma_given):
+            cells = np.zeros(study.known.shape, bool)
+            cells[:, target] = True
+            cells = cells.ravel() & exact
+            # The mean square is smaller only where sigma is at its lower limit.
+            mean = max(np.mean(own[cells]), 1e-300) if np.any(cells) else 1.0
+            square[cells] = own[cells] * max(1.0, mean_square / mean)
+    return np.where(exact, mean_curvature, of.curvature), square
+
+
+def _sandwich(curvature: np.ndarray, variance: np.ndarray) -> np.ndarray:
+    """Compute H^-1 V H^-1, with a very large variance where H vanishes."""
+    values, vectors = np.linalg.eigh(curvature)
+    empty = values <= LEAST_EIGENVALUE * max(values[-1], 0.0)
+    # Rounding in such a direction must not reach the other unknowns.
+    clean = np.where(empty & (np.abs(vectors) < 1e-6), 0.0, vectors)
+    inverse = np.where(empty, 0.0, 1.0 / np.where(empty, 1.0, values))
+    half = clean * inverse
+    covariance = half @ (clean.T @ variance @ clean) @ half.T
+    return covariance + (clean * np.where(empty, NO_INFORMATION, 0.0)) @ clean.T
+
+
+def _fisher(curvature: np.ndarray, variance: np.ndarray, soil: int) -> np.ndarray:
+    """Compute H V^-1 H of the soil's parameters with the nuisances left free.
+
+    The inverse of the covariance would lose it to rounding beside directions without
+    information.
+    """
+    information = curvature @ pseudo_inverse(variance) @ curvature
+    between = information[:soil, soil:]
+    others = pseudo_inverse(information[soil:, soil:])
+    return information[:soil, :soil] - between @ others @ between.T

@@ -1,0 +1,1 @@
+"""Minimisation of the objective: methods, starting points, kept fits."""

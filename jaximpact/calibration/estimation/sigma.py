@@ -1,0 +1,181 @@
+r"""Estimates of the sigmas that are not given, from the residuals, target by target.
+
+For the n exact measurements of a target, of which the fit takes up p degrees of freedom
+(the sum of their leverages), sigma solves
+
+$$ \sum_i u_i \rho'(u_i) + \sum_{\text{limits}} u_i \rho'(u_i) = \kappa \, (n - p), $$
+
+with u the residuals in units of sigma and kappa the mean of u rho' under Gaussian
+scatter: the restricted maximum likelihood where all is Gaussian and measured. For a
+robust loss it is Huber's second proposal.
+
+Where scatter is proportional (`problem.noise`) the sigmas of a target are a factor r on
+the sizes of the predictions, and r is found likewise. A fit takes its sigmas as given,
+so that it gains nothing by predicting more in order to have larger ones; fit and sigmas
+are updated in turn.
+"""
+
+import numpy as np
+
+from ...progress import Progress
+from ..problem.config import Study
+from ..problem.noise import least_size, losses, root_mean_square, scale_of_normal
+from ..problem.objective import Objective, Points
+from .least_squares import FINE, Fits
+
+LEAST_PART = 1e-3
+"""Sigma over the root mean square of a target, or over its size where scatter is
+proportional, below which no sigma is estimated: nothing is measured better, and targets
+without noise would give 0."""
+LEAST_FREEDOM = 0.99
+"""Degrees of freedom that a target needs for a sigma of its own: one, to rounding."""
+ROUNDS = 20
+SETTLED = 3e-3
+"""Relative change of every sigma at which the rounds end."""
+LEAST_EIGENVALUE = 1e-12
+"""Fraction of the largest eigenvalue below which one counts as zero: rounding."""
+
+
+def sizes(study: Study, values: np.ndarray) -> np.ndarray:
+    """Compute what sigmas are in proportion to; 1 where they are constant.
+
+    Args:
+        values: values of the targets, shape (tests, targets). The measured value
+            replaces NaN, and y_0 where there is no measurement either.
+    """
+    values = np.where(np.isfinite(values), values, study.measured)
+    values = np.where(np.isfinite(values), np.abs(values), 0.0)
+    floored = np.maximum(values, least_size(study.measured))
+    return np.where(study.proportional, floored, 1.0)
+
+
+def relative_sigma(
+    study: Study, sigma: np.ndarray, predicted: np.ndarray
+) -> np.ndarray:
+    """Compute r of each target at a fit, shape (targets,); NaN where it is constant.
+
+    Args:
+        sigma, predicted: shape (tests, targets). Sigmas that are not those of this fit,
+            nominal ones or those of an earlier step, have no single r: the median is
+            taken.
+    """
+    ratio = np.where(study.known, sigma / sizes(study, predicted), np.nan)
+    return np.where(study.proportional, np.nanmedian(ratio, axis=0), np.nan)
+
+
+def leverages(objective: Objective, points: Points) -> np.ndarray:
+    """Compute the degrees of freedom that a fit (points of one lane) takes up of each
+    measurement, shape (tests, targets)."""
+    study = objective.study
+    rows, used, u = standardised_rows(objective, points)
+    censored = study.censored.ravel()
+    curved = np.where(used, losses(u, censored).curvature, 0.0)
+    curved = curved * weights_of_cells(study)
+    matrix = (rows.T * curved) @ rows
+    matrix += np.diag(objective.prior_information(points.x[0]))
+    # An unknown at its bound is fixed, and takes up nothing.
+    bounds, x = objective.bounds, points.x[0]
+    fixed = (x <= bounds.low) | (x >= bounds.high)
+    matrix[fixed, :] = matrix[:, fixed] = 0.0
+    inverse = pseudo_inverse(matrix)
+    return (curved * np.einsum("rp,pq,rq->r", rows, inverse, rows)).reshape(
+        study.known.shape
+    )
+
+
+def weights_of_cells(study: Study) -> np.ndarray:
+    """Weight of every measurement, shape (cells,)."""
+    return np.broadcast_to(study.weights, study.known.shape).ravel()
+
+
+def standardised_rows(objective: Objective, points: Points):
+    """Compute the Jacobian over sigma (cells, unknowns), the mask of used cells, and
+    the residuals over sigma (cells,)."""
+    study = objective.study
+    predicted = points.predicted[0]
+    used = (study.known & np.isfinite(predicted)).ravel()
+    jacobian = points.jacobian[0] / objective.sigma[..., None]
+    rows = np.where(used[:, None], jacobian.reshape(len(used), -1), 0.0)
+    u = ((predicted - study.measured) / objective.sigma).ravel()
+    return rows, used, np.where(used, u, 0.0)
+
+
+def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
+    """Invert a positive matrix without the directions in which it vanishes."""
+    if not len(matrix):
+        return matrix
+    values, vectors = np.linalg.eigh(matrix)
+    empty = values <= LEAST_EIGENVALUE * max(values[-1], 0.0)
+    inverse = np.where(empty, 0.0, 1.0 / np.where(empty, 1.0, values))
+    return (vectors * inverse) @ vectors.T
+
+
+def estimate_sigma(objective: Objective, points: Points) -> np.ndarray:
+    """Estimate the sigmas, shape (tests, targets), in one round at a fit (points of one
+    lane).
+
+    A target with too few measurements for a sigma of its own shares, with those like
+    it, one factor on the nominal sigmas; without degrees of freedom it keeps them.
+    """
+    study, predicted = objective.study, points.predicted[0]
+    r = relative_sigma(study, objective.sigma, predicted)
+    sigma = np.where(study.proportional, r * sizes(study, predicted), objective.sigma)
+    objective = objective.with_sigma(sigma.copy())
+    used = study.known & np.isfinite(predicted)
+    u = np.where(used, (predicted - study.measured) / sigma, 0.0)
+    work = np.where(used, u * losses(u, study.censored, study.loss).slope, 0.0)
+    exact = used & (study.censored == 0)
+    of_exact = np.sum(np.where(exact, work, 0.0), axis=0)
+    of_limits = np.sum(np.where(exact, 0.0, work), axis=0)
+    count = np.sum(exact, axis=0)
+    freedom = count - np.sum(np.where(exact, leverages(objective, points), 0.0), axis=0)
+    kappa = scale_of_normal(study.loss)
+
+    def factor(targets) -> float:
+        left = np.sum(freedom[targets])
+        if left < LEAST_FREEDOM:
+            return 1.0
+        # Limits that the fit violates could make the difference negative.
+        below = max(kappa * left - np.sum(of_limits[targets]), 0.2 * kappa * left)
+        return float(np.sqrt(np.sum(of_exact[targets]) / below))
+
+    wanted = ~study.sigma_given
+    alone = wanted & (freedom >= LEAST_FREEDOM)
+    for target in np.flatnonzero(alone):
+        sigma[:, target] *= factor([target])
+    together = np.flatnonzero(wanted & ~alone)
+    if len(together):
+        sigma[:, together] *= factor(together)
+    scale = np.where(study.proportional, 1.0, root_mean_square(study.measured))
+    least = LEAST_PART * scale * sizes(study, predicted)
+    return np.where(wanted, np.maximum(sigma, least), sigma)
+
+
+def settle(
+    objective: Objective, fits: Fits, fit, progress: Progress
+) -> tuple[Objective, Fits]:
+    """Update sigmas and fit in turn until they agree.
+
+    Args:
+        fits: the best fit, of one lane.
+        fit: called as `fit(objective, x, rule=..., progress=...)`.
+    """
+    if np.all(objective.study.sigma_given):
+        return objective, fits
+    for number in range(1, ROUNDS + 1):
+        sigma = estimate_sigma(objective, fits.points)
+        # The sigma of a cell without measurement changes no fit.
+        known = objective.study.known
+        change = np.max(np.abs(np.log(sigma / objective.sigma)[known]))
+        objective = objective.with_sigma(sigma)
+        points = objective.reevaluate(fits.points)
+        fits = Fits(points, fits.reasons, fits.steps)
+        if change <= SETTLED:
+            break
+        fits = fit(
+            objective,
+            points.x,
+            rule=FINE,
+            progress=progress.within(f"errors of measurement, round {number}: "),
+        )
+    return objective, fits

@@ -1,0 +1,271 @@
+"""Multistart: starting points spread over the ranges, fits from all, and restarts."""
+
+import numpy as np
+from scipy.special import ndtri
+
+from ...accuracy import PRESETS
+from ...progress import Progress
+from ..problem.bounds import Bounds
+from ..problem.config import Study
+from ..problem.objective import Objective
+from .least_squares import (
+    FINE,
+    ROUGH,
+    Fits,
+    Reason,
+    StoppingRule,
+    is_near,
+    levenberg_marquardt,
+)
+
+SPREAD = 0.02
+"""Distance of starts from the bounds, as a fraction of the range."""
+RUNNING = 1.02, 0.5
+"""Starts whose rough cost is below a times the lowest plus b s^2 are fitted to the
+end."""
+SMALL_BESIDE = 1e-3
+"""Sigma over the measured value above which the errors of impacts at "balanced", 1e-6
+and 5e-4 of their derivatives, change a fit by less than 0.01 standard errors."""
+MANY_TESTS, SOME_TESTS = 200, 100
+"""Above the first number of tests, starts are ranked on about the second number of
+them, sampled with the study's seed: enough to locate minima to some standard errors."""
+RESTARTS = 3
+"""Largest number of restarts of a stuck start."""
+SILENT = Progress()
+STUCK = Reason.stuck, Reason.jump, Reason.failed
+ONE_PLACE = 0.3
+"""Distance in x within which ends of equal cost are at one minimum."""
+SAME = 1e-3
+"""Fraction of s^2, and of the cost, by which a fit may end above the best one and still
+count as having found it."""
+
+
+def spread_starts(
+    bounds: Bounds, start: np.ndarray, mean, sd, count: int, seed: int | tuple[int, ...]
+) -> np.ndarray:
+    """Sample starts (count, unknowns) in x: the given one, then a Latin hypercube.
+
+    The hypercube divides the range of each unknown into as many strata as there are
+    points; of an unknown with a prior (`sd` finite), its prior distribution.
+    """
+    random = np.random.default_rng(seed)
+    others, size = count - 1, len(start)
+    strata = np.stack([random.permutation(others) for _ in range(size)], axis=-1)
+    part = (strata + random.random((others, size))) / max(others, 1)
+    spread = bounds.at_fraction(SPREAD + (1.0 - 2.0 * SPREAD) * part)
+    has_prior = np.isfinite(sd)
+    drawn = mean + np.where(has_prior, sd, 0.0) * ndtri(np.clip(part, 1e-3, 1 - 1e-3))
+    drawn = np.clip(drawn, bounds.lower, bounds.upper)
+    drawn = bounds.coordinate(np.where(has_prior, drawn, bounds.lower))
+    spread = np.where(has_prior, drawn, spread)
+    return np.concatenate([np.asarray(start, float)[None], spread])
+
+
+def fit(
+    objective: Objective,
+    x: np.ndarray,
+    free: np.ndarray | None = None,
+    *,
+    method: str = "levenberg-marquardt",
+    rule: StoppingRule = FINE,
+    progress: Progress = SILENT,
+) -> Fits:
+    """Fit from every x until the stopping rule ends each fit.
+
+    Args:
+        objective: objective function.
+        x: starting points, shape (lanes, unknowns).
+        free: mask of the unknowns that are fitted, the same shape; None for all. Only
+            for Levenberg-Marquardt.
+        method: one of `METHODS`.
+        rule: stopping rule of Levenberg-Marquardt.
+        progress: told a line of text after every step.
+
+    Equal arguments give equal numbers on one machine.
+    """
+
+    def make() -> Fits:
+        if method == "levenberg-marquardt":
+            return levenberg_marquardt(objective, x, free, rule, progress)
+        # optax takes its time to import, and few want it.
+        from . import first_order
+
+        by_gradient = {"adam": first_order.adam, "l-bfgs": first_order.l_bfgs}
+        return by_gradient[method](objective, x, progress)
+
+    # Laws of unknown source cannot be recognised as the same.
+    if objective.cache is None or objective.laws is None:
+        return make()
+    return objective.cache.recall(objective, (x, free, method, rule), make)
+
+
+def rough_of(objective: Objective) -> Objective:
+    """Return the objective with impacts just accurate enough to rank costs."""
+    tolerance = max(objective.accuracy.tolerance, PRESETS["fast"].tolerance)
+    if tolerance == objective.accuracy.tolerance:
+        return objective
+    return objective.at(PRESETS["fast"])
+
+
+def no_finer_than_sigmas(objective: Objective) -> Objective:
+    """Return the objective with impacts at "balanced", if that is coarser and its
+    errors are small beside every sigma."""
+    study, balanced = objective.study, PRESETS["balanced"]
+    known = study.known
+    size = np.abs(study.measured[known])
+    close = np.any(objective.sigma[known] < SMALL_BESIDE * size)
+    if close or objective.accuracy.tolerance >= balanced.tolerance:
+        return objective
+    return objective.at(balanced)
+
+
+def fit_starts(
+    objective: Objective, x: np.ndarray, method: str, progress: Progress
+) -> Fits:
+    """Fit from every start roughly, to some of the tests where they are many; then fit
+    to the end those that may be the best."""
+    rough = rough_of(objective)
+
+    def fitted(objective: Objective, progress: Progress) -> Fits:
+        fits = fit(objective, x, method=method, rule=ROUGH, progress=progress)
+        return _restart_stuck(objective, fits, method, progress)
+
+    if len(objective.study.measured) <= MANY_TESTS:
+        return polish(objective, fitted(rough, progress), progress)
+    some = some_tests(objective.study)
+    part = rough.of_tests(some)
+    fits = fitted(part, progress.within(f"{len(some)} tests, "))
+    return polish(objective, _fit_to_all(rough, part, fits, progress), progress)
+
+
+def some_tests(study: Study) -> np.ndarray:
+    """Sample indices of tests that represent all: the same number of every target, or
+    all its tests, so that no target is lost that is seldom measured."""
+    random = np.random.default_rng(study.seed)
+    of_each = -(-SOME_TESTS // len(study.targets))
+    chosen = [
+        random.permutation(np.flatnonzero(measured))[:of_each]
+        for measured in study.known.T
+    ]
+    return np.unique(np.concatenate(chosen))
+
+
+def _restart_stuck(
+    objective: Objective, fits: Fits, method: str, progress: Progress
+) -> Fits:
+    """Restart stuck fits from new points, and keep the lower end of each.
+
+    Fits whose cost lets them be polished anyway are not restarted.
+    """
+    reasons, steps = list(fits.reasons), fits.steps.copy()
+    points, restarts = fits.points, np.zeros(len(reasons), int)
+    for number in range(1, RESTARTS + 1):
+        stuck = np.array([reason in STUCK for reason in reasons])
+        lanes = np.flatnonzero(stuck & ~_is_running(objective, points.cost))
+        if not len(lanes):
+            break
+        x = spread_starts(
+            objective.bounds,
+            points.x[0],
+            objective.prior_mean,
+            objective.prior_sd,
+            len(lanes) + 1,
+            (objective.study.seed, number),
+        )[1:]
+        again = fit(
+            objective,
+            x,
+            method=method,
+            rule=ROUGH,
+            progress=progress.within(f"restart {number}, "),
+        )
+        restarts[lanes] += 1
+        steps[lanes] += again.steps
+        lower = again.points.cost < points.cost[lanes]
+        points = points.put(lanes[lower], again.points.take(lower))
+        for lane, place in zip(lanes[lower], np.flatnonzero(lower), strict=True):
+            reasons[lane] = again.reasons[place]
+    return Fits(points, reasons, steps, restarts)
+
+
+def _fit_to_all(
+    objective: Objective, part: Objective, fits: Fits, progress: Progress
+) -> Fits:
+    """Continue fits to some of the tests with all of them, where they ended at a
+    minimum; leave the others as they are."""
+    leader = _leaders(part, fits, np.arange(len(fits.reasons)))
+    leaders, place = np.unique(leader, return_inverse=True)
+    ends = objective.values(fits.points.x[leaders])
+    ended = np.array([fits.reasons[lane].at_minimum for lane in leaders])
+    if not np.any(ended):
+        ended[np.argmin(ends.cost)] = True
+    lanes = np.flatnonzero(ended[place])
+    fits = fits._replace(points=ends.take(place))
+    return _continue(
+        objective, fits, lanes, leader[lanes], ROUGH, progress.within("all tests, ")
+    )
+
+
+def polish(objective: Objective, fits: Fits, progress: Progress) -> Fits:
+    """Fit those to the end that may be the best; those at one minimum continue as
+    one."""
+    lanes = np.flatnonzero(_is_running(objective, fits.points.cost))
+    leader = _leaders(objective, fits, lanes)
+    return _continue(
+        objective, fits, lanes, leader, FINE, progress.within("refining, ")
+    )
+
+
+def _is_running(objective: Objective, cost: np.ndarray) -> np.ndarray:
+    """Find the ends that may be the best."""
+    times, more = RUNNING
+    least = np.min(cost)
+    return cost <= times * least + more * objective.unit(least)
+
+
+def _continue(
+    objective: Objective,
+    fits: Fits,
+    lanes: np.ndarray,
+    leader: np.ndarray,
+    rule: StoppingRule,
+    progress: Progress,
+) -> Fits:
+    """Continue some lanes as their leaders, one fit for each leader."""
+    leaders = np.unique(leader)
+    again = fit(objective, fits.points.x[leaders], rule=rule, progress=progress)
+    reasons, steps = list(fits.reasons), fits.steps.copy()
+    for place, reason in zip(leaders, again.reasons, strict=True):
+        reasons[place] = reason
+    steps[leaders] += again.steps
+    points = fits.points.put(leaders, again.points)
+    for lane, place in zip(lanes, leader, strict=True):
+        if lane != place:
+            points = points.put([lane], points.take([place]))
+            alike = reasons[place].at_minimum
+            reasons[lane] = Reason.joined if alike else reasons[place]
+    return Fits(points, reasons, steps, fits.restarts)
+
+
+def _leaders(objective: Objective, fits: Fits, lanes: np.ndarray) -> np.ndarray:
+    """Find for each lane the one of lowest cost at the same minimum."""
+    leaders: list[int] = []
+    found = {}
+    at_minimum = np.array([reason.at_minimum for reason in fits.reasons])
+    for lane in lanes[np.argsort(fits.points.cost[lanes], kind="stable")]:
+        places = [place for place in leaders if at_minimum[place] and at_minimum[lane]]
+        near = is_near(objective, fits.points, lane, np.array(places, int), ONE_PLACE)
+        found[lane] = places[np.argmax(near)] if np.any(near) else lane
+        if found[lane] == lane:
+            leaders.append(lane)
+    return np.array([found[lane] for lane in lanes])
+
+
+def label_minima(objective: Objective, fits: Fits, best_cost: float) -> list[Reason]:
+    """Label fits that ended in a local minimum above the best; others keep their
+    reasons."""
+    allowed = best_cost + SAME * (objective.unit(best_cost) + best_cost)
+    return [
+        Reason.above if reason.at_minimum and cost > allowed else reason
+        for cost, reason in zip(fits.points.cost, fits.reasons, strict=True)
+    ]

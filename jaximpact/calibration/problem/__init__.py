@@ -1,0 +1,1 @@
+"""The objective of a calibration: unknowns, predictions, residuals and their losses."""

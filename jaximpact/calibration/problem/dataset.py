@@ -1,0 +1,237 @@
+"""Tests of a study, joined from one or several tables."""
+
+import csv
+import dataclasses
+import itertools
+from collections.abc import Mapping
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ...errors import InputError
+from ...io.scene_table import Table, read_table
+from ...parameters import Part, parameters_of
+from ...quantities import (
+    LABEL_COLUMNS,
+    RESULT_COLUMNS,
+    SIGMA_PREFIX,
+    SLOTS,
+    InputColumn,
+    columns_of,
+)
+from ...scene import PARTS, Scene
+from ...scene_quantities import SHAPE, value_of, with_shapes
+from ...shapes import AbstractShape, MixedShapes
+
+CAMPAIGN = "campaign"
+
+
+@dataclasses.dataclass(frozen=True)
+class Measurements:
+    """Tests in the order of their files and rows."""
+
+    files: tuple[Table, ...]
+    base: Scene
+    """Laws, and the shape of each test; its numbers have no meaning."""
+    inputs: dict[str, np.ndarray]
+    """Columns of the scene in any of the files, in the unit of their name, shape
+    (tests,); the default where a file does not have one."""
+    measured: dict[str, np.ndarray]
+    """Result columns, shape (tests,); NaN where there is no measurement."""
+    censored: dict[str, np.ndarray]
+    """1 where the true value is above, -1 where it is below, else 0, by result."""
+    sigmas: dict[str, np.ndarray]
+    """Standard deviations of result columns; NaN where none is given."""
+    labels: dict[str, list[str]]
+    """Columns of text; without a column `campaign` it is the name of the file."""
+
+    def __len__(self) -> int:
+        return sum(len(table.rows) for table in self.files)
+
+    def place(self, test: int | np.integer) -> tuple[Path, int]:
+        """Find file and row of a test."""
+        for table in self.files:
+            if test < len(table.rows):
+                return table.path, int(table.lines[test])
+            test -= len(table.rows)
+        raise IndexError(test)
+
+    def name(self, test: int | np.integer) -> str:
+        """Return the name of a test, or its file and row."""
+        for column in ("name", "test", "id"):
+            if self.labels.get(column, [""] * (test + 1))[test]:
+                return self.labels[column][test]
+        path, row = self.place(test)
+        return f"{path.stem} row {row}" if len(self.files) > 1 else f"row {row}"
+
+    @property
+    def slots(self) -> set[str]:
+        """Slots of laws or shapes that the files name: `flow`, `shape`."""
+        headers = (next(csv.reader([table.header])) for table in self.files)
+        return {name.strip() for header in headers for name in header} & {*SLOTS}
+
+    @property
+    def parts(self) -> dict[str, Part]:
+        """Laws, and the shape unless the files state it, by slot."""
+        return {
+            slot: getattr(getattr(self.base, whole), slot)
+            for slot, whole in SLOTS.items()
+            if not (slot == SHAPE and SHAPE in self.slots)
+        }
+
+    @property
+    def shapes(self) -> list[str]:
+        """Names of the shapes of the tests' blocks."""
+        shape, count = self.base.block.shape, len(self)
+        return [kind.__name__ for kind in _kinds_of(shape, count)]
+
+    @property
+    def known_columns(self) -> dict[str, InputColumn]:
+        """Columns of the scene."""
+        return columns_of(self.base)
+
+    def with_laws(self, laws: Mapping[str, Part]) -> "Measurements":
+        """Return the tests on a ground of other laws."""
+        if not laws:
+            return self
+        soil = dataclasses.replace(self.base.soil, **laws)
+        base = Scene(self.base.block, soil, self.base.impact)
+        return dataclasses.replace(self, base=base)
+
+    def with_inputs(self, values: Mapping[str, float]) -> "Measurements":
+        """Return the tests with further columns of one value each."""
+        added = {name: np.full(len(self), value) for name, value in values.items()}
+        return dataclasses.replace(self, inputs=self.inputs | added)
+
+    def columns(self, held: Mapping[str, float]) -> dict[str, np.ndarray]:
+        """Collect every column of the scene, shape (tests,), in the unit of its name.
+
+        Args:
+            held: values that are in no file; parameters of other laws do not count.
+        """
+        return {
+            name: np.broadcast_to(
+                np.asarray(
+                    self.inputs.get(name, held.get(name, column.default)), float
+                ),
+                len(self),
+            )
+            for name, column in self.known_columns.items()
+        }
+
+    def scene(self, held: Mapping[str, float]) -> Scene:
+        """Make one scene of all tests, arrays (tests,) in SI.
+
+        Args:
+            held: values as for `columns`.
+        """
+        known = self.known_columns
+        fields: dict[str, dict] = {part: {} for part in PARTS}
+        for name, values in self.columns(held).items():
+            fields[known[name].part][known[name].field] = known[name].factor * values
+        scene = Scene(
+            **{
+                part: dataclasses.replace(getattr(self.base, part), **fields[part])
+                for part in PARTS
+            }
+        )
+        return jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, len(self)), scene)
+
+
+def read_tests(paths: list[Path], base: Scene) -> Measurements:
+    """Read and join tables. Raises InputError as `read_table` and `joined_tables` do.
+
+    Args:
+        base: laws, and the shape of tests whose file does not say it.
+    """
+    return joined_tables(
+        tuple(read_table(path, measured=True, base=base) for path in paths)
+    )
+
+
+def joined_tables(files: tuple[Table, ...]) -> Measurements:
+    """Join tables of tests. Raises InputError where their laws differ."""
+    base = _joined_base(files)
+    known = columns_of(base)
+
+    def joined(names, filling, of_table) -> dict[str, np.ndarray]:
+        present = [n for n in names if any(n in of_table(table) for table in files)]
+        return {
+            name: np.concatenate(
+                [
+                    of_table(table).get(name, np.full(len(table.rows), filling(name)))
+                    for table in files
+                ]
+            )
+            for name in present
+        }
+
+    def numbers(table: Table) -> dict[str, np.ndarray]:
+        return table.numbers
+
+    labels = {
+        name: _chained(
+            table.labels.get(name, [""] * len(table.rows)) for table in files
+        )
+        for name in LABEL_COLUMNS
+        if any(name in table.labels for table in files)
+    }
+    stems = _chained([table.path.stem] * len(table.rows) for table in files)
+    labels[CAMPAIGN] = [
+        label or stem
+        for label, stem in zip(labels.get(CAMPAIGN, stems), stems, strict=True)
+    ]
+    sigmas = joined(
+        (SIGMA_PREFIX + name for name in RESULT_COLUMNS), lambda _: np.nan, numbers
+    )
+    return Measurements(
+        files=files,
+        base=base,
+        inputs={
+            name: _filled(base, known[name], values)
+            for name, values in joined(known, lambda _: np.nan, numbers).items()
+        },
+        measured=joined(RESULT_COLUMNS, lambda _: np.nan, numbers),
+        censored=joined(RESULT_COLUMNS, lambda _: 0, lambda table: table.censored),
+        sigmas={name.removeprefix(SIGMA_PREFIX): v for name, v in sigmas.items()},
+        labels=labels,
+    )
+
+
+def _joined_base(files: tuple[Table, ...]) -> Scene:
+    """Find the laws of all tables, and the shape of each of their rows."""
+    base = files[0].base
+    for table in files[1:]:
+        laws = [jax.tree.structure(scene.soil) for scene in (base, table.base)]
+        if laws[0] != laws[1]:
+            raise InputError(
+                f"has other laws than {files[0].path.name}; one study has one ground",
+                file=table.path,
+            )
+    kinds = _chained(
+        _kinds_of(table.base.block.shape, len(table.rows)) for table in files
+    )
+    return base if len(set(kinds)) == 1 else with_shapes(base, kinds)
+
+
+def _kinds_of(shape: AbstractShape, count: int) -> list[type[AbstractShape]]:
+    """List the shape of each test."""
+    if isinstance(shape, MixedShapes):
+        return [shape.kinds[int(place)] for place in shape.index]
+    return [type(shape)] * count
+
+
+def _filled(base: Scene, column: InputColumn, values: np.ndarray) -> np.ndarray:
+    """Replace NaN in a column by the default, which may differ with the shape."""
+    missing = np.isnan(values)
+    if not np.any(missing):
+        return values
+    of_shape = column.field in parameters_of(base.block.shape)
+    default = value_of(base, column) if of_shape else column.default
+    return np.where(missing, default, values)
+
+
+def _chained(lists) -> list:
+    return list(itertools.chain.from_iterable(lists))

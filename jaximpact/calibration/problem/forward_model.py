@@ -1,0 +1,423 @@
+"""The forward model: predictions of all tests for many soils, with derivatives.
+
+On a CPU impacts are computed in machine code (`compile_native_along`): one directional
+derivative a run, and as many runs as derivatives are wanted. Laws without machine code,
+and other devices, are computed by XLA in programs for a fixed number of impacts.
+"""
+
+import concurrent.futures
+import copy
+import functools
+import threading
+from collections.abc import Callable, Sequence
+from typing import NamedTuple, TypeVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ...accuracy import Accuracy
+from ...backend.native_backend import (
+    compile_native,
+    compile_native_along,
+    computes_on_cpu,
+    solve_rows,
+    with_setting,
+)
+from ...backend.threads import thread_count
+from ...backend.xla_backend import compute_lanes
+from ...backend.xla_compilation import unfused_jit
+from ...impact.problem import Assembly
+from ...impact.reduced_models import PLANAR, PLANAR_DAMPED
+from ...parameters import parameters_of
+from ...progress import Progress
+from ...quantities import RESULT_COLUMNS, columns_of, leaf_places
+from ...scene import Scene
+from .bounds import Bounds
+from .config import Study, Variant
+from .nuisance import SLOPE
+from .slope_correction import ANGLE, SIGN, as_stated, needed
+
+AT_ONCE = 512
+"""Impacts of one call of the machine code by a thread."""
+MANY = 20_000
+"""Impacts from which code without derivatives pays the second of its compilation."""
+XLA_AT_ONCE = 256
+"""Impacts in a program of XLA: fewer waste time on dispatch, more on waiting for the
+slowest impact."""
+OUTCOME = "outcome_code"
+STEEPEST = 1e100
+"""Derivatives above, whose squares could overflow, are set to 0."""
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+class Engine:
+    """Compiled model that computes impacts and their directional derivatives.
+
+    Args:
+        assembly: the model that is compiled.
+        targets: result columns that are wanted.
+    """
+
+    def __init__(self, assembly: Assembly, targets: tuple[str, ...]):
+        self.assembly = assembly
+        self.fields = _fields_of(targets)
+        self.name = "XLA" if self.kernel is None else "machine code"
+
+    @functools.cached_property
+    def kernel(self):
+        """Machine code of the model; None where there is none."""
+        if not computes_on_cpu():
+            return None
+        return compile_native_along(self.assembly)
+
+    def __getstate__(self) -> dict:
+        # Machine code belongs to a process; another one compiles its own.
+        state = {name: v for name, v in vars(self).items() if name != "kernel"}
+        structure = self.assembly.structure
+        # A class made at run time, as for several shapes, is pickled with its owner,
+        # not with a tree structure.
+        state["template"] = jax.tree.unflatten(structure, [0.0] * structure.num_leaves)
+        return state | {"assembly": self.assembly._replace(structure=None)}
+
+    def __setstate__(self, state: dict) -> None:
+        structure = jax.tree.structure(state.pop("template"))
+        vars(self).update(state)
+        self.assembly = self.assembly._replace(structure=structure)
+
+    def for_targets(self, targets: tuple[str, ...]) -> "Engine":
+        """Return the same code for other result columns."""
+        other = copy.copy(self)
+        other.fields = _fields_of(targets)
+        return other
+
+    def run(
+        self, leaves: np.ndarray, directions: np.ndarray, accuracy: Accuracy
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Compute results of impacts and their derivatives along a direction.
+
+        Args:
+            leaves: leaves of the scenes, shape (leaves, impacts).
+            directions: derivatives of the leaves along the direction, the same shape.
+            accuracy: accuracy of the integration.
+
+        Returns:
+            Targets and their derivatives, shape (impacts, targets), NaN where there is
+            no result, and codes of the outcomes, shape (impacts,).
+        """
+        count = leaves.shape[1]
+        if self.kernel is None:
+            size = XLA_AT_ONCE
+            parts = [np.arange(i, min(i + size, count)) for i in range(0, count, size)]
+            found = [self._in_xla(leaves, directions, p, accuracy) for p in parts]
+        else:
+            rows = with_setting(leaves, accuracy)
+            rows = np.concatenate([rows, directions])
+            found = _on_all_cores(self._with_derivatives, rows)
+        values, derivatives = (
+            np.concatenate(rows, axis=1) for rows in zip(*found, strict=True)
+        )
+        return values[:-1].T, derivatives[:-1].T, values[-1]
+
+    def _with_derivatives(self, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        assert self.kernel is not None
+        numbers, (along,) = solve_rows(self.kernel, part)
+        return self._chosen(numbers), self._chosen(along)
+
+    def run_values(
+        self, leaves: np.ndarray, accuracy: Accuracy
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Compute results of impacts without derivatives.
+
+        In machine code the numbers are those of `run` bit for bit, and many impacts
+        take half the time.
+
+        Returns:
+            Targets, shape (impacts, targets), and codes of the outcomes (impacts,).
+        """
+        if self.kernel is None or leaves.shape[1] < MANY:
+            values, _, outcomes = self.run(leaves, np.zeros_like(leaves), accuracy)
+            return values, outcomes
+        kernel = compile_native(self.assembly)
+        found = _on_all_cores(
+            lambda part: self._chosen(solve_rows(kernel, part)),
+            with_setting(leaves, accuracy),
+        )
+        values = np.concatenate(found, axis=1)
+        return values[:-1].T, values[-1]
+
+    def _in_xla(self, leaves, directions, places, accuracy):
+        filled = np.resize(places, XLA_AT_ONCE)  # repeats impacts to fill the program
+        numbers, derivatives = _in_xla(
+            self.assembly,
+            jnp.asarray(leaves[:, filled]),
+            jnp.asarray(directions[:, filled]),
+            jnp.asarray(accuracy.tolerance),
+            jnp.asarray(accuracy.floor),
+        )
+        count = len(places)
+        chosen = self._chosen(numbers), self._chosen(derivatives)
+        return tuple(rows[:, :count] for rows in chosen)
+
+    def _chosen(self, numbers) -> np.ndarray:
+        """Select the wanted results, a row each."""
+        return np.stack([np.asarray(getattr(numbers, name)) for name in self.fields])
+
+
+def _on_all_cores(work: Callable, rows: np.ndarray) -> list:
+    """Call a function of blocks of columns on all cores; results in their order."""
+    count = rows.shape[1]
+    size = max(1, min(AT_ONCE, -(-count // thread_count())))
+    parts = [rows[:, first : first + size] for first in range(0, count, size)]
+    if len(parts) == 1:
+        return [work(parts[0])]
+    with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
+        return list(pool.map(work, parts))
+
+
+def _fields_of(targets: tuple[str, ...]) -> tuple[str, ...]:
+    return (*(RESULT_COLUMNS[name].field for name in targets), OUTCOME)
+
+
+def _along(assembly, leaves, directions, tolerance, floor):
+    structure = assembly.structure
+
+    def of_leaves(rows):
+        scene = jax.tree.unflatten(structure, list(rows))
+        return compute_lanes(assembly, scene, tolerance, floor)
+
+    return jax.jvp(of_leaves, (leaves,), (directions,))
+
+
+_in_xla = unfused_jit(_along, static_argnums=(0,))
+
+
+def bounds_of(study: Study) -> Bounds:
+    """Collect the ranges of a study's unknowns."""
+    soil, nuisances = study.parameters, study.nuisances
+    lower = [p.lower for p in soil], *(n.lower for n in nuisances)
+    upper = [p.upper for p in soil], *(n.upper for n in nuisances)
+    groups = sum(len(nuisance.groups) for nuisance in nuisances)
+    logarithmic = [p.logarithmic for p in soil] + [False] * groups
+    return Bounds(
+        np.concatenate(lower), np.concatenate(upper), np.array(logarithmic, bool)
+    )
+
+
+class UnknownColumn(NamedTuple):
+    """Unknowns that set one column of the scene."""
+
+    leaf: int
+    """Index of the column's leaf in the scene."""
+    factor: float
+    """SI value of one unit of the column."""
+    base: np.ndarray
+    """Value to which the unknown is added [unit of the column], shape (tests,)."""
+    unknown: np.ndarray
+    """Index of the unknown of each test, shape (tests,)."""
+    turns_ground: bool = False
+    """Whether angle and orientation change with it."""
+
+
+def unknown_columns(study: Study, scene: Scene) -> list[UnknownColumn]:
+    """List the columns of the scene that are fitted: parameters, then nuisances."""
+    tests, columns, leaves = len(study.tests), columns_of(scene), leaf_places(scene)
+    found = [
+        UnknownColumn(
+            leaves[parameter.name],
+            columns[parameter.name].factor,
+            np.zeros(tests),
+            np.full(tests, index),
+        )
+        for index, parameter in enumerate(study.parameters)
+    ]
+    first = len(found)
+    for nuisance in study.nuisances:
+        factor, leaf = columns[nuisance.name].factor, leaves[nuisance.name]
+        unknown, turns = first + nuisance.group, nuisance.turns_ground
+        found.append(UnknownColumn(leaf, factor, nuisance.base, unknown, turns))
+        first += len(nuisance.groups)
+    return found
+
+
+class ForwardModel:
+    """Predictions of a study's tests as a function of the unknowns x.
+
+    Args:
+        study, variant: the tests, and the ground of a variant.
+        engine: computes the impacts, see `engine_of`.
+        accuracy: accuracy of the impacts.
+    """
+
+    def __init__(
+        self, study: Study, variant: Variant, engine: Engine, accuracy: Accuracy
+    ):
+        self.study, self.engine, self.accuracy = study, engine, accuracy
+        self.bounds = bounds_of(study)
+        self.scene = study.scene_of(variant)
+        self._leaf_of = leaf_places(self.scene)
+        self._leaves = np.stack([np.asarray(x) for x in jax.tree.leaves(self.scene)])
+        self._columns = unknown_columns(study, self.scene)
+
+    def _impacts(self, x) -> tuple[np.ndarray, np.ndarray]:
+        """Build the leaves of the scenes, shape (leaves, lanes, tests), and the turn of
+        the ground of each test [rad], shape (lanes, tests)."""
+        p = self.bounds.parameter(x)
+        leaves = np.repeat(self._leaves[:, None], len(x), axis=1)
+        turn = np.zeros(leaves.shape[1:])
+        for column in self._columns:
+            leaves[column.leaf] = column.factor * (column.base + p[:, column.unknown])
+            if column.turns_ground:
+                turn += column.factor * p[:, column.unknown]
+        for name, sign in SIGN.items():
+            leaves[self._leaf_of[name]] += sign * turn
+        return leaves, turn
+
+    def _predict(self, x, wanted):
+        """Compute predictions, outcomes and the Jacobian.
+
+        Args:
+            x: shape (lanes, unknowns).
+            wanted: which columns' derivatives are computed, shape (columns, lanes).
+        """
+        study = self.study
+        lanes, tests, targets = len(x), *study.measured.shape
+        leaves, turn = self._impacts(x)
+        by_x = self.bounds.slope(x)
+        runs, of_lane = np.nonzero(wanted)
+        impacts = leaves[:, of_lane].reshape(len(leaves), -1)
+        directions = np.zeros((len(leaves), len(runs), tests))
+        for run, column in enumerate(self._columns):
+            directions[column.leaf, runs == run] = column.factor
+            for name, sign in SIGN.items() if column.turns_ground else ():
+                directions[self._leaf_of[name], runs == run] = sign * column.factor
+        directions = directions.reshape(len(leaves), -1)
+        values, derivatives, outcomes = self.engine.run(
+            impacts, directions, self.accuracy
+        )
+        values, derivatives = self._as_stated(
+            values, derivatives, turn[of_lane].ravel(), impacts, directions
+        )
+        values = values.reshape(len(runs), tests, targets)
+        derivatives = derivatives.reshape(len(runs), tests, targets)
+        # Where an outcome changes a derivative may be huge, and its square overflow.
+        finite = np.isfinite(values) & (np.abs(derivatives) < STEEPEST)
+        derivatives = np.where(finite, derivatives, 0.0)
+        predicted = np.empty((lanes, tests, targets))
+        predicted[of_lane] = values
+        codes = np.empty((lanes, tests))
+        codes[of_lane] = outcomes.reshape(len(runs), tests)
+        jacobian = np.zeros((lanes, tests, targets, x.shape[1]))
+        each = np.arange(tests)
+        for run, column in enumerate(self._columns):
+            here = of_lane[runs == run]
+            slope = by_x[here][:, column.unknown][..., None]
+            # Each test depends on one group alone.
+            jacobian[here[:, None], each, :, column.unknown] = (
+                derivatives[runs == run] * slope
+            )
+        return predicted, codes, jacobian
+
+    def _as_stated(self, values, derivatives, turn, impacts, directions):
+        """Turn results and their derivatives to the axes that the tests are stated in.
+
+        Args:
+            turn: turn of the ground [rad], shape (impacts,).
+            impacts, directions: leaves of the scenes and their derivatives, shape
+                (leaves, impacts).
+        """
+        if not any(column.turns_ground for column in self._columns):
+            return values, derivatives
+        speed, angle, slope = (self._leaf_of[n] for n in ("speed_mps", ANGLE, SLOPE))
+        # No two nuisances change the slope.
+        return as_stated(
+            self.study.targets,
+            values,
+            derivatives,
+            (turn, directions[slope]),
+            (impacts[speed], directions[speed]),
+            impacts[angle] - turn,
+        )
+
+
+def engine_of(study: Study) -> Engine:
+    """Return the engine for the first variant of a study, and all with its laws."""
+    return engines_of(study)[0]
+
+
+def engines_of(study: Study) -> list[Engine]:
+    """Return the engine for each variant of a study; those of equal laws share one."""
+    scenes = [study.scene_of(variant) for variant in study.variants]
+    soils = [scene.soil for scene in scenes]
+    columns = [p.name for p in study.parameters] + [n.name for n in study.nuisances]
+    # A dashpot may come to act where a parameter of its law is fitted.
+    damped = any(np.any(soil.damping.acts()[1]) for soil in soils)
+    damping = {said.column for s in soils for said in parameters_of(s.damping).values()}
+    damped |= bool(damping & {*columns})
+    model = PLANAR_DAMPED if damped else PLANAR
+    turned = any(nuisance.turns_ground for nuisance in study.nuisances)
+    targets = needed(study.targets) if turned else study.targets
+    structures = [jax.tree.structure(scene) for scene in scenes]
+    engines = {
+        structure: Engine(Assembly(structure, model, ledger=False), targets)
+        for structure in dict.fromkeys(structures)
+    }
+    return [engines[structure] for structure in structures]
+
+
+def run_in_threads(
+    function: Callable[[Item, Progress], Result],
+    items: Sequence[Item],
+    progress: Progress,
+) -> list[Result]:
+    """Call a function of every item in threads of their own; results in their order.
+
+    Args:
+        function: called with an item and with its progress; once one call has failed
+            the others end the next time that they tell their progress.
+        items: one thread each.
+        progress: called by one thread at a time.
+    """
+    stop, speaking = threading.Event(), threading.Lock()
+
+    class Shared(Progress):
+        def __call__(self, what, done=None, total=None):
+            with speaking:
+                if stop.is_set():
+                    raise _Stopped
+                progress(what, done, total) if total is not None else progress(what)
+
+    with concurrent.futures.ThreadPoolExecutor(len(items)) as pool:
+        running = [pool.submit(function, item, Shared()) for item in items]
+        try:
+            for ended in concurrent.futures.as_completed(running):
+                ended.result()
+        except BaseException:
+            stop.set()
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+        return [ended.result() for ended in running]
+
+
+class _Stopped(Exception):
+    """Another item has failed, or the run was interrupted."""
+
+
+def for_each_variant(
+    engines: Sequence[Engine],
+    function: Callable[[Item, Progress], Result],
+    variants: Sequence[Item],
+    progress: Progress,
+) -> list[Result]:
+    """Call a function of every variant, in threads where all have machine code.
+
+    Machine code runs outside Python's lock, so that the Python arithmetic of one
+    variant overlaps the impacts of another; XLA would compile for each. The numbers are
+    those of one call after the other.
+    """
+    in_xla = any(engine.kernel is None for engine in engines)
+    if in_xla or len(variants) == 1:
+        return [function(variant, progress) for variant in variants]
+    return run_in_threads(function, variants, progress)

@@ -1,0 +1,150 @@
+"""Laws and shape of a study: by name in a file, as objects, or from fit.json."""
+
+import dataclasses
+from collections.abc import Mapping
+from pathlib import Path
+
+from ...errors import InputError
+from ...identity import source_digest
+from ...io.toml import quantity, unknown
+from ...parameters import Composite, Part
+from ...quantities import BASES, SLOTS, USUAL, InputColumn
+from ...scene import Block, Scene
+from ...scene_quantities import part_named, text_of
+from ...soil import Soil
+
+KINDS: dict[str, type[Composite]] = {"soil": Soil, "block": Block}
+
+
+def unusual(parts: Mapping[str, Part]) -> dict[str, Part]:
+    """Select the laws and shape that are not the default."""
+    return {slot: part for slot, part in parts.items() if type(part) is not USUAL[slot]}
+
+
+def in_words(parts: Mapping[str, Part]) -> str:
+    """Name the slot and the class of each."""
+    return ", ".join(f"{slot} {type(part).__name__}" for slot, part in parts.items())
+
+
+def scene_of(parts: Mapping[str, Part]) -> Scene:
+    """Make a scene with these laws and this shape, and defaults otherwise.
+
+    Raises InputError for two parameters of one name.
+    """
+    soil, block = (
+        {slot: part for slot, part in parts.items() if SLOTS[slot] == whole}
+        for whole in ("soil", "block")
+    )
+    return Scene(soil=Soil(**soil), block=Block(**block))
+
+
+def parts_and_values(
+    path: Path, where: str, entries: Mapping, whole: str, directory: Path
+) -> tuple[dict[str, Part], dict]:
+    """Separate the laws and shapes in a table of a study from its other entries.
+
+    Args:
+        path, where: file and table, named in errors.
+        whole: "soil" or "block", to which the table belongs.
+        directory: directory to which files of laws are relative.
+
+    Raises InputError, naming the key, for a law that cannot be had.
+    """
+    parts, values = {}, {}
+    for name, given in entries.items():
+        if SLOTS.get(name) != whole:
+            values[name] = given
+            continue
+        place = {"file": path, "key": f"{where}.{name}"}
+        if isinstance(given, BASES[name]):
+            parts[name] = given
+        elif isinstance(given, str):
+            try:
+                parts[name] = part_named(name, given, directory)
+            except InputError as error:
+                raise InputError(str(error), **place) from error
+        else:
+            raise InputError(
+                f"must be a name, like {USUAL[name].__name__!r} or "
+                f"'my_laws.py:MyLaw', but is {given!r}",
+                **place,
+            )
+    return parts, values
+
+
+def checked_values(
+    path: Path, where: str, values: Mapping, columns: Mapping[str, InputColumn]
+) -> dict[str, float]:
+    """Check the numbers of a table, in the units of their columns.
+
+    Raises InputError, naming the key, for a number that is unknown or out of range.
+    """
+    checked = {}
+    for name, value in values.items():
+        key = f"{where}.{name}"
+        if name not in columns:
+            unknown(path, key, name, columns)
+        checked[name] = quantity(path, key, columns[name], value)
+    return checked
+
+
+def as_entries(parts: Mapping[str, Part]) -> dict[str, dict]:
+    """Write laws and shape for fit.json, so that `parts_of_entries` finds them."""
+    return {
+        slot: {
+            "name": text_of(type(part)),
+            "source": source_digest(type(part)),
+            "fixed": _fixed_fields(part),
+        }
+        for slot, part in parts.items()
+    }
+
+
+def parts_of_entries(entries: Mapping[str, Mapping], file: Path) -> dict[str, Part]:
+    """Find the laws and the shape of fit.json, with default parameters.
+
+    A file of laws that was moved is looked for beside fit.json.
+
+    Raises InputError for one that is not there, or is not what it was.
+    """
+    parts = {}
+    for slot, entry in entries.items():
+        try:
+            part = part_named(slot, _name_near(entry["name"], file))
+        except InputError as error:
+            raise InputError(
+                f"was fitted with a {slot} that is not there: {error}", file=file
+            ) from error
+        if source_digest(type(part)) != entry["source"]:
+            raise InputError(
+                f"was fitted with {slot} {entry['name']}, which has changed since; "
+                "calibrate again",
+                file=file,
+            )
+        if _fixed_fields(part) != entry["fixed"]:
+            raise InputError(
+                f"was fitted with {slot} {entry['name']} of other fixed fields, "
+                f"{entry['fixed']}, which cannot be made again; use the result of "
+                "calibrate itself",
+                file=file,
+            )
+        parts[slot] = part
+    return parts
+
+
+def _name_near(name: str, file: Path) -> str:
+    place, colon, kind = name.rpartition(":")
+    if place.endswith(".py") and not Path(place).is_file():
+        beside = file.absolute().parent / Path(place).name
+        if beside.is_file():
+            return f"{beside}{colon}{kind}"
+    return name
+
+
+def _fixed_fields(part: Part) -> dict[str, str]:
+    """Collect the fields that are no parameters."""
+    return {
+        field.name: repr(getattr(part, field.name))
+        for field in dataclasses.fields(part)
+        if field.metadata.get("static")
+    }

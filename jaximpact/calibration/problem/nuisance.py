@@ -1,0 +1,188 @@
+"""Nuisance parameters: poorly known quantities of the tests, fitted under a prior.
+
+A nuisance parameter has a value for each group of tests: a slope for each campaign, an
+orientation for each test. Where the tables hold the column, it is added to their
+values; otherwise it is the value itself. A slope can turn the ground under a block
+whose trajectory in space is known (`slope_correction`).
+"""
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError
+from ...io.toml import check_keys, choice, number, typed, unknown
+from ...quantities import LABEL_COLUMNS
+from .dataset import Measurements
+from .slope_correction import ANGLE
+
+SLOPE = "slope_deg"
+KEYS = ("by", "prior", "turns_ground")
+EACH_TEST = "row"
+"""Value of `by` for groups of one test each."""
+REACH = 5.0
+"""Half range of the search in standard deviations of the prior."""
+EDGE = 1e-6
+"""Fraction of that range kept from the ends of the column's range."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Prior:
+    """Normal prior distribution, in the unit of the column."""
+
+    mean: float
+    sd: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Nuisance:
+    """Nuisance parameter: one column, with a value for each group."""
+
+    name: str
+    by: str
+    groups: tuple[str, ...]
+    group: np.ndarray
+    """Index of the group of each test, shape (tests,)."""
+    prior: Prior
+    base: np.ndarray
+    """Value to which it is added, shape (tests,): the tables' column, or zero."""
+    lower: np.ndarray
+    """Lower bounds, shape (groups,); `upper` holds the upper ones."""
+    upper: np.ndarray
+    turns_ground: bool = False
+    """Whether angle and orientation change with the slope."""
+
+    def label(self, group: int) -> str:
+        """Return the name of a group's value."""
+        return f"{self.name}[{self.groups[group]}]"
+
+
+def read_prior(path: Path, key: str, entry, mean: float | None = None) -> Prior:
+    """Read a prior like `{ mean = 30.0, sd = 5.0 }`.
+
+    Args:
+        mean: default of the mean; without it one must be given.
+    """
+    if not isinstance(entry, dict):
+        raise InputError(
+            f"must be a table like {{ mean = 30.0, sd = 5.0 }}, but is {entry!r}",
+            file=path,
+            key=key,
+        )
+    check_keys(path, key, entry, ("mean", "sd"))
+    values: dict[str, Any] = {"mean": mean} | entry
+    for name in ("mean", "sd"):
+        if values.get(name) is None:
+            raise InputError("is missing", file=path, key=f"{key}.{name}")
+        values[name] = number(path, f"{key}.{name}", values[name])
+    if not values["sd"] > 0.0:
+        raise InputError(
+            f"must be above 0, but is {values['sd']:g}", file=path, key=f"{key}.sd"
+        )
+    return Prior(**values)
+
+
+def read_nuisances(
+    path: Path, content: dict, tests: Measurements, soil: dict[str, float]
+) -> tuple[Nuisance, ...]:
+    """Read the table `nuisance` of a study."""
+    entries = typed(path, content, "nuisance", dict, {})
+    found = tuple(_nuisance(path, n, e, tests, soil) for n, e in entries.items())
+    if ANGLE in entries and any(nuisance.turns_ground for nuisance in found):
+        raise InputError(
+            f"turns {ANGLE} too, which is a nuisance of its own; remove one",
+            file=path,
+            key=f"nuisance.{SLOPE}.turns_ground",
+        )
+    return found
+
+
+def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisance:
+    key = f"nuisance.{name}"
+    columns = tests.known_columns
+    if name not in columns:
+        unknown(path, key, name, columns)
+    if not isinstance(entry, dict):
+        raise InputError(
+            'must be a table like { by = "campaign", prior = { mean = 30.0, sd = 5.0 } '
+            f"}}, but is {entry!r}",
+            file=path,
+            key=key,
+        )
+    check_keys(path, key, entry, KEYS)
+    by = choice(path, entry, "by", "campaign", (*LABEL_COLUMNS, EACH_TEST))
+    if "prior" not in entry:
+        raise InputError(
+            "is missing, like { mean = 30.0, sd = 5.0 }", file=path, key=f"{key}.prior"
+        )
+    in_tables = name in tests.inputs
+    known = 0.0 if in_tables else soil.get(name)
+    prior = read_prior(path, f"{key}.prior", entry["prior"], known)
+    base = tests.inputs.get(name, np.zeros(len(tests)))
+    groups, group = _groups(path, key, by, tests)
+    column = columns[name]
+    lower = np.full(len(groups), prior.mean - REACH * prior.sd)
+    upper = np.full(len(groups), prior.mean + REACH * prior.sd)
+    room = EDGE * 2.0 * REACH * prior.sd
+    np.maximum.at(lower, group, column.lower - base + room)
+    np.minimum.at(upper, group, column.upper - base - room)
+    _check_mean(path, key, column, prior, lower, upper)
+    turns = _turns_ground(path, key, name, entry, tests)
+    if turns:
+        angles = columns[ANGLE]
+        stated = tests.inputs.get(ANGLE, np.full(len(tests), angles.default))
+        np.maximum.at(lower, group, angles.lower - stated + room)
+        np.minimum.at(upper, group, angles.upper - stated - room)
+        _check_mean(path, key, angles, prior, lower, upper)
+    return Nuisance(name, by, groups, group, prior, base, lower, upper, turns)
+
+
+def _check_mean(path: Path, key: str, column, prior: Prior, lower, upper) -> None:
+    """Raise InputError where the prior's mean takes a column out of its range."""
+    if not np.all((lower < prior.mean) & (prior.mean < upper)):
+        raise InputError(
+            f"{column.name} must be {column.requirement}; the prior's mean puts it "
+            "outside",
+            file=path,
+            key=f"{key}.prior.mean",
+        )
+
+
+def _turns_ground(path: Path, key: str, name: str, entry: dict, tests) -> bool:
+    """Read whether the ground turns; InputError without a slope to start from."""
+    turns = entry.get("turns_ground", False)
+    place = {"file": path, "key": f"{key}.turns_ground"}
+    if not isinstance(turns, bool):
+        raise InputError(f"must be true or false, but is {turns!r}", **place)
+    if turns and name != SLOPE:
+        raise InputError(f"belongs to {SLOPE}, but stands under {name}", **place)
+    if turns and SLOPE not in tests.inputs:
+        raise InputError(
+            f"needs a column {SLOPE} in {tests.files[0].path.name}: the slope to which "
+            "its angles are stated",
+            **place,
+        )
+    return turns
+
+
+def _groups(path: Path, key: str, by: str, tests: Measurements):
+    """List the groups in the order of the tests, and the index of each test's."""
+    if by == EACH_TEST:
+        names = [tests.name(test) for test in range(len(tests))]
+        return tuple(names), np.arange(len(tests))
+    if by not in tests.labels:
+        raise InputError(
+            f"{by!r} is no column of {tests.files[0].path.name}",
+            file=path,
+            key=f"{key}.by",
+        )
+    labels = tests.labels[by]
+    if "" in labels:
+        file, row = tests.place(labels.index(""))
+        raise InputError(
+            "is empty, but groups the tests", file=file, row=row, column=by
+        )
+    groups = tuple(dict.fromkeys(labels))
+    return groups, np.array([groups.index(label) for label in labels])

@@ -1,0 +1,289 @@
+r"""The objective function: the negative logarithm of likelihood and priors.
+
+$$ C(x) = \sum_i w_i \rho(u_i) + \tfrac12 \sum_k \left( \frac{p_k - m_k}{s_k}
+   \right)^2, \qquad u_i = \frac{y_i(x) - \hat y_i}{\sigma_i}, $$
+
+with rho the loss (`noise`), w the weight of the target, m and s mean and standard
+deviation of a prior. The unknowns x are the coordinates (`bounds`) of the soil's
+parameters, then of the nuisances, group by group. Many x are evaluated at once; each is
+a lane.
+"""
+
+import copy
+import dataclasses
+import functools
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...accuracy import PRESETS, Accuracy
+from ...identity import described
+from .config import Study, Variant
+from .forward_model import Engine, ForwardModel, bounds_of
+from .noise import losses
+
+FAILED_COST = 5e5
+"""Loss, with derivative zero, of a result that could not be computed: large, so that a
+fit keeps away, and finite, so that it does not spoil the sum."""
+AT_ONCE = 50_000
+"""Impacts between two lines of progress: bounds time and memory."""
+
+
+class Points(NamedTuple):
+    """Objective function at points x, shape (lanes, unknowns)."""
+
+    x: np.ndarray
+    cost: np.ndarray
+    """Objective function, shape (lanes,)."""
+    gradient: np.ndarray
+    """Gradient with respect to x, shape (lanes, unknowns)."""
+    hessian: np.ndarray
+    """Gauss-Newton Hessian, never negative, shape (lanes, unknowns, unknowns)."""
+    predicted: np.ndarray
+    """Predictions, shape (lanes, tests, targets); NaN where there is none."""
+    outcomes: np.ndarray
+    """Codes of the outcomes, shape (lanes, tests)."""
+    jacobian: np.ndarray
+    """Derivatives of the predictions with respect to x, shape (lanes, tests, targets,
+    unknowns); 0 where there is no prediction or no derivative was wanted."""
+
+    def take(self, chosen) -> "Points":
+        """Select some of the lanes."""
+        return Points(*(part[chosen] for part in self))
+
+    def put(self, chosen, points: "Points") -> "Points":
+        """Replace some of the lanes."""
+        replaced = []
+        for old, new in zip(self, points, strict=True):
+            old = old.copy()
+            old[chosen] = new
+            replaced.append(old)
+        return Points(*replaced)
+
+
+class Objective(ForwardModel):
+    """Objective function of one variant of a study.
+
+    Args:
+        study, variant: the study and one of its variants.
+        engine: computes the impacts, see `engine_of`.
+        accuracy: accuracy of the impacts, in place of the study's.
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        variant: Variant,
+        engine: Engine,
+        accuracy: Accuracy | None = None,
+    ):
+        super().__init__(study, variant, engine, accuracy or PRESETS[study.accuracy])
+        self.sigma, self.loss = study.sigma, study.loss
+        self.prior_mean, self.prior_sd = _priors(study)
+        self.cache: Any = None
+        """Cache of finished fits, a `FitCache`, if there is one."""
+
+    @functools.cached_property
+    def laws(self) -> tuple | None:
+        """Description of all laws and shapes without their numbers; None if the source
+        of one is unknown."""
+        return described(self.scene)
+
+    def depends_on(self) -> tuple:
+        """List the numbers and names on which the values depend."""
+        study = self.study
+        arrays = self._leaves, self.sigma, study.measured, study.censored
+        arrays += study.weights, self.prior_mean, self.prior_sd, *self.bounds
+        arrays += tuple(part for column in self._columns for part in column)
+        return *arrays, study.targets, self.loss, self.accuracy, self.laws
+
+    def at(self, accuracy: Accuracy) -> "Objective":
+        """Return the objective with impacts of another accuracy."""
+        return self._changed(accuracy=accuracy)
+
+    def with_sigma(self, sigma: np.ndarray) -> "Objective":
+        """Return the objective with other sigmas, shape (tests, targets)."""
+        return self._changed(sigma=sigma)
+
+    def without(self, tests: np.ndarray) -> "Objective":
+        """Return the objective without the measurements of some tests, which are still
+        predicted.
+
+        Args:
+            tests: mask of the tests left out, shape (tests,).
+        """
+        left = np.where(tests[:, None], np.nan, self.study.measured)
+        return self._changed(study=dataclasses.replace(self.study, measured=left))
+
+    def of_tests(self, tests: np.ndarray) -> "Objective":
+        """Return the objective of some tests alone, to be fitted.
+
+        Its study holds the numbers of these tests, but still names all.
+        """
+        study = self.study
+        nuisances = (
+            dataclasses.replace(n, group=n.group[tests], base=n.base[tests])
+            for n in study.nuisances
+        )
+        part = dataclasses.replace(
+            study,
+            measured=study.measured[tests],
+            censored=study.censored[tests],
+            sigma=study.sigma[tests],
+            nuisances=tuple(nuisances),
+        )
+        columns = [
+            column._replace(base=column.base[tests], unknown=column.unknown[tests])
+            for column in self._columns
+        ]
+        leaves, sigma = self._leaves[:, tests], self.sigma[tests]
+        return self._changed(study=part, sigma=sigma, _leaves=leaves, _columns=columns)
+
+    def _changed(self, **changed) -> "Objective":
+        other = copy.copy(self)
+        vars(other).update(changed)
+        return other
+
+    def __call__(self, x: np.ndarray, free: np.ndarray | None = None) -> Points:
+        """Evaluate the objective with its derivatives.
+
+        Args:
+            x: points within the bounds, shape (lanes, unknowns).
+            free: mask of the unknowns whose derivatives are wanted, the same shape;
+                None for all.
+        """
+        x = np.asarray(x, float)
+        return self.evaluate(x, *self._predict(x, self._wanted(x, free)))
+
+    def values(self, x: np.ndarray) -> Points:
+        """Evaluate the objective without derivatives: they are set to 0."""
+        x = np.asarray(x, float)
+        leaves, turn = self._impacts(x)
+        impacts = leaves.reshape(len(leaves), -1)
+        values, outcomes = self.engine.run_values(impacts, self.accuracy)
+        nothing = np.zeros_like(values)
+        directions = np.zeros_like(impacts)
+        values, _ = self._as_stated(values, nothing, turn.ravel(), impacts, directions)
+        predicted = values.reshape(len(x), *self.study.measured.shape)
+        jacobian = np.zeros((*predicted.shape, x.shape[1]))
+        return self.evaluate(x, predicted, outcomes.reshape(turn.shape), jacobian)
+
+    def values_by_parts(
+        self, x: np.ndarray, progress: Callable[[str], object]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Compute costs, predictions and outcomes of `values`, some lanes at a time.
+
+        Args:
+            progress: called with "200 of 512" before each part.
+        """
+        at_once = max(1, AT_ONCE // len(self.study.measured))
+        parts = []
+        for first in range(0, len(x), at_once):
+            progress(f"{first} of {len(x)}")
+            points = self.values(x[first : first + at_once])
+            parts.append((points.cost, points.predicted, points.outcomes))
+        cost, predicted, outcomes = map(np.concatenate, zip(*parts, strict=True))
+        return cost, predicted, outcomes
+
+    def evaluate_partially(self, x: np.ndarray, free: np.ndarray) -> Points:
+        """Evaluate the objective with the one derivative that costs no further run;
+        `add_derivatives` adds the others."""
+        wanted = self._wanted(x, free)
+        first = np.cumsum(wanted, axis=0) == 1
+        return self.evaluate(x, *self._predict(x, wanted & first))
+
+    def add_derivatives(self, points: Points, free: np.ndarray) -> Points:
+        """Add the remaining derivatives to points of `evaluate_partially`."""
+        wanted = self._wanted(points.x, free)
+        rest = wanted & (np.cumsum(wanted, axis=0) > 1)
+        if not np.any(rest):
+            return points
+        chosen = np.any(rest, axis=0)
+        _, _, more = self._predict(points.x[chosen], rest[:, chosen])
+        jacobian = points.jacobian.copy()
+        jacobian[chosen] += more
+        return self.reevaluate(points._replace(jacobian=jacobian))
+
+    def _wanted(self, x, free) -> np.ndarray:
+        """Find the columns whose derivatives are computed, shape (columns, lanes):
+        those with a free unknown, and at least one a lane."""
+        if free is None:
+            return np.ones((len(self._columns), len(x)), bool)
+        wanted = np.stack([np.any(free[:, c.unknown], axis=1) for c in self._columns])
+        wanted[0] |= ~np.any(wanted, axis=0)
+        return wanted
+
+    def evaluate(self, x, predicted, outcomes, jacobian) -> Points:
+        """Evaluate the objective of given predictions and their Jacobian.
+
+        Predictions that are missing cost `FAILED_COST` each.
+        """
+        study = self.study
+        known = study.known
+        computed = np.isfinite(predicted)
+        u = np.where(computed & known, (predicted - study.measured) / self.sigma, 0.0)
+        of = losses(u, np.broadcast_to(study.censored, u.shape), self.loss)
+        weights = np.where(known, study.weights, 0.0)
+        used = np.where(computed, weights, 0.0)
+        cost = np.sum(np.where(computed, of.value, FAILED_COST) * weights, axis=(1, 2))
+        rows = jacobian / self.sigma[..., None]
+        slope, curvature = used * of.slope, used * of.curvature
+        gradient = np.einsum("lrt,lrtp->lp", slope, rows)
+        hessian = np.einsum("lrtp,lrtq->lpq", rows * curvature[..., None], rows)
+        apart = (self.bounds.parameter(x) - self.prior_mean) / self.prior_sd
+        by_x = self.bounds.slope(x) / self.prior_sd
+        cost = cost + 0.5 * np.sum(apart**2, axis=1)
+        gradient = gradient + apart * by_x
+        places = np.arange(x.shape[1])
+        hessian[:, places, places] += by_x**2
+        return Points(x, cost, gradient, hessian, predicted, outcomes, jacobian)
+
+    def reevaluate(self, points: Points) -> Points:
+        """Evaluate points again whose predictions were weighted with other sigmas."""
+        return self.evaluate(
+            points.x, points.predicted, points.outcomes, points.jacobian
+        )
+
+    def failed(self, predicted: np.ndarray) -> np.ndarray:
+        """Find the measurements without a prediction."""
+        return self.study.known & ~np.isfinite(predicted)
+
+    def variance(self, cost) -> np.ndarray:
+        """Compute s^2, twice the cost over the degrees of freedom."""
+        study = self.study
+        freedom = np.sum(study.known & (study.censored == 0)) - len(study.parameters)
+        return 2.0 * np.asarray(cost) / max(int(freedom), 1)
+
+    def unit(self, cost) -> np.ndarray:
+        """Compute max(1, s^2), the unit for differences of costs."""
+        return np.maximum(1.0, self.variance(cost))
+
+    def prior_information(self, x: np.ndarray) -> np.ndarray:
+        """Compute the information of the priors on each unknown at one x."""
+        return (self.bounds.slope(x) / self.prior_sd) ** 2
+
+
+def _priors(study: Study) -> tuple[np.ndarray, np.ndarray]:
+    """Collect means and standard deviations of the priors; infinite where none."""
+    mean = [p.prior.mean if p.prior else 0.0 for p in study.parameters]
+    sd = [p.prior.sd if p.prior else np.inf for p in study.parameters]
+    for nuisance in study.nuisances:
+        mean += [nuisance.prior.mean] * len(nuisance.groups)
+        sd += [nuisance.prior.sd] * len(nuisance.groups)
+    return np.array(mean), np.array(sd)
+
+
+def start_of(study: Study) -> np.ndarray:
+    """Return the starting point x of a study."""
+    means = [[n.prior.mean] * len(n.groups) for n in study.nuisances]
+    given = np.concatenate([[p.start for p in study.parameters], *means])
+    return bounds_of(study).coordinate(given)
+
+
+def names_of(study: Study) -> list[str]:
+    """List the names of the unknowns."""
+    names = [parameter.name for parameter in study.parameters]
+    for nuisance in study.nuisances:
+        names += [nuisance.label(place) for place in range(len(nuisance.groups))]
+    return names

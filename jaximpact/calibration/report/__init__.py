@@ -1,0 +1,1 @@
+"""The result of a calibration in files: report, tables, figures."""

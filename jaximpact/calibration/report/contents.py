@@ -1,0 +1,599 @@
+"""Contents of the report: sentences and tables of a calibration as plain values, which
+the layouts in templates/ arrange. A table is a list of rows, its head first."""
+
+import dataclasses
+import itertools
+
+import numpy as np
+
+from ..._versions import versions
+from ...accuracy import PRESETS
+from ...identity import name_of
+from ...quantities import INPUT_COLUMNS, columns_of
+from ..diagnostics import cross_validation, further_tests, residuals
+from ..diagnostics.cross_validation import LeftOut
+from ..diagnostics.examination import (
+    TOO_FEW_FOR_SIGMA,
+    Examination,
+    fit_of_target,
+    freedom_text,
+    warnings_of,
+)
+from ..diagnostics.identifiability import LikelihoodProfile, interval_text
+from ..diagnostics.importance_sampling import Draws
+from ..diagnostics.nuts import Samples, compare_errors
+from ..diagnostics.results import StudyResult, VariantResult
+from ..diagnostics.uncertainty import USELESS_ERROR
+from ..estimation.least_squares import Reason
+from ..estimation.sigma import LEAST_FREEDOM, relative_sigma
+from ..problem.config import Study
+from ..problem.laws import in_words, unusual
+
+Rows = list[tuple[str, ...]]
+
+MOST_ROWS = 12
+"""Number of tests listed of those left out: the worst predicted."""
+AGREE = 1.01
+"""R-hat up to which chains agree."""
+NEARLY_NORMAL = 0.7
+"""Effective sample size, as a fraction, above which the posterior is nearly normal."""
+ONE_ROW = 1e-3
+"""Relative difference of costs within which starts share a row."""
+LEAST_CORRELATION = 0.1
+"""Correlations below are left out of the summary."""
+NOT_IDENTIFIABLE = "not identifiable"
+
+
+def contents_of(result: StudyResult, examined: list[Examination]) -> dict:
+    """Collect everything that the report says, without its pictures."""
+    study = result.study
+    return {
+        "title": study.title,
+        "several": len(result.variants) > 1,
+        "about": _about(study),
+        "about_short": [*_about_tests(study), _held(study)],
+        "variant_rows": _variant_rows(result),
+        "variants": [
+            _variant(result, variant, diagnostics)
+            for variant, diagnostics in zip(result.variants, examined, strict=True)
+        ],
+        "origin": _origin(result),
+    }
+
+
+def _variant(
+    result: StudyResult, variant: VariantResult, diagnostics: Examination
+) -> dict:
+    values = diagnostics.residuals.values
+    return {
+        "name": variant.variant.name,
+        "verdict": verdict(variant, len(result.variants) > 1),
+        "warnings": warnings_of(result, variant, diagnostics),
+        "parameters": parameter_rows(variant),
+        "parameters_short": _parameters_short(variant),
+        "profiles": {n: _profile(found) for n, found in variant.profiles.items()},
+        "directions": variant.directions,
+        "correlation": _correlation_rows(variant),
+        "correlations_short": _correlations_short(variant),
+        "nuisances": nuisance_rows(result, variant),
+        "draws": about_draws(result, variant, diagnostics.draws),
+        "posterior": diagnostics.samples and _posterior(variant, diagnostics),
+        "fit": target_rows(result, variant, diagnostics.each),
+        "statistics": _statistics(result, variant),
+        "has_residuals": np.any(np.isfinite(values)),
+        "residuals": residuals.in_words(diagnostics.residuals, variant.objective),
+        "cross_validation": [
+            _cross_validation(result, variant, left, what)
+            for left, what in (
+                (diagnostics.each, "test"),
+                (diagnostics.campaigns, "campaign"),
+            )
+            if left is not None
+        ],
+        "further": _further(diagnostics),
+        "starts": _starts_in_words(variant),
+        "start_rows": _start_rows(variant),
+        "stopped": variant.reason.words,
+    }
+
+
+# --- What was fitted to what. ---
+
+
+def _about(study: Study) -> list[str]:
+    loss = "" if study.loss == "gaussian" else f", {study.loss} loss"
+    lines = [f"Source: {study.source}"] if study.source else []
+    lines += [study.notes] if study.notes else []
+    lines += _about_tests(study)
+    if other := unusual(study.parts):
+        lines.append(f"Laws other than the default: {in_words(other)}.")
+    lines += [
+        f"Laws of {variant.name}: {in_words(variant.laws)}."
+        for variant in study.variants
+        if variant.laws
+    ]
+    lines.append(
+        f"Method: {study.method}{loss}, accuracy {study.accuracy}, {study.starts} "
+        f"starts, seed {study.seed}."
+    )
+    return lines
+
+
+def _about_tests(study: Study) -> list[str]:
+    """Describe tests, missing and censored measurements, and sigmas."""
+    files = ", ".join(table.path.name for table in study.tests.files)
+    line = f"{len(study.tests)} tests of {files}, fitted to {', '.join(study.targets)}."
+    missing = int(np.sum(~study.known))
+    censored = int(np.sum(study.known & (study.censored != 0)))
+    parts = [f"{missing} are missing"] if missing else []
+    parts += [f"{censored} are limits"] if censored else []
+    if parts:
+        line += f" Of {study.known.size} measurements {' and '.join(parts)}."
+    return [line, _about_sigma(study)]
+
+
+def _about_sigma(study: Study) -> str:
+    if np.all(study.sigma_given):
+        return "Standard errors follow from the given sigmas."
+    names = list(itertools.compress(study.targets, ~study.sigma_given))
+    which = "" if len(names) == len(study.targets) else f" for {', '.join(names)}"
+    words = (
+        f"No sigma is given{which}: it is estimated from the residuals, which are "
+        "taken as random."
+    )
+    in_parts = list(itertools.compress(study.targets, study.proportional))
+    if in_parts:
+        words += (
+            f" The sigma of {', '.join(in_parts)} is the same fraction of the value in "
+            "all tests."
+        )
+    return words
+
+
+def _held(study: Study) -> str:
+    """Describe the fixed quantities that no table states."""
+    columns = study.tests.known_columns
+    fitted = {p.name for p in study.parameters} | {n.name for n in study.nuisances}
+    defaults = {
+        name: column
+        for name, column in columns.items()
+        if name not in study.tests.inputs and name not in fitted
+    }
+    missing = {n: c.default for n, c in defaults.items() if c.part != "soil"}
+    of_laws = {n: c.default for n, c in defaults.items() if c.part == "soil"}
+    values = study.soil | {n: v for n, v in of_laws.items() if n not in study.soil}
+    laws = unusual(study.parts)
+    shape = laws.pop("shape", None)
+    other = [in_words(laws)] if laws else []
+    other += [
+        f"{name} {value:g}"
+        for name, value in values.items()
+        if name not in INPUT_COLUMNS
+        or not np.isclose(value, INPUT_COLUMNS[name].default, rtol=1e-12)
+    ]
+    words = f"Ground: Table 1{' but for ' + ', '.join(other) if other else ''}."
+    if shape is not None:
+        words = f"Shape: {type(shape).__name__}. {words}"
+    if missing:
+        taken = ", ".join(f"{name} {value:g}" for name, value in missing.items())
+        words = f"Not in the table, default values: {taken}. {words}"
+    return words
+
+
+def _variant_rows(result: StudyResult) -> Rows:
+    """Write the variants side by side."""
+    study = result.study
+    names = [parameter.name for parameter in study.parameters]
+    rows: Rows = [("variant", *names, *(f"rms {t}" for t in study.targets), "cost")]
+    for variant in result.variants:
+        cells = [
+            f"{variant.parameters[index]:.4g}"
+            + ("" if verdict.determined else f" ({NOT_IDENTIFIABLE})")
+            for index, verdict in enumerate(variant.verdicts)
+        ]
+        errors = [
+            number_text(fit_of_target(result, variant, target)["rms"])
+            for target in range(len(study.targets))
+        ]
+        rows.append((variant.variant.name, *cells, *errors, f"{variant.cost:.4g}"))
+    return rows
+
+
+# --- Parameters. ---
+
+
+def verdict(variant: VariantResult, several: bool = False) -> list[str]:
+    """List which parameters are identifiable, with their intervals, and which not."""
+    known, unknown = [], []
+    for index, of_one in enumerate(variant.verdicts):
+        if of_one.determined:
+            low, high = variant.interval(index)
+            known.append(
+                f"{of_one.name} = {variant.parameters[index]:.3g} "
+                f"(95 %: {low:.3g} to {high:.3g})"
+            )
+        else:
+            unknown.append(
+                f"{of_one.name} is not identifiable from these tests: {of_one.reason}."
+            )
+    name = f"{variant.variant.name}: " if several else ""
+    lines = [f"{name}No parameter is identifiable by itself."]
+    if known:
+        lines = [f"{name}The tests identify {', '.join(known)}."]
+    lines += unknown
+    if unknown and variant.uncertainty.eigenvalues[-1] * USELESS_ERROR**2 > 1.0:
+        lines.append(f"Best identifiable combination: {variant.directions[0]}.")
+    elif unknown:
+        lines.append("No combination of them is identifiable either.")
+    if unknown and known:
+        fixed = ", ".join(v.name for v in variant.verdicts if not v.determined)
+        lines.append(
+            "The standard errors of the others hold near this fit only: they depend on "
+            f"{fixed}."
+        )
+    return lines
+
+
+def parameter_rows(variant: VariantResult) -> Rows:
+    """Write the parameters with standard errors and intervals."""
+    columns = columns_of(variant.objective.scene)
+    rows: Rows = [
+        (
+            *("parameter", "unit", "value", "standard error", "95 %"),
+            *("profile, 68 %", "profile, 95 %", "lower", "upper"),
+        )
+    ]
+    for index, of_one in enumerate(variant.verdicts):
+        profile = variant.profiles[of_one.name]
+        ends_95 = interval_text(profile.low_95, profile.high_95)
+        error, within = NOT_IDENTIFIABLE, ends_95
+        if of_one.determined:
+            error = f"{variant.standard_error(index):.3g}"
+            if variant.bounds.logarithmic[index]:
+                relative = 100 * variant.uncertainty.standard_errors[index]
+                error += f" ({relative:.2g} %)"
+            within = "{:.4g} to {:.4g}".format(*variant.interval(index))
+        rows.append(
+            (
+                of_one.name,
+                columns[of_one.name].unit,
+                f"{variant.parameters[index]:.5g}",
+                error,
+                within,
+                interval_text(profile.low, profile.high),
+                ends_95,
+                f"{variant.bounds.lower[index]:g}",
+                f"{variant.bounds.upper[index]:g}",
+            )
+        )
+    return rows
+
+
+def _parameters_short(variant: VariantResult) -> Rows:
+    """Write the parameters with their bounds in one column, a reached one marked."""
+    x = variant.bounds.coordinate(variant.parameters)
+    head, *rows = parameter_rows(variant)
+    short: Rows = [(*head[:5], "bounds")]
+    for row, at in zip(rows, variant.bounds.bound_reached(x), strict=False):
+        hit = f" (at the {at})" if at else ""
+        short.append((*row[:5], f"{row[-2]} to {row[-1]}{hit}"))
+    return short
+
+
+def nuisance_rows(result: StudyResult, variant: VariantResult) -> Rows:
+    """Write the nuisance parameters; no rows where there are none."""
+    first = len(variant.verdicts)
+    priors = [n.prior for n in result.study.nuisances for _ in n.groups]
+    if not priors:
+        return []
+    return [("nuisance", "value", "standard error", "prior")] + [
+        (
+            variant.names[index],
+            f"{variant.parameters[index]:.4g}",
+            f"{variant.standard_error(index):.3g}",
+            f"{prior.mean:g} +- {prior.sd:g}",
+        )
+        for index, prior in enumerate(priors, first)
+    ]
+
+
+def _profile(found: LikelihoodProfile) -> Rows:
+    roots = np.sqrt(np.maximum(found.rise, 0.0))
+    return [("fixed at", "root of twice the rise of the cost")] + [
+        (f"{value:.4g}", f"{root:.3g}")
+        for value, root in zip(found.values, roots, strict=True)
+    ]
+
+
+def _correlation_rows(variant: VariantResult) -> Rows:
+    names = [of_one.name for of_one in variant.verdicts]
+    count = len(names)
+    lines = variant.uncertainty.correlation[:count, :count]
+    return [("", *names)] + [
+        (name, *(f"{value:+.3f}" for value in line))
+        for name, line in zip(names, lines, strict=True)
+    ]
+
+
+def _correlations_short(variant: VariantResult) -> Rows:
+    """Write the correlated pairs, the most correlated first."""
+    names = [of_one.name for of_one in variant.verdicts]
+    found = [
+        (float(variant.uncertainty.correlation[a, b]), names[a], names[b])
+        for a, b in itertools.combinations(range(len(names)), 2)
+    ]
+    found.sort(key=lambda pair: -abs(pair[0]))
+    rows = [
+        (f"{a}, {b}", f"{value:+.3f}")
+        for value, a, b in found
+        if abs(value) >= LEAST_CORRELATION
+    ]
+    return [("parameters", "correlation"), *rows] if rows else []
+
+
+def about_draws(result: StudyResult, variant: VariantResult, draws: Draws) -> str:
+    """Say how normal the posterior is, by the effective sample size of the draws."""
+    first, last = draws.effective_fraction[0], draws.effective_fraction[-1]
+    unknown = [v.name for v in variant.verdicts if not v.determined]
+    words = (
+        f"Importance sampling: effective sample size {100 * first:.0f} % of "
+        f"{len(draws.x)} draws. "
+    )
+    if first >= NEARLY_NORMAL and unknown:
+        # Draws lie between the bounds, so that one cut off there may keep its weights.
+        words += (
+            "Importance weights cannot detect bounds that also truncate the posterior: "
+            f"rely on the verdict for {', '.join(unknown)}, and on the draws rather "
+            "than on standard errors for the other parameters."
+        )
+    elif first >= NEARLY_NORMAL:
+        words += "The posterior is nearly normal: standard errors describe it."
+    else:
+        words += (
+            "The posterior is not normal: rely on the draws rather than on standard "
+            "errors."
+        )
+    if len(draws.effective_fraction) > 1:
+        words += f" After adapting the proposal: {100 * last:.0f} %."
+    if not np.all(result.study.sigma_given):
+        words += (
+            " The draws take the estimated scatter of a target as constant, or as a "
+            "constant fraction of the value; standard errors from many measurements do "
+            "not."
+        )
+    return f"{words} {_accuracy(draws)}"
+
+
+def _accuracy(of: Draws | Samples) -> str:
+    return (
+        f"Impacts at {of.accuracy.name}; computed again more accurately, costs "
+        f"differed by at most {of.error:.1g}."
+    )
+
+
+def _posterior(variant: VariantResult, diagnostics: Examination) -> dict:
+    samples = diagnostics.samples
+    assert samples is not None
+    rows: Rows = [
+        ("parameter", "mean", "median", "95 %", "R-hat", "effective sample size")
+    ]
+    for index in range(len(variant.verdicts)):
+        values = samples.values[:, :, index]
+        low, middle, high = np.quantile(values, (0.025, 0.5, 0.975))
+        rows.append(
+            (
+                samples.names[index],
+                f"{np.mean(values):.4g}",
+                f"{middle:.4g}",
+                f"{low:.4g} to {high:.4g}",
+                f"{samples.scale_reduction[index]:.3f}",
+                f"{samples.effective[index]:.0f}",
+            )
+        )
+    chains, count = samples.divergent.shape
+    words = (
+        f"{chains} chains of {count} draws by NUTS. Without a prior of the study the "
+        "prior is uniform in the logarithm between the bounds; intervals of parameters "
+        "that are not identifiable are those of the bounds."
+    )
+    divergent = int(np.sum(samples.divergent))
+    if divergent:
+        words += (
+            f" {divergent} draws diverged, as at a change of outcome: the posterior "
+            "beyond may be missed."
+        )
+    if np.max(samples.scale_reduction) > AGREE:
+        words += f" The chains do not agree (R-hat above {AGREE}): sample more."
+    comparison = compare_errors(variant, diagnostics.draws, samples)
+    words = f"{words} {_accuracy(samples)}"
+    return {"rows": rows, "words": words, "comparison": comparison}
+
+
+# --- Fit, cross-validation, starts. ---
+
+
+def target_rows(
+    result: StudyResult, variant: VariantResult, left: LeftOut | None = None
+) -> Rows:
+    """Write the errors of each target, with those of tests left out if given."""
+    study = result.study
+    limits = bool(np.any(study.known & (study.censored != 0)))
+    head = ("target", "rms", *(("rms left out",) if left is not None else ()))
+    head += ("max", "bias", "sigma", *(("limits violated",) if limits else ()))
+    rows: Rows = [head]
+    relative = relative_sigma(study, variant.sigma, variant.predicted)
+    few = variant.uncertainty.degrees_of_freedom < LEAST_FREEDOM
+    for target, name in enumerate(study.targets):
+        values = fit_of_target(result, variant, target)
+        origin = "guessed" if few else "estimated"
+        origin = "given" if study.sigma_given[target] else origin
+        sigma = variant.sigma[study.known[:, target], target]
+        size = f"{np.median(sigma):.3g}"
+        if study.proportional[target]:
+            size = f"{100 * relative[target]:.3g} % of the value"
+        cells = [number_text(values["rms"])]
+        cells += [] if left is None else [_rms_left_out(study, left, target)]
+        cells += [number_text(values["max"]), number_text(values["bias"])]
+        cells += [f"{size} ({origin})"]
+        cells += [str(values["limits_broken"])] if limits else []
+        rows.append((name, *cells))
+    return rows
+
+
+def _rms_left_out(study: Study, left: LeftOut, target: int) -> str:
+    apart = (left.predicted - study.measured)[:, target]
+    apart = apart[(study.censored[:, target] == 0) & np.isfinite(apart)]
+    return f"{np.sqrt(np.mean(apart**2)):.4g}" if len(apart) else "none"
+
+
+def _statistics(result: StudyResult, variant: VariantResult) -> list[str]:
+    uncertainty = variant.uncertainty
+    freedom, words = uncertainty.degrees_of_freedom, variant.reason.words
+    given = np.all(result.study.sigma_given)
+    lines = [
+        f"Cost {variant.cost:.6g}, {freedom_text(freedom)} degrees of freedom. "
+        f"{words[0].upper()}{words[1:]}."
+    ]
+    if given and np.isfinite(uncertainty.reduced_chi_square):
+        lines.append(f"Reduced chi-square {uncertainty.reduced_chi_square:.3g}.")
+    if uncertainty.inflation > 1.0:
+        lines.append(
+            "The misfit is larger than the given sigmas allow: standard errors are "
+            f"multiplied by {np.sqrt(uncertainty.inflation):.3g}."
+        )
+    if not given and freedom < LEAST_FREEDOM:
+        lines.append(TOO_FEW_FOR_SIGMA)
+    if variant.failed:
+        lines.append(f"{variant.failed} predictions could not be computed.")
+    return lines
+
+
+def _cross_validation(
+    result: StudyResult, variant: VariantResult, left: LeftOut, what: str
+) -> dict:
+    study = result.study
+    exact = study.censored == 0
+    values = np.where(exact, left.standardised(study.measured), np.nan)
+    rows = []
+    if np.any(np.isfinite(left.predicted[exact])):
+        of = _worst if what == "test" else _campaigns
+        rows = of(study, left, values)
+    words = cross_validation.in_words(left, variant.objective, what)
+    return {"what": what, "words": words, "rows": rows}
+
+
+def _worst(study: Study, left: LeftOut, values: np.ndarray) -> Rows:
+    """Write the measurements that are predicted worst."""
+    rows: Rows = [
+        ("test", "target", "measured", "predicted", "+-", "standard deviations")
+    ]
+    order = np.argsort(-np.abs(np.nan_to_num(values)), axis=None)[:MOST_ROWS]
+    for test, target in zip(*np.unravel_index(order, values.shape), strict=True):
+        if np.isfinite(values[test, target]):
+            numbers = (study.measured, left.predicted, left.deviation)
+            cells = (f"{part[test, target]:.4g}" for part in numbers)
+            name = study.tests.name(int(test))
+            rows.append(
+                (name, study.targets[target], *cells, f"{values[test, target]:+.2f}")
+            )
+    return rows
+
+
+def _campaigns(study: Study, left: LeftOut, values: np.ndarray) -> Rows:
+    rows: Rows = [("campaign", "measurements", "in the band", "mean", "rms")]
+    for number, name in enumerate(left.groups):
+        of_one = values[left.group == number]
+        of_one = of_one[np.isfinite(of_one)]
+        inside = np.sum(np.abs(of_one) <= left.quantile)
+        numbers = ("none", "none")
+        if len(of_one):
+            numbers = f"{np.mean(of_one):+.2f}", f"{np.sqrt(np.mean(of_one**2)):.2f}"
+        rows.append((name, str(len(of_one)), str(inside), *numbers))
+    return rows
+
+
+def _further(diagnostics: Examination) -> dict:
+    single, together = diagnostics.single, diagnostics.together
+    criterion = {
+        "D": "the mean error over all combinations (D-optimal)",
+        "A": "the sum of the parameters' variances (A-optimal)",
+    }[single.criterion]
+    several = together.ways != single.ways
+    return {
+        "words": (
+            f"Of {len(single.volumes)} candidate impacts, those chosen one after the "
+            f"other that minimise {criterion}. Errors are relative to the value, or to "
+            "half the range."
+        ),
+        "single": further_tests.in_words(single),
+        "single_rows": further_tests.as_rows(single),
+        "together": further_tests.in_words(together)[:1] if several else [],
+        "together_rows": further_tests.as_rows(together),
+        "fixed": ", ".join(f"{n} {v:.4g}" for n, v in single.fixed.items()),
+    }
+
+
+def _starts_in_words(variant: VariantResult) -> str:
+    found, total = int(np.sum(variant.reached)), len(variant.start_costs)
+    restarted = int(np.sum(variant.start_restarts > 0))
+    verb = "was" if restarted == 1 else "were"
+    also = f"; {restarted} {verb} stuck and restarted from new points"
+    return f"{found} of {total} starts found the best fit{also if restarted else ''}"
+
+
+def _start_rows(variant: VariantResult) -> Rows:
+    """Write the starts, those of one cost and one reason in a row."""
+    costs, reasons = variant.start_costs, variant.start_reasons
+    names = [of_one.name for of_one in variant.verdicts]
+    joined = np.array([reason is Reason.joined for reason in reasons])
+    groups: list[list[int]] = []
+    for start in np.lexsort((joined, costs)):
+        last = groups[-1][0] if groups else start
+        alike = reasons[start] in (Reason.joined, reasons[last])
+        if groups and alike and costs[start] <= costs[last] * (1.0 + ONE_ROW) + 1e-9:
+            groups[-1].append(start)
+        else:
+            groups.append([start])
+    rows: Rows = [("starts", "cost", *names, "steps", "stopped")]
+    for group in groups:
+        first = group[0]
+        values = variant.end_parameters[first, : len(names)]
+        rows.append(
+            (
+                str(len(group)) + (" (with the given)" if 0 in group else ""),
+                f"{costs[first]:.6g}",
+                *(f"{value:.4g}" for value in values),
+                f"{np.mean(variant.start_steps[group]):.3g}",
+                reasons[first].words,
+            )
+        )
+    return rows
+
+
+def _origin(result: StudyResult) -> Rows:
+    """Write what the results were computed from and with."""
+    study = result.study
+    accuracy = dataclasses.asdict(PRESETS[study.accuracy])
+    rows: Rows = [("what", "value"), ("study", study.path.name)]
+    rows += [(t.path.name, f"sha256 {t.sha256}") for t in study.tests.files]
+    rows += [(slot, name_of(type(law))) for slot, law in unusual(study.parts).items()]
+    rows += [
+        (f"{slot} of {variant.name}", name_of(type(law)))
+        for variant in study.variants
+        for slot, law in variant.laws.items()
+    ]
+    return [
+        *rows,
+        ("method", study.method),
+        ("loss", study.loss),
+        ("starts", f"{study.starts}, seed {study.seed}"),
+        ("accuracy", ", ".join(f"{k} {v}" for k, v in accuracy.items())),
+        ("impacts computed by", result.engine),
+        ("time of the fits, in this run", f"{result.seconds:.0f} s"),
+        *versions().items(),
+    ]
+
+
+def number_text(value: float | None) -> str:
+    """Write a number, or that there is none."""
+    return "none" if value is None else f"{value:.4g}"

@@ -1,0 +1,546 @@
+"""Drawings of a calibration: the pictures of the report, and fit.png."""
+
+import base64
+import itertools
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from scipy.interpolate import PchipInterpolator
+
+from ...plotting.style import (
+    BLUE,
+    GREY,
+    VERMILION,
+    in_style,
+    log_scale,
+    panels,
+    plain,
+    png_bytes,
+    points,
+)
+from ...quantities import RESULT_COLUMNS, InputColumn, columns_of
+from ..diagnostics.cross_validation import LeftOut
+from ..diagnostics.examination import Examination
+from ..diagnostics.further_tests import Suggestions
+from ..diagnostics.identifiability import LikelihoodProfile
+from ..diagnostics.importance_sampling import Draws
+from ..diagnostics.predictive import Bands
+from ..diagnostics.residuals import Residuals, varying_inputs
+from ..diagnostics.results import StudyResult, VariantResult
+from ..problem.bounds import Bounds
+
+Picture = tuple[str, str, Figure, str, str]
+"""Group, name, figure, description and caption of a picture."""
+WIDTH, HEIGHT = 4.6, 3.5
+"""Size of a panel [inch]: the report shows it 460 px wide."""
+MOST_PAIRS = 3
+BAND, WIDE_BAND = 0.35, 0.15
+"""Opacities."""
+MOST_RATIO = 9.0
+"""Likelihood ratio up to which a profile is drawn, at least."""
+MOST_NAMED = 12
+"""Number of tests above which they are numbered, not named."""
+DRAWN = 400
+"""Number of draws shown of the posterior."""
+LEAST_COST = 1e-12
+DECADE = 10.0
+ELLIPSE = 2.448
+"""Radius that holds 95 % of a normal distribution of two variables."""
+
+
+def draw_report(
+    result: StudyResult, examined: list[Examination]
+) -> list[dict[str, list[dict]]]:
+    """Draw the pictures of every variant, by their place in the report.
+
+    A picture has `path`, `base64` (the PNG), `description` and `caption`.
+    """
+    found: list[dict[str, list[dict]]] = []
+    for number, (variant, diagnostics) in enumerate(
+        zip(result.variants, examined, strict=True), 1
+    ):
+        prefix = f"{number}-" if len(result.variants) > 1 else ""
+        groups: dict[str, list[dict]] = {}
+        for group, name, figure, description, caption in (
+            *_fit_pictures(result, variant, diagnostics),
+            *_residual_pictures(result, variant, diagnostics),
+        ):
+            picture = {
+                "path": f"report/{prefix}{name}.png",
+                "base64": base64.b64encode(png_bytes(figure)).decode(),
+                "description": description,
+                "caption": caption,
+            }
+            groups.setdefault(group, []).append(picture)
+        found.append(groups)
+    return found
+
+
+def _fit_pictures(
+    result: StudyResult, variant: VariantResult, diagnostics: Examination
+) -> Iterator[Picture]:
+    names = variant.names
+    for name, profile in variant.profiles.items():
+        yield (
+            *("profiles", f"profile-{name}", draw_profile(variant, profile)),
+            f"Profile likelihood of {name}",
+            f"Profile likelihood of {name}: twice the rise of the cost with {name} "
+            "fixed and the others fitted again.",
+        )
+    for a, b in _pairs(variant):
+        figure = draw_pair(variant, diagnostics.draws, a, b)
+        yield (
+            *("pairs", f"pair-{names[a]}-{names[b]}", figure),
+            f"{names[b]} over {names[a]}",
+            "Dots: draws of the posterior. Cross: best fit. Line, where both are "
+            "identifiable: 95 % by the covariance.",
+        )
+    for target, name in enumerate(result.study.targets):
+        figure = draw_target(result, variant, diagnostics.bands, target)
+        yield (
+            *("fit", f"fit-{name}", figure),
+            f"{name}, fitted over {only_varying(result) or 'measured'}",
+            f"{name}: {RESULT_COLUMNS[name].meaning}. Bands hold 95 % of the model's "
+            "values at the draws of the posterior, and of measurements.",
+        )
+    yield (
+        *("further", "further-tests", draw_candidates(diagnostics.together)),
+        "Gain of the next test",
+        "Gain of the next test, with all results measured.",
+    )
+    yield (
+        *("starts", "starts", draw_waterfall(variant), "Costs of the starts"),
+        "Cost at the end of the fit from each start.",
+    )
+
+
+def _residual_pictures(
+    result: StudyResult, variant: VariantResult, diagnostics: Examination
+) -> Iterator[Picture]:
+    residuals = diagnostics.residuals
+    if np.any(np.isfinite(residuals.values)):
+        for against in ("prediction", *varying_inputs(variant.objective)):
+            figure = draw_residuals(result, variant, residuals, against)
+            yield (
+                *("residuals", f"residuals-{against}", figure),
+                f"Residuals over {against}",
+                f"Residuals over {against}; grey: two standard deviations.",
+            )
+        yield (
+            *("residuals", "residuals-normal", draw_quantiles(residuals)),
+            "Q-Q plot of the residuals",
+            "Q-Q plot: residuals on the line are normal with the sigmas used.",
+        )
+    exact = result.study.censored == 0
+    for left, what in ((diagnostics.each, "test"), (diagnostics.campaigns, "campaign")):
+        if left is not None and np.any(np.isfinite(left.predicted[exact])):
+            yield (
+                *(f"left_out_{what}", f"left-out-{what}", draw_left_out(result, left)),
+                f"Each {what} predicted from the others",
+                f"Measured less predicted by the fit without its {what}; grey: 95 % "
+                "band.",
+            )
+
+
+def _pairs(variant: VariantResult) -> list[tuple[int, int]]:
+    """Choose pairs of parameters, the most correlated first."""
+    correlation = np.abs(variant.uncertainty.correlation)
+    pairs = itertools.combinations(range(len(variant.verdicts)), 2)
+    return sorted(pairs, key=lambda pair: -correlation[pair])[:MOST_PAIRS]
+
+
+def _panel() -> tuple[Figure, Axes]:
+    figure, (axes,) = panels(width=WIDTH, height=HEIGHT)
+    axes.spines[["top", "right"]].set_visible(False)
+    return figure, axes
+
+
+def label_of(name: str, inputs: dict[str, InputColumn] | None = None) -> str:
+    """Write a quantity with its unit, for an axis.
+
+    Args:
+        inputs: columns of the scene, where the quantity may be one of them.
+    """
+    column = (inputs or {}).get(name) or RESULT_COLUMNS.get(name)
+    if column is None or column.unit == "-":
+        return plain(name)
+    unit = column.unit.replace("/", "p").replace(" ", "")
+    # Names leave out the stroke: kgm3.
+    short = unit.replace("pm3", "m3")
+    return f"{name.removesuffix('_' + short)} [{column.unit}]"
+
+
+def only_varying(result: StudyResult) -> str | None:
+    """Find the only quantity in which the tests differ, if there is one."""
+    inputs = result.study.tests.inputs
+    varying = [name for name, values in inputs.items() if np.ptp(values) > 0.0]
+    return varying[0] if len(varying) == 1 else None
+
+
+@in_style
+def draw_target(
+    result: StudyResult, variant: VariantResult, bands: Bands, target: int
+) -> Figure:
+    """Draw fitted and measured values with 95 % bands.
+
+    They stand over the only quantity in which the tests differ; where there is none,
+    fitted stands over measured.
+    """
+    along = only_varying(result)
+    figure, axes = _panel()
+    if along is None:
+        _over_measured(axes, result, variant, bands, target)
+    else:
+        _over_input(axes, result, variant, bands, target, along)
+    axes.legend()
+    return figure
+
+
+def _over_input(axes, result, variant, bands, target, along) -> None:
+    study = result.study
+    x = study.tests.inputs[along]
+    order = np.argsort(x, kind="stable")
+    order = order[np.isfinite(bands.middle[order, target])]
+
+    def band(low, high, opacity, label):
+        ends = low[order, target], high[order, target]
+        axes.fill_between(
+            x[order], *ends, color=BLUE, alpha=opacity, linewidth=0, label=label
+        )
+
+    band(bands.measured_low, bands.measured_high, WIDE_BAND, "measurement, 95 %")
+    band(bands.low, bands.high, BAND, "model, 95 %")
+    axes.plot(x[order], variant.predicted[order, target], color=BLUE, label="best fit")
+    censored = study.censored[:, target]
+    for sign, marker, label in (
+        (0, "x", "measured"),
+        (1, "^", "measured: above"),
+        (-1, "v", "measured: below"),
+    ):
+        shown = study.known[:, target] & (censored == sign)
+        if np.any(shown):
+            y = study.measured[shown, target]
+            axes.plot(x[shown], y, color="black", marker=marker, ls="none", label=label)
+    axes.set_xlabel(label_of(along, study.tests.known_columns))
+    axes.set_ylabel(label_of(study.targets[target]))
+
+
+def _over_measured(axes, result, variant, bands, target) -> None:
+    study = result.study
+    known = study.known[:, target] & np.isfinite(bands.middle[:, target])
+    measured, fitted = study.measured[:, target], variant.predicted[:, target]
+    ends = np.concatenate([measured[known], fitted[known]])
+    low, high = np.nanmin(ends), np.nanmax(ends)
+    axes.axline((low, low), (high, high + (high == low)), color=GREY, linewidth=1)
+
+    def bars(low, high, width, opacity, label):
+        axes.vlines(
+            measured[known],
+            low[known, target],
+            high[known, target],
+            color=BLUE,
+            alpha=opacity,
+            linewidth=width,
+            label=label,
+        )
+
+    bars(bands.measured_low, bands.measured_high, 1.2, 0.6, "measurement, 95 %")
+    bars(bands.low, bands.high, 4.0, 0.5, "model, 95 %")
+    exact = known & (study.censored[:, target] == 0)
+    style: dict[str, Any] = dict(color=BLUE, linestyle="none", marker="o", markersize=4)
+    axes.plot(measured[exact], fitted[exact], label="best fit", **style)
+    limits = known & ~exact
+    if np.any(limits):
+        style |= dict(mfc="white", label="limit")
+        axes.plot(measured[limits], fitted[limits], **style)
+    axes.set_xlabel(f"measured {label_of(study.targets[target])}")
+    axes.set_ylabel("fitted")
+
+
+@in_style
+def draw_residuals(
+    result: StudyResult, variant: VariantResult, residuals: Residuals, against: str
+) -> Figure:
+    """Draw residuals over an input, or over "prediction" (of several targets, each over
+    its largest)."""
+    study = result.study
+    several = len(study.targets) > 1
+    figure, axes = _panel()
+    axes.axhspan(-2.0, 2.0, color=GREY, alpha=0.15, linewidth=0)
+    axes.axhline(0.0, color=GREY, linewidth=1)
+    for target, name in enumerate(study.targets):
+        y = residuals.values[:, target]
+        if against != "prediction":
+            x = study.tests.inputs[against]
+        else:
+            x = variant.predicted[:, target]
+            if several:
+                x = x / np.nanmax(np.abs(np.where(np.isfinite(y), x, np.nan)))
+        axes.plot(x, y, linestyle="none", markersize=5, label=name, **points(target))
+    if against != "prediction":
+        axes.set_xlabel(label_of(against, study.tests.known_columns))
+    elif several:
+        axes.set_xlabel("prediction over the largest of its target [-]")
+    else:
+        axes.set_xlabel(f"predicted {label_of(study.targets[0])}")
+    axes.set_ylabel("residual [standard deviations]")
+    if several:
+        axes.legend()
+    return figure
+
+
+@in_style
+def draw_quantiles(residuals: Residuals) -> Figure:
+    """Draw residuals over the quantiles of a normal distribution."""
+    figure, axes = _panel()
+    expected, values = residuals.ordered()
+    reach = max(np.max(np.abs(expected), initial=1.0), 2.0)
+    axes.plot([-reach, reach], [-reach, reach], color=GREY, linewidth=1)
+    axes.plot(expected, values, "o", color=BLUE, markersize=4)
+    axes.set_xlabel("normal quantile [standard deviations]")
+    axes.set_ylabel("residual [standard deviations]")
+    return figure
+
+
+@in_style
+def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
+    """Draw the likelihood ratio where a parameter is fixed and, if it is identifiable,
+    the parabola of its standard error."""
+    figure, axes = _panel()
+    index = variant.names.index(found.name)
+    bounds, uncertainty = variant.bounds, variant.uncertainty
+    most = max(MOST_RATIO, 1.5 * uncertainty.quantile**2)
+    low, high = _shown(found, most)
+    # The signed root is nearly straight, so that its interpolation is smooth.
+    along = _coordinate(bounds, index, found.values)
+    side = np.sign(np.arange(len(along)) - np.argmin(found.rise))
+    root = PchipInterpolator(along, side * np.sqrt(np.maximum(found.rise, 0.0)))
+    ends = _coordinate(bounds, index, np.array([low, high]))
+    fine = np.linspace(ends[0], ends[1], 300)
+    axes.plot(_parameter(bounds, index, fine), root(fine) ** 2, color=BLUE)
+    style: dict[str, Any] = dict(color=BLUE, marker="o", markersize=4, linestyle="none")
+    axes.plot(found.values, found.rise, label="others fitted again", **style)
+    if variant.verdicts[index].determined:
+        reach = np.sqrt(most) * np.linspace(-1.0, 1.0, 61)
+        x = variant.points.x[0, index] + reach * uncertainty.standard_errors[index]
+        by_error = _parameter(bounds, index, x)
+        axes.plot(by_error, reach**2, "--", color=GREY, label="by the standard error")
+    for level, words in ((1.0, "68 %"), (uncertainty.quantile**2, "95 %")):
+        axes.axhline(level, color=VERMILION, linewidth=0.8)
+        at: dict[str, Any] = dict(ha="right", va="center", color=VERMILION)
+        at["bbox"] = dict(facecolor="white", edgecolor="none", pad=1.0)
+        axes.annotate(words, (1.0, level), xycoords=("axes fraction", "data"), **at)
+    _scale(axes, "x", low, high, bounds.logarithmic[index])
+    axes.set_xlim(low, high)
+    axes.set_ylim(-0.02 * most, most)
+    axes.set_xlabel(label_of(found.name, columns_of(variant.objective.scene)))
+    axes.set_ylabel("likelihood ratio 2 ΔC / s² [-]")
+    axes.legend(loc="upper center")
+    return figure
+
+
+def _coordinate(bounds: Bounds, index: int, values: np.ndarray) -> np.ndarray:
+    """Convert values of one parameter to x."""
+    return np.log(values) if bounds.logarithmic[index] else values / bounds.half[index]
+
+
+def _parameter(bounds: Bounds, index: int, x: np.ndarray) -> np.ndarray:
+    """Convert x of one parameter to its values."""
+    return np.exp(x) if bounds.logarithmic[index] else x * bounds.half[index]
+
+
+def _shown(found: LikelihoodProfile, most: float) -> tuple[float, float]:
+    """Choose the interval that is drawn: to where the likelihood ratio leaves the
+    panel."""
+    inside = np.flatnonzero(found.rise <= most)
+    first, last = max(inside[0] - 1, 0), min(inside[-1] + 1, len(found.values) - 1)
+    # A point far away, with none between, would draw a needle.
+    low, high = found.values[inside[0]], found.values[inside[-1]]
+    reach = max(high - low, 1e-9 * abs(high))
+    low = max(found.values[first], low - 0.3 * reach)
+    return float(low), float(min(found.values[last], high + 0.3 * reach))
+
+
+def _scale(axes: Axes, which: str, low: float, high: float, logarithmic: bool) -> None:
+    """Use a logarithmic axis for more than a decade."""
+    if logarithmic and high > DECADE * low:
+        log_scale(axes, which)
+
+
+@in_style
+def draw_pair(variant: VariantResult, draws: Draws, first: int, second: int) -> Figure:
+    """Draw two parameters of the posterior and, where both are identifiable, the 95 %
+    ellipse of the covariance."""
+    figure, axes = _panel()
+    bounds, pair = variant.bounds, [first, second]
+    random = np.random.default_rng(0)
+    chosen = random.choice(len(draws.x), DRAWN, p=draws.weights)
+    values = bounds.parameter(draws.x[chosen])[:, pair]
+    axes.plot(*values.T, "o", color=BLUE, markersize=3, alpha=0.3, mec="none")
+    covariance = variant.uncertainty.covariance[np.ix_(pair, pair)]
+    if variant.verdicts[first].determined and variant.verdicts[second].determined:
+        turn = np.linspace(0.0, 2.0 * np.pi, 200)
+        circle = ELLIPSE * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        squares, vectors = np.linalg.eigh(covariance)
+        root = vectors * np.sqrt(np.maximum(squares, 0.0))
+        at = np.tile(variant.points.x[0], (len(turn), 1))
+        at[:, pair] += circle @ root.T
+        at = np.clip(at, bounds.low, bounds.high)
+        axes.plot(*bounds.parameter(at)[:, pair].T, color=VERMILION, linewidth=1)
+    axes.plot(*variant.parameters[pair], "x", color="black")
+    columns = columns_of(variant.objective.scene)
+    for index, of_axis, which in zip(pair, values.T, "xy", strict=True):
+        ends = np.min(of_axis), np.max(of_axis)
+        _scale(axes, which, *ends, bounds.logarithmic[index])
+        label = label_of(variant.names[index], columns)
+        axes.set(**{f"{which}label": label})
+    return figure
+
+
+@in_style
+def draw_left_out(result: StudyResult, left: LeftOut) -> Figure:
+    """Draw measured less predicted by the fit to the other tests."""
+    study = result.study
+    figure, axes = _panel()
+    axes.axhspan(-left.quantile, left.quantile, color=GREY, alpha=0.15, linewidth=0)
+    axes.axhline(0.0, color=GREY, linewidth=1)
+    values = left.standardised(study.measured)
+    number = np.arange(1, len(study.tests) + 1)
+    for target, name in enumerate(study.targets):
+        y = np.where(study.censored[:, target] == 0, values[:, target], np.nan)
+        style: dict[str, Any] = dict(linestyle="none", markersize=5, label=name)
+        axes.plot(number, y, **style, **points(target))
+    if len(number) <= MOST_NAMED:
+        names = [plain(study.tests.name(test)) for test in range(len(number))]
+        axes.set_xticks(number, names, rotation=45, ha="right")
+    else:
+        axes.set_xlabel("test, in the order of the tables")
+    axes.set_ylabel("measured less predicted\n[standard deviations]")
+    if len(study.targets) > 1:
+        axes.legend()
+    return figure
+
+
+@in_style
+def draw_candidates(found: Suggestions) -> Figure:
+    """Draw the gain of the next test over the first quantity, a line for each value of
+    the second; the best of the others and of the ways to measure."""
+    figure, axes = _panel()
+    names = list(found.candidates)
+    best = np.max(found.volumes, axis=1)
+    along = found.candidates[names[0]]
+    lines = found.candidates[names[1]] if len(names) > 1 else np.zeros(len(along))
+    for number, value in enumerate(np.unique(lines)):
+        of_line = lines == value
+        x = np.unique(along[of_line])
+        y = [np.max(best[of_line & (along == at)]) for at in x]
+        label = f"{value:g}" if len(names) > 1 else None
+        axes.plot(x, y, markersize=5, label=label, **points(number))
+    axes.set_xlabel(label_of(names[0], found.columns))
+    axes.set_ylabel("factor by which the\nmean error shrinks [-]")
+    if len(names) > 1:
+        axes.legend(title=label_of(names[1], found.columns))
+    return figure
+
+
+@in_style
+def draw_waterfall(variant: VariantResult) -> Figure:
+    """Draw the costs of the starts in order; hollow those not at the best fit."""
+    figure, axes = _panel()
+    _waterfall(axes, variant, BLUE, "o", "found the best fit", "elsewhere or stuck")
+    axes.legend()
+    return figure
+
+
+def _waterfall(axes: Axes, variant: VariantResult, color, marker, label, other) -> None:
+    order = np.argsort(variant.start_costs, kind="stable")
+    costs = np.maximum(variant.start_costs[order], LEAST_COST)
+    rank, reached = np.arange(1, len(costs) + 1), variant.reached[order]
+    style: dict[str, Any] = dict(
+        color=color, marker=marker, linestyle="none", markersize=4
+    )
+    axes.plot(rank, costs, color=color, linewidth=0.8)
+    axes.plot(rank[reached], costs[reached], label=label, **style)
+    if not np.all(reached):
+        axes.plot(rank[~reached], costs[~reached], mfc="white", label=other, **style)
+    log_scale(axes, "y")
+    axes.set_xlabel("start, best first")
+    axes.set_ylabel("cost at the end [-]")
+
+
+# --- fit.png: all targets and variants. ---
+
+
+@in_style
+def plot_study(result: StudyResult) -> Figure:
+    """Draw the fit of every target, and the costs of the starts.
+
+    A target stands over the impact angle where the tests differ in it alone; otherwise
+    fitted stands over measured.
+    """
+    study = result.study
+    count = len(study.targets) + 1
+    columns = 2 if count in (2, 4) else 3
+    rows = -(-count // columns)
+    figure, axes = panels(
+        rows, columns, height=3.0, title=plain(study.title), count=count
+    )
+    over_angle = only_varying(result) == "angle_deg"
+    for target in range(len(study.targets)):
+        draw = _angle_panel if over_angle else _measured_panel
+        draw(axes[target], result, target)
+    for number, variant in enumerate(result.variants):
+        style = points(number)
+        name = plain(variant.variant.name)
+        _waterfall(axes[-1], variant, style["color"], style["marker"], name, None)
+    axes[-1].set_xlabel("start, best first (hollow: stuck)")
+    for panel in axes[:-1] if over_angle else ():
+        panel.legend()
+    if len(result.variants) > 1:
+        axes[-1].legend()
+    return figure
+
+
+def _angle_panel(axes: Axes, result: StudyResult, target: int) -> None:
+    study = result.study
+    angle = study.tests.inputs["angle_deg"]
+    order = np.argsort(angle, kind="stable")
+    measured, censored = study.measured[:, target], study.censored[:, target]
+    exact = censored == 0
+    style: dict[str, Any] = dict(color="black", linestyle="none")
+    sigma = study.sigma[exact, target] if study.sigma_given[target] else None
+    axes.errorbar(
+        angle[exact], measured[exact], sigma, marker="x", label="measured", **style
+    )
+    for sign, marker, word in ((1, "^", "above"), (-1, "v", "below")):
+        limits = censored == sign
+        if np.any(limits):
+            style |= dict(marker=marker, label=f"{word} this")
+            axes.plot(angle[limits], measured[limits], **style)
+    for number, variant in enumerate(result.variants):
+        name, fitted = plain(variant.variant.name), variant.predicted[order, target]
+        axes.plot(angle[order], fitted, label=name, markersize=4, **points(number))
+    axes.set_xlabel("impact angle from the normal [deg]")
+    axes.set_ylabel(label_of(study.targets[target]))
+
+
+def _measured_panel(axes: Axes, result: StudyResult, target: int) -> None:
+    study = result.study
+    measured, known = study.measured[:, target], study.known[:, target]
+    exact = (study.censored[:, target] == 0) & known
+    limits = known & ~exact
+    sigma = study.sigma[exact, target] if study.sigma_given[target] else None
+    for number, variant in enumerate(result.variants):
+        fitted = variant.predicted[:, target]
+        style: dict[str, Any] = dict(linestyle="none", markersize=4, **points(number))
+        axes.errorbar(measured[exact], fitted[exact], xerr=sigma, **style)
+        if np.any(limits):
+            # Hollow: only a limit of the measured value is known.
+            axes.plot(measured[limits], fitted[limits], mfc="none", **style)
+    low, high = axes.get_xlim()
+    axes.axline((low, low), (high, high), color=GREY, linewidth=1)
+    axes.set_xlabel(f"measured {label_of(study.targets[target])}")
+    axes.set_ylabel("fitted")

@@ -1,0 +1,424 @@
+"""Files of a calibration: report.html, report.md with its pictures in report/,
+report.txt, fit.json, fitted.csv and fit.png."""
+
+import base64
+import collections
+import contextlib
+import dataclasses
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..._versions import version_of, versions
+from ...accuracy import PRESETS
+from ...identity import part_names
+from ...io.files import replacing, write_text
+from ...io.output_files import NewFile, output_directory
+from ..diagnostics.cross_validation import LeftOut
+from ..diagnostics.examination import Examination, fit_of_target
+from ..diagnostics.further_tests import Suggestions
+from ..diagnostics.importance_sampling import Draws, freedom_of_targets, weights_of
+from ..diagnostics.nuts import Samples, to_inference_data
+from ..diagnostics.results import StudyResult, VariantResult
+from ..estimation.sigma import relative_sigma
+from ..fitted_ground import FILES
+from ..problem.config import Study
+from ..problem.laws import as_entries, unusual
+from ..problem.noise import SCATTERS, least_size
+from .contents import contents_of
+from .render import render
+
+NUMBERS = re.compile(r"\[\n\s*([^\[\]{}\"]+?)\n\s*\]")
+CSV_COLUMNS = (
+    *("variant", "row", "file", "target", "limit", "measured", "sigma", "fitted"),
+    *("residual", "standardised", "model_low", "model_high", "low", "high"),
+    *("left_out", "left_out_deviation"),
+)
+
+
+def study_directory(
+    study: Study, out: Path, *, posterior: bool
+) -> contextlib.AbstractContextManager[NewFile]:
+    """Open the directory of a study's files; see `output_directory`."""
+    names, count = [*FILES], len(study.variants)
+    for number in range(1, count + 1):
+        # Names of other pictures depend on the fit.
+        prefix = f"{number}-" if count > 1 else ""
+        names += [f"report/{prefix}fit-{target}.png" for target in study.targets]
+        if posterior:
+            names.append(_posterior_name(number, count))
+    return output_directory(out, "calibrate", names, inputs=study.inputs)
+
+
+def write_all(result: StudyResult, examined: list[Examination], new: NewFile) -> None:
+    """Write the files, each whole or not at all.
+
+    Args:
+        examined: diagnostics of every variant.
+        new: returns the path of a file.
+
+    Raises OSError where the file system refuses.
+    """
+    # Matplotlib takes half a second to import, which a fit alone need not wait for.
+    from .drawings import draw_report, plot_study
+
+    contents, pictures = contents_of(result, examined), draw_report(result, examined)
+    # First, since their names, which depend on the fit, are not checked beforehand.
+    for picture in (p for one in pictures for group in one.values() for p in group):
+        with replacing(new(picture["path"])) as temporary:
+            temporary.write_bytes(base64.b64decode(picture["base64"]))
+    for variant, of_variant in zip(contents["variants"], pictures, strict=True):
+        variant["pictures"] = collections.defaultdict(list, of_variant)
+    for kind in ("html", "md", "txt"):
+        write_text(new(f"report.{kind}"), render("report", kind, contents))
+    for number, (variant, diagnostics) in enumerate(
+        zip(result.variants, examined, strict=True), 1
+    ):
+        samples = diagnostics.samples
+        if samples is not None:
+            with replacing(new(_posterior_name(number, len(examined)))) as temporary:
+                to_inference_data(variant, samples).to_netcdf(str(temporary))
+    write_text(new("fit.json"), in_lines(as_json(result, examined)) + "\n")
+    write_text(new("fitted.csv"), as_csv(result, examined))
+    figure = plot_study(result)
+    with replacing(new("fit.png")) as temporary:
+        figure.savefig(temporary, dpi=120)
+
+
+def as_text(result: StudyResult, examined: list[Examination]) -> str:
+    """Render report.txt."""
+    contents = contents_of(result, examined)
+    for variant in contents["variants"]:
+        variant["pictures"] = collections.defaultdict(list)
+    return render("report", "txt", contents)
+
+
+def _posterior_name(number: int, variants: int) -> str:
+    return f"posterior-{number}.nc" if variants > 1 else "posterior.nc"
+
+
+def in_lines(tree: dict) -> str:
+    """Write JSON with each list of numbers, thousands of them, in one line."""
+    text = json.dumps(tree, indent=1, allow_nan=False)
+    # A line end within brackets stands in no string, where it would be escaped.
+    return NUMBERS.sub(lambda found: f"[{' '.join(found[1].split())}]", text)
+
+
+def as_csv(result: StudyResult, examined: list[Examination]) -> str:
+    """Write fitted.csv: a line for each variant, and each measurement of the tests.
+
+    `row` counts the tests from 1, over all files; `limit` is `>` or `<` where only a
+    limit is known. `model_low` and `model_high` hold 95 % of the model's values for the
+    parameters that the tests allow, `low` and `high` 95 % of such measurements.
+    `left_out` is predicted by the fit to the other tests, with a standard deviation.
+    """
+    study = result.study
+    lines = [",".join(CSV_COLUMNS)]
+    for variant, diagnostics in zip(result.variants, examined, strict=True):
+        name = _quoted(variant.variant.name)
+        nothing = np.full(study.measured.shape, np.nan)
+        left, bands = diagnostics.each, diagnostics.bands
+        columns = (
+            *(study.measured, variant.sigma, variant.predicted),
+            *(variant.predicted - study.measured, diagnostics.residuals.values),
+            *(bands.low, bands.high, bands.measured_low, bands.measured_high),
+            nothing if left is None else left.predicted,
+            nothing if left is None else left.deviation,
+        )
+        for row, target in zip(*np.nonzero(study.known), strict=True):
+            limit = {1: ">", -1: "<", 0: ""}[int(study.censored[row, target])]
+            file = _quoted(study.tests.place(int(row))[0].name)
+            cells = (name, str(row + 1), file, study.targets[target], limit)
+            numbers = (f"{float(column[row, target]):.9g}" for column in columns)
+            lines.append(",".join((*cells, *numbers)))
+    return "\n".join(lines) + "\n"
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace('"', '""') + '"'
+
+
+def as_json(result: StudyResult, examined: list[Examination]) -> dict:
+    """Collect every number, as a tree of plain values; None for what is not finite."""
+    study = result.study
+    given = dict(zip(study.targets, map(bool, study.sigma_given), strict=True))
+    return {
+        "title": study.title,
+        "source": study.source,
+        "notes": study.notes,
+        "sigma_given": given,
+        "fitted_tests": _fitted_tests(study),
+        "variants": [
+            _variant(result, variant) | _examination(result, variant, diagnostics)
+            for variant, diagnostics in zip(result.variants, examined, strict=True)
+        ],
+        "manifest": _manifest(result),
+    }
+
+
+def _manifest(result: StudyResult) -> dict:
+    study = result.study
+    return {
+        "study": study.path.name,
+        "data": [
+            {"file": table.path.name, "sha256": table.sha256}
+            for table in study.tests.files
+        ],
+        "soil": study.soil,
+        **_if_any("block", study.block),
+        **_if_any("parts", as_entries(unusual(study.parts))),
+        "laws": part_names(study.tests.base.soil, study.tests.base.block),
+        "parameters": {
+            p.name: {"start": p.start, "lower": p.lower, "upper": p.upper}
+            | ({"prior": dataclasses.asdict(p.prior)} if p.prior else {})
+            for p in study.parameters
+        },
+        "nuisances": {
+            n.name: {"by": n.by, "prior": dataclasses.asdict(n.prior)}
+            | {"added": n.name in study.tests.inputs}
+            | ({"turns_ground": True} if n.turns_ground else {})
+            for n in study.nuisances
+        },
+        "targets": list(study.targets),
+        "weights": dict(zip(study.targets, _plain(study.weights), strict=True)),
+        "scatter": {
+            name: SCATTERS[int(study.proportional[target])]
+            for target, name in enumerate(study.targets)
+            if not study.sigma_given[target]
+        },
+        "loss": study.loss,
+        "starts": study.starts,
+        "seed": study.seed,
+        "method": study.method,
+        "accuracy": dataclasses.asdict(PRESETS[study.accuracy]),
+        "engine": result.engine,
+        "versions": versions(),
+    }
+
+
+def _if_any(key: str, entries: dict) -> dict:
+    return {key: entries} if entries else {}
+
+
+def _fitted_tests(study: Study) -> dict:
+    """Collect the ranges of the tests' inputs, and statistics of their results."""
+    measured = np.where(study.censored == 0, study.measured, np.nan)
+    results = {}
+    for target, name in enumerate(study.targets):
+        exact = measured[np.isfinite(measured[:, target]), target]
+        spread = np.std(exact, ddof=1) if len(exact) > 1 else math.nan
+        results[name] = {
+            "count": len(exact),
+            "mean": _plain(np.mean(exact)) if len(exact) else None,
+            "standard_deviation": _plain(spread),
+        }
+    ranges = {
+        name: [float(np.min(values)), float(np.max(values))]
+        for name, values in study.tests.columns(study.soil).items()
+    }
+    shapes = sorted(set(study.tests.shapes))
+    found = {"count": len(study.tests), "ranges": ranges, "shapes": shapes}
+    return found | {"results": results}
+
+
+def _variant(result: StudyResult, variant: VariantResult) -> dict:
+    uncertainty, count = variant.uncertainty, len(variant.verdicts)
+    return {
+        "name": variant.variant.name,
+        "soil": variant.variant.soil,
+        **_if_any("parts", as_entries(variant.variant.laws)),
+        "parameters": _parameters(variant),
+        "nuisances": {
+            variant.names[index]: {
+                "value": float(variant.parameters[index]),
+                "standard_error": variant.standard_error(index),
+            }
+            for index in range(count, len(variant.names))
+        },
+        "unknowns": variant.names,
+        "covariance_of_logarithms_or_half_ranges": _plain(uncertainty.covariance),
+        "correlation": _plain(uncertainty.correlation[:count, :count]),
+        "eigenvalues": _plain(uncertainty.eigenvalues),
+        "eigenvectors": _plain(uncertainty.eigenvectors.T),
+        "directions": variant.directions,
+        "profiles": {
+            name: {
+                "values": _plain(found.values),
+                "rise": _plain(found.rise),
+                "low": found.low,
+                "high": found.high,
+                "low_95": found.low_95,
+                "high_95": found.high_95,
+            }
+            for name, found in variant.profiles.items()
+        },
+        "fit": _targets(result, variant),
+        "cost": variant.cost,
+        "degrees_of_freedom": uncertainty.degrees_of_freedom,
+        "reduced_chi_square": _plain(uncertainty.reduced_chi_square),
+        "inflation": uncertainty.inflation,
+        "failed_predictions": variant.failed,
+        "stopped": variant.reason.words,
+        "starts": [
+            {
+                "start": _plain(variant.start_parameters[i]),
+                "end": _plain(variant.end_parameters[i]),
+                "cost": _plain(variant.start_costs[i]),
+                "steps": int(variant.start_steps[i]),
+                "begun_anew": int(variant.start_restarts[i]),
+                "found_best": bool(variant.reached[i]),
+                "stopped": variant.start_reasons[i].words,
+            }
+            for i in np.argsort(variant.start_costs, kind="stable")
+        ],
+    }
+
+
+def _parameters(variant: VariantResult) -> dict:
+    parameters = {}
+    for index, verdict in enumerate(variant.verdicts):
+        known = verdict.determined
+        parameters[verdict.name] = {
+            "value": float(variant.parameters[index]),
+            "determined": known,
+            "standard_error": variant.standard_error(index) if known else None,
+            "interval_95": list(variant.interval(index)) if known else None,
+            "reason": verdict.reason or None,
+        }
+    return parameters
+
+
+def _targets(result: StudyResult, variant: VariantResult) -> dict:
+    study = result.study
+    freedom = freedom_of_targets(variant.objective, variant.points)
+    relative = relative_sigma(study, variant.sigma, variant.predicted)
+    least = least_size(study.measured)
+    fit = {}
+    for target, name in enumerate(study.targets):
+        fit[name] = fit_of_target(result, variant, target) | {
+            "sigma": _plain(np.median(variant.sigma[:, target])),
+            "degrees_of_freedom": _plain(freedom[target]),
+        }
+        if study.proportional[target]:
+            fit[name]["part_of_size"] = _plain(relative[target])
+            fit[name]["least_size"] = _plain(least[target])
+    return fit
+
+
+def _examination(
+    result: StudyResult, variant: VariantResult, diagnostics: Examination
+) -> dict:
+    samples = diagnostics.samples
+    return {
+        "residuals_follow": [
+            {
+                "target": trend.target,
+                "against": trend.against,
+                "correlation": trend.correlation,
+                "likeness": trend.autocorrelation,
+                "chance": trend.chance,
+            }
+            for trend in diagnostics.residuals.trends
+        ],
+        "draws": _draws(variant, diagnostics.draws),
+        "posterior": None if samples is None else _samples(samples),
+        "left_out": {
+            what: _left_out(result.study, left)
+            for what, left in (
+                ("test", diagnostics.each),
+                ("campaign", diagnostics.campaigns),
+            )
+            if left is not None
+        },
+        "further_tests": {
+            "one_result_each": _further(diagnostics.single),
+            "all_results": _further(diagnostics.together),
+        },
+    }
+
+
+def _draws(variant: VariantResult, draws: Draws) -> dict:
+    weights = weights_of(variant.objective, variant.points, draws)
+    return {
+        "count": len(draws.x),
+        "effective_parts": _plain(draws.effective_fraction),
+        "accuracy": dataclasses.asdict(draws.accuracy),
+        "error_of_costs": _plain(draws.error),
+        "mean": _plain(draws.mean()),
+        "covariance": _plain(draws.covariance()),
+        "weights": _short(weights),
+        "values": [_short(row) for row in variant.bounds.parameter(draws.x)],
+    }
+
+
+def _samples(samples: Samples) -> dict:
+    low, high = np.quantile(samples.values, (0.025, 0.975), axis=(0, 1))
+    about = {
+        "blackjax": version_of("blackjax"),
+        "accuracy": dataclasses.asdict(samples.accuracy),
+        "error_of_log_density": _plain(samples.error),
+        "divergent": int(np.sum(samples.divergent)),
+        "seconds": samples.seconds,
+    }
+    return about | {
+        name: {
+            "mean": _plain(np.mean(samples.values[:, :, index])),
+            "standard_deviation": _plain(np.std(samples.values[:, :, index])),
+            "interval_95": [_plain(low[index]), _plain(high[index])],
+            "scale_reduction": _plain(samples.scale_reduction[index]),
+            "effective_draws": _plain(samples.effective[index]),
+        }
+        for index, name in enumerate(samples.names)
+    }
+
+
+def _left_out(study: Study, left: LeftOut) -> list[dict]:
+    values = np.where(study.censored == 0, left.standardised(study.measured), np.nan)
+    return [
+        {
+            "name": name,
+            "standardised": _plain(values[left.group == number]),
+            "fit": _plain(left.x[number]),
+            "moved_in_standard_errors": _plain(left.moved[number]),
+            "stopped": left.reasons[number].words,
+        }
+        for number, name in enumerate(left.groups)
+    ]
+
+
+def _further(found: Suggestions) -> dict:
+    return {
+        "criterion": found.criterion,
+        "measure": {name: sigma._asdict() for name, sigma in found.measure.items()},
+        "in_common": found.fixed,
+        "errors_now": dict(zip(found.names, _plain(found.now), strict=True)),
+        "errors_of_the_bounds": found.stood_in,
+        "chosen": [
+            {
+                "test": one.scene,
+                "measured": one.measured,
+                "expected": {n: _plain(v) for n, v in one.predicted.items()},
+                "errors": dict(zip(found.names, _plain(one.errors), strict=True)),
+                "divided_by": dict(zip(found.names, _plain(one.factors), strict=True)),
+                "mean_divided_by": one.volume,
+            }
+            for one in found.chosen
+        ],
+        "candidates_without_result": found.left_out,
+    }
+
+
+def _short(values) -> list[float]:
+    """Convert random numbers to floats of the six digits that they need."""
+    return [float(f"{value:.6g}") for value in values]
+
+
+def _plain(values) -> Any:
+    """Convert arrays to lists of floats, with None for what is not finite."""
+    if np.ndim(values):
+        return [_plain(value) for value in values]
+    return float(values) if math.isfinite(values) else None

@@ -1,0 +1,315 @@
+"""Predictions as text, as a table, and as numbers."""
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+
+from ..._versions import versions
+from ...identity import part_names
+from ...io.files import refuse_inputs, replacing
+from ...io.output_files import manifest_path
+from ..diagnostics.cross_validation import too_few
+from ..diagnostics.predictive import CONFIDENCES, predictive
+from ..fitted_ground import FittedVariant
+from ..prediction import Outside, PredictedTests, Scores, VariantPrediction, score
+
+MOST_TESTS = 30
+"""Number of tests up to which they are listed one by one."""
+MOST_NAMES = 6
+FAR_ENOUGH = 0.5
+"""Fraction of the 95 % profile-likelihood interval that draws must cover."""
+CSV_COLUMNS = (
+    *("variant", "row", "test", "outcome", "outcome_share", "target", "limit"),
+    *("measured", "best_fit", "predicted", "low_50", "high_50", "low_95", "high_95"),
+    *("model_low", "model_high", "sigma", "without_result", "crps", "mean_crps"),
+    *("limit_chance", "outside"),
+)
+
+
+def prediction_contents(prediction: PredictedTests) -> dict:
+    """Collect scores, remarks, and the tests one by one where they are few."""
+    files = ", ".join(table.path.name for table in prediction.tests.files)
+    return {
+        "about": [
+            f"{len(prediction.tests)} tests of {files}, predicted by the fit of "
+            f"{prediction.ground.title!r}.",
+            *(_about_outside(prediction, outside) for outside in prediction.outside),
+            *(
+                f"No fitted test has a block of the shape {shape}."
+                for shape in prediction.new_shapes
+            ),
+        ],
+        "several": len(prediction.variants) > 1,
+        "variants": [_of_variant(prediction, v) for v in prediction.variants],
+    }
+
+
+def _of_variant(prediction: PredictedTests, variant: VariantPrediction) -> dict:
+    scores, few = score(prediction, variant), len(prediction.tests) <= MOST_TESTS
+    return {
+        "name": variant.fitted.variant.name,
+        "scores": _score_rows(scores) if scores else [],
+        "remarks": remarks_on(prediction, variant, scores),
+        "tests": _rows(prediction, variant) if few else [],
+    }
+
+
+def _score_rows(scores: dict[str, Scores]) -> list[tuple[str, ...]]:
+    head = ("target", "tests", "rms", "bias", "in 50 %", "in 95 %", "CRPS")
+    rows: list[tuple[str, ...]] = [(*head, "rms of mean", "CRPS of mean", "skill")]
+    for name, one in scores.items():
+        rows.append(
+            (
+                name,
+                str(one.count),
+                *(_number(value) for value in (one.rms, one.bias)),
+                *(str(count) for count in (one.inside_50, one.inside_95)),
+                *(_number(v) for v in (one.crps, one.mean_rms, one.mean_crps)),
+                "none" if one.skill is None else f"{one.skill:+.2f}",
+            )
+        )
+    return rows
+
+
+def remarks_on(
+    prediction: PredictedTests, variant: VariantPrediction, scores: dict[str, Scores]
+) -> list[str]:
+    """List what must be known before the predictions of a variant are used."""
+    fitted, lines = variant.fitted, []
+    if scores:
+        lines.append(
+            '"of mean": forecast by mean and scatter of the fitted tests, without a '
+            "model. Skill is 1 for a perfect forecast, 0 for that one."
+        )
+    count = sum(one.count for one in scores.values())
+    inside = sum(one.inside_95 for one in scores.values())
+    if count:
+        words = f"{inside} of {count} measurements lie within their 95 % intervals"
+        few = too_few(inside, count, CONFIDENCES[1])
+        lines.append(words + (", fewer than chance allows." if few else "."))
+    for name, one in scores.items():
+        if one.limits:
+            lines.append(
+                f"Of {one.limits} limits of {name} {one.limits_expected:.3g} are "
+                "expected to be satisfied."
+            )
+        if one.unpredicted:
+            lines.append(
+                f"{one.unpredicted} measurements of {name} have no prediction, and "
+                "count in no score."
+            )
+    for name in fitted.undetermined:
+        lines += _about_undetermined(prediction, fitted, name)
+    if not fitted.trusted:
+        count = 1.0 / np.sum(fitted.weights**2)
+        lines.append(
+            f"The effective sample size is {count:.0f} of {len(fitted.weights)} draws: "
+            "the intervals may be much too narrow or too wide. Do not rely on them."
+        )
+    for name in prediction.targets:
+        if name in fitted.proportional:
+            part = 100 * fitted.proportional[name].fraction
+            lines.append(
+                f"The scatter of {name} is {part:.3g} % of the value predicted."
+            )
+    unknown = [
+        name
+        for target, name in enumerate(prediction.targets)
+        if not np.any(variant.sigma[:, target] > 0.0)
+    ]
+    if unknown:
+        lines.append(
+            f"The scatter of {', '.join(unknown)} is unknown: the intervals are those "
+            "of the model alone."
+        )
+    changing = np.flatnonzero(variant.outcome_share < 0.95)
+    if len(changing):
+        lines.append(
+            f"The outcome is uncertain for {_named(prediction, changing)}: more than "
+            "5 % of the draws have another one."
+        )
+    return lines
+
+
+def _about_undetermined(
+    prediction: PredictedTests, fitted: FittedVariant, name: str
+) -> list[str]:
+    """Describe the range of the draws of a parameter, and whether it is too small."""
+    parameter = next(p for p in prediction.ground.parameters if p.name == name)
+    values = fitted.draws[:, fitted.unknowns.index(name)]
+    spread = predictive(values, fitted.weights, 0.0)
+    assert spread is not None  # draws have values
+    low, high = spread.quantile(0.025), spread.quantile(0.975)
+    lines = [
+        f"{name} was not identifiable: 95 % of its draws lie between {low:.3g} and "
+        f"{high:.3g}, with bounds of {parameter.lower:g} and {parameter.upper:g}, and "
+        "the intervals are as wide as that makes them."
+    ]
+    ends = fitted.allowed[name]
+    least = parameter.lower if ends[0] is None else ends[0]
+    most = parameter.upper if ends[1] is None else ends[1]
+    scale = np.log if parameter.logarithmic else np.asarray
+    if scale(high) - scale(low) < FAR_ENOUGH * (scale(most) - scale(least)):
+        lines.append(
+            f"Its 95 % profile-likelihood interval is {least:.3g} to {most:.3g}: the "
+            "draws do not cover it, and the intervals are too narrow."
+        )
+    return lines
+
+
+def _about_outside(prediction: PredictedTests, outside: Outside) -> str:
+    values = prediction.tests.columns(prediction.ground.soil)[outside.column]
+    beyond = values[outside.tests]
+    fitted = f"{outside.low:g} to {outside.high:g}"
+    if outside.low == outside.high:
+        fitted = f"{outside.low:g} alone"
+    where = f"{np.min(beyond):g}"
+    if np.ptp(beyond) > 0.0:
+        where += f" to {np.max(beyond):g}"
+    return (
+        f"Outside the fitted tests: {outside.column} {where} (fitted: {fitted}) in "
+        f"{_named(prediction, outside.tests)}."
+    )
+
+
+def _named(prediction: PredictedTests, tests: np.ndarray) -> str:
+    names = [prediction.tests.name(int(test)) for test in tests[:MOST_NAMES]]
+    if len(tests) == len(prediction.tests) and len(tests) > 1:
+        return f"all {len(tests)} tests"
+    more = f" and {len(tests) - MOST_NAMES} more" if len(tests) > MOST_NAMES else ""
+    return ", ".join(names) + more
+
+
+def _rows(
+    prediction: PredictedTests, variant: VariantPrediction
+) -> list[tuple[str, ...]]:
+    rows = [("test", "outcome", *prediction.targets)]
+    for test in range(len(prediction.tests)):
+        cells = []
+        for target in range(len(prediction.targets)):
+            cell = test, target
+            text = "none"
+            if np.isfinite(variant.middle[cell]):
+                text = (
+                    f"{variant.middle[cell]:.3g} ({variant.low_95[cell]:.3g} to "
+                    f"{variant.high_95[cell]:.3g})"
+                )
+            if np.isfinite(prediction.measured[cell]):
+                sign = _limit(prediction, cell)
+                text += f"; {sign}{prediction.measured[cell]:.3g}"
+            cells.append(text)
+        rows.append((prediction.tests.name(test), variant.outcomes[test], *cells))
+    return rows
+
+
+def _limit(prediction: PredictedTests, cell) -> str:
+    return {1: ">", -1: "<", 0: ""}[int(prediction.censored[cell])]
+
+
+def as_csv(prediction: PredictedTests) -> str:
+    """Write a line for each variant, test and target.
+
+    `predicted` is the median of a measurement, `low_` and `high_` are the ends of its
+    50 % and 95 % intervals, `model_low` and `model_high` those of 95 % of the model's
+    values without scatter. `limit` is `>` or `<` where only a limit is known, and
+    `limit_chance` the predicted probability that it is satisfied. `outside` names the
+    columns in which the test leaves the range of the fitted ones.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(CSV_COLUMNS)
+    beyond = [
+        " ".join(o.column for o in prediction.outside if test in o.tests)
+        for test in range(len(prediction.tests))
+    ]
+    for variant in prediction.variants:
+        columns = (
+            *(prediction.measured, variant.best, variant.middle, variant.low_50),
+            *(variant.high_50, variant.low_95, variant.high_95, variant.model_low),
+            *(variant.model_high, variant.sigma, variant.missing_part, variant.crps),
+            *(variant.mean_crps, variant.limit_chance),
+        )
+        for cell in np.ndindex(*prediction.measured.shape):
+            test, target = cell
+            numbers = [_digits(column[cell]) for column in columns]
+            writer.writerow(
+                (
+                    variant.fitted.variant.name,
+                    test + 1,
+                    prediction.tests.name(test),
+                    variant.outcomes[test],
+                    _digits(variant.outcome_share[test]),
+                    prediction.targets[target],
+                    _limit(prediction, cell),
+                    *numbers,
+                    beyond[test],
+                )
+            )
+    return text.getvalue()
+
+
+def as_json(prediction: PredictedTests) -> dict:
+    """Collect scores and origin as a tree of plain values."""
+    return {
+        "fit": prediction.ground.title,
+        "variants": [
+            {
+                "name": variant.fitted.variant.name,
+                "scores": {
+                    name: one._asdict()
+                    for name, one in score(prediction, variant).items()
+                },
+                "undetermined": list(variant.fitted.undetermined),
+                "accuracy_of_draws": variant.fitted.accuracy.name,
+            }
+            for variant in prediction.variants
+        ],
+        "outside": {
+            one.column: {
+                "fitted": [one.low, one.high],
+                "rows": [int(test) + 1 for test in one.tests],
+            }
+            for one in prediction.outside
+        },
+        "shapes_not_fitted": prediction.new_shapes,
+        "manifest": {
+            "tests": [
+                {"file": table.path.name, "sha256": table.sha256}
+                for table in prediction.tests.files
+            ],
+            "draws": len(prediction.ground.variants[0].draws),
+            "seed": prediction.ground.seed,
+            "accuracy": prediction.ground.accuracy,
+            "laws": part_names(prediction.tests.base.soil, prediction.tests.base.block),
+            "versions": versions(),
+            "versions_of_fit": prediction.ground.versions,
+        },
+    }
+
+
+def write_prediction(prediction: PredictedTests, path: Path) -> None:
+    """Write the table, and scores and origin beside it; each whole or not at all.
+
+    Raises InputError for a path that would retarget a file the predictions were made
+    from, OSError where the file system refuses.
+    """
+    outputs = [("the predictions", path), ("their manifest", manifest_path(path))]
+    refuse_inputs(outputs, prediction.inputs)
+    with (
+        replacing(manifest_path(path)) as beside,
+        replacing(path) as temporary,
+    ):
+        tree = json.dumps(as_json(prediction), indent=1, allow_nan=False)
+        beside.write_text(tree + "\n", encoding="utf-8")
+        temporary.write_text(as_csv(prediction), encoding="utf-8")
+
+
+def _digits(value: float | np.ndarray) -> str:
+    return f"{value:.9g}" if np.isfinite(value) else ""
+
+
+def _number(value: float | None) -> str:
+    return "none" if value is None else f"{value:.3g}"

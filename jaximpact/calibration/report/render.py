@@ -1,0 +1,57 @@
+"""Texts from templates: one layout in HTML, Markdown or plain text."""
+
+import re
+import textwrap
+from typing import TYPE_CHECKING
+
+from ...io.display import align
+
+if TYPE_CHECKING:
+    import jinja2
+
+WIDTH = 88
+
+
+def render(layout: str, kind: str, contents: dict) -> str:
+    """Render a layout, the name of a template.
+
+    Args:
+        kind: "html", "md" or "txt": the macros with which the layout is written.
+        contents: variables of the layout, as plain values.
+    """
+    template = _environment(kind).get_template(f"{layout}.jinja")
+    text = template.render(contents, macros=f"{kind}.jinja")
+    # Blank lines of the macros add up.
+    return re.sub(r"\n{3,}", "\n\n", re.sub(r" +\n", "\n", text)).strip("\n") + "\n"
+
+
+def _environment(kind: str) -> "jinja2.Environment":
+    # Imported with the first text: fits need none.
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("jaximpact.calibration.report"),
+        autoescape=kind == "html",
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    environment.filters.update(plain=_plain, wrap=_wrapped, align=align)
+    return environment
+
+
+def _plain(text: str) -> str:
+    """Escape text for Markdown."""
+    # Underscores within words are shown as they are.
+    return re.sub(r"([\\`*\[\]<>|#])", r"\\\1", " ".join(text.split("\n")))
+
+
+def _wrapped(text: str, first: int = 0, further: int = 0) -> str:
+    """Wrap text, the first and the further lines indented by so much."""
+    return textwrap.fill(
+        text,
+        WIDTH,
+        initial_indent=" " * first,
+        subsequent_indent=" " * further,
+        break_on_hyphens=False,
+    )

@@ -1,0 +1,219 @@
+"""Histories of impacts: forces, motion and energies against time."""
+
+import functools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Bool, Float
+
+from ..errors import InputError
+from ..laws import Branch
+from ..parameters import with_unit
+from .dynamics import Work, elastic_energy, kinetic_energy
+from .problem import Problem
+from .termination import Outcome
+
+if TYPE_CHECKING:  # which takes a while to load
+    import xarray as xr
+
+Series = Float[Array, "*lanes times"]
+
+SCENE_DIMENSION = "scene"
+"""Name of the dimension of scenes side by side."""
+FORCES = ("normal_force", "tangential_force", "moment")
+SERIES = {
+    "time": ("s", "time since touch"),
+    "penetration": ("m", "u_n, penetration of the centre"),
+    "sinking": ("m", "u_D, penetration of the lowest point"),
+    "rotation": ("rad", "rotation since touch"),
+    "normal_velocity": ("m/s", "v_n, into the ground"),
+    "tangential_velocity": ("m/s", "v_t, down-slope"),
+    "angular_velocity": ("rad/s", "spin"),
+    "normal_force": ("N", "N"),
+    "tangential_force": ("N", "T"),
+    "moment": ("N m", "M"),
+    "hardening": ("-", "rho_c, hardening variable"),
+    "foundation_length": ("m", "length of the equivalent foundation"),
+    "foundation_width": ("m", "width of the equivalent foundation"),
+    "rotational_ratio": ("-", "rotational over total kinetic energy"),
+    "kinetic": ("J", "kinetic energy"),
+    "elastic": ("J", "elastic energy"),
+    "gravity": ("J", "work of gravity"),
+    "viscoplastic": ("J", "dissipated by yielding"),
+    "slider": ("J", "dissipated by sliding"),
+    "dashpot": ("J", "dissipated by damping"),
+    "arm": ("J", "work of the arm between centre and deepest point"),
+    "stiffness": ("J", "work of the change of stiffness"),
+    "in_contact": ("", "whether the block is in contact"),
+}
+"""Field of a history -> unit and meaning."""
+
+
+class History(NamedTuple):
+    """Impacts against time, in SI units and radians: with `save_at` at the times given,
+    along the last axis; with `history=True` at the start and at the end of every step.
+
+    At other times than those in contact there are no forces: they are 0 before the
+    contact, and after a block has detached; all else is NaN, as nothing is known of it.
+
+    Energies in J: `kinetic + elastic + viscoplastic + slider + dashpot` equals the
+    kinetic energy at the start plus `gravity + arm + stiffness`. From `gravity` on they
+    are None without the energy ledger. `SERIES` has units and meanings.
+    """
+
+    time: Series
+    penetration: Series
+    sinking: Series
+    rotation: Series
+    normal_velocity: Series
+    tangential_velocity: Series
+    angular_velocity: Series
+    normal_force: Series
+    tangential_force: Series
+    moment: Series
+    hardening: Series
+    foundation_length: Series
+    foundation_width: Series
+    rotational_ratio: Series
+    kinetic: Series
+    elastic: Series
+    gravity: Series | None = None
+    viscoplastic: Series | None = None
+    slider: Series | None = None
+    dashpot: Series | None = None
+    arm: Series | None = None
+    stiffness: Series | None = None
+    in_contact: Bool[Array, "*lanes times"] | None = None
+    """Whether a time is in the contact; None with `history=True`, where all are."""
+
+    def __repr__(self) -> str:
+        inside = (
+            f"{name}={with_unit(series, SERIES[name][0] or '-')}"
+            for name, series in self._asdict().items()
+            if series is not None
+        )
+        return f"History({', '.join(inside)})"
+
+    def to_xarray(self, dims: Sequence[str] | None = None) -> "xr.Dataset":
+        """The series as a dataset over `time`, with units and meanings.
+
+        Args:
+            dims: names of the axes before that of time; by default `scene`, or
+                `scene_0`, `scene_1` and so on, as in `ImpactResult.to_xarray`.
+
+        Raises InputError for impacts with different times, and for a wrong number of
+        names.
+        """
+        import xarray as xr
+
+        lanes = np.shape(self.time)[:-1]
+        names = dimension_names(len(lanes)) if dims is None else tuple(dims)
+        if len(names) != len(lanes):
+            raise InputError(
+                f"dims must be {len(lanes)} names, one for each axis of the shape "
+                f"{lanes}, but is {dims!r}"
+            )
+        time = np.asarray(self.time)
+        base = time[(0,) * len(lanes)] if time.size else time.reshape(-1)
+        if not np.array_equal(np.broadcast_to(base, time.shape), time):
+            raise InputError(
+                "a dataset needs one time base, but the impacts of the history have "
+                "times of their own; make one dataset of each"
+            )
+        variables = {
+            name: ((*names, "time"), np.asarray(series), _attributes(name))
+            for name, series in self._asdict().items()
+            if name != "time" and series is not None
+        }
+        return xr.Dataset(variables, {"time": ("time", base, _attributes("time"))})
+
+
+def _attributes(name: str) -> dict[str, str]:
+    unit, meaning = SERIES[name]
+    return ({"units": unit} if unit else {}) | {"long_name": meaning}
+
+
+def dimension_names(count: int) -> tuple[str, ...]:
+    """Names of the axes of impacts that nobody named."""
+    if count == 1:
+        return (SCENE_DIMENSION,)
+    return tuple(f"{SCENE_DIMENSION}_{place}" for place in range(count))
+
+
+def history_at(
+    problem: Problem,
+    time,
+    vector: Float[Array, " n"],
+    work: Work | None,
+    branch: Branch | None = None,
+) -> History:
+    """The entry of a history for one state."""
+    motion, now = problem.contact(vector, branch)
+    ground = problem.ground
+    kinetic = kinetic_energy(ground, motion)
+    history = History(
+        time=time,
+        penetration=motion.penetration,
+        sinking=now.foundation.sinking,
+        rotation=motion.rotation,
+        normal_velocity=motion.normal_velocity,
+        tangential_velocity=motion.tangential_velocity,
+        angular_velocity=motion.angular_velocity,
+        normal_force=now.forces.normal,
+        tangential_force=now.forces.tangential,
+        moment=now.forces.moment,
+        hardening=motion.hardening,
+        foundation_length=now.foundation.length,
+        foundation_width=now.foundation.width,
+        rotational_ratio=0.5 * ground.inertia * motion.angular_velocity**2 / kinetic,
+        kinetic=kinetic,
+        elastic=elastic_energy(motion, now.stiffness),
+        **({} if work is None else work._asdict()),
+    )
+    return jax.tree.map(
+        lambda x: jnp.broadcast_to(jnp.asarray(x, float), jnp.shape(time)), history
+    )
+
+
+def empty_history(ledger: bool) -> History:
+    """A zero-filled history, used as a template of its structure.
+
+    Args:
+        ledger: whether it has the items of the energy ledger.
+    """
+    required = [name for name in History._fields if name not in History._field_defaults]
+    names = (*required, *(Work._fields if ledger else ()))
+    zeros: Any = dict.fromkeys(names, 0.0)
+    return History(**zeros)
+
+
+@functools.partial(jax.jit, inline=True)
+def outside_contact(samples: History, outcome_code, times: Series) -> History:
+    """Complete a history sampled in the contact by the times outside of it.
+
+    Args:
+        samples: NaN after the end; entries before the contact have no meaning.
+        outcome_code: shape (*lanes,).
+        times: all times asked for.
+    """
+    code = outcome_code[..., None]
+    before, after = times < 0.0, jnp.isnan(samples.time)
+    separating = code == Outcome.separating
+    known = code != Outcome.failed
+    in_contact = ~before & ~after & ~separating & known
+    # NaN is no time.
+    free = before | (after & (code == Outcome.detached)) | separating
+    free = free & known & ~jnp.isnan(times)
+    outside = samples._replace(time=times)
+    for name in samples._fields[1:]:
+        series = getattr(samples, name)
+        if series is not None:
+            otherwise = jnp.where(free, 0.0, jnp.nan) if name in FORCES else jnp.nan
+            series = jnp.where(in_contact, series, otherwise)
+            outside = outside._replace(**{name: series})
+    return outside._replace(
+        time=jnp.broadcast_to(times, in_contact.shape), in_contact=in_contact
+    )

@@ -1,0 +1,216 @@
+"""Accumulators over the steps: peaks, and the work of the energy ledger.
+
+It costs the step size control nothing, and no history need be kept.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from .._safe import safe_sqrt
+from .._types import Scalar
+from ..impact.dynamics import Work
+from ..impact.problem import Observed, Problem, Watched
+from ..impact.switches import SWITCHED_OFF, at_start, branch_of
+from ..impact.termination import Margins
+from ..laws import Branch
+from .diffrax_solvers import SolverStep
+from .rosenbrock import DenseOutput, per_width
+
+Step = DenseOutput | SolverStep
+"""Interpolant of a step, by the package's method or another solver of diffrax."""
+
+INITIAL_MARGIN = 1e-6
+"""Margin that stands for those before the first step, whose true values may be less
+than what counts as zero."""
+PROGRESS = 0.01
+"""Width over time reached above which a step at the onset is progress."""
+ONSET = 1e-3
+"""Duration of the onset, over the time in which the block moves by its size."""
+
+
+class Fold(NamedTuple):
+    """Quantities accumulated over the accepted steps."""
+
+    peaks: Observed
+    peak_times: Observed
+    work: Work
+    watched: Watched
+    watched_rate: Watched
+    """Rates of the watched quantities, on the branch that led here."""
+    rates: Float[Array, " n"]
+    """Rates of the unknowns at the end of the last step's interpolant. With dashpots
+    the errors of forces are so large beside what relaxes that the equations give no
+    rates for them."""
+    turned: Scalar
+    """1 where the next step takes another branch, on which the rates are others; else
+    0. They are the same at the switch itself; but slip relaxes in a microsecond, so
+    that its rate is off by much where the switch has been missed by little."""
+    stalled: Scalar | None
+    """Steps without progress at the onset, with dashpots; else None."""
+
+    @property
+    def margin(self) -> Scalar:
+        """The least of the margins to an end."""
+        return jnp.min(jnp.stack(self.watched.margins), axis=0)
+
+    def rate_at_start(self, start, start_rate, end, end_rate, width):
+        """Rate at the start of the next step, on its branch: the one known, or after a
+        switch that of the parabola through what is known."""
+        rise = per_width(end - start, width)
+        return jnp.where(self.turned > 0.0, 2.0 * rise - end_rate, start_rate)
+
+
+GAUSS_NODES = (0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15))
+GAUSS_WEIGHTS = (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
+
+
+def start_fold(problem: Problem, vector) -> Fold:
+    """Make the accumulators before the first step: they hold the side of the switches
+    alone."""
+    zero = jnp.zeros_like(vector[0])
+    nothing = Observed(*[zero] * len(Observed._fields))
+    watched = problem.watch(list(vector), zero)
+    still = jax.tree.map(jnp.zeros_like, watched)._replace(observed=nothing)
+    return Fold(
+        peaks=nothing._replace(normal_force=watched.observed.normal_force),
+        peak_times=nothing,
+        work=Work(*[zero] * len(Work._fields)),
+        watched=Watched(
+            nothing,
+            Margins(*[zero + INITIAL_MARGIN] * len(Margins._fields)),
+            at_start(problem.ground, watched.switches),
+        ),
+        watched_rate=still,
+        rates=jnp.zeros_like(vector),
+        turned=zero,
+        stalled=zero if problem.model.damped else None,
+    )
+
+
+def fold_step(problem: Problem, fold: Fold, time, step: Step, branch: Branch) -> Fold:
+    """Update the accumulators by an accepted step."""
+    width = step.t1 - step.t0
+    rates = step.rate_at_end()
+    watched, watched_rate = problem.watch_with_rate(
+        step.y1, rates, fold.peaks.normal_force, branch
+    )
+    peaks, times = [], []
+    for name in Observed._fields:
+        start, start_rate, end, end_rate = (
+            getattr(of.observed, name)
+            for of in (fold.watched, fold.watched_rate, watched, watched_rate)
+        )
+        start_rate = fold.rate_at_start(start, start_rate, end, end_rate, width)
+        value, place = peak_of_cubic(start, start_rate, end, end_rate, width)
+        if name in ("tangential_force", "moment"):
+            lowest, lowest_place = peak_of_cubic(
+                -start, -start_rate, -end, -end_rate, width
+            )
+            place = jnp.where(lowest > value, lowest_place, place)
+            value = jnp.maximum(value, lowest)
+        before = getattr(fold.peaks, name)
+        higher = value > before
+        peaks.append(jnp.where(higher, value, before))
+        times.append(
+            jnp.where(higher, time + place * width, getattr(fold.peak_times, name))
+        )
+    work = fold.work
+    if problem.ledger:
+        work = add_work(problem, work, step, 1.0, branch)
+    sides = _stacked(branch), _stacked(branch_of(watched.switches))
+    is_on = jnp.abs(_stacked(watched.switches)) > SWITCHED_OFF
+    turned = jnp.any((sides[0] != sides[1]) & is_on, axis=0)
+    return Fold(
+        peaks=Observed(*peaks),
+        peak_times=Observed(*times),
+        work=work,
+        watched=watched,
+        watched_rate=watched_rate,
+        rates=rates,
+        turned=jnp.where(turned, 1.0, 0.0),
+        stalled=_stalled_steps(problem, fold, time, width),
+    )
+
+
+def add_work(
+    problem: Problem, work: Work, step: Step, part: Scalar | float, branch
+) -> Work:
+    """Add the work in a part of a step to that up to its start."""
+    width = part * (step.t1 - step.t0)
+
+    def power_at(node):
+        vector = step.evaluate(step.t0 + node * width)
+        return problem.power(vector, step.rate(part * node), branch)
+
+    powers = jax.lax.map(power_at, jnp.asarray(GAUSS_NODES))
+    return jax.tree.map(
+        lambda total, power: total + width * jnp.dot(jnp.asarray(GAUSS_WEIGHTS), power),
+        work,
+        powers,
+    )
+
+
+def _stacked(values):
+    return jnp.stack(jax.tree.leaves(values))
+
+
+def _stalled_steps(problem: Problem, fold: Fold, time, width) -> Scalar | None:
+    """Steps without progress at the onset, one step later."""
+    if fold.stalled is None:
+        return None
+    progresses = (width > PROGRESS * time) | (time > ONSET * problem.passing_time)
+    return jax.lax.stop_gradient(jnp.where(progresses, 0.0, fold.stalled + 1.0))
+
+
+def hermite_cubic(start, start_rate, end, end_rate, width):
+    """Coefficients a, b, c of the cubic `start + a s + b s^2 + c s^3`, s from 0 to 1,
+    through both ends' values and rates."""
+    a = width * start_rate
+    rise = end - start
+    b = 3.0 * rise - 2.0 * a - width * end_rate
+    c = a + width * end_rate - 2.0 * rise
+    return a, b, c
+
+
+def peak_of_cubic(start, start_rate, end, end_rate, width):
+    """Largest value on a step of the cubic through both ends' values and rates.
+
+    Returns:
+        The value and where it is reached, as a part of the step. Of equal candidates
+        the end counts. Finite, with finite gradients, for every input: flat steps and
+        steps of no width give the end's value.
+    """
+    a, b, c = hermite_cubic(start, start_rate, end, end_rate, width)
+    # derivative a + 2 b s + 3 c s^2; its maximum root in the form without cancellation
+    root = safe_sqrt(b * b - 3.0 * a * c)
+    divisor = -b + root
+    usable = jnp.abs(divisor) > 1e-300
+    s = jnp.where(usable, a / jnp.where(usable, divisor, 1.0), 1.0)
+    # The place of a maximum has no first-order effect on its value.
+    s = jax.lax.stop_gradient(jnp.clip(s, 0.0, 1.0))
+    inside = start + s * (a + s * (b + s * c))
+    return jnp.where(inside > end, inside, end), jnp.where(inside > end, s, 1.0)
+
+
+class LastStep(NamedTuple):
+    """The last step that was accepted."""
+
+    start: Scalar
+    """Time at its start [s]."""
+    step: Step
+    """Interpolant, by the time since then."""
+    branch: Branch
+    work: Work
+    """Work up to its start [J]."""
+
+
+def no_step(vector: Float[Array, " n"], fold: Fold) -> LastStep:
+    """Make what stands for the last step before the first: one of no width."""
+    zero = jnp.zeros_like(vector[0])
+    bend = jnp.zeros((3, *vector.shape))
+    step = DenseOutput(t0=zero, t1=zero, y0=vector, y1=vector, k=bend)
+    return LastStep(zero, step, branch_of(fold.watched.switches), fold.work)

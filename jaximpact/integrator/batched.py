@@ -1,0 +1,201 @@
+"""Many impacts integrated side by side.
+
+Every array has the impacts, "lanes", on its last axis, so that each operation of the
+laws runs over contiguous memory. Steps, their control and the landing on events are
+those of `integration`; lanes that have ended stand still. What this saves against
+`jax.vmap` of a single integration is memory traffic: the unknowns are rows here, and
+columns there.
+"""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from .._types import Scalar
+from ..impact.dynamics import initial_motion
+from ..impact.history import History, history_at
+from ..impact.problem import Problem, pose
+from ..impact.termination import TIME_LIMIT, closing_velocity
+from .accumulators import LastStep, add_work, no_step, start_fold
+from .event_location import LANDING, LandingState
+from .rosenbrock import ORDER, per_width
+from .single import TERMS, Course, End, advance, end_of, step_size_controller
+
+LaneScalars = Float[Array, " lanes"]
+
+
+class Lanes(NamedTuple):
+    """State of impacts being integrated side by side."""
+
+    problem: Problem
+    course: Course
+    time: LaneScalars
+    until: LaneScalars
+    """End of the step that is tried next [s]."""
+    control: LandingState
+    event: Bool[Array, " lanes"]
+    """True where a margin has come to zero, or the block was separating."""
+    accepted: Int[Array, " lanes"]
+    rejected: Int[Array, " lanes"]
+
+    @property
+    def going(self) -> Bool[Array, " lanes"]:
+        """Lanes that have not come to an end. A lane whose step has become shorter than
+        the rounding of time has been given up."""
+        return (
+            ~self.event
+            & (self.time < TIME_LIMIT)
+            & (self.until > self.time)
+            & (self.accepted + self.rejected < self.problem.max_steps)
+        )
+
+
+def start_lanes(assembly, scenes, tolerance, floor, sampled: bool = False) -> Lanes:
+    """Make lanes at the start of their impacts, which can be `sampled` on the way."""
+
+    def of_scene(scene):
+        problem, vector = pose(scene, assembly, tolerance, floor)
+        fold = start_fold(problem, vector)
+        last = no_step(vector, fold) if sampled else None
+        course = Course(vector, fold, last)
+        start = jnp.zeros_like(problem.force_scale)
+        none: Any = None  # the controller chooses the width, and needs no rates
+        until, control = step_size_controller().init(
+            TERMS, start, TIME_LIMIT, course, none, problem, none, ORDER
+        )
+        still = jnp.zeros((), int)
+        return Lanes(
+            problem,
+            course,
+            start,
+            until,
+            control,
+            closing_velocity(problem.ground, initial_motion(scene)) <= 0.0,
+            still,
+            still,
+        )
+
+    return jax.vmap(of_scene, out_axes=-1)(scenes)
+
+
+def step_lanes(lanes: Lanes) -> Lanes:
+    """Try one step in every lane that is going."""
+    going = lanes.going
+    controller = step_size_controller()
+
+    def control(time, until, before, after, problem, errors, state):
+        keep, time, until, _, state, _ = controller.adapt_step_size(
+            time, until, before, after, problem, errors, ORDER, state
+        )
+        return keep, time, until, state
+
+    after, errors = advance(
+        lanes.problem, lanes.course, lanes.time, lanes.until - lanes.time
+    )
+    keep, time, until, state = jax.lax.stop_gradient(
+        jax.vmap(control, in_axes=-1, out_axes=-1)(
+            *jax.lax.stop_gradient(
+                (
+                    lanes.time,
+                    lanes.until,
+                    lanes.course._replace(last=None),
+                    after._replace(last=None),
+                    lanes.problem,
+                    errors,
+                    lanes.control,
+                )
+            )
+        )
+    )
+
+    def where(condition, new, old):
+        return jax.tree.map(lambda n, o: jnp.where(condition, n, o), new, old)
+
+    course = where(going & keep, after, lanes.course)
+    return Lanes(
+        problem=lanes.problem,
+        course=course,
+        time=jnp.where(going, time, lanes.time),
+        until=jnp.where(going, jnp.minimum(until, TIME_LIMIT), lanes.until),
+        control=where(going, state, lanes.control),
+        event=lanes.event | (going & (course.fold.margin <= LANDING)),
+        accepted=lanes.accepted + (going & keep),
+        rejected=lanes.rejected + (going & ~keep),
+    )
+
+
+def sample_lanes(lanes: Lanes, times: LaneScalars) -> History:
+    """Histories of the impacts at times in their last steps."""
+    assert lanes.course.last is not None, "lanes that are sampled"
+    return jax.vmap(sample, in_axes=(-1, -1, 0))(
+        lanes.problem, lanes.course.last, times
+    )
+
+
+def march(lanes: Lanes, steps: int | None = None) -> Lanes:
+    """Step all lanes until all have ended, or for a number of steps."""
+
+    def unfinished(carry):
+        lanes, count = carry
+        more = jnp.any(lanes.going)
+        return more if steps is None else more & (count < steps)
+
+    def body(carry):
+        lanes, count = carry
+        return step_lanes(lanes), count + 1
+
+    return jax.lax.while_loop(unfinished, body, (lanes, 0))[0]
+
+
+def march_and_sample(lanes: Lanes, times: Float[Array, " times"]):
+    """Step a single lane to its end and sample it at times; NaN after its end."""
+
+    def samples_of(lanes, time):
+        return jax.tree.map(lambda x: x[0], sample_lanes(lanes, time[None]))
+
+    def body(carry):
+        lanes, samples = carry
+        lanes = step_lanes(lanes)
+        now = jax.vmap(samples_of, in_axes=(None, 0))(lanes, times)
+        due = (times <= lanes.time) & jnp.isnan(samples.time)
+        return lanes, jax.tree.map(lambda x, y: jnp.where(due, x, y), now, samples)
+
+    first = jax.vmap(samples_of, in_axes=(None, 0))(lanes, times)
+    nothing = jax.tree.map(lambda x: jnp.full_like(x, jnp.nan), first)
+    return jax.lax.while_loop(
+        lambda carry: jnp.any(carry[0].going), body, (lanes, nothing)
+    )
+
+
+def end_lanes(lanes: Lanes) -> End:
+    """Ends of lanes none of which is going."""
+
+    def of_lane(lanes: Lanes) -> End:
+        return end_of(
+            lanes.problem,
+            lanes.course,
+            lanes.time,
+            lanes.event,
+            lanes.event | (lanes.time >= TIME_LIMIT),
+            lanes.accepted,
+            lanes.rejected,
+        )
+
+    return jax.vmap(of_lane, in_axes=-1)(lanes)
+
+
+def sample(problem: Problem, last: LastStep, time: Scalar) -> History:
+    """History of an impact at a time in its last step.
+
+    Taken on the branch of the step: the interpolant may be on the other side of a
+    switch, by its error, where the step has landed on it.
+    """
+    since = time - last.start
+    vector = last.step.evaluate(since)
+    work = None
+    if problem.ledger:
+        part = per_width(since, last.step.t1)
+        work = add_work(problem, last.work, last.step, part, last.branch)
+    return history_at(problem, time, vector, work, last.branch)

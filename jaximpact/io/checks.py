@@ -1,0 +1,243 @@
+"""Checks at the boundary: values that a scene may have, and names that are chosen."""
+
+import functools
+import math
+import os
+import warnings
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any, TypeVar
+
+import jax
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._checks import expect, real_numbers
+from .._jax_internals import Tracer
+from ..errors import InputError, UnusualValueWarning, nearest
+from ..identity import is_ours
+from ..laws.check import check_law
+from ..parameters import parts_of
+from ..quantities import (
+    INPUT_COLUMNS,
+    RESULT_COLUMNS,
+    InputColumn,
+    columns_of,
+    leaf_places,
+    why_unknown,
+)
+from ..scene import Block, Impact, Scene
+from ..shapes.check import check_shape
+from ..soil import Soil
+
+Chosen = TypeVar("Chosen")
+KINDS = {"block": Block, "soil": Soil, "impact": Impact}
+MEMORY = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+"""Memory of this machine [bytes]."""
+NUMBERS_PER_IMPACT = len(INPUT_COLUMNS) + len(RESULT_COLUMNS)
+"""Least count of numbers that a batch takes and gives for each impact."""
+
+
+def check_scene(
+    scene: Scene, *, batched: bool = False, warn: bool = False, of: str = "scene"
+) -> None:
+    """Raise InputError, in one sentence, for the first value that is out of range, and
+    for a part of another kind.
+
+    Values that JAX traces are not known and pass.
+
+    Args:
+        batched: allow arrays; else every field must be a scalar.
+        warn: also warn of unusual values, in the name of the caller's caller.
+        of: what messages call an entry of an array.
+    """
+    expect("scene", scene, Scene)
+    for part, kind in KINDS.items():
+        expect(part, getattr(scene, part), kind)
+    check_laws(jax.tree.structure(scene.soil))
+    check_shape(scene.block.shape)
+    for column in columns_of(scene).values():
+        value = getattr(getattr(scene, column.part), column.field)
+        name = f"{KINDS[column.part].__name__}.{column.field}"
+        if np.ndim(value) > 0 and not batched:
+            raise InputError(
+                f"{name} must be a scalar, but has shape {np.shape(value)}; use "
+                "simulate_batch, or jax.vmap around simulate, for many scenes"
+            )
+        if isinstance(value, Tracer) or not np.size(value):
+            continue
+        _check_field(name, column, value, warn=warn, of=of)
+
+
+def usual_values(structure: Any, leaves: list) -> np.ndarray | None:
+    """The numbers of a single impact, if all are usual; None where `check_scene` has to
+    look closer. Takes a tenth of its time.
+
+    Args:
+        structure, leaves: the scene as a pytree.
+    """
+    limits = _limits(structure)
+    if limits is None or any(isinstance(leaf, Tracer) for leaf in leaves):
+        return None
+    try:
+        values = np.array(leaves, float)
+    except ValueError:  # of several shapes
+        return None
+    low, high = limits
+    usual = values.ndim == 1 and np.all((low <= values) & (values <= high))
+    return values if usual else None
+
+
+@functools.lru_cache(maxsize=256)
+def _limits(structure: Any) -> tuple[np.ndarray, ...] | None:
+    """Least and largest usual values of the leaves of a scene, in SI; None where parts
+    are not the package's own."""
+    scene = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
+    if not isinstance(scene, Scene) or not all(
+        isinstance(getattr(scene, part), kind) for part, kind in KINDS.items()
+    ):
+        return None
+    parts = [getattr(scene.soil, slot) for slot in parts_of(Soil)]
+    if not all(is_ours(type(part)) for part in (*parts, scene.block.shape)):
+        return None
+    places = leaf_places(scene)
+    # What has no limits is not within them: NaN compares with nothing.
+    low, high = np.full((2, structure.num_leaves), np.nan)
+    for name, column in columns_of(scene).items():
+        ends = [
+            (column.lower, column.lower_allowed, math.inf),
+            (column.upper, column.upper_allowed, -math.inf),
+        ]
+        # An end that is left out, and infinity, are inside of the next number.
+        least, most = (
+            end if allowed and math.isfinite(end) else math.nextafter(end, inwards)
+            for end, allowed, inwards in ends
+        )
+        low[places[name]] = max(least, column.usual[0]) * column.factor
+        high[places[name]] = min(most, column.usual[1]) * column.factor
+    return low, high
+
+
+def check_times(
+    name: str, times: ArrayLike, lanes: tuple[int, ...]
+) -> tuple[np.ndarray | jax.Array, tuple[int, ...]]:
+    """Times at which histories are wanted, as float64 numbers, and the shape of the
+    impacts by times and scenes.
+
+    Raises InputError for what is no series of numbers, for NaN, and for axes before
+    that of time that do not broadcast with those of the scenes.
+
+    Args:
+        name: what an error calls them.
+        lanes: shape of the scenes.
+    """
+    times = real_numbers(name, times)
+    if not times.ndim:
+        raise InputError(f"{name} must be a series of times, but is one: {times}")
+    try:
+        shape = np.broadcast_shapes(lanes, times.shape[:-1])
+    except ValueError:
+        raise InputError(
+            f"{name} has the shape {times.shape}; need (times,), or axes before that "
+            f"of time that broadcast with those of the scenes, {lanes}"
+        ) from None
+    if isinstance(times, Tracer):
+        return times.astype(float), shape
+    times = np.asarray(times, float)
+    if np.any(np.isnan(times)):
+        index = int(np.argmax(np.isnan(times)))
+        raise InputError(f"{name} must be times in seconds, but time {index} is NaN")
+    return times, shape
+
+
+@functools.lru_cache(maxsize=256)
+def check_laws(structure: Any) -> None:
+    """Raise InputError, naming the law, what it does and the cure, for a law of a
+    user's that the model cannot use.
+
+    Args:
+        structure: of a soil.
+    """
+    soil = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
+    for slot in parts_of(Soil):
+        law = getattr(soil, slot)
+        if not is_ours(type(law)):
+            check_law(slot, law)
+
+
+def _check_field(
+    name: str, column: InputColumn, value: ArrayLike, *, warn: bool, of: str
+) -> None:
+    """Raise InputError for the first value of a field, in SI, that its column may not
+    hold; otherwise warn of the first unusual one, in the name of the caller of the
+    caller's caller."""
+    values = np.asarray(value)
+    # Both ends tell whether there is anything to look for; NaN is both.
+    ends = (values,) if values.ndim == 0 else (np.min(values), np.max(values))
+    low, high = float(ends[0]) / column.factor, float(ends[-1]) / column.factor
+
+    def told(bad: np.ndarray) -> str:
+        """The first of the bad values, with its index."""
+        index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
+        where = f" ({of} {index}" + (f" and {more} more)" if more else ")")
+        first = float(np.ravel(values)[index])
+        return column.told(first, column.si_unit, where if values.ndim else "")
+
+    if not (column.holds(low) and column.holds(high)):
+        bad = ~column.is_allowed(values / column.factor)
+        raise InputError(f"{name} must be {column.requirement}, but is {told(bad)}")
+    if warn and not (column.is_usual(low) and column.is_usual(high)):
+        inside = values / column.factor
+        bad = (inside < column.usual[0]) | (inside > column.usual[1])
+        text = f"{name} is {told(bad)}"
+        warnings.warn(UnusualValueWarning(text, column.name), stacklevel=4)
+
+
+def check_memory(numbers: float, what: str, **place) -> None:
+    """Raise InputError unless so many numbers fit into this machine's memory.
+
+    Args:
+        numbers: least count of numbers of eight bytes.
+        what: what they belong to, to stand before "would take".
+        place: file, row, column and key of the error.
+    """
+    needed = 8.0 * numbers
+    if needed > MEMORY:
+        raise InputError(
+            f"{what} would take {needed / 2**30:.3g} GiB of memory or more, but this "
+            f"machine has {MEMORY / 2**30:.3g} GiB",
+            **place,
+        )
+
+
+def checked_names(
+    kind: str, names: Iterable[str], known: Collection[str]
+) -> tuple[str, ...]:
+    """The names of some `kind`, as a tuple. Raises InputError for a name that is
+    unknown, with what may have been meant, or stands twice, and for no names."""
+    if isinstance(names, str) or not isinstance(names, Iterable):
+        raise InputError(f"{kind}s must be a list of names, but is {names!r}")
+    names = tuple(names)
+    if not names:
+        raise InputError(f"at least one {kind} is needed, but none is given")
+    for name in names:
+        if not isinstance(name, str) or name not in known:
+            raise InputError(f"{kind} {name} is unknown; {why_unknown(name, known)}")
+        if names.count(name) > 1:
+            raise InputError(f"{kind} {name} stands twice; remove one")
+    return names
+
+
+def chosen_values(
+    option: str, names: Collection[str], known: Mapping[str, Chosen]
+) -> list[Chosen]:
+    """The known values of the given names, in the order of the known; all for no names.
+
+    Raises InputError for a name that is not known, with the nearest known.
+    """
+    for name in names:
+        if name not in known:
+            raise InputError(
+                f"{option} takes {', '.join(known)}, but got {name!r}; did you mean "
+                f"{nearest(name, known)!r}?"
+            )
+    return [value for name, value in known.items() if not names or name in names]

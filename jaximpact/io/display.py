@@ -1,0 +1,147 @@
+"""Text in columns, and results as they show themselves in Python and in notebooks."""
+
+import html
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..impact.summary import ImpactSummary
+from ..impact.termination import Outcome
+from ..quantities import RESULT_COLUMNS
+from ..scene import Scene
+from ..scene_quantities import SHAPE
+from .datasets import inputs_of, kind_of_each, varying_axes
+from .result_table import count_outcomes
+
+SHOWN_OF_MANY = ("e_n", "e_t", "e_bar", "max_penetration_m", "max_normal_force_N")
+"""Results of which many impacts show statistics."""
+WITHOUT_NUMBERS = (Outcome.separating, Outcome.failed)
+"""Outcomes without an impact, or without its numbers; left out of statistics."""
+
+Rows = list[tuple[str, ...]]
+
+
+def align(rows: Sequence[tuple[str, ...]]) -> str:
+    """Rows of cells as text in columns, indented by two."""
+    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
+    lines = (
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        for row in rows
+    )
+    return "\n".join(f"  {line}".rstrip() for line in lines)
+
+
+def as_text(summary: ImpactSummary, scene: Scene, accuracy: str, history: Any) -> str:
+    """A result as text: of one impact its numbers with units, of many their outcomes
+    and statistics.
+
+    Args:
+        accuracy: name of the setting.
+        history: of the impacts, or None; its times are counted.
+    """
+    heads, rows = _heads_and_rows(summary, scene, accuracy, history)
+    return "\n".join([*heads, *([align(rows)] if rows else [])])
+
+
+def as_html(summary: ImpactSummary, scene: Scene, accuracy: str, history: Any) -> str:
+    """The same as HTML: lines, and a table."""
+    heads, rows = _heads_and_rows(summary, scene, accuracy, history)
+    lines = [f"<div>{html.escape(head.strip())}</div>" for head in heads]
+    table = "".join(
+        f"<tr>{''.join(_html_cell(cell, row) for cell in row)}</tr>" for row in rows
+    )
+    return "".join([*lines, f"<table>{table}</table>" if rows else ""])
+
+
+def _html_cell(cell: str, row: tuple[str, ...]) -> str:
+    # The row of headings has no name in front.
+    tag = "td" if row[0] else "th"
+    return f"<{tag}>{html.escape(cell)}</{tag}>"
+
+
+def _heads_and_rows(
+    summary: ImpactSummary, scene: Scene, accuracy: str, history: Any
+) -> tuple[list[str], Rows]:
+    shape = np.shape(summary.outcome_code)
+    if shape:
+        return _many(summary, scene, shape, accuracy)
+    head = f"ImpactResult: {Outcome(int(summary.outcome_code))}, accuracy {accuracy}"
+    if history is not None:
+        head += f", history of {len(history.time)} times"
+    rows: Rows = [
+        (name, _text(getattr(summary, column.field)), column.unit, column.meaning)
+        for name, column in RESULT_COLUMNS.items()
+    ]
+    return [head], rows
+
+
+def _many(
+    summary: ImpactSummary, scene: Scene, shape: tuple[int, ...], accuracy: str
+) -> tuple[list[str], Rows]:
+    counts = count_outcomes(summary)
+    outcomes = [f"{count} {outcome}" for outcome, count in counts.items()]
+    heads = [
+        f"ImpactResult: shape {shape}, accuracy {accuracy}",
+        f"  outcomes: {', '.join(outcomes) or 'none'}",
+        f"  varying: {', '.join(_varying(scene, shape)) or 'nothing'}",
+    ]
+    counted = ~np.isin(np.asarray(summary.outcome_code), WITHOUT_NUMBERS)
+    if not counted.any():
+        return heads, []
+    without = [str(outcome) for outcome in WITHOUT_NUMBERS if str(outcome) in counts]
+    if without:
+        left_out = ", ".join(f"{counts[name]} {name}" for name in without)
+        heads.append(f"  left out of the statistics: {left_out}")
+    rows: Rows = [("", "unit", "impacts", "least", "median", "largest")]
+    for name in SHOWN_OF_MANY:
+        column = RESULT_COLUMNS[name]
+        values = np.asarray(getattr(summary, column.field))[counted]
+        values = values[~np.isnan(values)]  # e_t, where it has no meaning
+        statistics = ("", "", "")
+        if values.size:
+            statistics = map(_text, (values.min(), np.median(values), values.max()))
+        rows.append((name, column.unit, str(values.size), *statistics))
+    return heads, rows
+
+
+def _varying(scene: Scene, shape: tuple[int, ...]) -> list[str]:
+    """Names of the quantities in which the scenes differ."""
+    names = [name for name, found in inputs_of(scene, shape).items() if found.axes]
+    kinds = kind_of_each(scene, shape)
+    return names if kinds is None or not varying_axes(kinds) else [SHAPE, *names]
+
+
+def _text(value) -> str:
+    return f"{float(value):.6g}"
+
+
+class ShownAsTable:
+    """Base of classes that show themselves as a heading and a table of values."""
+
+    def display_rows(self) -> tuple[str, Rows]:
+        """Give the heading, and rows of name, value and unit."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        head, rows = self.display_rows()
+        return f"{head}\n{align(rows)}"
+
+    def _repr_html_(self) -> str:
+        head, rows = self.display_rows()
+        lines = (
+            f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>"
+            for row in rows
+        )
+        return f"<div>{html.escape(head)}</div><table>{''.join(lines)}</table>"
+
+
+def range_of(values: ArrayLike) -> str:
+    """Tell the least and largest of finite values, or the one that all are."""
+    finite = np.asarray(values, float)
+    finite = finite[np.isfinite(finite)]
+    if not finite.size:
+        return "-"
+    low, high = np.min(finite), np.max(finite)
+    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"

@@ -1,0 +1,96 @@
+"""The table of results: the rows that came in, with the results appended."""
+
+import dataclasses
+import itertools
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from .._gc_pause import collector_paused
+from .._versions import versions
+from ..accuracy import Accuracy
+from ..identity import part_names
+from ..impact.summary import ImpactSummary
+from ..impact.termination import Outcome
+from ..quantities import OUTCOME_COLUMN, RESULT_COLUMNS
+from ..scene_quantities import scene_values
+from .files import refuse_inputs, replacing
+from .output_files import manifest_path
+from .scene_table import SLICE_ROWS, Table
+
+
+def outcomes_in_words(codes) -> np.ndarray:
+    """The words of outcomes, as an array of the shape of their codes."""
+    words = np.array([str(outcome) for outcome in Outcome])
+    return words[np.asarray(codes).astype(int)]
+
+
+def count_outcomes(summary: ImpactSummary) -> dict[str, int]:
+    """Count the impacts that ended in each way; ways that did not occur are left
+    out."""
+    codes = np.asarray(summary.outcome_code).astype(int)
+    counts = {str(outcome): int(np.sum(codes == outcome)) for outcome in Outcome}
+    return {words: count for words, count in counts.items() if count}
+
+
+@collector_paused()
+def write_results(
+    path: Path,
+    table: Table,
+    summary: ImpactSummary,
+    accuracy: Accuracy,
+    model_tolerance: float,
+) -> None:
+    """Write the table with its results, and the manifest beside it.
+
+    Header and rows stand as they came; `RESULT_COLUMNS` and the outcome follow, every
+    number with the digits that it takes to read the same number back, `nan` where there
+    is none. Both files appear whole or not at all; files of the same names are
+    replaced.
+
+    Raises InputError for a path that would replace the table of scenes, OSError where
+    the file system refuses.
+    """
+    path = Path(path)
+    outputs = [("the table of results", path), ("its manifest", manifest_path(path))]
+    refuse_inputs(outputs, [table.path])
+    base = scene_values(table.base)
+    manifest = {
+        "scenes": {"file": table.path.name, "sha256": table.sha256},
+        # What differs from row to row stands in the table.
+        "base": {k: v for k, v in base.items() if not isinstance(v, list)},
+        "laws": part_names(table.base.soil, table.base.block),
+        "accuracy": dataclasses.asdict(accuracy),
+        "model_tolerance": model_tolerance,
+        "outcomes": count_outcomes(summary),
+        "versions": versions(),
+    }
+    with (
+        replacing(manifest_path(path)) as manifest_temporary,
+        replacing(path) as temporary,
+    ):
+        manifest_temporary.write_text(json.dumps(manifest, indent=2) + "\n")
+        with open(temporary, "w", encoding="utf-8", newline="") as file:
+            header = (table.header, *RESULT_COLUMNS, OUTCOME_COLUMN)
+            file.write(",".join(header) + "\n")
+            for lines in _lines(table, summary):
+                file.write("\n".join(lines) + "\n")
+            file.flush()
+            # The name must not outlive the content in a power cut.
+            os.fsync(file.fileno())
+
+
+def _lines(table: Table, summary: ImpactSummary) -> Iterator[Iterator[str]]:
+    """The lines of one slice of rows after another."""
+    columns = [np.asarray(getattr(summary, c.field)) for c in RESULT_COLUMNS.values()]
+    outcomes = outcomes_in_words(summary.outcome_code)
+    for start in itertools.count(0, SLICE_ROWS):
+        chosen = slice(start, start + SLICE_ROWS)
+        rows = table.rows[chosen]
+        if not rows:
+            return
+        numbers = [map(repr, values[chosen].tolist()) for values in columns]
+        yield map(",".join, zip(rows, *numbers, outcomes[chosen].tolist(), strict=True))

@@ -1,0 +1,456 @@
+"""Tables of scenes: a CSV checked and turned into a `Scene` of arrays.
+
+Checks are vectorised over a slice of rows; cells are looked at one by one only to find
+the one to blame.
+"""
+
+import csv
+import dataclasses
+import hashlib
+import io
+import itertools
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple, TextIO
+
+import numpy as np
+
+from .._gc_pause import collector_paused
+from ..errors import InputError, UnusualValueWarning, located
+from ..parameters import Part
+from ..quantities import (
+    LABEL_COLUMNS,
+    OUTCOME_COLUMN,
+    RESULT_COLUMNS,
+    SIGMA_PREFIX,
+    SLOTS,
+    InputColumn,
+    columns_of,
+    columns_of_class,
+    why_unknown,
+)
+from ..scene import Scene
+from ..scene_quantities import (
+    SHAPE,
+    part_named,
+    scene_with,
+    value_of,
+    with_parts,
+    with_shapes,
+)
+from ..shapes import MixedShapes
+from .files import check_text, read_input
+
+SLICE_ROWS = 2_000
+"""Rows converted at once: bounds the memory that cells take as Python strings."""
+SIGMA_COLUMNS = tuple(SIGMA_PREFIX + name for name in RESULT_COLUMNS)
+LIMITS = {">": 1, "<": -1}
+"""Signs of a measured value of which only a limit is known -> where the true value
+lies."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Table:
+    """A checked table."""
+
+    path: Path
+    sha256: str
+    """SHA-256 of the bytes that were read."""
+    header: str
+    """The header as it stands in the file, without its line end."""
+    rows: list[str]
+    """The rows as they stand in the file; blank lines are left out."""
+    numbers: dict[str, np.ndarray]
+    """Each column of numbers, in the unit of its name, shape (rows,); NaN where a table
+    of tests has an empty cell, and where the shape of the row has no such parameter."""
+    lines: np.ndarray
+    """Line of the file at which each row begins, shape (rows,)."""
+    censored: dict[str, np.ndarray]
+    """Each measured column of a table of tests, shape (rows,): 1 in rows where the true
+    value is said to be above the number (`>0.3`), -1 where below (`<0.1`), else 0."""
+    labels: dict[str, list[str]]
+    """Each column of free text of a table of tests."""
+    base: Scene
+    """The laws, the shape of each row, and what stands for a missing column."""
+
+    def scene(self) -> Scene:
+        """All rows as one scene, in SI.
+
+        The mass is an array of one value a row; a field without a column is a scalar.
+        """
+        values = {}
+        for name, column in columns_of(self.base).items():
+            if name in self.numbers:
+                given = self.numbers[name]
+                if np.any(missing := np.isnan(given)):
+                    given = np.where(missing, value_of(self.base, column), given)
+                values[name] = given
+            elif name == "mass_kg":
+                values[name] = np.full(len(self.rows), value_of(self.base, column))
+        return scene_with(self.base, values)
+
+
+def read_table(
+    path: Path, *, measured: bool = False, base: Scene | None = None
+) -> Table:
+    """Read a CSV of scenes.
+
+    The file is UTF-8, with or without a byte order mark, separated by commas, and its
+    first row names the columns: parameters of the scene, those of its laws and shapes
+    among them, `LABEL_COLUMNS` and `SLOTS`. The columns of the latter hold names of
+    laws and shapes, as `finding.find_part` takes them, which is told the file's
+    directory. Rows may have different shapes, but have the same laws; a cell is empty
+    if it is of a parameter that the shape of its row does not have.
+
+    Args:
+        path: the file; read once, so a pipe will do.
+        base: the scene, of scalars, that says what the file does not; the defaults if
+            not given.
+        measured: allow result columns too, with `sigma_` columns (above zero) and the
+            outcome, as a table of tests has them. Their cells may be empty, and those
+            of results limits like `>0.3` or `<0.1`. Without it they are refused, as
+            they would stand twice in the output.
+
+    Raises InputError, naming file, row and column, for whatever cannot be used. Of
+    several bad cells the one in the leftmost column is named.
+    """
+    path = Path(path)
+    return table_of(read_input(path), path, measured=measured, base=base)
+
+
+@collector_paused()
+def table_of(
+    data: bytes, path: Path, *, measured: bool = False, base: Scene | None = None
+) -> Table:
+    """A table of the bytes of a CSV, as `read_table` reads them.
+
+    Args:
+        path: what errors call it.
+    """
+    check_text(path, data)
+    records = _records_of_data(path, data)
+    first = next(records, None)
+    if first is None:
+        raise InputError("is empty; a header and rows are needed", file=path)
+    header_line, header, cells = first
+    names = [cell.strip() for cell in cells]
+    _check_separators(path, header_line, names)
+    base = Scene() if base is None else base
+    if any(name in SLOTS for name in names):
+        base = _with_named_parts(path, data, names, base)
+    columns = columns_of(base)
+    _check_header(path, header_line, names, columns, measured)
+    readers = _readers(names, columns, base)
+    labels = {name: [] for name in names if name in LABEL_COLUMNS and measured}
+    parts: dict[str, list[np.ndarray]] = {name: [] for name in readers}
+    signs = {name: [] for name in names if name in RESULT_COLUMNS}
+    rows: list[str] = []
+    starts: list[np.ndarray] = []
+    while piece := list(itertools.islice(records, SLICE_ROWS)):
+        lines, texts, cells_of_rows = zip(*piece, strict=True)
+        _check_lengths(path, lines, cells_of_rows, len(names))
+        for name, column in zip(names, zip(*cells_of_rows, strict=True), strict=True):
+            if name in labels:
+                labels[name] += [cell.strip() for cell in column]
+            elif name in readers:
+                cells = _Cells(path, name, lines, column, len(rows))
+                if name in signs:
+                    cells, limits = _without_signs(cells)
+                    signs[name].append(limits)
+                parts[name].append(readers[name](cells))
+        rows += texts
+        starts.append(np.array(lines))
+    if not rows:
+        raise InputError("has a header but no rows", file=path)
+    numbers = {name: np.concatenate(pieces) for name, pieces in parts.items()}
+    lines = np.concatenate(starts)
+    _warn_of_unusual(path, columns, numbers, lines)
+    return Table(
+        path=path,
+        sha256=hashlib.sha256(data).hexdigest(),
+        header=header,
+        rows=rows,
+        numbers=numbers,
+        lines=lines,
+        censored={name: np.concatenate(pieces) for name, pieces in signs.items()},
+        labels=labels,
+        base=base,
+    )
+
+
+# --- Records and header.
+
+
+def _records_of_data(path: Path, data: bytes) -> Iterator[tuple[int, str, list[str]]]:
+    file = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
+    return records_of(path, file)
+
+
+def records_of(path: Path, file: TextIO) -> Iterator[tuple[int, str, list[str]]]:
+    """Line number, text and cells of each record of a CSV that is not blank. Raises
+    InputError, naming the row, for what is no CSV."""
+    lines, same_lines = itertools.tee(file)
+    reader = csv.reader(lines, strict=True)
+    first = 1
+    try:
+        for cells in reader:
+            # A quoted cell may hold line ends, so a record may take several lines.
+            count = reader.line_num - first + 1
+            text = "".join(itertools.islice(same_lines, count)).rstrip("\r\n")
+            if text.strip():
+                yield first, text, cells
+            first += count
+    except csv.Error as error:
+        raise InputError(f"is not valid CSV: {error}", file=path, row=first) from error
+
+
+def _check_separators(path: Path, line: int, names: list[str]) -> None:
+    for separator, word in ((";", "';'"), ("\t", "tabs")):
+        if any(separator in name for name in names):
+            raise InputError(
+                f"columns are separated by {word}; separate them by ',' and write "
+                "decimals with a point",
+                file=path,
+                row=line,
+            )
+
+
+def _check_header(
+    path: Path,
+    line: int,
+    names: list[str],
+    columns: Mapping[str, InputColumn],
+    measured: bool,
+) -> None:
+    """Raise InputError for the first name that cannot stand in the header."""
+    results = (*RESULT_COLUMNS, OUTCOME_COLUMN, *SIGMA_COLUMNS)
+    known = (*columns, *SLOTS, *LABEL_COLUMNS, *(results if measured else ()))
+    for index, name in enumerate(names):
+        if not name:
+            problem = "has no name"
+        elif reads_as_number(name):
+            problem = "is a number; the first row must name the columns"
+        elif name in names[:index]:
+            problem = "stands twice in the header"
+        elif name in results and not measured:
+            problem = "is a result; remove it, as it would stand twice in the output"
+        elif name not in known:
+            problem = f"is unknown; {why_unknown(name, known)}"
+        else:
+            continue
+        raise InputError(problem, file=path, row=line, column=name or str(index + 1))
+
+
+def _check_lengths(path: Path, lines, cells_of_rows, count: int) -> None:
+    """Raise InputError for the first row that does not have `count` cells."""
+    if set(map(len, cells_of_rows)) == {count}:
+        return
+    for line, cells in zip(lines, cells_of_rows, strict=True):
+        if len(cells) != count:
+            hint = "; write decimals with a point" if len(cells) > count else ""
+            raise InputError(
+                f"has {len(cells)} cells, but the header has {count}{hint}",
+                file=path,
+                row=line,
+            )
+
+
+# --- Laws and shapes that cells name.
+
+
+def _with_named_parts(path: Path, data: bytes, names: list[str], base: Scene) -> Scene:
+    """The scene with the laws and the shapes that the rows name."""
+    slots = [(index, name) for index, name in enumerate(names) if name in SLOTS]
+    found: dict[tuple[str, str], Part] = {}
+    laws: dict[str, str] = {}
+    kinds = []
+    for line, _, cells in itertools.islice(_records_of_data(path, data), 1, None):
+        _check_lengths(path, [line], [cells], len(names))
+        for index, slot in slots:
+            text = cells[index].strip()
+            key = slot, text
+            with located(file=path, row=line, column=slot):
+                if not text:
+                    raise InputError("is empty, but a name is needed")
+                if key not in found:
+                    found[key] = part_named(slot, text, path.parent)
+                if slot != SHAPE and laws.setdefault(slot, text) != text:
+                    raise InputError(
+                        f"must be the same law in all rows, but is {text} after "
+                        f"{laws[slot]}; split the table"
+                    )
+            if slot == SHAPE:
+                kinds.append(type(found[key]))
+    with located(file=path):
+        base = with_parts(base, laws, path.parent)
+        base = with_shapes(base, kinds) if kinds else base
+        columns_of(base)  # which are two of one name where laws do not fit together
+        return base
+
+
+# --- Columns of numbers.
+
+
+class _Cells(NamedTuple):
+    """Cells of one column, in a slice of the rows or some of them."""
+
+    path: Path
+    name: str
+    lines: Sequence[int]
+    texts: Sequence[str]
+    start: int
+    """Index of the slice's first row in the table."""
+
+    def error(self, index: int, problem: str) -> InputError:
+        line = self.lines[index]
+        return InputError(problem, file=self.path, row=line, column=self.name)
+
+    def some(self, indices: Sequence[int]) -> "_Cells":
+        lines, texts = ([each[k] for k in indices] for each in (self.lines, self.texts))
+        return self._replace(lines=lines, texts=texts)
+
+
+Reader = Callable[[_Cells], np.ndarray]
+
+
+def _readers(
+    names: list[str], columns: Mapping[str, InputColumn], base: Scene
+) -> dict[str, Reader]:
+    """For each column of numbers, the function that checks and reads its cells."""
+
+    def of_scene(column: InputColumn) -> Reader:
+        return lambda cells: _numbers(cells, column)
+
+    readers = {}
+    for name in names:
+        if name in columns:
+            readers[name] = _reader_of_shapes(name, base) or of_scene(columns[name])
+        elif name in RESULT_COLUMNS or name in SIGMA_COLUMNS:
+            readers[name] = _present
+    return readers
+
+
+def _reader_of_shapes(name: str, base: Scene) -> Reader | None:
+    """The reader of a parameter that is not the same for all shapes of a table; its
+    numbers are NaN in rows whose shape has no such parameter. None for others."""
+    shape = base.block.shape
+    if not isinstance(shape, MixedShapes):
+        return None
+    entries = [columns_of_class(SHAPE, kind).get(name) for kind in shape.kinds]
+    if all(entry == entries[0] for entry in entries):
+        return None
+    kind_of_row = np.asarray(shape.index, int)
+
+    def read(cells: _Cells) -> np.ndarray:
+        values = np.full(len(cells.texts), np.nan)
+        rows = kind_of_row[cells.start : cells.start + len(values)]
+        for k, (kind, column) in enumerate(zip(shape.kinds, entries, strict=True)):
+            indices = np.flatnonzero(rows == k).tolist()
+            if column is not None:
+                values[indices] = _numbers(cells.some(indices), column)
+                continue
+            for index in indices:
+                if text := cells.texts[index].strip():
+                    raise cells.error(
+                        index,
+                        f"must be empty, as the shape {kind.__name__} of this row has "
+                        f"no such parameter, but is {text}",
+                    )
+        return values
+
+    return read
+
+
+def _without_signs(cells: _Cells) -> tuple[_Cells, np.ndarray]:
+    """Cells of measured values without the signs of limits, and these."""
+    texts = [text.strip() for text in cells.texts]
+    signs = np.array([LIMITS.get(text[:1], 0) for text in texts])
+    for index, text in enumerate(texts):
+        if text in LIMITS:
+            raise cells.error(index, "has a sign without a number")
+    plain = [
+        text[1:] if sign else text for text, sign in zip(texts, signs, strict=True)
+    ]
+    return cells._replace(texts=plain), signs
+
+
+def _present(cells: _Cells) -> np.ndarray:
+    """A column's cells as checked numbers, NaN for the empty ones."""
+    values = np.full(len(cells.texts), np.nan)
+    filled = [index for index, text in enumerate(cells.texts) if text.strip()]
+    values[filled] = _numbers(cells.some(filled))
+    return values
+
+
+def _numbers(cells: _Cells, column: InputColumn | None = None) -> np.ndarray:
+    """A column's cells as checked numbers, in the column's unit.
+
+    Args:
+        column: of a parameter of the scene.
+    """
+    texts = cells.texts
+    try:
+        values = np.fromiter(map(float, texts), float, len(texts))
+    except ValueError:
+        values = np.array([float(t) if reads_as_number(t) else np.nan for t in texts])
+    if column is not None:
+        allowed = column.is_allowed(values)
+    else:
+        allowed = np.isfinite(values)
+        if cells.name in SIGMA_COLUMNS:
+            allowed &= values > 0.0
+    if "_" in "".join(texts):
+        allowed &= np.array(["_" not in text for text in texts])
+    if not np.all(allowed):
+        bad = int(np.argmin(allowed))
+        raise cells.error(bad, _problem_with_number(cells.name, column, texts[bad]))
+    return values
+
+
+def _problem_with_number(name: str, column: InputColumn | None, cell: str) -> str:
+    if not cell.strip():
+        return "is empty, but a number is needed"
+    if not reads_as_number(cell):
+        hint = "; write decimals with a point" if "," in cell else ""
+        return f"must be a number, but is {cell!r}{hint}"
+    if column is not None:
+        hint = column.hint(float(cell), column.unit)
+        return f"must be {column.requirement}, but is {cell.strip()}{hint}"
+    requirement = "above 0" if name in SIGMA_COLUMNS else "finite"
+    return f"must be {requirement}, but is {cell.strip()}"
+
+
+def reads_as_number(cell: str) -> bool:
+    """Whether a cell is a number. Python reads 1_000 as one, no other program does."""
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return "_" not in cell
+
+
+def _warn_of_unusual(
+    path: Path,
+    columns: Mapping[str, InputColumn],
+    numbers: dict[str, np.ndarray],
+    lines: np.ndarray,
+) -> None:
+    """One warning for each column of the scene with values that are unusual."""
+    for name, values in numbers.items():
+        column = columns.get(name)
+        if column is None or (
+            column.is_usual(np.nanmin(values)) and column.is_usual(np.nanmax(values))
+        ):
+            continue
+        bad = (values < column.usual[0]) | (values > column.usual[1])
+        index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
+        where = f" and {more} more rows" if more else ""
+        warnings.warn(
+            UnusualValueWarning(
+                f"{path}, row {lines[index]}, column {name}: is "
+                f"{column.told(values[index], column.unit, where)}",
+                name,
+            ),
+            stacklevel=3,
+        )

@@ -1,0 +1,218 @@
+"""TOML files: their values checked for kind, range and name, each error in one line."""
+
+import math
+import re
+import sys
+import tomllib
+import warnings
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NoReturn, TypeVar
+
+from ..errors import InputError, UnusualValueWarning, located, nearest
+from ..parameters import Composite, parts_of
+from ..quantities import InputColumn, why_unknown
+from ..scene_quantities import part_named, replaced_parts
+from .files import CONTROLS, as_text, read_input
+
+LARGEST_WHOLE = 2**63 - 1
+"""Largest whole number that TOML promises to hold."""
+DEEPEST = 20
+"""Levels of tables and lists inside one another."""
+DOTTED = re.compile(r"^\[*(?:[\w-]+\.){500}", re.MULTILINE)
+"""A key that tomllib takes minutes to read."""
+DIGITS = re.compile(r"[0-9_]{1000,}")
+TOO_DEEP = f"holds tables or lists more than {DEEPEST} deep"
+TOO_LARGE = (
+    f"holds a whole number beyond {LARGEST_WHOLE}; one so large takes a point or an "
+    "exponent"
+)
+KIND_WORDS = {str: "a text", dict: "a table", list: "a list", int: "a whole number"}
+REQUIRED: Any = object()
+
+Kind = TypeVar("Kind")
+
+
+# --- Files.
+
+
+def load_toml(path: Path) -> dict:
+    """Read a file; InputError where it cannot be used."""
+    return parse_toml(path, read_input(path))
+
+
+def parse_toml(path: Path, data: bytes) -> dict:
+    """Parse the bytes of a file, so that every value can be shown and every text
+    printed; InputError where that is not so."""
+    text = as_text(path, data)
+    if DOTTED.search(text):
+        raise InputError(TOO_DEEP, file=path)
+    try:
+        content = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"is not valid TOML: {error}", file=path) from error
+    except RecursionError:
+        raise InputError(TOO_DEEP, file=path) from None
+    except ValueError:
+        # More digits than Python reads.
+        found = DIGITS.search(text)
+        row = text.count("\n", 0, found.start()) + 1 if found else None
+        raise InputError(TOO_LARGE, file=path, row=row) from None
+    _check_values(path, content)
+    return content
+
+
+def _check_values(path: Path, content: dict) -> None:
+    """Raise InputError for what no key may hold."""
+    level: list[tuple[str, Any]] = [("", content)]
+    for _ in range(DEEPEST):
+        inner: list[tuple[str, Any]] = []
+        for key, value in level:
+            if isinstance(value, dict):
+                for name, one in value.items():
+                    where = f"{key}.{name}" if key else name
+                    _check_text(path, where, name)
+                    inner.append((where, one))
+            elif isinstance(value, list):
+                inner += [(key, one) for one in value]
+            elif isinstance(value, str):
+                _check_text(path, key, value)
+            elif isinstance(value, int) and abs(value) > LARGEST_WHOLE:
+                raise InputError(TOO_LARGE, file=path, key=key)
+        if not inner:
+            return
+        level = inner
+    raise InputError(TOO_DEEP, file=path)
+
+
+def _check_text(path: Path, key: str, text: str) -> None:
+    # Tabs and line ends may stand in notes; an escape would command the terminal.
+    if not text.isprintable() and CONTROLS.search(text):
+        raise InputError(
+            "holds a control character, such as an escape; remove it",
+            file=path,
+            key=key,
+        )
+
+
+# --- Keys.
+
+
+def unknown(path: Path, key: str, name: str, known: Iterable[str]) -> NoReturn:
+    """Raise InputError for a name, with what may have been meant."""
+    raise InputError(f"is unknown; {why_unknown(name, known)}", file=path, key=key)
+
+
+def check_keys(path: Path, where: str, keys: Iterable[str], known) -> None:
+    """Raise InputError for a key that is unknown; `where` is the name of its table, ""
+    at the top of the file."""
+    for key in keys:
+        if key not in known:
+            unknown(path, f"{where}.{key}" if where else key, key, known)
+
+
+def known_table(path: Path, content: dict, name: str, known: tuple[str, ...]) -> dict:
+    """A table of the file, with known keys only; empty where there is none."""
+    table = typed(path, content, name, dict, {})
+    check_keys(path, name, table, known)
+    return table
+
+
+# --- Values.
+
+
+def typed(
+    path: Path, content: Mapping, key: str, kind: type[Kind], default: Any = REQUIRED
+) -> Kind:
+    """A value of one kind, or the default; InputError for another kind."""
+    value = content.get(key, default)
+    # A TOML boolean is a Python integer.
+    if not isinstance(value, kind) or isinstance(value, bool):
+        raise InputError(
+            f"must be {KIND_WORDS[kind]}, but is {value!r}", file=path, key=key
+        )
+    return value
+
+
+def whole(
+    path: Path,
+    content: dict,
+    key: str,
+    default: int,
+    least: int,
+    most: int = LARGEST_WHOLE,
+) -> int:
+    """A whole number from `least` to `most`."""
+    value = typed(path, content, key, int, default)
+    if not least <= value <= most:
+        end = f"least {least}" if value < least else f"most {most}"
+        raise InputError(f"must be at {end}, but is {value}", file=path, key=key)
+    return value
+
+
+def choice(path: Path, content: dict, key: str, default: str, known) -> str:
+    """One of the known words."""
+    value = typed(path, content, key, str, default)
+    if value not in known:
+        raise InputError(
+            f"must be one of {', '.join(known)}, but is {value!r}; did you mean "
+            f"{nearest(value, known)}?",
+            file=path,
+            key=key,
+        )
+    return value
+
+
+def number(path: Path, key: str, value) -> float:
+    """A finite number."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"must be a number, but is {value!r}", file=path, key=key)
+    if abs(value) > sys.float_info.max or math.isnan(value):
+        raise InputError(f"must be finite, but is {value}", file=path, key=key)
+    return float(value)
+
+
+def allowed(path: Path, key: str, column: InputColumn, value) -> float:
+    """A number that the column may hold, in its unit."""
+    checked = number(path, key, value)
+    if not column.holds(checked):
+        raise InputError(
+            f"must be {column.requirement}, but is {value}"
+            f"{column.hint(checked, column.unit)}",
+            file=path,
+            key=key,
+        )
+    return checked
+
+
+def quantity(path: Path, key: str, column: InputColumn, value) -> float:
+    """A number that the column may hold, in its unit, as something has it; warns of one
+    that is unusual."""
+    checked = allowed(path, key, column, value)
+    if not column.is_usual(checked):
+        text = f"{path}, key {key}: is {column.told(checked, column.unit)}"
+        warnings.warn(UnusualValueWarning(text, column.name), stacklevel=2)
+    return checked
+
+
+def with_named_parts(
+    path: Path, where: str, table: Mapping, whole: Composite
+) -> Composite:
+    """A soil or a block with the laws or the shape that a table names; its other keys
+    are passed over.
+
+    Args:
+        path: of the file, from whose directory files of laws are looked for.
+        where: name of the table.
+
+    Raises InputError, naming file and key, for a name that cannot be used.
+    """
+    found = {}
+    for slot in parts_of(type(whole)):
+        if slot in table:
+            key = f"{where}.{slot}"
+            text = typed(path, {key: table[slot]}, key, str)
+            with located(file=path, key=key):
+                found[slot] = part_named(slot, text, path.parent)
+    with located(file=path, key=where):
+        return replaced_parts(whole, found)

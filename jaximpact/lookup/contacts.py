@@ -1,0 +1,203 @@
+"""Contacts of a run-out by tables."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+
+from ..batch import by_shape
+from ..errors import InputError
+from ..identity import part_names
+from ..impact.termination import Outcome
+from ..impact_response import ImpactResponse, ImpactResponses
+from ..quantities import columns_of
+from ..scene import Block, Impact, Scene
+from ..soil import Soil
+from ..units import DEGREE
+from .table import Entry, ReboundTable, look_up_many
+
+PART = 512
+"""Impacts looked up at once. Always so many, so that nothing is compiled again and the
+result of a lane does not depend, to the last bit, on how many run beside it."""
+ROUNDING = 1e-12
+"""Relative."""
+SLOPE_MARGIN = 1e-9
+"""Rounding of slopes [rad]."""
+
+
+class Tabulated:
+    """Every contact looked up in a table, for `simulate_runout`.
+
+    Args:
+        tables: one for each pair of block and ground that will meet.
+
+    Impacts beyond a table fail, and end their trajectories so. Raises InputError for a
+    block on a ground that no table was made for: of other numbers, another shape, or
+    another law.
+    """
+
+    def __init__(self, tables: ReboundTable | Sequence[ReboundTable]):
+        self.tables = [tables] if isinstance(tables, ReboundTable) else list(tables)
+        self._pairs = [_Pair.of(table) for table in self.tables]
+
+    def __call__(self, block: Block, soil: Soil, impact: Impact) -> ImpactResponses:
+        impact = jax.tree.map(np.asarray, impact)
+        count = len(impact.speed)
+        columns = np.full((len(Entry._fields), count), np.nan)
+        open_yet = np.ones(count, bool)
+        ours = _alternatives(block, soil)
+        for table, pair in zip(self.tables, self._pairs, strict=True):
+            chosen = open_yet & _same(ours, pair, count)
+            if np.any(chosen):
+                columns[:, chosen] = _in_parts(
+                    table,
+                    jax.tree.map(lambda leaf: leaf[chosen], impact),  # noqa: B023
+                )
+                open_yet &= ~chosen
+        if np.any(open_yet):
+            lane = int(np.argmax(open_yet))
+            ratio = np.broadcast_to(np.asarray(block.aspect_ratio), (count,))[lane]
+            mass = np.broadcast_to(np.asarray(block.mass), (count,))[lane]
+            kind = type(block.shape).__name__
+            raise InputError(
+                f"no table was made for a block of {mass:g} kg with aspect ratio "
+                f"{ratio:g} ({kind}) on the ground that it struck; tabulate that pair "
+                "too"
+            )
+        outcome = columns[-1].astype(int)
+        columns[:-1, outcome == Outcome.failed] = np.nan
+        return ImpactResponses(ImpactResponse(*columns[:-1]), outcome)
+
+    def problem_with(
+        self,
+        block: Block,
+        soil: Soil,
+        least_slope: np.ndarray,
+        most_slope: np.ndarray,
+    ) -> str | None:
+        """Say in one sentence what of a run-out the tables do not hold; None if all.
+
+        Args:
+            block: fields `(blocks,)`.
+            soil: fields that broadcast to `(blocks, segments)`.
+            least_slope, most_slope: of the planes that each may strike, likewise
+                [rad].
+        """
+        shape = least_slope.shape
+        block = jax.tree.map(lambda leaf: np.asarray(leaf)[:, None], block)
+        held, flat = np.zeros(shape, bool), np.zeros(shape, bool)
+        ours = _alternatives(block, soil)
+        for table, pair in zip(self.tables, self._pairs, strict=True):
+            same = _same(ours, pair, shape)
+            low, high = (float(table.slopes[end]) for end in (0, -1))
+            held |= same
+            flat |= (
+                same
+                & (least_slope >= low - SLOPE_MARGIN)
+                & (most_slope <= high + SLOPE_MARGIN)
+            )
+        if np.all(held & flat):
+            return None
+        lane, segment = (int(i) for i in np.argwhere(~(held & flat))[0])
+        where = f"block {lane} on segment {segment + 1}"
+        if held[lane, segment]:
+            slopes = least_slope[lane, segment], most_slope[lane, segment]
+            low, high = (slope / DEGREE for slope in slopes)
+            needed = f"{low:.5g}" if high == low else f"{low:.5g} to {high:.5g}"
+            return (
+                f"must cover slopes of {needed} deg for {where}, but no table of that "
+                "pair does"
+            )
+
+        def one(tree):
+            return jax.tree.map(
+                lambda leaf: np.broadcast_to(leaf, shape)[lane, segment], tree
+            )
+
+        block, soil = one(block), one(soil)
+        ((alone, _),) = by_shape(Scene(block, soil))
+        told = [_difference(alone, table) for table in self.tables]
+        nearest = min(told, key=lambda text: text.count(","))
+        return f"holds no table of {where}: its {nearest}"
+
+
+class _Pair(NamedTuple):
+    """Block on a ground."""
+
+    structure: Any
+    """Its shape and laws."""
+    numbers: list
+    chosen: np.ndarray
+    """Lanes that have this shape."""
+
+    @classmethod
+    def of(cls, table: ReboundTable) -> "_Pair":
+        """That of a table; as floats, as they are compared with in every contact."""
+        leaves, structure = jax.tree.flatten((table.block, table.soil))
+        return cls(structure, [float(leaf) for leaf in leaves], np.asarray(True))
+
+
+def _alternatives(block: Block, soil: Soil) -> list[_Pair]:
+    """Blocks on grounds, those of one shape at a time."""
+    found = []
+    for alone, chosen in by_shape(Scene(block, soil)):
+        leaves, structure = jax.tree.flatten((alone.block, alone.soil))
+        found.append(_Pair(structure, [np.asarray(x) for x in leaves], chosen))
+    return found
+
+
+def _same(ours: list[_Pair], theirs: _Pair, shape) -> np.ndarray:
+    """Tell where shape and laws are the same, and all numbers but for the rounding of a
+    file's units."""
+    found = np.zeros(shape, bool)
+    for pair in ours:
+        if pair.structure == theirs.structure:
+            same = np.broadcast_to(pair.chosen, shape).copy()
+            for a, b in zip(pair.numbers, theirs.numbers, strict=True):
+                same &= _alike(a, b)
+            found |= same
+    return found
+
+
+def _alike(a, b: float) -> np.ndarray:
+    return np.abs(a - b) <= ROUNDING * abs(b)
+
+
+def _difference(scene: Scene, table: ReboundTable) -> str:
+    """Say in what a block on a ground, scalars, differ from those of a table."""
+    told, of_table = [], Scene(table.block, table.soil)
+    names = part_names(table.soil, table.block)
+    for slot, name in part_names(scene.soil, scene.block).items():
+        if name != names[slot]:
+            told.append(f"{slot} is {name} and in a table {names[slot]}")
+    columns = columns_of(of_table)
+    for column in columns_of(scene).values():
+        if column.part == "impact" or column.name not in columns:
+            continue
+        ours, theirs = (
+            float(np.asarray(getattr(getattr(of, column.part), column.field)))
+            for of in (scene, of_table)
+        )
+        if not _alike(ours, theirs):
+            told.append(
+                f"{column.name} is {ours / column.factor:g} and in a table "
+                f"{theirs / column.factor:g}"
+            )
+    return ", ".join(told)
+
+
+def _in_parts(table: ReboundTable, impact: Impact) -> np.ndarray:
+    """Entries as columns."""
+    count = len(impact.speed)
+    columns = np.empty((len(Entry._fields), count))
+    for start in range(0, count, PART):
+        part = slice(start, min(start + PART, count))
+        size = part.stop - part.start
+        padded = jax.tree.map(
+            lambda leaf: np.pad(leaf[part], (0, PART - size), "edge"),  # noqa: B023
+            impact,
+        )
+        entry = look_up_many(table, padded)
+        columns[:, part] = [np.asarray(column)[:size] for column in entry]
+    return columns

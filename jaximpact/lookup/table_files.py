@@ -1,0 +1,212 @@
+"""Tables in files: NetCDF to go on with, CSV for other programs."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from .._versions import versions
+from ..accuracy import Accuracy
+from ..errors import InputError
+from ..identity import part_names
+from ..impact.termination import Outcome
+from ..io.datasets import read_netcdf, write_netcdf
+from ..io.files import replacing
+from ..io.output_files import manifest_path
+from ..quantities import OUTCOME_COLUMN
+from ..scene import Scene
+from ..scene_quantities import scene_of_values, scene_values
+from ..units import DEGREE
+from .table import Direction, ReboundTable, TableError, gravity_speed, impact_from
+from .tabulation import axes_of
+
+DIMENSIONS = (
+    *("total_speed_mps", "elevation_deg", "azimuth_deg", "orientation_deg"),
+    "slope_deg",
+)
+ENTRIES = {
+    "normal_velocity_change": "change of v_n over sqrt(w^2 + g R)",
+    "tangential_velocity_change": "change of v_t over sqrt(w^2 + g R)",
+    "rotation_velocity_change": "change of Omega R over sqrt(w^2 + g R)",
+    "duration_s": "duration of contact",
+    "rotation_rad": "rotation during contact",
+    "final_sinking_m": "sinking at the end",
+}
+
+
+def write_table(path: Path, table: ReboundTable) -> None:
+    """Write a table as NetCDF; the file appears whole or not at all.
+
+    Raises OSError where the file system refuses.
+    """
+    variables = {
+        name: (DIMENSIONS, np.asarray(table.entries[..., k]), {"long_name": meaning})
+        for k, (name, meaning) in enumerate(ENTRIES.items())
+    }
+    variables["outcome_code"] = (
+        DIMENSIONS,
+        np.asarray(table.outcomes, np.int32),
+        {"long_name": ", ".join(f"{o.value} {o}" for o in Outcome)},
+    )
+    dataset = xr.Dataset(variables, _coordinates(table), _provenance(table))
+    write_netcdf(Path(path), dataset)
+
+
+def read_table(path: Path) -> ReboundTable:
+    """Read what `write_table` wrote.
+
+    Raises InputError for a file that cannot be read or holds no such table.
+    """
+    path = Path(path)
+    dataset = read_netcdf(path)
+    try:
+        scene = _scene(path, dataset)
+        entries = np.stack([dataset[name].values for name in ENTRIES], axis=-1)
+        return ReboundTable(
+            block=scene.block,
+            soil=scene.soil,
+            entries=jnp.asarray(entries),
+            outcomes=jnp.asarray(dataset["outcome_code"].values.astype(int)),
+            speeds=jnp.asarray(dataset[DIMENSIONS[0]].values),
+            slopes=jnp.asarray(dataset["slope_rad"].values),
+            accuracy=Accuracy(**json.loads(dataset.attrs["accuracy"])),
+            error=TableError(**json.loads(dataset.attrs["error"])),
+        )
+    except InputError:
+        raise
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"holds no table of impacts ({error!r}); one from write_table is needed",
+            file=path,
+        ) from None
+
+
+def _scene(path: Path, dataset: xr.Dataset) -> Scene:
+    """Block and ground that a table was made for.
+
+    Raises InputError for a law or a shape that is not found again as it was.
+    """
+    values = json.loads(dataset.attrs["scene"])
+    names = json.loads(dataset.attrs["laws"])
+    try:
+        scene = scene_of_values(values)
+    except InputError as error:
+        raise InputError(
+            f"was made with a law or a shape that cannot be had: {error}", file=path
+        ) from error
+    for slot, name in part_names(scene.soil, scene.block).items():
+        if names.get(slot) != name:
+            raise InputError(
+                f"was made with {slot} {names.get(slot)}, but there is {name} now; "
+                "tabulate again",
+                file=path,
+            )
+    return scene
+
+
+def write_csv(path: Path, table: ReboundTable) -> None:
+    """Write the nodes of a table as CSV for other programs.
+
+    A row for each node, with a manifest beside it.
+
+    The first five columns are the table's axes, on which the nodes are a grid, the last
+    axis fastest; then come the impact and what it does, in the units of the tables of
+    results. `nan` where there is no number. Both files appear whole or not at all.
+
+    Raises OSError where the file system refuses.
+    """
+    path = Path(path)
+    places, impact = _nodes(table)
+    scale = np.hypot(places[0], float(gravity_speed(table.block)))
+    radius = float(table.block.semi_axes.minor)
+    change = np.asarray(table.entries).reshape(-1, len(ENTRIES))
+    codes = np.asarray(table.outcomes).ravel()
+    v_n, v_t = (
+        np.asarray(v) for v in (impact.normal_velocity, impact.tangential_velocity)
+    )
+    after_n = v_n + change[:, 0] * scale
+    after_t = v_t + change[:, 1] * scale
+    spin = impact.angular_velocity + change[:, 2] * scale / radius
+    with np.errstate(divide="ignore", invalid="ignore"):
+        numbers = {
+            "e_n": np.where(v_n != 0.0, -after_n / v_n, np.nan),
+            "e_t": np.where(v_t != 0.0, after_t / v_t, np.nan),
+        }
+    numbers |= {
+        "normal_velocity_mps": after_n,
+        "tangential_velocity_mps": after_t,
+        "angular_velocity_after_degps": spin / DEGREE,
+        "duration_s": change[:, 3],
+        "rotation_deg": change[:, 4] / DEGREE,
+        "final_sinking_m": change[:, 5],
+    }
+    failed = codes == Outcome.failed
+    columns = dict(zip(DIMENSIONS, _in_units(places), strict=True))
+    columns |= {
+        "speed_mps": impact.speed,
+        "angle_deg": impact.angle / DEGREE,
+        "angular_velocity_degps": impact.angular_velocity / DEGREE,
+    }
+    columns |= {name: np.where(failed, np.nan, v) for name, v in numbers.items()}
+    columns[OUTCOME_COLUMN] = np.array([str(o) for o in Outcome])[codes]
+    manifest = {
+        name: json.loads(text) if name not in ("title",) else text
+        for name, text in _provenance(table).items()
+    }
+    with (
+        replacing(manifest_path(path)) as manifest_temporary,
+        replacing(path) as temporary,
+    ):
+        manifest_temporary.write_text(json.dumps(manifest, indent=2) + "\n")
+        pd.DataFrame(columns).to_csv(
+            temporary, index=False, na_rep="nan", lineterminator="\n"
+        )
+
+
+def _nodes(table: ReboundTable):
+    """Coordinates of all nodes, one after another, and their impacts."""
+    axes = axes_of(table)
+    speed, elevation, azimuth, orientation, slope = places = [
+        grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")
+    ]
+    impact = impact_from(
+        table.block, Direction(speed, elevation, azimuth), orientation, slope
+    )
+    return places, jax.tree.map(np.asarray, impact)
+
+
+def _in_units(places):
+    """Speeds in m/s, angles in degrees."""
+    return [places[0], *(angle / DEGREE for angle in places[1:])]
+
+
+def _coordinates(table: ReboundTable) -> dict:
+    units = ("m/s", *["deg"] * 4)
+    axes = axes_of(table)
+    coordinates = {
+        name: (name, np.asarray(values), {"units": unit})
+        for name, values, unit in zip(DIMENSIONS, _in_units(axes), units, strict=True)
+    }
+    # As they are, so that a slope is found again to the last bit.
+    slopes = np.asarray(table.slopes)
+    return coordinates | {"slope_rad": ("slope_deg", slopes, {"units": "rad"})}
+
+
+def _provenance(table: ReboundTable) -> dict[str, str]:
+    scene = scene_values(Scene(table.block, table.soil))
+    assert table.error is not None  # of a finished table it is measured
+    return {
+        "title": "jaximpact: impacts of one block on one ground, tabulated",
+        "scene": json.dumps(scene),
+        "accuracy": json.dumps(dataclasses.asdict(table.accuracy)),
+        "error": json.dumps(
+            {name: float(value) for name, value in table.error._asdict().items()}
+        ),
+        "laws": json.dumps(part_names(table.soil, table.block)),
+        "versions": json.dumps(versions()),
+    }

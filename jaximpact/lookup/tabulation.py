@@ -1,0 +1,330 @@
+"""Making tables: the full model at every node, and how far a table is from it."""
+
+import contextlib
+import dataclasses
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._precision import require_float64
+from .._versions import versions
+from ..accuracy import Accuracy, get_accuracy
+from ..identity import part_names
+from ..impact.termination import Outcome
+from ..impact_response import ImpactResponse, ImpactResponses, respond
+from ..io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
+from ..io.journal import Journal
+from ..progress import Progress, ProgressFunction, as_progress
+from ..scene import Block, Impact, Scene
+from ..scene_quantities import scene_values
+from ..soil import Soil
+from .table import (
+    BEND,
+    FLATTEST,
+    SLIP_FACTOR,
+    STEEPEST,
+    Direction,
+    ReboundTable,
+    TableError,
+    gravity_speed,
+    impact_from,
+    look_up_many,
+)
+
+PART = 20_000
+"""Impacts that are computed between two calls of `progress`."""
+
+
+def compute(
+    block: Block,
+    soil: Soil,
+    impact: Impact,
+    accuracy: str | Accuracy,
+    progress: Progress | None = None,
+    journal: Journal | None = None,
+) -> ImpactResponses:
+    """Compute impacts of one block on one ground by the full model.
+
+    Args:
+        block, soil: scalars.
+        impact: arrays `(n,)`.
+        accuracy: as for `simulate`.
+        progress: told of the impacts.
+        journal: keeps the columns of `ImpactResponse` and the outcome, by the index of
+            the impact; what it holds is not computed again.
+    """
+    accuracy = get_accuracy(accuracy)
+    impact = jax.tree.map(np.asarray, impact)
+    count = len(impact.speed)
+    columns = np.full((count, len(ImpactResponse._fields) + 1), np.nan)
+    done = np.zeros(count, bool)
+    if journal is not None:
+        places, numbers = journal.rows()
+        columns[places], done[places] = numbers, True
+    # Every part has long and short contacts.
+    stride = -(-count // PART)
+    for start in range(stride):
+        chosen = np.arange(start, count, stride)
+        chosen = chosen[~done[chosen]]
+        if len(chosen):
+            columns[chosen] = _part(accuracy, block, soil, impact, chosen)
+            done[chosen] = True
+            if journal is not None:
+                journal.append(chosen, columns[chosen])
+        if progress is not None:
+            progress("impacts", int(np.sum(done)), count)
+    response = ImpactResponse(*columns.T[:-1])
+    return ImpactResponses(response, columns[:, -1].astype(int))
+
+
+def _part(accuracy: Accuracy, block, soil, impact: Impact, chosen) -> np.ndarray:
+    """Compute the columns of some impacts."""
+    some = jax.tree.map(lambda leaf: leaf[chosen], impact)
+
+    def spread(leaf):
+        return np.broadcast_to(np.asarray(leaf), (len(chosen),))
+
+    scene = Scene(jax.tree.map(spread, block), jax.tree.map(spread, soil), some)
+    found = respond(scene, accuracy)
+    return np.stack([*found.response, found.outcome], axis=1)
+
+
+SLOWEST = 1.0
+"""Lowest total speed of the random impacts [m/s]."""
+
+
+def random_impacts(table: ReboundTable, count: int, seed: int = 0) -> Impact:
+    """Sample impacts inside a table.
+
+    Directions of approach, orientations and slopes are uniform, speeds log-uniform from
+    1 m/s or the table's first speed on.
+    """
+    generator = np.random.default_rng(seed)
+    low, high = max(SLOWEST, float(table.speeds[0])), float(table.speeds[-1])
+    closing, slip, turning = generator.normal(size=(3, count))
+    direction = Direction(
+        np.exp(generator.uniform(np.log(low), np.log(high), count)),
+        np.arctan2(np.abs(closing), np.hypot(slip, turning)),
+        np.arctan2(turning, SLIP_FACTOR * slip),
+    )
+    return impact_from(
+        table.block,
+        direction,
+        generator.uniform(0.0, np.pi, count),
+        generator.uniform(float(table.slopes[0]), float(table.slopes[-1]), count),
+    )
+
+
+def measure_error(
+    table: ReboundTable,
+    impacts: Impact | int = 10_000,
+    *,
+    accuracy: str | Accuracy | None = None,
+) -> TableError:
+    """Measure the error of a table beside the model.
+
+    Args:
+        table: the table.
+        impacts: arrays `(n,)`, such as the impacts of a run-out; or the number of
+            random ones.
+        accuracy: of the model; by default that of the table.
+    """
+    random = isinstance(impacts, int)
+    sample = random_impacts(table, impacts) if random else impacts
+    computed = compute(table.block, table.soil, sample, accuracy or table.accuracy)
+    entry = look_up_many(table, sample)
+    sample = jax.tree.map(np.asarray, sample)
+    radius = float(table.block.semi_axes.minor)
+    before = np.stack(
+        [
+            sample.speed * np.cos(sample.angle),
+            sample.speed * np.sin(sample.angle),
+            sample.angular_velocity * radius,
+        ]
+    )
+    unit = np.array([1.0, 1.0, radius])[:, None]
+    speed = np.sqrt(np.sum(before**2, axis=0))
+    model = unit * np.stack(computed.response[:3]) / speed
+    found = unit * np.stack(entry[:3]) / speed
+    # Twice the kinetic energy per mass.
+    inertia = float(table.block.shape.unit_inertia)
+    shares = np.array([1.0, 1.0, inertia])
+
+    def energy(velocities):
+        return float(np.mean(shares @ velocities**2 / (shares @ (before / speed) ** 2)))
+
+    good = (computed.outcome != Outcome.failed) & np.all(np.isfinite(found), axis=0)
+    model, found = model[:, good], found[:, good]
+    before, speed = before[:, good], speed[good]
+    error = np.max(np.abs(found - model), axis=0)
+    median, of_90_percent, of_99_percent = np.quantile(error, [0.5, 0.9, 0.99]).tolist()
+    normal, tangential, rotation = np.mean(found - model, axis=1).tolist()
+    return TableError(
+        median=median,
+        of_90_percent=of_90_percent,
+        of_99_percent=of_99_percent,
+        bias_normal=normal,
+        bias_tangential=tangential,
+        bias_rotation=rotation,
+        energy=energy(found),
+        energy_of_model=energy(model),
+        wrong_outcomes=float(
+            np.mean(np.asarray(entry.outcome)[good] != computed.outcome[good])
+        ),
+        impacts=int(np.sum(good)),
+        failed=int(np.sum(~good)),
+    )
+
+
+SPEEDS = (0.1, 120.0)
+"""First and last total speed w by default [m/s]."""
+
+
+class Nodes(NamedTuple):
+    """Numbers of nodes along the axes of a table; see `ReboundTable`."""
+
+    speed: int = 12
+    elevation: int = 20
+    azimuth: int = 33
+    orientation: int = 13
+    """Nodes of orientation; a round block has 1, whatever is asked for."""
+
+
+def tabulate(
+    block: Block | None = None,
+    soil: Soil | None = None,
+    *,
+    slopes: ArrayLike = (0.0,),
+    speeds: tuple[float, float] = SPEEDS,
+    nodes: Nodes | None = None,
+    accuracy: str | Accuracy = "fast",
+    journal: Path | None = None,
+    progress: Progress | ProgressFunction | None = None,
+) -> ReboundTable:
+    """Tabulate the full model's impacts of one block on one ground.
+
+    Args:
+        block, soil: scalars; by default `Block()` and `Soil()`.
+        slopes: angles of the slope [rad], ascending; between them the table is linear.
+        speeds: first and last total speed w [m/s]; see `table.Direction`.
+        nodes: numbers of nodes along each axis.
+        accuracy: as for `simulate`.
+        journal: a file that keeps finished nodes: what it holds is not computed again.
+            It is left for the caller to remove.
+        progress: called as `progress(done, nodes)`.
+
+    A node whose impact failed gives its outcome and nothing else. The table's `error`
+    is measured on 10 000 random impacts.
+
+    Raises ValueError, in one sentence, for values out of range or axes that are empty,
+    and InputError for a journal of something else.
+    """
+    require_float64()
+    block, soil = block or Block(), soil or Soil()
+    nodes = nodes or Nodes()
+    slopes = np.array(slopes, float)
+    _check(block, soil, slopes, speeds, nodes)
+    if block.shape.is_round():
+        nodes = nodes._replace(orientation=1)
+    scale = float(gravity_speed(block))
+    low, high = np.arcsinh(np.asarray(speeds) / scale)
+    axes = _axes(
+        scale * np.sinh(np.linspace(low, high, nodes.speed)), slopes, nodes[1:]
+    )
+    shape = tuple(map(len, axes))
+    speed, *rest, orientation, slope = (
+        grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")
+    )
+    impact = impact_from(block, Direction(speed, *rest), orientation, slope)
+    setting = get_accuracy(accuracy)
+    with _opened(journal, block, soil, setting, axes) as store:
+        computed = compute(block, soil, impact, setting, as_progress(progress), store)
+    size = np.hypot(speed, scale)
+    radius = float(block.semi_axes.minor)
+    after = computed.response
+    entries = np.stack(
+        [
+            (after.normal_velocity - impact.normal_velocity) / size,
+            (after.tangential_velocity - impact.tangential_velocity) / size,
+            (after.angular_velocity - impact.angular_velocity) * radius / size,
+            after.duration,
+            after.rotation,
+            after.sinking,
+        ],
+        axis=-1,
+    )
+    # A failed node has no weight, but 0 times NaN is NaN.
+    entries = np.where(np.isfinite(entries), entries, 0.0)
+    table = ReboundTable(
+        block=block,
+        soil=soil,
+        entries=jnp.asarray(entries.reshape(*shape, -1)),
+        outcomes=jnp.asarray(computed.outcome.reshape(shape)),
+        speeds=jnp.asarray(axes[0]),
+        slopes=jnp.asarray(slopes),
+        accuracy=setting,
+        error=None,
+    )
+    return dataclasses.replace(table, error=measure_error(table))
+
+
+def _opened(journal: Path | None, block, soil, accuracy: Accuracy, axes):
+    """Open the journal of a table, if there is one."""
+    if journal is None:
+        return contextlib.nullcontext()
+    subject = {
+        "table": scene_values(Scene(block, soil)),
+        "laws": part_names(soil, block),
+        "axes": [axis.tolist() for axis in axes],
+        "accuracy": dataclasses.asdict(accuracy),
+        "versions": versions(),
+    }
+    count = math.prod(map(len, axes))
+    return Journal(journal, subject, [*ImpactResponse._fields, "outcome"], count)
+
+
+def axes_of(table: ReboundTable) -> list[np.ndarray]:
+    """Return the nodes of a table along its axes, in SI units and radians."""
+    return _axes(
+        np.asarray(table.speeds), np.asarray(table.slopes), table.outcomes.shape[1:4]
+    )
+
+
+def _axes(speeds, slopes, counts) -> list[np.ndarray]:
+    flattest, steepest = FLATTEST ** (1.0 / BEND), STEEPEST ** (1.0 / BEND)
+    return [
+        speeds,
+        np.linspace(flattest, steepest, counts[0]) ** BEND,
+        np.linspace(-np.pi, np.pi, counts[1]),
+        np.linspace(0.0, np.pi, counts[2]),
+        slopes,
+    ]
+
+
+def _check(block, soil, slopes, speeds, nodes) -> None:
+    check_scene(Scene(block, soil))
+    low, high = speeds
+    if not 0.0 < low < high < np.inf:
+        raise ValueError(
+            f"speeds of a table must ascend from above 0, but got {speeds}"
+        )
+    if slopes.ndim != 1 or not len(slopes) or not np.all(np.diff(slopes) > 0.0):
+        raise ValueError(
+            f"slopes of a table must be a list that ascends, but got {slopes.tolist()}"
+        )
+    if not np.all(np.abs(slopes) < 0.5 * np.pi):
+        raise ValueError(
+            f"slopes of a table must be in (-pi/2, pi/2), but got {slopes.tolist()}"
+        )
+    for name, count in nodes._asdict().items():
+        if count < (1 if name == "orientation" else 2):
+            raise ValueError(
+                f"a table needs at least 2 nodes of {name}, but got {count}"
+            )
+    size = math.prod(nodes) * len(slopes)
+    check_memory(size * NUMBERS_PER_IMPACT, f"a table of {size} nodes")

@@ -1,0 +1,77 @@
+"""The paper's claims: what each says (claims.csv), and a function that judges it.
+
+A function takes datasets by name (`Study`) and gives a `Judgement`; what it asks for
+stands as the criterion in claims.csv, which was written down before anything was
+computed.
+"""
+
+import csv
+from collections import Counter
+from collections.abc import Callable
+from importlib import resources
+from typing import NamedTuple
+
+from ..claim_data import Study
+from ..criteria import Judgement, Verdict, condition, judge, key_of
+from ..sets import GROUNDS
+from . import impacts, restitution, slope
+
+
+class Claim(NamedTuple):
+    """A row of claims.csv."""
+
+    id: str
+    where: str
+    claim: str
+    criterion: str
+
+
+def read_claims() -> dict[str, Claim]:
+    """Every claim by its id."""
+    text = resources.files(__name__).joinpath("claims.csv").read_text("utf-8")
+    rows = csv.DictReader(text.splitlines())
+    return {row["id"]: Claim(**row) for row in rows}
+
+
+OF_SETS: dict[str, Callable[..., Judgement]] = dict(
+    sorted((impacts.CLAIMS | restitution.CLAIMS).items())
+)
+"""Judges of the claims on sets I to IV, in the order of their ids."""
+
+
+def alike_on_other_grounds(study: Study) -> Judgement:
+    """The claims of sets I to IV have the same verdict on the other two grounds."""
+    table_1, *others = (
+        {name: judge(study.on(ground)).verdict for name, judge in OF_SETS.items()}
+        for ground in GROUNDS
+    )
+    parts, words, numbers = [], [in_words(GROUNDS[0], table_1)], {}
+    for ground, verdicts in zip(GROUNDS[1:], others, strict=True):
+        different = [name for name in OF_SETS if verdicts[name] != table_1[name]]
+        parts += [condition(verdicts[name] == table_1[name]) for name in OF_SETS]
+        changes = ", ".join(f"{name} {verdicts[name]}" for name in different)
+        words.append(f"{in_words(ground, verdicts)}, others: {changes or 'none'}")
+        numbers[f"different_with_{key_of(ground)}"] = len(different)
+    return judge("; ".join(words), parts, numbers)
+
+
+def in_words(ground: str, verdicts: dict[str, Verdict]) -> str:
+    """How many of the claims hold on a ground."""
+    counts = Counter(verdicts.values())
+    kinds = (Verdict.holds, Verdict.partly, Verdict.fails)
+    return f"{ground}: " + "/".join(str(counts[kind]) for kind in kinds)
+
+
+SUPPLEMENT = "C38"
+"""The claim of the supplementary material, on other pairs of c_v and gamma_v; it is not
+judged again under every reading."""
+JUDGES: dict[str, Callable[..., Judgement]] = (
+    OF_SETS
+    | restitution.FURTHER_CLAIMS
+    | impacts.SPHERICITY_CLAIMS
+    | slope.CLAIMS
+    | {SUPPLEMENT: alike_on_other_grounds}
+)
+"""Functions by the id of the claim that they judge."""
+SLOPE_CLAIMS = tuple(slope.CLAIMS)
+"""Claims on slope run-out, which have readings of their own."""

@@ -1,0 +1,276 @@
+"""Coefficients of restitution: Fig. 9 and the abstract (inclined impacts, set III),
+Eq. 5 (the energetic coefficient) and Fig. 13 (A_r 2 over the orientation, with spin).
+"""
+
+import numpy as np
+import xarray as xr
+
+from ..claim_data import (
+    RANDOM_SETS,
+    Datasets,
+    along_dimension,
+    along_major_axis,
+    along_minor_axis,
+    asymmetry,
+    less_mirrored,
+)
+from ..criteria import (
+    FALLS,
+    MARGIN,
+    RISES,
+    Judgement,
+    Verdict,
+    between,
+    condition,
+    conditions,
+    from_to,
+    judge,
+    key_of,
+    steps,
+    trend,
+    trends,
+)
+from ..sets import PARAMETRIC_SETS
+
+NEGATIVE_TO_DEG = 50.0
+RISES_FROM_DEG = 65.0
+RISES_BY = 0.1
+TWO_ORDERS = 100.0
+ABOVE = 1e-6
+"""Excess over 1 that errors of the integration may bring."""
+COEFFICIENTS = {
+    "e_n": "apparent",
+    "e_contact": "contact",
+    "e_bar": "energetic",
+    "e_n_vijayakumar": "rigid-body",
+}
+WIDE = 1.0 / 3.0
+"""Part of the orientations that counts as a wide range."""
+COINCIDE = 1e-3
+_SPIN = "angular_velocity_degps"
+
+
+def _trend_along_the_major_axis(name: str, direction: int, what: str):
+    """The judge of a coefficient that rises or falls with A_r along the major axis."""
+
+    def judge_trend(sets: Datasets) -> Judgement:
+        values = along_major_axis(sets)[name]
+        return judge(
+            between(values),
+            [trends(values, "aspect_ratio", direction, what)],
+            {"least": values.min(), "largest": values.max()},
+        )
+
+    return judge_trend
+
+
+def e_n_is_negative(sets: Datasets) -> Judgement:
+    """Along the major axis e_n is not monotonic, and negative up to 50°."""
+    e_n = along_major_axis(sets).e_n
+    e_n = e_n.sel(aspect_ratio=e_n.aspect_ratio > 1.0)
+    turns = along_dimension(
+        lambda line: {RISES, FALLS} <= set(steps(line)), e_n, "angle_deg"
+    )
+    low = e_n.sel(angle_deg=e_n.angle_deg <= NEGATIVE_TO_DEG)
+    negative = e_n < 0.0
+    found = ", ".join(
+        f"A_r {a_r:g} from {e_n.angle_deg.values[line][0]:g}°"
+        for a_r, line in zip(
+            e_n.aspect_ratio.values,
+            negative.transpose("aspect_ratio", "angle_deg").values,
+            strict=True,
+        )
+        if line.any()
+    )
+    return judge(
+        f"{between(low)} up to {NEGATIVE_TO_DEG:g}°; negative {found or 'nowhere'}",
+        [
+            conditions(turns, "not monotonic"),
+            conditions((low < 0.0).all("angle_deg"), "negative up to 50°"),
+        ],
+        {"least": e_n.min(), "negative_share": (low < 0.0).mean()},
+    )
+
+
+def e_n_rises_at_large_angles(sets: Datasets) -> Judgement:
+    """Along the major axis e_n rises from 65 to 80°, by more than 0.1."""
+
+    def rise_of(e_n: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
+        steep = e_n.sel(angle_deg=e_n.angle_deg >= RISES_FROM_DEG)
+        change = steep.isel(angle_deg=-1) - steep.isel(angle_deg=0)
+        up = along_dimension(
+            lambda line: bool(np.all(steps(line) == RISES)), steep, "angle_deg"
+        )
+        return change, up & (change > RISES_BY)
+
+    change, met = rise_of(along_major_axis(sets).e_n)
+    minor, _ = rise_of(along_minor_axis(sets).e_n)
+    return judge(
+        f"change from 65 to 80°: {between(change)} (minor axis {between(minor)})",
+        [conditions(met, "rises fast")],
+        {
+            "least_change": change.min(),
+            "largest_change": change.max(),
+            "least_change_minor_axis": minor.min(),
+            "largest_change_minor_axis": minor.max(),
+        },
+    )
+
+
+def both_fall_along_the_minor_axis(sets: Datasets) -> Judgement:
+    """Along the minor axis e_n and e_t fall with A_r."""
+    data = along_minor_axis(sets)
+    return judge(
+        f"e_n {between(data.e_n)}, e_t {between(data.e_t)}",
+        [
+            trends(data.e_n, "aspect_ratio", FALLS, "e_n falls with A_r"),
+            trends(data.e_t, "aspect_ratio", FALLS, "e_t falls with A_r"),
+        ],
+        {
+            "least_e_n": data.e_n.min(),
+            "largest_e_n": data.e_n.max(),
+            "least_e_t": data.e_t.min(),
+            "largest_e_t": data.e_t.max(),
+        },
+    )
+
+
+def two_orders_of_magnitude(sets: Datasets) -> Judgement:
+    """Along the major axis |e_n| varies over the angle by more than 100 times."""
+    e_n = along_major_axis(sets).e_n
+    size = abs(e_n)
+    ratio = size.max("angle_deg") / size.min("angle_deg")
+    crosses = (e_n.min("angle_deg") < 0.0) & (e_n.max("angle_deg") > 0.0)
+    signs = "its sign changes at A_r " + ", ".join(
+        f"{float(a_r):g}" for a_r in e_n.aspect_ratio[crosses]
+    )
+    return judge(
+        f"largest over least |e_n| {from_to(ratio)} at A_r "
+        f"{from_to(e_n.aspect_ratio)}; "
+        + (signs if crosses.any() else "its sign changes nowhere"),
+        [conditions((ratio > TWO_ORDERS) | crosses, "more than 100")],
+        {
+            "least_ratio": ratio.min(),
+            "largest_ratio": ratio.max(),
+            "signs_change": crosses.sum(),
+        },
+    )
+
+
+def never_exceeds_one(sets: Datasets) -> Judgement:
+    """The energetic coefficient is at most 1, in the sets and in random impacts."""
+    in_sets = np.concatenate([_impacts(sets[name]).e_bar for name in PARAMETRIC_SETS])
+    groups = {"sets": in_sets}
+    failed = beyond_gravity = 0
+    for name in RANDOM_SETS:
+        impacts = _impacts(sets[name])
+        finished = np.isfinite(impacts.e_bar)
+        failed += int((~finished).sum())
+        groups[name] = impacts.e_bar.values[finished]
+        left = impacts.e_bar**2 - impacts.gravity_share
+        beyond_gravity += int((left > (1.0 + ABOVE) ** 2).sum())
+    above = {name: int(np.sum(x > 1.0 + ABOVE)) for name, x in groups.items()}
+    if above["sets"]:
+        verdict = Verdict.fails
+    else:
+        verdict = Verdict.partly if any(above.values()) else Verdict.holds
+    numbers = {"above_1_without_gravity": beyond_gravity, "failed": failed}
+    for name, values in groups.items():
+        key = key_of(name)
+        numbers |= {f"{key}_above_1": above[name], f"{key}_largest": values.max()}
+    return Judgement(
+        verdict,
+        "above 1: "
+        + "; ".join(
+            f"{name} {above[name]} of {len(values)}, largest {values.max():.4g}"
+            for name, values in groups.items()
+        )
+        + f"; with gravity's work taken off {beyond_gravity}"
+        + (f"; {failed} random impacts failed" if failed else ""),
+        {name: float(value) for name, value in numbers.items()},
+        sum(count == 0 for count in above.values()),
+        len(above),
+    )
+
+
+def _impacts(data: xr.Dataset) -> xr.Dataset:
+    """Impacts in a row, those left out that are none."""
+    flat = data[[n for n in ("e_bar", "gravity_share", "outcome") if n in data]]
+    flat = flat.stack(point=data.outcome.dims, create_index=False)
+    return flat.isel(point=flat.outcome.values != "separating")
+
+
+def apparent_is_negative(sets: Datasets) -> Judgement:
+    """e_n is negative over a wide range, the contact and energetic ones are not."""
+    data = sets["fig13"]
+    share = (data.e_n < 0.0).mean("orientation_deg")
+    contact = data.e_contact.min("orientation_deg")
+    energetic = data.e_bar.min("orientation_deg")
+    below = int((data.e_contact <= 0.0).sum())
+    return judge(
+        f"e_n negative at {between(100.0 * share, '%')} of orientations, down to "
+        f"{float(data.e_n.min()):.3g}; contact one down to {float(contact.min()):.3g}, "
+        f"not above zero at {below} of {data.e_contact.size} points; energetic one "
+        f"down to {float(energetic.min()):.3g}",
+        [
+            conditions(share >= WIDE, "apparent one negative over a third"),
+            conditions(contact > 0.0, "contact one positive"),
+            conditions(energetic > 0.0, "energetic one positive"),
+        ],
+        {
+            "least_share_percent": 100.0 * share.min(),
+            "least_contact": contact.min(),
+            "least_energetic": energetic.min(),
+        },
+    )
+
+
+def asymmetry_grows_with_spin(sets: Datasets) -> Judgement:
+    """Symmetric without spin, ever less so with it."""
+    data = sets["fig13"]
+    parts, words, numbers = [], [], {}
+    for name, kind in COEFFICIENTS.items():
+        apart = np.sqrt((less_mirrored(data[name]) ** 2).mean("orientation_deg"))
+        still = asymmetry(data[name].sel({_SPIN: 0.0}))
+        parts.append(condition(float(still) <= MARGIN))
+        parts.append(trend(apart, RISES))
+        words.append(f"{kind} {', '.join(f'{float(x):.2g}' for x in apart)}")
+        numbers[f"{name}_at_largest_spin"] = apart[-1]
+    spins = ", ".join(f"{float(x):g}" for x in data[_SPIN])
+    return judge(
+        f"root mean square of value less mirrored value at {spins} °/s: "
+        + "; ".join(words),
+        parts,
+        numbers,
+    )
+
+
+def coefficients_coincide(sets: Datasets) -> Judgement:
+    """Along an axis and without spin the four coefficients are one."""
+    still = sets["fig13"].sel({_SPIN: 0.0}, drop=True)
+    along_axes = still.sel(orientation_deg=[0.0, 90.0, 180.0])
+    four = xr.concat([along_axes[name] for name in COEFFICIENTS], "coefficient")
+    apart = four.max("coefficient") - four.min("coefficient")
+    return judge(
+        f"e_n {from_to(along_axes.e_n[:2])} at 0 and 90°, the four within "
+        f"{float(apart.max()):.1g}",
+        [conditions(apart <= COINCIDE, "coincide")],
+        {"apart": apart.max()},
+    )
+
+
+CLAIMS = {
+    "C23": _trend_along_the_major_axis("e_n", FALLS, "falls with A_r"),
+    "C24": _trend_along_the_major_axis("e_t", RISES, "grows with A_r"),
+    "C25": e_n_is_negative,
+    "C26": e_n_rises_at_large_angles,
+    "C27": both_fall_along_the_minor_axis,
+    "C28": two_orders_of_magnitude,
+}
+"""Judges of the claims on restitution in set III."""
+FURTHER_CLAIMS = {
+    "C29": never_exceeds_one,
+    "C30": apparent_is_negative,
+    "C31": asymmetry_grows_with_spin,
+    "C32": coefficients_coincide,
+}

@@ -1,0 +1,158 @@
+"""Figs. 11, 12 and 14: slope run-out on two planes."""
+
+import numpy as np
+import xarray as xr
+
+from ...runout.biplanar import COEFFICIENTS
+from ..claim_data import SLOPE, Datasets, Study
+from ..criteria import Judgement, between, condition, conditions, judge, key_of
+from ..goodness_of_fit import Fit, fit_exponential, fit_normal
+from ..sets import GROUNDS
+
+ON_THE_PARABOLA = 1e-6
+"""[m]"""
+SUPERIMPOSED = 2.3
+"""Distance between paths that superimpose in a plot of the slope, 1 % of its height
+[m]."""
+A_FEW = (2, 4)
+"""Bounces that count as three."""
+SMALL = 0.1
+"""Part of the first flight's height up to which a bounce is small."""
+NEAR = 0.10
+"""Distance between distributions that are near each other."""
+ENOUGH = 20
+"""Jumps that a distribution needs at the least."""
+MEANS = {"e_n": 0.67, "e_t": 0.92}
+"""Means in the paper."""
+MEAN_WITHIN = 0.1
+WELL_ABOVE, SHARE_ABOVE = 1.2, 0.01
+
+
+def same_path(sets: Datasets) -> Judgement:
+    """Without spin all fly the same parabola, and their paths superimpose to 250 m."""
+    still = _without_spin(sets)
+    off, apart = still.off_the_parabola_m, still.paths_apart_m
+    long = apart.sel(aspect_ratio=apart.aspect_ratio > 1.0)
+    return judge(
+        f"first impact at x {between(still.first_impact_x_m, 'm')}, within "
+        f"{float(off.max()):.0e} m of the parabola; as far as x 250 m off the sphere's "
+        f"path by up to {float(long.max()):.2g} m",
+        [
+            conditions(off <= ON_THE_PARABOLA, "on the parabola"),
+            conditions(long <= SUPERIMPOSED, "superimposed"),
+        ],
+        {
+            "first_impact_x_m": still.first_impact_x_m.max(),
+            "apart_m": long.max(),
+        },
+    )
+
+
+def elongated_blocks_roll(sets: Datasets) -> Judgement:
+    """Elongated blocks roll after the first impact, the sphere after three bounces."""
+    still = _without_spin(sets)
+    sphere = still.sel(aspect_ratio=1.0)
+    long = still.sel(aspect_ratio=still.aspect_ratio > 1.0)
+    count, highest = int(sphere.bounces), float(sphere.highest_bounce_m)
+    small = highest <= SMALL * float(sphere.first_flight_m)
+    few = A_FEW[0] <= count <= A_FEW[1]
+    return judge(
+        f"bounces between first impact and rolling: sphere {count}, up to "
+        f"{highest:.2g} m high; others {between(long.bounces)}, up to "
+        f"{float(long.highest_bounce_m.max()):.2g} m high, but of a median rise of "
+        f"{between(long.middle_bounce_m, 'm')}",
+        [
+            conditions(long.rolls & (long.bounces == 0), "roll after the first impact"),
+            condition(bool(sphere.rolls) and few and small),
+        ],
+        {
+            "bounces_of_sphere": count,
+            "highest_of_sphere_m": highest,
+            "least_bounces_of_others": long.bounces.min(),
+            "most_bounces_of_others": long.bounces.max(),
+        },
+    )
+
+
+def _without_spin(sets: Datasets) -> xr.Dataset:
+    return sets[SLOPE].sel(angular_velocity_degps=0.0, drop=True)
+
+
+def heights_are_exponential(study: Study) -> Judgement:
+    """Heights of jumps are near an exponential distribution on all grounds."""
+    parts, words, numbers = [], [], {}
+    for ground in GROUNDS:
+        fits = exponential_fits(study.on(ground)[SLOPE])
+        distance = xr.DataArray(
+            [fit.distance for fit in fits.values()],
+            coords={"aspect_ratio": list(fits)},
+        )
+        count = np.array([fit.count for fit in fits.values()])
+        part = conditions((distance <= NEAR) & (count >= ENOUGH), "near")
+        parts += part.parts
+        words.append(
+            f"{ground}: distance {_listed(distance)} at A_r {_listed(list(fits))}, "
+            f"mean height {_listed([fit.mean for fit in fits.values()])} m, "
+            f"{count.min()} to {count.max()} jumps"
+        )
+        numbers[f"largest_distance_{key_of(ground)}"] = distance.max()
+    near = sum(part.held for part in parts)
+    words.append(f"near at {near} of {len(parts)} places")
+    return judge("; ".join(words), parts, numbers)
+
+
+def exponential_fits(data: xr.Dataset) -> dict[float, Fit]:
+    """The fit to the heights of the jumps of each aspect ratio."""
+    heights, of_block = data.jump_height_m.values, data.jump_aspect_ratio.values
+    return {
+        float(shape): fit_exponential(heights[of_block == shape])
+        for shape in data.aspect_ratio.values
+    }
+
+
+def coefficients_are_normal(study: Study) -> Judgement:
+    """e_n and e_t of all impacts are near normal, with the paper's means."""
+    data = study[SLOPE]
+    parts, words, numbers = [], [], {}
+    for name, mean in MEANS.items():
+        values = _in_window(data[name])
+        outside = 1.0 - len(values) / data[name].count()
+        fit = fit_normal(values)
+        above = float(np.mean(values > WELL_ABOVE))
+        parts += [
+            condition(abs(fit.start - mean) <= MEAN_WITHIN),
+            condition(fit.distance <= NEAR),
+            condition(above >= SHARE_ABOVE),
+        ]
+        words.append(
+            f"{name} mean {fit.start:.2f} (paper {mean}), standard deviation "
+            f"{fit.scale:.2f}, median {np.median(values):.2f}, distance "
+            f"{fit.distance:.2f}, {100.0 * above:.1f} % above {WELL_ABOVE}, "
+            f"{100.0 * float(outside):.1f} % outside of {COEFFICIENTS[0]:g} to "
+            f"{COEFFICIENTS[1]:g}"
+        )
+        numbers |= {f"mean_{name}": fit.start, f"distance_{name}": fit.distance}
+    others = []
+    for ground in GROUNDS[1:]:
+        other = study.on(ground)[SLOPE]
+        means = [np.mean(_in_window(other[name])) for name in MEANS]
+        others.append(f"{ground} {means[0]:.2f} and {means[1]:.2f}")
+    words += [f"{data.e_n.size} impacts", "means elsewhere: " + ", ".join(others)]
+    return judge("; ".join(words), parts, numbers)
+
+
+def _in_window(values: xr.DataArray) -> np.ndarray:
+    low, high = COEFFICIENTS
+    return values.values[(values >= low) & (values <= high)]
+
+
+def _listed(values) -> str:
+    return ", ".join(f"{float(value):.2g}" for value in values)
+
+
+CLAIMS = {
+    "C34": same_path,
+    "C35": elongated_blocks_roll,
+    "C36": heights_are_exponential,
+    "C37": coefficients_are_normal,
+}

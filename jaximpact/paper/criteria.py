@@ -1,0 +1,228 @@
+"""Verdicts on claims, and criteria put together from parts.
+
+A trend is a line of values each step of which goes in the claimed direction by more
+than 0.1 % of the largest of them. It holds if every step does, fails if the last value
+is not beyond the first in that direction, and else holds partly. A condition holds or
+fails. Of several parts, all must hold, or none, for their claim to hold or to fail;
+else it holds partly.
+"""
+
+import dataclasses
+import enum
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+MARGIN = 1e-3
+"""Part of the largest value on a line that counts as a change. Values are computed to
+1e-5 and better."""
+NOTHING = 1e-9
+"""Size below which a number is rounding, in every unit used."""
+RISES, FALLS = 1, -1
+_PLACES = {
+    "aspect_ratio": ("A_r {}", "A_r"),
+    "angle_deg": ("{}°", "angle"),
+    "orientation_deg": ("{}°", "orientation"),
+    "angular_velocity_degps": ("{}°/s", "spin"),
+}
+"""Dimension -> how its values are written, and what one is called."""
+
+
+class Verdict(enum.StrEnum):
+    """Whether the model bears a claim out, or does as a law says."""
+
+    holds = "holds"
+    """Every part that its criterion names holds."""
+    partly = "partly"
+    """Some of them hold."""
+    fails = "fails"
+    """None of them holds."""
+    not_computed = "not computed"
+    """Nothing is known; the evidence says why."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Judgement:
+    """A verdict and what decides it."""
+
+    verdict: Verdict
+    evidence: str
+    """What decides, in a line, numbers with their units."""
+    numbers: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    """The numbers of the evidence; names end in the unit where there is one."""
+    held: int = 0
+    asked: int = 0
+    """Checks that the criterion asks for, steps of trends and places of conditions: how
+    many hold, and how many there are."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Finding:
+    """A claim, where it stands, how it is judged, and the judgement."""
+
+    id: str
+    where: str
+    claim: str
+    criterion: str
+    judgement: Judgement
+
+
+class NotComputed(Exception):
+    """What a claim is judged by could not be computed; the message says why."""
+
+
+class Part(NamedTuple):
+    """A part of a criterion: its verdict, and how many of its checks hold."""
+
+    verdict: Verdict
+    held: int
+    asked: int
+
+
+class Parts(NamedTuple):
+    """The same part at one place after another."""
+
+    what: str
+    """What is asked for, as in "falls with A_r"."""
+    dimension: str
+    at: Sequence[float] | np.ndarray
+    parts: list[Part]
+
+
+def steps(values: ArrayLike) -> np.ndarray:
+    """1 for each step up, -1 for each step down, 0 for those within the margin."""
+    values = np.asarray(values, float)
+    margin = MARGIN * np.max(np.abs(values))
+    change = np.diff(values)
+    return np.where(np.abs(change) > margin, np.sign(change), 0.0).astype(int)
+
+
+def trend(values: ArrayLike, direction: int) -> Part:
+    """Whether a line of values rises, or falls, at every step."""
+    values = np.asarray(values, float)
+    taken = steps(values) == direction
+    (overall,) = steps(values[[0, -1]])
+    if taken.all():
+        verdict = Verdict.holds
+    else:
+        verdict = Verdict.partly if overall == direction else Verdict.fails
+    return Part(verdict, int(taken.sum()), len(taken))
+
+
+def condition(met: bool) -> Part:
+    """A part that holds or fails."""
+    return Part(Verdict.holds if met else Verdict.fails, int(met), 1)
+
+
+def trends(values: xr.DataArray, along: str, direction: int, what: str) -> Parts:
+    """The trends along one of two dimensions, at each place of the other."""
+    (other,) = (str(name) for name in values.dims if name != along)
+    lines = values.transpose(other, along).values
+    return Parts(
+        what, other, values[other].values, [trend(x, direction) for x in lines]
+    )
+
+
+def conditions(met: xr.DataArray, what: str) -> Parts:
+    """A condition at each place of one dimension."""
+    (dimension,) = map(str, met.dims)
+    return Parts(
+        what, dimension, met[dimension].values, [condition(bool(x)) for x in met]
+    )
+
+
+def combine(verdicts: Iterable[Verdict]) -> Verdict:
+    """The verdict of parts together."""
+    found = set(verdicts)
+    return found.pop() if len(found) == 1 else Verdict.partly
+
+
+def judge(
+    evidence: str,
+    groups: Iterable[Part | Parts],
+    numbers: Mapping[str, Any] | None = None,
+) -> Judgement:
+    """The judgement by all parts of a criterion.
+
+    Args:
+        evidence: the numbers that decide; where the parts hold is added.
+        groups: the parts.
+        numbers: those of the evidence; each is made a float.
+    """
+    groups = list(groups)
+    parts = [
+        part
+        for group in groups
+        for part in (group.parts if isinstance(group, Parts) else [group])
+    ]
+    texts = [evidence, *(tally(group) for group in groups if isinstance(group, Parts))]
+    return Judgement(
+        combine(part.verdict for part in parts),
+        "; ".join(text for text in texts if text),
+        {name: float(value) for name, value in (numbers or {}).items()},
+        sum(part.held for part in parts),
+        sum(part.asked for part in parts),
+    )
+
+
+def tally(group: Parts) -> str:
+    """Say where parts hold."""
+    form, name = _PLACES[group.dimension]
+    found = [part.verdict for part in group.parts]
+    hold = [verdict is Verdict.holds for verdict in found]
+    if all(hold):
+        return f"{group.what} at every {name}"
+    if any(hold):
+        where = form.format(ranges(group.at, hold))
+        text = f"{group.what} at {sum(hold)} of {len(hold)}: {where}"
+    else:
+        text = f"{group.what} at no {name}"
+    in_part = [verdict is Verdict.partly for verdict in found]
+    if any(in_part):
+        text += f" (in part at {form.format(ranges(group.at, in_part))})"
+    return text
+
+
+def ranges(values: Sequence[float] | np.ndarray, chosen: Sequence[bool]) -> str:
+    """The chosen values, neighbours of a row as a range: "10 to 30, 50"."""
+    found: list[list[float]] = []
+    before = False
+    for value, is_chosen in zip(values, chosen, strict=True):
+        if is_chosen and before:
+            found[-1].append(value)
+        elif is_chosen:
+            found.append([value])
+        before = is_chosen
+    return ", ".join(
+        f"{row[0]:g}" if len(row) == 1 else f"{row[0]:g} to {row[-1]:g}"
+        for row in found
+    )
+
+
+def from_to(values: ArrayLike, unit: str = "") -> str:
+    """First and last value of a line, in words."""
+    values = np.asarray(values, float)
+    ends = [f"{0.0 if abs(x) < NOTHING else x:.3g}" for x in values[[0, -1]]]
+    space = "" if unit == "°" or not unit else " "
+    return f"{' to '.join(dict.fromkeys(ends))}{space}{unit}"
+
+
+def between(values: ArrayLike, unit: str = "") -> str:
+    """Least and largest value, in words."""
+    values = np.asarray(values, float)
+    return from_to([values.min(), values.max()], unit)
+
+
+def steps_that_go(values: ArrayLike, direction: int) -> str:
+    """How many steps of a line go in a direction, in words."""
+    part = trend(values, direction)
+    verb = "rises" if direction == RISES else "falls"
+    return f"{verb} in {part.held} of {part.asked} steps"
+
+
+def key_of(words: str) -> str:
+    """Words as part of the name of a number."""
+    return words.replace(", ", "_").replace(" ", "_")

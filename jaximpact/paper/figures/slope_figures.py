@@ -1,0 +1,387 @@
+"""Figures 10 to 12 and 14: slope run-out on two planes."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ...impact.termination import Outcome
+from ...plotting.style import (
+    BLUE,
+    SOIL,
+    VERMILION,
+    in_style,
+    legend_outside,
+    log_scale,
+)
+from ...quantities import OUTCOME_COLUMN, columns_of_part
+from ...runout import Ending, MotionMode, Pieces, Runs
+from ...runout.analysis import jumps, restitutions, rise_before
+from ...runout.biplanar import (
+    ASPECT_RATIOS,
+    COEFFICIENTS,
+    FLAT_LENGTH,
+    HEIGHT,
+    HOP,
+    SLOPE,
+    SLOPE_LENGTH,
+    SPEED,
+    SPINS_DEGPS,
+    BiplanarCase,
+)
+from ...scene import GRAVITY
+from ...units import DEGREE
+from ..goodness_of_fit import Fit, fit_exponential, fit_normal
+from .drawing import (
+    ASPECT_RATIO,
+    aspect_ratio_legend,
+    colours_of,
+    draw_curves,
+    label_axes,
+    lettered_panels,
+)
+from .tables import PaperFigure, Study, Table
+
+SPIN = "angular_velocity_degps"
+ENDING_COLUMN = "ending"
+FEWEST = 0.5
+"""Count at which the axis begins: below one."""
+LINE = "line"
+PROFILE, FLIGHT = "profile", "parabola of the release"
+DRAWN = 241
+"""Points of the parabola."""
+SPACING = 0.05
+"""Largest time between rows [s]; the ends of all pieces of a trajectory are rows."""
+SERIES = ("y_m", "height_m", "velocity_mps", "spin_degps")
+JUMP_BINS, IMPACT_BINS = 50, 80
+RISE = "rise_before_m"
+"""Column of the rise of the flight that an impact ends; NaN where the block came along
+the ground."""
+ALL: dict[str, Any] = {"color": "black"}
+HIGHER: dict[str, Any] = {"color": VERMILION, "ls": "--"}
+
+
+def blocks_table(runs: Runs, trajectory: np.ndarray) -> Table:
+    """Aspect ratio, the sphere's spin and the ending of some trajectories, a row for
+    each place."""
+    shapes = np.repeat(ASPECT_RATIOS, len(SPINS_DEGPS))
+    spins = np.tile(SPINS_DEGPS, len(ASPECT_RATIOS))
+    endings = np.array([str(Ending(code)) for code in runs.ending])
+    of = np.asarray(trajectory).astype(int)
+    return pd.DataFrame(
+        {ASPECT_RATIO: shapes[of], SPIN: spins[of], ENDING_COLUMN: endings[of]}
+    )
+
+
+def case_values(study: Study) -> dict:
+    """What the runs were computed from, for the manifest."""
+    case = BiplanarCase()
+    scene = study.parametric_set("I")[0]
+    soil = {
+        column.name: float(getattr(scene.soil, column.field)) / column.factor
+        for column in columns_of_part("soil", scene.soil).values()
+    }
+    angles = {
+        f"{name}_deg": getattr(case, name) / DEGREE
+        for name in ("direction", "orientation", "rolling_friction_angle")
+    }
+    others = {
+        field.name: getattr(case, field.name)
+        for field in dataclasses.fields(case)
+        if f"{field.name}_deg" not in angles and field.name != "height"
+    }
+    return {
+        "slope_height_m": HEIGHT,
+        "slope_length_m": SLOPE_LENGTH,
+        "flat_length_m": FLAT_LENGTH,
+        "speed_mps": SPEED,
+        "height_above_the_crest_m": case.height,
+        **angles,
+        **others,
+        "mass_kg": float(scene.block.mass),
+        "density_kgm3": float(scene.block.density),
+        "aspect_ratios": list(ASPECT_RATIOS),
+        "spins_of_the_sphere_degps": list(SPINS_DEGPS),
+        **soil,
+    }
+
+
+def compute_10(study: Study) -> Table:
+    """Points of the profile, and of the parabola up to where it comes down to it."""
+    case = BiplanarCase()
+    profile = case.profile(study.parametric_set("I")[0].soil)
+    v_x, v_y = SPEED * np.cos(case.direction), SPEED * np.sin(case.direction)
+    rising = v_y + v_x * np.tan(SLOPE)
+    end = (rising + np.sqrt(rising**2 + 2.0 * GRAVITY * case.height)) / GRAVITY
+    time = np.linspace(0.0, end, DRAWN)
+    return pd.concat(
+        [
+            pd.DataFrame({LINE: PROFILE, "x_m": profile.x, "y_m": profile.y}),
+            pd.DataFrame(
+                {
+                    LINE: FLIGHT,
+                    "x_m": v_x * time,
+                    "y_m": HEIGHT + case.height + (v_y - 0.5 * GRAVITY * time) * time,
+                }
+            ),
+        ],
+        ignore_index=True,
+    )
+
+
+@in_style
+def draw_10(table: Table) -> Figure:
+    """The profile with its lengths, and the parabola."""
+    figure, (axes,) = lettered_panels(1, 1, height=3.2)
+    profile, flight = (table[table[LINE] == name] for name in (PROFILE, FLIGHT))
+    x, y = profile["x_m"].to_numpy(), profile["y_m"].to_numpy()
+    axes.fill_between(x, y, -60.0, color=SOIL)
+    axes.plot(x, y, color="black", lw=2.5, label=PROFILE)
+    axes.plot(flight["x_m"], flight["y_m"], color=BLUE, lw=1.4, label=FLIGHT)
+    for ends, text in (
+        ((x[0], x[1]), f"$L_{{s1}}$ = {SLOPE_LENGTH:g} m"),
+        ((x[1], x[2]), f"$L_{{s2}}$ = {FLAT_LENGTH:g} m"),
+    ):
+        _measure(axes, (ends[0], -25.0), (ends[1], -25.0))
+        axes.text(0.5 * sum(ends), -30.0, text, ha="center", va="top")
+    _measure(axes, (x[1] + 80.0, 0.0), (x[1] + 80.0, y[0]))
+    axes.text(x[1] + 90.0, 0.5 * y[0], f"$H_s$ = {HEIGHT:g} m", va="center")
+    axes.text(x[1] - 210.0, 12.0, rf"$\omega$ = {SLOPE / DEGREE:.1f}°")
+    angle = BiplanarCase().direction
+    start = flight.iloc[0]
+    tip = (start["x_m"] + 90.0 * np.cos(angle), start["y_m"] + 90.0 * np.sin(angle))
+    axes.annotate(
+        "",
+        tip,
+        (start["x_m"], start["y_m"]),
+        arrowprops={"arrowstyle": "-|>", "color": BLUE, "lw": 1.4},
+    )
+    axes.text(
+        tip[0] + 6.0,
+        tip[1],
+        f"{SPEED:g} m/s, {angle / DEGREE:g}° up",
+        va="center",
+    )
+    label_axes(axes, "x_m", "y_m")
+    axes.set(xlim=(x[0] - 20.0, x[-1]), ylim=(-60.0, 290.0))
+    axes.set_aspect("equal")
+    legend_outside(figure, place="upper center")
+    return figure
+
+
+def _measure(axes, start, stop) -> None:
+    """A line with an arrow at both ends."""
+    style = {"arrowstyle": "<->", "color": "0.3", "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", stop, start, arrowprops=style)
+
+
+def compute_11(study: Study) -> Table:
+    """The trajectory of each shape, a row a moment: the height is that of the centre
+    above the ground. Contacts are left out, which last too short to be seen."""
+    runs = study.slope_runs()
+    free = runs.pieces.motion != MotionMode.contact
+    pieces = Pieces(*(column[free] for column in runs.pieces))
+    runs = dataclasses.replace(runs, pieces=pieces)
+    parts = []
+    for block in range(0, runs.release.count, len(SPINS_DEGPS)):
+        path = runs.path(block, SPACING)
+        part = blocks_table(runs, np.full(len(path["x"]), block))
+        parts.append(
+            part.assign(
+                time_s=path["time"],
+                x_m=path["x"],
+                y_m=path["y"],
+                height_m=path["y"] - runs.profile.height(path["x"]),
+                velocity_mps=np.hypot(path["v_x"], path["v_y"]),
+                spin_degps=path["angular_velocity"] / DEGREE,
+            )
+        )
+    return pd.concat(parts, ignore_index=True)
+
+
+@in_style
+def draw_11(table: Table) -> Figure:
+    """Against x: a: trajectory, with the profile; b: height of the centre above the
+    ground; c: translational velocity; d: rotational velocity."""
+    figure, axes = lettered_panels(2, 2)
+    axes[0].plot(
+        [0.0, SLOPE_LENGTH, SLOPE_LENGTH + FLAT_LENGTH],
+        [HEIGHT, 0.0, 0.0],
+        color="black",
+        lw=3.0,
+        zorder=1,
+    )
+    for each, series in zip(axes, SERIES, strict=True):
+        draw_curves(each, table, "x_m", series, lw=0.8)
+        each.set_xlim(0.0, 1.02 * table["x_m"].max())
+    aspect_ratio_legend(figure, table)
+    return figure
+
+
+def compute_12(study: Study) -> Table:
+    """A row for each flight that begins at a contact: the highest point of the centre
+    above the ground, and by how much that is above its start."""
+    runs = study.slope_runs()
+    flights = jumps(runs)
+    chosen = np.flatnonzero(flights.after_contact)
+    table = blocks_table(runs, flights.trajectory[chosen])
+    return table.assign(
+        start_x_m=runs.pieces.x[flights.piece[chosen]],
+        height_m=flights.height[chosen],
+        rise_m=flights.rise[chosen],
+    )
+
+
+@in_style
+def draw_12(table: Table) -> Figure:
+    """a to e: histograms for each aspect ratio, all spins, with exponential fits to all
+    jumps and to the higher ones, which rise by more than a hop, and the distances of
+    the fits; f: fractions that are higher."""
+    figure, axes = lettered_panels(3, 2, sharex=True)
+    edges = np.linspace(0.0, 1.02 * table["height_m"].max(), JUMP_BINS + 1)
+    fraction = axes[-1]
+    colours = colours_of(table[ASPECT_RATIO])
+    for each, (shape, rows) in zip(axes[:-1], table.groupby(ASPECT_RATIO), strict=True):
+        heights, higher = rows["height_m"], rows.loc[rows["rise_m"] > HOP, "height_m"]
+        fits = fit_exponential(heights), fit_exponential(higher)
+        draw_histogram(each, heights, edges, fits[0], exponential, **ALL)
+        draw_histogram(each, higher, edges, fits[1], exponential, **HIGHER)
+        label_axes(each, "height_m", "height_m")
+        each.set_ylabel("jumps [-]")
+        each.set_title(
+            f"$A_r$ = {shape:g}, distance of the fit:\n"
+            f"all {distance_in_words(fits[0])}, higher {distance_in_words(fits[1])}"
+        )
+        scale_counts(each, heights, edges)
+        ordered = np.sort(heights)
+        fraction.step(
+            ordered,
+            1.0 - np.arange(len(ordered)) / len(ordered),
+            color=colours[shape],
+            lw=1.2,
+            label=f"{shape:g}",
+        )
+    label_axes(fraction, "height_m", "height_m")
+    fraction.set_ylabel("fraction that is higher [-]")
+    log_scale(fraction, "y")
+    fraction.legend(title="$A_r$")
+    axes[0].set_xlim(edges[0], edges[-1])
+    legend_of_two(
+        figure, "all jumps, exponential fit", f"higher: rise by more than {HOP:g} m"
+    )
+    return figure
+
+
+def compute_14(study: Study) -> Table:
+    """A row for each impact; coefficients are NaN where the centre does not come
+    down."""
+    runs = study.slope_runs()
+    found = restitutions(runs)
+    chosen = np.flatnonzero(runs.contacts.outcome >= 0)
+    table = blocks_table(runs, runs.contacts.trajectory[chosen])
+    outcomes = [str(Outcome(code)) for code in runs.contacts.outcome[chosen]]
+    return table.drop(columns=ENDING_COLUMN).assign(
+        x_m=runs.contacts.x[chosen],
+        e_n=found.e_n[chosen],
+        e_t=found.e_t[chosen],
+        **{
+            RISE: rise_before(runs, jumps(runs))[chosen],
+            OUTCOME_COLUMN: outcomes,
+        },
+    )
+
+
+@in_style
+def draw_14(table: Table) -> Figure:
+    """a: e_n; b: e_t; with normal fits to all impacts and to those after a flight that
+    rises by more than a hop: mean and standard deviation, and distance."""
+    figure, axes = lettered_panels(1, 2)
+    edges = np.linspace(*COEFFICIENTS, IMPACT_BINS + 1)
+    for each, name in zip(axes, ("e_n", "e_t"), strict=True):
+        inside = table[table[name].between(*COEFFICIENTS)]
+        words = []
+        for rows, who, style in (
+            (inside, "all", ALL),
+            (inside[inside[RISE] > HOP], "higher", HIGHER),
+        ):
+            fit = fit_normal(rows[name])
+            draw_histogram(each, rows[name], edges, fit, normal, **style)
+            words.append(
+                f"{who} {fit.start:.2f} ± {fit.scale:.2f}, "
+                f"distance {distance_in_words(fit)}"
+            )
+        label_axes(each, name, name)
+        each.set_ylabel("impacts [-]")
+        scale_counts(each, inside[name], edges)
+        each.set_title("\n".join(words))
+    legend_of_two(
+        figure,
+        "all impacts, normal fit",
+        f"higher: after a rise of more than {HOP:g} m",
+    )
+    return figure
+
+
+def legend_of_two(figure: Figure, all_of_them: str, higher: str) -> None:
+    """The legend of the histograms, and what the numbers in brackets are."""
+    handles = [
+        Line2D([], [], label=all_of_them, **ALL),
+        Line2D([], [], label=higher, **HIGHER),
+    ]
+    legend_outside(figure, handles, "upper center")
+    figure.supxlabel(
+        "distance: Kolmogorov's; in brackets what it exceeds by chance in 5 % of cases",
+        fontsize=9,
+    )
+
+
+def draw_histogram(
+    axes: Axes, values, edges: np.ndarray, fit: Fit, density, **style
+) -> None:
+    """Counts, and what the fitted density expects of them."""
+    axes.hist(
+        values, edges.tolist(), histtype="stepfilled", color=style["color"], alpha=0.35
+    )
+    if np.isfinite(fit.scale):
+        x = np.linspace(edges[0], edges[-1], 400)
+        expected = fit.count * (edges[1] - edges[0]) * density(x, fit)
+        axes.plot(x, expected, lw=1.4, **style)
+
+
+def scale_counts(axes: Axes, values, edges: np.ndarray) -> None:
+    """A logarithmic axis for counts of up to those of the values, and of a curve that
+    passes above them."""
+    log_scale(axes, "y")
+    axes.set_ylim(FEWEST, 10.0 * max(1, *np.histogram(values, edges)[0]))
+
+
+def distance_in_words(fit: Fit) -> str:
+    """The distance, and in brackets what it exceeds by chance in 5 of 100 cases."""
+    return f"{fit.distance:.2f} ({fit.distance_by_chance:.2f})"
+
+
+def exponential(x: np.ndarray, fit: Fit) -> np.ndarray:
+    """Its density, NaN before it begins."""
+    beyond = np.where(x >= fit.start, x - fit.start, np.nan)
+    return np.exp(-beyond / fit.scale) / fit.scale
+
+
+def normal(x: np.ndarray, fit: Fit) -> np.ndarray:
+    """Its density."""
+    return np.exp(-0.5 * ((x - fit.start) / fit.scale) ** 2) / (
+        np.sqrt(2.0 * np.pi) * fit.scale
+    )
+
+
+SLOPE_FIGURES = (
+    PaperFigure("10", "the slope of two planes", (), compute_10, draw_10, True),
+    PaperFigure("11", "runs without initial spin", (), compute_11, draw_11, True),
+    PaperFigure("12", "heights of jumps", (), compute_12, draw_12, True),
+    PaperFigure(
+        "14", "restitution in all impacts of the runs", (), compute_14, draw_14, True
+    ),
+)

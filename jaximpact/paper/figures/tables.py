@@ -1,0 +1,267 @@
+"""Tables that figures are drawn from: impacts, their time series, curves with jumps.
+
+Curves jump where a block whose resultant just reaches the edge of its foundation leaves
+earlier than one whose resultant just does not: every result jumps with the end of the
+contact. Both may have the same outcome, which does not tell then. The duration does:
+over a jump it changes by as much however close the two sides are.
+"""
+
+import concurrent.futures
+import dataclasses
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from ...accuracy import Accuracy
+from ...backend.threads import thread_count
+from ...impact.history import History
+from ...progress import Progress
+from ...quantities import OUTCOME_COLUMN
+from ...runout import FullModel, Runs, simulate_runout
+from ...runout.biplanar import BiplanarCase
+from ...scene import Scene
+from ...scene_quantities import scene_of_values, scene_values
+from ...simulation import ImpactResult, simulate
+from ...sweeping import Axes, sweep
+from ..sets import TABLE_1, check_ground, parametric_set
+
+Table = Any
+"""A pandas.DataFrame, whose own annotations give a Series for every choice of rows."""
+HALF_TURN = np.linspace(0.0, 180.0, 181)
+"""Orientations for curves [deg]: what comes after repeats. (The sets have every fifth,
+which is too few where curves jump.)"""
+SERIES = {
+    "time_s": "time",
+    "penetration_m": "penetration",
+    "normal_force_N": "normal_force",
+    "rotation_rad": "rotation",
+    "R_r": "rotational_ratio",
+}
+"""Column -> field of the history."""
+DURATION = "duration_s"
+BRANCH = "branch"
+"""Column that counts the pieces of a curve: from 0, one more after each jump."""
+JUMP = 0.05
+"""Change of the duration, by the longer one, that is a jump if it remains."""
+HALVINGS = 10
+"""How often the interval about a jump is halved."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Study:
+    """The paper's parametric study on one of its grounds.
+
+    Raises InputError for an unknown ground.
+    """
+
+    ground: str = TABLE_1
+    """One of `GROUNDS`."""
+    accuracy: str | Accuracy = "reference"
+    progress: Progress = dataclasses.field(default_factory=Progress)
+    known: dict[str, Runs] = dataclasses.field(
+        default_factory=dict, repr=False, compare=False
+    )
+    """Slope run-out by ground, once it is computed: several figures need it."""
+
+    def __post_init__(self):
+        check_ground(self.ground)
+
+    def parametric_set(self, name: str) -> tuple[Scene, Axes]:
+        """Base and axes of a set, on this ground alone."""
+        return parametric_set(name, self.ground)
+
+    def slope_runs(self) -> Runs:
+        """The paper's slope run-out on two planes, computed once."""
+        if self.ground not in self.known:
+            case, soil = BiplanarCase(), self.parametric_set("I")[0].soil
+            self.known[self.ground] = simulate_runout(
+                case.profile(soil),
+                case.release(),
+                FullModel(self.accuracy),
+                progress=lambda done, total: self.progress("runs", done, total),
+            )
+        return self.known[self.ground]
+
+
+class PaperFigure(NamedTuple):
+    """A figure that can be asked for by its number in the paper."""
+
+    number: str
+    title: str
+    """What it shows, in a line."""
+    sets: tuple[str, ...]
+    """The parametric sets that it is computed from."""
+    compute: Callable[[Study], Table]
+    """The table: a row for each point, columns named with units as in `columns`."""
+    draw: Callable[[Table], Figure]
+    """The figure, from the table alone."""
+    on_the_slope: bool = False
+    """Whether it shows the slope run-out on two planes."""
+
+    @property
+    def name(self) -> str:
+        """Name of its files, without suffix."""
+        return f"figure-{self.number}"
+
+
+def impact_table(
+    base: Scene, axes: Axes, results: tuple[str, ...], accuracy: str | Accuracy
+) -> Table:
+    """Impacts at every combination of the values along the axes, the last axis fastest.
+
+    Args:
+        base, axes, accuracy: as for `sweep`.
+        results: columns wanted beside the axes and the outcome.
+    """
+    dataset = sweep(base, axes, accuracy=accuracy)[[*results, OUTCOME_COLUMN]]
+    return dataset.to_dataframe().reset_index()
+
+
+def impacts_at(
+    base: Scene,
+    points: Table,
+    results: tuple[str, ...],
+    accuracy: str | Accuracy,
+) -> Table:
+    """The points, a row each, with results and outcome of their impacts appended."""
+    quantities = {name: points[name].to_numpy() for name in points}
+    table = impact_table(base, {"point": quantities}, results, accuracy)
+    return table[[*quantities, *results, OUTCOME_COLUMN]]
+
+
+def record_series(
+    study: Study, base: Scene, points: Sequence[Mapping]
+) -> list[ImpactResult]:
+    """Impacts with their histories.
+
+    Args:
+        study: for its accuracy, and to be told of progress.
+        points: what differs from the base, quantities in the units of their columns.
+    """
+
+    def record(point):
+        scene = scene_of_values(scene_values(base) | dict(point))
+        return simulate(
+            scene.block,
+            scene.soil,
+            scene.impact,
+            accuracy=study.accuracy,
+            history=True,
+        )
+
+    total = len(points)
+    study.progress("time series", 0, total)
+    # The first compiles what all use.
+    results = [record(points[0])]
+    pool = concurrent.futures.ThreadPoolExecutor(thread_count())
+    try:
+        for result in pool.map(record, points[1:]):
+            results.append(result)
+            study.progress("time series", len(results), total)
+    finally:
+        pool.shutdown(cancel_futures=True)
+    return results
+
+
+def histories_of(results: Iterable[ImpactResult]) -> list[History]:
+    """The histories of results that were asked to have them."""
+    return [result.history for result in results if result.history is not None]
+
+
+def series_table(
+    points: Iterable[Mapping],
+    results: Iterable[ImpactResult],
+    series: Sequence[str],
+) -> Table:
+    """Time series one below another, a row for the start and for each step of the
+    integration, with the point and the outcome in every row.
+
+    Steps are as the integration took them: dense where forces change fast, and the last
+    one on the end of the contact, which a common grid of times would cut off.
+    """
+    parts = []
+    for point, result in zip(points, results, strict=True):
+        columns = {name: getattr(result.history, SERIES[name]) for name in series}
+        part = pd.DataFrame(columns).assign(**{OUTCOME_COLUMN: str(result.outcome)})
+        for place, (quantity, value) in enumerate(point.items()):
+            part.insert(place, quantity, value)
+        parts.append(part)
+    return pd.concat(parts, ignore_index=True)
+
+
+def peak(time: np.ndarray, values: np.ndarray) -> float:
+    """Largest value of a time series, between its rows too: by the parabola through the
+    largest one and its neighbours. At either end it is the value there; NaN if a value
+    is not finite."""
+    if not np.all(np.isfinite(values)):
+        return float("nan")
+    place = int(np.argmax(values))
+    if place in (0, len(values) - 1):
+        return float(values[place])
+    around = slice(place - 1, place + 2)
+    scaled = (time[around] - time[place]) / (time[place + 1] - time[place - 1])
+    second, first, height = np.polyfit(scaled, values[around], 2)
+    return float(height - 0.25 * first**2 / second) if second < 0.0 else float(height)
+
+
+def curves_with_jumps(
+    base: Scene,
+    axes: Axes,
+    along: str,
+    results: tuple[str, ...],
+    accuracy: str | Accuracy,
+) -> Table:
+    """Impacts along curves, with both sides of every jump.
+
+    Args:
+        base, axes, accuracy: as for `sweep`.
+        along: the axis that runs along a curve; the others number the curves.
+        results: columns wanted beside the axes, duration and outcome.
+
+    Returns:
+        The rows of each curve in turn, with the further column `branch`. The two sides
+        of a jump, which are rows of their own, lie 1/1024 of the distance between
+        neighbours apart. Of several jumps between the same neighbours one is found.
+    """
+    results = (*results, DURATION)
+    across = [axis for axis in axes if axis != along]
+    grid = impact_table(base, axes, results, accuracy)
+    grid = grid.sort_values([*across, along], ignore_index=True)
+    same_curve = (grid[across].shift(-1) == grid[across]).all(axis=1)
+    before = np.flatnonzero(same_curve)
+    left, right = (grid.loc[before + i].reset_index(drop=True) for i in (0, 1))
+    for _ in range(HALVINGS):
+        left, right = _jumping(left, right)
+        points = left[[*across, along]].assign(
+            **{along: 0.5 * (left[along] + right[along])}
+        )
+        if points.empty:
+            break
+        middle = impacts_at(base, points, results, accuracy)
+        in_left_half = _change(left, middle) > _change(middle, right)
+        left, right = (
+            pd.concat([left[in_left_half], middle[~in_left_half]]).sort_index(),
+            pd.concat([middle[in_left_half], right[~in_left_half]]).sort_index(),
+        )
+    left, right = _jumping(left, right)
+    rows = [side.assign(starts=i) for i, side in enumerate((grid, left, right))]
+    table = pd.concat(rows).drop_duplicates([*across, along], keep="last")
+    table = table.sort_values([*across, along], ignore_index=True)
+    starts = table["starts"] == 2
+    table[BRANCH] = starts.groupby([table[axis] for axis in across]).cumsum()
+    return table[[*across, along, BRANCH, *results, OUTCOME_COLUMN]]
+
+
+def _jumping(left: Table, right: Table):
+    """Those pairs of rows between which there may be a jump."""
+    jumping = _change(left, right) > JUMP
+    return (side[jumping].reset_index(drop=True) for side in (left, right))
+
+
+def _change(left: Table, right: Table) -> Table:
+    """Change of the duration, by the longer one; NaN beside impacts that failed."""
+    one, other = left[DURATION], right[DURATION]
+    return (one - other).abs() / np.maximum(one, other)

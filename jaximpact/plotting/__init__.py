@@ -1,0 +1,1 @@
+"""The drawing of an impact, and the style of all drawings."""

@@ -1,0 +1,360 @@
+"""One impact drawn: forces, depth, rotation and energy over time, and a side view.
+
+Matplotlib's object-oriented interface only: nothing is shown, no global state changes,
+and it works without a display.
+"""
+
+import re
+from pathlib import Path
+
+import jax
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..impact.history import History
+from ..impact.summary import ImpactSummary
+from ..impact.termination import Outcome
+from ..parameters import parameters_of
+from ..scene import Scene
+from ..shapes import Ellipsoid
+from .style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    SOIL,
+    VERMILION,
+    WIDTH,
+    empty_panel,
+    few_ticks,
+    in_style,
+    plain,
+    save_figure,
+)
+
+FORCE_UNITS = ((1e3, "kN"), (1.0, "N"))
+LENGTH_UNITS = ((1e-2, "cm"), (1e-3, "mm"))
+ENERGY_UNITS = ((1e6, "MJ"), (1e3, "kJ"), (1.0, "J"))
+
+NEGLIGIBLE = 1e-6
+"""Part of the panel's largest value below which a peak is not marked."""
+
+
+@in_style
+def plot_impact(
+    summary: ImpactSummary,
+    scene: Scene,
+    history: History,
+    path: str | Path | None = None,
+) -> Figure:
+    """Draw one impact, as `ImpactResult.plot` does.
+
+    Args:
+        summary: its numbers.
+        scene: its block, soil and arrival.
+        history: its start and every step, as `simulate` gives it with `history=True`.
+        path: where to save the figure too, in the format that the suffix names (png,
+            pdf, svg); a file of that name is replaced once the new one is whole.
+
+    Returns:
+        The figure. A block that separates, or an impact that failed, gives panels that
+        show what there is and say so.
+
+    Raises ValueError for a suffix that names no format.
+    """
+    figure = Figure(figsize=(WIDTH, 9.0))
+    grid = figure.add_gridspec(3, 2, height_ratios=(1.0, 1.0, 1.3))
+    figure.suptitle(f"{scene_in_words(scene)}\n{outcome_in_words(summary)}")
+    history = _finite_part(history)
+    if summary.outcome_code == Outcome.separating:
+        history = _first_rows(history, 1)
+    places = grid[0, 0], grid[0, 1], grid[1, 0], grid[1, 1], grid[2, :]
+    panels = [figure.add_subplot(place) for place in places]
+    for axes in panels:
+        few_ticks(axes, 3.0, 2.0)
+    draw_forces(panels[0], summary, history)
+    draw_depth(panels[1], summary, history)
+    draw_rotation(panels[2], history)
+    draw_energy(panels[3], history)
+    draw_side_view(panels[4], scene, history)
+    return save_figure(figure, path)
+
+
+def _finite_part(history: History) -> History:
+    """The rows before the first that is not finite: a failed impact may have some."""
+    finite = np.all(np.isfinite(np.stack(jax.tree.leaves(history))), axis=0)
+    return _first_rows(history, len(finite) if finite.all() else int(np.argmin(finite)))
+
+
+def _first_rows(history: History, count: int) -> History:
+    return jax.tree.map(lambda series: series[:count], history)
+
+
+def scene_in_words(scene: Scene) -> str:
+    """Block and impact in one line; shapes but the ellipsoid are named, with their own
+    parameters; spin, slope and width only where they matter."""
+    block, impact = scene.block, scene.impact
+    words = [f"{float(block.mass):.4g} kg"]
+    if type(block.shape) is not Ellipsoid:
+        words.append(_in_words(type(block.shape).__name__))
+    words.append(f"$A_r$ = {float(block.aspect_ratio):.3g}")
+    if block.out_of_plane_ratio != 1.0:
+        words.append(f"W/R = {float(block.out_of_plane_ratio):.3g}")
+    for name, said in parameters_of(block.shape).items():
+        if name not in ("aspect_ratio", "out_of_plane_ratio"):
+            value = float(getattr(block.shape, name)) / said.factor
+            unit = "" if said.unit == "-" else f" {said.unit}"
+            words.append(plain(f"{name.replace('_', ' ')} {value:.3g}{unit}"))
+    words += [
+        f"{float(impact.speed):.3g} m/s at {np.degrees(float(impact.angle)):.3g}°",
+        f"orientation {np.degrees(float(impact.orientation)):.4g}°",
+    ]
+    if impact.angular_velocity != 0.0:
+        words.append(f"spin {np.degrees(float(impact.angular_velocity)):.4g}°/s")
+    if impact.slope != 0.0:
+        words.append(f"slope {np.degrees(float(impact.slope)):.3g}°")
+    return ",  ".join(words)
+
+
+def _in_words(name: str) -> str:
+    """The name of a class in words: "RectangularPrism" is "rectangular prism"."""
+    return plain(re.sub(r"(?<=[a-z0-9])(?=[A-Z])|_", " ", name).strip().lower())
+
+
+def outcome_in_words(summary: ImpactSummary) -> str:
+    """Outcome and coefficients in one line; those without meaning are left out."""
+    outcome = Outcome(int(summary.outcome_code))
+    if outcome is Outcome.failed:
+        return "FAILED: the integration did not finish"
+    if outcome is Outcome.separating:
+        return "separating: the block moves away from the ground, no impact"
+    coefficients = (
+        ("e_n", summary.e_n),
+        ("e_t", summary.e_t),
+        (r"\bar{e}", summary.e_bar),
+        ("R_r", summary.R_r),
+    )
+    numbers = ",  ".join(
+        f"${name}$ = {float(value):.3f}"
+        for name, value in coefficients
+        if np.isfinite(value)
+    )
+    return f"{outcome} after {1e3 * float(summary.duration):.4g} ms:  {numbers}"
+
+
+def _unit(largest: float, units) -> tuple[float, str]:
+    """The largest unit in which a value is at least 1; the smallest for less."""
+    return next((unit for unit in units if largest >= unit[0]), units[-1])
+
+
+def _time_axis(axes: Axes, history: History) -> np.ndarray:
+    """Label the axis of times; the times in ms."""
+    time = 1e3 * np.asarray(history.time)
+    axes.set_xlabel("time [ms]")
+    if len(time) > 1:
+        axes.set_xlim(float(time[0]), float(time[-1]))
+    else:
+        empty_panel(axes, "no time series to draw")
+    return time
+
+
+def _mark_peak(axes: Axes, time, value, colour: str, *, above) -> None:
+    """A dot with its value over or under it."""
+    left, right = axes.get_xlim()
+    at_the_end = time > left + 0.9 * (right - left)
+    axes.plot(time, value, "o", color=colour, markersize=5, clip_on=False, zorder=4)
+    axes.annotate(
+        f"{value:.3g}",
+        (time, value),
+        xytext=(0, 7 if above else -7),
+        textcoords="offset points",
+        ha="right" if at_the_end else "center",
+        va="bottom" if above else "top",
+        color=colour,
+        fontweight="bold",
+        zorder=5,
+    )
+
+
+def draw_forces(axes: Axes, summary: ImpactSummary, history: History) -> None:
+    """N and T over time, their largest values marked."""
+    axes.set_title("contact force")
+    time = _time_axis(axes, history)
+    normal, tangential = history.normal_force, history.tangential_force
+    largest = max(np.max(np.abs(normal), initial=0.0), 1e-300)
+    unit, name = _unit(largest, FORCE_UNITS)
+    axes.plot(time, normal / unit, color=BLUE, label="N, normal")
+    axes.plot(time, tangential / unit, color=VERMILION, label="T, tangential")
+    axes.set_ylabel(f"force [{name}]")
+    # The legend has the upper part for itself.
+    low = min(np.min(tangential, initial=0.0), 0.0) / unit
+    axes.set_ylim(1.2 * low - 0.1 * largest / unit, 1.4 * largest / unit)
+    if len(time) > 1 and summary.max_normal_force > 0.0:
+        when = 1e3 * float(summary.time_of_max_normal_force)
+        peak = float(summary.max_normal_force) / unit
+        _mark_peak(axes, when, peak, BLUE, above=True)
+        if summary.max_tangential_force > NEGLIGIBLE * largest:
+            when = 1e3 * float(summary.time_of_max_tangential_force)
+            sign = np.sign(np.interp(when, time, tangential))
+            peak = sign * float(summary.max_tangential_force)
+            _mark_peak(axes, when, peak / unit, VERMILION, above=sign > 0.0)
+    axes.legend(loc="upper center", ncols=2)
+
+
+def draw_depth(axes: Axes, summary: ImpactSummary, history: History) -> None:
+    """Penetration of the centre and sinking of the deepest point, downwards."""
+    axes.set_title("depth")
+    time = _time_axis(axes, history)
+    penetration, sinking = history.penetration, history.sinking
+    largest = np.max(np.abs([penetration, sinking]), initial=0.0)
+    unit, name = _unit(largest, LENGTH_UNITS)
+    # Where both are one the dashes show it.
+    axes.plot(time, sinking / unit, color=ORANGE, lw=3, label="$u_D$, deepest point")
+    axes.plot(time, penetration / unit, color=BLUE, ls="--", label="$u_n$, centre")
+    axes.set_ylabel(f"depth [{name}]")
+    axes.margins(y=0.15)
+    axes.invert_yaxis()
+    if len(time) > 1 and summary.max_sinking > 0.0:
+        peaks = [
+            (summary.time_of_max_sinking, summary.max_sinking, ORANGE),
+            (summary.time_of_max_penetration, summary.max_penetration, BLUE),
+        ]
+        depths = [float(depth) for _, depth, _ in peaks]
+        # A block that does not turn has one depth.
+        same = np.ptp(depths) < 1e-3 * largest
+        for when, depth, colour in peaks[:1] if same else peaks:
+            shallower = not same and depth == min(depths)
+            depth = float(depth) / unit
+            _mark_peak(axes, 1e3 * float(when), depth, colour, above=shallower)
+    axes.legend(loc="best")
+
+
+def draw_rotation(axes: Axes, history: History) -> None:
+    """Rotation, and the fraction of the kinetic energy that is rotational."""
+    axes.set_title("rotation")
+    time = _time_axis(axes, history)
+    rotation = np.degrees(history.rotation)
+    (turn,) = axes.plot(time, rotation, color=BLUE, label="rotation")
+    axes.set_ylabel("rotation, clockwise [°]", color=BLUE)
+    # A block that does not turn shows a flat line, not the rounding of its angle; the
+    # legend has the upper part for itself.
+    low, high = np.min(rotation, initial=0.0), np.max(rotation, initial=0.0)
+    span = max(high - low, 1.0)
+    axes.set_ylim(low - 0.15 * span, high + 0.35 * span)
+    if len(time) > 1 and np.any(np.abs(rotation) > 1e-3):
+        place = int(np.argmax(np.abs(rotation)))
+        value = rotation[place]
+        _mark_peak(axes, time[place], value, BLUE, above=value > 0.0)
+    other = axes.twinx()
+    ratios = history.rotational_ratio
+    (ratio,) = other.plot(time, ratios, color=PURPLE, ls="--", label="ratio $R_r$")
+    span = max(np.max(ratios, initial=0.0), 0.1)
+    other.set_ylim(-0.15 * span, 1.35 * span)
+    other.set_ylabel("energy ratio $R_r$ [-]", color=PURPLE)
+    other.grid(False)
+    axes.legend(handles=[turn, ratio], loc="upper center", ncols=2)
+
+
+def draw_energy(axes: Axes, history: History) -> None:
+    """Parts of the energy, stacked, under the line of the energy available."""
+    axes.set_title("energy")
+    time = _time_axis(axes, history)
+    available = (
+        np.sum(history.kinetic[:1]) + history.gravity + history.arm + history.stiffness
+    )
+    largest = np.max(available, initial=0.0)
+    unit, name = _unit(largest, ENERGY_UNITS)
+    parts = [
+        ("kinetic", history.kinetic, SKY),
+        ("elastic", history.elastic, GREEN),
+        ("visco-plastic", history.viscoplastic, ORANGE),
+        ("slider", history.slider, VERMILION),
+        ("dashpot", history.dashpot, PURPLE),
+    ]
+    axes.stackplot(
+        time,
+        [values / unit for _, values, _ in parts],
+        labels=[label for label, _, _ in parts],
+        colors=[colour for _, _, colour in parts],
+        alpha=0.85,
+    )
+    axes.plot(time, available / unit, "k--", lw=1.3, label="available")
+    axes.set_ylabel(f"energy [{name}]")
+    # The legend has the upper part for itself.
+    axes.set_ylim(bottom=0.0, top=1.42 * max(largest / unit, 1e-9))
+    axes.legend(loc="upper center", ncols=3, handlelength=1.2, columnspacing=0.8)
+
+
+def outline(scene: Scene, penetration, rotation, shift) -> np.ndarray:
+    """The block's outline in the plane of motion [m]: rows of t and height, once
+    around, and two more: the centre, and the end of the major axis that points down at
+    orientation 0.
+
+    `shift` is how far the centre has moved down-slope [m].
+    """
+    block, start = scene.block, float(scene.impact.orientation)
+    axes = block.semi_axes
+    support = float(block.shape.support(axes, np.sin(start), np.cos(start)))
+    sin, cos = np.sin(start + rotation), np.cos(start + rotation)
+    marks = [(0.0, 0.0), (0.0, float(axes.major))]
+    across, along = np.concatenate([block.shape.outline(axes), marks]).T
+    tangential = shift - along * sin + across * cos
+    height = support - penetration - along * cos - across * sin
+    return np.column_stack([tangential, height])
+
+
+def draw_side_view(axes: Axes, scene: Scene, history: History) -> None:
+    """The block at impact, at its deepest and at the end, over the ground."""
+    axes.set_title("side view, to scale", pad=26.0)
+    time = history.time
+    if not len(time):
+        return
+    moments = [("at impact", 0, GREY, "-")]
+    if len(time) > 1:
+        moments += [
+            ("deepest", int(np.argmax(history.sinking)), VERMILION, "-"),
+            ("at the end", len(time) - 1, BLUE, "--"),
+        ]
+    velocity = history.tangential_velocity
+    steps = 0.5 * np.diff(time) * (velocity[1:] + velocity[:-1])
+    shift = np.concatenate([[0.0], np.cumsum(steps)])
+    axes.axhline(0.0, color="black", lw=1.0)
+    for label, row, colour, style in moments:
+        line = outline(
+            scene, history.penetration[row], history.rotation[row], shift[row]
+        )
+        line, centre, tip = line[:-2], *line[-2:]
+        axes.plot(*line.T, color=colour, ls=style, label=label)
+        # The half-axis lets the eye follow the rotation, of a sphere too.
+        axes.plot(*np.transpose([centre, tip]), color=colour, lw=0.8, ls=style)
+        axes.plot(*centre, "o", color=colour, markersize=3)
+    axes.margins(0.15)
+    axes.autoscale_view()
+    low, high = axes.get_ylim()
+    axes.axhspan(low, 0.0, color=SOIL, zorder=0)
+    axes.set_ylim(low, high)
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_xlabel("along the ground, down-slope [m]")
+    axes.set_ylabel("height over the ground [m]")
+    slope = float(scene.impact.slope)
+    if slope != 0.0:
+        # In the upper corner that the block has not come from
+        axes.annotate(
+            "gravity",
+            xy=(0.2 if shift[-1] < 0.0 else 0.8, 0.72),
+            xycoords="axes fraction",
+            xytext=(-32.0 * np.sin(slope), 32.0 * np.cos(slope)),
+            textcoords="offset points",
+            ha="center",
+            arrowprops=dict(arrowstyle="->"),
+        )
+    axes.legend(
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        ncols=3,
+        handlelength=1.2,
+        columnspacing=1.0,
+    )

@@ -1,0 +1,232 @@
+"""One style for all drawings: sizes, colours, ticks, legends, files.
+
+A drawing shown in a page of 800 px is 8 inches wide: its letters of 9 points stay 9
+points. Functions that draw wear `@in_style`; figures come from `panels`.
+"""
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+import matplotlib
+import numpy as np
+from cycler import cycler
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from PIL import Image
+
+from ..io.files import replacing
+
+# Okabe and Ito's colours, which colour-blind readers tell apart.
+BLUE, SKY, ORANGE, VERMILION = "#0072b2", "#56b4e9", "#e69f00", "#d55e00"
+GREEN, PURPLE, GREY, SOIL = "#009e73", "#cc79a7", "#9a9a9a", "#eadcc4"
+COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY)
+"""Colours of series, in the order in which they are given out."""
+MARKERS = "os^Dv<P*X>"
+LINES = ("-", "--", ":", "-.")
+
+WIDTH = 8.0
+"""Width of a drawing [inch]; wider ones are shrunk where they are shown."""
+DPI = 150
+"""Resolution of saved drawings [pixels per inch]."""
+PNG_COLOURS = 256
+"""Colours in a PNG, which has then a third of its size with all of them."""
+INCH_PER_TICK = 0.6
+"""Room of a tick with its number along an axis, so that no two collide."""
+
+in_style = matplotlib.rc_context(
+    {
+        "figure.constrained_layout.use": True,
+        "figure.titlesize": 10,
+        "font.size": 10,
+        "axes.titlesize": 10,
+        "axes.labelsize": 10,
+        "xtick.labelsize": 9,
+        "ytick.labelsize": 9,
+        "legend.fontsize": 9,
+        "legend.title_fontsize": 9,
+        "legend.frameon": False,
+        "axes.grid": True,
+        "axes.axisbelow": True,
+        "grid.alpha": 0.25,
+        "axes.prop_cycle": cycler(color=COLOURS),
+        "savefig.dpi": DPI,
+    }
+)
+"""Decorator of a function that draws: within it Matplotlib has this style."""
+
+Place = Literal["lower center", "upper center", "right upper"]
+"""Places of a legend outside the panels."""
+
+
+@in_style
+def panels(
+    rows: int = 1,
+    columns: int = 1,
+    *,
+    height: float = 2.6,
+    width: float = WIDTH,
+    title: str | None = None,
+    count: int | None = None,
+    **subplots,
+) -> tuple[Figure, list[Axes]]:
+    """Begin a figure of panels.
+
+    Args:
+        height: of a row [inch].
+        width: of the figure [inch].
+        title: over all panels.
+        count: of the panels, where the last row is not full.
+        subplots: further arguments of `Figure.subplots`, such as sharex.
+
+    Returns:
+        The figure and its panels, row by row.
+    """
+    room = 0.4 if title else 0.0
+    figure = Figure(figsize=(width, rows * height + room))
+    if title:
+        figure.suptitle(title)
+    axes = list(figure.subplots(rows, columns, squeeze=False, **subplots).flat)
+    for unused in axes[count:] if count is not None else ():
+        unused.remove()
+    axes = axes[:count]
+    for panel in axes:
+        few_ticks(panel, width / columns - 0.8, height - 0.6)
+    return figure, axes
+
+
+def few_ticks(axes: Axes, width: float, height: float) -> None:
+    """Give linear axes so few ticks that their numbers do not collide.
+
+    Args:
+        width, height: of the panel without its labels [inch].
+    """
+    for axis, length in ((axes.xaxis, width), (axes.yaxis, 1.5 * height)):
+        most = int(np.clip(length / INCH_PER_TICK, 3, 8))
+        axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
+        # So that bars with names still bring their own ticks
+        axis.isDefault_majloc = True
+
+
+def log_scale(axes: Axes, which: str = "xy") -> None:
+    """Make axes logarithmic, with few ticks: decades, or 1, 2 and 5 where there are
+    not two decades.
+
+    Args:
+        which: "x", "y" or "xy".
+    """
+    for name in which:
+        getattr(axes, f"set_{name}scale")("log")
+        axis = getattr(axes, f"{name}axis")
+        axis.set_major_locator(_FewDecades())
+        axis.set_major_formatter(FuncFormatter(lambda value, _: log_label(value)))
+        axis.set_minor_formatter(NullFormatter())
+
+
+class _FewDecades(LogLocator):
+    def __init__(self):
+        super().__init__(numticks=5)
+
+    def tick_values(self, vmin, vmax):
+        decades = np.log10(vmax / vmin) if 0.0 < vmin < vmax else 0.0
+        self.set_params(subs=(1.0,) if decades > 2.0 else (1.0, 2.0, 5.0))
+        return super().tick_values(vmin, vmax)
+
+
+def log_label(value: float) -> str:
+    """The number of a tick of a logarithmic axis: 0.01, 200 or a power of ten."""
+    if value <= 0.0 or 1e-3 <= value < 1e4:
+        return f"{value:g}"
+    exponent = int(np.floor(np.log10(value) + 1e-9))
+    factor = f"{value / 10.0**exponent:.3g}"
+    power = f"10^{{{exponent}}}"
+    return f"${power}$" if factor == "1" else rf"${factor} \cdot {power}$"
+
+
+@in_style
+def letter(axes: Sequence[Axes]) -> None:
+    """Letter panels a, b, c and so on."""
+    for name, panel in zip("abcdefghijklmnop", axes, strict=False):
+        panel.set_title(name, loc="left", fontweight="bold")
+
+
+def curve(place: int) -> dict:
+    """Colour and line of the series in a place; other lines follow the colours."""
+    return {
+        "color": COLOURS[place % len(COLOURS)],
+        "ls": LINES[place // len(COLOURS) % len(LINES)],
+    }
+
+
+def points(place: int) -> dict:
+    """Colour and marker of the series in a place."""
+    return {
+        "color": COLOURS[place % len(COLOURS)],
+        "marker": MARKERS[place % len(MARKERS)],
+    }
+
+
+@in_style
+def legend_outside(
+    figure: Figure,
+    handles: Sequence[Artist] | None = None,
+    place: Place = "lower center",
+    **how,
+) -> None:
+    """Put one legend for all panels outside them, where it covers nothing.
+
+    Args:
+        handles: of the series; without them those of all panels, each name once.
+        how: further arguments of `Figure.legend`, such as title or ncols.
+    """
+    if handles is None:
+        found = {}
+        for panel in figure.axes:
+            for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+                found.setdefault(label, handle)
+        handles = list(found.values())
+    if handles:
+        columns = 1 if place.startswith("right") else min(len(handles), 6)
+        how = {"ncols": columns, "columnspacing": 1.2, **how}
+        how["loc"] = f"outside {place}"
+        figure.legend(handles=handles, **how)
+
+
+def empty_panel(axes: Axes, words: str) -> None:
+    """Say why a panel is empty."""
+    axes.set(xticks=[], yticks=[])
+    axes.text(0.5, 0.5, words, ha="center", wrap=True, transform=axes.transAxes)
+
+
+def plain(text: str) -> str:
+    """Text of the user's for a drawing, in which dollars begin no formula."""
+    return text.replace("$", r"\$")
+
+
+def png_bytes(figure: Figure) -> bytes:
+    """The bytes of a PNG file, the same for the same figure."""
+    drawn, file = io.BytesIO(), io.BytesIO()
+    figure.savefig(drawn, format="png", dpi=DPI)
+    image = Image.open(drawn).convert("RGB")
+    few = image.quantize(PNG_COLOURS, dither=Image.Dither.NONE)
+    few.save(file, format="png", dpi=(DPI, DPI), optimize=True)
+    return file.getvalue()
+
+
+def save_figure(figure: Figure, path: str | Path | None) -> Figure:
+    """Save a figure, if there is a path, in the format that its suffix names; a file
+    of that name is replaced once the new one is whole.
+
+    Returns the figure. Raises ValueError for a suffix that names no format.
+    """
+    if path is not None:
+        path = Path(path)
+        with replacing(path) as temporary:
+            if path.suffix.lower() == ".png":
+                temporary.write_bytes(png_bytes(figure))
+            else:
+                figure.savefig(temporary, dpi=DPI)
+    return figure

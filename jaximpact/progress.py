@@ -1,0 +1,81 @@
+"""How long work tells how far it is, throughout the package.
+
+Inside the package progress is told as `progress(what)` or, where it is counted, as
+`progress(what, done, total)`. Users of the package give a plain function, or nothing:
+`as_progress` makes a `Progress` of it where the work begins.
+"""
+
+import inspect
+from collections.abc import Callable
+
+ProgressFunction = Callable[[int, int], object] | Callable[[str], object]
+"""Function that a user gives: of `(done, total)`, or of a line of text."""
+
+
+class Progress:
+    """Progress of long work; this class itself tells nobody."""
+
+    def __call__(
+        self, what: str, done: int | None = None, total: int | None = None
+    ) -> None:
+        """Tell how far the work is.
+
+        Args:
+            what: the step that begins, `"compiling once"`; or, with a count, what is
+                counted, `"impacts"`.
+            done, total: how many are done, and how many there are in all.
+        """
+
+    def within(self, step: str) -> "Progress":
+        """Progress of a part of the work, whose lines begin with the step's name."""
+        return _Within(self, step)
+
+
+class _Within(Progress):
+    def __init__(self, whole: Progress, step: str):
+        self._whole, self._step = whole, step
+
+    def __call__(self, what, done=None, total=None):
+        self._whole(f"{self._step}{what}", done, total)
+
+
+class _Given(Progress):
+    """Progress told to a function that a user gave."""
+
+    def __init__(self, function: Callable):
+        self._function = function
+        self._takes_count = _takes(function, 0, 0)
+        self._takes_text = _takes(function, "")
+
+    def __call__(self, what, done=None, total=None):
+        if total is not None and self._takes_count:
+            self._function(done, total)
+        elif self._takes_text:
+            self._function(in_words(what, done, total))
+
+
+def as_progress(given: Progress | ProgressFunction | None) -> Progress:
+    """Make a `Progress` of what a user gave.
+
+    A function of two arguments is told `(done, total)` of what is counted, and a
+    function of one every line as a text; a function of any number of arguments, such as
+    `print`, gets counts as two numbers and the rest as texts.
+    """
+    if given is None:
+        return Progress()
+    return given if isinstance(given, Progress) else _Given(given)
+
+
+def in_words(what: str, done: int | None = None, total: int | None = None) -> str:
+    """Progress as a line of text: `"compiling once"`, `"3 of 10 impacts"`."""
+    return what if total is None else f"{done} of {total} {what}"
+
+
+def _takes(function: Callable, *arguments) -> bool:
+    try:
+        inspect.signature(function).bind(*arguments)
+    except TypeError:
+        return False
+    except ValueError:  # a function of C that does not tell its arguments
+        return True
+    return True

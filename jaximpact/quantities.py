@@ -1,0 +1,371 @@
+"""The edge of the package: names and units of every quantity in tables and files.
+
+A column of a table, a key of a TOML file and a parameter of `Block`, `Soil`, `Impact`,
+a law or a shape belong together. What they are is read off where the parameter is
+declared.
+"""
+
+import dataclasses
+import functools
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import jax
+import numpy as np
+
+from .errors import InputError, nearest
+from .finding import shipped
+from .parameters import Composite, Declared, Part, declared_of, parameters_of, parts_of
+from .scene import PARTS, Scene
+from .units import UNITS
+
+
+@dataclasses.dataclass(frozen=True)
+class InputColumn:
+    """A quantity of the scene as users write it."""
+
+    name: str
+    part: str
+    """"block", "soil" or "impact"."""
+    field: str
+    factor: float
+    """SI value = factor x value in the column's unit."""
+    default: float
+    lower: float
+    upper: float
+    lower_allowed: bool
+    upper_allowed: bool
+    unit: str
+    meaning: str
+    usual: tuple[float, float] = (-math.inf, math.inf)
+    """Values beyond which a unit may have been mistaken, in the column's unit."""
+
+    @property
+    def range_text(self) -> str:
+        """The range in words."""
+        if self.lower == -math.inf and self.upper == math.inf:
+            return "finite"
+        if self.upper == math.inf:
+            return f"{'at least' if self.lower_allowed else 'above'} {self.lower:g}"
+        left = "[" if self.lower_allowed else "("
+        right = "]" if self.upper_allowed else ")"
+        return f"in {left}{self.lower:g}, {self.upper:g}{right}"
+
+    @property
+    def requirement(self) -> str:
+        """The range with its unit, to follow "must be"."""
+        has_unit = self.unit != "-" and self.range_text != "finite"
+        return f"{self.range_text} {self.unit}" if has_unit else self.range_text
+
+    @property
+    def si_unit(self) -> str:
+        """Unit of the field."""
+        units = UNITS.get(self.unit, {})
+        return next((u for u, size in units.items() if size * self.factor == 1.0), "-")
+
+    def hint(self, number: float, unit: str) -> str:
+        """Which unit may have been meant by a number that was taken to be in `unit`, to
+        follow a message; empty if none makes it usual."""
+        units = UNITS.get(self.unit, {})
+        for other, size in units.items():
+            value = size * number
+            if other == unit or not self.holds(value) or not self.is_usual(value):
+                continue
+            if other != "%" or 1.0 < number <= 100.0:
+                meant = f"{value / units[unit]:.4g} {unit}".removesuffix(" -")
+                return f"; {other}? {number:g} {other} is {meant}"
+        return ""
+
+    def told(self, number: float, unit: str, where: str = "") -> str:
+        """A number in `unit` in words, with the column's unit, its place, the usual
+        values if it is no error, and the unit that may be meant."""
+        value = UNITS.get(self.unit, {}).get(unit, 1.0) * number
+        text = f"{number:g} {unit}".removesuffix(" -")
+        if unit != self.unit:
+            text += f" = {value:.4g} {self.unit}"
+        text += where
+        if self.holds(value):
+            usual = "usual are {:g} to {:g} {}".format(*self.usual, self.unit)
+            text += "; " + usual.removesuffix(" -")
+        return text + self.hint(number, unit)
+
+    def is_usual(self, value: float) -> bool:
+        """Whether a value, in the column's unit, is within the usual ones."""
+        low, high = self.usual
+        return low <= value <= high
+
+    def holds(self, value: float) -> bool:
+        """Whether one value, in the column's unit, is finite and in range."""
+        above = value >= self.lower if self.lower_allowed else value > self.lower
+        below = value <= self.upper if self.upper_allowed else value < self.upper
+        return above and below and math.isfinite(value)
+
+    def is_allowed(self, values) -> np.ndarray:
+        """Which values, in the column's unit, are finite and in range."""
+        values = np.asarray(values, float)
+        above = values >= self.lower if self.lower_allowed else values > self.lower
+        below = values <= self.upper if self.upper_allowed else values < self.upper
+        return np.isfinite(values) & above & below
+
+
+def _column(part: str, field: str, declared: Declared) -> InputColumn:
+    lower, upper = (float(x) for x in declared.range[1:-1].split(","))
+    return InputColumn(
+        name=declared.column,
+        part=part,
+        field=field,
+        factor=declared.factor,
+        default=declared.default,
+        lower=lower,
+        upper=upper,
+        lower_allowed=declared.range[0] == "[",
+        upper_allowed=declared.range[-1] == "]",
+        unit=declared.unit,
+        meaning=declared.meaning,
+        usual=declared.usual,
+    )
+
+
+def own_columns(kind: type[Part]) -> list[InputColumn]:
+    """The columns of a law that belongs to no scene, as of rebound."""
+    return [_column("law", *pair) for pair in declared_of(kind).items()]
+
+
+def columns_of(scene: Scene) -> dict[str, InputColumn]:
+    """The columns of a scene: those of its parts, with those of the laws and the shape
+    that it has."""
+    return _columns_of(*_parts(scene))
+
+
+def columns_of_part(part: str, whole: Composite) -> dict[str, InputColumn]:
+    """The columns of a soil or a block alone."""
+    return _of_whole(part, type(whole), _declared_parts(whole))
+
+
+def _parts(scene: Scene) -> tuple:
+    return tuple(
+        (part, type(whole), _declared_parts(whole))
+        for part in PARTS
+        for whole in [getattr(scene, part)]
+    )
+
+
+def _declared_parts(whole) -> tuple:
+    return tuple(
+        tuple(parameters_of(getattr(whole, slot)).items())
+        for slot in parts_of(type(whole))
+    )
+
+
+@functools.cache
+def _columns_of(*parts: tuple) -> dict[str, InputColumn]:
+    return _by_name([c for part in parts for c in _of_whole(*part).values()])
+
+
+def _of_whole(part: str, kind: type, declared_parts: tuple) -> dict[str, InputColumn]:
+    declared = list(declared_of(kind).items())
+    for of_part in declared_parts:
+        declared += of_part
+    return _by_name([_column(part, field, said) for field, said in declared])
+
+
+@functools.cache
+def _taken() -> dict[str, str]:
+    """Names that tables and files have for something else, and for what."""
+    results = (*RESULT_COLUMNS, *FURTHER_COLUMNS, *ENERGY_COLUMNS, OUTCOME_COLUMN)
+    return {
+        **dict.fromkeys(
+            (*results, *(SIGMA_PREFIX + n for n in results)), "that of a result"
+        ),
+        **dict.fromkeys(LABEL_COLUMNS, "one of free text"),
+        **dict.fromkeys(SLOTS, "the name of a law or of the shape"),
+        "accuracy": "the key of the accuracy",
+    }
+
+
+def _by_name(columns: list[InputColumn]) -> dict[str, InputColumn]:
+    found: dict[str, InputColumn] = {}
+    for column in columns:
+        name = column.name
+        if name in _taken():
+            raise InputError(
+                f"the parameter {column.field} of the {column.part} has the column "
+                f"{name}, which is {_taken()[name]}; rename it"
+            )
+        if name in found:
+            raise InputError(
+                f"two parameters have the column {name}: {found[name].field} of the "
+                f"{found[name].part} and {column.field} of the {column.part}; rename "
+                "the one that is yours"
+            )
+        found[name] = column
+    return found
+
+
+def _default_kinds(whole: type) -> dict[str, Any]:
+    """Return the classes that the fields of a scene, block or soil have by default."""
+    return {field.name: field.default_factory for field in dataclasses.fields(whole)}
+
+
+_KINDS = _default_kinds(Scene)
+SLOTS: dict[str, str] = {
+    slot: part for part, kind in _KINDS.items() for slot in parts_of(kind)
+}
+"""Slots for laws and for the shape, as keys of files -> the part of the scene that they
+belong to."""
+BASES: dict[str, type[Part]] = {
+    slot: base for kind in _KINDS.values() for slot, base in parts_of(kind).items()
+}
+"""Slot -> the base class of what stands in it."""
+USUAL: dict[str, type[Part]] = {
+    slot: _default_kinds(kind)[slot]
+    for kind in _KINDS.values()
+    for slot in parts_of(kind)
+}
+"""Slot -> the law or shape that a scene has if none is named."""
+
+
+def shipped_parts(slot: str) -> list[type[Part]]:
+    """The package's own laws for a slot, or its shapes, the usual one first."""
+    return sorted(shipped(BASES[slot]), key=lambda kind: kind is not USUAL[slot])
+
+
+def columns_of_class(slot: str, kind: type[Part]) -> dict[str, InputColumn]:
+    """The columns of the parameters of a law or a shape alone."""
+    return _by_name(
+        [_column(SLOTS[slot], field, said) for field, said in declared_of(kind).items()]
+    )
+
+
+def why_unknown(name: str, known: Iterable[str]) -> str:
+    """What may have been meant by an unknown name, to follow "is unknown; ": where
+    parameters of the scene are known, which of the package's laws and shapes have it as
+    a parameter, else the nearest known."""
+    known = tuple(known)
+    for slot in SLOTS:
+        owners = [k.__name__ for k in shipped_parts(slot) if _has(slot, k, name)]
+        if owners and not INPUT_COLUMNS.keys().isdisjoint(known):
+            return (
+                f"it belongs to the {slot.replace('_', ' ')} {' or '.join(owners)}, "
+                f'which is not chosen ({slot} = "{owners[0]}")'
+            )
+    return f"did you mean {nearest(name, known)}?"
+
+
+def _has(slot: str, kind: type[Part], name: str) -> bool:
+    return str(name) in columns_of_class(slot, kind)
+
+
+def _usual_columns() -> dict[str, InputColumn]:
+    """The columns of a scene with the usual laws and shape, without making one: at
+    import JAX may be in float32 still."""
+
+    def parts_declared(kind: type) -> tuple:
+        return tuple(tuple(declared_of(USUAL[slot]).items()) for slot in parts_of(kind))
+
+    parts = [(part, _KINDS[part], parts_declared(_KINDS[part])) for part in PARTS]
+    return _columns_of(*parts)
+
+
+def leaf_places(scene: Scene) -> dict[str, int]:
+    """Place of each column among the leaves of a scene."""
+    structure = jax.tree.structure(scene)
+    places = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
+    return {
+        name: getattr(getattr(places, column.part), column.field)
+        for name, column in columns_of(scene).items()
+    }
+
+
+@dataclasses.dataclass(frozen=True)
+class ResultColumn:
+    """A number of the result as users read it."""
+
+    name: str
+    field: str
+    unit: str
+    meaning: str
+
+
+RESULT_COLUMNS: dict[str, ResultColumn] = {
+    column.name: column
+    for column in (
+        ResultColumn("e_n", "e_n", "-", "apparent normal restitution"),
+        ResultColumn("e_t", "e_t", "-", "apparent tangential restitution"),
+        ResultColumn(
+            "e_contact", "e_contact", "-", "normal restitution at the contact"
+        ),
+        ResultColumn("e_bar", "e_bar", "-", "energetic restitution"),
+        ResultColumn("R_r", "R_r", "-", "final rotational over total kinetic energy"),
+        ResultColumn("max_penetration_m", "max_penetration", "m", "largest u_n"),
+        ResultColumn("max_sinking_m", "max_sinking", "m", "largest u_D"),
+        ResultColumn("max_normal_force_N", "max_normal_force", "N", "largest N"),
+        ResultColumn("max_moment_Nm", "max_moment", "N m", "largest |M|"),
+        ResultColumn("duration_s", "duration", "s", "time in contact"),
+        ResultColumn("rotation_rad", "rotation", "rad", "rotation during contact"),
+        ResultColumn("v_n_mps", "normal_velocity", "m/s", "final v_n, into the ground"),
+        ResultColumn("v_t_mps", "tangential_velocity", "m/s", "final v_t, down-slope"),
+        ResultColumn("omega_radps", "angular_velocity", "rad/s", "final spin"),
+    )
+}
+FURTHER_COLUMNS: dict[str, ResultColumn] = {
+    column.name: column
+    for column in (
+        ResultColumn("e_n_vijayakumar", "e_n_vijayakumar", "-", "e_n of a rigid body"),
+        ResultColumn(
+            "max_tangential_force_N", "max_tangential_force", "N", "largest |T|"
+        ),
+        ResultColumn(
+            "time_of_max_penetration_s",
+            "time_of_max_penetration",
+            "s",
+            "when u_n is largest",
+        ),
+        ResultColumn(
+            "time_of_max_sinking_s", "time_of_max_sinking", "s", "when u_D is"
+        ),
+        ResultColumn(
+            "time_of_max_normal_force_s", "time_of_max_normal_force", "s", "when N is"
+        ),
+        ResultColumn(
+            "time_of_max_tangential_force_s",
+            "time_of_max_tangential_force",
+            "s",
+            "when |T| is",
+        ),
+        ResultColumn("time_of_max_moment_s", "time_of_max_moment", "s", "when |M| is"),
+        ResultColumn("final_penetration_m", "final_penetration", "m", "u_n at the end"),
+        ResultColumn("final_sinking_m", "final_sinking", "m", "u_D at the end"),
+        ResultColumn("steps", "steps", "-", "steps of the integration"),
+    )
+}
+"""Results that a table of results does not hold."""
+ENERGY_COLUMNS: dict[str, ResultColumn] = {
+    f"energy_{item}_J": ResultColumn(f"energy_{item}_J", item, "J", meaning)
+    for item, meaning in {
+        "kinetic_in": "kinetic energy at impact",
+        "gravity": "work of gravity",
+        "arm": "work of the arm between centre and deepest point",
+        "stiffness": "work of the change of stiffness",
+        "kinetic_out": "kinetic energy at the end",
+        "elastic": "elastic energy left",
+        "viscoplastic": "dissipated by yielding",
+        "slider": "dissipated by sliding",
+        "dashpot": "dissipated by damping",
+        "residual": "first four less the next five: error of the integration",
+    }.items()
+}
+"""The items of the energy ledger."""
+OUTCOME_COLUMN = "outcome"
+OUTCOME_MEANING = (
+    "how it ended: detached, toppled, arrested, in contact, separating or failed"
+)
+SIGMA_PREFIX = "sigma_"
+"""Before the name of a result column: the standard deviation of a measured value."""
+LABEL_COLUMNS = ("name", "id", "test", "campaign", "source", "note", "comment")
+"""Columns of free text, which identify a row and are carried along."""
+
+
+INPUT_COLUMNS: dict[str, InputColumn] = _usual_columns()
+"""Of a scene with the usual laws and shape; those of another are `columns_of` it."""

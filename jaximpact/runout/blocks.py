@@ -1,0 +1,217 @@
+"""Blocks as the run-out sees them: outline, mass, motion in the plane, release.
+
+x to the right, y up, rotation clockwise. A plane that descends at an angle w has
+t = (cos w, -sin w) along it and N = (sin w, cos w) out of it; the impact's n is -N.
+The orientation phi of a block is the angle from the vertical, clockwise, to its major
+axis; seen from the plane it is Theta = phi - w.
+"""
+
+import dataclasses
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._checks import expect, real_numbers
+from ..io.checks import check_scene
+from ..io.display import Rows, ShownAsTable, range_of
+from ..scene import GRAVITY, Block, Scene
+from ..shapes import AbstractShape, SemiAxes
+from ..units import DEGREE
+from .dual import Values
+from .lane_programs import closed_form
+
+
+class Body(NamedTuple):
+    """Position and motion of blocks; arrays `(lanes,)`."""
+
+    x: Values
+    """Centre [m]."""
+    y: Values
+    v_x: Values
+    """Velocity of the centre [m/s]."""
+    v_y: Values
+    orientation: Values
+    """Angle phi [rad]."""
+    angular_velocity: Values
+    """Omega [rad/s], clockwise positive."""
+
+
+class MassProperties(NamedTuple):
+    """Mass and moment of inertia of blocks."""
+
+    mass: Values
+    """Mass [kg]."""
+    inertia: Values
+    """Moment of inertia about the out-of-plane axis through the centre [kg m2]."""
+
+
+class BlockOutline(NamedTuple):
+    """Section of the block in the plane of motion."""
+
+    shape: AbstractShape
+    axes: SemiAxes
+    largest: Values
+    """Radius of the circumscribed circle [m]; for an ellipse the larger semi-axis."""
+    smallest: Values
+    """Height of the centre of a block lying on its flat side [m]: the smaller
+    semi-axis."""
+
+
+def outline_of(block: Block) -> BlockOutline:
+    """Compute the outline of a block."""
+    axes = block.semi_axes
+    return BlockOutline(
+        block.shape,
+        axes,
+        block.shape.bound * axes.minor,
+        jnp.minimum(axes.major, axes.minor),
+    )
+
+
+def select(tree, chosen):
+    """Select lanes of every array in a tree."""
+    return jax.tree.map(lambda leaf: leaf[chosen], tree)
+
+
+def fly(body: Body, time) -> Body:
+    """Move blocks by a time of free flight [s], with constant spin: exact."""
+    return Body(
+        x=body.x + body.v_x * time,
+        y=body.y + (body.v_y - 0.5 * GRAVITY * time) * time,
+        v_x=body.v_x,
+        v_y=body.v_y - GRAVITY * time,
+        orientation=body.orientation + body.angular_velocity * time,
+        angular_velocity=body.angular_velocity,
+    )
+
+
+class Support(NamedTuple):
+    """Extent of the block against a direction N."""
+
+    radius: Values
+    """r_y [m], distance from the centre to the lowest point, against N."""
+    arm: Values
+    """T = dr_y/dTheta [m], distance from the centre to the lowest point, along t."""
+
+
+def support(outline: BlockOutline, sin: Values, cos: Values) -> Support:
+    """Compute the extent of a block, from sine and cosine of Theta."""
+    shape, axes = outline.shape, outline.axes
+    return Support(shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos))
+
+
+support_of = closed_form(
+    lambda outline, theta: support(outline, jnp.sin(theta), jnp.cos(theta))
+)
+"""`support` from the angle Theta itself, for arrays."""
+
+
+def mean_radius(outline: BlockOutline) -> Values:
+    """Compute the radius of the circle of equal perimeter [m]."""
+    return outline.shape.round_block(outline.axes).radius
+
+
+mean_radius_of = closed_form(mean_radius)
+_outline = closed_form(outline_of)
+_mass_properties = closed_form(lambda block: MassProperties(block.mass, block.inertia))
+
+
+@dataclasses.dataclass(frozen=True, init=False, repr=False)
+class Release(ShownAsTable):
+    """Blocks at the start of their trajectories, in free flight.
+
+    Args:
+        block: the blocks; fields that broadcast to `(blocks,)`.
+        x, y: centres [m], broadcast likewise, as all that follows.
+        v_x, v_y: velocities of the centres [m/s], to the right and up.
+        orientation: angle from the vertical, clockwise, to the major axis [rad].
+        angular_velocity: spin [rad/s], clockwise positive.
+
+    Raises ValueError, in one sentence, for values out of range.
+    """
+
+    block: Block
+    x: np.ndarray
+    y: np.ndarray
+    v_x: np.ndarray
+    v_y: np.ndarray
+    orientation: np.ndarray
+    angular_velocity: np.ndarray
+
+    def __init__(
+        self,
+        block: Block,
+        x: ArrayLike,
+        y: ArrayLike,
+        v_x: ArrayLike = 0.0,
+        v_y: ArrayLike = 0.0,
+        orientation: ArrayLike = 0.0,
+        angular_velocity: ArrayLike = 0.0,
+    ):
+        expect("a release's block", block, Block)
+        given = Body(x, y, v_x, v_y, orientation, angular_velocity)._asdict()
+        body = {n: real_numbers(f"a release's {n}", v) for n, v in given.items()}
+        shapes = [np.shape(leaf) for leaf in (*jax.tree.leaves(block), *body.values())]
+        try:
+            shape = np.broadcast_shapes(*shapes, (1,))
+        except ValueError:
+            raise ValueError(
+                f"fields of a release must broadcast to one axis, but have shapes "
+                f"{sorted(set(shapes))}"
+            ) from None
+        if len(shape) > 1 or 0 in shape:
+            raise ValueError(
+                f"a release needs blocks along one axis, but got shape {shape}"
+            )
+
+        def spread(value):
+            return np.array(np.broadcast_to(np.asarray(value, float), shape))
+
+        for name, value in body.items():
+            values = spread(value)
+            if not np.all(np.isfinite(values)):
+                raise ValueError(
+                    f"a release's {name} must be finite, but is not for block "
+                    f"{int(np.argmin(np.isfinite(values)))}"
+                )
+            object.__setattr__(self, name, values)
+        check_scene(Scene(block), batched=True)
+        object.__setattr__(self, "block", jax.tree.map(spread, block))
+
+    @property
+    def count(self) -> int:
+        """Number of blocks."""
+        return len(self.x)
+
+    @property
+    def body(self) -> Body:
+        """Position and motion at release, arrays `(blocks,)`."""
+        return Body(*(getattr(self, name) for name in Body._fields))
+
+    @property
+    def outline(self) -> BlockOutline:
+        """Sections of the blocks in the plane of motion."""
+        return _outline(self.block)
+
+    @property
+    def mass_properties(self) -> MassProperties:
+        """Mass [kg] and moment of inertia [kg m2], arrays `(blocks,)`."""
+        return _mass_properties(self.block)
+
+    def display_rows(self) -> tuple[str, Rows]:
+        """Give the number of blocks and the ranges of their quantities."""
+        body = self.body
+        speed = np.hypot(body.v_x, body.v_y)
+        rows = [
+            ("mass", range_of(self.block.mass), "kg"),
+            ("x", range_of(body.x), "m"),
+            ("y", range_of(body.y), "m"),
+            ("speed", range_of(speed), "m/s"),
+            ("orientation", range_of(body.orientation / DEGREE), "deg"),
+            ("angular velocity", range_of(body.angular_velocity / DEGREE), "deg/s"),
+        ]
+        kind = type(self.block.shape).__name__
+        return f"Release: {self.count} blocks ({kind})", rows

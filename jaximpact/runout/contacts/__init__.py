@@ -1,0 +1,1 @@
+"""Contacts of blocks with the slope: from velocities before to velocities after."""

@@ -1,0 +1,163 @@
+"""Contact with a plane: from touch to impact, and from its end back onto the plane."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+
+from ..._safe import safe_sqrt
+from ...impact_response import ImpactResponse
+from ...scene import GRAVITY, Impact
+from ..blocks import BlockOutline, Body, MassProperties, support
+from ..dual import Values
+from ..lane_programs import closed_form
+
+STEEPEST = 1e-4
+"""Least N_y of a plane that is struck: a wall is taken to lean by that much."""
+LITTLE_LATER = 1e-9
+"""Turn by which faces count as level [rad]: more than the rounding of orientations, and
+less than would lower a block by more than the gap within which it touches."""
+
+
+class PlaneContact(NamedTuple):
+    """Block that touches a plane, in the frame of the plane."""
+
+    slope: Values
+    """Angle w of the plane [rad]."""
+    orientation: Values
+    """Angle Theta [rad]."""
+    normal_velocity: Values
+    """Velocity v_n of the centre [m/s], positive into the ground."""
+    tangential_velocity: Values
+    """Velocity v_t of the centre [m/s], along the plane to the right."""
+    angular_velocity: Values
+    """Angular velocity [rad/s], clockwise positive."""
+    closing: Values
+    """Velocity at which the lowest point goes into the ground [m/s]."""
+
+
+def _orientation_at_touch(outline: BlockOutline, theta: Values, spin: Values) -> Values:
+    """Turn a shape that may have flat faces a little further: the lowest point of a
+    level face is then the end that comes down, not its middle."""
+    if outline.shape.largest_bending(outline.axes) is not None:
+        return theta
+    return theta + LITTLE_LATER * jnp.sign(spin)
+
+
+@closed_form
+def contact_with_plane(
+    body: Body, outline: BlockOutline, normal_x: Values, normal_y: Values
+) -> PlaneContact:
+    """Transform a block to the frame of the plane that it touches, given the plane's
+    normal N."""
+    slope = jnp.arctan(normal_x / jnp.maximum(normal_y, STEEPEST))
+    sin, cos = jnp.sin(slope), jnp.cos(slope)
+    theta = _orientation_at_touch(
+        outline, body.orientation - slope, body.angular_velocity
+    )
+    _, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
+    v_n = -(body.v_x * sin + body.v_y * cos)
+    v_t = body.v_x * cos - body.v_y * sin
+    closing = v_n + arm * body.angular_velocity
+    return PlaneContact(slope, theta, v_n, v_t, body.angular_velocity, closing)
+
+
+@closed_form
+def impact_of(contact: PlaneContact) -> Impact:
+    """Describe a contact with a plane as an impact.
+
+    The angle may pass 90 degrees: a turning block can strike while its centre rises.
+    """
+    v_n, v_t = contact.normal_velocity, contact.tangential_velocity
+    speed = jnp.maximum(jnp.sqrt(v_n**2 + v_t**2), 1e-12)
+    # Half the angle, from the side on which nothing cancels.
+    steep = v_n >= 0.0
+    towards = v_t / jnp.where(steep, speed + v_n, 1.0)
+    away = (speed - v_n) / jnp.where(v_t == 0.0, 1e-300, v_t)
+    return Impact(
+        speed=speed,
+        angle=2.0 * jnp.arctan(jnp.where(steep, towards, away)),
+        orientation=contact.orientation,
+        angular_velocity=contact.angular_velocity,
+        slope=contact.slope,
+    )
+
+
+class PostImpact(NamedTuple):
+    """Block after a contact, tangent to the plane again."""
+
+    orientation: Values
+    """Angle Theta [rad]."""
+    rise: Values
+    """Displacement of the centre along N since touch [m]."""
+    travel: Values
+    """Displacement of the centre along t since touch [m]."""
+    normal_velocity: Values
+    """Velocity v_n of the centre [m/s]."""
+    tangential_velocity: Values
+    """Velocity v_t of the centre [m/s]."""
+    angular_velocity: Values
+    """Angular velocity [rad/s]."""
+    leaving: Values
+    """Velocity at which the lowest point leaves the ground [m/s]."""
+    climbs: Values
+    """1 where the block's energy lifts it out of the ground."""
+
+    def scaled(self, fraction: Values) -> "PostImpact":
+        """Scale the velocities of the block, but not that of leaving."""
+        return self._replace(
+            normal_velocity=fraction * self.normal_velocity,
+            tangential_velocity=fraction * self.tangential_velocity,
+            angular_velocity=fraction * self.angular_velocity,
+        )
+
+
+@closed_form
+def settle(
+    outline: BlockOutline,
+    mass_properties: MassProperties,
+    contact: PlaneContact,
+    gap: Values,
+    response: ImpactResponse,
+) -> PostImpact:
+    """Set a block back on the plane after its contact.
+
+    It ends its contact some depth in the ground and has to climb out: m g cos w times
+    that depth is taken from its kinetic energy, from all velocities alike, and so is a
+    depth, or height above the plane, at contact. The model does not follow the travel
+    along the plane during contact: it is the duration times the mean of v_t before and
+    after.
+
+    Args:
+        gap: gap between block and plane at touch [m]; negative in the ground.
+    """
+    theta = contact.orientation + response.rotation
+    before, _ = support(
+        outline, jnp.sin(contact.orientation), jnp.cos(contact.orientation)
+    )
+    radius, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
+    v_n, v_t, spin = response[:3]
+    kinetic = 0.5 * (
+        mass_properties.mass * (v_n**2 + v_t**2) + mass_properties.inertia * spin**2
+    )
+    climb = (
+        mass_properties.mass
+        * GRAVITY
+        * jnp.cos(contact.slope)
+        * (response.sinking - gap)
+    )
+    left = kinetic - climb
+    fraction = safe_sqrt(left / jnp.where(kinetic > 0.0, kinetic, 1.0))
+    v_n, v_t, spin = fraction * v_n, fraction * v_t, fraction * spin
+    return PostImpact(
+        orientation=theta,
+        # A block that cannot climb stays as deep as it is.
+        rise=radius - before - jnp.where(left > 0.0, gap, response.sinking),
+        travel=0.5
+        * (contact.tangential_velocity + response.tangential_velocity)
+        * response.duration,
+        normal_velocity=v_n,
+        tangential_velocity=v_t,
+        angular_velocity=spin,
+        leaving=-(v_n + arm * spin),
+        climbs=(left > 0.0).astype(float),
+    )

@@ -1,0 +1,150 @@
+r"""Roughness: facets of the ground that are turned against their segment.
+
+An impact strikes a facet: the plane turned where the block touches it, by an angle
+sampled from a normal distribution. Its standard deviation is the roughness, and it is
+truncated at three of them. Each impact has its own sample, by the seed, the number of
+the block and that of the impact, and is computed with the facet's slope, in the facet's
+frame. A facet on which the block does not close, or more slowly than makes an impact,
+is rejected, and another sampled: a block that grazes the ground strikes facets that
+face it.
+
+**After it** the block continues from where the contact left it. If that is in the
+segment it is lifted out, which costs $m g \cos w$ times the depth, and if its energy
+does not suffice for that it stops. It stays on the ground if it leaves neither the
+facet nor the segment. One that leaves the facet into the segment strikes it at once
+again, on another facet. So no contact creates energy, and none sends a block through
+the ground.
+
+Touches too slow to be an impact, rolling and sliding see the segment.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from ...scene import GRAVITY
+from ..blocks import BlockOutline, MassProperties, select, support
+from ..dual import Values
+from ..lane_programs import closed_form
+from ..random_inputs import key_of, uniforms_at
+from ..state import State
+from .plane_contact import PlaneContact, PostImpact, contact_with_plane
+
+CUT = 3.0
+"""Number of standard deviations at which the distribution is truncated."""
+STEEPEST_FACET = np.radians(85.0)
+"""Facets steeper than this, and than their segment, are rejected [rad]."""
+ATTEMPTS = 32
+"""Number of facets sampled for an impact; then it strikes the segment. Nearly half of
+all facets face even a block that grazes the ground."""
+STREAM = "roughness"
+
+
+def facets_struck(
+    state: State, lanes: np.ndarray, touched: PlaneContact, slow: Values
+) -> PlaneContact:
+    """Sample the facets that impacts strike, in the frames of the facets.
+
+    Args:
+        lanes: blocks that strike rough ground.
+        touched: the planes of the segments that they touch.
+        slow: least closing speeds of impacts [m/s].
+    """
+    deviation = state.roughness[lanes, state.segment[lanes]]
+    struck = PlaneContact(*(column.copy() for column in touched))
+    open_yet = np.arange(len(lanes))
+    key = key_of(state.seed, STREAM)
+    for attempt in range(ATTEMPTS):
+        if not len(open_yet):
+            break
+        some = lanes[open_yet]
+        number = state.numbers[some]
+        uniform = uniforms_at(
+            [state.impacts[some], attempt, number & 0xFFFFFFFF, number >> 32], key
+        )
+        facet_turn = _truncated_normal(uniform)
+        slope = touched.slope[open_yet] + deviation[open_yet] * facet_turn
+        facet = contact_with_plane(
+            select(state.body, some),
+            select(state.outline, some),
+            np.sin(slope),
+            np.cos(slope),
+        )
+        steepest = np.maximum(STEEPEST_FACET, np.abs(touched.slope[open_yet]))
+        good = (np.abs(slope) <= steepest) & (facet.closing >= slow[open_yet])
+        for column, values in zip(struck, facet, strict=True):
+            column[open_yet[good]] = values[good]
+        open_yet = open_yet[~good]
+    return struck
+
+
+def _truncated_normal(uniform: np.ndarray) -> np.ndarray:
+    """Transform uniform numbers to standard normal ones between -CUT and CUT."""
+    low, high = ndtr(-CUT), ndtr(CUT)
+    return ndtri(low + (high - low) * uniform)
+
+
+class Lifted(NamedTuple):
+    """Block after it struck a facet, seen from its segment."""
+
+    lift: Values
+    """Displacement along the segment's N, out of the ground [m]."""
+    over: Values
+    """Height above the segment [m]."""
+    fraction: Values
+    """Fraction of the velocities that is left after the lift."""
+    orientation: Values
+    """Angle Theta from the segment [rad]."""
+    tangential_velocity: Values
+    """Velocity along the segment [m/s]."""
+    leaving: Values
+    """Velocity at which its lowest point leaves the segment [m/s]."""
+    climbs: Values
+    """1 where the energy suffices for the lift."""
+
+
+@closed_form
+def lift(
+    outline: BlockOutline,
+    mass_properties: MassProperties,
+    touched: PlaneContact,
+    struck: PlaneContact,
+    gap: Values,
+    after: PostImpact,
+) -> Lifted:
+    """Set a block that a facet left in its segment back on it.
+
+    Args:
+        touched: contact with the segment at touch.
+        struck, after: contact with the facet at touch, and the block on it after.
+        gap: gap at touch, as for `settle`.
+    """
+    turn = struck.slope - touched.slope
+    sin, cos = jnp.sin(turn), jnp.cos(turn)
+    theta = after.orientation + turn
+    before, _ = support(
+        outline, jnp.sin(touched.orientation), jnp.cos(touched.orientation)
+    )
+    radius, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
+    over = gap + before - radius + after.rise * cos - after.travel * sin
+    depth = jnp.maximum(-over, 0.0)
+    v_n, v_t = after.normal_velocity, after.tangential_velocity
+    spin = after.angular_velocity
+    kinetic = 0.5 * (
+        mass_properties.mass * (v_n**2 + v_t**2) + mass_properties.inertia * spin**2
+    )
+    left = kinetic - mass_properties.mass * GRAVITY * jnp.cos(touched.slope) * depth
+    fraction = jnp.sqrt(jnp.maximum(left, 0.0) / jnp.where(kinetic > 0.0, kinetic, 1.0))
+    climbs = (left > 0.0) | (depth == 0.0)
+    away = -v_n * cos - v_t * sin - arm * spin
+    return Lifted(
+        lift=jnp.where(climbs, depth, 0.0),
+        over=jnp.maximum(over, 0.0),
+        fraction=fraction,
+        orientation=theta,
+        tangential_velocity=fraction * (v_t * cos - v_n * sin),
+        leaving=fraction * away,
+        climbs=climbs.astype(float),
+    )

@@ -1,0 +1,1 @@
+"""Derivatives of trajectories with respect to block, ground and release."""

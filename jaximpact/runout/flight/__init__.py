@@ -1,0 +1,1 @@
+"""Blocks in free flight: ballistics and contact detection."""

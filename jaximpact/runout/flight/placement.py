@@ -1,0 +1,164 @@
+"""Placement of blocks at release: above the ground, lying on it, or touching it."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..._checks import expect, real_numbers
+from ...scene import GRAVITY, Scene
+from ...shapes import AbstractElliptic
+from ..blocks import BlockOutline, Body, Release, select
+from ..lane_programs import closed_form
+from ..terrain import Ground, Profile
+from .broad_phase import count_needed, earliest, nearest_segments
+from .flights import follow_flights
+from .time_of_impact import begin
+
+BURIED = 1e-6
+"""Depth by which a block may start in the ground, as a fraction of its smaller
+semi-axis: rounding."""
+LONGEST_FALL = 1e6
+"""Time within which every fall from above the ground has ended [s]."""
+
+
+@closed_form
+def _depths(*inputs):
+    return list(begin(*inputs).depths)
+
+
+def check_release(release: Release, profile: Profile) -> None:
+    """Raise ValueError, in one sentence, for a block that does not start on or above
+    the ground of the profile."""
+    expect("profile", profile, Profile)
+    expect("release", release, Release)
+    outside = ~((release.x >= profile.x[0]) & (release.x <= profile.x[-1]))
+    if np.any(outside):
+        i = int(np.argmax(outside))
+        raise ValueError(
+            f"block {i} is released at x = {release.x[i]:g}, but the profile goes from "
+            f"{profile.x[0]:g} to {profile.x[-1]:g}"
+        )
+    body, outline = release.body, release.outline
+    largest = outline.largest
+    times = earliest(body, largest, profile)
+    depth = np.zeros(release.count)
+    needed = count_needed(body, largest, times)
+    for count in np.unique(needed):
+        chosen = needed == count
+        watched = nearest_segments(times[chosen], count, profile)
+        found = _depths(
+            select(body, chosen), select(outline, chosen), watched.pieces, 0.0, 0.0
+        )
+        depth[chosen] = np.max(found, axis=0)
+    buried = depth > BURIED * outline.smallest
+    if np.any(buried):
+        i = int(np.argmax(buried))
+        raise ValueError(
+            f"block {i} is released {depth[i]:.3g} m in the ground; its centre at "
+            f"x = {release.x[i]:g} must lie higher than y = {release.y[i]:g}"
+        )
+
+
+def lying_height(
+    profile: Profile, outline: BlockOutline, x: np.ndarray, orientation: np.ndarray
+) -> np.ndarray:
+    r"""Compute the height y of the centre of a block lying on the ground [m].
+
+    With an ellipse's extents $w$ across and $r$ upwards, $w^2 = H^2\sin^2\varphi +
+    R^2\cos^2\varphi$, and $c = (H^2 - R^2)\sin\varphi\cos\varphi$, its lower side is
+
+    $$ l(d) = \frac{c}{w^2} d - \frac{HR}{w}\sqrt{1 - d^2/w^2} $$
+
+    at a distance d from the centre. It lies on the ground where the centre's height is
+    the largest of ground less lower side; that difference is concave over each segment.
+    A block of another shape falls, without turning, from above all ground.
+
+    Args:
+        outline, x, orientation: blocks, `(blocks,)`; x on the profile.
+    """
+    if isinstance(outline.shape, AbstractElliptic):
+        return _lying_height_of_ellipse(profile, outline, x, orientation)
+    top = np.max(profile.y) + 2.0 * outline.largest
+    still = np.zeros(len(x))
+    body = Body(x, top, still, still, orientation, still)
+    ends = follow_flights(body, outline, profile, np.full(len(x), LONGEST_FALL))
+    return np.where(ends.touched, top - 0.5 * GRAVITY * ends.time**2, -np.inf)
+
+
+def _lying_height_of_ellipse(
+    profile: Profile, outline: BlockOutline, x: np.ndarray, orientation: np.ndarray
+) -> np.ndarray:
+    major, minor = (np.asarray(axis) for axis in outline.axes[:2])
+    sin, cos = np.sin(orientation), np.cos(orientation)
+    width = np.hypot(major * sin, minor * cos)
+    tilt = (major**2 - minor**2) * sin * cos / width**2
+    depth = major * minor / width
+    height = np.full(np.shape(x), -np.inf)
+    for i, slope in enumerate(np.diff(profile.y) / np.diff(profile.x)):
+        left, right = (profile.x[i : i + 2, None] - x) / width
+        steep = (slope - tilt) * width / depth
+        place = np.clip(
+            steep / np.sqrt(1.0 + steep**2), np.maximum(left, -1), np.minimum(right, 1)
+        )
+        ground = profile.y[i] + slope * (place - left) * width
+        lower = tilt * place * width - depth * np.sqrt(np.maximum(1.0 - place**2, 0.0))
+        over = (left <= 1.0) & (right >= -1.0)
+        height = np.where(over, np.maximum(height, ground - lower), height)
+    return height
+
+
+@closed_form
+def _at_touch(scene: Scene):
+    """Compute velocities into and along the ground, and the place of the centre: above
+    the ground, and up-slope of the point that touches."""
+    shape, axes, impact = scene.block.shape, scene.block.semi_axes, scene.impact
+    sin, cos = jnp.sin(impact.orientation), jnp.cos(impact.orientation)
+    return (
+        impact.normal_velocity,
+        impact.tangential_velocity,
+        shape.support(axes, sin, cos),
+        shape.arm_at_touch(axes, sin, cos, impact.angular_velocity),
+    )
+
+
+def release_at_touch(
+    scene: Scene, profile: Profile, x: ArrayLike
+) -> tuple[Release, Ground]:
+    """Release blocks as they strike a profile in the way that a scene says.
+
+    The impact is in the frame of the segment; its own `slope` is not used: the profile
+    gives it, and rolling friction and roughness.
+
+    Args:
+        scene: fields that broadcast to `(blocks,)`.
+        profile: the slope; its soil is not used.
+        x: place where the blocks touch it [m], broadcast likewise.
+
+    Returns:
+        The release, and the ground with the soil of the scene.
+    """
+    x = np.asarray(real_numbers("x", x), float)
+    leaves = [np.asarray(leaf, float) for leaf in jax.tree.leaves(scene)]
+    shape = np.broadcast_shapes(*(leaf.shape for leaf in leaves), x.shape, (1,))
+    of_blocks = jax.tree.map(lambda leaf: np.broadcast_to(leaf, shape), scene)
+    v_n, v_t, support, arm = (np.asarray(found) for found in _at_touch(of_blocks))
+    segment = np.clip(
+        np.searchsorted(profile.x, x, side="right") - 1, 0, profile.segments - 1
+    )
+    slope = profile.slope[segment]
+    sin, cos = np.sin(slope), np.cos(slope)
+    release = Release(
+        scene.block,
+        x=x + support * sin - arm * cos,
+        y=profile.height(x) + support * cos + arm * sin,
+        v_x=v_t * cos - v_n * sin,
+        v_y=-v_t * sin - v_n * cos,
+        orientation=of_blocks.impact.orientation + slope,
+        angular_velocity=of_blocks.impact.angular_velocity,
+    )
+    # One soil for each block, on whatever segment.
+    soil = jax.tree.map(
+        lambda leaf: np.reshape(leaf, (-1, 1)) if np.ndim(leaf) else leaf, scene.soil
+    )
+    return release, Ground(soil, profile.rolling_friction_angle, profile.roughness)

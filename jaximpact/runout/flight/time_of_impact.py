@@ -1,0 +1,177 @@
+"""Time of impact: the first contact of a block in flight with the ground.
+
+Each step is as long as the block is certain to touch nothing (`narrow_phase`): it
+passes through nothing at any spin, and converges quadratically at the contact. The
+search watches some segments, for as long as no other can be reached (`broad_phase`).
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+
+from ...scene import GRAVITY
+from ..blocks import BlockOutline, Body, fly
+from ..dual import Values
+from ..lane_programs import Program
+from .narrow_phase import (
+    NEVER,
+    Gap,
+    Piece,
+    bending_or_size,
+    gaps,
+    time_without_contact,
+    widest,
+)
+
+TOUCHING = 1e-9
+"""Gap, as a fraction of the circumscribed circle's radius, within which a block
+touches; rounding of the coordinates is added."""
+APPROACHING = 1e-8
+"""Closing speed that counts as one [m/s]; below it is rounding."""
+MAX_STEPS = 20_000
+"""Number of steps after which a search is given up. Some 10 are usual, some 100 where a
+fast spin meets a slow approach."""
+
+
+class Search(NamedTuple):
+    """State of a search."""
+
+    body: Body
+    """Block at the start of the flight."""
+    outline: BlockOutline
+    pieces: tuple[Piece, ...]
+    depths: tuple[Values, ...]
+    """Depth of the block in each piece [m]: the piece is taken to lie lower by that,
+    until the block is out of it. Above 0 only for a block that started in the
+    ground."""
+    slack: Values
+    """Gap within which the block touches [m]."""
+    until: Values
+    """Time for which the pieces suffice [s]."""
+    time: Values
+    """Time reached [s]."""
+    steps: Values
+    """Number of steps so far."""
+    touched: Values
+    piece: Values
+    """Number of the piece touched."""
+    gap: Gap
+    """Gap at the contact."""
+
+
+class SearchResult(NamedTuple):
+    """Result of a search."""
+
+    time: Values
+    """Time of the contact [s], or up to which there is none."""
+    touched: Values
+    """1 where there is a contact."""
+    given_up: Values
+    """1 where the steps ran out."""
+    piece: Values
+    """Number of the piece touched."""
+    normal_x: Values
+    """Normal out of the ground at the contact."""
+    normal_y: Values
+    gap: Values
+    """Gap at the contact [m], 0 but for rounding, or negative where the block started
+    inside the piece."""
+    steps: Values
+    """Number of steps taken."""
+
+
+def begin(
+    body: Body,
+    outline: BlockOutline,
+    pieces: tuple[Piece, ...],
+    scale: Values,
+    until: Values,
+) -> Search:
+    """Begin a search.
+
+    Args:
+        body, outline: the block at the start of its flight.
+        pieces: segments to now.
+        scale: size of the coordinates [m], for their rounding.
+        until: time for which the pieces suffice [s].
+    """
+    axis = jnp.sin(body.orientation), jnp.cos(body.orientation)
+    widths = [widest(gaps(body, outline, axis, piece)).width for piece in pieces]
+    zero = jnp.zeros_like(body.x)
+    return Search(
+        body=body,
+        outline=outline,
+        pieces=pieces,
+        depths=tuple(jnp.maximum(-width, 0.0) for width in widths),
+        slack=TOUCHING * outline.largest + 4e-15 * scale,
+        until=until,
+        time=zero,
+        steps=zero,
+        touched=zero > 0.0,
+        piece=zero,
+        gap=Gap(*(zero,) * len(Gap._fields)),
+    )
+
+
+def step(now: Search) -> tuple[Search, Values]:
+    """Advance by a time without contact, or find the contact."""
+    body = fly(now.body, now.time)
+    axis = jnp.sin(body.orientation), jnp.cos(body.orientation)
+    bending = body.angular_velocity**2 * bending_or_size(now.outline)
+    advance = jnp.full_like(now.time, NEVER)
+    touched, touched_piece, contact = now.touched, now.piece, now.gap
+    depths = []
+    for number, (piece, depth) in enumerate(zip(now.pieces, now.depths, strict=True)):
+        candidates = gaps(body, now.outline, axis, piece)
+        gap = widest(candidates)
+        # Where a block in the ground comes out of it one way it may go in another.
+        opens = gap.opening >= -APPROACHING
+        deeper = opens & (gap.width + depth < -now.slack)
+        depth = jnp.where(deeper, -gap.width, depth)
+        # Once it is out, the piece lies where it lies.
+        depth = jnp.where(gap.width > now.slack, 0.0, depth)
+        depths.append(depth)
+        touches = (gap.width + depth <= now.slack) & (gap.opening < -APPROACHING)
+        first = touches & ~touched
+        touched |= touches
+        touched_piece = jnp.where(first, float(number), touched_piece)
+        contact = Gap(
+            *(jnp.where(first, a, b) for a, b in zip(gap, contact, strict=True))
+        )
+        free = time_without_contact(
+            body, now.outline, axis, piece, candidates, depth, now.slack
+        )
+        # A step must not take the block out and in again: half the time of such a fall.
+        short = 0.5 * jnp.sqrt(depth / (GRAVITY + bending))
+        free = jnp.where(depth > now.slack, jnp.minimum(free, short), free)
+        advance = jnp.minimum(advance, free)
+    time = jnp.minimum(now.time + advance, now.until)
+    steps = now.steps + 1.0
+    after = now._replace(
+        depths=tuple(depths),
+        time=jnp.where(touched, now.time, time),
+        steps=steps,
+        touched=touched,
+        piece=touched_piece,
+        gap=contact,
+    )
+    return after, ~touched & (after.time < now.until) & (steps < MAX_STEPS)
+
+
+def finish(now: Search) -> SearchResult:
+    """Report the contact, or the time up to which there is none."""
+    given_up = ~now.touched & (now.time < now.until)
+    return SearchResult(
+        time=now.time,
+        touched=now.touched.astype(float),
+        given_up=given_up.astype(float),
+        piece=now.piece,
+        normal_x=now.gap.normal_x,
+        normal_y=now.gap.normal_y,
+        gap=now.gap.width,
+        steps=now.steps,
+    )
+
+
+search = Program(begin, step, finish)
+"""`search(body, outline, pieces, scale, until)`; see `begin`."""

@@ -1,0 +1,1 @@
+"""Blocks on the ground: rolling, sliding and slope breaks."""

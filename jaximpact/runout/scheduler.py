@@ -1,0 +1,173 @@
+"""Scheduler of many trajectories, round by round.
+
+In a round every block under way is moved, through the air and along the ground, to its
+next contact, and then the impacts of all are computed together. A block that has ended
+gives its place to the next. The trajectory of a block does not depend on the others.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._checks import expect, real_number, whole_number
+from .._precision import require_float64
+from ..errors import InputError
+from ..io.checks import check_scene
+from ..progress import Progress, ProgressFunction, as_progress
+from ..scene import Block, Impact, Scene, as_scene
+from ..soil import Soil
+from .blocks import Release
+from .contacts.contact_models import Contacts, FullModel
+from .contacts.impact import strike
+from .flight.flights import fly_on
+from .flight.placement import check_release, release_at_touch
+from .ground_motion.on_ground import cross_edges, move_along
+from .state import Phase, State
+from .terrain import Ground, Profile
+from .trajectory import Ending, Runs
+
+TIME_LIMIT = 600.0
+"""Default of the longest trajectory [s]."""
+EVENT_LIMIT = 10_000
+"""Default of the most contacts and legs of a trajectory."""
+WIDTH = 8192
+"""Number of blocks under way at once: enough for full cores, few enough for the
+caches."""
+
+
+def simulate_runout(
+    profile: Profile,
+    release: Release | Scene | tuple[Block, Soil, Impact],
+    contacts: Contacts | None = None,
+    *,
+    x: ArrayLike | None = None,
+    ground: Ground | None = None,
+    time_limit: float = TIME_LIMIT,
+    event_limit: int = EVENT_LIMIT,
+    width: int = WIDTH,
+    progress: Progress | ProgressFunction | None = None,
+) -> Runs:
+    """Simulate the trajectories of blocks on a slope.
+
+    A block flies, with constant spin; strikes, and is set back on the ground at the
+    cost of the energy that it takes to climb out; flies again if its lowest point
+    leaves the ground, and else rolls, or slides where it cannot roll; and so on to its
+    end. See `flight`, `contacts` and `ground_motion`.
+
+    Args:
+        profile: the slope.
+        release: the blocks; or a scene, or its block, soil and impact in a tuple: the
+            blocks then begin as its impact strikes the profile at `x`, and its soil is
+            the ground of the whole slope; see `flight.placement`.
+        contacts: contact model: `FullModel()`, the default, `ClosedForm(law)`, or
+            `jaximpact.lookup.Tabulated(tables)`.
+        x: places where the blocks of a scene touch the profile [m].
+        ground: ground as each block finds it; that of the profile, or the scene's soil,
+            if not given.
+        time_limit: longest trajectory [s], above 0.
+        event_limit: most contacts and legs along the ground of a trajectory, from 1.
+        width: number of blocks under way at once, from 1; no result depends on it.
+        progress: called as `progress(ended, blocks)`.
+
+    Returns:
+        `Runs`; every trajectory has an ending.
+
+    Raises ValueError for a block that is released in the ground or off the profile, and
+    for a ground of other blocks or segments.
+    """
+    require_float64()
+    if not isinstance(release, Release):
+        scene = as_scene(release)
+        expect("profile", profile, Profile)
+        if x is None:
+            raise InputError("a scene needs x, where its blocks touch the profile [m]")
+        check_scene(scene, batched=True, warn=True)
+        release, scene_ground = release_at_touch(scene, profile, x)
+        ground = ground or scene_ground
+    elif x is not None:
+        raise InputError("x is for a scene; a release says where its blocks are")
+    check_release(release, profile)
+    if contacts is not None and not callable(contacts):
+        raise InputError(f"contacts must be a law of contacts, but is {contacts!r}")
+    if ground is not None:
+        expect("ground", ground, Ground)
+    if real_number("time_limit", time_limit) <= 0.0:
+        raise InputError(f"time_limit must be above 0 s, but is {time_limit!r}")
+    whole_number("event_limit", event_limit, 1)
+    whole_number("width", width, 1)
+    scenes = Scene(
+        release.block,
+        (ground or profile).soil,
+        Impact(
+            orientation=release.orientation,
+            angular_velocity=release.angular_velocity,
+        ),
+    )
+    check_scene(scenes, batched=True, warn=True, of="entry")
+    state = State.at_release(profile, release, ground)
+    return follow(
+        *(state, contacts or FullModel(), time_limit, event_limit),
+        *(width, as_progress(progress)),
+    )
+
+
+def follow(
+    state: State,
+    contacts: Contacts,
+    time_limit: float,
+    event_limit: int,
+    width: int,
+    progress: Progress,
+) -> Runs:
+    """Follow blocks from their release to their ends; see `simulate_runout`."""
+    active, waiting, blocks = np.zeros(0, int), 0, state.release.count
+    while True:
+        active = active[state.phase[active] != Phase.ended]
+        count = min(width - len(active), blocks - waiting)
+        active = np.concatenate([active, np.arange(waiting, waiting + count)])
+        waiting += count
+        progress("blocks", waiting - len(active), blocks)
+        if not len(active):
+            break
+        _move_to_contacts(state, active, time_limit, event_limit)
+        touching = active[state.phase[active] == Phase.touching]
+        if len(touching):
+            strike(state, touching, contacts)
+            _count_events(state, touching, event_limit)
+    return Runs(
+        profile=state.profile,
+        release=state.release,
+        ending=state.ending,
+        x=state.body.x,
+        y=state.body.y,
+        time=state.time,
+        events=state.events,
+        contacts=state.contacts.whole(),
+        pieces=state.pieces.whole(),
+    )
+
+
+def _move_to_contacts(
+    state: State, active: np.ndarray, time_limit: float, event_limit: int
+) -> None:
+    """Move blocks until each touches the ground or has ended."""
+    while True:
+        phase = state.phase[active]
+        airborne = active[phase == Phase.airborne]
+        grounded = active[phase == Phase.grounded]
+        at_edge = active[phase == Phase.at_edge]
+        if not (len(airborne) or len(grounded) or len(at_edge)):
+            return
+        if len(airborne):
+            fly_on(state, airborne, time_limit)
+        if len(grounded):
+            move_along(state, grounded, time_limit)
+        if len(at_edge):
+            cross_edges(state, at_edge)
+        _count_events(state, np.concatenate([grounded, at_edge]), event_limit)
+
+
+def _count_events(state: State, lanes: np.ndarray, event_limit: int) -> None:
+    """Count an event of each block, and end those that have had too many."""
+    state.events[lanes] += 1
+    many = (state.events[lanes] >= event_limit) & (state.phase[lanes] != Phase.ended)
+    state.end(lanes[many], Ending.event_limit)

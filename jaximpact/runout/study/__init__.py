@@ -1,0 +1,1 @@
+"""Run-out study from its file to its report."""

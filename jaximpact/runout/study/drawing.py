@@ -1,0 +1,268 @@
+"""Drawings of a run-out study."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.patches import Patch
+
+from ...plotting.style import (
+    BLUE,
+    COLOURS,
+    GREY,
+    ORANGE,
+    SOIL,
+    VERMILION,
+    WIDTH,
+    curve,
+    empty_panel,
+    in_style,
+    legend_outside,
+    panels,
+    plain,
+    save_figure,
+)
+from ..terrain import Profile, ground_columns
+from ..trajectory import Ending, Runs
+
+SPACING = 0.02
+"""Time between samples of a drawn trajectory [s]."""
+CURVES = (
+    ("passage_energy_J", "kinetic energy [kJ]", 1e-3),
+    ("passage_speed_mps", "speed [m/s]", 1.0),
+    ("passage_centre_height_m", "height of the centre [m]", 1.0),
+)
+"""Quantities at collectors: variable, label and factor."""
+ENVELOPES = (
+    ("envelope_height_m", "height of the centre\nabove ground [m]", 1.0),
+    ("envelope_speed_mps", "speed [m/s]", 1.0),
+    ("envelope_energy_J", "kinetic energy [kJ]", 1e-3),
+)
+"""Quantities along the profile: variable, label and factor."""
+GROUNDS = (SOIL, "#c9b99a", "#dfe3d3", "#b8c4bb", "#e6cfc3", "#a89f91")
+"""Colours of the segments' grounds, in the order in which they come."""
+SHOWN_GROUNDS = 6
+"""Largest number of grounds in a legend."""
+
+
+@in_style
+def plot_trajectories(
+    runs: Runs, collectors: np.ndarray, title: str, path: Path
+) -> None:
+    """Draw the trajectories of all blocks, coloured by speed, over the profile."""
+    shape = np.ptp(runs.profile.y) / np.ptp(runs.profile.x)
+    height = float(np.clip(0.9 * WIDTH * shape + 1.5, 2.8, 9.0))
+    count = runs.release.count
+    figure, (axes,) = panels(
+        height=height, title=f"{plain(title)}: the first {count} trajectories"
+    )
+    grounds = _draw_ground(axes, runs.profile)
+    lines, speeds = [], []
+    for i in range(count):
+        samples = runs.path(i, SPACING)
+        points = np.stack([samples["x"], samples["y"]], axis=1)
+        lines.append(np.stack([points[:-1], points[1:]], axis=1))
+        speeds.append(np.hypot(samples["v_x"], samples["v_y"])[:-1])
+    coloured = LineCollection(
+        list(np.concatenate(lines)), array=np.concatenate(speeds), cmap="viridis", lw=1
+    )
+    axes.add_collection(coloured)
+    (ends,) = axes.plot(runs.x, runs.y, ".", color=VERMILION, ms=5, label="end")
+    handles = [ends, *grounds]
+    for x in collectors:
+        line = axes.axvline(x, color=GREY, ls="--", lw=1.0, label="collector")
+    if len(collectors):
+        handles.insert(1, line)
+    figure.colorbar(coloured, ax=axes, label="speed [m/s]", shrink=0.8, pad=0.01)
+    axes.set(xlabel="x [m]", ylabel="y [m]")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.autoscale_view()
+    legend_outside(figure, handles, ncols=4 if len(handles) <= 4 else 2)
+    save_figure(figure, path)
+
+
+@in_style
+def plot_envelopes(dataset: xr.Dataset, profile: Profile, path: Path) -> None:
+    """Draw height, speed and energy along the profile: the largest, and percentiles of
+    the blocks' own largest in each bin."""
+    title = f"{plain(dataset.title)}: largest values of the blocks in bins of x"
+    figure, axes = panels(5, height=1.7, title=title, sharex=True)
+    edges = _edges(dataset)
+    for panel, (name, label, factor) in zip(axes[:3], ENVELOPES, strict=True):
+        largest = factor * dataset[f"{name}_max"].values
+        panel.stairs(largest, edges, color=GREY, label="largest")
+        for percentile, colour in zip((99, 95, 50), COLOURS, strict=False):
+            values = dataset[f"{name}_percentiles"].sel(percentile=percentile).values
+            panel.stairs(
+                factor * values, edges, color=colour, label=f"{percentile} % of blocks"
+            )
+        panel.set_ylabel(label)
+        panel.set_ylim(bottom=0.0)
+    axes[3].stairs(dataset.blocks_in_bin.values, edges, color="black")
+    axes[3].set_ylabel("blocks\nin the bin")
+    axes[3].set_ylim(bottom=0.0)
+    _draw_ground(axes[4], profile)
+    axes[4].set(xlabel="x [m]", ylabel="y [m]")
+    figure.align_ylabels(axes)
+    legend_outside(figure, [*axes[0].patches, *axes[4].patches][:4])
+    save_figure(figure, path)
+
+
+@in_style
+def plot_stops(dataset: xr.Dataset, path: Path) -> None:
+    """Draw where blocks stopped; the other endings are counted in the title."""
+    names, counts = np.unique(dataset.ending.values, return_counts=True)
+    endings = ", ".join(f"{c} {n}" for n, c in zip(names, counts, strict=True))
+    figure, (axes,) = panels(height=3.4, title=f"{plain(dataset.title)}: {endings}")
+    places = dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
+    if len(places):
+        axes.hist(places, bins=min(60, max(10, len(places) // 20)), color=BLUE)
+        for percentile, colour in ((50, ORANGE), (95, VERMILION)):
+            x = np.percentile(places, percentile)
+            label = f"{percentile} % of them by {x:.4g} m"
+            axes.axvline(x, color=colour, lw=2.0, label=label)
+        axes.set(xlabel="x where the block stopped [m]", ylabel="number of blocks")
+        legend_outside(figure)
+    else:
+        empty_panel(axes, "no block stopped")
+    save_figure(figure, path)
+
+
+@in_style
+def plot_collectors(dataset: xr.Dataset, path: Path) -> None:
+    """Draw the exceedance at each collector: the fraction of all blocks that did not
+    fail whose first passage exceeds a value. A curve starts at the fraction that
+    passes."""
+    title = f"{plain(dataset.title)}: exceedance at collectors, first passages"
+    figure, axes = panels(1, len(CURVES), height=3.2, title=title, sharey=True)
+    for place, x in enumerate(dataset.collector.values):
+        _draw_exceedance(axes, dataset, place, f"x = {x:g} m", curve(place))
+    axes[0].set_ylabel("fraction of blocks [-]")
+    _finish_exceedance(axes)
+    legend_outside(figure)
+    save_figure(figure, path)
+
+
+@in_style
+def plot_comparison(
+    datasets: Mapping[str, xr.Dataset], profile: Profile, path: Path
+) -> None:
+    """Draw where blocks stopped by each law, and its envelopes along the profile."""
+    title = plain(next(iter(datasets.values())).title)
+    figure, axes = panels(
+        5,
+        height=1.8,
+        title=f"{title}: stops, and 95 % of the blocks' largest values in bins of x",
+        sharex=True,
+    )
+    for place, (law, dataset) in enumerate(datasets.items()):
+        stopped = dataset.ending.values == str(Ending.stopped)
+        x = np.sort(dataset.x_m.values[stopped])
+        fraction = np.arange(1, len(x) + 1) / max(np.sum(valid_blocks(dataset)), 1)
+        places = np.concatenate([profile.x[:1], x, profile.x[-1:]])
+        last = fraction[-1:] if len(x) else [0.0]
+        fraction = np.concatenate([[0.0], fraction, last])
+        axes[0].step(places, fraction, where="post", label=plain(law), **curve(place))
+        for panel, (name, _, factor) in zip(axes[1:], ENVELOPES, strict=False):
+            values = dataset[f"{name}_percentiles"].sel(percentile=95).values
+            panel.stairs(
+                factor * values, _edges(dataset), baseline=None, **curve(place)
+            )
+    axes[0].set_ylabel("fraction\nstopped by x [-]")
+    axes[0].set_ylim(0.0, 1.02)
+    for panel, (_, label, _) in zip(axes[1:], ENVELOPES, strict=False):
+        panel.set_ylabel(label)
+        panel.set_ylim(bottom=0.0)
+    _draw_ground(axes[4], profile)
+    axes[4].set(xlabel="x [m]", ylabel="y [m]")
+    figure.align_ylabels(axes)
+    legend_outside(figure, axes[0].lines, ncols=3)
+    save_figure(figure, path)
+
+
+@in_style
+def plot_compared_collectors(datasets: Mapping[str, xr.Dataset], path: Path) -> None:
+    """Draw the exceedance at each collector by each law; see `plot_collectors`."""
+    first = next(iter(datasets.values()))
+    rows = len(first.collector)
+    title = f"{plain(first.title)}: exceedance at collectors by contact law"
+    figure, axes = panels(
+        rows, len(CURVES), height=2.4, title=title, sharey=True, sharex="col"
+    )
+    for row, x in enumerate(first.collector.values):
+        in_row = axes[row * len(CURVES) : (row + 1) * len(CURVES)]
+        for place, (law, dataset) in enumerate(datasets.items()):
+            _draw_exceedance(in_row, dataset, row, law, curve(place))
+        in_row[0].set_ylabel(f"x = {x:g} m:\nfraction of blocks [-]")
+    # Only now: a limit set on shared axes stops them from growing with the next row.
+    _finish_exceedance(axes)
+    legend_outside(figure, axes[0].lines, ncols=3)
+    save_figure(figure, path)
+
+
+def valid_blocks(dataset: xr.Dataset) -> np.ndarray:
+    """Tell which blocks did not fail."""
+    return dataset.ending.values != str(Ending.failed)
+
+
+def _edges(dataset: xr.Dataset) -> np.ndarray:
+    return np.append(dataset.bin_left_m.values, dataset.bin_right_m.values[-1])
+
+
+def _draw_exceedance(
+    axes: list[Axes], dataset: xr.Dataset, collector: int, label: str, look: dict
+) -> None:
+    """Draw the fractions of blocks above each value of first passages, NaN for blocks
+    that do not pass."""
+    for panel, (name, _, factor) in zip(axes, CURVES, strict=True):
+        values = factor * dataset[name].values[valid_blocks(dataset), collector]
+        passing = np.sort(values[np.isfinite(values)])
+        fraction = np.arange(len(passing), 0, -1) / max(len(values), 1)
+        panel.step(
+            np.concatenate([[0.0], passing]),
+            np.concatenate([fraction[:1] if len(fraction) else [0.0], fraction]),
+            label=plain(label),
+            **look,
+        )
+
+
+def _finish_exceedance(axes: list[Axes]) -> None:
+    for panel, (_, label, _) in zip(axes[-len(CURVES) :], CURVES, strict=True):
+        panel.set_xlabel(label)
+    for panel in axes:
+        panel.set_xlim(left=0.0)
+        panel.set_ylim(0.0, 1.02)
+
+
+def _draw_ground(axes: Axes, profile: Profile) -> list[Patch]:
+    """Draw the profile, segments of different ground in different colours, and give the
+    entries of a legend."""
+    columns = list(ground_columns(profile.soil).values())
+    values = np.stack(
+        [
+            getattr(profile.soil if c.part == "soil" else profile, c.field) / c.factor
+            for c in columns
+        ],
+        axis=1,
+    )
+    grounds, number = np.unique(values, axis=0, return_inverse=True)
+    order = list(dict.fromkeys(number.ravel().tolist()))
+    bottom = profile.y.min() - 0.05 * max(
+        np.ptp(profile.y), 0.2 * float(np.ptp(profile.x))
+    )
+    for segment, ground in enumerate(number.ravel().tolist()):
+        ends = slice(segment, segment + 2)
+        colour = GROUNDS[order.index(ground) % len(GROUNDS)]
+        axes.fill_between(profile.x[ends], profile.y[ends], bottom, color=colour, lw=0)
+    axes.plot(profile.x, profile.y, color="black", lw=1.0)
+    differing = np.flatnonzero(np.any(grounds != grounds[0], axis=0))
+    entries = []
+    for place, ground in enumerate(order[:SHOWN_GROUNDS]):
+        told = ", ".join(
+            f"{columns[i].name} = {grounds[ground, i]:g}" for i in differing[:3]
+        )
+        entries.append(Patch(color=GROUNDS[place], label=f"ground: {told or 'one'}"))
+    return entries if len(order) > 1 else []

@@ -1,0 +1,379 @@
+"""Run-out study: many blocks, computed in portions, kept as they come, and summarised.
+
+Each block leaves one row of numbers, whatever the length of its trajectory: how it
+ended, its first passage of each collector, and its largest height, speed and energy in
+each bin of x. Rows go to the journal; the pieces of trajectories are not kept.
+"""
+
+import contextlib
+import json
+import re
+import time
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from ..._versions import versions
+from ...io.journal import Journal
+from ...progress import Progress, ProgressFunction, as_progress
+from ...quantities import columns_of_part
+from ...scene_quantities import SHAPE, text_of
+from ...shapes import MixedShapes
+from ...units import DEGREE
+from ..analysis import Maxima, first_passages, maxima_along, passages
+from ..blocks import Release, select
+from ..scheduler import WIDTH, follow
+from ..state import State
+from ..terrain import ground_columns
+from ..trajectory import Ending, Runs, state_after, stretches_of
+from .slope_file import SlopeStudy
+
+BLOCK_NUMBERS = {
+    "x_m": ("m", "where it ended: the centre; nan where a contact failed"),
+    "y_m": ("m", "where it ended: the centre; nan where a contact failed"),
+    "time_s": ("s", "when it ended, since release"),
+    "impacts": ("-", "impacts, without touches too slow to be one"),
+    "events": ("-", "contacts and legs along the ground"),
+    "energy_at_release_J": ("J", "kinetic energy at release"),
+    "energy_at_end_J": ("J", "kinetic energy at its end; 0 for a block that stopped"),
+}
+PASSAGE_NUMBERS = {
+    "passages": ("-", "how often the centre passes the collector"),
+    "passage_time_s": ("s", "first passage, since release"),
+    "passage_v_x_mps": ("m/s", "velocity at first passage, to the right"),
+    "passage_v_y_mps": ("m/s", "velocity at first passage, upwards"),
+    "passage_speed_mps": ("m/s", "speed at first passage"),
+    "passage_spin_radps": ("rad/s", "angular velocity at first passage, clockwise"),
+    "passage_translational_energy_J": ("J", "at first passage"),
+    "passage_rotational_energy_J": ("J", "at first passage"),
+    "passage_energy_J": ("J", "kinetic energy at first passage"),
+    "passage_centre_height_m": ("m", "of the centre above the ground, first passage"),
+    "passage_lowest_height_m": (
+        "m",
+        "of the lowest point above the ground below the centre, first passage",
+    ),
+}
+ENVELOPES = {
+    "height_m": ("m", "largest height of the centre above the ground"),
+    "speed_mps": ("m/s", "largest speed"),
+    "energy_J": ("J", "largest kinetic energy"),
+}
+PERCENTILES = (50, 90, 95, 99)
+FIRST_PORTION = 64
+"""Number of blocks of the first portion."""
+QUICK = 2.0
+"""Time of a portion [s] below which the next has twice the size."""
+
+
+def run_slope_study(
+    study: SlopeStudy,
+    *,
+    journal: Path | None = None,
+    progress: Progress | ProgressFunction | None = None,
+) -> xr.Dataset:
+    """Compute all blocks of a study.
+
+    Args:
+        study: result of `read_slope_study`.
+        journal: file that keeps finished blocks: those in it already are not computed
+            again. The caller has to remove it.
+        progress: called as `progress(done, blocks)`.
+
+    Returns:
+        A dataset over blocks, collectors if there are any, and bins along the profile;
+        every variable has its units and a long name. Percentiles are of blocks that did
+        not fail, those along the profile and at collectors of the ones that came there;
+        the counts of blocks behind them stand beside them, those of endings in the
+        attributes.
+
+    Raises InputError for a journal of something else.
+    """
+    progress = as_progress(progress)
+    rows = np.full((study.release.count, len(_columns(study))), np.nan)
+    done = np.zeros(len(rows), bool)
+    kept = contextlib.nullcontext()
+    if journal is not None:
+        kept = Journal(journal, _subject(study), _columns(study), len(rows))
+    with kept as store:
+        if store is not None:
+            places, numbers = store.rows()
+            rows[places], done[places] = numbers, True
+        size, waiting = FIRST_PORTION, np.flatnonzero(~done)
+        while len(waiting):
+            portion, waiting = waiting[:size], waiting[size:]
+            before = len(rows) - len(waiting) - len(portion)
+            start = time.monotonic()
+            runs = simulate(
+                study,
+                portion,
+                lambda done, _, before=before: progress(
+                    "blocks", before + done, len(rows)
+                ),
+            )
+            rows[portion] = summarise(study, runs)
+            if store is not None:
+                store.append(portion, rows[portion])
+            if time.monotonic() - start < QUICK:
+                size = min(2 * size, WIDTH)
+    return _dataset(study, rows)
+
+
+def simulate(
+    study: SlopeStudy,
+    chosen: np.ndarray,
+    progress: Progress | ProgressFunction | None = None,
+) -> Runs:
+    """Simulate the trajectories of some blocks of a study."""
+    release = study.release
+    some = Release(select(release.block, chosen), *select(release.body, chosen))
+    # All that `simulate_runout` checks was checked as the study was read.
+    return follow(
+        State.at_release(study.profile, some, study.ground.of_blocks(chosen)),
+        study.contacts,
+        study.time_limit,
+        study.event_limit,
+        WIDTH,
+        as_progress(progress),
+    )
+
+
+def edges_of(study: SlopeStudy) -> np.ndarray:
+    """Give the edges of the bins of x [m], `(bins + 1,)`."""
+    return np.linspace(study.profile.x[0], study.profile.x[-1], study.bins + 1)
+
+
+def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
+    """Summarise each block in a row of numbers, in the order of `_columns`."""
+    blocks, stretches = runs.release.count, stretches_of(runs)
+    impacts = runs.contacts.trajectory[runs.contacts.outcome >= 0].astype(int)
+    start, end = _energies(runs)
+    numbers = {
+        "ending": runs.ending,
+        "x_m": runs.x,
+        "y_m": runs.y,
+        "time_s": runs.time,
+        "impacts": np.bincount(impacts, minlength=blocks),
+        "events": runs.events,
+        "energy_at_release_J": start,
+        "energy_at_end_J": end,
+    }
+    for x in study.collectors.tolist():
+        count, first = first_passages(passages(runs, x, stretches), blocks)
+        of_passage = {
+            "passages": count,
+            "passage_time_s": first.time,
+            "passage_v_x_mps": first.v_x,
+            "passage_v_y_mps": first.v_y,
+            "passage_speed_mps": first.speed,
+            "passage_spin_radps": first.angular_velocity,
+            "passage_translational_energy_J": first.translational_energy,
+            "passage_rotational_energy_J": first.rotational_energy,
+            "passage_energy_J": first.energy,
+            "passage_centre_height_m": first.centre_height,
+            "passage_lowest_height_m": first.lowest_height,
+        }
+        numbers |= {f"{name} at {x!r}": of_passage[name] for name in PASSAGE_NUMBERS}
+    maxima = maxima_along(runs, edges_of(study), stretches)
+    for name, values in zip(ENVELOPES, maxima, strict=True):
+        numbers |= {f"{name} in bin {i}": column for i, column in enumerate(values.T)}
+    return np.stack([numbers[name] for name in _columns(study)], axis=1)
+
+
+def _energies(runs: Runs) -> tuple[np.ndarray, np.ndarray]:
+    """Compute the kinetic energy of each block at release, and at its end [J]."""
+    mass, inertia = runs.release.mass_properties
+    body = runs.release.body
+    speeds = body.v_x**2 + body.v_y**2
+    start = 0.5 * (mass * speeds + inertia * body.angular_velocity**2)
+    p = runs.pieces
+    last = np.searchsorted(p.trajectory, np.arange(len(mass)), "right") - 1
+    final = state_after(select(p, last), p.duration[last])
+    speeds = final.v_x**2 + final.v_y**2
+    end = 0.5 * (mass * speeds + inertia * final.angular_velocity**2)
+    return start, np.where(runs.ending == Ending.stopped, 0.0, end)
+
+
+def _columns(study: SlopeStudy) -> list[str]:
+    """List the names of the numbers of a row."""
+    return [
+        "ending",
+        *BLOCK_NUMBERS,
+        *(f"{n} at {x!r}" for x in study.collectors.tolist() for n in PASSAGE_NUMBERS),
+        *(f"{n} in bin {i}" for n in ENVELOPES for i in range(study.bins)),
+    ]
+
+
+def _subject(study: SlopeStudy) -> dict:
+    return {
+        "runout": study.checksums,
+        "contacts": study.law,
+        "laws": study.laws,
+        "versions": versions() | {"numpy": np.__version__},
+    }
+
+
+def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
+    blocks, places = len(rows), len(study.collectors)
+    codes, rest = rows[:, 0].astype(int), rows[:, 1:]
+    sizes = [len(BLOCK_NUMBERS), places * len(PASSAGE_NUMBERS)]
+    of_block, of_passage, of_bins = np.split(rest, np.cumsum(sizes), axis=1)
+    of_passage = of_passage.reshape(blocks, places, len(PASSAGE_NUMBERS))
+    maxima = Maxima(*np.split(of_bins, len(ENVELOPES), axis=1))
+    valid = codes != Ending.failed
+    words = np.array([str(ending) for ending in Ending])
+    variables: dict[str, tuple] = {
+        "ending": ("block", words[codes], {"long_name": "why it ended"})
+    }
+    variables |= _inputs(study.release) | _ground(study)
+    for values, (name, words_of) in zip(of_block.T, BLOCK_NUMBERS.items(), strict=True):
+        variables[name] = ("block", values, _about(*words_of))
+    # NetCDF 3 takes a dimension of no length for one that grows.
+    variables |= _passages(of_passage, valid) if places else {}
+    variables["blocks_in_bin"] = (
+        "bin",
+        np.sum(np.isfinite(maxima.speed[valid]), axis=0),
+        _about("-", "blocks that come into the bin, without those that failed"),
+    )
+    for values, (name, (unit, meaning)) in zip(maxima, ENVELOPES.items(), strict=True):
+        variables[f"envelope_{name}_percentiles"] = (
+            ("percentile", "bin"),
+            _percentiles(values[valid]),
+            _about(unit, f"{meaning} in the bin: percentiles of the blocks in it"),
+        )
+        variables[f"envelope_{name}_max"] = (
+            "bin",
+            _percentiles(values[valid], (100,))[0],
+            _about(unit, f"{meaning} in the bin, of all blocks"),
+        )
+        variables[f"max_{name}"] = (
+            "block",
+            _largest(values),
+            _about(unit, f"{meaning} on its way"),
+        )
+    edges = edges_of(study)
+    at = {"collector": ("collector", study.collectors, _about("m", "x"))}
+    return xr.Dataset(
+        variables,
+        (at if places else {})
+        | {
+            "block": np.arange(blocks),
+            "percentile": ("percentile", np.array(PERCENTILES), _about("%", "")),
+            "bin": ("bin", 0.5 * (edges[1:] + edges[:-1]), _about("m", "x, middle")),
+            "bin_left_m": ("bin", edges[:-1], _about("m", "x, left end of the bin")),
+            "bin_right_m": ("bin", edges[1:], _about("m", "x, right end of the bin")),
+        },
+        {"title": study.title}
+        | {k: json.dumps(v) for k, v in provenance_of(study, codes).items()},
+    )
+
+
+def _passages(of_passage: np.ndarray, valid: np.ndarray) -> dict:
+    """Describe first passages `(blocks, collectors, numbers)`, and percentiles of the
+    valid blocks' ones."""
+    variables = {}
+    for values, (name, (unit, meaning)) in zip(
+        np.moveaxis(of_passage, 2, 0), PASSAGE_NUMBERS.items(), strict=True
+    ):
+        variables[name] = (("block", "collector"), values, _about(unit, meaning))
+        if name not in ("passages", "passage_time_s"):
+            variables[f"{name}_percentiles"] = (
+                ("percentile", "collector"),
+                _percentiles(values[valid]),
+                _about(unit, f"{meaning}: percentiles of the blocks that pass"),
+            )
+    variables["blocks_passing"] = (
+        "collector",
+        np.sum(of_passage[valid, :, 0] > 0, axis=0),
+        _about("-", "blocks that pass the collector, without those that failed"),
+    )
+    return variables
+
+
+def provenance_of(study: SlopeStudy, codes: np.ndarray) -> dict:
+    """Describe the inputs and endings of a result, ready for JSON."""
+    return {
+        "files": study.checksums,
+        "contacts": study.law,
+        "laws": study.laws,
+        "ground": study.ground_told,
+        "seed": study.seed,
+        "blocks": len(codes),
+        "time_limit_s": study.time_limit,
+        "event_limit": study.event_limit,
+        "endings": {
+            str(ending): int(np.sum(codes == ending))
+            for ending in Ending
+            if np.any(codes == ending)
+        },
+        "versions": versions() | {"numpy": np.__version__},
+    }
+
+
+def _inputs(release: Release) -> dict:
+    """List the samples of blocks and releases, in the units of their names."""
+    variables = {}
+    shape = release.block.shape
+    kinds = shape.kinds if isinstance(shape, MixedShapes) else (type(shape),)
+    names = np.array([text_of(kind) for kind in kinds])
+    index = shape.index if isinstance(shape, MixedShapes) else np.zeros(release.count)
+    variables[SHAPE] = (
+        "block",
+        names[np.asarray(index, int)],
+        {"long_name": "shape of the block"},
+    )
+    for column in columns_of_part("block", release.block).values():
+        values = np.asarray(getattr(release.block, column.field)) / column.factor
+        variables[column.name] = ("block", values, _about(column.unit, column.meaning))
+    for name, values, unit, meaning in (
+        ("release_x_m", release.x, "m", "of the centre"),
+        ("release_y_m", release.y, "m", "of the centre"),
+        ("release_v_x_mps", release.v_x, "m/s", "to the right"),
+        ("release_v_y_mps", release.v_y, "m/s", "upwards"),
+        (
+            "release_orientation_deg",
+            release.orientation / DEGREE,
+            "deg",
+            "from the vertical, clockwise, to the major axis",
+        ),
+        (
+            "release_angular_velocity_degps",
+            release.angular_velocity / DEGREE,
+            "deg/s",
+            "clockwise",
+        ),
+    ):
+        variables[name] = ("block", values, _about(unit, f"at release, {meaning}"))
+    return variables
+
+
+def _ground(study: SlopeStudy) -> dict:
+    """List the samples of the ground, in the units of the names."""
+    variables, columns = {}, ground_columns(study.ground.soil)
+    for name, values in study.ground_samples.items():
+        of_segment = re.fullmatch(r"segment_(\d+)_(.*)", name)
+        where = f"segment {of_segment[1]}" if of_segment else "the ground"
+        column = columns[of_segment[2] if of_segment else name]
+        about = _about(column.unit, f"of {where}: {column.meaning}")
+        variables[f"ground_{name}"] = ("block", values, about)
+    return variables
+
+
+def _percentiles(values: np.ndarray, of: tuple[int, ...] = PERCENTILES) -> np.ndarray:
+    """Compute percentiles over the finite blocks, `(of, places)`; NaN without any."""
+    found = np.full((len(of), values.shape[1]), np.nan)
+    for place, column in enumerate(values.T):
+        finite = column[np.isfinite(column)]
+        if len(finite):
+            found[:, place] = np.percentile(finite, of)
+    return found
+
+
+def _largest(values: np.ndarray) -> np.ndarray:
+    """Give the largest finite number of each row; NaN without any."""
+    largest = np.max(np.where(np.isfinite(values), values, -np.inf), axis=1)
+    return np.where(np.isfinite(largest), largest, np.nan)
+
+
+def _about(unit: str, meaning: str) -> dict[str, str]:
+    return {"units": unit, "long_name": meaning}

@@ -1,0 +1,389 @@
+"""Slope profiles, and the ground that each block finds on them."""
+
+import dataclasses
+import io
+import math
+from pathlib import Path
+
+import jax
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._checks import expect, real_numbers, whole_number
+from ..errors import InputError, nearest
+from ..io.display import Rows, ShownAsTable, range_of
+from ..io.files import read_text
+from ..io.scene_table import reads_as_number, records_of
+from ..quantities import InputColumn, columns_of_part
+from ..scene_quantities import SLOTS
+from ..soil import Soil
+from ..units import DEGREE
+
+ROLLING_FRICTION_ANGLE = math.radians(20.0)
+"""Default [rad]: an assumption, as the paper gives none."""
+ROLLING_COLUMN = "rolling_friction_angle_deg"
+ROUGHNESS_COLUMN = "roughness_deg"
+ROUGHEST = math.radians(30.0)
+"""Largest roughness [rad]."""
+POINT_COLUMNS = ("x_m", "y_m")
+
+
+def _angle(
+    name: str, default: float, upper: float, upper_allowed: bool, meaning: str
+) -> InputColumn:
+    return InputColumn(
+        *(name, "ground", name.removesuffix("_deg"), DEGREE, default / DEGREE),
+        *(0.0, upper, True, upper_allowed, "deg", meaning),
+    )
+
+
+ANGLE_COLUMNS: dict[str, InputColumn] = {
+    ROLLING_COLUMN: _angle(
+        *(ROLLING_COLUMN, ROLLING_FRICTION_ANGLE, 90.0, False),
+        "angle of rolling friction",
+    ),
+    ROUGHNESS_COLUMN: _angle(
+        *(ROUGHNESS_COLUMN, 0.0, ROUGHEST / DEGREE, True),
+        "standard deviation of the angle of the ground's facets",
+    ),
+}
+"""Columns of the ground beside those of its soil."""
+
+
+def ground_columns(soil: Soil) -> dict[str, InputColumn]:
+    """List the columns of a ground: those of its soil and of the soil's laws, and
+    `ANGLE_COLUMNS`."""
+    return columns_of_part("soil", soil) | ANGLE_COLUMNS
+
+
+@dataclasses.dataclass(frozen=True, init=False, repr=False)
+class Profile(ShownAsTable):
+    """Slope profile: a polyline of points from left to right, ground below, air above.
+
+    Segments descend at an angle w, negative where they rise to the right. Their frame
+    is t = (cos w, -sin w), along the segment to the right, and n = -(sin w, cos w),
+    into the ground.
+
+    Args:
+        x, y: coordinates of the points [m], shape `(points,)`; x strictly increasing.
+        soil: ground of the segments; fields that broadcast to `(points - 1,)`.
+        rolling_friction_angle: angles of rolling friction of the segments [rad], in
+            [0, pi/2), broadcast likewise.
+        roughness: standard deviations of the angle of the segments' facets [rad], from
+            0 to 30 degrees, broadcast likewise; see `contacts.roughness`.
+
+    Raises ValueError, in one sentence, for points that make no such polyline, and for
+    ground out of range.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    soil: Soil
+    rolling_friction_angle: np.ndarray
+    roughness: np.ndarray
+
+    def __init__(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        soil: Soil | None = None,
+        rolling_friction_angle: ArrayLike = ROLLING_FRICTION_ANGLE,
+        roughness: ArrayLike = 0.0,
+    ):
+        x, y = (
+            np.array(real_numbers(f"a profile's {name}", values))
+            for name, values in (("x", x), ("y", y))
+        )
+        soil = Soil() if soil is None else soil
+        expect("a profile's soil", soil, Soil)
+        problem = _problem_with_points(x, y)
+        if problem:
+            raise ValueError(f"a profile {problem}")
+        segments = (len(x) - 1,)
+
+        def of_segments(name: str, values) -> np.ndarray:
+            numbers = real_numbers(f"a profile's {name}", values)
+            try:
+                return np.array(np.broadcast_to(numbers, segments), float)
+            except ValueError:
+                raise ValueError(
+                    f"a profile of {segments[0]} segments takes one {name} or as many, "
+                    f"but got shape {np.shape(values)}"
+                ) from None
+
+        given = {
+            "rolling_friction_angle": rolling_friction_angle,
+            "roughness": roughness,
+        }
+        angles, fields = {}, {}
+        for column in ANGLE_COLUMNS.values():
+            angles[column.field] = values = of_segments(
+                column.field, given[column.field]
+            )
+            allowed = column.is_allowed(values / DEGREE)
+            if not np.all(allowed):
+                i = int(np.argmin(allowed))
+                raise ValueError(
+                    f"a profile's {column.field} must be {column.requirement}, but is "
+                    f"{values[i] / DEGREE:g} on segment {i + 1}"
+                )
+        for column in columns_of_part("soil", soil).values():
+            field = column.field
+            fields[field] = values = of_segments(f"Soil.{field}", getattr(soil, field))
+            allowed = column.is_allowed(values / column.factor)
+            if not np.all(allowed):
+                i = int(np.argmin(allowed))
+                raise ValueError(
+                    f"a profile's {column.name} must be {column.requirement}, but is "
+                    f"{column.told(values[i], column.si_unit, f' on segment {i + 1}')}"
+                )
+        # NumPy arrays, since they are looked up lane by lane.
+        soil = jax.tree.map(np.asarray, dataclasses.replace(soil, **fields))
+        for field, value in {"x": x, "y": y, "soil": soil, **angles}.items():
+            object.__setattr__(self, field, value)
+
+    @property
+    def segments(self) -> int:
+        """Number of segments."""
+        return len(self.x) - 1
+
+    @property
+    def slope(self) -> np.ndarray:
+        """Angles w at which the segments descend to the right [rad], `(segments,)`."""
+        return -np.arctan2(np.diff(self.y), np.diff(self.x))
+
+    @property
+    def length(self) -> np.ndarray:
+        """Lengths of the segments [m], `(segments,)`."""
+        return np.hypot(np.diff(self.x), np.diff(self.y))
+
+    def height(self, x) -> np.ndarray:
+        """Interpolate the height of the ground at x [m]; beyond the ends it is that of
+        the end points."""
+        return np.interp(x, self.x, self.y)
+
+    def display_rows(self) -> tuple[str, Rows]:
+        """Give the number of segments, and ranges of what they are."""
+        rows = [
+            ("x", range_of(self.x), "m"),
+            ("y", range_of(self.y), "m"),
+            ("slope", range_of(self.slope / DEGREE + 0.0), "deg"),
+        ]
+        for column in ground_columns(self.soil).values():
+            whole = self.soil if column.part == "soil" else self
+            values = getattr(whole, column.field) / column.factor
+            rows.append((column.name, range_of(values), column.unit))
+        return f"Profile: {self.segments} segments", rows
+
+
+def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
+    """Say what keeps points from being a profile, to follow the words "a profile"."""
+    if x.ndim != 1 or x.shape != y.shape:
+        return f"needs as many y as x, but got shapes {x.shape} and {y.shape}"
+    if len(x) < 2:
+        return f"needs at least two points, but got {len(x)}"
+    bad = ~(np.isfinite(x) & np.isfinite(y))
+    if np.any(bad):
+        return f"needs finite coordinates, but point {np.argmax(bad) + 1} has none"
+    back = np.diff(x) <= 0.0
+    if np.any(back):
+        i = int(np.argmax(back))
+        wall = "; a wall needs some width, such as 0.01 m" if x[i] == x[i + 1] else ""
+        return (
+            f"needs x that increases from point to point, but x goes from {x[i]:g} to "
+            f"{x[i + 1]:g} at point {i + 2}{wall}"
+        )
+    return None
+
+
+def read_profile(
+    path: Path,
+    soil: Soil | None = None,
+    rolling_friction_angle: float = ROLLING_FRICTION_ANGLE,
+    roughness: float = 0.0,
+) -> Profile:
+    """Read a profile from a CSV file.
+
+    The first row names the columns: `x_m` and `y_m`, and if wanted any quantity of the
+    soil or of its laws, `rolling_friction_angle_deg` and `roughness_deg`. A row is a
+    point; its ground holds from there to the next point, so that the last row's ground
+    is not used.
+
+    Args:
+        path: the file, UTF-8, separated by commas.
+        soil: gives the laws, and the quantities without a column, scalars.
+        rolling_friction_angle, roughness: angles without a column [rad].
+
+    Raises InputError, naming file and row, for whatever cannot be used.
+    """
+    path = Path(path)
+    file = io.StringIO(read_text(path), newline="")
+    rows = [
+        (line, cells)
+        for line, _, cells in records_of(path, file)
+        if any(map(str.strip, cells))
+    ]
+    if not rows:
+        raise InputError("is empty; a header and points are needed", file=path)
+    (line, header), *rows = rows
+    names = [name.strip() for name in header]
+    soil = soil or Soil()
+    of_soil = columns_of_part("soil", soil)
+    known = of_soil | ANGLE_COLUMNS
+    _check_header(path, line, names, (*POINT_COLUMNS, *known))
+    columns = {name: np.empty(len(rows)) for name in names}
+    for i, (line, cells) in enumerate(rows):
+        if len(cells) != len(names):
+            raise InputError(
+                f"has {len(cells)} cells, but the header has {len(names)}",
+                file=path,
+                row=line,
+            )
+        for name, cell in zip(names, cells, strict=True):
+            if not reads_as_number(cell):
+                raise InputError(
+                    f"must be a number, but is {cell.strip()!r}",
+                    file=path,
+                    row=line,
+                    column=name,
+                )
+            columns[name][i] = float(cell)
+    x, y = (columns.pop(name) for name in POINT_COLUMNS)
+    fields: dict[str, ArrayLike] = {}
+    angles: dict[str, ArrayLike] = {
+        "rolling_friction_angle": rolling_friction_angle,
+        "roughness": roughness,
+    }
+    for name, values in columns.items():
+        target = fields if name in of_soil else angles
+        target[known[name].field] = known[name].factor * values[:-1]
+    try:
+        return Profile(x, y, dataclasses.replace(soil, **fields), **angles)
+    except ValueError as error:
+        raise InputError(str(error), file=path) from None
+
+
+def _check_header(path: Path, line: int, names: list[str], known: tuple) -> None:
+    for mark, marks in ((";", "semicolons"), ("\t", "tabs")):
+        if len(names) == 1 and mark in names[0]:
+            raise InputError(
+                f"needs commas between columns, but has {marks}", file=path, row=line
+            )
+    for place, name in enumerate(names):
+        if name in SLOTS:
+            raise InputError(
+                f"names a law, but a profile has one {name} for all its segments; name "
+                "it under [ground] or in the soil",
+                file=path,
+                row=line,
+                column=name,
+            )
+        if name not in known:
+            raise InputError(
+                f"is unknown; did you mean {nearest(name, known)}?",
+                file=path,
+                row=line,
+                column=name or str(place + 1),
+            )
+        if name in names[:place]:
+            raise InputError(
+                "stands twice in the header", file=path, row=line, column=name
+            )
+    for name in POINT_COLUMNS:
+        if name not in names:
+            raise InputError(f"needs a column {name}", file=path, row=line)
+
+
+@dataclasses.dataclass(frozen=True, init=False)
+class Ground:
+    """Ground as each block finds it: soil, rolling friction and roughness.
+
+    Args:
+        soil: fields that broadcast to `(blocks, segments)`.
+        rolling_friction_angle: angle of rolling friction [rad], in [0, pi/2), broadcast
+            likewise.
+        roughness: standard deviation of the angle of the facets [rad], from 0 to 30
+            degrees, broadcast likewise; see `contacts.roughness`.
+        seed: of the facets, a whole number from 0.
+        numbers: block numbers, `(blocks,)`, that select the blocks' random facets; from
+            0 on if not given.
+
+    Raises ValueError, in one sentence, for values out of range.
+    """
+
+    soil: Soil
+    rolling_friction_angle: np.ndarray
+    roughness: np.ndarray
+    seed: int
+    numbers: np.ndarray | None
+
+    def __init__(
+        self,
+        soil: Soil | None = None,
+        rolling_friction_angle: ArrayLike = ROLLING_FRICTION_ANGLE,
+        roughness: ArrayLike = 0.0,
+        seed: int = 0,
+        numbers: np.ndarray | None = None,
+    ):
+        soil = Soil() if soil is None else soil
+        expect("a ground's soil", soil, Soil)
+        whole_number("a ground's seed", seed, 0)
+        # NumPy arrays, since they are looked up lane by lane.
+        fields = {
+            "soil": jax.tree.map(lambda leaf: np.asarray(leaf, float), soil),
+            "rolling_friction_angle": rolling_friction_angle,
+            "roughness": roughness,
+            "seed": seed,
+            "numbers": numbers,
+        }
+        for name in ("rolling_friction_angle", "roughness"):
+            values = real_numbers(f"a ground's {name}", fields[name])
+            fields[name] = np.asarray(values, float)
+        for name, value in fields.items():
+            object.__setattr__(self, name, value)
+        for column in ground_columns(self.soil).values():
+            whole = self.soil if column.part == "soil" else self
+            values = np.asarray(getattr(whole, column.field))
+            allowed = column.is_allowed(values / column.factor)
+            if not np.all(allowed):
+                value = float(values[~allowed].flat[0])
+                raise InputError(
+                    f"a ground's {column.name} must be {column.requirement}, but holds "
+                    f"{column.told(value, column.si_unit)}"
+                )
+
+    @classmethod
+    def of_profile(cls, profile: Profile, seed: int = 0) -> "Ground":
+        """Take the ground of a profile, alike for all blocks."""
+        return cls(
+            profile.soil, profile.rolling_friction_angle, profile.roughness, seed
+        )
+
+    def of_blocks(self, chosen: np.ndarray) -> "Ground":
+        """Select the ground of some blocks, which keep their numbers."""
+
+        def select(values):
+            differs = values.ndim == 2 and len(values) > 1
+            return values[chosen] if differs else values
+
+        return Ground(
+            jax.tree.map(select, self.soil),
+            select(self.rolling_friction_angle),
+            select(self.roughness),
+            self.seed,
+            chosen if self.numbers is None else self.numbers[chosen],
+        )
+
+
+def spread(values: ArrayLike, blocks: int, segments: int) -> np.ndarray:
+    """Broadcast a quantity of the ground to `(blocks, segments)`, without a copy.
+
+    Raises ValueError, in one sentence, where its shape does not allow that.
+    """
+    try:
+        return np.broadcast_to(values, (blocks, segments))
+    except ValueError:
+        raise ValueError(
+            f"fields of a ground must broadcast to {blocks} blocks and {segments} "
+            f"segments, but one has shape {np.shape(values)}"
+        ) from None

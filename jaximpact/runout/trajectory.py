@@ -1,0 +1,290 @@
+"""Trajectories: their pieces, contacts and endings."""
+
+import dataclasses
+import enum
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..io.display import Rows, ShownAsTable, range_of
+from ..scene import GRAVITY
+from .blocks import Body, Release, select
+from .dual import Values, primal
+from .terrain import Profile
+
+
+class MotionMode(enum.IntEnum):
+    """Kinds of motion of a block on a piece of its trajectory."""
+
+    flight = 0
+    rolling = 1
+    sliding = 2
+    contact = 3
+
+    def __str__(self) -> str:
+        return self.name
+
+
+class Pieces(NamedTuple):
+    """Pieces of trajectories, arrays `(pieces,)`, trajectory after trajectory, in time.
+
+    Every piece is a motion at constant acceleration, with a spin that changes at a
+    constant rate, so that it can be drawn, or met with a wall, in closed form.
+    """
+
+    trajectory: Values
+    """Number of the block, from 0."""
+    motion: Values
+    """Codes of `MotionMode`."""
+    time: Values
+    """Time at the start since release [s]."""
+    duration: Values
+    """Duration [s]."""
+    x: Values
+    """Centre at the start [m]."""
+    y: Values
+    v_x: Values
+    """Velocity of the centre at the start [m/s]."""
+    v_y: Values
+    a_x: Values
+    """Acceleration of the centre [m/s2]."""
+    a_y: Values
+    orientation: Values
+    """Angle phi at the start [rad]."""
+    angular_velocity: Values
+    """Angular velocity at the start [rad/s]."""
+    angular_acceleration: Values
+    """Angular acceleration [rad/s2]."""
+
+
+class ContactRecord(NamedTuple):
+    """Contacts, arrays `(contacts,)`, trajectory after trajectory, in time.
+
+    Velocities are in the frame of the plane that was struck: n into the ground, t along
+    it to the right, rotation clockwise. Velocities after the contact are those with
+    which the trajectory continues, once the block is out of its crater.
+    """
+
+    trajectory: Values
+    """Number of the block, from 0."""
+    time: Values
+    """Time of touch since release [s]."""
+    segment: Values
+    """Number of the segment that was struck, from 0."""
+    slope: Values
+    """Angle of the plane that was struck [rad]: the segment's, a facet's, or one
+    between two segments at a break."""
+    x: Values
+    """Centre at touch [m]."""
+    y: Values
+    orientation: Values
+    """Angle Theta at touch [rad]."""
+    normal_velocity_before: Values
+    """Velocity v_n at touch [m/s]."""
+    tangential_velocity_before: Values
+    """Velocity v_t at touch [m/s]."""
+    angular_velocity_before: Values
+    """Angular velocity at touch [rad/s]."""
+    normal_velocity: Values
+    """Velocity v_n after the contact [m/s]."""
+    tangential_velocity: Values
+    """Velocity v_t after the contact [m/s]."""
+    angular_velocity: Values
+    """Angular velocity after the contact [rad/s]."""
+    x_after: Values
+    """Centre as the trajectory continues [m]."""
+    y_after: Values
+    duration: Values
+    """Duration of the contact [s]."""
+    sinking: Values
+    """Penetration of the lowest point at the end [m], out of which the block climbs."""
+    outcome: Values
+    """Code of `Outcome`; -1 for a touch too slow to be an impact."""
+
+
+class Recorder:
+    """Collector of rows of pieces or contacts, which come in any order of blocks.
+
+    Args:
+        kind: `Pieces` or `ContactRecord`.
+    """
+
+    def __init__(self, kind: type):
+        self.kind, self.parts = kind, []
+
+    def add(self, *columns) -> None:
+        """Append a row per lane; columns broadcast."""
+        if len(columns[0]):
+            self.parts.append(np.broadcast_arrays(*columns))
+
+    def whole(self) -> Any:
+        """Sort all rows by trajectory, and within each by time."""
+        parts = self.parts or [[np.zeros(0)] * len(self.kind._fields)]
+        columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
+        order = np.argsort(columns[0], kind="stable")
+        return self.kind(*(column[order] for column in columns))
+
+
+class Ending(enum.IntEnum):
+    """Reasons why a trajectory ended."""
+
+    stopped = 0
+    """The block came to rest, on the ground or in its crater."""
+    left_profile = 1
+    """The centre passed an end of the profile."""
+    time_limit = 2
+    """The block was still moving at the time limit."""
+    event_limit = 3
+    """The block was still moving after the largest number of contacts and legs."""
+    failed = 4
+    """A contact could not be integrated, or a search for contact was given up."""
+
+    def __str__(self) -> str:
+        return self.name.replace("_", " ")
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class Runs(ShownAsTable):
+    """Trajectories of blocks; arrays `(blocks,)`."""
+
+    profile: Profile
+    release: Release
+    ending: np.ndarray
+    """Codes of `Ending`."""
+    x: Values
+    """Centre at the end of the trajectory [m]."""
+    y: Values
+    time: Values
+    """Time of the end since release [s]."""
+    events: np.ndarray
+    """Number of contacts and of legs along the ground."""
+    contacts: ContactRecord
+    pieces: Pieces
+
+    def count_endings(self) -> dict[str, int]:
+        """Count trajectories by ending; endings that did not occur are left out."""
+        codes, counts = np.unique(self.ending, return_counts=True)
+        return {
+            str(Ending(code)): int(count)
+            for code, count in zip(codes, counts, strict=True)
+        }
+
+    def energy_of_pieces(self) -> np.ndarray:
+        """Compute kinetic and potential energy at the start of each piece [J], shape
+        `(pieces,)`, with the height measured from y = 0."""
+        pieces = self.pieces
+        mass, inertia = select(self.release.mass_properties, pieces.trajectory)
+        return (
+            0.5 * mass * (pieces.v_x**2 + pieces.v_y**2)
+            + 0.5 * inertia * pieces.angular_velocity**2
+            + mass * GRAVITY * pieces.y
+        )
+
+    def path(self, trajectory: int, spacing: float = 0.05) -> dict[str, np.ndarray]:
+        """Sample the trajectory of one block.
+
+        Args:
+            trajectory: number of the block, from 0.
+            spacing: largest time between two samples [s], above 0.
+
+        Returns:
+            Arrays `time` [s], `x`, `y` [m], `v_x`, `v_y` [m/s], `orientation` [rad] and
+            `angular_velocity` [rad/s]; both ends of every piece are among the samples.
+        """
+        first, last = np.searchsorted(
+            self.pieces.trajectory, [trajectory, trajectory + 1]
+        )
+        names = ("time", *Body._fields)
+        samples = [(np.zeros(0),) * len(names)]
+        for i in range(first, last):
+            piece = select(self.pieces, i)
+            count = max(2, int(np.ceil(piece.duration / spacing)) + 1)
+            t = np.linspace(0.0, piece.duration, count)
+            samples.append((piece.time + t, *state_after(piece, t)))
+        columns = map(np.concatenate, zip(*samples, strict=True))
+        return dict(zip(names, columns, strict=True))
+
+    def display_rows(self) -> tuple[str, Rows]:
+        """Give the number of blocks and how they ended, and ranges of results."""
+        endings = ", ".join(f"{n} {name}" for name, n in self.count_endings().items())
+        rows = [
+            ("x at the end", range_of(primal(self.x)), "m"),
+            ("y at the end", range_of(primal(self.y)), "m"),
+            ("time", range_of(primal(self.time)), "s"),
+            ("events", range_of(self.events), "-"),
+        ]
+        return f"Runs: {len(self.ending)} blocks; {endings}", rows
+
+
+class Stretches(NamedTuple):
+    r"""Parts of trajectories on which x only grows, or only falls.
+
+    Arrays `(stretches,)`, trajectory after trajectory, in time. On a piece
+    $x(t) = x_0 + v t + a t^2/2$; a stretch is such a piece, or its part up to where
+    $v + at = 0$, or from there on. The velocity at a place X is
+    $w = \pm\sqrt{v^2 + 2a(X - x_0)}$ with the sign of the stretch, and the time there
+    $2(X - x_0)/(v + w)$ or $(w - v)/a$, whichever does not cancel.
+    """
+
+    piece: np.ndarray
+    """Number of the piece, from 0."""
+    start: Values
+    """Start, from the start of the piece [s]."""
+    stop: Values
+    """End, from the start of the piece [s]."""
+    sign: np.ndarray
+    """Direction: 1 to the right, -1 to the left, 0 where x stays."""
+    x_start: Values
+    """x at the start [m]."""
+    x_stop: Values
+    """x at the end [m]."""
+
+
+def stretches_of(runs: Runs) -> Stretches:
+    """Cut trajectories into stretches."""
+    p = runs.pieces
+    bends = p.a_x != 0.0
+    turning = np.where(bends, -p.v_x / np.where(bends, p.a_x, 1.0), -1.0)
+    turns = np.flatnonzero((turning > 0.0) & (turning < p.duration))
+    piece = np.concatenate([np.arange(len(p.x)), turns])
+    start = np.concatenate([np.zeros(len(p.x)), turning[turns]])
+    stop = np.concatenate([p.duration, p.duration[turns]])
+    stop[turns] = turning[turns]
+    order = np.argsort(piece, kind="stable")
+    piece, start, stop = piece[order], start[order], stop[order]
+    p = select(runs.pieces, piece)
+    middle = state_after(p, 0.5 * (start + stop))
+    return Stretches(
+        piece,
+        start,
+        stop,
+        np.sign(middle.v_x),
+        state_after(p, start).x,
+        state_after(p, stop).x,
+    )
+
+
+def state_after(p: Pieces, time: Values) -> Body:
+    """Compute position and motion on pieces, a time after the start of each [s]."""
+    return Body(
+        x=p.x + (p.v_x + 0.5 * p.a_x * time) * time,
+        y=p.y + (p.v_y + 0.5 * p.a_y * time) * time,
+        v_x=p.v_x + p.a_x * time,
+        v_y=p.v_y + p.a_y * time,
+        orientation=p.orientation
+        + (p.angular_velocity + 0.5 * p.angular_acceleration * time) * time,
+        angular_velocity=p.angular_velocity + p.angular_acceleration * time,
+    )
+
+
+def time_at(runs: Runs, chosen: Stretches, x: Values) -> Values:
+    """Compute when stretches are at x, from the start of their pieces [s]; where they
+    do not reach it, when they are nearest."""
+    v, a = runs.pieces.v_x[chosen.piece], runs.pieces.a_x[chosen.piece]
+    distance = x - runs.pieces.x[chosen.piece]
+    there = chosen.sign * np.sqrt(np.maximum(v**2 + 2.0 * a * distance, 0.0))
+    straight = chosen.sign * v >= 0.0
+    total = np.where(v + there == 0.0, 1.0, v + there)
+    turned = (there - v) / np.where(straight, 1.0, a)
+    time = np.where(straight, 2.0 * distance / total, turned)
+    return np.clip(time, chosen.start, chosen.stop)

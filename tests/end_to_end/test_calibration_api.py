@@ -1,0 +1,342 @@
+"""Calibration in one call, from a path or columns, and predictions with its result."""
+
+import copy
+import json
+import pickle
+
+import jax
+import numpy as np
+import pytest
+from error_messages import assert_one_line_error
+from text_files import rows_of, write_rows
+
+import jaximpact
+from jaximpact import (
+    PRESETS,
+    Block,
+    Impact,
+    Scene,
+    Soil,
+    calibrate,
+    predict,
+    simulate_batch,
+)
+from jaximpact.calibration import read_study
+from jaximpact.calibration.api import ground_of
+from jaximpact.calibration.arguments import study_given, table_given
+from jaximpact.calibration.prediction import held_out_study, predict_variant
+from jaximpact.calibration.problem.dataset import joined_tables
+from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.objective import Objective
+from jaximpact.cli import main
+from jaximpact.errors import InputError
+
+pytestmark = pytest.mark.slow
+
+TRUE = Soil(c_v=2.0, gamma_v=5.0, k_E=1500.0, dilatancy=0.5)
+FITTED = {
+    "mass_kg": [100.0, 500.0, 50.0, 2000.0, 300.0, 800.0],
+    "speed_mps": [6.0, 15.0, 25.0, 10.0, 12.0, 20.0],
+    "angle_deg": [0.0, 20.0, 40.0, 60.0, 30.0, 10.0],
+}
+NEW = {
+    "name": ["near", "steep", "fast", "gap"],
+    "mass_kg": [150.0, 400.0, 900.0, 600.0],
+    "speed_mps": [10.0, 14.0, 40.0, 18.0],
+    "angle_deg": [5.0, 75.0, 35.0, 25.0],
+}
+SIGMA = {"e_n": 1e-4, "max_penetration_m": 1e-4}
+
+
+def measured(columns):
+    """What the model gives at the true soil."""
+    impact = Impact(
+        speed=np.array(columns["speed_mps"]), angle=np.deg2rad(columns["angle_deg"])
+    )
+    scene = Scene(Block(mass=np.array(columns["mass_kg"])), TRUE, impact)
+    result = simulate_batch(scene, accuracy="reference")
+    return {
+        "e_n": np.asarray(result.e_n).tolist(),
+        "max_penetration_m": np.asarray(result.max_penetration).tolist(),
+    }
+
+
+@pytest.fixture(scope="module")
+def tests():
+    return FITTED | measured(FITTED)
+
+
+@pytest.fixture(scope="module")
+def new():
+    return NEW | measured(NEW)
+
+
+@pytest.fixture(scope="module")
+def found(tests):
+    """The fit of noise-free tests, on a ground that differs from Table 1."""
+    return calibrate(tests, ground={"dilatancy": 0.5}, sigma=SIGMA)
+
+
+def test_a_fit_is_pickled_and_copied(found, new):
+    for again in (pickle.loads(pickle.dumps(found)), copy.deepcopy(found)):
+        assert str(again) == str(found)
+        assert float(again.soil.c_v) == float(found.soil.c_v)
+    predicted = predict(found, new)
+    assert str(pickle.loads(pickle.dumps(predicted))) == str(predicted)
+
+
+def write_columns(path, columns):
+    write_rows(path, columns, zip(*columns.values(), strict=True))
+    return path
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """Where the command line wrote the fit of two drops with one number each."""
+    folder = tmp_path_factory.mktemp("drops")
+    jax.config.update("jax_enable_x64", True)
+    tests = {"mass_kg": [100, 500], "speed_mps": [6, 15], "e_n": [0.15, 0.13]}
+    path = write_columns(folder / "drops.csv", tests | {"sigma_e_n": [0.02, 0.02]})
+    assert main(["calibrate", str(path), "--out", str(folder / "out")]) == 0
+    return folder / "out"
+
+
+def test_the_soil_is_found_and_ready(found):
+    """From noise-free targets, to the accuracy of the impacts."""
+    soil = found.soil
+    for name in ("c_v", "gamma_v", "k_E"):
+        assert float(getattr(soil, name)) == pytest.approx(
+            float(getattr(TRUE, name)), rel=1e-3
+        )
+        assert found.parameters[name]["determined"]
+        low, high = found.parameters[name]["interval_95"]
+        assert low < float(getattr(TRUE, name)) < high
+    assert float(soil.dilatancy) == 0.5
+    assert float(soil.friction_angle) == pytest.approx(float(Soil().friction_angle))
+
+
+def test_a_summary_at_a_glance(found):
+    text = str(found)
+    for words in (
+        *("6 tests of columns given", "e_n, max_penetration_m", "dilatancy 0.5"),
+        *("aspect_ratio 1", "standard error", "c_v, gamma_v", "(given)"),
+        *("The tests identify c_v", "starts found the best fit"),
+    ):
+        assert words in text
+    assert max(map(len, text.splitlines())) <= 100
+    assert "6 tests" in repr(found)
+
+
+def test_a_summary_says_what_is_not_determined(written):
+    """The same words as in the report: bounds that are hit, and no error bars."""
+    found = calibrate(written.parent / "drops.csv")
+    assert not any(one["determined"] for one in found.parameters.values())
+    assert "not identifiable" in str(found)
+    assert "No parameter is identifiable by itself" in str(found)
+    assert "Warnings" in str(found)
+    assert "Warnings" in (written / "report.txt").read_text()
+    # The command line's numbers are these: there is no second way.
+    tree = json.loads((written / "fit.json").read_text())
+    assert tree["variants"][0]["parameters"] == found.parameters
+
+
+def test_plot_and_report(found, tmp_path):
+    found.plot(tmp_path / "fit.png")
+    found.write(tmp_path / "out")
+    assert (tmp_path / "fit.png").stat().st_size > 1000
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"report.html", "fit.json", "fitted.csv"} <= names
+
+
+def test_columns_are_read_as_their_table_is(tmp_path, tests):
+    """Same study from a path and from columns; a data frame needs no `keys`."""
+
+    class Frame:
+        columns = tuple(tests)
+
+        def __getitem__(self, name):
+            return np.array(tests[name])
+
+    path = write_columns(tmp_path / "tests.csv", tests)
+    of_path = read_study(path)
+    for given in (tests, Frame(), path):
+        study = study_given(given, None, None, None, None, None, None, None)
+        np.testing.assert_array_equal(study.measured, of_path.measured)
+        assert study.parameters == of_path.parameters
+        assert study.targets == of_path.targets
+        for name, values in of_path.tests.inputs.items():
+            np.testing.assert_array_equal(study.tests.inputs[name], values)
+
+
+def test_cells_of_columns():
+    table = table_given(
+        {
+            "mass_kg": 500,
+            "campaign": ["a", "a", "b", "b"],
+            "e_n": [0.25, None, float("nan"), ">0.3"],
+        }
+    )
+    np.testing.assert_array_equal(table.numbers["mass_kg"], [500.0] * 4)
+    np.testing.assert_array_equal(table.numbers["e_n"], [0.25, np.nan, np.nan, 0.3])
+    np.testing.assert_array_equal(table.censored["e_n"], [0, 0, 0, 1])
+    assert table.labels["campaign"] == ["a", "a", "b", "b"]
+
+
+def test_a_soil_as_ground(tests):
+    """Fitted parameters start at its values; columns of the table come first."""
+    soil = Soil(c_v=3.0, beta=0.8, friction_angle=np.deg2rad(35.0))
+    given = tests | {"friction_angle_deg": 33.0}
+    study = study_given(given, ("c_v",), soil, None, ["e_n"], None, None, 5)
+    assert study.parameters[0].start == pytest.approx(3.0)
+    assert study.soil["beta"] == pytest.approx(0.8)
+    assert "friction_angle_deg" not in study.soil
+    assert (study.targets, study.seed) == (("e_n",), 5)
+
+
+BAD = {
+    "parameter": (dict(fit=["c_w"]), "did you mean c_v"),
+    "impact": (dict(fit=["speed_mps"]), "belongs to block or impact"),
+    "ground": (dict(ground={"bata": 1.0}), "did you mean beta"),
+    "ground of the block": (dict(ground={"mass_kg": 1.0}), "stands in the table"),
+    "ground out of range": (dict(ground={"beta": 3.0}), r"beta: must be in \(0, 2\)"),
+    "ground fitted": (dict(ground={"c_v": 1.0}), "is fitted"),
+    "no bounds": (dict(fit=["alpha_s"]), "alpha_s has no default bounds"),
+    "nothing": (dict(fit=[]), "names no parameter"),
+    "target": (dict(targets=["e_nn"]), "did you mean e_n"),
+    "sigma": (dict(sigma={"e_n": 0.0}), "must be above 0"),
+    "scatter": (
+        dict(scatter={"e_n": "const"}),
+        r"scatter\.e_n.* did you mean constant",
+    ),
+    "many soils": (dict(ground=Soil(beta=np.array([0.8, 0.9]))), "must be one soil"),
+}
+
+
+@pytest.mark.parametrize(("options", "words"), BAD.values(), ids=BAD)
+def test_bad_options(tests, options, words):
+    with pytest.raises(InputError, match=words):
+        calibrate(tests, **options)
+
+
+def test_bad_tests(tmp_path):
+    with pytest.raises(InputError, match="columns given, column e_n: holds 1 values"):
+        calibrate({"speed_mps": [1.0, 2.0], "e_n": [0.1]})
+    with pytest.raises(InputError, match="row 3, column e_n: must be a number"):
+        calibrate({"e_n": [0.1, "high"]})
+    with pytest.raises(InputError, match="are of type int"):
+        calibrate(5)
+    (tmp_path / "study.toml").write_text('data = "tests.csv"\n')
+    with pytest.raises(InputError, match="seed is for the study itself"):
+        calibrate(tmp_path / "study.toml", seed=1)
+
+
+def test_a_soil_that_differs_from_test_to_test(found):
+    with pytest.raises(InputError, match="variant 'dense' is unknown"):
+        found.soil_of("dense")
+    with pytest.raises(AttributeError, match="calibrat"):
+        jaximpact.calibrat  # noqa: B018
+
+
+def test_new_tests_are_predicted(found, new):
+    """A fit without noise predicts what the model gives, within its small sigmas."""
+    prediction = predict(found, new)
+    variant = prediction.variants[0]
+    for place, target in enumerate(("e_n", "max_penetration_m")):
+        np.testing.assert_allclose(variant.best[:, place], new[target], atol=2e-4)
+        np.testing.assert_allclose(variant.middle[:, place], new[target], atol=2e-4)
+    assert np.all(variant.low_95 < variant.low_50)
+    assert np.all(variant.high_50 < variant.high_95)
+    text = str(prediction)
+    assert "speed_mps 40 (fitted: 6 to 25) in fast." in text
+    assert "angle_deg 75 (fitted: 0 to 60) in steep." in text
+    assert "near" not in text.split("\n\n")[0]
+    assert "8 of 8 measurements lie within their 95 % intervals" in text
+
+
+def test_limits_and_gaps_are_respected(found, new):
+    """An empty cell is in no score, a limit in none but its own, and a table without
+    results has no scores."""
+    e_n = new["e_n"]
+    cells = [f">{e_n[0] - 0.1}", e_n[1], f">{e_n[2] + 0.1}", None]
+    prediction = predict(found, new | {"e_n": cells})
+    variant = prediction.variants[0]
+    np.testing.assert_allclose(variant.limit_chance[[0, 2], 0], [1.0, 0.0])
+    assert np.isfinite(variant.crps[:, 0]).tolist() == [False, True, False, False]
+    assert np.all(np.isfinite(variant.middle))
+    assert "Of 2 limits of e_n 1 are expected to be satisfied" in str(prediction)
+    bare = predict(found, NEW)
+    np.testing.assert_array_equal(bare.variants[0].middle, variant.middle)
+    assert "Scores" not in str(bare)
+
+
+def test_draws_are_predicted_as_exactly_as_they_were_drawn(found):
+    """One draw alone: what the model gives for it at the accuracy of the draws."""
+    ground = ground_of(found)
+    study = held_out_study(ground, joined_tables((table_given(NEW),)))
+    (fitted,) = ground.variants
+    alone = fitted._replace(draws=fitted.draws[:1], weights=np.ones(1))
+    engine = engine_of(study)
+    low = {}
+    for name in ("fast", "balanced"):
+        of_one = alone._replace(accuracy=PRESETS[name])
+        low[name] = predict_variant(study, ground, of_one, engine).model_low
+    objective = Objective(study, fitted.variant, engine, PRESETS["balanced"])
+    x = objective.bounds.coordinate(fitted.draws[:1])
+    exact = objective.evaluate_partially(x, np.zeros(x.shape, bool)).predicted[0]
+    np.testing.assert_array_equal(low["balanced"], exact)
+    assert not np.array_equal(low["fast"], exact)
+
+
+def test_many_tests_are_predicted_some_draws_at_a_time(found, monkeypatch):
+    """With the same numbers, and a line of progress for each."""
+    whole, lines = predict(found, NEW).variants[0], []
+    monkeypatch.setattr("jaximpact.calibration.problem.objective.AT_ONCE", 400)
+    parts = predict(found, NEW, progress=lines.append).variants[0]
+    np.testing.assert_array_equal(parts.low_95, whole.low_95)
+    np.testing.assert_array_equal(parts.outcome_share, whole.outcome_share)
+    assert "variant 1 of 1: 300 of 512 draws" in lines
+    assert "variant 1 of 1: intervals of 3 of 4 tests" in lines
+
+
+def test_a_result_that_was_not_fitted(found, new):
+    """It is predicted too; its scatter is nobody's statement."""
+    prediction = predict(found, NEW | {"duration_s": [0.05, None, None, None]})
+    assert prediction.targets[-1] == "duration_s"
+    assert "The scatter of duration_s is unknown" in str(prediction)
+
+
+def test_what_is_not_determined_widens_the_intervals(written, tmp_path, capsys):
+    """Two numbers do not tell three parameters: the draws go as far as the bounds, and
+    with them the depth that is predicted."""
+    tests = {"mass_kg": [300], "speed_mps": [10], "max_penetration_m": [0.2]}
+    path = write_columns(tmp_path / "new.csv", tests)
+    out = tmp_path / "predicted.csv"
+    assert main(["predict", str(written), str(path), "--out", str(out)]) == 0
+    text = capsys.readouterr().out
+    for name in ("c_v", "gamma_v", "k_E"):
+        assert f"{name} was not identifiable" in text
+    rows = {row["target"]: row for row in rows_of(out)}
+    low, high = (
+        float(rows["max_penetration_m"][n]) for n in ("model_low", "model_high")
+    )
+    # The fits at the ends of every profile that fit as well: depth by a factor of 2.
+    assert high > 2.0 * low
+    tree = json.loads((tmp_path / "predicted.csv.manifest.json").read_text())
+    assert tree["variants"][0]["undetermined"] == ["c_v", "gamma_v", "k_E"]
+    assert tree["variants"][0]["accuracy_of_draws"] == "balanced"
+    assert tree["manifest"]["tests"][0]["file"] == "new.csv"
+
+
+def test_bad_predictions_are_one_line(written, tmp_path, capsys):
+    path = write_columns(tmp_path / "new.csv", {"mass_kg": [300], "c_v": [1.0]})
+    assert main(["predict", str(written), str(path)]) == 2
+    assert_one_line_error(capsys, "new.csv", "column c_v", "was fitted")
+    assert main(["predict", str(tmp_path), str(path)]) == 2
+    assert_one_line_error(capsys, "fit.json", "cannot be read")
+    assert main(["predict", str(path), str(path)]) == 2
+    assert_one_line_error(capsys, "new.csv", "is no JSON")
+    tree = json.loads((written / "fit.json").read_text())
+    del tree["fitted_tests"]
+    (tmp_path / "fit.json").write_text(json.dumps(tree))
+    assert main(["predict", str(tmp_path), str(path)]) == 2
+    assert_one_line_error(capsys, "fit.json", "calibrate again")

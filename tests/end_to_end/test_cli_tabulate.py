@@ -1,0 +1,266 @@
+"""Tables through the command: made, used, refused; and maps over all orientations."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from error_messages import assert_one_line_error
+from text_files import rows_of, write_changed
+
+from jaximpact import Block, Impact, Outcome, Scene, Soil, read_netcdf, simulate_batch
+from jaximpact.cli import main
+from jaximpact.lookup import (
+    MapAxes,
+    Nodes,
+    Tabulated,
+    orientation_map,
+    read_table,
+    tabulate,
+)
+from jaximpact.lookup import tabulation as computing
+from jaximpact.runout import read_slope_study, run_slope_study
+
+pytestmark = pytest.mark.slow
+
+TABLE = """
+[block]
+mass_kg = 200
+
+[ground]
+gamma_v = 4
+
+[table]
+slopes_deg = [-10, 0, 40]
+total_speeds_mps = [0.5, 40]
+nodes = { speed = 4, elevation = 6, azimuth = 9 }
+
+[map]
+speeds_mps = [5, 10]
+angles_deg = [0, 40]
+angular_velocities_degps = [0, 500]
+"""
+SLOPE = """
+count = 20
+
+[profile]
+points_m = [[0, 20], [30, 0], [80, 0]]
+
+[ground]
+gamma_v = 4
+
+[block]
+mass_kg = 200
+
+[release]
+x_m = { from = 2, to = 6 }
+clearance_m = 0.5
+speed_mps = 3
+
+[contacts]
+law = "table"
+files = ["table.nc"]
+"""
+
+
+@pytest.fixture
+def here(folder):
+    (folder / "table.toml").write_text(TABLE)
+    (folder / "slope.toml").write_text(SLOPE)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """What the command writes."""
+    path = tmp_path_factory.mktemp("made")
+    (path / "table.toml").write_text(TABLE)
+    files = ("--out", "table.nc", "--csv", "table.csv", "--map", "map.csv")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(path)
+        assert main(["tabulate", "table.toml", *files]) == 0
+    return path
+
+
+def test_the_command_makes_the_table(made):
+    table = read_table(made / "table.nc")
+    assert table.outcomes.shape == (4, 6, 9, 1, 3)
+    assert float(table.block.mass) == 200.0
+    assert float(table.soil.gamma_v) == 4.0
+    np.testing.assert_allclose(np.degrees(table.slopes), [-10.0, 0.0, 40.0])
+    assert 0.0 < table.error.median < table.error.of_90_percent
+    assert table.error.impacts > 9000
+    rows = rows_of(made / "table.csv")
+    assert len(rows) == table.outcomes.size
+    assert {"speed_mps", "angle_deg", "e_n", "duration_s"} <= set(rows[0])
+    manifest = json.loads((made / "table.csv.manifest.json").read_text())
+    assert manifest["error"]["median"] == table.error.median
+    assert not list(made.glob("*.journal"))
+
+
+def test_the_map_is_that_of_the_model(made):
+    rows = rows_of(made / "map.csv")
+    assert len(rows) == 8
+    assert (made / "map.png").stat().st_size > 10_000
+    # A sphere has one orientation: its map is the model.
+    for row in rows:
+        impact = Impact(
+            speed=float(row["speed_mps"]),
+            angle=np.radians(float(row["angle_deg"])),
+            orientation=0.5 * np.pi,
+            angular_velocity=np.radians(float(row["angular_velocity_degps"])),
+        )
+        scene = Scene(Block(mass=[200.0]), Soil(gamma_v=4.0), impact)
+        found = simulate_batch(scene, accuracy="fast")
+        assert float(row["e_n_mean"]) == pytest.approx(float(found.e_n[0]), rel=1e-6)
+        assert float(row["e_n_sd"]) == 0.0
+        assert int(row["impacts"]) == 1
+    assert json.loads((made / "map.csv.manifest.json").read_text())["orientations"] == 1
+
+
+def test_statistics_over_orientations():
+    """Against the impacts one by one, those that move away left out."""
+    axes = MapAxes((8.0,), (60.0,), (0.0, 3000.0), 5.0, 40)
+    found = orientation_map(Block(aspect_ratio=2.0), Soil(), axes)
+    orientation = (np.arange(40) + 0.5) * np.pi / 40
+    impact = Impact(
+        speed=np.full(40, 8.0),
+        angle=np.radians(60.0),
+        orientation=orientation,
+        angular_velocity=np.radians(3000.0),
+        slope=np.radians(5.0),
+    )
+    result = simulate_batch(
+        Scene(Block(aspect_ratio=2.0), Soil(), impact), accuracy="fast"
+    )
+    names = np.array([str(Outcome(int(code))) for code in result.outcome_code])
+    struck = names != "separating"
+    cell = found.isel(speed_mps=0, angle_deg=0, angular_velocity_degps=1)
+    assert 0 < cell.separating == np.sum(~struck) < 40
+    assert cell.impacts == struck.sum()
+    e_n = np.asarray(result.e_n)[struck]
+    # The same model, by another path through the tables' units, whose rounding changes
+    # steps: by the error of "fast".
+    assert cell.e_n_mean == pytest.approx(np.mean(e_n), rel=1e-4)
+    assert cell.e_n_sd == pytest.approx(np.std(e_n), rel=1e-4)
+    assert cell.e_n_p95 == pytest.approx(np.percentile(e_n, 95), rel=1e-4)
+    shares = [cell[name] for name in cell.data_vars if str(name).startswith("share")]
+    assert float(sum(shares)) == pytest.approx(1.0)
+    assert cell.share_toppled == np.mean(names[struck] == "toppled")
+
+
+def test_the_slope_uses_the_table(here, made):
+    (here / "table.nc").write_bytes((made / "table.nc").read_bytes())
+    study = read_slope_study(here / "slope.toml")
+    assert isinstance(study.contacts, Tabulated)
+    assert study.law["law"] == "table"
+    assert len(study.checksums["table.nc"]) == 64
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    dataset = read_netcdf(here / "out" / "blocks.nc")
+    assert set(dataset.ending.values) == {"stopped"}
+    by_hand = study._replace(contacts=Tabulated(read_table(made / "table.nc")))
+    xr.testing.assert_equal(dataset, run_slope_study(by_hand))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "parts"),
+    [
+        ("mass_kg = 200", "mass_kg = 190", ("block 0", "mass_kg is 190 and", "200")),
+        (
+            "mass_kg = 200",
+            "mass_kg = { mean = 200, sd = 1 }",
+            ("block 0 on segment 1", "mass_kg is"),
+        ),
+        ("gamma_v = 4", "gamma_v = [4, 5]", ("block 1", "gamma_v is 5 and", " 4")),
+        (
+            "gamma_v = 4",
+            "gamma_v = 4\n[ground.segment.2]\nc_v = 0.3",
+            ("block 0 on segment 2", "c_v is 0.3 and in a table 1"),
+        ),
+        ("[30, 0]", "[20, 0]", ("slopes of 45 deg for block 0 on segment 1",)),
+        (
+            "gamma_v = 4",
+            "gamma_v = 4\nroughness_deg = 5",
+            ("18.69 to 48.69 deg for block 0 on segment 1",),
+        ),
+        ('["table.nc"]', '["tabel.nc"]', ("tabel.nc",)),
+        ('["table.nc"]', '"table.nc"', ("key files", "must be a list")),
+        ('["table.nc"]', "[]", ("contacts.files", "list of files")),
+    ],
+)
+def test_other_blocks_and_grounds_are_refused(here, made, capsys, old, new, parts):
+    (here / "table.nc").write_bytes((made / "table.nc").read_bytes())
+    write_changed(here / "slope.toml", SLOPE, (old, new))
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, *parts)
+
+
+def test_a_table_goes_on(here, made, capsys, monkeypatch):
+    computed, part = [], computing._part
+
+    def interrupted(*arguments):
+        computed.append(len(arguments[-1]))
+        if len(computed) == 2:
+            raise KeyboardInterrupt
+        return part(*arguments)
+
+    monkeypatch.setattr(computing, "_part", interrupted)
+    monkeypatch.setattr(computing, "PART", 300)
+    assert main(["tabulate", "table.toml", "--out", "table.nc"]) == 130
+    assert_one_line_error(capsys, "the same command goes on from here")
+    assert main(["tabulate", "table.toml", "--out", "table.nc"]) == 0
+    # 648 nodes in parts of 216, and then 10 000 random impacts in parts of their own.
+    assert computed[:4] == [216, 216, 216, 216]
+    assert max(computed[4:]) > 216
+    whole = read_table(made / "table.nc")
+    again = read_table(here / "table.nc")
+    np.testing.assert_array_equal(again.entries, whole.entries)
+    np.testing.assert_array_equal(again.outcomes, whole.outcomes)
+
+
+def test_the_file_is_that_of_python(made):
+    table = tabulate(
+        Block(mass=200.0),
+        Soil(gamma_v=4.0),
+        slopes=np.radians([-10.0, 0.0, 40.0]),
+        speeds=(0.5, 40.0),
+        nodes=Nodes(4, 6, 9),
+    )
+    np.testing.assert_array_equal(table.entries, read_table(made / "table.nc").entries)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "parts"),
+    [
+        ("[table]", "[tabel]", ("key tabel", "did you mean table?")),
+        ("mass_kg = 200", "mass_kg = -1", ("block.mass_kg", "above 0")),
+        ("mass_kg = 200", "mass_kg = [100, 200]", ("block.mass_kg", "must be a num")),
+        ("gamma_v = 4", "speed_mps = 4", ("ground.speed_mps", "is unknown")),
+        ("[-10, 0, 40]", "[0, -10]", ("table.slopes_deg", "ascend")),
+        ("[-10, 0, 40]", "[0, 90]", ("table.slopes_deg", "in (-90, 90)")),
+        ("[-10, 0, 40]", "30", ("table.slopes_deg", "list of numbers")),
+        ("[0.5, 40]", "[40, 0.5]", ("table.total_speeds_mps", "ascending")),
+        ("azimuth = 9", "azimut = 9", ("nodes.azimut", "did you mean azimuth?")),
+        ("azimuth = 9", "azimuth = 1", ("key azimuth", "at least 2")),
+        ("angles_deg = [0, 40]", "angles_deg = [40, 0]", ("map.angles_deg", "ascend")),
+        ("speeds_mps = [5, 10]", "speeds_mps = [0]", ("map.speeds_mps", "above 0")),
+        ("[block]", 'accuracy = "best"\n[block]', ("key accuracy", "one of")),
+    ],
+)
+def test_bad_files_are_refused_in_one_line(here, capsys, old, new, parts):
+    write_changed(here / "table.toml", TABLE, (old, new))
+    assert main(["tabulate", "table.toml", "--out", "table.nc"]) == 2
+    assert_one_line_error(capsys, "table.toml", *parts)
+
+
+@pytest.mark.parametrize(
+    ("options", "part"),
+    [
+        ((), "one of --out, --csv and --map is needed"),
+        (("--out", "table.csv"), "--out must end in .nc"),
+        (("--csv", "a.csv", "--map", "a.csv"), "--csv and --map must differ"),
+    ],
+)
+def test_wrong_options_are_refused(here, capsys, options, part):
+    assert main(["tabulate", "table.toml", *options]) == 2
+    assert_one_line_error(capsys, part)

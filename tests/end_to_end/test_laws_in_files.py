@@ -1,0 +1,499 @@
+"""Laws and shapes by name: in scene files, tables, sweeps and sensitivity studies."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+from error_messages import assert_one_line, assert_one_line_error
+from own_laws import write_laws
+from text_files import rows_of
+
+from jaximpact import (
+    Block,
+    Impact,
+    Scene,
+    Soil,
+    elasticities,
+    morris,
+    read_netcdf,
+    repeat_sweep,
+    simulate,
+    simulate_batch,
+    sobol,
+    sweep,
+    write_netcdf,
+)
+from jaximpact.cli import main
+from jaximpact.errors import InputError
+from jaximpact.io.scene_file import read_scene
+from jaximpact.laws import FluidityRate, HardeningPerMetre
+from jaximpact.quantities import SLOTS, columns_of, shipped_parts
+from jaximpact.scene_quantities import scene_of_values, scene_values
+from jaximpact.sensitivity import Check
+from jaximpact.shapes import RectangularPrism
+
+pytestmark = pytest.mark.slow
+
+SCENE = """
+[soil]
+flow = "my_laws.py:Creeping"
+my_rate = 5
+my_creep_share = 0.1
+[block]
+shape = "my_shapes.py:Hollow"
+aspect_ratio = 2
+spread = 1.5
+[impact]
+angle_deg = 40
+"""
+
+
+@pytest.fixture
+def laws(folder):
+    """A working directory with a law and a shape of the user's."""
+    write_laws(folder)
+    return folder
+
+
+@pytest.fixture
+def scene(laws):
+    """The scene of `SCENE`."""
+    return Scene(
+        Block(shape="my_shapes.py:Hollow", aspect_ratio=2.0, spread=1.5),
+        Soil(flow="my_laws.py:Creeping", my_rate=5.0, my_creep=0.1),
+        Impact.from_degrees(angle=40.0),
+    )
+
+
+# Scene files
+
+
+def test_a_scene_file_names_laws_and_shape(laws, scene):
+    (laws / "scene.toml").write_text(SCENE)
+    read = read_scene(laws / "scene.toml").scene
+    assert columns_of(read) == columns_of(scene)
+    assert scene_values(read) == scene_values(scene)
+    assert type(read.soil.flow) is type(scene.soil.flow)
+    assert float(read.soil.my_creep) == 0.1
+
+
+def test_files_of_laws_are_looked_for_beside_the_scene(laws, monkeypatch, tmp_path):
+    (laws / "scene.toml").write_text('flow = "my_laws.py:Creeping"\nmy_rate = 3\n')
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    monkeypatch.chdir(elsewhere)
+    assert float(read_scene(laws / "scene.toml").scene.soil.my_rate) == 3.0
+
+
+def test_a_law_of_a_module(laws, monkeypatch):
+    monkeypatch.syspath_prepend(laws)
+    (laws / "laws_of_mine.py").write_text((laws / "my_laws.py").read_text())
+    (laws / "scene.toml").write_text('flow = "laws_of_mine:Creeping"\nmy_rate = 3\n')
+    read = read_scene(laws / "scene.toml").scene
+    assert type(read.soil.flow).__module__ == "laws_of_mine"
+    assert scene_values(read)["flow"] == "laws_of_mine:Creeping"
+
+
+def test_the_package_s_own_laws_by_name(laws):
+    (laws / "scene.toml").write_text(
+        'flow = "fluidity-rate"\nhardening = "HardeningPerMetre"\ngamma_v = 20\n'
+        'c_v = 2\nshape = "RectangularPrism"\ncorner_radius_ratio = 0.5\n'
+    )
+    read = read_scene(laws / "scene.toml").scene
+    assert type(read.soil.flow) is FluidityRate
+    assert float(read.soil.gamma_v) == 20.0
+    assert type(read.soil.hardening) is HardeningPerMetre
+    assert float(read.block.shape.corner_radius_ratio) == 0.5
+
+
+def test_two_laws_replaced_together_may_take_over_a_name(laws):
+    (laws / "both.py").write_text(
+        (laws / "my_laws.py").read_text().replace("my_rate", "c_v")
+        + """
+from jaximpact.laws import AbstractHardening
+
+class Ideal(AbstractHardening):
+    def __call__(self, flow, hardening, foundation):
+        return 0.0 * hardening
+"""
+    )
+    (laws / "scene.toml").write_text(
+        'flow = "both.py:Creeping"\nhardening = "both.py:Ideal"\nc_v = 3\n'
+    )
+    assert float(read_scene(laws / "scene.toml").scene.soil.flow.c_v) == 3.0
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('[soil]\nflow = "none.py:A"', "none.py: cannot be read: No such"),
+        ('[soil]\nflow = "my_laws.py:Creepin"', "did you mean Creeping?"),
+        ('[soil]\nflow = "my_shapes.py:Hollow"', "must derive from AbstractFlow"),
+        ('[soil]\nflow = "Perzina"', "key flow: flow 'Perzina' is unknown; did you"),
+        ('[soil]\nflow = "no.such:Law"', "no.such cannot be imported"),
+        ("[soil]\nflow = 3", "key flow: must be a text, but is 3"),
+        ('[block]\nflow = "Perzyna"', "key flow: stands in [block], but belongs into"),
+        ('flow = "Perzyna"\n[soil]\nflow = "Perzyna"', "key flow: stands in [soil]"),
+        (
+            '[soil]\nflow = "my_laws.py:Creeping"\nmy_rat = 3',
+            "key soil.my_rat: is unknown; did you mean my_rate?",
+        ),
+        ('[soil]\nflow = "my_laws.py:Creeping"\nmy_rate = -3', "must be at least 0"),
+        (
+            '[soil]\nflow = "my_laws.py:Creeping"\ngamma_v = 3',
+            "key soil.gamma_v: is unknown; it belongs to the flow Perzyna or",
+        ),
+        (
+            "[block]\ncorner_radius_ratio = 0.1",
+            "it belongs to the shape RectangularPrism, which is not chosen (shape = "
+            '"RectangularPrism")',
+        ),
+        ('[soil]\nflow = "syntax.py:A"', "syntax.py: cannot be run as the file of a"),
+        ('[soil]\nflow = "raises.py:A"', "a shape (line 2): ZeroDivisionError"),
+        ('[soil]\nflow = "abstract.py:A"', "A does not define __call__"),
+        ('[soil]\nflow = "bare.py:A"', "give every parameter a default"),
+        ('[soil]\nflow = "twice.py:A"', "HardeningPerLength.c_v and A.c_v are two"),
+        ('[soil]\nflow = "column.py:A"', "two parameters have the column k_E"),
+        ('[soil]\nflow = "slot.py:A"', "has the column shape, which is the name of"),
+    ],
+)
+def test_scene_files_that_cannot_be_used(laws, text, said):
+    head = (laws / "my_laws.py").read_text().replace("Creeping", "A")
+    for name, content in {
+        "syntax": "class A(:\n",
+        "raises": "\n1 / 0\n",
+        "abstract": "from jaximpact.laws import AbstractFlow\n"
+        "class A(AbstractFlow): pass\n",
+        "bare": head.replace(
+            "    def __call__", "    other: float\n\n    def __call__"
+        ),
+        "twice": head.replace("my_rate", "c_v"),
+        "column": head.replace("my_creep_share", "k_E"),
+        "slot": head.replace("my_creep_share", "shape"),
+    }.items():
+        (laws / f"{name}.py").write_text(content)
+    (laws / "scene.toml").write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_scene(laws / "scene.toml")
+    assert_one_line(caught.value, "scene.toml", said)
+
+
+# Simulate
+
+
+def test_simulate_takes_a_law_by_its_file(laws, scene, capsys):
+    (laws / "scene.toml").write_text(SCENE)
+    assert main(["simulate", "scene.toml", "--json"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    result = simulate(scene.block, scene.soil, scene.impact)
+    assert shown["e_n"] == float(result.e_n)
+    told = shown["manifest"]
+    assert told["laws"]["flow"].startswith("my_laws.Creeping (")
+    assert told["scene"]["my_creep_share"] == 0.1
+    assert scene_values(scene_of_values(told["scene"])) == told["scene"]
+    # With the parameters of Perzyna's flow it is that flow.
+    alike = simulate(
+        scene.block, Soil(flow="my_laws.py:Creeping", my_rate=8.7), scene.impact
+    )
+    usual = simulate(scene.block, Soil(), scene.impact)
+    assert float(alike.e_n) == pytest.approx(float(usual.e_n), rel=1e-9)
+
+
+def test_help_lists_laws_shapes_and_their_quantities(capsys):
+    for command in ("simulate", "batch", "sweep", "sensitivity"):
+        with pytest.raises(SystemExit):
+            main([command, "--help"])
+        words = capsys.readouterr().out.replace(",", " ").split()
+        names = {kind.__name__ for slot in SLOTS for kind in shipped_parts(slot)}
+        assert {*SLOTS, *names, "corner_radius_ratio", "1/s"} <= set(words)
+
+
+# Tables
+
+TABLE = """name,speed_mps,angle_deg,aspect_ratio,flow,my_rate,my_creep_share
+a,14,0,1,my_laws.py:Creeping,8.7,0
+b,10,40,2,my_laws.py:Creeping,5,0.1
+"""
+
+
+def test_batch_takes_a_law_by_its_file(laws, scene):
+    (laws / "scenes.csv").write_text(TABLE)
+    assert main(["batch", "scenes.csv", "--out", "results.csv"]) == 0
+    rows = rows_of("results.csv")
+    soil = Soil(flow="my_laws.py:Creeping", my_rate=[8.7, 5.0], my_creep=[0.0, 0.1])
+    impact = Impact.from_degrees(speed=[14.0, 10.0], angle=[0.0, 40.0])
+    expected = simulate_batch(Scene(Block(aspect_ratio=[1.0, 2.0]), soil, impact))
+    assert [float(row["e_n"]) for row in rows] == expected.e_n.tolist()
+    assert [row["flow"] for row in rows] == 2 * ["my_laws.py:Creeping"]
+    manifest = json.loads((laws / "results.csv.manifest.json").read_text())
+    assert manifest["laws"]["flow"].startswith("my_laws.Creeping (")
+
+
+def test_batch_takes_what_the_table_does_not_say_from_a_scene(laws, scene):
+    (laws / "scene.toml").write_text(f'accuracy = "fast"\n{SCENE}')
+    (laws / "scenes.csv").write_text("speed_mps,my_rate\n14,2\n10,3\n")
+    command = ["batch", "scenes.csv", "--base", "scene.toml", "--out", "results.csv"]
+    assert main(command) == 0
+    rows = rows_of("results.csv")
+    soil = Soil(flow=scene.soil.flow, my_rate=[2.0, 3.0])
+    impact = Impact.from_degrees(speed=[14.0, 10.0], angle=40.0)
+    expected = simulate_batch(Scene(scene.block, soil, impact), accuracy="fast")
+    assert [float(row["e_n"]) for row in rows] == expected.e_n.tolist()
+    manifest = json.loads((laws / "results.csv.manifest.json").read_text())
+    assert manifest["base"]["spread"] == 1.5
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        (
+            "flow,c_v\nPerzyna,1\nFluidityRate,1\n",
+            "row 3, column flow: must be the same law in all rows, but is FluidityRate "
+            "after Perzyna; split the table",
+        ),
+        ("flow\nPerzyna\n\nmy_laws.py:Creping\n", "row 4, column flow: flow 'my_laws"),
+        ("shape,mass_kg\n,1\n", "row 2, column shape: is empty, but a name is needed"),
+        ("shape\nEllipse\n", "row 2, column shape: shape 'Ellipse' is unknown"),
+        ("my_rate\n3\n", "row 1, column my_rate: is unknown; did you mean"),
+        (
+            "corner_radius_ratio\n0.1\n",
+            "row 1, column corner_radius_ratio: is unknown; it belongs to the shape "
+            "RectangularPrism",
+        ),
+        (
+            "shape,corner_radius_ratio\nEllipsoid,0.1\nRectangularPrism,0.1\n",
+            "row 2, column corner_radius_ratio: must be empty, as the shape Ellipsoid "
+            "of this row has no such parameter, but is 0.1",
+        ),
+        (
+            "shape,corner_radius_ratio\nEllipsoid,\nRectangularPrism,\n",
+            "row 3, column corner_radius_ratio: is empty, but a number is needed",
+        ),
+        (
+            "shape,corner_radius_ratio\nEllipsoid,\nRectangularPrism,1.5\n",
+            "row 3, column corner_radius_ratio: must be in (0, 1], but is 1.5",
+        ),
+        (
+            "shape,corner_radius_ratio,mass_kg\nEllipsoid,\nRectangularPrism,1.5\n",
+            "row 2: has 2 cells, but the header has 3",
+        ),
+        ("shape,shape\nEllipsoid,Ellipsoid\n", "column shape: stands twice"),
+        ("flow\n", "has a header but no rows"),
+    ],
+)
+def test_tables_that_cannot_be_used(laws, capsys, table, said):
+    (laws / "scenes.csv").write_text(table)
+    assert main(["batch", "scenes.csv", "--out", "results.csv"]) == 2
+    assert_one_line_error(capsys, said)
+
+
+def test_a_law_that_was_edited_is_another_law_for_the_journal(laws):
+    scenes = Scene(soil=Soil(flow="my_laws.py:Creeping", my_rate=[2.0, 3.0]))
+    simulate_batch(scenes, accuracy="fast", journal=laws / "j")
+    text = (laws / "my_laws.py").read_text()
+    (laws / "my_laws.py").write_text(text.replace("+ creep", "+ 2.0 * creep"))
+    edited = Scene(soil=Soil(flow="my_laws.py:Creeping", my_rate=[2.0, 3.0]))
+    with pytest.raises(InputError, match="no journal of this run"):
+        simulate_batch(edited, accuracy="fast", journal=laws / "j")
+
+
+# Sweeps
+
+
+def test_a_sweep_over_parameters_of_a_law_is_found_again(laws, scene, capsys):
+    (laws / "study.toml").write_text(
+        f"{SCENE}\n[axes]\nmy_rate = [2, 5]\nmy_creep_share = [0.0, 0.1]\n"
+    )
+    assert main(["sweep", "study.toml", "--out", "sweep.nc"]) == 0
+    found = read_netcdf(laws / "sweep.nc")
+    axes = {"my_rate": [2.0, 5.0], "my_creep_share": [0.0, 0.1]}
+    expected = sweep(scene, axes)
+    xr.testing.assert_identical(found, expected)
+    alone = simulate(scene.block, scene.soil, scene.impact)
+    point = found.sel(my_rate=5.0, my_creep_share=0.1)
+    assert float(point.e_n) == pytest.approx(float(alone.e_n), rel=1e-9)
+    # Units of the edge and back cost a rounding of the inputs.
+    xr.testing.assert_allclose(repeat_sweep(found), found, rtol=1e-9)
+
+    text = (laws / "my_laws.py").read_text()
+    (laws / "my_laws.py").write_text(text + "# edited\n")
+    with pytest.raises(InputError, match=r"with flow my_laws.Creeping \(.*, but there"):
+        repeat_sweep(found)
+    (laws / "my_laws.py").unlink()
+    with pytest.raises(InputError, match=r"my_laws\.py: cannot be read"):
+        repeat_sweep(found)
+
+
+def test_a_sweep_over_shapes(laws, capsys):
+    (laws / "study.toml").write_text(
+        "aspect_ratio = 1.5\n[axes]\n"
+        'shape = ["Ellipsoid", "my_shapes.py:Hollow", "RectangularPrism"]\n'
+        "orientation_deg = [30, 60]\n"
+        "[axes.of_shape]\nspread = [1.0, 2.0]\ncorner_radius_ratio = [0.1, 0.3]\n"
+    )
+    assert main(["sweep", "study.toml", "--out", "sweep.nc"]) == 0
+    found = read_netcdf(laws / "sweep.nc")
+    assert found["shape"].values.tolist() == ["Ellipsoid", "Hollow", "RectangularPrism"]
+    assert found.e_n.shape == (3, 2, 2)
+    hollow = sweep(
+        Scene(Block(shape="my_shapes.py:Hollow", aspect_ratio=1.5)),
+        {"orientation_deg": [30.0, 60.0], "spread": [1.0, 2.0]},
+    )
+    np.testing.assert_array_equal(found.e_n.sel(shape="Hollow"), hollow.e_n)
+    # What a shape has no parameter for changes nothing.
+    same = found.e_n.sel(shape="Ellipsoid")
+    np.testing.assert_array_equal(same.isel(of_shape=0), same.isel(of_shape=1))
+    write_netcdf(laws / "again.nc", found)
+    again = repeat_sweep(read_netcdf(laws / "again.nc"))
+    xr.testing.assert_allclose(again, found, rtol=1e-9)
+    assert again.attrs == found.attrs
+    part = found.isel(shape=[2, 1], orientation_deg=[0])
+    xr.testing.assert_allclose(repeat_sweep(part), part, rtol=1e-9)
+
+    text = (laws / "my_shapes.py").read_text()
+    (laws / "my_shapes.py").write_text(text + "# edited\n")
+    with pytest.raises(InputError, match=r"with shape my_shapes.Hollow \(.*, but"):
+        repeat_sweep(found)
+
+
+def test_shapes_that_vary_with_their_parameters(laws):
+    together = {
+        "block": {
+            "name": ["round", "edged"],
+            "shape": ["Ellipsoid", RectangularPrism],
+            "mass_kg": [100.0, 200.0],
+        }
+    }
+    found = sweep(Scene(), together)
+    assert found["shape"].values.tolist() == ["Ellipsoid", "RectangularPrism"]
+    alone = sweep(Scene(Block(shape=RectangularPrism())), {"mass_kg": [200.0]})
+    assert float(found.e_n.sel(block="edged")) == float(alone.e_n[0])
+    xr.testing.assert_allclose(repeat_sweep(found), found, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("axes", "said"),
+    [
+        ("my_rate = [1]", "key axes.my_rate: is unknown; did you mean"),
+        ('shape = ["Ellipse"]', "key axes.shape: shape 'Ellipse' is unknown; did you"),
+        ("shape = [1]", "key axes.shape: must be a text, but is 1"),
+        ('shape = "Ellipsoid"', "axis shape must be a list of names of shapes, but"),
+        ("shape = []", "axis shape must be a list of names of shapes, but is []"),
+        ('flow = ["Perzyna"]', "key axes.flow: is unknown; a sweep has one flow, that"),
+        ("corner_radius_ratio = [0.1]", "it belongs to the shape RectangularPrism"),
+        (
+            'shape = ["Ellipsoid"]\n[axes.g]\nshape = ["Ellipsoid"]',
+            "axis g: shape already varies along shape",
+        ),
+    ],
+)
+def test_sweeps_that_cannot_be_used(laws, capsys, axes, said):
+    (laws / "study.toml").write_text(f"[axes]\n{axes}\n")
+    assert main(["sweep", "study.toml"]) == 2
+    assert_one_line_error(capsys, "study.toml", said)
+
+
+# Sensitivity
+
+RANGES = {"my_rate": (2.0, 9.0), "my_creep_share": (0.0, 0.2), "c_v": (0.5, 2.0)}
+STUDY = (
+    "outputs = ['e_n', 'max_penetration_m']\nblocks = 8\ntrajectories = 4\n"
+    + SCENE
+    + "[parameters]\n"
+    + "\n".join(
+        f"{name} = {{ lower = {low}, upper = {high} }}"
+        for name, (low, high) in RANGES.items()
+    )
+)
+OUTPUTS = ["e_n", "max_penetration_m"]
+
+
+def test_sensitivity_to_parameters_of_a_law(laws, scene, capsys):
+    (laws / "study.toml").write_text(STUDY)
+    assert main(["sensitivity", "study.toml", "--out", "out"]) == 0
+    manifest = json.loads((laws / "out" / "manifest.json").read_text())
+    assert manifest["parameters"] == list(RANGES)
+    assert manifest["laws"]["flow"].startswith("my_laws.Creeping (")
+    assert manifest["laws"]["shape"].startswith("my_shapes.Hollow (")
+
+    of_scene = elasticities(scene, RANGES, OUTPUTS)
+    assert np.all(of_scene.check == Check.agrees)
+    assert np.all(of_scene.elasticity != 0.0)
+    effects = morris(scene, RANGES, OUTPUTS, trajectories=4)
+    indices = sobol(scene, RANGES, OUTPUTS, blocks=8)
+    for name, dataset, variable in (
+        ("elasticities", of_scene, "elasticity"),
+        ("morris", effects, "mean_effect"),
+        ("sobol", indices, "total_order"),
+    ):
+        rows = rows_of(f"out/{name}.csv")
+        for row in rows:
+            here = dataset.sel(parameter=row["parameter"], output=row["output"])
+            assert float(row[variable]) == float(here[variable])
+
+
+def test_elasticities_along_shapes(laws):
+    axes = {"shape": ["Ellipsoid", "RectangularPrism"]}
+    base = Scene(Block(aspect_ratio=1.5), impact=Impact.from_degrees(angle=20.0))
+    found = elasticities(base, ["mass_kg", "corner_radius_ratio"], ["e_n"], axes=axes)
+    round_block = elasticities(base, ["mass_kg"], ["e_n"])
+    np.testing.assert_allclose(
+        found.elasticity.sel(shape="Ellipsoid", parameter="mass_kg"),
+        round_block.elasticity.sel(parameter="mass_kg"),
+        rtol=1e-6,
+    )
+    corner = found.sel(parameter="corner_radius_ratio")
+    assert float(corner.derivative.sel(shape="Ellipsoid")[0]) == 0.0
+
+
+def test_parameters_not_named_are_those_that_the_laws_have(scene):
+    found = elasticities(scene, outputs=["e_n"], check=False)
+    assert found.parameter.values.tolist() == ["c_v", "k_E"]
+
+
+@pytest.mark.parametrize(
+    ("parameters", "said"),
+    [
+        (
+            "gamma_v = {}",
+            "parameter gamma_v is unknown; it belongs to the flow Perzyna",
+        ),
+        ("my_rat = {}", "parameter my_rat is unknown; did you mean my_rate?"),
+        (
+            "my_creep_share = { lower = 0, upper = 2 }\nc_v = { lower = 1, upper = 2 }",
+            "key parameters.my_creep_share.upper: must be in [0, 1], but is 2",
+        ),
+    ],
+)
+def test_studies_that_cannot_be_used(laws, capsys, parameters, said):
+    (laws / "study.toml").write_text(f"{SCENE}\n[parameters]\n{parameters}\n")
+    assert main(["sensitivity", "study.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, "study.toml", said)
+
+
+PROGRAM = """
+import jax
+jax.config.update("jax_enable_x64", True)
+from jaximpact import Scene, Soil, read_netcdf, repeat_sweep, sweep, write_netcdf
+from jaximpact.laws import Perzyna
+
+class Mine(Perzyna):
+    pass
+
+found = sweep(Scene(soil=Soil(flow=Mine())), {"gamma_v": [3.0, 5.0]}, accuracy="fast")
+write_netcdf("sweep.nc", found)
+assert repeat_sweep(read_netcdf("sweep.nc")).e_n.equals(found.e_n)
+print("done")
+"""
+
+
+def test_a_law_of_the_program_that_runs_is_found_again(folder):
+    (folder / "program.py").write_text(PROGRAM)
+    command = [sys.executable, "program.py"]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert run.stdout == "done\n"  # and not run once more
+    again = repeat_sweep(read_netcdf(folder / "sweep.nc"))
+    assert json.loads(again.attrs["laws"])["flow"].startswith("program.Mine (")

@@ -1,0 +1,492 @@
+"""Malformed input, in files, on the command line and in Python, is refused at once, in
+one line that says where and what. In one process."""
+
+import json
+import os
+import pickle
+import threading
+
+import jax.numpy as jnp
+import numpy as np
+import pandas as pd
+import pytest
+from error_messages import assert_one_line
+
+from jaximpact import (
+    Accuracy,
+    Block,
+    Impact,
+    Scene,
+    Soil,
+    calibrate,
+    elasticities,
+    simulate,
+    simulate_batch,
+    sobol,
+    sweep,
+)
+from jaximpact.calibration.arguments import table_given
+from jaximpact.cli import main
+from jaximpact.errors import InputError, UnusualValueWarning, nearest, shown
+from jaximpact.io.files import read_input
+from jaximpact.runout import (
+    ClosedForm,
+    FullModel,
+    Ground,
+    Profile,
+    Release,
+    Uniform,
+    draw,
+    simulate_runout,
+)
+from jaximpact.shapes import Ellipsoid
+
+HUGE = "1" + 400 * "0"
+LONGER = "1" + 5_000 * "0"
+SLOPE = """
+[profile]
+points_m = [[0, 100], [200, 0]]
+[release]
+x_m = 2
+clearance_m = 1
+"""
+STUDY = 'data = "tests.csv"\n'
+TESTS = "mass_kg,angle_deg,e_n\n100,10,0.2\n110,20,0.3\n"
+OUT = {
+    "simulate": [],
+    "batch": ["--out", "out.csv"],
+    "sweep": ["--out", "out.nc"],
+    "runout": ["--out", "out"],
+    "tabulate": ["--out", "out.nc"],
+    "sensitivity": ["--out", "out"],
+    "calibrate": ["--out", "out"],
+}
+
+
+def refused(capsys, *arguments):
+    """The one line on stderr with which a command refuses its input."""
+    assert main(list(arguments)) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    (line,) = err.splitlines()
+    assert line.startswith("jaximpact: error: ")
+    assert line.isprintable()
+    assert len(line) < 800
+    return line
+
+
+@pytest.mark.parametrize(
+    ("command", "text", "said"),
+    [
+        ("simulate", f"mass_kg = {HUGE}", "key mass_kg: holds a whole number beyond"),
+        ("simulate", f"\nmass_kg = {LONGER}", "row 2: holds a whole number beyond"),
+        ("simulate", "mass_kg = 1e400", "key mass_kg: must be finite, but is inf"),
+        ("simulate", "mass_kg = nan", "key mass_kg: must be finite, but is nan"),
+        ("simulate", "mass_kg = true", "must be a number, but is True"),
+        ("simulate", "mass_kg = 1979-05-27", "must be a number, but is datetime.date"),
+        ("simulate", "mass_kg = '" + 5_000 * "x" + "'", "must be a number, but is 'xx"),
+        ("simulate", "a = " + 9_000 * "[" + 9_000 * "]", "more than 20 deep"),
+        ("simulate", "a" + 300 * ".a" + " = 1", "more than 20 deep"),
+        ("simulate", "[a" + 100_000 * ".a" + "]", "more than 20 deep"),
+        ("simulate", '"\\u001b[2J" = 1', "key \\x1b[2J: holds a control character"),
+        ("simulate", '"\\u202ekg" = 1', "key \\u202ekg: is unknown"),
+        ("simulate", "mass_kg = 1\nmass_kg = 1", "is not valid TOML"),
+        ("simulate", b"\xff\xfea\x00", "row 1: is not text in UTF-8"),
+        ("simulate", "friction_angle_deg = 90", "must be in (0, 60) deg, but is 90"),
+        ("simulate", "relative_density = 90", "but is 90; %? 90 % is 0.9"),
+        ("sweep", "[axes]\nk_E = [1, true]", "must be a number, but is True"),
+        ("sweep", "[axes.g]\nname = [[1]]\nc_v = [1]", "name must be texts"),
+        (
+            "sweep",
+            "[axes]\nk_E = { from = 1, to = 2, count = 1_000_000_000_000_000 }",
+            "1000000000000000 values would take 7.45e+06 GiB of memory",
+        ),
+        (
+            "sweep",
+            "[axes]\n"
+            + "\n".join(
+                f"{name} = {{ from = 1, to = 2, count = 10000 }}"
+                for name in ("k_E", "c_v", "gamma_v", "psi")
+            ),
+            "10000000000000000 points would take",
+        ),
+        ("runout", "count = 1_000_000_000_000\n" + SLOPE, "key count: 1000000000000"),
+        ("runout", "bins = 1_000_000_000_000\n" + SLOPE, "1000000000000 bins"),
+        ("runout", f"seed = {HUGE}\n" + SLOPE, "key seed: holds a whole number"),
+        ("runout", 'title = "a\\u0000"\n' + SLOPE, "key title: holds a control"),
+        ("runout", SLOPE.replace("[0, 100]", f"[0, {HUGE}]"), "holds a whole number"),
+        ("runout", '[profile]\ncsv = "a\\u0000b"', "csv: holds a control character"),
+        ("tabulate", "[table.nodes]\nspeed = 1_000_000_000_000", "table.nodes: "),
+        ("tabulate", "[map]\norientations = 1_000_000_000_000", "key map: "),
+        (
+            "sensitivity",
+            "blocks = 4503599627370496\n[parameters]\nc_v = {lower = 1, upper = 2}\n"
+            "k_E = {lower = 1, upper = 2}",
+            "18014398509481984 impacts, would take",
+        ),
+        (
+            "sensitivity",
+            "trajectories = 1_000_000_000_000_000\n[parameters]\n"
+            "c_v = {lower = 1, upper = 2}\nk_E = {lower = 1, upper = 2}",
+            "3000000000000000 impacts, would take",
+        ),
+        ("calibrate", STUDY + "starts = 1_000_000_000_000_000", "key starts: "),
+        (
+            "calibrate",
+            STUDY + "[further_tests]\ncount = 10_000_000_000",
+            "key count: must be at most 1000",
+        ),
+        (
+            "calibrate",
+            'data = ["tests.csv", "link.csv"]',
+            "names one file twice: tests.csv and link.csv",
+        ),
+        ("calibrate", 'data = "/dev/zero"', "/dev/zero: is a device"),
+    ],
+)
+def test_malformed_studies(folder, capsys, command, text, said):
+    (folder / "tests.csv").write_text(TESTS)
+    (folder / "link.csv").symlink_to("tests.csv")
+    data = text if isinstance(text, bytes) else text.encode()
+    (folder / "study.toml").write_bytes(data)
+    assert said in refused(capsys, command, "study.toml", *OUT[command])
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (
+            "mass_kg\n" + HUGE + "\n",
+            "row 2, column mass_kg: must be above 0 kg, but is",
+        ),
+        ("mass_kg\n" + LONGER + "\n", "row 2, column mass_kg: must be above 0 kg"),
+        ("mass_kg\n1e400\n", "must be above 0 kg, but is 1e400"),
+        ("mass_kg\n\x1b[31m1\n", "row 2: holds b'\\x1b'"),
+        ("\u202emass_kg\n1\n", "column \\u202emass_kg: is unknown"),
+        ("x" * 3_000_000 + "\n1\n", "row 1"),
+        ("mass_kg\n" + "1" * 200_000 + "\n", "row 2: is not valid CSV"),
+        ("a," * 200_000 + "\n", "column a: is unknown"),
+        ("mass_kg,name\n1,\ud800\n", "row 2: is not text in UTF-8"),
+        ("angle_deg\n95\n", "must be in (-90, 90) deg, but is 95"),
+        ("poisson\n30\n", "but is 30; %? 30 % is 0.3"),
+    ],
+)
+def test_malformed_tables(folder, capsys, data, said):
+    (folder / "scenes.csv").write_bytes(data.encode("utf-8", "surrogatepass"))
+    assert said in refused(capsys, "batch", "scenes.csv", *OUT["batch"])
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        ("x_m,y_m\n0," + "1" * 200_000 + "\n", "row 2: is not valid CSV"),
+        ('x_m,y_m\n0,"1\n', "row 2: is not valid CSV"),
+        ("x_m,y_m\n0,1_0\n200,0\n", "row 2, column y_m: must be a number"),
+        ("x_m,y_m\n0,1e400\n200,0\n", "needs finite coordinates"),
+    ],
+)
+def test_malformed_profiles(folder, capsys, data, said):
+    (folder / "profile.csv").write_text(data)
+    study = SLOPE.replace("points_m = [[0, 100], [200, 0]]", 'csv = "profile.csv"')
+    (folder / "slope.toml").write_text(study)
+    assert said in refused(capsys, "runout", "slope.toml", *OUT["runout"])
+
+
+@pytest.mark.parametrize("command", OUT)
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("a\0b", "null character"),
+        ("folder", "cannot be read: Is a directory"),
+        ("/dev/zero", "/dev/zero: is a device"),
+        ("none\x1b[31m", "none\\x1b[31m: cannot be read"),
+        ("loop", "cannot be read: Too many levels of symbolic links"),
+        ("x" * 5_000, "cannot be read: File name too long"),
+    ],
+)
+def test_what_is_no_file(folder, capsys, command, path, said):
+    (folder / "folder").mkdir()
+    (folder / "loop").symlink_to("loop")
+    assert said in refused(capsys, command, path, *OUT[command])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["simulate", "s.toml", "--plot", "a\0.png"], "null character"),
+        (["simulate", "s.toml", "--bogus\x1b[31m"], "--bogus\\x1b[31m"),
+        (["sweep", "--set", "\x1b[2J"], "\\x1b[2J is no parametric set"),
+        (
+            ["batch", "s.csv", "--out", "o", "--model-tolerance", HUGE],
+            "must be at least",
+        ),
+        (["predict", "x" * 5_000, "tests.csv"], "File name too long"),
+    ],
+)
+def test_malformed_arguments(folder, capsys, arguments, said):
+    assert said in refused(capsys, *arguments)
+
+
+BLOCK, SOIL, IMPACT = Block(), Soil(), Impact()
+PROFILE = Profile([0.0, 200.0], [100.0, 0.0])
+RELEASE = Release(BLOCK, 2.0, 110.0)
+GOOD = {"e_n": [0.2, 0.3], "mass_kg": [100, 110], "angle_deg": [10, 20]}
+MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: Block(mass="500"), "Block.mass must be a number.* is '500' .str"),
+        (lambda: Block(mass=None), "Block.mass must be a number.* is None"),
+        (lambda: Block(mass=True), "Block.mass must be a number.* is True .bool"),
+        (lambda: Block(mass=1j), "Block.mass must be a number.* is 1j .complex"),
+        (lambda: Block(mass={}), "Block.mass must be a number"),
+        (lambda: Block(mass=[1, "2"]), "Block.mass must be a number"),
+        (lambda: Block(mass=[[1], [2, 3]]), "Block.mass must be a number"),
+        (lambda: Block(mass=10**400), "Block.mass must be .* too large"),
+        (lambda: Block(mass=jnp.array([True])), "Block.mass must be a number"),
+        (
+            lambda: Block(mass=MASKED),
+            "Block.mass must be numbers, but value 1 is masked",
+        ),
+        (lambda: Block(mass=pd.array(["1"])), "Block.mass must be a number"),
+        (lambda: simulate(SOIL, BLOCK, IMPACT), "block must be of type Block"),
+        (lambda: simulate(BLOCK, SOIL, 3), "impact must be of type Impact"),
+        (
+            lambda: Soil(flow=3),
+            "Soil.flow must be of a class derived from AbstractFlow",
+        ),
+        (lambda: Soil(flow="Perzina"), "flow 'Perzina' is unknown; .* mean Perzyna"),
+        (
+            lambda: Block(shape=Ellipsoid),
+            r"is the class Ellipsoid; write Ellipsoid\(\)",
+        ),
+        (lambda: simulate(BLOCK, SOIL, IMPACT, accuracy=[]), "accuracy must be one of"),
+        (lambda: simulate(Block(mass=-1), SOIL, IMPACT), "must be above 0 kg"),
+        (lambda: simulate(Block(mass=np.inf), SOIL, IMPACT), "must be above 0 kg"),
+        (
+            lambda: simulate(BLOCK, SOIL, Impact(angle=40)),
+            "is 40 rad = 2292 deg; deg. 40 deg is 0.6981 rad",
+        ),
+        (lambda: Accuracy("mine", np.nan, 0.01), "tolerance of an accuracy must be"),
+        (lambda: simulate_batch(3), "block must be of type Block"),
+        (
+            lambda: simulate_batch(Scene(), model_tolerance=-1),
+            "must be a finite number",
+        ),
+        (
+            lambda: simulate_batch(Scene(Block(mass=[1, 2]), Soil(k_E=[1, 2, 3]))),
+            r"have shapes \(2,\), \(3,\)",
+        ),
+        (lambda: sweep(Scene(), [1]), "axes must be of type Mapping"),
+        (
+            lambda: sweep(Scene(), {"angle_deg": ["1"]}),
+            "axis angle_deg must be a number",
+        ),
+        (lambda: sweep(Scene(), {"angle_deg": MASKED}), "value 1 is masked"),
+        (
+            lambda: sweep(
+                Scene(), dict.fromkeys(["k_E", "c_v", "psi"], np.ones(10**6))
+            ),
+            "10{18} points would take .* GiB of memory",
+        ),
+        (lambda: elasticities(Scene(), outputs=3), "outputs must be a list of names"),
+        (lambda: sobol(Scene(), None), "ranges must be of type Mapping"),
+        (
+            lambda: sobol(Scene(), {"c_v": (None, 1), "k_E": (1, 2)}),
+            "lower of c_v must be a number",
+        ),
+        (
+            lambda: sobol(Scene(), {"c_v": (1, 2), "k_E": (1, 2)}, blocks=2**52),
+            "impacts, would take",
+        ),
+        (lambda: Profile([0, 1j], [1, 0]), "a profile's x must be a number"),
+        (lambda: Profile([0, 1], [1, 0], soil=3), "soil must be of type Soil"),
+        (lambda: Ground("soil"), "soil must be of type Soil"),
+        (lambda: Ground(seed=1.5), "seed must be a whole number"),
+        (lambda: Ground(rolling_friction_angle=20), "deg. 20 deg is 0.3491 rad"),
+        (lambda: Release("block", 0, 0), "block must be of type Block"),
+        (lambda: Release(BLOCK, "2", 0), "a release's x must be a number"),
+        (lambda: ClosedForm(0.3), "law must be a law of rebound"),
+        (lambda: FullModel("quick"), "accuracy must be one of"),
+        (lambda: simulate_runout(None, RELEASE), "profile must be of type Profile"),
+        (lambda: simulate_runout(PROFILE, RELEASE, 3), "must be a law of contacts"),
+        (
+            lambda: simulate_runout(PROFILE, RELEASE, event_limit=0),
+            "event_limit must be at least 1",
+        ),
+        (lambda: draw({"a": Uniform(0, 1)}, 10**18, 0), "10{18} blocks would take"),
+        (lambda: draw({"a": None}, 3, 0), "a must be a number"),
+        (lambda: calibrate(GOOD, fit=3), "fit must be of type Iterable"),
+        (lambda: calibrate(GOOD, fit={"c_v": 3}), "fit of c_v must be of type Mapping"),
+        (lambda: calibrate(GOOD, ground=3), "ground must be of type Soil or Mapping"),
+    ],
+)
+def test_wrong_values_in_python(call, said):
+    with pytest.raises(InputError, match=said) as caught:
+        call()
+    assert_one_line(caught.value)
+
+
+def test_unknown_fields_name_the_nearest():
+    with pytest.raises(TypeError, match="no parameter 'mas'; did you mean mass"):
+        Block(mas=3.0)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [2, np.float32(2), [2.0], pd.Series([2], dtype="Int64"), range(2, 3)],
+)
+def test_whatever_is_a_number_is_taken(value):
+    assert np.all(np.asarray(Block(mass=value).mass) == 2.0)
+
+
+FRAME = pd.DataFrame(GOOD | {"name": ["a", "b"]})
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        FRAME,
+        FRAME.set_index("name"),
+        FRAME.set_index(["mass_kg", "name"]),
+        FRAME.set_index(pd.Index([7, 8], name="other")),
+        FRAME.astype({"mass_kg": "category", "name": "category"}),
+        FRAME.astype({"mass_kg": "Int64", "e_n": "Float64"}),
+        FRAME.astype(object),
+    ],
+)
+def test_frames_of_every_kind_hold_the_same_tests(frame):
+    table = table_given(frame)
+    assert table.labels["name"] == ["a", "b"]
+    for name, values in GOOD.items():
+        np.testing.assert_array_equal(table.numbers[name], values)
+
+
+@pytest.mark.parametrize(
+    ("tests", "said"),
+    [
+        (pd.concat([FRAME, FRAME[["e_n"]]], axis=1), "column e_n: stands twice"),
+        (FRAME.set_index("name", drop=False), "column name: stands twice"),
+        (FRAME.T.set_index([[1, 2, 3, 4]]).T, "columns must be named by a text each"),
+        (GOOD | {"mass_kg": MASKED}, "row 3, column mass_kg: is empty"),
+        (GOOD | {"mass_kg": [True, 1]}, "must be a number, but is 'True'"),
+        (GOOD | {"mass_kg": [10**400, 1]}, "must be above 0 kg, but is 1000"),
+        (GOOD | {"name": ["\ud800", "b"]}, "is not text in UTF-8"),
+        ({}, "hold no column"),
+    ],
+)
+def test_tests_that_cannot_be_read(tests, said):
+    with pytest.raises(InputError) as caught:
+        table_given(tests)
+    assert_one_line(caught.value, said)
+
+
+def test_masked_measurements_are_empty():
+    table = table_given(GOOD | {"e_n": np.ma.array([0.2, 0.3], mask=[True, False])})
+    np.testing.assert_array_equal(table.numbers["e_n"], [np.nan, 0.3])
+
+
+UNUSUAL = "jaximpact.errors.UnusualValueWarning"
+
+
+@pytest.mark.filterwarnings(f"always::{UNUSUAL}")
+@pytest.mark.parametrize(
+    ("scene", "said"),
+    [
+        (
+            Scene(impact=Impact(orientation=30)),
+            "30 rad = 1719 deg.*30 deg is 0.5236 rad",
+        ),
+        (Scene(impact=Impact(angular_velocity=2e3)), "2000 deg/s is 34.91 rad/s"),
+        (Scene(Block(density=2.58)), "2.58 g/cm3 is 2580 kg/m3"),
+        (Scene(Block(density=2577800)), "g/m3 is 2578 kg/m3"),
+        (Scene(Block(mass=1e9)), "usual are 1e-06 to 1e[+]08 kg"),
+        (Scene(soil=Soil(unit_weight=18)), "18 N/m3 = 0.018 kN/m3.*is 1.8e[+]04 N/m3"),
+        (Scene(soil=Soil(k_E=5e7)), "Soil.k_E is 5e[+]07; usual are 1 to 1e[+]06$"),
+        (Scene(Block(density=np.full(9, 2.58))), r"\(scene 0 and 8 more\)"),
+    ],
+)
+def test_unusual_values_are_warned_of_once(scene, said):
+    with pytest.warns(UnusualValueWarning, match=said) as caught:
+        simulate_batch(scene, accuracy="fast")
+    assert len(caught) == 1
+    assert caught[0].filename == __file__
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings(f"always::{UNUSUAL}")
+@pytest.mark.parametrize(
+    ("command", "name", "text", "said"),
+    [
+        (
+            "simulate",
+            "s.toml",
+            "density_kgm3 = 2.58",
+            "s.toml, key density_kgm3: is 2.58",
+        ),
+        (
+            "batch",
+            "s.csv",
+            "mass_kg,friction_angle_deg\n1,30\n1,0.5236\n1,0.5236\n",
+            "s.csv, row 3, column friction_angle_deg: is 0.5236 deg and 1 more rows; "
+            "usual are 2 to 60 deg; rad? 0.5236 rad is 30 deg",
+        ),
+    ],
+)
+def test_commands_warn_of_unusual_values_in_one_line(
+    folder, capsys, command, name, text, said
+):
+    (folder / name).write_text(text)
+    assert main([command, name, "--accuracy", "fast", *OUT[command]]) == 0
+    err = capsys.readouterr().err
+    assert err.count("warning") == 1
+    assert said in err
+
+
+def test_results_are_pickled():
+    result = simulate(BLOCK, SOIL, IMPACT, accuracy="fast")
+    again = pickle.loads(pickle.dumps(result))
+    assert (again.e_n, again.outcome) == (result.e_n, result.outcome)
+
+
+@pytest.mark.parametrize(
+    "error", [InputError("x", row=2), UnusualValueWarning("x", "y")]
+)
+def test_errors_are_pickled(error):
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("a\nb\x1b[0m\u202e\ud800", "a\\nb\\x1b[0m\\u202e\\ud800"),
+        ("Böschung 30° ☺", "Böschung 30° ☺"),
+        ("x" * 10_000, "x" * 300 + " ... " + "x" * 300),
+    ],
+)
+def test_what_is_shown_of_a_text(text, expected):
+    assert shown(text) == expected
+
+
+def test_the_nearest_name_of_an_endless_one_is_found_at_once():
+    assert nearest("mass" + "x" * 10_000_000, ["mass_kg", "k_E"]) == "mass_kg"
+
+
+def test_a_pipe_is_read(folder):
+    """Once: what it holds is not there a second time."""
+    os.mkfifo("pipe")
+    writer = threading.Thread(target=(folder / "pipe").write_bytes, args=(b"abc",))
+    writer.start()
+    assert read_input("pipe") == b"abc"
+    writer.join()
+
+
+@pytest.mark.parametrize("tree", [[], {"manifest": 3}, {"variants": [[]]}, 10**400])
+def test_a_damaged_fit_is_refused(folder, capsys, tree):
+    (folder / "fit.json").write_text(json.dumps(tree))
+    (folder / "tests.csv").write_text(TESTS)
+    assert "fit.json" in refused(capsys, "predict", "fit.json", "tests.csv")
+    (folder / "slope.toml").write_text(SLOPE + '[ground]\nfrom = "fit.json"\n')
+    assert "fit.json" in refused(capsys, "runout", "slope.toml", "--out", "out")

@@ -1,0 +1,53 @@
+"""Pages of the documentation print what they show, and their links lead somewhere."""
+
+import re
+
+import numpy as np
+import pytest
+from pages import all_pages, blocks_of, folder_of_a_page, run, words_of
+from paths import DOCS, ROOT
+
+pytestmark = pytest.mark.slow
+
+PAGES = [page for page in all_pages() if blocks_of(page)]
+OWN_LAW = DOCS / "how-to" / "own-law.md"
+"""Run by test_own_laws.py, which looks at its files too."""
+NUMBER = re.compile(r"-?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
+
+
+def name_of(page) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
+def assert_prints(received: str, block) -> None:
+    """Words are the same, and numbers but for rounding that differs by processor."""
+    received, expected = words_of(received), words_of(block.printed)
+    words = [NUMBER.sub("#", word) for word in received]
+    assert words == [NUMBER.sub("#", word) for word in expected], str(block)
+    numbers = [
+        np.array(NUMBER.findall(" ".join(texts)), float)
+        for texts in (received, expected)
+    ]
+    np.testing.assert_allclose(*numbers, rtol=1e-4, atol=1e-12, err_msg=str(block))
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p != OWN_LAW], ids=name_of)
+def test_a_page_prints_what_it_shows(page, tmp_path):
+    names = {}
+    with folder_of_a_page(tmp_path):
+        for block in blocks_of(page):
+            received = run(block, names)
+            if block.printed is not None:
+                assert_prints(received, block)
+
+
+def test_the_model_names_files_and_functions_that_there_are():
+    page = (DOCS / "model.md").read_text(encoding="utf-8")
+    named = re.findall(r"`([\w/]+\.py)`(?:,\s+`([\w.]+)`)?", page)
+    assert named
+    for file, name in named:
+        places = [ROOT / "jaximpact" / file, ROOT / file]
+        place = next((place for place in places if place.exists()), None)
+        assert place is not None, f"model.md names {file}"
+        last = name.rpartition(".")[2]
+        assert last in place.read_text(encoding="utf-8"), f"{file} has no {name}"

@@ -1,0 +1,553 @@
+"""The paper's figures: their numbers against the independent implementation, what is
+drawn from them, and the command."""
+
+import json
+
+import model_oracle as oracle
+import numpy as np
+import pandas as pd
+import pytest
+from error_messages import assert_one_line_error
+from text_files import rows_of
+
+from jaximpact import Accuracy, Block, Impact, Soil, simulate
+from jaximpact.cli import main
+from jaximpact.errors import InputError
+from jaximpact.paper.figures import PAPER_FIGURES, Study, write_figures
+from jaximpact.paper.figures import write as run
+from jaximpact.paper.figures.drawing import colours_of
+from jaximpact.paper.figures.slope_figures import ENDING_COLUMN, LINE
+from jaximpact.paper.figures.tables import BRANCH, DURATION, JUMP, SERIES, peak
+from jaximpact.paper.figures.write import write_table
+from jaximpact.paper.goodness_of_fit import fit_exponential
+from jaximpact.paper.sets import GROUNDS
+from jaximpact.quantities import (
+    FURTHER_COLUMNS,
+    INPUT_COLUMNS,
+    OUTCOME_COLUMN,
+    RESULT_COLUMNS,
+)
+from jaximpact.units import DEGREE
+
+pytestmark = pytest.mark.slow
+
+# What is promised of every figure.
+COEFFICIENT = 1e-3
+RELATIVE = 2e-3
+
+COURSES = ("4", "6")
+OF_RUNS = ("x_m", "y_m", "height_m", "velocity_mps", "spin_degps")
+OF_RUNS += ("start_x_m", "rise_m", "rise_before_m")
+OVER_ORIENTATION = ("8", "13")
+
+
+COARSE = ("7", "11", "12", "14")
+
+
+@pytest.fixture(scope="module")
+def tables():
+    """Every figure's table, as the command computes it; Fig. 7, which takes a course
+    for each of its points, and the runs at a coarser setting."""
+    coarse, fine = Study(accuracy="balanced"), Study(accuracy="reference")
+    return {
+        number: figure.compute(coarse if number in COARSE else fine)
+        for number, figure in PAPER_FIGURES.items()
+    }
+
+
+TEXTS = (OUTCOME_COLUMN, ENDING_COLUMN, LINE)
+
+
+def read_table(path):
+    """A table from its file, by no more than its text."""
+    rows = rows_of(path)
+    return pd.DataFrame(
+        {
+            name: [r[name] if name in TEXTS else float(r[name]) for r in rows]
+            for name in rows[0]
+        }
+    )
+
+
+def row(table, **where):
+    """The row at a point."""
+    for name, value in where.items():
+        table = table[np.isclose(table[name], value, rtol=0.0, atol=1e-9)]
+    (found,) = table.to_dict("records")
+    return found
+
+
+def oracle_ratio(solution, model):
+    """R_r over the steps of the independent implementation."""
+    normal, tangential, spin = solution.y[3:6]
+    turning = model.inertia * spin**2
+    return turning / (model.mass * (normal**2 + tangential**2) + turning)
+
+
+# --- numbers
+
+
+@pytest.mark.parametrize(
+    ("number", "point"),
+    [
+        ("5", dict(orientation_deg=0.0, aspect_ratio=3.0)),
+        ("5", dict(orientation_deg=90.0, aspect_ratio=2.5)),
+        ("7", dict(angle_deg=10.0, aspect_ratio=1.0)),
+        ("7", dict(angle_deg=65.0, aspect_ratio=2.0)),
+        ("8", dict(orientation_deg=37.0, aspect_ratio=1.5)),
+        # On the far side of a jump, and behind it
+        ("8", dict(orientation_deg=54.0, aspect_ratio=3.0)),
+        ("8", dict(orientation_deg=142.0, aspect_ratio=4.0)),
+        ("9", dict(orientation_deg=0.0, angle_deg=70.0, aspect_ratio=4.0)),
+        ("9", dict(orientation_deg=90.0, angle_deg=35.0, aspect_ratio=2.5)),
+        ("13", dict(angular_velocity_degps=500.0, orientation_deg=128.0)),
+        ("13", dict(angular_velocity_degps=1500.0, orientation_deg=17.0)),
+        ("13", dict(angular_velocity_degps=2000.0, orientation_deg=40.0)),
+    ],
+)
+def test_agrees_with_the_independent_implementation(tables, number, point):
+    found = row(tables[number], **point)
+    scene = point | ({"aspect_ratio": 2.0} if number == "13" else {})
+    expected = oracle.simulate(scene, history=True)
+    expected["e_n_vijayakumar"] = expected["e_vijayakumar"]
+    ratios = oracle_ratio(expected["solution"], expected["model"])
+    expected["max_R_r"] = np.max(ratios)
+    assert found[OUTCOME_COLUMN] == expected[OUTCOME_COLUMN]
+    results = [name for name in found if name not in (*scene, OUTCOME_COLUMN, BRANCH)]
+    assert len(results) >= 2
+    for name in results:
+        if name.startswith("e_"):
+            assert found[name] == pytest.approx(expected[name], abs=COEFFICIENT)
+        else:
+            assert found[name] == pytest.approx(expected[name], rel=RELATIVE)
+
+
+@pytest.mark.parametrize(
+    ("number", "point"),
+    [
+        ("4", dict(aspect_ratio=4.0)),
+        ("6", dict(angle_deg=20.0, aspect_ratio=1.0)),
+        ("6", dict(angle_deg=20.0, aspect_ratio=2.5)),
+    ],
+)
+def test_courses_agree_with_the_independent_implementation(tables, number, point):
+    table = tables[number]
+    for name, value in point.items():
+        table = table[table[name] == value]
+    expected = oracle.simulate(point, history=True)
+    solution, model = expected["solution"], expected["model"]
+    assert set(table[OUTCOME_COLUMN]) == {expected[OUTCOME_COLUMN]}
+    assert table["time_s"].iloc[-1] == pytest.approx(
+        expected["duration_s"], rel=RELATIVE
+    )
+    # Between the start, where all is zero, and the end, where forces fall steeply
+    times = solution.t[(solution.t > 2e-3) & (solution.t < 0.9 * solution.t[-1])]
+    states = solution.y[:, np.searchsorted(solution.t, times)]
+    courses = {
+        "penetration_m": states[0],
+        "rotation_rad": states[2],
+        "normal_force_N": [model.evaluate(list(state))["N"] for state in states.T],
+        "R_r": oracle_ratio(solution, model)[np.searchsorted(solution.t, times)],
+    }
+    for name in set(courses) & set(table):
+        found = np.interp(times, table["time_s"], table[name])
+        # Straight lines between steps add some 1e-4 of the largest value.
+        scale = np.max(np.abs(courses[name]))
+        np.testing.assert_allclose(found, courses[name], rtol=0, atol=RELATIVE * scale)
+
+
+def test_courses_are_the_histories_of_simulate(tables):
+    table = tables["6"]
+    table = table[table["aspect_ratio"] == 3.0]
+    impact = Impact(angle=20.0 * DEGREE)
+    result = simulate(
+        Block(aspect_ratio=3.0), Soil(), impact, accuracy="reference", history=True
+    )
+    for column, field in SERIES.items():
+        np.testing.assert_array_equal(table[column], getattr(result.history, field))
+    assert set(table[OUTCOME_COLUMN]) == {str(result.outcome)}
+
+
+def test_largest_energy_ratio_is_right_to_a_thousandth(tables):
+    # The sphere at 10 degrees has its peak inside, and steps of a percent about it.
+    for angle, aspect_ratio in ((10.0, 1.0), (10.0, 1.5), (45.0, 4.0)):
+        result = simulate(
+            Block(aspect_ratio=aspect_ratio),
+            Soil(),
+            Impact(angle=angle * DEGREE),
+            accuracy=Accuracy("exact", 1e-10, 0.01),
+            history=True,
+        )
+        exact = np.max(result.history.rotational_ratio)
+        found = row(tables["7"], angle_deg=angle, aspect_ratio=aspect_ratio)["max_R_r"]
+        assert found == pytest.approx(exact, rel=1e-3)
+        assert found >= float(result.R_r) * (1.0 - 1e-3)
+
+
+def test_peak_lies_between_rows():
+    time = np.array([0.0, 0.1, 0.4, 0.6, 1.0])
+    assert peak(time, 3.0 - (time - 0.45) ** 2) == pytest.approx(3.0, abs=1e-12)
+    assert peak(time, time) == 1.0
+    assert peak(time, -time) == 0.0
+    assert peak(time, np.ones(5)) == 1.0
+    assert np.isnan(peak(time, np.array([0.0, 1.0, np.nan, 0.0, 0.0])))
+
+
+def test_ends_of_a_figure_are_those_of_another(tables):
+    """Fig. 5 and 8 meet at the axes, 7 and 9 at every point, 8 and 13 without spin."""
+    for orientation in (0.0, 90.0):
+        for aspect_ratio in np.linspace(1.0, 4.0, 7):
+            point = dict(orientation_deg=orientation, aspect_ratio=aspect_ratio)
+            one, other = (row(tables[n], **point) for n in ("5", "8"))
+            for name in ("max_penetration_m", "max_normal_force_N"):
+                # Set I has a model of fewer unknowns, which takes other steps.
+                assert one[name] == pytest.approx(other[name], rel=1e-6)
+    still = tables["13"][tables["13"]["angular_velocity_degps"] == 0.0]
+    same = tables["8"][tables["8"]["aspect_ratio"] == 2.0]
+    np.testing.assert_allclose(still["e_n"], same["e_n"], atol=1e-9)
+
+
+# --- runs down the slope
+
+
+def test_the_first_flight_is_the_parabola_of_figure_10(tables):
+    parabola = tables["10"][tables["10"][LINE] == "parabola of the release"]
+    for _, way in tables["11"].groupby("aspect_ratio"):
+        flight = way[way["x_m"] < 55.0]
+        # Chords of 1/240 of the flight lie some 0.3 mm below the parabola.
+        expected = np.interp(flight["x_m"], parabola["x_m"], parabola["y_m"])
+        np.testing.assert_allclose(flight["y_m"], expected, atol=1e-3)
+        assert set(flight["spin_degps"]) == {0.0}
+    # It ends where the centre comes to the ground.
+    end = parabola.iloc[-1]
+    assert end["y_m"] == pytest.approx(230.0 - 0.575 * end["x_m"], abs=1e-9)
+
+
+def test_velocities_of_runs_are_those_of_the_centre(tables):
+    """Along a flight the height gained is the velocity lost."""
+    for _, way in tables["11"].groupby("aspect_ratio"):
+        flight = way[way["x_m"] < 55.0]
+        energy = 0.5 * flight["velocity_mps"] ** 2 + 9.81 * flight["y_m"]
+        np.testing.assert_allclose(energy, 0.5 * 20.0**2 + 9.81 * 231.0, rtol=1e-12)
+        # Nothing in these runs is faster than what falls 230 m.
+        assert way["velocity_mps"].max() < np.sqrt(20.0**2 + 2.0 * 9.81 * 232.0)
+
+
+def test_jumps_and_impacts_are_of_one_set_of_runs(tables):
+    jumps, impacts = tables["12"], tables["14"]
+    by = ["aspect_ratio", "angular_velocity_degps"]
+    assert len(impacts.groupby(by)) == len(jumps.groupby(by)) == 45
+    first = impacts.groupby(by).first()
+    assert first["x_m"].between(59.0, 61.5).all()
+    # The flight of the release: 11.2 m above its start, the centre 1 m above the crest.
+    summit = (20.0 * np.sin(np.radians(10.0)) + 0.575 * first_speed()) ** 2 / 2 / 9.81
+    np.testing.assert_allclose(first["rise_before_m"], summit, rtol=1e-9)
+    # Every jump but the last few ends in an impact; a few touches are too slow.
+    rises = impacts["rise_before_m"].dropna()
+    higher = jumps["rise_m"] > 0.5
+    assert (rises > 0.5).sum() - 45 <= higher.sum()
+
+
+def first_speed():
+    """Along x at release [m/s]."""
+    return 20.0 * np.cos(np.radians(10.0))
+
+
+def test_fits_are_drawn_as_they_are_told(tables):
+    table = tables["12"]
+    axes = PAPER_FIGURES["12"].draw(table).axes
+    for each, (shape, rows) in zip(
+        axes[:5], table.groupby("aspect_ratio"), strict=True
+    ):
+        assert f"$A_r$ = {shape:g}" in each.get_title()
+        fit = fit_exponential(rows["height_m"])
+        assert f"{fit.distance:.2f} ({fit.distance_by_chance:.2f})" in each.get_title()
+        x, y = each.get_lines()[0].get_data()
+        drawn = np.isfinite(y)
+        slope = np.polyfit(x[drawn], np.log(y[drawn]), 1)[0]
+        assert slope == pytest.approx(-1.0 / fit.scale, rel=1e-9)
+
+
+# --- symmetry
+
+
+def grid_rows(table):
+    """Rows at whole degrees: all but the sides of jumps."""
+    return table[table["orientation_deg"] % 1.0 == 0.0]
+
+
+@pytest.mark.parametrize(
+    ("number", "name", "sign"),
+    [
+        ("8", "e_n", 1.0),
+        ("8", "max_penetration_m", 1.0),
+        ("8", "rotation_rad", -1.0),
+        ("8", "max_normal_force_N", 1.0),
+        ("8", "max_moment_Nm", 1.0),
+        ("13", "e_n", 1.0),
+        ("13", "e_contact", 1.0),
+        ("13", "e_bar", 1.0),
+        ("13", "e_n_vijayakumar", 1.0),
+    ],
+)
+def test_symmetric_about_90_degrees(tables, number, name, sign):
+    table = grid_rows(tables[number])
+    if number == "13":
+        table = table[table["angular_velocity_degps"] == 0.0]
+    by = "angular_velocity_degps" if number == "13" else "aspect_ratio"
+    for _, curve in table.groupby(by):
+        assert len(curve) == 181
+        values = curve[name].to_numpy()
+        scale = np.max(np.abs(values))
+        # Mirrored impacts differ by rounding, which changes steps: by the error of
+        # "balanced" in what is least accurate, the largest moment.
+        np.testing.assert_allclose(
+            values, sign * values[::-1], rtol=0, atol=5e-6 * scale + 1e-12
+        )
+
+
+def test_spin_breaks_the_symmetry(tables):
+    spinning = grid_rows(tables["13"]).query("angular_velocity_degps > 0")
+    for _, curve in spinning.groupby("angular_velocity_degps"):
+        values = curve["e_n"].to_numpy()
+        assert np.abs(values - values[::-1]).mean() > 0.05
+
+
+def test_a_sphere_has_no_orientation(tables):
+    sphere = tables["8"][tables["8"]["aspect_ratio"] == 1.0]
+    for name in ("e_n", "max_penetration_m", "max_normal_force_N"):
+        # Steps differ by rounding, results by the tolerance of the integration, 1e-8.
+        assert np.ptp(sphere[name]) <= 1e-7 * np.max(np.abs(sphere[name]))
+    np.testing.assert_allclose(sphere[["rotation_rad", "max_moment_Nm"]], 0, atol=1e-9)
+
+
+# --- jumps
+
+
+def test_jumps_remain_however_close_their_sides(tables):
+    """And so are found where they are, mirrored, and nowhere else."""
+    places = {}
+    for aspect_ratio, curve in tables["8"].groupby("aspect_ratio"):
+        last = curve.groupby(BRANCH)["orientation_deg"].last().to_numpy()[:-1]
+        first = curve.groupby(BRANCH)["orientation_deg"].first().to_numpy()[1:]
+        np.testing.assert_allclose(first - last, 1.0 / 1024.0)
+        places[aspect_ratio] = 0.5 * (first + last)
+    assert [len(found) for found in places.values()] == [0, 0, 0, 0, 2, 2, 2]
+    for found in places.values():
+        np.testing.assert_allclose(found + found[::-1], 180.0, atol=1.0 / 1024.0)
+    # A thousandth of the distance still: the same two courses.
+    place = places[4.0][0]
+    durations = [
+        float(
+            simulate(
+                Block(aspect_ratio=4.0),
+                Soil(),
+                Impact(orientation=(place + side) * DEGREE),
+                accuracy="reference",
+            ).duration
+        )
+        for side in (-0.5 / 1024.0, 0.5 / 1024.0)
+    ]
+    sides = tables["8"][tables["8"]["aspect_ratio"] == 4.0]
+    sides = sides[np.abs(sides["orientation_deg"] - place) < 1.0 / 1024.0]
+    np.testing.assert_allclose(sides[DURATION], durations, rtol=1e-6)
+    assert durations[1] > (1.0 + JUMP) * durations[0]
+
+
+def test_lines_are_broken_at_jumps(tables):
+    figure = PAPER_FIGURES["8"].draw(tables["8"])
+    colour = colours_of(tables["8"]["aspect_ratio"])[4.0]
+    lines = [x for x in figure.axes[1].get_lines() if x.get_color() == colour]
+    assert [line.get_linestyle() for line in lines] == ["-", "-", "-", ":", ":"]
+    assert sum(len(line.get_xdata()) for line in lines[:3]) == 181 + 4
+    # Nothing of that kind in panel a, which runs along aspect ratios
+    assert {line.get_linestyle() for line in figure.axes[0].get_lines()} == {"-"}
+
+
+# --- drawings
+
+
+PANELS = {"4": 2, "5": 2, "6": 4, "7": 4, "8": 6, "9": 4}
+PANELS |= {"10": 1, "11": 4, "12": 6, "13": 4, "14": 2}
+
+
+@pytest.mark.parametrize("number", PAPER_FIGURES)
+def test_panels_have_letters_and_labels_with_units(tables, number):
+    figure = PAPER_FIGURES[number].draw(tables[number])
+    letters = [axes.get_title(loc="left") for axes in figure.axes]
+    assert letters == list("abcdef")[: PANELS[number]]
+    for axes in figure.axes:
+        for label in (axes.get_xlabel(), axes.get_ylabel()):
+            assert label.endswith("]")
+    legends = [*figure.legends]
+    assert legends
+
+
+def test_draws_what_the_table_holds(tables):
+    table = tables["7"]
+    axes = PAPER_FIGURES["7"].draw(table).axes
+    curves = [curve for _, curve in table.groupby("aspect_ratio")]
+    for place, name, unit in (
+        (0, "max_penetration_m", 1.0),
+        (1, "max_normal_force_N", 1e3),
+        (2, "rotation_rad", DEGREE),
+        (3, "max_R_r", 1.0),
+    ):
+        for line, curve in zip(axes[place].get_lines(), curves, strict=True):
+            np.testing.assert_allclose(line.get_xdata(), curve["angle_deg"])
+            np.testing.assert_allclose(line.get_ydata(), curve[name] / unit)
+
+
+def test_courses_end_in_the_marker_of_their_outcome(tables):
+    for number in COURSES:
+        table = tables[number]
+        figure = PAPER_FIGURES[number].draw(table)
+        entries = [text.get_text() for text in figure.legends[1].get_texts()]
+        assert entries[1:] == list(table[OUTCOME_COLUMN].unique())
+        ends = [x for x in figure.axes[0].get_lines() if len(x.get_xdata()) == 1]
+        lasts = table.groupby("aspect_ratio")["time_s"].last()
+        np.testing.assert_allclose([x.get_xdata()[0] for x in ends], 1e3 * lasts)
+        assert {x.get_marker() for x in ends} == {"o"}
+
+
+def test_colours_can_be_told_apart_without_colour():
+    red, green, blue, _ = np.transpose(list(colours_of(np.linspace(1, 4, 7)).values()))
+    grey = 0.299 * red + 0.587 * green + 0.114 * blue
+    assert np.all(np.diff(grey) > 0.05)
+    assert grey[-1] < 0.9
+
+
+def test_failed_points_are_left_out_and_said(tables, tmp_path, monkeypatch):
+    table = tables["5"].copy()
+    table.loc[3, ["max_penetration_m", "max_normal_force_N"]] = np.nan
+    table.loc[3, OUTCOME_COLUMN] = "failed"
+    figure = PAPER_FIGURES["5"]._replace(compute=lambda study: table)
+    monkeypatch.setitem(run.PAPER_FIGURES, "5", figure)
+    said = []
+    write_figures(tmp_path, only=["5"], say=said.append)
+    assert "1 of 14 rows failed" in said[0]
+    manifest = json.loads((tmp_path / "figure-5.csv.manifest.json").read_text())
+    assert manifest["rows"] == {"detached": 13, "failed": 1}
+
+
+# --- files
+
+
+@pytest.mark.parametrize("number", PAPER_FIGURES)
+def test_tables_come_back_from_their_files(tables, tmp_path, number):
+    known = {*INPUT_COLUMNS, *RESULT_COLUMNS, *FURTHER_COLUMNS, *SERIES}
+    known |= {"max_R_r", BRANCH, OUTCOME_COLUMN}
+    known |= {*TEXTS, *OF_RUNS}
+    table = tables[number]
+    assert set(table) <= known
+    write_table(tmp_path / "table.csv", table)
+    again = read_table(tmp_path / "table.csv")
+    assert list(again) == list(table)
+    for name in table:
+        np.testing.assert_array_equal(again[name], table[name])
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_grounds_are_those_of_the_supplement(ground):
+    c_v, gamma_v = {
+        "Table 1": (1.0, 8.7),
+        "c_v 0.5, gamma_v 1.70": (0.5, 1.70),
+        "c_v 0.5, gamma_v 0.85": (0.5, 0.85),
+    }[ground]
+    base, axes = Study(ground).parametric_set("II")
+    assert (float(base.soil.c_v), float(base.soil.gamma_v)) == (c_v, gamma_v)
+    assert list(axes) == ["aspect_ratio"]
+    # All else is as in Table 1.
+    table_1, _ = Study().parametric_set("II")
+    assert base.block == table_1.block
+    assert float(base.soil.k_E) == 900.0
+    assert float(base.impact.orientation) == pytest.approx(90.0 * DEGREE, abs=1e-15)
+
+
+def test_unknown_ground_is_refused():
+    with pytest.raises(InputError, match=r"did you mean 'c_v 0\.5, gamma_v 1\.70'"):
+        Study("c_v 0.5, gamma_v 1.7")
+
+
+# --- the command
+
+
+def test_command_writes_drawing_table_and_manifest(tmp_path, capsys):
+    out = tmp_path / "new" / "figures"
+    ground = "c_v 0.5, gamma_v 0.85"
+    arguments = ["--out", str(out), "--only", "5", "--ground", ground]
+    assert main(["figures", *arguments, "--accuracy", "fast"]) == 0
+    assert "figure-5.png" in capsys.readouterr().err
+    names = ["figure-5.csv", "figure-5.csv.manifest.json", "figure-5.png"]
+    assert sorted(path.name for path in out.iterdir()) == [
+        *names,
+        "jaximpact-files.json",
+    ]
+    table = read_table(out / "figure-5.csv")
+    assert len(table) == 14
+    expected = simulate(
+        Block(aspect_ratio=1.5), Soil(c_v=0.5, gamma_v=0.85), Impact(), accuracy="fast"
+    )
+    found = row(table, orientation_deg=0.0, aspect_ratio=1.5)
+    assert found["max_penetration_m"] == pytest.approx(
+        float(expected.max_penetration), rel=1e-9
+    )
+    manifest = json.loads((out / "figure-5.csv.manifest.json").read_text())
+    assert manifest["ground"] == ground
+    assert manifest["accuracy"]["name"] == "fast"
+    assert manifest["sets"]["II"]["orientation_deg"] == pytest.approx(90.0)
+    assert manifest["sets"]["I"]["gamma_v"] == 0.85
+    assert manifest["rows"] == {"detached": 14}
+    assert "jaximpact" in manifest["versions"]
+    assert (out / "figure-5.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (["--only", "15"], ["'15'", "did you mean", "13"]),
+        (["--only", "4", "figure-8"], ["'figure-8'", "did you mean '8'"]),
+        (["--ground", "table 1"], ["'table 1'", "did you mean 'Table 1'"]),
+    ],
+)
+def test_what_is_unknown_is_refused(tmp_path, capsys, arguments, parts):
+    out = tmp_path / "out"
+    assert main(["figures", "--out", str(out), *arguments]) == 2
+    assert_one_line_error(capsys, *parts)
+    assert not out.exists()
+
+
+def test_out_must_be_a_directory(tmp_path, capsys):
+    file = tmp_path / "file"
+    file.write_text("")
+    assert main(["figures", "--out", str(file)]) == 2
+    assert_one_line_error(capsys, "--out", "cannot be made")
+
+
+def test_an_interruption_leaves_no_half_file(tables, tmp_path, capsys, monkeypatch):
+    def interrupted(figure):
+        raise KeyboardInterrupt
+
+    for number in ("5", "9"):
+        figure = PAPER_FIGURES[number]._replace(
+            compute=lambda study, number=number: tables[number]
+        )
+        monkeypatch.setitem(run.PAPER_FIGURES, number, figure)
+    arguments = ["figures", "--out", str(tmp_path), "--only", "5"]
+    assert main(arguments) == 0
+    before = {path: path.read_bytes() for path in tmp_path.glob("figure-*")}
+    assert len(before) == 3
+    monkeypatch.setattr(run, "png_bytes", interrupted)
+    assert main([*arguments, "9"]) == 130
+    assert "interrupted" in capsys.readouterr().err
+    after = {path: path.read_bytes() for path in tmp_path.glob("*figure-*")}
+    assert after == before
+
+
+def test_table_is_a_plain_one(tables):
+    """A row a point: no index to be known, no column twice."""
+    for number in OVER_ORIENTATION:
+        table = tables[number]
+        assert isinstance(table.index, pd.RangeIndex)
+        by = [name for name in table if name in INPUT_COLUMNS]
+        assert not table.duplicated(by).any()

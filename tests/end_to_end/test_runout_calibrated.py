@@ -1,0 +1,252 @@
+"""Ground drawn as a calibration left it."""
+
+import json
+
+import numpy as np
+import pytest
+from error_messages import assert_one_line_error
+from text_files import write_changed
+
+from jaximpact import read_netcdf
+from jaximpact.cli import main
+from jaximpact.runout import read_slope_study
+from jaximpact.runout.study.calibrated import read_calibrated
+
+pytestmark = pytest.mark.slow
+
+NAMES = ("c_v", "gamma_v", "dilatancy")
+MEAN = np.array([np.log(0.5), np.log(4.0), 0.8])
+"""In the coordinates of the fit: dilatancy by half its range."""
+ROOT = np.array([[0.2, 0.0, 0.0], [-0.15, 0.1, 0.0], [0.1, 0.1, 0.3]])
+COVARIANCE = ROOT @ ROOT.T
+SLOPE = """
+count = 4000
+seed = 7
+
+[profile]
+points_m = [[0, 20], [30, 0], [80, 0]]
+
+[ground]
+from = "fit"
+
+[block]
+mass_kg = { mean = 100, sd = 5 }
+
+[release]
+x_m = { from = 2, to = 6 }
+clearance_m = 0.5
+speed_mps = 3
+
+[contacts]
+law = "rigid ellipsoid"
+e_contact = 0.3
+"""
+
+DEFAULTS = {"rolling_friction_angle_deg": 20.0, "roughness_deg": 0.0}
+"""Of a ground, as the manifest says them."""
+
+
+def fit(**changes):
+    """As `jaximpact calibrate` writes it, as far as it is read."""
+    variant = {
+        "name": "as given",
+        "soil": {"k_E": 700.0},
+        "parameters": {
+            name: {"value": value, "determined": True, "reason": None}
+            for name, value in zip(NAMES, (0.5, 4.0, 0.4), strict=True)
+        },
+        # The unknowns of a fit hold what differs between campaigns too.
+        "unknowns": ["c_v", "slope_deg of a", "gamma_v", "dilatancy"],
+        "covariance_of_logarithms_or_half_ranges": np.diag([0.04] * 4).tolist(),
+        "draws": {
+            "effective_parts": [0.05, 0.4],
+            "mean": [MEAN[0], 99.0, MEAN[1], MEAN[2]],
+            "covariance": np.insert(
+                np.insert(COVARIANCE, 1, 0.5, axis=0), 1, 0.5, axis=1
+            ).tolist(),
+        },
+    } | changes
+    ranges = ((0.01, 10.0), (0.05, 500.0), (0.0, 1.0))
+    parameters = {
+        name: {"start": high, "lower": low, "upper": high}
+        for name, (low, high) in zip(NAMES, ranges, strict=True)
+    }
+    manifest = {"soil": {"k_E": 500.0, "beta": 0.8}, "parameters": parameters}
+    return {"variants": [variant], "manifest": manifest}
+
+
+@pytest.fixture
+def here(folder):
+    (folder / "fit").mkdir()
+    write(folder, fit())
+    (folder / "slope.toml").write_text(SLOPE)
+    return folder
+
+
+def write(path, content):
+    (path / "fit" / "fit.json").write_text(json.dumps(content))
+
+
+def slope_with(path, *pairs):
+    return write_changed(path / "slope.toml", SLOPE, *pairs)
+
+
+def coordinates(study):
+    """x of what was drawn."""
+    c_v, gamma_v, dilatancy = (study.ground_samples[name] for name in NAMES)
+    return np.stack([np.log(c_v), np.log(gamma_v), dilatancy / 0.5])
+
+
+def test_blocks_get_soils_as_the_calibration_left_them(here):
+    study = read_slope_study(here / "slope.toml")
+    x = coordinates(study)
+    drawn = study.ground_samples
+    assert drawn["dilatancy"].min() >= 0.0
+    assert drawn["dilatancy"].max() <= 1.0
+    # The third is cut at 0 and 1, 2.4 and 3.6 deviations off, which is hardly seen in
+    # the first two. Five standard errors, and 0.005 for the cut.
+    error = 5.0 / np.sqrt(4000.0)
+    for i in (0, 1):
+        deviation = np.sqrt(COVARIANCE[i, i])
+        assert np.mean(x[i]) == pytest.approx(MEAN[i], abs=error * deviation + 0.005)
+        assert np.std(x[i]) == pytest.approx(deviation, rel=error + 0.01)
+    correlation = COVARIANCE[0, 1] / np.sqrt(COVARIANCE[0, 0] * COVARIANCE[1, 1])
+    assert np.corrcoef(x[0], x[1])[0, 1] == pytest.approx(correlation, abs=error)
+    np.testing.assert_array_equal(study.ground.soil.c_v[:, 0], drawn["c_v"])
+    # What the fit held is held: the variant's before the study's.
+    np.testing.assert_array_equal(study.profile.soil.k_E, 700.0)
+    np.testing.assert_array_equal(study.profile.soil.beta, 0.8)
+    assert len(study.checksums["fit.json"]) == 64
+    assert study.ground_told == DEFAULTS | {"from": "fit"}
+
+
+def test_neither_the_count_nor_other_draws_matter(here):
+    whole = read_slope_study(here / "slope.toml")
+    few = read_slope_study(slope_with(here, ("count = 4000", "count = 50")))
+    for name in NAMES:
+        np.testing.assert_array_equal(
+            few.ground_samples[name], whole.ground_samples[name][:50]
+        )
+    plain = read_slope_study(slope_with(here, ('from = "fit"', "c_v = 1")))
+    np.testing.assert_array_equal(plain.release.x, whole.release.x)
+    np.testing.assert_array_equal(plain.release.block.mass, whole.release.block.mass)
+    other = read_slope_study(slope_with(here, ("seed = 7", "seed = 8")))
+    assert not np.any(other.ground_samples["c_v"] == whole.ground_samples["c_v"])
+
+
+def test_a_parameter_that_is_said_is_held_and_the_others_follow(here):
+    said = ('from = "fit"', 'from = "fit"\nc_v = 0.8')
+    study = read_slope_study(slope_with(here, said))
+    assert set(study.ground_samples) == {"gamma_v", "dilatancy"}
+    np.testing.assert_array_equal(study.profile.soil.c_v, 0.8)
+    x = np.log(study.ground_samples["gamma_v"])
+    ratio = COVARIANCE[0, 1] / COVARIANCE[0, 0]
+    mean = MEAN[1] + ratio * (np.log(0.8) - MEAN[0])
+    deviation = np.sqrt(COVARIANCE[1, 1] - ratio * COVARIANCE[0, 1])
+    error = 5.0 / np.sqrt(4000.0)
+    # 0.01 for the cut of the third, with which it is correlated.
+    assert np.mean(x) == pytest.approx(mean, abs=error * deviation + 0.01)
+    assert np.std(x) == pytest.approx(deviation, rel=error + 0.03)
+    # Block by block, where it differs from block to block.
+    said = ('from = "fit"', 'from = "fit"\nc_v = { from = 0.4, to = 1.2 }')
+    study = read_slope_study(slope_with(here, said))
+    c_v, gamma_v = (np.log(study.ground_samples[name]) for name in NAMES[:2])
+    slope = np.polyfit(c_v, gamma_v, 1)[0]
+    assert slope == pytest.approx(ratio, abs=0.06)
+    said = ('from = "fit"', 'from = "fit"\nc_v = 0.5\ngamma_v = 4\ndilatancy = 0')
+    assert read_slope_study(slope_with(here, said)).ground_samples == {}
+
+
+def test_a_segment_may_have_its_own(here):
+    said = ('from = "fit"', 'from = "fit"\n[ground.segment.2]\nc_v = 3')
+    study = read_slope_study(slope_with(here, said))
+    np.testing.assert_array_equal(study.ground.soil.c_v[:, 1], 3.0)
+    np.testing.assert_array_equal(
+        study.ground.soil.c_v[:, 0], study.ground_samples["c_v"]
+    )
+
+
+def test_without_trusted_draws_the_curvature_is_taken(here):
+    write(here, fit(draws={"effective_parts": [0.05]}))
+    read = read_calibrated(here / "fit")
+    np.testing.assert_allclose(read.mean, [np.log(0.5), np.log(4.0), 0.8])
+    np.testing.assert_array_equal(read.covariance, 0.04 * np.eye(3))
+    without = fit()
+    del without["variants"][0]["draws"]
+    write(here, without)
+    np.testing.assert_array_equal(read_calibrated(here / "fit").covariance[0, 0], 0.04)
+    write(here, fit())
+    np.testing.assert_allclose(read_calibrated(here / "fit").covariance, COVARIANCE)
+
+
+def test_undetermined_parameters_must_be_said(here, capsys):
+    content = fit()
+    told = content["variants"][0]["parameters"]["c_v"]
+    told |= {"determined": False, "reason": "the fit runs to its lower bound"}
+    write(here, content)
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(
+        capsys, "key ground", "must say c_v", "the fit runs to its lower bound"
+    )
+    slope_with(here, ('from = "fit"', 'from = "fit"\nc_v = 0.5'), ("4000", "20"))
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    dataset = read_netcdf(here / "out" / "blocks.nc")
+    assert "ground_c_v" not in dataset
+    assert len(np.unique(dataset.ground_gamma_v)) == 20
+    manifest = json.loads((here / "out" / "manifest.json").read_text())
+    assert manifest["ground"] == DEFAULTS | {"from": "fit", "c_v": 0.5}
+    assert "fit.json" in manifest["files"]
+
+
+@pytest.mark.parametrize(
+    ("said", "changes", "parts"),
+    [
+        ('from = "fot"', {}, ("fot", "cannot be read")),
+        ('form = "fit"', {}, ("ground.form", "is unknown")),
+        ("from = 3", {}, ("key from", "must be a text")),
+        ('variant = "a"', {}, ("ground.variant", "needs from too")),
+        ('from = "fit"\nvariant = "a"', {}, ("no variant 'a'", "'as given'?")),
+        ('from = "fit"\nc_v = 20', {}, ("c_v between 0.01 and 10", "it is 20")),
+        ('from = "fit"', {"unknowns": ["c_v"]}, ("holds no calibration",)),
+        (
+            'from = "fit"',
+            {
+                "draws": None,
+                "covariance_of_logarithms_or_half_ranges": [[None] * 4] * 4,
+            },
+            ("holds no calibration", "finite"),
+        ),
+        (
+            'from = "fit"',
+            {
+                "draws": None,
+                "covariance_of_logarithms_or_half_ranges": np.ones((4, 4)).tolist(),
+            },
+            ("holds no calibration", "positive definite"),
+        ),
+    ],
+)
+def test_what_cannot_be_drawn_from_is_refused(here, capsys, said, changes, parts):
+    write(here, fit(**changes))
+    slope_with(here, ('from = "fit"', said))
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, *parts)
+
+
+def test_several_variants_need_a_name(here, capsys):
+    content = fit()
+    content["variants"].append(fit(name="other", soil={})["variants"][0])
+    write(here, content)
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    told = assert_one_line_error(capsys, "2 variants", "as given, other")
+    assert "InputError" not in told
+    said = ('from = "fit"', 'from = "fit"\nvariant = "other"')
+    study = read_slope_study(slope_with(here, said))
+    np.testing.assert_array_equal(study.profile.soil.k_E, 500.0)
+
+
+def test_a_column_of_the_profile_must_not_hide_it(here, capsys):
+    (here / "p.csv").write_text("x_m,y_m,c_v\n0,20,1\n30,0,0.2\n80,0,0\n")
+    slope_with(here, ("points_m = [[0, 20], [30, 0], [80, 0]]", 'csv = "p.csv"'))
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, "key ground.c_v", "p.csv has a column of it")

@@ -1,0 +1,181 @@
+"""Laws of contact beside each other: the same blocks, and each as it goes alone."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from error_messages import assert_one_line_error
+from text_files import rows_of
+
+import jaximpact.runout.study.output  # noqa: F401, takes `simulate` before a test replaces it
+from jaximpact import FrictionalEllipsoid, read_netcdf
+from jaximpact.cli import main
+from jaximpact.errors import InputError
+from jaximpact.runout import (
+    ClosedForm,
+    Ending,
+    FullModel,
+    read_slope_studies,
+    read_slope_study,
+    run_slope_study,
+)
+from jaximpact.runout.study import run_study as study_module
+
+pytestmark = pytest.mark.slow
+
+SLOPE = """
+count = 60
+collectors_m = [40, 60]
+bins = 12
+
+[profile]
+points_m = [[0, 50], [50, 20], [80, 0], [200, 0]]
+
+[ground]
+roughness_deg = 3
+
+[block]
+aspect_ratio = [1, 1.5]
+
+[release]
+x_m = { from = 2, to = 6 }
+clearance_m = 0.5
+speed_mps = 5
+"""
+CONSTANT = """
+[[contacts]]
+law = "constant coefficients"
+e_n = 0.35
+e_t = 0.85
+"""
+FRICTIONAL = """
+[[contacts]]
+name = "mu 0.6"
+law = "frictional ellipsoid"
+e_contact = 0.3
+friction_coefficient = 0.6
+"""
+SMOOTHER = FRICTIONAL.replace("0.6", "0.2")
+
+
+@pytest.fixture
+def slope(folder):
+    path = folder / "slope.toml"
+    path.write_text(SLOPE + CONSTANT + FRICTIONAL + SMOOTHER)
+    return path
+
+
+def test_laws_get_the_same_blocks(slope):
+    studies = read_slope_studies(slope)
+    assert [s.law_name for s in studies] == [
+        *("constant coefficients", "mu 0.6", "mu 0.2")
+    ]
+    assert studies[1].contacts.law.friction_coefficient == 0.6
+    assert isinstance(studies[1].contacts.law, FrictionalEllipsoid)
+    for study in studies[1:]:
+        assert study.release is studies[0].release
+        assert study.ground is studies[0].ground
+    with pytest.raises(InputError, match="names 3 laws"):
+        read_slope_study(slope)
+
+
+def test_a_file_without_contacts_has_the_full_model(slope):
+    slope.write_text(SLOPE)
+    (study,) = read_slope_studies(slope, "fast")
+    assert study.contacts == FullModel("fast")
+    slope.write_text('accuracy = "fast"\n' + SLOPE + CONSTANT + "[[contacts]]\n")
+    closed, full = read_slope_studies(slope)
+    assert isinstance(closed.contacts, ClosedForm)
+    assert full.contacts == FullModel("fast")
+    assert full.law_name == "full model"
+
+
+def test_the_command_compares(slope, tmp_path, capsys):
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    out, err = capsys.readouterr()
+    assert "contacts by mu 0.6" in err
+    found = {path.name for path in (tmp_path / "out").iterdir()}
+    assert found == {
+        *("constant-coefficients", "mu-0-6", "mu-0-2"),
+        *("comparison.csv", "comparison_collectors.csv", "report.txt"),
+        *("comparison.png", "comparison_collectors.png", "manifest.json"),
+        "jaximpact-files.json",
+    }
+    assert not list((tmp_path / "out").glob("*/*.journal"))
+    rows = {row["law"]: row for row in rows_of(tmp_path / "out" / "comparison.csv")}
+    passages = rows_of(tmp_path / "out" / "comparison_collectors.csv")
+    manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    for study in read_slope_studies(slope):
+        # Each as it would be by itself.
+        dataset = read_netcdf(tmp_path / "out" / study.law_directory / "blocks.nc")
+        xr.testing.assert_equal(dataset, run_slope_study(study))
+        stopped = dataset.ending.values == str(Ending.stopped)
+        row = rows[study.law_name]
+        assert int(row["stopped"]) == stopped.sum()
+        assert int(row["blocks"]) == 60
+        assert float(row["stop_x_p95_m"]) == np.percentile(
+            dataset.x_m.values[stopped], 95
+        )
+        assert float(row["max_speed_p95_mps"]) == np.percentile(
+            dataset.max_speed_mps, 95
+        )
+        at = next(
+            r
+            for r in passages
+            if r["law"] == study.law_name
+            and r["collector_m"] == "60.0"
+            and r["quantity"] == "energy_J"
+        )
+        assert float(at["p99"]) == dataset.passage_energy_J_percentiles.sel(
+            percentile=99, collector=60.0
+        )
+        assert manifest["laws"][study.law_name]["contacts"] == study.law
+        assert f"\n  {study.law_name} " in out
+    assert (tmp_path / "out" / "report.txt").read_text() == out
+
+
+def test_a_comparison_goes_on(slope, capsys, monkeypatch):
+    """Laws that were done are not computed again, but for the drawing."""
+    computed, simulate = [], study_module.simulate
+
+    def interrupted(study, chosen, progress=None):
+        computed.append((study.law_name, len(chosen)))
+        if study.law_name == "mu 0.2":
+            raise KeyboardInterrupt
+        return simulate(study, chosen, progress)
+
+    monkeypatch.setattr(study_module, "simulate", interrupted)
+    assert main(["runout", "slope.toml", "--out", "out"]) == 130
+    assert_one_line_error(capsys, "the same command goes on from here")
+    assert computed == [("constant coefficients", 60), ("mu 0.6", 60), ("mu 0.2", 60)]
+    computed.clear()
+    assert main(["runout", "slope.toml", "--out", "out"]) == 130
+    assert computed == [("mu 0.2", 60)]
+
+
+@pytest.mark.parametrize(
+    ("contacts", "parts"),
+    [
+        (CONSTANT + CONSTANT, ("contacts.name", "stands twice")),
+        (FRICTIONAL + FRICTIONAL, ("contacts.name", "'mu 0.6' stands twice")),
+        (CONSTANT + FRICTIONAL.replace("mu 0.6", "?"), ("needs a letter",)),
+        (CONSTANT + FRICTIONAL.replace("name", "nmae"), ("did you mean name?",)),
+        (CONSTANT.replace("e_n = 0.35", ""), ("contacts.e_n", "is needed")),
+        (CONSTANT.replace('"constant', '"konstant'), ("did you mean constant",)),
+        (CONSTANT + '[[contacts]]\nlaw = "table"\n', ("contacts.files", "is needed")),
+    ],
+)
+def test_bad_laws_are_refused_in_one_line(slope, capsys, contacts, parts):
+    slope.write_text(SLOPE + contacts)
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, "slope.toml", *parts)
+
+
+def test_contacts_must_be_tables(slope, capsys):
+    slope.write_text("contacts = [3]\n" + SLOPE)
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, "key contacts", "must be a table")
+    slope.write_text("contacts = []\n" + SLOPE)
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, "key contacts", "empty list")

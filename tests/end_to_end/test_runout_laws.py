@@ -1,0 +1,359 @@
+"""Laws of one's own, of the soil and of rebound, down a slope and in tables."""
+
+import json
+import math
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from error_messages import assert_one_line_error
+from jax.scipy.special import erf
+
+from jaximpact import Block, Impact, Soil, read_netcdf
+from jaximpact.cli import main
+from jaximpact.errors import InputError
+from jaximpact.lookup import Nodes, Tabulated, read_table, tabulate
+from jaximpact.parameters import parameter
+from jaximpact.rebound import AbstractRebound, Rebound
+from jaximpact.runout import (
+    ClosedForm,
+    FullModel,
+    Ground,
+    Profile,
+    Release,
+    read_profile,
+    read_slope_study,
+    runout_gradients,
+    simulate_runout,
+)
+from jaximpact.shapes import EllipticCylinder, RectangularPrism
+
+pytestmark = pytest.mark.slow
+
+FLOW = """
+from jaximpact.laws import AbstractFlow, displacement_rates, overstress
+from jaximpact.parameters import parameter
+
+
+class Slow(AbstractFlow):
+    my_rate: object = parameter(8.7, "m/s", "(0, inf)", "fluidity")
+    my_share: object = parameter(1.0, "-", "(0, 1]", "share of the overstress")
+
+    def __call__(self, load, hardening, foundation, *, branch=None):
+        rate = self.my_rate * self.my_share
+        rate = rate * overstress(load.size, hardening, branch=branch)
+        return displacement_rates(rate, load, 0.0, branch=branch)
+"""
+REBOUND = """
+import jax.numpy as jnp
+
+from jaximpact.parameters import parameter
+from jaximpact.rebound import AbstractRebound, Rebound
+
+
+class Fading(AbstractRebound):
+    e_slow: object = parameter(0.5, "-", "[0, 1]", "restitution at no speed")
+    half_speed: object = parameter(10.0, "m/s", "(0, inf)", "at which it is half")
+
+    def __call__(self, block, impact):
+        e_n = self.e_slow / (1.0 + impact.normal_velocity / self.half_speed)
+        return Rebound(
+            -e_n * impact.normal_velocity,
+            0.8 * impact.tangential_velocity,
+            impact.angular_velocity,
+        )
+"""
+SLOPE = """
+seed = 1
+
+[profile]
+points_m = [[0, 40], [50, 10], [150, 10]]
+
+[ground]
+flow = "../my_laws.py:Slow"
+my_rate = { mean = 8.7, sd = 1, least = 5 }
+my_share = 0.9
+
+[ground.segment.2]
+my_share = 0.5
+
+[block]
+shape = ["Ellipsoid", "RectangularPrism"]
+corner_radius_ratio = [0.4, 0.6]
+
+[release]
+x_m = 5
+clearance_m = 2
+speed_mps = 5
+
+[contacts]
+law = "../my_rebound.py:Fading"
+half_speed = 5
+"""
+
+
+@pytest.fixture
+def study(folder):
+    """The file of a study in a directory of its own, the laws beside that."""
+    (folder / "my_laws.py").write_text(FLOW)
+    (folder / "my_rebound.py").write_text(REBOUND)
+    (folder / "studies").mkdir()
+    path = folder / "studies" / "slope.toml"
+    path.write_text(SLOPE.replace("seed = 1", "seed = 1\ncount = 12"))
+    return path
+
+
+def changed(path, *pairs):
+    text = path.read_text()
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(text)
+    return path
+
+
+def test_a_study_with_laws_of_ones_own(study, capsys):
+    assert main(["runout", str(study), "--out", "out"]) == 0
+    capsys.readouterr()
+    found = read_netcdf("out/blocks.nc")
+    assert found.attrs["contacts"]
+    contacts, laws = (json.loads(found.attrs[n]) for n in ("contacts", "laws"))
+    assert contacts["law"] == "Fading"
+    assert contacts["half_speed"] == 5.0
+    assert contacts["e_slow"] == 0.5
+    assert "my_rebound.Fading (" in contacts["class"]
+    assert laws["flow"].startswith("my_laws.Slow (")
+    assert set(found["shape"].values) == {"Ellipsoid", "RectangularPrism"}
+    assert found.ground_my_rate.attrs["units"] == "m/s"
+    assert np.ptp(found.ground_my_rate.values) > 0.1
+    assert {"my_rebound.py", "slope.toml"} <= set(json.loads(found.attrs["files"]))
+
+    read = read_slope_study(study)
+    np.testing.assert_allclose(read.profile.soil.my_share, [0.9, 0.5])
+    assert read.ground.soil.my_rate.shape == (12, 1)
+    assert type(read.release.block.shape).__name__ == "MixedShapes"
+    # Every shape with every radius, the radius fastest.
+    np.testing.assert_array_equal(read.release.block.shape.index[:4], [0, 0, 1, 1])
+    np.testing.assert_allclose(
+        read.release.block.corner_radius_ratio[:4], [0.4, 0.6, 0.4, 0.6]
+    )
+
+
+def test_a_law_that_is_edited_is_another_law(study):
+    before = read_slope_study(study)
+    rebound = study.parent.parent / "my_rebound.py"
+    rebound.write_text(REBOUND.replace("0.8 *", "0.7 *"))
+    (study.parent.parent / "my_laws.py").write_text(FLOW.replace("0.0, b", "0.1, b"))
+    after = read_slope_study(study)
+    assert before.law["class"] != after.law["class"]
+    assert before.laws["flow"] != after.laws["flow"]
+
+
+def test_a_soil_law_of_ones_own_is_heeded(study):
+    """With the parameters that make it the usual one, and with others."""
+    changed(
+        study,
+        ('[contacts]\nlaw = "../my_rebound.py:Fading"\nhalf_speed = 5\n', ""),
+        ("my_rate = { mean = 8.7, sd = 1, least = 5 }", "my_rate = 8.7"),
+        ("my_share = 0.9", "my_share = 1"),
+        ("[ground.segment.2]\nmy_share = 0.5\n", ""),
+        ('shape = ["Ellipsoid", "RectangularPrism"]\n', "aspect_ratio = 1.5\n"),
+        ("corner_radius_ratio = [0.4, 0.6]\n", ""),
+        ("count = 12", "count = 2"),
+    )
+    own = read_slope_study(study, "fast")
+    usual = Profile(own.profile.x, own.profile.y, Soil())
+    runs = simulate_runout(own.profile, own.release, FullModel("fast"), time_limit=3.0)
+    same = simulate_runout(usual, own.release, FullModel("fast"), time_limit=3.0)
+    np.testing.assert_allclose(runs.contacts.x[:2], same.contacts.x[:2], rtol=1e-9)
+    np.testing.assert_allclose(
+        runs.contacts.normal_velocity[0], same.contacts.normal_velocity[0], rtol=1e-6
+    )
+    slower = changed(study, ("my_rate = 8.7", "my_rate = 2.0"))
+    slower = read_slope_study(slower, "fast")
+    other = simulate_runout(
+        slower.profile, slower.release, FullModel("fast"), time_limit=3.0
+    )
+    assert abs(other.contacts.normal_velocity[0] - same.contacts.normal_velocity[0]) > 0
+
+
+def test_columns_of_a_profile_are_those_of_its_laws(study):
+    soil = read_slope_study(study).profile.soil
+    soil = Soil(flow=type(soil.flow)())
+    csv = study.parent / "profile.csv"
+    csv.write_text("x_m,y_m,my_rate\n0,10,3\n20,5,4\n40,0,9\n")
+    np.testing.assert_array_equal(read_profile(csv, soil).soil.my_rate, [3.0, 4.0])
+    with pytest.raises(InputError, match="column my_rate: is unknown"):
+        read_profile(csv)
+    csv.write_text("x_m,y_m,flow\n0,10,Perzyna\n20,5,Perzyna\n")
+    with pytest.raises(InputError, match="one flow for all its segments"):
+        read_profile(csv, soil)
+    with pytest.raises(InputError, match="my_rate must be above 0 m/s"):
+        Ground(Soil(flow=type(soil.flow)(my_rate=-1.0)))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "parts"),
+    [
+        ("my_laws.py:Slow", "my_laws.py:Fast", ("ground.flow", "no class Fast")),
+        ("my_laws.py", "other.py", ("ground.flow", "other.py", "cannot be read")),
+        ("../my_laws.py:Slow", "Perzina", ("ground.flow", "did you mean Perzyna")),
+        ("my_share = 0.5", 'flow = "Perzyna"', ("ground.segment.2.flow", "for all")),
+        ("my_share = 0.5", "my_share = 1.5", ("segment.2.my_share", "in (0, 1]")),
+        ("my_rate =", "gamma_v =", ("ground.gamma_v", "is unknown")),
+        ("RectangularPrism", "Cube", ("block.shape", "'Cube' is unknown")),
+        ('"Ellipsoid", ', '"RectangularPrism", ', ("block.shape", "twice")),
+        ('["Ellipsoid", "RectangularPrism"]', "[1]", ("block.shape", "list of names")),
+        ('["Ellipsoid", "RectangularPrism"]', '"Ellipsoid"', ("corner_radius_ratio",)),
+        ("[0.4, 0.6]", "[0.4, 1.6]", ("block.corner_radius_ratio", "in (0, 1]")),
+        ("my_rebound.py:Fading", "my_rebound.py:jnp", ("contacts.law", "no class jnp")),
+        ("half_speed = 5", "half_sped = 5", ("contacts.half_sped", "half_speed")),
+        ("half_speed = 5", "half_speed = -5", ("contacts.half_speed", "above 0")),
+        ("half_speed = 5", "e_slow = 2", ("contacts.e_slow", "in [0, 1]")),
+    ],
+)
+def test_bad_laws_are_refused_in_one_line(study, capsys, old, new, parts):
+    changed(study, (old, new))
+    assert main(["runout", str(study), "--out", "out"]) == 2
+    assert_one_line_error(capsys, "slope.toml", *parts)
+
+
+class ByErrorFunction(AbstractRebound):
+    """An operation without machine code."""
+
+    e_slow: object = parameter(0.5, "-", "[0, 1]", "restitution at no speed")
+
+    def __call__(self, block, impact):
+        e_n = self.e_slow * (1.0 - 0.5 * erf(impact.normal_velocity))
+        return Rebound(
+            -e_n * impact.normal_velocity, 0.8 * impact.tangential_velocity, 0.0
+        )
+
+
+FLAT = Profile([0.0, 1000.0], [0.0, 0.0])
+FALLING = Release(Block(), [10.0, 20.0], [3.0, 2.0])
+
+
+def test_laws_without_machine_code_are_computed_by_xla():
+    with pytest.warns(UserWarning, match="no machine code"):
+        runs = simulate_runout(FLAT, FALLING, ClosedForm(ByErrorFunction()))
+    before = runs.contacts.normal_velocity_before[0]
+    assert runs.contacts.normal_velocity[0] == pytest.approx(
+        -0.5 * before * (1.0 - 0.5 * math.erf(before))
+    )
+
+
+class WithNumPy(AbstractRebound):
+    def __call__(self, block, impact):
+        return Rebound(-0.5 * np.asarray(impact.normal_velocity), 0.0, 0.0)
+
+
+class OfTwo(AbstractRebound):
+    def __call__(self, block, impact):
+        return -0.5 * impact.normal_velocity, impact.tangential_velocity
+
+
+class OfVectors(AbstractRebound):
+    def __call__(self, block, impact):
+        return Rebound(jnp.zeros(2), 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("law", "words"),
+    [
+        (WithNumPy(), "WithNumPy .* jnp in place of np"),
+        (OfTwo(), r"OfTwo must return Rebound\(.*three scalars"),
+        (OfVectors(), r"OfVectors must return Rebound\(.*\(2,\)"),
+    ],
+)
+def test_what_a_law_does_wrong_is_said_with_the_cure(law, words):
+    with pytest.raises(InputError, match=words):
+        simulate_runout(FLAT, FALLING, ClosedForm(law))
+
+
+def test_a_class_in_place_of_a_law_is_refused():
+    with pytest.raises(InputError, match=r"write ByErrorFunction\(...\)"):
+        ClosedForm(ByErrorFunction)
+
+
+class Constant(AbstractRebound):
+    my_e: object = parameter(0.5, "-", "[0, 1]", "normal restitution")
+
+    def __call__(self, block, impact):
+        return Rebound(
+            -self.my_e * impact.normal_velocity,
+            0.9 * impact.tangential_velocity,
+            impact.angular_velocity,
+        )
+
+
+def test_run_outs_are_differentiated_by_a_laws_own_parameter():
+    """A time t after its first bounce a sphere is at the height e v t - g t^2/2."""
+    release = Release(Block(), [10.0], [4.0], v_x=1.0)
+    fall = 4.0 - float(Block().semi_axes.minor)
+    speed, time = np.sqrt(2.0 * 9.81 * fall), 0.3
+    found = runout_gradients(
+        FLAT,
+        release,
+        ClosedForm(Constant(0.5)),
+        ["my_e"],
+        ["passage_centre_height_m"],
+        collectors=[10.0 + speed / 9.81 + 0.9 * time],
+    )
+    # Touches are early by up to 1e-9 of the block.
+    assert found.derivative.values.item() == pytest.approx(speed * time, rel=1e-6)
+
+
+TABLE = """
+[block]
+shape = "EllipticCylinder"
+
+[ground]
+flow = "my_laws.py:Slow"
+my_rate = 6
+
+[table]
+total_speeds_mps = [2, 20]
+nodes = { speed = 3, elevation = 4, azimuth = 5, orientation = 3 }
+"""
+
+
+def test_tables_of_laws_and_shapes(folder, capsys):
+    (folder / "my_laws.py").write_text(FLOW)
+    (folder / "table.toml").write_text(TABLE)
+    assert main(["tabulate", "table.toml", "--out", "table.nc"]) == 0
+    out, _ = capsys.readouterr()
+    assert "shape EllipticCylinder" in out
+    table = read_table(folder / "table.nc")
+    assert isinstance(table.block.shape, EllipticCylinder)
+    assert float(table.soil.my_rate) == 6.0
+    assert table.outcomes.shape == (3, 4, 5, 1, 1)  # a round block
+    impact = Impact(*np.array([[10.0], [0.1], [0.0], [0.0], [0.0]]))
+    blows = Tabulated(table)(table.block, table.soil, impact)
+    assert np.isfinite(blows.response.normal_velocity[0])
+    for block, soil in (
+        (Block(), table.soil),
+        (table.block, Soil(gamma_v=6.0)),
+        (Block(shape=RectangularPrism()), table.soil),
+    ):
+        with pytest.raises(InputError, match=r"no table was made for"):
+            Tabulated(table)(block, soil, impact)
+    told = Tabulated(table).problem_with(
+        Release(Block(), [0.0], [9.0]).block,
+        table.soil,
+        np.zeros((1, 1)),
+        np.zeros((1, 1)),
+    )
+    assert "shape is jaximpact.shapes.elliptic.Ellipsoid" in told
+    (folder / "my_laws.py").write_text(FLOW + "\n# edited\n")
+    with pytest.raises(InputError, match=r"was made with flow .* tabulate again"):
+        read_table(folder / "table.nc")
+    (folder / "my_laws.py").unlink()
+    with pytest.raises(InputError, match="cannot be had"):
+        read_table(folder / "table.nc")
+
+
+def test_prisms_have_orientations_however_round():
+    shape = RectangularPrism(corner_radius_ratio=1.0)
+    table = tabulate(Block(shape=shape), speeds=(5.0, 10.0), nodes=Nodes(2, 2, 3, 4))
+    assert table.outcomes.shape[3] == 4

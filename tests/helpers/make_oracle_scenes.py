@@ -1,0 +1,171 @@
+"""Regenerate data/oracle_scenes.csv: random scenes with the results of
+:mod:`model_oracle`.
+
+    OMP_NUM_THREADS=1 python make_oracle_scenes.py [--count 300] [--out FILE]
+
+The seed is fixed, so that the scenes are the same each time. Each is run at rtol 1e-8
+and 1e-9; the results are those of 1e-9, and ``oracle_error`` is the largest change of
+e_n, e_t and e_bar between the two (how far the oracle itself can be trusted in that
+scene). ``outcome_loose`` is the outcome at 1e-8: where it differs from ``outcome`` the
+scene sits on a knife edge. Progress goes to stderr.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+import signal
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from model_oracle import DEFAULTS, RESULTS, simulate
+from paths import DATA
+
+SEED = 20231
+LIMIT_S = 60
+EXTRA = ("ledger_residual_J", "e_vijayakumar", "oracle_error", "outcome_loose")
+
+
+def scenes(count: int = 300) -> list[dict]:
+    """Random scenes, rounded so that the CSV holds exactly what was run."""
+    rng = np.random.default_rng(SEED)
+
+    def uni(a, b):
+        return float(rng.uniform(a, b))
+
+    def log(a, b):
+        return float(math.exp(rng.uniform(math.log(a), math.log(b))))
+
+    out = []
+    for i in range(count):
+        sc = dict(DEFAULTS)
+        sc["mass_kg"] = log(0.05, 1e4)
+        sc["aspect_ratio"] = log(0.5, 4)
+        sc["out_of_plane_ratio"] = uni(0.6, 1.6) if rng.random() < 1 / 3 else 1.0
+        sc["speed_mps"] = log(1, 40)
+        sc["angle_deg"] = uni(-85, 85) if rng.random() < 0.8 else 0.0
+        sc["orientation_deg"] = uni(0, 180)
+        sc["angular_velocity_degps"] = (
+            0.0 if rng.random() < 1 / 3 else float(rng.choice([-1, 1])) * log(20, 20000)
+        )
+        sc["slope_deg"] = uni(0, 50) if rng.random() < 0.5 else 0.0
+        if rng.random() < 0.6:
+            sc["unit_weight_kNm3"] = uni(14, 22)
+            sc["friction_angle_deg"] = uni(25, 42)
+            sc["relative_density"] = uni(0.3, 1.0)
+            sc["k_E"] = log(100, 5000)
+            sc["n_E"] = uni(0.3, 0.7)
+            sc["poisson"] = uni(0.1, 0.4)
+            sc["beta"] = uni(0.7, 1.0)
+            sc["c_v"] = log(0.1, 5)
+            sc["gamma_v"] = log(0.3, 30)
+            sc["psi"] = uni(0.2, 0.6)
+            sc["alpha_vT"] = uni(0, 4)
+            sc["alpha_vR"] = uni(0, 2)
+            sc["alpha_s"] = uni(0.5, 1.5)
+            sc["dilatancy"] = uni(0, 1)
+        if i % 12 == 5:  # 25 of 300
+            which = rng.random(3) < 0.7
+            for key, on in zip(("eta_N", "eta_T", "eta_R"), which, strict=True):
+                sc[key] = uni(0, 0.5) if on else 0.0
+            if not which.any():
+                sc["eta_N"] = uni(0, 0.5)
+        out.append({k: float(f"{v:.6g}") for k, v in sc.items()})
+    return out
+
+
+class TooLong(Exception):
+    pass
+
+
+def _alarm(signum, frame):
+    raise TooLong
+
+
+def change(a: dict, b: dict) -> float:
+    """Largest change of e_n, e_t, e_bar; inf where only one of the two has a number."""
+    worst = 0.0
+    for k in ("e_n", "e_t", "e_bar"):
+        x, y = a[k], b[k]
+        if math.isnan(x) and math.isnan(y):
+            continue
+        d = abs(x - y)
+        worst = max(worst, math.inf if math.isnan(d) else d)
+    return worst
+
+
+def run(scene: dict, rtol: float):
+    signal.signal(signal.SIGALRM, _alarm)
+    signal.alarm(LIMIT_S)
+    try:
+        return simulate(scene, rtol=rtol)
+    except TooLong:
+        return None
+    finally:
+        signal.alarm(0)
+
+
+def main() -> None:
+    ap = argparse.ArgumentParser(description=__doc__)
+    ap.add_argument("--count", type=int, default=300)
+    ap.add_argument("--out", type=Path, default=DATA / "oracle_scenes.csv")
+    args = ap.parse_args()
+    todo = scenes(args.count)
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    began = time.perf_counter()
+    skipped, counts = [], {}
+    tmp = args.out.with_suffix(".part")
+    with tmp.open("w", newline="") as fh:
+        wr = csv.writer(fh, lineterminator="\n")
+        wr.writerow(["scene", *DEFAULTS, *RESULTS, *EXTRA])
+        for i, sc in enumerate(todo):
+            t0 = time.perf_counter()
+            loose, tight = run(sc, 1e-8), run(sc, 1e-9)
+            dt = time.perf_counter() - t0
+            if loose is None:
+                skipped.append(i)
+                print(
+                    f"{i}: SKIPPED, over {LIMIT_S} s", sc, file=sys.stderr, flush=True
+                )
+                continue
+            best = (
+                tight if tight is not None and tight["outcome"] != "failed" else loose
+            )
+            err = change(loose, tight) if tight is not None else math.nan
+            row = dict(best, oracle_error=err, outcome_loose=loose["outcome"])
+            counts[best["outcome"]] = counts.get(best["outcome"], 0) + 1
+            wr.writerow(
+                [i]
+                + [repr(sc[k]) for k in DEFAULTS]
+                + [
+                    row[k] if isinstance(row[k], str) else f"{row[k]:.10g}"
+                    for k in (*RESULTS, *EXTRA)
+                ]
+            )
+            note = (
+                ""
+                if err < 1e-5 and best["outcome"] == loose["outcome"]
+                else f"  SENSITIVE ({loose['outcome']})"
+            )
+            spent = time.perf_counter() - began
+            left = spent / (i + 1) * (len(todo) - i - 1)
+            residual = best["ledger_residual_J"] / best["kinetic_in_J"]
+            print(
+                f"{i + 1}/{len(todo)}  {dt:5.1f} s  {best['outcome']:10s} "
+                f"e_n {best['e_n']:+.4f}  change {err:.1e}  residual {residual:+.1e}  "
+                f"left {left:.0f} s{note} {best['message']}",
+                file=sys.stderr,
+                flush=True,
+            )
+    tmp.replace(args.out)
+    print(
+        f"{counts}; skipped {skipped}; {time.perf_counter() - began:.0f} s",
+        file=sys.stderr,
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,922 @@
+"""What is to be known of a fit: left-out tests, bands, residuals, further tests, the
+report and going on after an interrupt. Linear models have exact answers."""
+
+import base64
+import dataclasses
+import html.parser
+import json
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from calibration_studies import Linear, objective_of, write_study_of
+from error_messages import assert_one_line_error
+from scipy.optimize import lsq_linear
+
+from jaximpact import PRESETS
+from jaximpact.calibration import (
+    Sigma,
+    fit_study,
+    read_study,
+    sample_posterior,
+    suggest_tests,
+    to_inference_data,
+)
+from jaximpact.calibration import api as run
+from jaximpact.calibration.diagnostics import importance_sampling as draws
+from jaximpact.calibration.diagnostics.cross_validation import (
+    leave_out_campaigns,
+    leave_out_each,
+    linearised,
+)
+from jaximpact.calibration.diagnostics.further_tests import as_text, choose, merit
+from jaximpact.calibration.diagnostics.identifiability import Verdict
+from jaximpact.calibration.diagnostics.importance_sampling import draw
+from jaximpact.calibration.diagnostics.nuts import Samples, compare_errors
+from jaximpact.calibration.diagnostics.predictive import bands_of
+from jaximpact.calibration.diagnostics.residuals import residuals_of
+from jaximpact.calibration.diagnostics.uncertainty import estimate, regular_covariance
+from jaximpact.calibration.estimation import fit_cache as memory
+from jaximpact.calibration.estimation.fit_cache import FitCache
+from jaximpact.calibration.estimation.least_squares import bounded_step
+from jaximpact.calibration.estimation.starts import fit
+from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.objective import Objective, Points
+from jaximpact.calibration.report.render import render
+from jaximpact.cli import main
+from jaximpact.errors import InputError
+from jaximpact.io.files import replacing
+
+pytestmark = pytest.mark.slow
+
+# --- A linear model in place of impacts: every answer is known. ---
+
+SIGMA = 0.05
+HALF_WIDTH = 0.5 * np.log(1e6)
+"""Of the range of each unknown, in x."""
+
+
+def linear(tmp_path, matrix, measured, campaigns=None):
+    """A study of a linear model, its fit (points of one lane) and uncertainty."""
+    tests = {"speed_mps": np.arange(len(measured)) + 1.0, "e_n": measured}
+    if campaigns is not None:
+        tests["campaign"] = campaigns
+    names = ("c_v", "gamma_v", "k_E")[: matrix.shape[1]]
+    bounds = "{ start = 1.0, lower = 1e-3, upper = 1e3 }"
+    text = 'data = "tests.csv"\n[parameters]\n'
+    text += "".join(f"{name} = {bounds}\n" for name in names)
+    text += f"[default_sigma]\ne_n = {SIGMA}\n"
+    rows = zip(*tests.values(), strict=True)
+    study = read_study(write_study_of(tmp_path, text, tests, rows))
+    objective = Linear(study, study.variants[0], None)
+    objective.matrix = matrix
+    fits = fit(objective, np.zeros((1, matrix.shape[1])))
+    return objective, fits.points, estimate(objective, fits.points)
+
+
+def line(count, seed=0, campaigns=None):
+    """Matrix of a straight line, and measurements about 0.2 + 0.3 z."""
+    z = np.linspace(-1.0, 1.0, count)
+    matrix = np.stack([np.ones(count), z], axis=1)
+    noise = SIGMA * np.random.default_rng(seed).normal(size=count)
+    return matrix, 0.2 + 0.3 * z + noise
+
+
+def test_a_step_between_bounds_is_the_least():
+    """Against SciPy, with unknowns correlated up to 0.999999: sweeps over the unknowns
+    end far from the least there, and even above the start."""
+    random = np.random.default_rng(1)
+    for _ in range(100):
+        size = int(random.integers(2, 6))
+        scale = 10.0 ** random.uniform(-3, 0, size)
+        root = random.normal(size=(size + 1, size)) * scale
+        root = root @ (1.0 + 1e-3 * random.normal(size=(size, size)))
+        residual = random.normal(size=size + 1)
+        down = -random.random(size) * (random.random(size) < 0.7)
+        up = random.random(size)
+        points = Points(
+            *[np.zeros((1, 0))] * 2,
+            (root.T @ residual)[None],
+            (root.T @ root)[None],
+            *[np.zeros((1, 0))] * 3,
+        )
+        step, promise = bounded_step(
+            points, np.ones((1, size), bool), down[None], up[None], np.zeros(1)
+        )
+        assert np.all((step[0] >= down) & (step[0] <= up))
+        down = np.minimum(down, -1e-300)  # SciPy wants room
+        best = lsq_linear(root, -residual, (down, up), method="bvls", tol=1e-14)
+        fall = 0.5 * residual @ residual - best.cost
+        # Both add rounding; ours a part of 1e-12 to the curvature too.
+        assert promise[0] == pytest.approx(fall, rel=1e-4, abs=1e-9)
+
+
+def test_bounds_as_a_weak_prior(tmp_path):
+    """The second unknown has no influence: a uniform distribution over its range is
+    left. On the first the bounds have next to none."""
+    matrix = np.stack([np.ones(8), np.zeros(8)], axis=1)
+    objective, points, _ = linear(tmp_path, matrix, np.full(8, 0.1))
+    covariance = regular_covariance(objective, points, 1.0)
+    assert covariance[1, 1] == pytest.approx((2.0 * HALF_WIDTH) ** 2 / 12.0)
+    information = 8.0 / SIGMA**2 + 12.0 / (2.0 * HALF_WIDTH) ** 2
+    assert covariance[0, 0] == pytest.approx(1.0 / information)
+
+
+def test_draws_of_a_normal_posterior(tmp_path):
+    """Their moments are those of the fit; next to all of them count."""
+    objective, points, uncertainty = linear(tmp_path, *line(20))
+    found = draw(objective, points, 1.0, count=4000)
+    assert len(found.effective_fraction) == 1
+    # Student's distribution of 5 degrees of freedom for a normal one of 2: 0.924.
+    assert found.effective_fraction[0] == pytest.approx(0.924, abs=0.03)
+    # 4 standard errors of the mean of 3700 draws.
+    error = uncertainty.standard_errors
+    assert np.all(np.abs(found.mean() - points.x[0]) < 4.0 * error / np.sqrt(3700))
+    apart = found.covariance() - uncertainty.covariance
+    # Errors of 2.3 % on variances: 4 of them.
+    assert np.all(np.abs(apart) < 0.1 * np.outer(error, error))
+
+
+def test_draws_that_do_not_count_are_drawn_again(tmp_path, monkeypatch):
+    """From a proposal ten times too narrow they find the posterior all the same."""
+    objective, points, uncertainty = linear(tmp_path, *line(20))
+    narrow = 0.01 * uncertainty.covariance
+    monkeypatch.setattr(draws, "laplace_covariance", lambda *arguments: narrow)
+    found = draw(objective, points, 1.0, count=2000)
+    assert len(found.effective_fraction) > 1
+    assert found.effective_fraction[-1] > draws.ENOUGH
+    deviation = np.sqrt(np.diag(found.covariance()))
+    np.testing.assert_allclose(deviation, uncertainty.standard_errors, rtol=0.15)
+
+
+def test_bands_of_a_line(tmp_path):
+    """Against the textbook, of the line and of a measurement."""
+    matrix, measured = line(20)
+    objective, points, uncertainty = linear(tmp_path, matrix, measured)
+    found = bands_of(objective, draw(objective, points, 1.0, count=4000), 1.0)
+    spread = np.sqrt(np.einsum("tp,pq,tq->t", matrix, uncertainty.covariance, matrix))
+    width = (found.high - found.low)[:, 0]
+    # Quantiles of some 3700 draws: 4 standard errors of 3 % each.
+    np.testing.assert_allclose(width, 2.0 * 1.96 * spread, rtol=0.12)
+    width = (found.measured_high - found.measured_low)[:, 0]
+    np.testing.assert_allclose(width, 2.0 * 1.96 * np.hypot(spread, SIGMA), rtol=0.03)
+    assert np.all(found.failed_fraction == 0.0)
+
+
+def test_bands_where_nothing_is_predicted(tmp_path):
+    objective, points, _ = linear(tmp_path, *line(6))
+    found = draw(objective, points, 1.0)
+    gone = found.predicted.copy()
+    gone[:, 2] = np.nan
+    bands = bands_of(objective, found._replace(predicted=gone), 1.0)
+    assert np.isnan(bands.low[2, 0])
+    assert bands.failed_fraction[2, 0] == 1.0
+    assert np.all(np.isfinite(np.delete(bands.low, 2, axis=0)))
+
+
+def test_left_out_of_a_line(tmp_path):
+    """In closed form: the residual over 1 - h, and sigma / sqrt(1 - h)."""
+    matrix, measured = line(12)
+    objective, points, uncertainty = linear(tmp_path, matrix, measured)
+    found = leave_out_each(objective, points, uncertainty)
+    hat = matrix @ np.linalg.inv(matrix.T @ matrix) @ matrix.T
+    left = 1.0 - np.diag(hat)
+    residual = measured - (hat @ measured)
+    # The fits end a hundredth of a standard error from their minima; the bounds, as a
+    # prior, add 1e-5.
+    apart = measured - found.predicted[:, 0]
+    np.testing.assert_allclose(apart, residual / left, rtol=1e-3, atol=1e-2 * SIGMA)
+    np.testing.assert_allclose(found.deviation[:, 0], SIGMA / np.sqrt(left), rtol=1e-3)
+    steps = linearised(objective, points, np.eye(12, dtype=bool))
+    exact = [
+        np.linalg.lstsq(np.delete(matrix, k, 0), np.delete(measured, k), rcond=None)[0]
+        for k in range(12)
+    ]
+    np.testing.assert_allclose(points.x[0] + steps, exact, rtol=0.0, atol=1e-8)
+    np.testing.assert_allclose(found.x, exact, rtol=0.0, atol=1e-2 * SIGMA)
+
+
+def test_of_many_only_the_most_telling_are_fitted(tmp_path, monkeypatch):
+    """For the others a Gauss-Newton step stands, which for a line is as good."""
+    made = []
+
+    def counted(objective, x, **how):
+        made.append(np.flatnonzero(~np.any(objective.study.known, axis=1)))
+        return fit(objective, x, **how)
+
+    monkeypatch.setattr(
+        "jaximpact.calibration.diagnostics.cross_validation.fit", counted
+    )
+    matrix, measured = line(12)
+    measured[4] += 10.0 * SIGMA
+    objective, points, uncertainty = linear(tmp_path, matrix, measured)
+    expected = leave_out_each(objective, points, uncertainty)
+    assert 2 < len(made) < 12
+    made.clear()
+    found = leave_out_each(objective, points, uncertainty, at_most=2)
+    assert [4] in [list(left) for left in made]
+    assert len(made) == 2
+    for name in ("predicted", "deviation"):
+        np.testing.assert_allclose(
+            *(getattr(left, name) for left in (found, expected)), atol=1e-2 * SIGMA
+        )
+    made.clear()
+    leave_out_each(objective, points, uncertainty, at_most=0)
+    assert not made
+
+
+def test_campaigns_left_out(tmp_path):
+    """One campaign lies elsewhere: the others do not predict it, and that is said."""
+    matrix, measured = line(18)
+    names = np.repeat(["a", "b", "c"], 6)[np.random.default_rng(0).permutation(18)]
+    objective, points, uncertainty = linear(tmp_path, matrix, measured, names)
+    found = leave_out_campaigns(objective, points, uncertainty)
+    rest = names != "b"
+    exact = np.linalg.lstsq(matrix[rest], measured[rest], rcond=None)[0]
+    number = found.groups.index("b")
+    np.testing.assert_allclose(found.x[number], exact, rtol=0.0, atol=1e-2 * SIGMA)
+    assert np.mean(found.inside(measured[:, None])) > 0.8
+    shifted = measured + np.where(names == "b", 1.0, 0.0)
+    objective, points, uncertainty = linear(tmp_path, matrix, shifted, names)
+    found = leave_out_campaigns(objective, points, uncertainty._replace(inflation=1.0))
+    assert not np.any(found.inside(shifted[:, None])[names == "b"])
+    alone = linear(tmp_path, matrix, measured)
+    assert leave_out_campaigns(*alone) is None
+
+
+def test_without_the_only_test_that_tells(tmp_path):
+    """Left out, its prediction is as uncertain as the bounds are wide."""
+    matrix = np.stack([np.ones(6), [0, 0, 1, 0, 0, 0]], axis=1)
+    objective, points, uncertainty = linear(tmp_path, matrix, np.full(6, 0.1))
+    found = leave_out_each(objective, points, uncertainty)
+    assert found.deviation[2, 0] == pytest.approx(HALF_WIDTH / np.sqrt(3.0), rel=1e-3)
+    assert np.all(np.delete(found.deviation, 2) < 2.0 * SIGMA)
+
+
+def test_residuals_are_studentised(tmp_path):
+    """Of many repeats each has the variance 1, whatever its leverage."""
+    squares = []
+    for seed in range(200):
+        matrix, measured = line(5, seed)
+        objective, points, _ = linear(tmp_path, matrix, measured)
+        squares.append(residuals_of(objective, points, 1.0).values[:, 0] ** 2)
+    # Of 200 squares of normal numbers: 4 standard errors of 0.1.
+    np.testing.assert_allclose(np.mean(squares, axis=0), 1.0, atol=0.4)
+
+
+def test_what_residuals_follow_is_found(tmp_path):
+    """A line fitted to a parabola: no rank correlation, but neighbours are alike. Of
+    pure noise nothing is said, in 95 of 100 cases."""
+    z = np.linspace(-1.0, 1.0, 16)
+    matrix = np.stack([np.ones(16), z], axis=1)
+    objective, points, _ = linear(tmp_path, matrix, z**2)
+    found = residuals_of(objective, points, 1.0)
+    assert {trend.against for trend in found.trends} == {"speed_mps"}
+    assert abs(found.trends[0].correlation) < 0.1
+    assert found.trends[0].autocorrelation > 0.6
+    # The same, far below sigma: what an integration leaves, not a model.
+    objective, points, _ = linear(tmp_path, matrix, 1e-4 * SIGMA * z**2)
+    assert residuals_of(objective, points, 1.0).trends == []
+    said = 0
+    for seed in range(60):
+        objective, points, _ = linear(tmp_path, *line(16, seed))
+        said += bool(residuals_of(objective, points, 1.0).trends)
+    assert said <= 8  # 3 expected; more than 8 in one of 100
+
+
+# --- Design, of linear models whose best designs are known. ---
+
+
+def gains_of(rows):
+    return rows[:, :, None] * rows[:, None, :]
+
+
+def test_the_best_design_of_a_parabola():
+    """D-optimal is a third of the tests at each of -1, 0 and 1."""
+    z = np.linspace(-1.0, 1.0, 21)
+    rows = np.stack([np.ones(21), z, z**2], axis=1)
+    found = choose(1e-6 * np.eye(3), gains_of(rows), 30)
+    places, counts = np.unique(z[found.chosen].round(6), return_counts=True)
+    np.testing.assert_allclose(places, [-1.0, 0.0, 1.0], atol=1e-9)
+    np.testing.assert_array_equal(counts, 10)
+
+
+def test_the_best_design_of_a_line_through_the_origin():
+    """A-optimal with weights known: variances fall fastest at the end."""
+    z = np.linspace(0.1, 1.0, 10)
+    found = choose(np.eye(1), gains_of(z[:, None]), 4, "A")
+    assert found.chosen == [9] * 4
+    np.testing.assert_allclose(
+        found.covariances[:, 0, 0], [1, 1 / 2, 1 / 3, 1 / 4, 1 / 5]
+    )
+
+
+def test_a_and_d_differ_where_they_should():
+    """Two unknowns, one known ill: A looks after the ill-known one, D after whichever
+    can be improved by the larger factor."""
+    information = np.diag([1.0, 100.0])
+    gains = gains_of(np.array([[1.0, 0.0], [0.0, 20.0]]))
+    assert np.argmax(merit(information, gains, "A")) == 0
+    assert np.argmax(merit(information, gains, "D")) == 1
+    # By hand: determinant 2 and 5 times as large, over 4; trace from 1.01 to 0.51.
+    np.testing.assert_allclose(merit(information, gains, "D"), np.log([2.0, 5.0]) / 4.0)
+    expected = 0.5 * np.log(1.01 / 0.51)
+    assert merit(information, gains, "A")[0] == pytest.approx(expected)
+
+
+# --- Impacts. ---
+
+TESTS = ((100.0, 6.0), (500.0, 15.0), (50.0, 25.0), (2000.0, 10.0))
+TARGETS = ("e_n", "max_penetration_m")
+TRUE = (2.0, 5.0, 1500.0)
+STUDY = """\
+title = "A <twin> & more"
+data = "tests.csv"
+starts = 6
+accuracy = "balanced"
+[parameters]
+c_v = { start = 1.0, lower = 0.1, upper = 20.0 }
+gamma_v = { start = 10.0, lower = 0.5, upper = 100.0 }
+k_E = { start = 900.0, lower = 50.0, upper = 20000.0 }
+[default_sigma]
+e_n = 0.01
+max_penetration_m = 0.005
+"""
+BY_ONE = "[further_tests]\ncandidates = { speed_mps = [5, 20], angle_deg = [0, 40] }\n"
+
+
+def write_study(folder, measured=None, text=STUDY, tests=TESTS, campaigns=None):
+    measured = np.ones((len(tests), len(TARGETS))) if measured is None else measured
+    campaigns = campaigns or ["a"] * len(tests)
+    rows = [
+        (*test, name, *values)
+        for test, name, values in zip(tests, campaigns, measured, strict=True)
+    ]
+    columns = "mass_kg", "speed_mps", "campaign", *TARGETS
+    return write_study_of(folder, text, columns, rows)
+
+
+def model(folder, engine, tests):
+    """What the model gives at the true soil."""
+    objective = objective_of(write_study(folder, tests=tests), engine)
+    return objective(objective.bounds.coordinate(TRUE)[None]).predicted[0]
+
+
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory):
+    """The machine code that all tests share."""
+    return engine_of(read_study(write_study(tmp_path_factory.mktemp("engine"))))
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory, engine):
+    """The fit of a twin without noise."""
+    folder = tmp_path_factory.mktemp("twin")
+    measured = model(folder, engine, TESTS)
+    return fit_study(read_study(write_study(folder, measured))).variants[0]
+
+
+def test_a_gap_among_given_sigmas(tmp_path, engine):
+    """A cell without a measurement has no sigma either; the gradient has none of it."""
+    path = write_study(tmp_path)
+    path.with_name("tests.csv").write_text(
+        "speed_mps,e_n,sigma_e_n,max_penetration_m,sigma_max_penetration_m\n"
+        "10,0.2,0.01,,\n20,0.2,0.02,0.1,0.01\n"
+    )
+    path.write_text(STUDY[: STUDY.index("[default_sigma]")])
+    objective = objective_of(path, engine)
+    points = objective(objective.bounds.coordinate(TRUE)[None])
+    assert np.all(np.isfinite(points.gradient))
+    assert np.all(np.isfinite(points.hessian))
+
+
+def test_a_further_test_shrinks_errors_as_promised(tmp_path, engine, fitted):
+    """Against the fit of a study that has it."""
+    sigma = {"e_n": 0.01, "max_penetration_m": 0.005}
+    candidates = {"mass_kg": [50.0, 2000.0], "speed_mps": [4.0, 12.0, 30.0]}
+    found = suggest_tests(fitted, candidates, sigma, together=True, count=1)
+    best = found.chosen[0]
+    added = best.scene["mass_kg"], best.scene["speed_mps"]
+    tests = (*TESTS, added)
+    measured = model(tmp_path, engine, tests)
+    objective = objective_of(write_study(tmp_path, measured, tests=tests), engine)
+    again = fit(objective, fitted.points.x)
+    errors = estimate(objective, again.points).standard_errors
+    # The bounds, as a prior, add 1e-3; derivatives are to 1e-3 at this accuracy.
+    np.testing.assert_allclose(best.errors, errors, rtol=1e-2)
+    for name, place in zip(TARGETS, range(2), strict=True):
+        assert best.predicted[name] == pytest.approx(measured[-1, place], rel=1e-3)
+    # No other candidate would have done better.
+    volumes = []
+    for other in zip(*found.candidates.values(), strict=True):
+        measured = model(tmp_path, engine, (*TESTS, other))
+        path = write_study(tmp_path, measured, tests=(*TESTS, other))
+        objective = objective_of(path, engine)
+        covariance = estimate(objective, objective(fitted.points.x)).covariance
+        volumes.append(np.linalg.slogdet(covariance)[1])
+    places = list(zip(*found.candidates.values(), strict=True))
+    assert places[int(np.argmin(volumes))] == added
+
+
+def test_errors_are_those_of_repeated_noise(tmp_path, engine, fitted):
+    """Brute force: the scatter of refits to 60 noisy repeats, with the test that was
+    suggested, is what was promised."""
+    sigma = np.array([0.01, 0.005])
+    measure = dict(zip(TARGETS, sigma, strict=True))
+    candidates = {"mass_kg": [50.0, 2000.0], "speed_mps": [4.0, 12.0, 30.0]}
+    best = suggest_tests(fitted, candidates, measure, together=True, count=1).chosen[0]
+    tests = (*TESTS, (best.scene["mass_kg"], best.scene["speed_mps"]))
+    measured = model(tmp_path, engine, tests)
+    random = np.random.default_rng(0)
+    study = read_study(write_study(tmp_path, measured, tests=tests))
+    # A tenth of the noise, so that the model is linear over it.
+    study = dataclasses.replace(study, sigma=0.1 * study.sigma)
+    ends = []
+    for _ in range(60):
+        noisy = measured + 0.1 * sigma * random.normal(size=measured.shape)
+        repeat = dataclasses.replace(study, measured=noisy)
+        objective = Objective(repeat, repeat.variants[0], engine)
+        ends.append(fit(objective, fitted.points.x).points.x[0])
+    scatter = np.std(ends, axis=0, ddof=1)
+    # The standard deviation of 60 is known to 9 %: 3.5 of that.
+    np.testing.assert_allclose(scatter, 0.1 * best.errors, rtol=0.32)
+
+
+def test_further_tests_where_data_determine_nothing(tmp_path, engine):
+    """One vertical drop, one number: the bounds stand in for data, and it is said."""
+    tests = (TESTS[1],)
+    measured = model(tmp_path, engine, tests)
+    measured[:, 1] = np.nan
+    text = STUDY.replace("max_penetration_m = 0.005\n", "")
+    path = write_study(tmp_path, measured, text, tests)
+    path.with_name("tests.csv").write_text(
+        f"mass_kg,speed_mps,e_n\n500,15,{measured[0, 0]:.17g}\n"
+    )
+    variant = fit_study(read_study(path)).variants[0]
+    found = suggest_tests(variant, {"speed_mps": [5.0, 30.0]}, {"e_n": 0.01})
+    assert set(found.stood_in) >= {"c_v", "gamma_v"}
+    assert np.all(np.isfinite(found.now))
+    widest = 2.0 * np.max(variant.bounds.half) / np.sqrt(12.0)
+    assert np.all(found.now <= widest)
+    assert np.all(np.diff([c.volume for c in found.chosen]) >= 0.0)
+    text = as_text(found)
+    assert "the bounds replace data" in text
+    now = next(line for line in text.splitlines() if line.strip().startswith("now"))
+    assert now.count("not identifiable") == 3
+
+
+def test_candidates_without_a_result_are_counted(fitted):
+    """A block that moves away from the ground has no impact."""
+    sigma = {"e_n": 0.01}
+    found = suggest_tests(
+        fitted, {"slope_deg": [0.0], "angle_deg": [0.0, 30.0]}, sigma, count=1
+    )
+    assert found.left_out == 0
+    found = suggest_tests(fitted, {"angle_deg": [0.0, 30.0]}, {"e_t": 0.01}, count=1)
+    assert found.left_out == 1  # e_t has no meaning along the normal
+    assert found.volumes[0, 0] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (dict(candidates={"sped_mps": [1.0]}), "did you mean speed_mps"),
+        (dict(candidates={"k_E": [1.0]}), "is fitted"),
+        (dict(candidates={"speed_mps": [-1.0]}), "above 0 m/s"),
+        (dict(candidates={"speed_mps": "fast"}), "must hold numbers"),
+        (dict(measure={"en": 0.1}), "did you mean e_n"),
+        (dict(measure={"e_n": 0.0}), "sigma above 0"),
+        (dict(criterion="E"), "must be D or A"),
+        (dict(count=0), "at least 1"),
+    ],
+)
+def test_bad_candidates(fitted, arguments, words):
+    with pytest.raises(InputError, match=words):
+        suggest_tests(fitted, **arguments)
+
+
+BAD = {
+    "key": ("candidats = {}", ("further_tests.candidats", "candidates")),
+    "axis": ("candidates = { sped_mps = [1] }", ("candidates.sped_mps", "speed_mps")),
+    "value": ("candidates = { speed_mps = [0] }", ("candidates.speed_mps", "above 0")),
+    "fitted": ("candidates = { c_v = [1] }", ("candidates.c_v", "is fitted")),
+    "result": ("measure = { en = 0.1 }", ("measure.en", "e_n")),
+    "sigma": ("measure = { e_n = 0 }", ("measure.e_n", "above 0")),
+    "part": ("measure = { e_n = { rel = 1 } }", ("measure.e_n.rel", "relative")),
+    "count": ("count = 0", ("count", "at least 1")),
+    "criterion": ('criterion = "E"', ("criterion", "D, A")),
+}
+
+
+@pytest.mark.parametrize(("wrong", "parts"), BAD.values(), ids=BAD)
+def test_bad_further_tests_are_one_line(tmp_path, capsys, wrong, parts):
+    path = write_study(tmp_path, text=f"{STUDY}[further_tests]\n{wrong}\n")
+    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
+    assert_one_line_error(capsys, "study.toml", *parts)
+
+
+def test_a_sigma_in_words():
+    assert str(Sigma(0.01, 0.1)) == "0.01 and 10 %"
+    assert str(Sigma(relative=0.1)) == "10 %"
+
+
+# --- What is kept. ---
+
+
+def test_finished_fits_are_not_made_again(tmp_path, engine, monkeypatch):
+    objective = objective_of(write_study(tmp_path, np.full((4, 2), 0.2)), engine)
+    objective.cache = FitCache(tmp_path / "kept")
+    x = objective.bounds.coordinate(TRUE)[None]
+    first = fit(objective, x)
+    (path,) = (tmp_path / "kept").iterdir()
+
+    def fail(*arguments):
+        raise AssertionError("fitted again")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(
+            "jaximpact.calibration.estimation.starts.levenberg_marquardt", fail
+        )
+        again = fit(objective, x)
+        with pytest.raises(AssertionError, match="fitted again"):
+            fit(objective, x + 0.1)
+        with pytest.raises(AssertionError, match="fitted again"):
+            fit(objective.with_sigma(2.0 * objective.sigma), x)
+    for one, other in zip(first.points, again.points, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert first.reasons == again.reasons
+    path.write_bytes(path.read_bytes()[:100])  # cut short: made anew
+    fit(objective, x)
+    assert objective.cache.found == 1
+    objective.cache.forget()
+    assert not (tmp_path / "kept").exists()
+
+
+# --- The report. ---
+
+
+class Page(html.parser.HTMLParser):
+    """What a page holds."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.images, self.texts, self.attributes = [], [], [], []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.attributes += [(tag, *pair) for pair in attrs]
+        if tag == "img":
+            self.images.append(dict(attrs))
+        elif tag != "meta":
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] != "style":
+            self.texts.append(data)
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory, engine):
+    """A noisy twin of two campaigns with a parameter that nothing depends on,
+    interrupted once, and its files."""
+    folder = tmp_path_factory.mktemp("report")
+    measured = model(folder, engine, TESTS)
+    measured = measured * (
+        1.0 + 0.02 * np.random.default_rng(3).normal(size=measured.shape)
+    )
+    text = STUDY.replace(
+        "k_E = {", "alpha_vR = { start = 1.0, lower = 0.1, upper = 9 }\nk_E = {"
+    )
+    path = write_study(folder, measured, text + BY_ONE, campaigns=["a", "b"] * 2)
+    out = folder / "out"
+    interrupted = []
+
+    def interrupt(*arguments, **named):
+        interrupted.append(len(list((out / run.UNFINISHED).iterdir())))
+        raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(run, "examine", interrupt)
+        code = main(["calibrate", str(path), "--out", str(out)])
+    assert code == 130
+    assert interrupted[0] >= 3  # starts, refinement, profiles
+    assert sorted(p.name for p in out.iterdir()) == [run.UNFINISHED]
+    made = []
+    real = memory.FitCache.recall
+
+    def recall(self, objective, details, make):
+        return real(self, objective, details, lambda: made.append(1) or make())
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(memory.FitCache, "recall", recall)
+        assert main(["calibrate", str(path), "--out", str(out)]) == 0
+    # Only the fits without each of 4 tests, of which a step may take the place, and of
+    # 2 campaigns were left to make.
+    assert 2 <= len(made) <= 6
+    return out
+
+
+def test_the_files_are_there(written):
+    assert sorted(p.name for p in written.iterdir()) == [
+        *("fit.json", "fit.png", "fitted.csv", "jaximpact-files.json"),
+        *("report", "report.html", "report.md", "report.txt"),
+    ]
+
+
+def test_the_page_needs_nothing_else(written):
+    text = (written / "report.html").read_text()
+    page = Page(text)
+    assert page.open == []
+    assert len(page.images) > 8
+    for image in page.images:
+        kind, data = image["src"].split(",", 1)
+        assert kind == "data:image/png;base64"
+        assert base64.b64decode(data, validate=True).startswith(b"\x89PNG")
+        assert image["alt"]
+    names = {name for _, name, _ in page.attributes}
+    assert "href" not in names
+    assert "url(" not in text
+    assert "<script" not in text
+    assert 'name="viewport"' in text
+    assert "A <twin> & more" in "".join(page.texts)  # not taken for a tag
+
+
+def test_the_page_says_what_is_not_determined(written):
+    text = (written / "report.html").read_text()
+    verdict = text[text.index('class="verdict"') :]
+    verdict = verdict[: verdict.index("</div>")]
+    assert "alpha_vR is not identifiable" in verdict
+    rows = re.findall(r"<tr><td[^>]*>alpha_vR</td>(.*?)</tr>", text)
+    parameters, _ = rows  # and the correlation
+    assert "not identifiable" in parameters
+    assert "all values between the bounds" in parameters
+    assert "%)" not in parameters
+    assert "alpha_vR" not in verdict.split("The tests identify")[1].split("</p>")[0]
+
+
+def test_markdown_is_the_same_and_its_pictures_are_there(written):
+    markdown = (written / "report.md").read_text()
+    pictures = re.findall(r"!\[[^]]*\]\(([^)]*)\)", markdown)
+    page = Page((written / "report.html").read_text())
+    assert len(pictures) == len(page.images)
+    for picture in pictures:
+        assert (written / picture).read_bytes().startswith(b"\x89PNG")
+    assert len(list((written / "report").iterdir())) == len(pictures)
+    heads = re.findall(r"<h\d>(.*?)</h\d>", (written / "report.html").read_text())
+    plain = [html.unescape(head) for head in heads]
+    lines = [x.lstrip("# ").replace("\\", "") for x in markdown.splitlines()]
+    assert [x for x in lines if x in plain] == plain
+
+
+def test_numbers_of_the_report(written):
+    content = json.loads((written / "fit.json").read_text())
+    (variant,) = content["variants"]
+    assert [x["name"] for x in variant["left_out"]["campaign"]] == ["a", "b"]
+    assert len(variant["left_out"]["test"]) == len(TESTS)
+    further = variant["further_tests"]["all_results"]
+    assert len(further["chosen"]) == 3
+    assert set(further["chosen"][0]["test"]) == {"speed_mps", "angle_deg"}
+    rows = [x.split(",") for x in (written / "fitted.csv").read_text().splitlines()]
+    head, first = rows[:2]
+    cells = dict(zip(head, first, strict=True))
+    assert float(cells["low"]) < float(cells["model_low"]) < float(cells["model_high"])
+    assert float(cells["left_out_deviation"]) >= float(cells["sigma"])
+    assert len(rows) == 1 + len(TESTS) * len(TARGETS)
+
+
+FEW = {
+    "one measurement": ("500,15,0.2,", "Best identifiable combination"),
+    "limits alone": (
+        "500,15,<0.3,>0.1\n500,25,>0.05,<0.5",
+        "No combination of them is identifiable",
+    ),
+}
+
+
+@pytest.mark.parametrize(("rows", "words"), FEW.values(), ids=FEW)
+def test_a_report_of_next_to_nothing(tmp_path, engine, rows, words):
+    (tmp_path / "tests.csv").write_text(
+        f"mass_kg,speed_mps,e_n,max_penetration_m\n{rows}\n"
+    )
+    head = STUDY.replace("starts = 6", "starts = 2")
+    if ",>0.1" not in rows:
+        head = head.replace("[parameters]", 'targets = ["e_n"]\n[parameters]', 1)
+    (tmp_path / "study.toml").write_text(head[: head.index("[default_sigma]")])
+    out = tmp_path / "out"
+    assert main(["calibrate", str(tmp_path / "study.toml"), "--out", str(out)]) == 0
+    report = (out / "report.md").read_text()
+    assert "No parameter is identifiable" in report
+    assert words in report
+    table = report.split("| upper |")[1].split("\n\n")[0]
+    assert table.count("not identifiable") == 3
+    json.loads((out / "fit.json").read_text())
+
+
+def test_the_known_combination_of_one_number(tmp_path):
+    """One sum is measured, to 5 %: its eigenvalue is exact, whatever is not known."""
+    matrix = np.array([[3.0, 4.0, 0.0]])
+    _, _, found = linear(tmp_path, matrix, [0.5])
+    np.testing.assert_allclose(found.eigenvalues, [0.0, 0.0, 25.0 / SIGMA**2])
+    np.testing.assert_allclose(np.abs(found.eigenvectors[:, 2]), [0.6, 0.8, 0.0])
+
+
+def test_signs_that_mean_something_elsewhere():
+    variant = {"name": "", "scores": [], "remarks": [], "tests": [("a < b",), ("$c$",)]}
+    contents = {"several": False, "variants": [variant]}
+    contents |= {"about": ["a < b", "c_v^2 * [x] | <b> # `d`"]}
+    page = render("prediction", "html", contents)
+    assert "<p>a &lt; b</p>" in page
+    assert '<th scope="col">a &lt; b</th>' in page
+    markdown = render("prediction", "md", contents)
+    assert "a \\< b\n" in markdown
+    assert "c_v^2 \\* \\[x\\] \\| \\<b\\> \\# \\`d\\`" in markdown
+
+
+# --- The posterior. ---
+
+
+def summary(mean, deviation, effective=np.inf):
+    """Posterior of one parameter as NUTS would have it: `(draws, parameters)`."""
+    mean, deviation = np.atleast_1d(mean), np.atleast_1d(deviation)
+    normal = np.random.default_rng(0).normal(size=(2, 2000, len(mean)))
+    x = mean + deviation * (normal - normal.mean((0, 1))) / normal.std((0, 1))
+    nothing = np.zeros((2, 2000))
+    return Samples(
+        ["c_v", "gamma_v"],
+        x,
+        x,
+        *[nothing] * 4,
+        scale_reduction=np.ones(len(mean)),
+        effective=np.full(len(mean), min(effective, 4000.0)),
+        evaluations=0,
+        seconds=0.0,
+        accuracy=PRESETS["balanced"],
+        error=0.0,
+    )
+
+
+def test_which_to_believe(tmp_path):
+    objective, points, uncertainty = linear(tmp_path, *line(20))
+    found = draw(objective, points, 1.0, count=4000)
+    best, error = points.x[0], uncertainty.standard_errors
+    known = [Verdict("c_v", True, ""), Verdict("gamma_v", True, "")]
+    fit = SimpleNamespace(points=points, uncertainty=uncertainty, verdicts=known)
+
+    def words(mean, deviation, **changed):
+        return compare_errors(fit, found, summary(mean, deviation, **changed))
+
+    (line_,) = words(best, error)
+    assert "agree on c_v, gamma_v" in line_
+    # NUTS alone is off: by 10 standard deviations of its noise.
+    first, second = words(best + np.array([10.0, 0.0]) * error / 60.0, error)
+    assert "differ by more than chance in c_v:" in first
+    assert "agree on gamma_v" in second
+    # As far off, but of so few independent draws that it may be chance.
+    assert len(words(best + 0.17 * error, error, effective=100.0)) == 1
+    # All draws are half as wide as the standard error says.
+    narrow = uncertainty._replace(standard_errors=2.0 * error)
+    fit.uncertainty = narrow
+    lines = words(best, error)
+    assert all("Use the posterior, not the standard error" in x for x in lines)
+    # What is not determined is compared with nothing.
+    fit.uncertainty = uncertainty
+    fit.verdicts = [known[0], Verdict("gamma_v", False, "the profile is open")]
+    first, second = words(best, error)
+    assert "Not identifiable: gamma_v" in first
+    assert "agree on c_v," in second
+
+
+def test_draws_whose_costs_are_rough_are_computed_again(tmp_path):
+    """Errors of a coarse accuracy are found, and gone in the weights; those that no
+    accuracy takes away are told."""
+    objective, points, _ = linear(tmp_path, *line(20))
+    plain = draw(objective, points, 1.0)
+    assert plain.accuracy == draws.LADDER[0]
+    assert plain.error == 0.0
+
+    class Rough(Linear):
+        """Predictions with errors that differ from place to place."""
+
+        sizes = None
+
+        def _predict(self, x, wanted):
+            predicted, outcomes, jacobian = super()._predict(x, wanted)
+            error = self.sizes[draws.LADDER.index(self.accuracy)] * np.sin(
+                1e5 * x[:, :1]
+            )
+            return predicted + error[..., None], outcomes, jacobian
+
+    rough = Rough(objective.study, objective.study.variants[0], None)
+    rough.matrix, rough.sizes = objective.matrix, (0.003, 0.0, 0.0)
+    found = draw(rough, points, 1.0)
+    assert found.accuracy == draws.LADDER[1]
+    assert not found.rough
+    np.testing.assert_array_equal(found.x, plain.x)
+    np.testing.assert_allclose(found.weights, plain.weights, rtol=1e-12)
+    np.testing.assert_allclose(found.effective_fraction, plain.effective_fraction)
+    rough.sizes = 0.003, -0.003, 0.0
+    assert draw(rough, points, 1.0).rough
+
+
+def test_nuts_agrees_with_laplace(tmp_path, engine):
+    """A twin with 2 % of noise, where the posterior is near normal, and its file."""
+    pytest.importorskip("blackjax")
+    arviz = pytest.importorskip("arviz")
+    tests = ((100.0, 6.0), (500.0, 15.0), (50.0, 25.0))
+    measured = model(tmp_path, engine, tests)
+    random = np.random.default_rng(5)
+    noisy = measured * (1.0 + 0.02 * random.normal(size=measured.shape))
+    text = STUDY.replace("k_E = { start = 900.0, lower = 50.0, upper = 20000.0 }\n", "")
+    text = text.replace("e_n = 0.01", "e_n = 0.002") + "[soil]\nk_E = 1500.0\n"
+    study = read_study(write_study(tmp_path, noisy, text, tests))
+    variant = fit_study(study).variants[0]
+    inflation = variant.uncertainty.inflation
+    drawn = draw(variant.objective, variant.points, inflation)
+    samples = sample_posterior(
+        variant, chains=4, warmup=60, count=150, seed=1, draws=drawn
+    )
+    assert not np.any(samples.divergent)
+    assert not samples.rough
+    assert np.all(samples.scale_reduction < 1.05)
+    effective = np.minimum(samples.effective, 600.0)
+    assert np.all(effective > 150.0)
+    error = variant.uncertainty.standard_errors
+    mean, deviation = np.mean(samples.x, axis=(0, 1)), np.std(samples.x, axis=(0, 1))
+    # Of n independent normal draws the mean scatters by 1 / sqrt(n) standard
+    # deviations, the standard deviation by a part of 1 / sqrt(2 n), the correlation by
+    # less than 1 / sqrt(n): 4 of each. The draws tell how far the posterior is from
+    # normal; they scatter likewise.
+    there = drawn.effective_fraction[-1] * len(drawn.x)
+    noise = 4.0 * np.sqrt(1.0 / effective + 1.0 / there)
+    assert np.all(np.abs(mean - drawn.mean()) < noise * error)
+    drawn_deviation = np.sqrt(np.diag(drawn.covariance()))
+    assert np.all(np.abs(deviation / drawn_deviation - 1.0) < noise / np.sqrt(2.0))
+    # Of the posterior's own distance from the normal one of the standard errors: a
+    # tenth of one, for 2 % of noise on what is nearly linear over it.
+    skew = 0.1
+    assert np.all(
+        np.abs(mean - variant.points.x[0]) < (4.0 / np.sqrt(effective) + skew) * error
+    )
+    assert np.all(
+        np.abs(deviation / error - 1.0) < 4.0 / np.sqrt(2.0 * effective) + skew
+    )
+    correlation = np.corrcoef(samples.x.reshape(-1, 2).T)[0, 1]
+    expected = variant.uncertainty.correlation[0, 1]
+    scatter = (1.0 - expected**2) / np.sqrt(np.min(effective))
+    assert abs(correlation - expected) < 4.0 * scatter + skew * (1.0 - expected**2)
+
+    with replacing(tmp_path / "posterior.nc") as temporary:
+        to_inference_data(variant, samples).to_netcdf(str(temporary))
+    assert [p.name for p in tmp_path.glob("*posterior*")] == ["posterior.nc"]
+    data = arviz.from_netcdf(tmp_path / "posterior.nc")
+    assert set(data.groups()) >= {
+        *("posterior", "posterior_predictive", "log_likelihood"),
+        *("sample_stats", "observed_data"),
+    }
+    np.testing.assert_array_equal(data.posterior.c_v.values, samples.values[:, :, 0])
+    assert data.posterior.gamma_v.attrs["units"] == "m/s"
+    assert data.attrs["accuracy"] == samples.accuracy.name
+    assert not np.any(data.sample_stats.diverging)
+    assert data.log_likelihood.measured.shape == (4, 150, measured.size)
+    observed = data.observed_data.measured
+    np.testing.assert_array_equal(observed.values, noisy.ravel())
+    assert list(observed.unit.values) == ["-", "m"] * len(tests)
+    assert observed.measurement.values[0].endswith(": e_n")
+    predicted = data.posterior_predictive.measured.values.mean((0, 1))
+    sigma = np.tile([0.002, 0.005], len(tests))
+    assert np.all(np.abs(predicted - noisy.ravel()) < 4.0 * sigma)
+
+
+def test_an_interrupt_of_the_sampling_is_one(tmp_path, engine):
+    """Ctrl-C within the density comes out as that, not as an error of JAX."""
+    pytest.importorskip("blackjax")
+    pytest.importorskip("arviz")
+    tests = TESTS[:1]
+    measured = model(tmp_path, engine, tests)
+    text = STUDY.replace("starts = 6", "starts = 2")
+    variant = fit_study(read_study(write_study(tmp_path, measured, text, tests)))
+    variant = variant.variants[0]
+
+    def interrupted(progress):
+        if "density" in progress:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sample_posterior(variant, chains=2, warmup=20, count=2, progress=interrupted)
+
+
+def test_sampling_without_the_extra(tmp_path, capsys, monkeypatch):
+    real = __import__("importlib.util").util.find_spec
+    monkeypatch.setattr(
+        "importlib.util.find_spec",
+        lambda name, *rest: None if name == "blackjax" else real(name, *rest),
+    )
+    path = write_study(tmp_path)
+    code = main(["calibrate", str(path), "--out", str(tmp_path / "o"), "--posterior"])
+    assert code == 2
+    assert_one_line_error(capsys, "blackjax", "pip install 'jaximpact[bayes]'")

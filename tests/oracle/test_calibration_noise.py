@@ -1,0 +1,395 @@
+"""Scatter in proportion to the value: estimated, predicted with, and told from constant
+scatter. Models linear in one unknown have exact answers."""
+
+import jax
+import numpy as np
+import pytest
+from calibration_studies import Linear
+
+from jaximpact import Block, Impact, Scene, Soil, simulate_batch
+from jaximpact.calibration import Calibration, examine, fit_study, predict, read_study
+from jaximpact.calibration.arguments import table_given
+from jaximpact.calibration.diagnostics.cross_validation import leave_out_each
+from jaximpact.calibration.diagnostics.examination import doubtful_scatter
+from jaximpact.calibration.diagnostics.further_tests import default_measure
+from jaximpact.calibration.diagnostics.uncertainty import estimate
+from jaximpact.calibration.estimation.fit_cache import FitCache
+from jaximpact.calibration.estimation.sigma import SETTLED, relative_sigma, settle
+from jaximpact.calibration.estimation.starts import fit
+from jaximpact.calibration.fitted_ground import read_fitted
+from jaximpact.calibration.problem.config import NOMINAL_SIGMA, study_of
+from jaximpact.calibration.problem.dataset import joined_tables
+from jaximpact.calibration.problem.noise import LEAST_SIZE, LOSSES
+from jaximpact.calibration.report.contents import target_rows
+from jaximpact.calibration.report.files import as_json, in_lines
+from jaximpact.errors import InputError
+from jaximpact.progress import Progress
+
+PART = 0.03
+BOUNDS = {"start": 1.0, "lower": 1e-3, "upper": 1e3}
+PROPORTIONAL, CONSTANT = "proportional", "constant"
+
+
+def study(columns, scatter=PROPORTIONAL, **content):
+    content = {"parameters": {"c_v": BOUNDS}, "scatter": scatter} | content
+    return study_of(joined_tables((table_given(columns),)), content)
+
+
+def objective_of(slopes, measured, scatter=PROPORTIONAL, **content):
+    """Of one target, predicted as x times its slopes."""
+    found = study({"v_t_mps": measured}, scatter, **content)
+    objective = Linear(found, found.variants[0], None)
+    objective.matrix = np.asarray(slopes)[:, None]
+    return objective
+
+
+def fitted(objective):
+    start = fit(objective, np.ones((1, 1)))
+    objective, best = settle(objective, start, fit, Progress())
+    return objective, best.points
+
+
+def noisy(slopes, seed, part=PART, constant=0.0):
+    random = np.random.default_rng(seed)
+    noise = part * slopes * random.normal(size=len(slopes))
+    return slopes + noise + constant * random.normal(size=len(slopes))
+
+
+def part_of(objective, points):
+    study = objective.study
+    return relative_sigma(study, objective.sigma, points.predicted[0])[0]
+
+
+def test_the_estimate_is_the_restricted_one():
+    """Weighted by 1 / slope^2 the best x is the mean of measured / slope, and r the
+    deviation of these about it, with n - 1, over it."""
+    slopes = np.geomspace(1.0, 30.0, 12)
+    measured = noisy(slopes, 1)
+    objective, points = fitted(objective_of(slopes, measured))
+    ratio = measured / slopes
+    # The fit to sigmas of what was measured moves by some r^2, and settles within.
+    np.testing.assert_allclose(points.x[0, 0], np.mean(ratio), rtol=1e-5)
+    expected = np.std(ratio, ddof=1) / np.mean(ratio)
+    assert part_of(objective, points) == pytest.approx(expected, rel=SETTLED)
+    predicted = points.predicted[0]
+    np.testing.assert_allclose(objective.sigma, expected * predicted, rtol=SETTLED)
+    assert estimate(objective, points).reduced_chi_square == pytest.approx(
+        1.0, rel=0.01
+    )
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_the_part_is_found_whatever_the_loss(loss):
+    """Of 400 measurements: known to 3.5 %, by robust losses to 4.5; 4 of them."""
+    slopes = np.geomspace(1.0, 30.0, 400)
+    for seed in range(3):
+        objective, points = fitted(objective_of(slopes, noisy(slopes, seed), loss=loss))
+        assert part_of(objective, points) == pytest.approx(PART, rel=0.18)
+
+
+def test_constant_is_as_it_always_was():
+    """Said or not; nominal is a part of the root mean square, and the estimate the
+    textbook's."""
+    slopes = np.geomspace(1.0, 30.0, 12)
+    measured = noisy(slopes, 2)
+    said, not_said = (
+        fitted(objective_of(slopes, measured, scatter)) for scatter in (CONSTANT, {})
+    )
+    np.testing.assert_array_equal(said[0].sigma, not_said[0].sigma)
+    np.testing.assert_array_equal(said[1].x, not_said[1].x)
+    nominal = study({"v_t_mps": measured}, {}).sigma
+    assert np.all(nominal == NOMINAL_SIGMA * np.sqrt(np.mean(measured**2)))
+    x = slopes @ measured / (slopes @ slopes)
+    squares = np.sum((measured - x * slopes) ** 2)
+    np.testing.assert_allclose(said[0].sigma, np.sqrt(squares / 11.0), rtol=1e-6)
+    assert np.isnan(part_of(*said))
+
+
+def test_a_value_near_zero_does_not_rule():
+    """Its sigma is that of the floor. Were it as small as the value, x would follow the
+    first test alone, which is off by half a per cent of the others."""
+    slopes = np.concatenate([[1e-6], np.linspace(5.0, 10.0, 9)])
+    measured = noisy(slopes, 3)
+    measured[0] = 0.05
+    objective, points = fitted(objective_of(slopes, measured))
+    least = LEAST_SIZE * np.sqrt(np.mean(measured**2))
+    part = part_of(objective, points)
+    assert objective.sigma[0, 0] == pytest.approx(part * least)
+    assert np.all(objective.sigma[1:, 0] > 20.0 * objective.sigma[0, 0])
+    assert points.x[0, 0] == pytest.approx(1.0, abs=4.0 * PART / 3.0)
+
+
+def test_gaps_and_limits():
+    """A cell without measurement changes nothing, nor does a limit that is kept by far;
+    at the limit sigma is a part of what is predicted there, not of the limit."""
+    slopes = np.geomspace(1.0, 30.0, 12)
+    measured = list(noisy(slopes, 4))
+    objective, points = fitted(objective_of(slopes, measured))
+    for cell in ("", "<60"):
+        more = objective_of([*slopes, 15.0], [*measured, cell])
+        found, at = fitted(more)
+        # y_0, a part of the root mean square with the limit, is nowhere reached.
+        np.testing.assert_allclose(at.x, points.x, rtol=1e-8)
+        np.testing.assert_allclose(found.sigma[:12], objective.sigma, rtol=1e-8)
+        assert found.sigma[12, 0] == pytest.approx(part_of(found, at) * at.x[0, 0] * 15)
+
+
+class OneEach(Linear):
+    """Each test measures its own target: `x` times a slope."""
+
+    def _predict(self, x, wanted):
+        predicted = x[:, :, None] * self.matrix
+        jacobian = np.broadcast_to(
+            self.matrix[..., None], (len(x), *self.matrix.shape, 1)
+        )
+        return predicted, np.zeros((len(x), len(self.matrix))), jacobian
+
+
+def test_targets_with_one_measurement_share_a_factor():
+    """Three of them, one unknown: two degrees of freedom, on the nominal parts. One
+    alone keeps its nominal sigma."""
+    cells = {"v_t_mps": 10.3, "e_n": 0.29, "v_n_mps": 2.1}
+    slopes = np.diag([10.0, 0.3, 2.0])
+    columns = {
+        name: [value if row == place else None for row in range(3)]
+        for place, (name, value) in enumerate(cells.items())
+    }
+    found = study(columns)
+    order = [list(cells).index(name) for name in found.targets]
+    objective = OneEach(found, found.variants[0], None)
+    objective.matrix = slopes[:, order]
+    objective, points = fitted(objective)
+    u = (points.predicted[0] - found.measured) / objective.sigma
+    assert np.nansum(u**2) == pytest.approx(2.0, rel=2.0 * SETTLED)
+    size = np.nanmax(np.where(found.known, np.abs(found.measured), np.nan), axis=0)
+    sigma = np.array([objective.sigma[order[k], k] for k in range(3)])
+    np.testing.assert_allclose(sigma / size, sigma[0] / size[0], rtol=1e-6)
+    alone = objective_of([2.0], [2.1])
+    settled, points = fitted(alone)
+    np.testing.assert_allclose(settled.sigma, NOMINAL_SIGMA * 2.1)
+
+
+def test_left_out_has_the_sigma_of_what_the_rest_predicts():
+    slopes = np.geomspace(1.0, 30.0, 9)
+    measured = noisy(slopes, 5, part=0.1)
+    objective, points = fitted(objective_of(slopes, measured))
+    found = leave_out_each(objective, points, estimate(objective, points))
+    part, x = part_of(objective, points), points.x[0, 0]
+    for k in range(9):
+        rest = np.mean(np.delete(measured / slopes, k))
+        # Of 8 measurements of x, each with the sigma r x of the whole fit.
+        expected = slopes[k] * part * np.hypot(rest, x / np.sqrt(8.0))
+        # The fits end a hundredth of a standard error from their minima.
+        assert found.deviation[k, 0] == pytest.approx(expected, rel=2e-3)
+
+
+def test_left_out_tests_lie_in_their_intervals_at_every_size():
+    """3 % of values from 1 to 30. Constant scatter covers too much of the small ones
+    and too little of the large."""
+    slopes = np.geomspace(1.0, 30.0, 15)
+    inside = {PROPORTIONAL: [], CONSTANT: []}
+    for seed in range(40):
+        measured = noisy(slopes, seed)
+        for scatter, rows in inside.items():
+            objective, points = fitted(objective_of(slopes, measured, scatter))
+            found = leave_out_each(objective, points, estimate(objective, points))
+            rows.append(found.inside(measured[:, None])[:, 0])
+    small, large = (
+        {kind: np.mean(np.array(rows)[:, part]) for kind, rows in inside.items()}
+        for part in (slice(None, 5), slice(10, None))
+    )
+    # 200 each, of a campaign sharing its sigma: 95 +- 2 %.
+    assert 0.89 <= small[PROPORTIONAL] <= 1.0
+    assert 0.89 <= large[PROPORTIONAL] <= 1.0
+    assert small[CONSTANT] == 1.0
+    assert large[CONSTANT] < large[PROPORTIONAL] - 0.03
+
+
+# --- Which of the two. ---
+
+SLOPES = np.geomspace(1.0, 30.0, 20)
+
+
+def doubts(measured, scatter, slopes=SLOPES, **content):
+    return doubtful_scatter(*fitted(objective_of(slopes, measured, scatter, **content)))
+
+
+def test_the_other_scatter_is_named():
+    (words,) = doubts(noisy(SLOPES, 0), CONSTANT)
+    assert "residuals of v_t_mps grow with its value" in words
+    assert words.endswith('Set scatter.v_t_mps = "proportional".')
+    (words,) = doubts(noisy(SLOPES, 0, part=0.0, constant=0.3), PROPORTIONAL)
+    assert "do not grow" in words
+    assert words.endswith('Set scatter.v_t_mps = "constant".')
+
+
+def test_nothing_is_said_of_the_right_one():
+    """20 to 1 against it is found less than once in 20."""
+    said = 0
+    for seed in range(40):
+        said += bool(doubts(noisy(SLOPES, seed), PROPORTIONAL))
+        said += bool(doubts(noisy(SLOPES, seed, 0.0, 0.3), CONSTANT))
+    assert said <= 4
+
+
+def test_where_residuals_cannot_tell():
+    measured = noisy(SLOPES, 0)
+    assert doubts(measured, CONSTANT)
+    fit_of_it = fitted(objective_of(SLOPES, measured, CONSTANT))
+    assert not doubtful_scatter(*fit_of_it, biased=["v_t_mps"])
+    assert doubtful_scatter(*fit_of_it, biased=["e_n"])
+    few = np.geomspace(1.0, 30.0, 7)
+    assert not doubts(noisy(few, 0), CONSTANT, few)
+    assert not doubts(measured, CONSTANT, loss="student")
+    assert not doubts(measured, {}, default_sigma={"v_t_mps": 0.3})
+    # Of both signs.
+    signs = np.where(np.arange(20) % 2, -1.0, 1.0)
+    assert not doubts(signs * measured, CONSTANT, signs * SLOPES)
+    # Below what an integration leaves.
+    assert not doubts(noisy(SLOPES, 0, part=1e-5), CONSTANT)
+    # Limits tell no scatter.
+    limits = [*measured[:7], *(f"<{2 * value}" for value in measured[7:])]
+    assert not doubts(limits, CONSTANT)
+
+
+# --- What a study may say. ---
+
+TWO = {"e_n": [0.2, 0.3], "v_t_mps": [1.0, 2.0]}
+WITH_SIGMA = TWO | {"sigma_e_n": [0.01, 0.02]}
+
+
+def test_one_word_for_all_that_is_estimated():
+    np.testing.assert_array_equal(study(TWO).proportional, [True, True])
+    np.testing.assert_array_equal(study(WITH_SIGMA).proportional, [False, True])
+    np.testing.assert_array_equal(study(WITH_SIGMA).sigma[:, 0], [0.01, 0.02])
+    found = study(TWO, {"v_t_mps": PROPORTIONAL})
+    np.testing.assert_array_equal(found.proportional, [False, True])
+    np.testing.assert_allclose(found.sigma[:, 1], [0.05, 0.1])
+
+
+BAD = {
+    "word": (TWO, "proportinal", "scatter: must be one of .*did you mean proportional"),
+    "word of a target": (TWO, {"e_n": "const"}, r"scatter\.e_n.*did you mean constant"),
+    "no word": (TWO, {"e_n": 0.03}, r"scatter\.e_n: must be a text, but is 0.03"),
+    "number": (TWO, 0.03, "scatter: must be one of .* or a table of them"),
+    "target": (TWO, {"e_nn": CONSTANT}, r"scatter\.e_nn: is unknown.*e_n"),
+    "given": (
+        WITH_SIGMA,
+        {"e_n": PROPORTIONAL},
+        r"scatter\.e_n: .*that of e_n is given",
+    ),
+    "all given": (
+        {"e_n": [0.2], "sigma_e_n": [0.01]},
+        PROPORTIONAL,
+        "scatter: .*all are given",
+    ),
+}
+
+
+@pytest.mark.parametrize(("columns", "scatter", "words"), BAD.values(), ids=BAD)
+def test_bad_scatter(columns, scatter, words):
+    with pytest.raises(InputError, match=words):
+        study(columns, scatter)
+
+
+def test_a_study_file_says_it(tmp_path):
+    (tmp_path / "tests.csv").write_text("e_n,v_t_mps\n0.2,1.0\n0.3,2.0\n")
+    path = tmp_path / "study.toml"
+    for text, expected in (
+        ('scatter = "proportional"', [True, True]),
+        ('[scatter]\nv_t_mps = "proportional"', [False, True]),
+    ):
+        path.write_text(f'data = "tests.csv"\n{text}\n')
+        np.testing.assert_array_equal(read_study(path).proportional, expected)
+
+
+# --- Impacts. ---
+
+RANDOM = np.random.default_rng(7)
+IMPACTS = {
+    "mass_kg": np.full(24, 500.0),
+    "speed_mps": np.geomspace(2.0, 30.0, 24),
+    "angle_deg": RANDOM.uniform(20.0, 65.0, 24),
+}
+CONTENT = {"parameters": {"c_v": {}, "k_E": {}}, "starts": 3, "accuracy": "balanced"}
+
+
+@pytest.fixture(scope="module")
+def twin():
+    """Impacts on Table 1, v_t with noise of 3 % of each value."""
+    jax.config.update("jax_enable_x64", True)
+    impact = Impact(speed=IMPACTS["speed_mps"], angle=np.deg2rad(IMPACTS["angle_deg"]))
+    scene = Scene(Block(mass=IMPACTS["mass_kg"]), Soil(), impact)
+    truth = np.asarray(simulate_batch(scene).tangential_velocity)
+    noise = np.random.default_rng(8).normal(size=24)
+    return IMPACTS | {"v_t_mps": truth * (1.0 + PART * noise)}
+
+
+@pytest.fixture(scope="module")
+def result(twin, tmp_path_factory):
+    memory = FitCache(tmp_path_factory.mktemp("kept") / "unfinished")
+    found = study_of(
+        joined_tables((table_given(twin),)), CONTENT | {"scatter": PROPORTIONAL}
+    )
+    return fit_study(found, cache=memory), memory
+
+
+@pytest.mark.slow
+def test_a_twin_shows_its_noise(result):
+    """r from some 22 degrees of freedom: to 15 %; 3 of them. It is printed."""
+    variant = result[0].variants[0]
+    part = part_of(variant.objective, variant.points)
+    assert part == pytest.approx(PART, rel=0.45)
+    assert target_rows(result[0], variant)[1][-1] == (
+        f"{100 * part:.3g} % of the value (estimated)"
+    )
+    # A further test is taken to be measured as well.
+    sigma = default_measure(variant)["v_t_mps"]
+    assert sigma.relative == pytest.approx(part)
+    assert 0.0 < sigma.absolute < part * np.max(variant.predicted)
+
+
+def test_it_goes_on_from_memory(result):
+    """Every fit is found again, and the numbers are the same."""
+    first, memory = result
+    kept = len(list(memory.folder.iterdir()))
+    again = fit_study(first.study, cache=memory)
+    assert memory.found >= kept
+    assert len(list(memory.folder.iterdir())) == kept
+    for name in ("parameters", "sigma"):
+        found, before = (getattr(one.variants[0], name) for one in (again, first))
+        np.testing.assert_array_equal(found, before)
+
+
+@pytest.mark.slow
+def test_predictions_have_the_part_of_their_values(result, tmp_path):
+    """Through fit.json. One of a version before has the median's sigma everywhere."""
+    found = result[0]
+    examined = examine(found)
+    summary = " ".join(Calibration(found, examined).summary().split())
+    assert "the same fraction of the value" in summary
+    tree = as_json(found, examined)
+    assert tree["manifest"]["scatter"] == {"v_t_mps": PROPORTIONAL}
+    path = tmp_path / "fit.json"
+    path.write_text(in_lines(tree))
+    new = {
+        "mass_kg": [500.0] * 3,
+        "speed_mps": [2.5, 8.0, 25.0],
+        "angle_deg": [40.0] * 3,
+    }
+    prediction = predict(path, new)
+    variant = prediction.variants[0]
+    part = part_of(found.variants[0].objective, found.variants[0].points)
+    sigma, best = variant.sigma[:, 0], variant.best[:, 0]
+    # The draws' median beside the best fit: a part of r, with one unknown to 1 %.
+    np.testing.assert_allclose(sigma / best, part, rtol=0.02)
+    assert f"The scatter of v_t_mps is {100 * part:.3g} % of the value" in str(
+        prediction
+    )
+    for one in tree["variants"][0]["fit"].values():
+        median = one["sigma"]
+        del one["part_of_size"], one["least_size"]
+    del tree["manifest"]["scatter"]
+    path.write_text(in_lines(tree))
+    assert read_fitted(path).variants[0].proportional == {}
+    np.testing.assert_allclose(predict(path, new).variants[0].sigma, median)

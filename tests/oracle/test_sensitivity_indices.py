@@ -1,0 +1,336 @@
+"""Sobol indices and elementary effects: known ones, with failures among the samples."""
+
+import json
+import types
+
+import numpy as np
+import pytest
+from SALib.sample import morris as morris_sample
+from SALib.sample import sobol as sobol_sample
+from SALib.test_functions import Ishigami
+
+from jaximpact import (
+    Block,
+    Impact,
+    Outcome,
+    Range,
+    Scene,
+    morris,
+    read_netcdf,
+    sobol,
+    write_netcdf,
+)
+from jaximpact.errors import InputError
+from jaximpact.quantities import RESULT_COLUMNS
+from jaximpact.sensitivity import in_words
+from jaximpact.sensitivity.figures import plot_heat_map, plot_morris, plot_sobol
+from jaximpact.sensitivity.morris_effects import LEVELS, morris_of
+from jaximpact.sensitivity.samples import problem_of
+from jaximpact.sensitivity.sobol_indices import sobol_of
+
+ANGLES = (-np.pi, np.pi)
+# f = sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1, Ishigami and Homma (1990): parts of its
+# variance in closed form.
+_A, _B, _PI4 = 7.0, 0.1, np.pi**4
+_VARIANCE = _A**2 / 8 + _B * _PI4 / 5 + _B**2 * _PI4**2 / 18 + 0.5
+_ALONE = 0.5 * (1 + _B * _PI4 / 5) ** 2, _A**2 / 8, 0.0
+_TOGETHER = _B**2 * _PI4**2 * (1 / 18 - 1 / 50)  # of x1 and x3
+FIRST = np.array(_ALONE) / _VARIANCE
+TOTAL = FIRST + np.array([_TOGETHER, 0.0, _TOGETHER]) / _VARIANCE
+
+
+@pytest.fixture(scope="module")
+def ishigami_blocks():
+    """4096 blocks of Ishigami's function, `(blocks, 5)`."""
+    shares = sobol_sample.sample(
+        problem_of("abc"), 4096, calc_second_order=False, seed=1
+    )
+    return Ishigami.evaluate((2.0 * shares - 1.0) * np.pi).reshape(-1, 5)
+
+
+def with_failures(blocks, part, seed=2):
+    """Some of the values made NaN."""
+    failed = np.random.default_rng(seed).random(blocks.shape) < part
+    return np.where(failed, np.nan, blocks)
+
+
+# --- the estimators
+
+
+def test_indices_of_ishigami_s_function_with_failures(ishigami_blocks):
+    blocks = with_failures(ishigami_blocks, 0.05)
+    found = sobol_of(blocks, seed=0)
+    # 5 % of five impacts: a quarter of the blocks.
+    assert found.groups.dropped == np.isnan(blocks).any(axis=1).sum()
+    assert 0.2 < found.groups.dropped / 4096 < 0.25
+    for index, interval, exact in (
+        (found.first_order, found.first_order_interval, FIRST),
+        (found.total_order, found.total_order_interval, TOTAL),
+    ):
+        # Four standard deviations; the interval is 1.96 of them.
+        assert (np.abs(index - exact) < 2.0 * interval + 1e-12).all()
+        assert (interval < 0.08).all()
+    assert found.mean == pytest.approx(_A / 2, abs=0.2)
+    assert found.standard_deviation**2 == pytest.approx(_VARIANCE, rel=0.1)
+
+
+def test_a_mean_in_the_place_of_failures_would_be_wrong(ishigami_blocks):
+    # Why whole blocks are left out: with the mean filled in, even parameters that do
+    # nothing seem needed.
+    blocks = with_failures(ishigami_blocks, 0.1)
+    filled = sobol_of(np.where(np.isnan(blocks), np.nanmean(blocks), blocks), seed=0)
+    right = sobol_of(blocks, seed=0)
+    assert (np.abs(right.total_order - TOTAL) < 0.03).all()
+    assert (filled.total_order - TOTAL > 0.04).all()
+
+
+def test_blocks_with_failures_count_as_if_they_were_not_there(ishigami_blocks):
+    blocks = with_failures(ishigami_blocks[:512], 0.05)
+    whole = blocks[~np.isnan(blocks).any(axis=1)]
+    masked, by_hand = sobol_of(blocks, seed=5), sobol_of(whole, seed=5)
+    for name in ("first_order", "first_order_interval", "total_order"):
+        np.testing.assert_array_equal(getattr(masked, name), getattr(by_hand, name))
+    assert masked.groups.kept == by_hand.groups.kept == len(whole)
+    assert masked.groups.dropped == 512 - len(whole)
+
+
+def test_trajectories_with_failures_count_as_if_they_were_not_there():
+    shares = morris_sample.sample(problem_of("abc"), 100, num_levels=LEVELS, seed=1)
+    shares = shares.reshape(100, 4, 3)
+    values = Ishigami.evaluate((2.0 * shares.reshape(-1, 3) - 1.0) * np.pi)
+    values = with_failures(values.reshape(100, 4), 0.05)
+    taken = ~np.isnan(values).any(axis=1)
+    masked = morris_of(shares, values, seed=5)
+    by_hand = morris_of(shares[taken], values[taken], seed=5)
+    for of_masked, of_hand in zip(masked[:4], by_hand[:4], strict=True):
+        np.testing.assert_array_equal(of_masked, of_hand)
+    assert masked.groups.dropped == (~taken).sum() > 0
+
+
+def test_effects_of_a_straight_line_are_its_slopes():
+    shares = morris_sample.sample(problem_of("ab"), 10, num_levels=LEVELS, seed=1)
+    values = 3.0 * shares[:, 0] - 2.0 * shares[:, 1]
+    found = morris_of(shares.reshape(10, 3, 2), values.reshape(10, 3), seed=0)
+    np.testing.assert_allclose(found.mean_effect, [3.0, -2.0], rtol=1e-12)
+    np.testing.assert_allclose(found.mean_absolute_effect, [3.0, 2.0], rtol=1e-12)
+    np.testing.assert_allclose(found.effect_deviation, 0.0, atol=1e-12)
+
+
+def test_what_cannot_be_estimated_is_not(ishigami_blocks):
+    few = ishigami_blocks[:64].copy()
+    few[:40, 0] = np.nan
+    none = np.full((64, 5), np.nan)
+    constant = np.full((64, 5), 0.1)
+    for blocks, words, dropped in (
+        (few, "less than half of the groups", 40),
+        (none, "no group", 64),
+        (constant, "does not change", 0),
+    ):
+        found = sobol_of(blocks, seed=0)
+        assert words in found.groups.reason
+        assert found.groups.dropped == dropped
+        assert np.isnan(found.total_order).all()
+        assert np.isnan(found.first_order_interval).all()
+
+
+def test_every_seed_gives_the_same_again_zero_too(ishigami_blocks):
+    # SALib takes a seed of 0 for none, and NumPy's global state instead.
+    blocks = ishigami_blocks[:256]
+    intervals = []
+    for seed in (0, 0, 1):
+        np.random.seed(len(intervals))  # noqa: NPY002
+        intervals.append(sobol_of(blocks, seed).total_order_interval)
+    np.testing.assert_array_equal(intervals[0], intervals[1])
+    assert (intervals[0] != intervals[2]).any()
+
+
+# --- ranges
+
+
+def test_ranges_hold_what_they_say():
+    shares = np.array([0.0, 0.25, 0.5, 1.0])
+    np.testing.assert_allclose(Range(2.0, 10.0).values(shares), [2.0, 4.0, 6.0, 10.0])
+    even = Range(0.1, 10.0, "log-uniform").values(shares)
+    np.testing.assert_allclose(even, [0.1, 10.0**-0.5, 1.0, 10.0], rtol=1e-14)
+    ends = Range(0.3, 1.0, "log-uniform").values(np.linspace(-1e-15, 1.0 + 1e-15, 99))
+    assert ends.min() == 0.3
+    assert ends.max() == 1.0
+
+
+@pytest.mark.parametrize(
+    ("ranges", "words"),
+    [
+        ({"c_w": (0, 1), "k_E": (1, 2)}, "parameter c_w is unknown; did you mean c_v?"),
+        ({"c_v": (0, 1)}, "at least two parameters"),
+        ({"c_v": (-1, 1), "k_E": (1, 2)}, "c_v must be at least 0, but ranges to -1"),
+        ({"c_v": (1, 1), "k_E": (1, 2)}, "must run upwards"),
+        ({"c_v": 3.0, "k_E": (1, 2)}, "Range(lower, upper) or a pair"),
+        (
+            {"c_v": Range(0, 1, "log-uniform"), "k_E": (1, 2)},
+            "must begin above 0 to be log-uniform",
+        ),
+        (
+            {"c_v": Range(0, 1, "loguniform"), "k_E": (1, 2)},
+            "did you mean log-uniform?",
+        ),
+    ],
+)
+def test_wrong_ranges_are_refused(ranges, words):
+    for method in (sobol, morris):
+        with pytest.raises(InputError) as caught:
+            method(Scene(), ranges)
+        assert words in str(caught.value)
+
+
+def test_wrong_sizes_of_samples_are_refused():
+    ranges = {"c_v": (0.5, 1.0), "k_E": (500, 900)}
+    with pytest.raises(InputError, match="power of two, but is 1000; take 1024"):
+        sobol(Scene(), ranges, blocks=1000)
+    with pytest.raises(InputError, match="at least 2, but is 1"):
+        morris(Scene(), ranges, trajectories=1)
+    with pytest.raises(InputError, match="seed must be at least 0, but is -1"):
+        sobol(Scene(), ranges, seed=-1)
+    with pytest.raises(ValueError, match="must be a scalar"):
+        sobol(Scene(Block(mass=[1.0, 2.0])), ranges)
+
+
+# --- whole studies
+
+FAILED_ABOVE = 3.0
+
+
+@pytest.fixture
+def ishigami_model(monkeypatch):
+    """Ishigami's function in the place of the model: e_n of orientation and of two
+    numbers of the ground. Impacts with x3 above 3 fail; e_t has no value at all."""
+
+    def simulate_batch(scene, *, accuracy, journal, progress):
+        x = np.stack(
+            [scene.impact.orientation, scene.soil.delta_1, scene.soil.delta_2], axis=1
+        )
+        failed = x[:, 2] > FAILED_ABOVE
+        e_n = np.where(failed, np.nan, Ishigami.evaluate(x))
+        result = dict.fromkeys((c.field for c in RESULT_COLUMNS.values()), 0.0 * e_n)
+        codes = np.where(failed, Outcome.failed, Outcome.detached)
+        changed = {"e_n": e_n, "e_t": np.full_like(e_n, np.nan), "outcome_code": codes}
+        return types.SimpleNamespace(**result | changed)
+
+    monkeypatch.setattr("jaximpact.sensitivity.samples.simulate_batch", simulate_batch)
+
+
+ISHIGAMI_RANGES = {
+    "orientation_deg": (-180.0, 180.0),
+    "delta_1": ANGLES,
+    "delta_2": ANGLES,
+}
+
+
+def test_a_study_of_a_known_function(ishigami_model, tmp_path):
+    found = sobol(Scene(), ISHIGAMI_RANGES, ("e_n", "e_t", "duration_s"), seed=4)
+    e_n = found.sel(output="e_n")
+    # Of five impacts in a block three have x3 from A and two from B, so a block is lost
+    # with one of the two above 3.
+    lost = 1.0 - (1.0 - (np.pi - FAILED_ABOVE) / (2.0 * np.pi)) ** 2
+    assert int(e_n.groups_dropped) / 4096 == pytest.approx(lost, abs=0.002)
+    outcomes = json.loads(found.attrs["outcomes"])
+    assert sum(outcomes.values()) == 5 * 4096
+    assert outcomes["failed"] / (5 * 4096) == pytest.approx(lost / 2, rel=0.05)
+    # The indices are those of the function where the model has values: x3 in
+    # (-pi, 3). There, with p = x3^4, f = (1 + 0.1 p) sin x1 + 7 sin^2 x2.
+    x3 = np.linspace(-np.pi, FAILED_ABOVE, 20001)
+    factor = 1.0 + _B * x3**4
+    alone = 0.5 * factor.mean() ** 2, _A**2 / 8, 0.0
+    together = 0.5 * factor.var()
+    exact = np.array(alone) / (sum(alone) + together)
+    assert (
+        np.abs(e_n.first_order - exact) < 2 * e_n.first_order_interval + 1e-12
+    ).all()
+    assert "no group" in str(found.sel(output="e_t").reason.values)
+    assert "does not change" in str(found.sel(output="duration_s").reason.values)
+    assert found.attrs["seed"] == 4
+    assert json.loads(found.attrs["ranges"])["delta_1"]["lower"] == -np.pi
+    assert "SALib" in json.loads(found.attrs["versions"])
+
+    dropped = int(e_n.groups_dropped)
+    text = in_words(found)
+    assert f"e_n: {dropped} of 4096 blocks left out" in text
+    assert f"{outcomes['failed']} failed" in text
+    assert "e_t: none, since no group has all its values" in text
+    write_netcdf(tmp_path / "indices.nc", found)
+    assert read_netcdf(tmp_path / "indices.nc").total_order.equals(found.total_order)
+    figure = plot_sobol(found, tmp_path / "sobol.png")
+    assert f"{dropped} of 4096 blocks left out" in figure.axes[0].get_title()
+    bars = [bar.get_width() for bar in figure.axes[0].patches]
+    assert bars == [*e_n.first_order.values, *e_n.total_order.values]
+    assert [t.get_text() for t in plot_heat_map(found).axes[0].texts][3:6] == [
+        "none"
+    ] * 3
+
+
+def test_effects_of_a_known_function(ishigami_model, tmp_path):
+    found = morris(Scene(), ISHIGAMI_RANGES, ("e_n",), trajectories=64)
+    # The levels are at thirds of the range, of which x3 = pi fails: half of its steps
+    # of two thirds reach it.
+    assert 0 < int(found.groups_dropped[0]) < 64
+    assert int(found.groups_dropped[0]) + int(found.groups_kept[0]) == 64
+    found = morris(
+        Scene(), ISHIGAMI_RANGES | {"delta_2": (-np.pi, 2.9)}, ("e_n",), trajectories=64
+    )
+    assert int(found.groups_dropped[0]) == 0
+    # At the levels, -pi, -pi/3, pi/3 and pi, sin^2 is 0, 3/4, 3/4 and 0: every step
+    # changes 7 sin^2 by as much.
+    effect = found.sel(output="e_n", parameter="delta_1")
+    exact = 7.0 * 0.75 / (2.0 / 3.0)
+    assert float(effect.mean_absolute_effect) == pytest.approx(exact, rel=1e-12)
+    figure = plot_morris(found, tmp_path / "morris.png")
+    assert figure.axes[0].get_xlabel() == "mu* [-]"
+    assert "mu* / sigma" in in_words(found)
+
+
+# --- with the model
+
+RANGES = {
+    "c_v": Range(0.1, 10.0, "log-uniform"),
+    "k_E": Range(200.0, 5000.0, "log-uniform"),
+    "speed_mps": (5.0, 25.0),
+}
+BASE = Scene(Block(mass=500.0), impact=Impact())
+
+
+def test_a_seed_repeats_a_study_and_a_journal_goes_on(tmp_path):
+    journal = tmp_path / "journal"
+    told = []
+
+    def stop_half_way(done, total):
+        told.append(done)
+        if done > total / 2:
+            raise KeyboardInterrupt
+
+    how = {"blocks": 64, "accuracy": "fast", "journal": journal}
+    with pytest.raises(KeyboardInterrupt):
+        sobol(BASE, RANGES, progress=stop_half_way, **how)
+    resumed = []
+    found = sobol(BASE, RANGES, progress=lambda *now: resumed.append(now), **how)
+    assert resumed[0][0] >= max(told) / 2
+    assert resumed[-1] == (320, 320)
+    again = sobol(BASE, RANGES, blocks=64, accuracy="fast")
+    assert again.identical(found)
+    with pytest.raises(InputError, match="is no journal of this run"):
+        sobol(BASE, RANGES, seed=1, **how)
+    other = sobol(BASE, RANGES, blocks=64, accuracy="fast", seed=1)
+    assert not other.total_order.equals(found.total_order)
+    # A sphere that comes in along the normal neither slides nor turns.
+    assert "no group" in str(found.sel(output="e_t").reason.values)
+    assert "does not change" in str(found.sel(output="omega_radps").reason.values)
+
+
+def test_methods_agree_on_what_matters():
+    # Depth is by far most a matter of speed and of how the ground hardens, not of its
+    # stiffness.
+    outputs = ("max_penetration_m",)
+    total = sobol(BASE, RANGES, outputs, blocks=256).total_order[0]
+    strength = morris(BASE, RANGES, outputs, trajectories=64).mean_absolute_effect[0]
+    for found in (total, strength):
+        stiffness = float(found.sel(parameter="k_E"))
+        assert stiffness < 0.2 * found.sel(parameter="speed_mps")
+        assert stiffness < 0.2 * found.sel(parameter="c_v")

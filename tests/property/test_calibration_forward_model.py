@@ -1,0 +1,147 @@
+"""The engine of the fits: by machine code and by XLA, the same numbers."""
+
+import numpy as np
+import pytest
+
+from jaximpact import Scene
+from jaximpact.calibration import fit_study, read_study
+from jaximpact.calibration.estimation.starts import SOME_TESTS, some_tests
+from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.objective import Objective
+from jaximpact.quantities import INPUT_COLUMNS, leaf_places
+
+pytestmark = pytest.mark.slow
+
+STUDY = 'data = "tests.csv"\n'
+TABLE = """\
+mass_kg,aspect_ratio,speed_mps,angle_deg,orientation_deg,e_n,max_sinking_m
+500,2,15,40,30,0.1,0.2
+100,1,8,20,0,0.1,0.2
+"""
+SOILS = ([0.5, 1.7, 900.0], [2.0, 5.0, 300.0])
+
+
+@pytest.fixture
+def study(tmp_path):
+    (tmp_path / "tests.csv").write_text(TABLE)
+    (tmp_path / "study.toml").write_text(STUDY)
+    return read_study(tmp_path / "study.toml")
+
+
+def test_every_column_is_a_leaf_of_the_scene(study):
+    """What stands in a column's leaf is its value in SI."""
+    scene = study.tests.scene({})
+    objective = Objective(study, study.variants[0], None)
+    places = leaf_places(Scene())
+    leaves = dict(zip(places, objective._leaves[list(places.values())], strict=True))
+    assert set(leaves) == set(INPUT_COLUMNS)
+    for name, column in INPUT_COLUMNS.items():
+        value = getattr(getattr(scene, column.part), column.field)
+        np.testing.assert_array_equal(leaves[name], value)
+
+
+def test_machine_code_and_xla_agree(study, monkeypatch):
+    """Steps differ by rounding alone, so that results agree far beyond the tolerance
+    of 1e-8 with which both integrate; derivatives follow steps less closely."""
+    usual = Objective(study, study.variants[0], engine_of(study))
+    x = usual.bounds.coordinate(SOILS)
+    expected = usual(x)
+    monkeypatch.setattr(
+        "jaximpact.calibration.problem.forward_model.computes_on_cpu", lambda: False
+    )
+    by_xla = engine_of(study)
+    assert (usual.engine.name, by_xla.name) == ("machine code", "XLA")
+    received = Objective(study, study.variants[0], by_xla)(x)
+    np.testing.assert_allclose(received.predicted, expected.predicted, rtol=1e-6)
+    largest = np.max(np.abs(expected.jacobian), axis=(0, 1, 3), keepdims=True)
+    np.testing.assert_allclose(
+        received.jacobian / largest, expected.jacobian / largest, atol=1e-4
+    )
+    np.testing.assert_array_equal(received.outcomes, expected.outcomes)
+
+
+def test_values_alone_are_the_same_numbers(study, monkeypatch):
+    """To the last bit: which code computes them depends on their number alone, and
+    nobody shall see it."""
+    objective = Objective(study, study.variants[0], engine_of(study))
+    x = objective.bounds.coordinate(SOILS)
+    expected = objective(x)
+    for many in (1, 10**6):
+        monkeypatch.setattr("jaximpact.calibration.problem.forward_model.MANY", many)
+        found = objective.values(x)
+        for name in ("predicted", "outcomes", "cost"):
+            np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+        assert not np.any(found.jacobian)
+        assert not np.any(found.gradient)
+
+
+def test_a_part_of_the_tests(study):
+    """Costs of the parts add up to that of all, which without priors is a sum."""
+    objective = Objective(study, study.variants[0], engine_of(study))
+    x = objective.bounds.coordinate(SOILS)
+    parts = [objective.of_tests(np.array([test]))(x) for test in range(2)]
+    whole = objective(x)
+    for name in ("cost", "gradient", "hessian"):
+        received = sum(getattr(part, name) for part in parts)
+        np.testing.assert_allclose(received, getattr(whole, name), rtol=1e-12)
+
+
+def test_many_tests_are_begun_with_some(tmp_path, monkeypatch):
+    """A fit whose starts saw half of the tests ends where one ends that saw all."""
+    angles = np.linspace(0.0, 60.0, 12)
+    restitution = 0.3 - 0.2 * angles / 60.0
+    rows = (f"{a},{e}" for a, e in zip(angles, restitution, strict=True))
+    (tmp_path / "tests.csv").write_text("\n".join(["angle_deg,e_n", *rows]))
+    (tmp_path / "study.toml").write_text(STUDY + "starts = 6\n")
+    study = read_study(tmp_path / "study.toml")
+    expected = fit_study(study).variants[0]
+    told = []
+    monkeypatch.setattr("jaximpact.calibration.estimation.starts.MANY_TESTS", 8)
+    monkeypatch.setattr("jaximpact.calibration.estimation.starts.SOME_TESTS", 6)
+    found = fit_study(study, progress=told.append).variants[0]
+    assert any(line.startswith("6 tests, step 0: 6 of 6 fits") for line in told)
+    assert found.predicted.shape == (12, 1)
+    # Both end some thousandths of a standard error from the minimum.
+    error = 1e-2 * found.sigma[0, 0]
+    assert found.cost == pytest.approx(expected.cost, rel=1e-5)
+    np.testing.assert_allclose(found.predicted, expected.predicted, atol=error)
+    assert np.sum(found.reached) >= 1
+    assert np.all(found.start_costs >= found.cost * (1.0 - 1e-9))
+
+
+def test_some_tests_hold_what_is_seldom_measured(tmp_path):
+    """Of 1000 tests of e_n, five with a depth and one without anything."""
+    rows = [f"{i % 80},0.2," for i in range(1000)]
+    rows[10] = "10,,"
+    for place in (3, 500, 700, 800, 999):
+        rows[place] = f"{place % 80},0.2,0.1"
+    (tmp_path / "tests.csv").write_text(
+        "\n".join(["angle_deg,e_n,max_sinking_m", *rows])
+    )
+    chosen = some_tests(read_study(tmp_path / "tests.csv"))
+    assert {3, 500, 700, 800, 999} <= set(chosen)
+    assert 10 not in chosen
+    assert SOME_TESTS // 2 <= len(chosen) <= SOME_TESTS
+
+
+def test_a_derivative_without_bound_spoils_no_fit(study):
+    """It counts as none, like that of a result that could not be computed; the other
+    lane and the other target keep theirs."""
+
+    class Steep:
+        engine = engine_of(study)
+
+        def run(self, *arguments):
+            values, derivatives, outcomes = self.engine.run(*arguments)
+            derivatives = np.array(derivatives)
+            flat = derivatives.reshape(-1, len(study.targets))
+            flat[0, 0], flat[1, 0] = np.inf, 1e200
+            return values, derivatives, outcomes
+
+    x = Objective(study, study.variants[0], None).bounds.coordinate(SOILS)
+    usual = Objective(study, study.variants[0], Steep.engine)(x)
+    found = Objective(study, study.variants[0], Steep())(x)
+    assert np.all(np.isfinite(found.hessian))
+    assert np.all(np.isfinite(found.gradient))
+    np.testing.assert_array_equal(found.hessian[1], usual.hessian[1])
+    assert np.any(found.hessian[0] != usual.hessian[0])

@@ -1,0 +1,308 @@
+"""Tables of the model's impacts: exact at their nodes, sharp at jumps, true in a
+run-out."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from runout_scenes import BIPLANAR
+from text_files import rows_of
+
+from jaximpact import Block, Impact, Outcome, Soil, simulate
+from jaximpact.errors import InputError
+from jaximpact.lookup import (
+    Nodes,
+    Tabulated,
+    measure_error,
+    random_impacts,
+    read_table,
+    tabulate,
+    write_csv,
+    write_table,
+)
+from jaximpact.lookup.table import Direction, direction_of, impact_from, look_up_many
+from jaximpact.lookup.table_files import DIMENSIONS
+from jaximpact.lookup.tabulation import axes_of, compute
+from jaximpact.runout import FullModel, Release, simulate_runout
+
+SPHERE, ELONGATED = Block(), Block(aspect_ratio=2.0)
+STEEP = float(np.arctan2(230.0, 400.0))
+
+
+@pytest.fixture(scope="module")
+def of_sphere():
+    return tabulate(SPHERE, slopes=[0.0, STEEP], nodes=Nodes(10, 16, 25))
+
+
+@pytest.fixture(scope="module")
+def of_elongated():
+    return tabulate(ELONGATED, slopes=[STEEP], nodes=Nodes(6, 8, 17, 9))
+
+
+def impacts_at(table, places):
+    """Impacts at nodes of a table."""
+    axes = axes_of(table)
+    speed, elevation, azimuth, orientation, slope = (
+        axis[place] for axis, place in zip(axes, places, strict=True)
+    )
+    return impact_from(
+        table.block, Direction(speed, elevation, azimuth), orientation, slope
+    )
+
+
+@pytest.mark.parametrize("aspect_ratio", [0.5, 1.0, 3.0])
+def test_coordinates_are_taken_there_and_back(aspect_ratio):
+    generator = np.random.default_rng(1)
+    block = Block(aspect_ratio=aspect_ratio)
+    n = 1000
+    there = Direction(
+        generator.uniform(0.01, 100.0, n),
+        generator.uniform(0.001, 0.5 * np.pi - 0.001, n),
+        generator.uniform(-np.pi, np.pi, n),
+    )
+    impact = impact_from(block, there, generator.uniform(0.0, 7.0, n), 0.3)
+    for back, value in zip(direction_of(block, impact), there, strict=True):
+        # The slip is a difference of velocities that are larger.
+        np.testing.assert_allclose(back, value, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("which", ["of_sphere", "of_elongated"])
+def test_at_its_nodes_a_table_is_the_model(which, request):
+    table = request.getfixturevalue(which)
+    generator = np.random.default_rng(2)
+    places = [generator.integers(0, n, 300) for n in table.outcomes.shape]
+    # At the pole azimuths are one.
+    places[1] = generator.integers(0, table.outcomes.shape[1] - 1, 300)
+    impact = impacts_at(table, places)
+    blows = compute(table.block, table.soil, impact, "fast")
+    entry = look_up_many(table, impact)
+    assert np.mean(np.asarray(entry.outcome) == blows.outcome) > 0.99
+    same = np.asarray(entry.outcome) == blows.outcome
+    assert len(set(blows.outcome[same])) > 1
+    size = np.asarray(direction_of(table.block, impact).total_speed)[same]
+    for found, model in zip(entry[:-1], blows.response, strict=True):
+        error = np.abs(np.asarray(found)[same] - model[same])
+        error /= 1.0 + size + np.abs(model[same])
+        # Coordinates to rounding; and by rounding the model may take another step,
+        # which changes it within its tolerance.
+        assert np.quantile(error, 0.95) < 1e-9
+        assert np.max(error) < 1e-3
+
+
+def test_the_law_is_called_with_scalars_and_agrees_with_simulate(of_sphere):
+    """At a node, so that only the accuracies differ."""
+    impact = impacts_at(of_sphere, [6, 9, 5, 0, 1])
+    scalar = jax.tree.map(jnp.asarray, impact)
+    after = of_sphere(SPHERE, scalar)
+    result = simulate(SPHERE, Soil(), scalar, accuracy="reference")
+    for name, value in after._asdict().items():
+        assert float(value) == pytest.approx(float(getattr(result, name)), rel=1e-3)
+
+
+@pytest.mark.slow
+def test_more_nodes_bring_a_table_nearer(of_elongated):
+    coarse = tabulate(ELONGATED, slopes=[STEEP], nodes=Nodes(3, 4, 9, 5))
+    assert of_elongated.error.median < 0.7 * coarse.error.median
+    assert of_elongated.error.of_90_percent < coarse.error.of_90_percent
+    assert of_elongated.error.wrong_outcomes < coarse.error.wrong_outcomes
+
+
+@pytest.mark.slow
+def test_errors_of_a_table_that_is_the_model_are_none(of_sphere):
+    """Measured at the nodes themselves, and not with a shifted table."""
+    generator = np.random.default_rng(3)
+    places = [generator.integers(1, n - 1, 500) for n in of_sphere.outcomes.shape[:3]]
+    places += [np.zeros(500, int), np.zeros(500, int)]
+    impact = impacts_at(of_sphere, places)
+    error = measure_error(of_sphere, impact)
+    assert error.impacts == 500
+    assert error.of_90_percent < 1e-6
+    assert error.energy == pytest.approx(error.energy_of_model, rel=1e-3)
+    shifted = dataclasses.replace(of_sphere, entries=of_sphere.entries + 0.1)
+    assert measure_error(shifted, impact).median > 0.05
+
+
+@pytest.mark.slow
+def test_where_outcomes_meet_nothing_is_mixed(of_sphere):
+    """A made-up table that is 1 for one outcome and 2 for another."""
+    generator = np.random.default_rng(4)
+    codes = generator.integers(0, 2, of_sphere.outcomes.shape)
+    table = dataclasses.replace(
+        of_sphere,
+        outcomes=jnp.asarray(codes),
+        entries=jnp.broadcast_to(1.0 + codes[..., None], of_sphere.entries.shape),
+    )
+    entry = look_up_many(table, random_impacts(table, 2000))
+    np.testing.assert_allclose(entry.duration, 1.0 + np.asarray(entry.outcome))
+    assert set(np.asarray(entry.outcome)) == {0, 1}
+
+
+@pytest.mark.slow
+def test_a_block_looks_the_same_after_half_a_turn(of_elongated):
+    impact = random_impacts(of_elongated, 500)
+    turned = dataclasses.replace(impact, orientation=impact.orientation + np.pi)
+    one, other = look_up_many(of_elongated, impact), look_up_many(of_elongated, turned)
+    same = np.asarray(one.outcome) == np.asarray(other.outcome)
+    assert np.mean(same) > 0.99
+    # To the rounding of the angle; a jump lies between a few.
+    for a, b in zip(one[:3], other[:3], strict=True):
+        assert np.quantile(np.abs(a - b), 0.99) < 1e-6
+
+
+@pytest.mark.slow
+def test_derivatives_are_those_of_the_table(of_elongated):
+    def after(speed):
+        impact = Impact(speed=speed, angle=0.7, orientation=0.4, slope=STEEP)
+        return of_elongated(ELONGATED, impact).tangential_velocity
+
+    step = 1e-4
+    difference = (after(13.0 + step) - after(13.0 - step)) / (2.0 * step)
+    derivative = float(jax.grad(after)(13.0))
+    assert derivative == pytest.approx(float(difference), rel=1e-6)
+
+
+def test_beyond_the_table_impacts_fail_and_slow_ones_have_its_edge(of_sphere):
+    def outcome(**values):
+        entry = of_sphere.look_up(Impact(**values))
+        return Outcome(int(entry.outcome)), float(entry.tangential_velocity)
+
+    assert outcome(speed=119.0, angle=0.2)[0] != Outcome.failed
+    for beyond in ({"speed": 130.0}, {"slope": STEEP + 0.01}, {"slope": -0.01}):
+        code, velocity = outcome(angle=0.2, **beyond)
+        assert code == Outcome.failed
+        assert np.isnan(velocity)
+    slow = [
+        float(of_sphere.look_up(Impact(speed=v, angle=0.3)).duration)
+        for v in (0.1, 0.001)
+    ]
+    assert slow[0] == pytest.approx(slow[1], rel=1e-9)
+    away, velocity = outcome(speed=5.0, angle=2.0)
+    assert away == Outcome.separating
+    assert velocity == pytest.approx(5.0 * np.sin(2.0))
+
+
+def released(block, count):
+    generator = np.random.default_rng(5)
+    height = 230.0 + float(max(block.semi_axes)) + generator.uniform(0.5, 5.0, count)
+    return Release(
+        block,
+        np.ones(count),
+        height,
+        20.0 * np.cos(0.17),
+        generator.uniform(-4.0, 4.0, count),
+        generator.uniform(0.0, np.pi, count),
+        generator.uniform(0.0, 100.0, count),
+    )
+
+
+@pytest.mark.slow
+def test_spheres_run_as_far_by_a_table_as_by_the_model(of_sphere):
+    """Quartiles of 400 run-outs. The table is right to 1 % of the speed; they differ
+    by some 100 m among themselves."""
+    release = released(SPHERE, 400)
+    model = simulate_runout(BIPLANAR, release, FullModel("fast"))
+    table = simulate_runout(BIPLANAR, release, Tabulated(of_sphere))
+    assert set(table.count_endings()) == {"stopped"}
+    quartiles = [np.quantile(runs.x, [0.25, 0.5, 0.75]) for runs in (model, table)]
+    np.testing.assert_allclose(*quartiles, atol=15.0)
+    contacts = [len(runs.contacts.time) for runs in (model, table)]
+    assert contacts[1] == pytest.approx(contacts[0], rel=0.25)
+
+
+@pytest.mark.slow
+def test_a_trajectory_does_not_depend_on_the_others(of_sphere):
+    release = released(SPHERE, 60)
+    alone, together = (
+        simulate_runout(BIPLANAR, release, Tabulated(of_sphere), width=width)
+        for width in (7, 60)
+    )
+    np.testing.assert_array_equal(alone.x, together.x)
+    np.testing.assert_array_equal(alone.contacts.time, together.contacts.time)
+
+
+@pytest.mark.slow
+def test_every_block_finds_its_table(of_sphere, of_elongated):
+    impact = Impact(speed=np.full(4, 10.0), angle=np.full(4, 0.5))
+    impact = dataclasses.replace(
+        impact,
+        **{n: np.full(4, v) for n, v in (("orientation", 0.3), ("slope", STEEP))},
+    )
+    impact = dataclasses.replace(impact, angular_velocity=np.zeros(4))
+    block = Block(aspect_ratio=np.array([1.0, 2.0, 1.0, 2.0]))
+    blows = Tabulated([of_elongated, of_sphere])(block, Soil(), impact)
+    one = Impact(speed=10.0, angle=0.5, orientation=0.3, slope=STEEP)
+    for k, table in enumerate((of_sphere, of_elongated)):
+        expected = table.look_up(one)
+        for lane in (k, k + 2):
+            assert blows.response.duration[lane] == pytest.approx(
+                float(expected.duration)
+            )
+            assert blows.outcome[lane] == expected.outcome
+    with pytest.raises(InputError, match="no table was made for a block of 100 kg"):
+        Tabulated(of_sphere)(block, Soil(), impact)
+    with pytest.raises(InputError, match="no table was made"):
+        Tabulated(of_sphere)(SPHERE, Soil(gamma_v=1.7), impact)
+
+
+@pytest.mark.slow
+def test_a_table_is_read_as_it_was_written(of_elongated, tmp_path):
+    path = tmp_path / "table.nc"
+    write_table(path, of_elongated)
+    read = read_table(path)
+    assert read.error == of_elongated.error
+    assert read.accuracy == of_elongated.accuracy
+    for a, b in zip(jax.tree.leaves(read), jax.tree.leaves(of_elongated), strict=True):
+        # Angles of the soil are written in degrees.
+        np.testing.assert_allclose(a, b, rtol=1e-14)
+    # And is known as that of the same block and ground.
+    Tabulated(read)(
+        ELONGATED, Soil(), jax.tree.map(np.asarray, random_impacts(read, 3))
+    )
+
+
+def test_the_rows_for_other_programs_are_the_models_impacts(of_elongated, tmp_path):
+    path = tmp_path / "table.csv"
+    write_csv(path, of_elongated)
+    rows = rows_of(path)
+    assert len(rows) == of_elongated.outcomes.size
+    assert tuple(rows[0])[:5] == DIMENSIONS
+    places = np.unravel_index(1234, of_elongated.outcomes.shape)
+    row = rows[1234]
+    impact = impacts_at(of_elongated, [np.array([place]) for place in places])
+    degree = np.pi / 180.0
+    assert float(row["speed_mps"]) == pytest.approx(float(impact.speed[0]))
+    assert float(row["angle_deg"]) * degree == pytest.approx(float(impact.angle[0]))
+    blow = compute(ELONGATED, Soil(), impact, "fast").response
+    assert float(row["normal_velocity_mps"]) == pytest.approx(blow.normal_velocity[0])
+    assert float(row["e_t"]) == pytest.approx(
+        blow.tangential_velocity[0] / float(impact.tangential_velocity[0])
+    )
+    assert (tmp_path / "table.csv.manifest.json").is_file()
+
+
+def test_a_file_without_a_table_is_refused(tmp_path, of_sphere):
+    path = tmp_path / "none.nc"
+    path.write_bytes(b"nothing")
+    with pytest.raises(InputError):
+        read_table(path)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"speeds": (0.0, 10.0)}, "speeds of a table must ascend from above 0"),
+        ({"speeds": (5.0, 1.0)}, "speeds of a table must ascend"),
+        ({"slopes": []}, "slopes of a table must be a list that ascends"),
+        ({"slopes": [0.2, 0.1]}, "slopes of a table must be a list that ascends"),
+        ({"slopes": [2.0]}, r"slopes of a table must be in \(-pi/2, pi/2\)"),
+        ({"nodes": Nodes(speed=1)}, "a table needs at least 2 nodes of speed"),
+        ({"block": Block(mass=-1.0)}, "mass"),
+        ({"accuracy": "quick"}, "accuracy must be one of"),
+    ],
+)
+def test_values_out_of_range_are_told(values, message):
+    with pytest.raises(ValueError, match=message):
+        tabulate(**values)

@@ -1,0 +1,423 @@
+"""Machine code of the package's own: it computes what JAX computes, for every lane."""
+
+import dataclasses
+import hashlib
+import importlib.resources
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaximpact import Block, Impact, Scene, Soil, batch, simulate, simulate_batch
+from jaximpact.backend.native_backend import compile_native, compile_native_along
+from jaximpact.backend.simd import NoMachineCode, compile_kernel
+from jaximpact.backend.simd import lower_jaxpr as translation
+from jaximpact.errors import IncompleteError, NoMachineCodeWarning
+from jaximpact.impact.problem import Assembly
+from jaximpact.impact.reduced_models import MODELS
+from jaximpact.impact.specialize import depends
+from jaximpact.laws import Vesic
+from jaximpact.store import kept, open_cache
+
+ONE = jax.ShapeDtypeStruct((1,), float)
+
+
+def native(function, *arguments):
+    """A function of arrays `(lanes,)` in machine code: lanes end after a step that
+    does nothing."""
+    kernel = compile_kernel(
+        lambda inputs: jnp.zeros(1),
+        lambda state: (state, jnp.zeros(1, bool)),
+        lambda inputs, state: function(*inputs),
+        [ONE] * len(arguments),
+    )
+    arguments = np.stack(np.broadcast_arrays(*arguments)).astype(float)
+    names = np.arange(arguments.shape[1])
+    ended, results = kernel.workspace().run(names, arguments, wait=False)
+    ordered = np.empty_like(results)
+    ordered[:, ended] = results
+    return jax.tree.unflatten(kernel.structure, list(ordered))
+
+
+def spread(low, high, count=20_000):
+    """Numbers of both signs, their logarithms evenly spread."""
+    size = np.geomspace(low, high, count)
+    return np.concatenate([-size, size])
+
+
+FUNCTIONS = {
+    "exp": (jnp.exp, np.exp, [spread(1e-20, 708.0)]),
+    "log": (jnp.log, np.log, [np.geomspace(1e-307, 1e307), np.linspace(0.5, 2, 9999)]),
+    "sin": (jnp.sin, np.sin, [spread(1e-20, 10.0), spread(1.0, 1e5)]),
+    "cos": (jnp.cos, np.cos, [spread(1e-20, 10.0), spread(1.0, 1e5)]),
+    "atan": (jnp.arctan, np.arctan, [spread(1e-20, 1e20), spread(0.1, 3.0)]),
+    "cbrt": (jnp.cbrt, np.cbrt, [spread(1e-300, 1e300), spread(0.1, 3.0)]),
+    "tan": (jnp.tan, np.tan, [spread(1e-20, 1.5)]),
+}
+WRITTEN = {
+    "acos": (jnp.arccos, np.arccos, [spread(1e-20, 0.99999)]),
+    "acosh": (jnp.arccosh, np.arccosh, [1.0 + np.geomspace(1e-10, 1e300, 20_000)]),
+    "asin": (jnp.arcsin, np.arcsin, [spread(1e-20, 0.99999)]),
+    "asinh": (jnp.arcsinh, np.arcsinh, [spread(1e-20, 1e300)]),
+    "atanh": (jnp.arctanh, np.arctanh, [spread(1e-20, 0.99999)]),
+    "ceil": (jnp.ceil, np.ceil, [spread(0.01, 1e18)]),
+    "cosh": (jnp.cosh, np.cosh, [spread(1e-20, 700.0)]),
+    "exp2": (jnp.exp2, np.exp2, [spread(1e-10, 5.0)]),
+    "expm1": (jnp.expm1, np.expm1, [spread(1e-20, 700.0)]),
+    "floor": (jnp.floor, np.floor, [spread(0.01, 1e18)]),
+    "log1p": (jnp.log1p, np.log1p, [np.geomspace(1e-20, 1e300), spread(1e-20, 0.99)]),
+    "logistic": (jax.nn.sigmoid, lambda x: 1 / (1 + np.exp(-x)), [spread(1e-9, 700)]),
+    "rsqrt": (jax.lax.rsqrt, lambda x: 1 / np.sqrt(x), [np.geomspace(1e-300, 1e300)]),
+    "sinh": (jnp.sinh, np.sinh, [spread(1e-20, 700.0)]),
+    "tanh": (jnp.tanh, np.tanh, [spread(1e-20, 700.0)]),
+}
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_functions_written_by_others(name):
+    function, exact, ranges = WRITTEN[name]
+    x = np.concatenate(ranges)
+    expected = exact(x.astype(np.longdouble))
+    error = np.abs(native(function, x) - expected)
+    # Each is made of two to four operations that are within two units.
+    assert np.max(error / np.spacing(np.abs(expected).astype(float))) < 5.0
+    ends = np.array([0.0, np.inf, -np.inf, np.nan, -1.0, 1.0, -600.0, 600.0])
+    with np.errstate(all="ignore"):
+        at_ends = exact(ends)
+    np.testing.assert_allclose(native(function, ends), at_ends, rtol=1e-13, atol=0.0)
+
+
+def test_functions_of_two_numbers_written_by_others():
+    numbers = np.random.default_rng(0)
+    a, b = numbers.uniform(0.01, 10.0, 5_000), numbers.uniform(-5.0, 5.0, 5_000)
+    # exp(b log a) loses as many units as |b log a| is large.
+    np.testing.assert_allclose(native(lambda x, y: x**y, a, b), a**b, rtol=1e-14)
+    whole = np.round(b)
+    found = native(lambda x, y: x**y, -a, whole)
+    np.testing.assert_allclose(found, (-a) ** whole, rtol=1e-14)
+    np.testing.assert_allclose(
+        native(jnp.arctan2, b, a - 5.0), np.arctan2(b, a - 5.0), rtol=1e-15
+    )
+    for ours, theirs in ((jnp.fmod, np.fmod), (jnp.mod, np.mod)):
+        np.testing.assert_allclose(native(ours, a, b), theirs(a, b), atol=2e-15)
+    edges = np.array([0.0, 0.0, 0.0, -2.0, np.nan, 2.0])
+    powers = np.array([2.0, 0.0, -1.5, 0.5, 2.0, np.nan])
+    with np.errstate(all="ignore"):
+        expected = edges**powers
+    np.testing.assert_array_equal(native(lambda x, y: x**y, edges, powers), expected)
+    clipped = native(lambda x: jax.lax.clamp(-1.0, x, 2.0), a - 5.0)
+    np.testing.assert_array_equal(clipped, np.clip(a - 5.0, -1.0, 2.0))
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_elementary_functions(name):
+    function, exact, ranges = FUNCTIONS[name]
+    x = np.concatenate(ranges)
+    expected = exact(x.astype(np.longdouble))
+    error = np.abs(native(function, x) - expected) / np.spacing(
+        np.abs(expected).astype(float)
+    )
+    # A quotient is a product with an inverse, which rounds once more; a tangent is one
+    # of two numbers that are each within two units.
+    allowed = {"tan": 4.0, "atan": 2.5}
+    assert np.max(error) < allowed.get(name, 2.0)
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_elementary_functions_at_the_ends(name):
+    function, exact, _ = FUNCTIONS[name]
+    x = np.array([0.0, -0.0, np.inf, -np.inf, np.nan, -1.0, 1.0, -800.0, 800.0])
+    with np.errstate(all="ignore"):
+        expected = exact(x)
+    np.testing.assert_allclose(native(function, x), expected, rtol=1e-15, atol=0.0)
+
+
+SPECIAL = np.array(
+    [0.0, -0.0, 1.0, -1.0, 2.5, -2.5, 1e200, -1e200, np.inf, -np.inf, np.nan]
+)
+PAIRS = [side.ravel() for side in np.meshgrid(SPECIAL, SPECIAL)]
+OPERATIONS = {
+    "arithmetic": lambda a, b: (a + b, a - b, a * b, a / b, -a, a * 0.0, a + 0.0),
+    "comparisons": lambda a, b: [
+        jnp.where(c, 1.0, 0.0) for c in (a < b, a <= b, a > b, a >= b, a == b, a != b)
+    ],
+    "truths": lambda a, b: [
+        jnp.where(c, a, b)
+        for c in (
+            (a > 0.0) & (b > 0.0),
+            (a > 0.0) | (b > 0.0),
+            (a > 0.0) != (b > 0.0),
+            ~(a > 0.0),
+            jnp.isfinite(a),
+        )
+    ],
+    "extremes": lambda a, b: (
+        *(jnp.maximum(a, b), jnp.minimum(a, b), jnp.maximum(a, 1.0)),
+        *(jnp.minimum(1.0, b), jnp.clip(a, -1.0, 2.0), jnp.abs(a), jnp.sign(a)),
+    ),
+    "powers": lambda a, b: (
+        *(a**2, a**3, a**-1, a**-2, b**0, jnp.sqrt(a), jnp.square(b)),
+        jnp.abs(a) ** 0.2,
+        jnp.abs(b) ** -0.06,
+    ),
+    "integers": lambda a, b: (
+        jnp.where(jnp.isfinite(a), (a > 0).astype(int) + 2 * (b > 0) - 1, 0) * 1.0
+    ),
+    "rows": lambda a, b: (
+        *jnp.stack([a, b, b])[1:],
+        jnp.sum(jnp.stack([a, b, a]), 0),
+        jnp.min(jnp.stack([a, b]), 0),
+        jnp.max(jnp.stack([a, b]), 0),
+        jnp.any(jnp.stack([a, b]) > 0.0, 0) * 1.0,
+        jnp.all(jnp.stack([a, b]) > 0.0, 0) * 1.0,
+        jnp.argmin(jnp.stack([a, b], -1), -1) * 1.0,
+        *jnp.tensordot(np.array([[1.0, 2.0], [3.0, 4.0]]), jnp.stack([a, b]), 1),
+    ),
+    "parts": lambda a, b: (
+        *jnp.split(jnp.stack([a, b, a, b]), [1, 3])[1],
+        *jnp.unstack(jnp.stack([a, b], -1), axis=-1),
+        *jnp.flip(jnp.stack([a, b]), 0),
+        *jnp.tile(jnp.stack([a, b]), (2, *[1] * a.ndim)),
+    ),
+    "loop": lambda a, b: jax.lax.fori_loop(
+        0, 3, lambda i, x: x.at[i].set(a * i + b), jnp.zeros((3, *a.shape))
+    )[2],
+}
+
+
+@pytest.mark.parametrize("name", OPERATIONS)
+def test_operations(name):
+    function = OPERATIONS[name]
+    found = native(function, *PAIRS)
+    expected = jax.vmap(function, -1, -1)(*PAIRS)
+    # Rounding of a logarithm up to 92, by which 1e200 is raised to 0.2.
+    for mine, theirs in zip(
+        jax.tree.leaves(found), jax.tree.leaves(expected), strict=True
+    ):
+        np.testing.assert_allclose(mine, theirs, rtol=2e-14, atol=0.0)
+
+
+def test_entry_of_a_row_by_its_place():
+    table = np.array([3.0, 1.0, 4.0])
+
+    def pick(a, b, c):
+        row = jnp.stack([a, b, c])
+        place = jnp.argmin(row)
+        return row[place], jnp.asarray(table)[place]
+
+    rows = np.random.default_rng(0).normal(size=(3, 21))
+    least, entry = native(jax.vmap(pick), *rows)
+    np.testing.assert_array_equal(least, rows.min(0))
+    np.testing.assert_array_equal(entry, table[rows.argmin(0)])
+
+
+def test_what_has_no_native_code_is_named():
+    with pytest.raises(NoMachineCode, match="'erf_inv'"):
+        native(jax.scipy.special.erfinv, np.zeros(1))
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda x: jnp.maximum((x > 0.0).astype(int), 1),
+        lambda x: ((x > 0.0).astype(int)) ** 2,
+        lambda x: jax.lax.cond(x[0] > 0.0, jnp.sin, jnp.cos, x),
+        lambda x: jax.lax.while_loop(lambda x: x[0] > 1.0, lambda x: 0.5 * x, x),
+    ],
+)
+def test_what_might_be_taken_for_something_else_is_refused(function):
+    with pytest.raises(NoMachineCode, match="no native"):
+        native(function, np.ones(1))
+
+
+@pytest.fixture(scope="module")
+def counter():
+    """Lanes that add up the numbers from their input down to 1, one a step."""
+    return compile_kernel(
+        lambda start: (start, jnp.zeros(1)),
+        lambda state: ((state[0] - 1.0, state[1] + state[0]), state[0] > 1.0),
+        lambda start, state: state[1],
+        ONE,
+    )
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 8, 9, 200])
+def test_every_lane_comes_to_its_own_end(counter, count):
+    numbers = np.random.default_rng(count).integers(1, 300, count)
+    names = np.arange(count)[::-1] + 5
+    ended, (sums,) = counter.workspace().run(names, numbers[None], wait=False)
+    assert sorted(ended) == sorted(names)
+    expected = dict(zip(names, numbers * (numbers + 1) // 2, strict=True))
+    assert [expected[name] for name in ended] == sums.tolist()
+
+
+def test_lanes_go_on_over_several_calls(counter):
+    workspace, seen = counter.workspace(), {}
+    numbers = np.random.default_rng(0).integers(1, 300, 60)
+    for part in [*np.split(np.arange(60), [3, 30, 31]), np.zeros(0, int)]:
+        ended, (sums,) = workspace.run(part, numbers[None, part], wait=len(part) > 0)
+        assert not seen.keys() & set(ended)
+        seen |= dict(zip(ended, sums, strict=True))
+        # What is left waits in columns that are not all full.
+        begun = part[-1] + 1 if len(part) else 60
+        assert begun - len(seen) <= (7 if len(part) else 0)
+    assert [seen[k] for k in range(60)] == (numbers * (numbers + 1) // 2).tolist()
+
+
+def test_inputs_of_another_shape_are_refused(counter):
+    with pytest.raises(ValueError, match=r"shape \(2, 3\), need \(1, 3\)"):
+        counter.workspace().run(np.arange(3), np.zeros((2, 3)), wait=False)
+
+
+def oblique_scenes(count):
+    draw = np.random.default_rng(3).uniform
+    return Scene(
+        Block(mass=draw(1.0, 500.0, count), aspect_ratio=draw(0.6, 3.0, count)),
+        Soil(gamma_v=draw(1.0, 10.0, count)),
+        Impact(
+            speed=draw(5.0, 30.0, count),
+            angle=draw(-1.2, 1.2, count),
+            orientation=draw(0.0, np.pi, count),
+            angular_velocity=draw(-50.0, 50.0, count),
+        ),
+    )
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """An empty directory for what is compiled."""
+    monkeypatch.setenv("JAXIMPACT_CACHE_DIR", str(tmp_path / "cache"))
+    open_cache.cache_clear()
+    yield tmp_path / "cache"
+    open_cache.cache_clear()
+
+
+def test_code_is_kept(cache):
+    def make():
+        made.append(0)
+        return b"\n{code}\n"
+
+    made = []
+    code = kept("one", make)
+    assert kept("one", make) == code == make()
+    assert len(made) == 2
+    kept("other", make)
+    assert len(made) == 3
+    assert len(list(cache.glob("machine-*"))) == 2
+
+
+def test_kept_machine_code_runs(cache, monkeypatch):
+    compile_native.cache_clear()
+    scenes = oblique_scenes(20)
+    made = simulate_batch(scenes, accuracy="fast")
+    compile_native.cache_clear()
+    monkeypatch.setattr("jaximpact.backend.lane_functions.compile_code", None)
+    found = simulate_batch(scenes, accuracy="fast")
+    for a, b in zip(jax.tree.leaves(made), jax.tree.leaves(found), strict=True):
+        np.testing.assert_array_equal(a, b)
+    compile_native.cache_clear()
+
+
+@pytest.mark.parametrize(
+    "compiled",
+    [compile_native, pytest.param(compile_native_along, marks=pytest.mark.slow)],
+)
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
+def test_every_model_has_machine_code(model, compiled):
+    # Whatever the version of JAX: what has none is ten times slower.
+    structure = jax.tree.structure(Scene())
+    assembly = Assembly(structure, model, ledger=True)
+    assert compiled(assembly).code.result_rows > 20
+
+
+@pytest.mark.xla
+def test_impacts_as_by_xla(monkeypatch):
+    scenes = oblique_scenes(40)
+    mine = simulate_batch(scenes, accuracy="reference", ledger=True)
+    monkeypatch.setattr(batch, "computes_on_cpu", lambda: False)
+    timing = {}
+    theirs = simulate_batch(scenes, accuracy="reference", ledger=True, timing=timing)
+    assert timing["engine"] == "XLA"
+    np.testing.assert_array_equal(mine.outcome_code, theirs.outcome_code)
+    # Rounding changes the steps at the onset, and results by less than the error of
+    # "reference", 1e-7; the median is left with rounding.
+    for name in ("e_n", "e_t", "e_bar", "rotation"):
+        difference = np.abs(getattr(mine, name) - getattr(theirs, name))
+        assert np.nanmax(difference) < 1e-7
+        assert np.nanmedian(difference) < 1e-11
+    for found, expected in zip(
+        jax.tree.leaves(mine.energy), jax.tree.leaves(theirs.energy), strict=True
+    ):
+        scale = np.nanmax(np.abs(expected))
+        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9 * scale)
+
+
+class BearingWithoutMachineCode(Vesic):
+    def factors(self, friction):
+        # Nothing but a primitive that is not translated.
+        return jax.tree.map(
+            lambda x: x + 0.0 * jax.lax.digamma(x + 1.0), super().factors(friction)
+        )
+
+
+def on_ground_without_machine_code(scenes):
+    soil = dataclasses.replace(scenes.soil, bearing=BearingWithoutMachineCode())
+    return dataclasses.replace(scenes, soil=soil)
+
+
+@pytest.mark.xla
+def test_laws_without_native_code_run_by_xla_and_say_so():
+    scenes = oblique_scenes(4)
+    others = on_ground_without_machine_code(scenes)
+    timing = {}
+    told = r"'digamma' \(.*test_native_backend.py:\d+, in BearingWithoutMachineCode.*\)"
+    with pytest.warns(NoMachineCodeWarning, match=told):
+        other = simulate_batch(others, accuracy="fast", timing=timing)
+    # Once: here a second warning would be an error.
+    structure = jax.tree.structure(others)
+    assert compile_native(Assembly(structure, MODELS[0], ledger=True)) is None
+    assert timing["engine"] == "XLA"
+    result = simulate_batch(scenes, accuracy="fast", timing=timing)
+    assert timing["engine"] == "machine code"
+    # To the error of "fast".
+    np.testing.assert_allclose(other.e_bar, result.e_bar, atol=5e-4)
+
+
+def test_the_slower_way_can_be_refused(monkeypatch):
+    monkeypatch.setenv("JAXIMPACT_REQUIRE_MACHINE_CODE", "1")
+    with pytest.raises(IncompleteError, match="no native code for the primitive"):
+        simulate_batch(on_ground_without_machine_code(oblique_scenes(2)))
+    with pytest.raises(IncompleteError, match="no native code for the primitive"):
+        jax.jit(simulate)(on_ground_without_machine_code(oblique_scenes(2)))
+
+
+def test_a_primitive_that_a_later_jax_describes_otherwise_is_named(monkeypatch):
+    def described_otherwise(equation):
+        return equation.params["count_of_constants"], 1
+
+    monkeypatch.setattr(translation, "scan_counts", described_otherwise)
+    with pytest.raises(NoMachineCode, match=r"JAX .* 'scan' .*count_of_constants"):
+        native(OPERATIONS["loop"], *PAIRS)
+
+
+def test_dependence_is_seen_through_calls():
+    @jax.jit
+    def inner(a, b):
+        return 2.0 * a, a + b
+
+    def function(a, b, c):
+        first, second = inner(a, b)
+        return first, second, c, jax.lax.stop_gradient(b) + c
+
+    traced = jax.make_jaxpr(function)(1.0, 2.0, 3.0).jaxpr
+    assert depends(traced, [True, False, False]) == [True, True, False, False]
+    assert depends(traced, [False, True, False]) == [False, True, False, False]
+    assert depends(traced, [False, False, True]) == [False, False, True, True]
+
+
+def test_driver_is_made_from_its_source():
+    """driver.ll, which runs, is that of driver.c, which is read: else `make driver`."""
+    folder = importlib.resources.files("jaximpact.backend.simd")
+    digest = hashlib.sha256((folder / "driver.c").read_bytes()).hexdigest()
+    assert digest in (folder / "driver.ll").read_text().partition("\n")[0]

@@ -1,0 +1,343 @@
+"""An impact as an operation of JAX: the same numbers, to the last bit, whatever is done
+around it."""
+
+import concurrent.futures
+import dataclasses
+import functools
+import math
+import re
+import time
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax import export
+
+from benchmarks.impacts import mixed_scenes
+from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate, simulate_batch
+from jaximpact.backend import native_backend as machine
+from jaximpact.backend import operation
+from jaximpact.backend.threads import thread_count
+from jaximpact.impact.reduced_models import MODELS, PLANAR, exact_models
+from jaximpact.shapes import Ellipsoid
+
+pytestmark = pytest.mark.slow
+
+FAST = functools.partial(simulate, accuracy="fast", ledger=False)
+UNDAMPED = dict.fromkeys(("eta_N", "eta_T", "eta_R"), 0.0)
+"""Known inside of `jit` too, which saves the models with dashpots."""
+COUNT = 37
+"""Not a multiple of the eight lanes of a vector."""
+
+
+@pytest.fixture(scope="module")
+def scenes() -> Scene:
+    """Of all parametric sets: half of them fall vertically, without rotation."""
+    return jax.tree.map(jnp.asarray, mixed_scenes(COUNT, seed=3))
+
+
+@pytest.fixture(scope="module")
+def expected(scenes):
+    return simulate_batch(scenes, accuracy="fast")
+
+
+def rebound(gamma_v, c_v, scene: Scene):
+    soil = dataclasses.replace(scene.soil, gamma_v=gamma_v, c_v=c_v, **UNDAMPED)
+    return FAST(Scene(scene.block, soil, scene.impact)).e_n
+
+
+def by_one(scenes: Scene):
+    """Rebound and its derivatives, scene by scene, without any compilation."""
+    found = []
+    for k in range(COUNT):
+        scene = jax.tree.map(lambda x, k=k: x[k], scenes)
+        found.append(
+            jax.value_and_grad(rebound, argnums=(0, 1))(
+                scene.soil.gamma_v, scene.soil.c_v, scene
+            )
+        )
+    return jax.tree.map(lambda *x: np.array(x), *found)
+
+
+@pytest.fixture(scope="module")
+def gradients(scenes):
+    return by_one(scenes)
+
+
+def assert_same(result, expected):
+    for name in ("e_n", "e_t", "e_bar", "max_normal_force", "duration", "outcome_code"):
+        np.testing.assert_array_equal(getattr(result, name), getattr(expected, name))
+
+
+def test_values_are_those_of_a_batch(scenes, expected):
+    assert_same(jax.jit(jax.vmap(FAST))(scenes), expected)
+    assert_same(FAST(scenes), expected)
+    assert_same(jax.jit(FAST)(scenes), expected)
+
+
+def test_fields_broadcast(scenes):
+    """Axes of speed and of soil, in one call, in a nest of vmap, and in both."""
+    speed, c_v = jnp.linspace(5.0, 20.0, 5), jnp.array([0.6, 0.8, 1.0])
+    angle = jnp.array([0.0, 0.5])
+
+    def at(speed, c_v, angle):
+        return FAST(Block(), Soil(c_v=c_v), Impact(speed=speed, angle=angle)).e_n
+
+    together = at(speed[:, None, None], c_v[:, None], angle)
+    assert together.shape == (5, 3, 2)
+    one_by_one = [[[at(v, c, a) for a in angle] for c in c_v] for v in speed]
+    np.testing.assert_array_equal(together, one_by_one)
+    nested = jax.vmap(
+        jax.vmap(jax.vmap(at, (None, None, 0)), (None, 0, None)), (0, None, None)
+    )
+    np.testing.assert_array_equal(jax.jit(nested)(speed, c_v, angle), together)
+    mixed = jax.vmap(lambda v: at(v, c_v[:, None], angle))
+    np.testing.assert_array_equal(jax.jit(mixed)(speed), together)
+    moved = jax.vmap(at, in_axes=(None, 0, None), out_axes=1)(
+        speed[:, None], c_v, angle
+    )
+    np.testing.assert_array_equal(moved, together)
+
+
+def test_gradients_of_a_batch_are_those_of_each(scenes, gradients):
+    values, by_each = gradients
+    gradient = jax.value_and_grad(rebound, argnums=(0, 1))
+    soil = scenes.soil
+    together = jax.vmap(gradient)(soil.gamma_v, soil.c_v, scenes)
+    compiled = jax.jit(jax.vmap(gradient))(soil.gamma_v, soil.c_v, scenes)
+    for found in (together, compiled):
+        np.testing.assert_array_equal(found[0], values)
+        np.testing.assert_array_equal(found[1], by_each)
+
+    def mean(gamma_v, c_v):
+        return jnp.sum(jax.vmap(rebound)(gamma_v, c_v, scenes))
+
+    of_mean = jax.jit(jax.grad(mean, argnums=(0, 1)))(soil.gamma_v, soil.c_v)
+    np.testing.assert_array_equal(of_mean, by_each)
+
+
+@pytest.mark.parametrize(
+    "transform",
+    [
+        jax.jacfwd,
+        jax.jacrev,
+        lambda f: jax.jit(jax.jacfwd(f)),
+        lambda f: lambda x: jax.linearize(f, x)[1](jnp.ones_like(x)),
+        lambda f: lambda x: jax.jvp(f, (x,), (jnp.ones_like(x),))[1],
+        lambda f: lambda x: jax.vjp(f, x)[1](jnp.ones_like(f(x)))[0],
+        lambda f: jax.jit(jax.jacrev(jax.checkpoint(f))),
+    ],
+    ids=["jacfwd", "jacrev", "jit", "linearize", "jvp", "vjp", "checkpoint"],
+)
+def test_transformations_give_one_derivative(scenes, gradients, transform):
+    _, (by_gamma, _) = gradients
+    k = 5
+    scene = jax.tree.map(lambda x: x[k], scenes)
+    found = transform(lambda x: rebound(x, scene.soil.c_v, scene))(scene.soil.gamma_v)
+    # By two parameters at once, and by one: the same steps, in other code.
+    np.testing.assert_allclose(found, by_gamma[k], rtol=1e-13)
+
+
+def test_control_flow(scenes, gradients):
+    """Inside scan, while, cond and map, and differentiated through scan."""
+    values, (by_gamma, _) = gradients
+    soil = scenes.soil
+
+    def add(total, inputs):
+        gamma_v, scene = inputs
+        return total + rebound(gamma_v, scene.soil.c_v, scene), None
+
+    def summed(gamma_v):
+        return jax.lax.scan(add, 0.0, (gamma_v, scenes))[0]
+
+    # Sums in order
+    assert jax.jit(summed)(soil.gamma_v) == functools.reduce(np.add, values, 0.0)
+    found = jax.jit(jax.grad(summed))(soil.gamma_v)
+    np.testing.assert_allclose(found, by_gamma, rtol=1e-13)
+    scene = jax.tree.map(lambda x: x[0], scenes)
+
+    def grows(carry):
+        gamma_v, _ = carry
+        return 2.0 * gamma_v, rebound(2.0 * gamma_v, scene.soil.c_v, scene)
+
+    _, last = jax.jit(
+        lambda g: jax.lax.while_loop(lambda c: c[0] < 5.0, grows, (g, 0.0))
+    )(1.0)
+    assert last == rebound(8.0, scene.soil.c_v, scene)
+    chosen = jax.jit(
+        lambda yes: jax.lax.cond(
+            yes, lambda: rebound(3.0, 0.8, scene), lambda: jnp.zeros(())
+        )
+    )
+    assert chosen(True) == rebound(3.0, 0.8, scene)
+    mapped = jax.lax.map(lambda s: FAST(s).e_n, scenes, batch_size=10)
+    np.testing.assert_array_equal(mapped, values)
+
+
+def test_lanes_may_be_given_away(scenes, expected):
+    speed = jnp.array(scenes.impact.speed)
+    impact = scenes.impact
+
+    @functools.partial(jax.jit, donate_argnums=0)
+    def solved(speed):
+        return FAST(
+            Scene(scenes.block, scenes.soil, dataclasses.replace(impact, speed=speed))
+        ).e_n
+
+    np.testing.assert_array_equal(solved(speed), expected.e_n)
+
+
+def test_several_threads_at_once(scenes, expected):
+    solved = jax.jit(jax.vmap(FAST))
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        for found in pool.map(lambda _: solved(scenes), range(8)):
+            assert_same(found, expected)
+
+
+def test_any_number_of_threads_gives_the_same(scenes, expected):
+    solved = jax.jit(jax.vmap(FAST))
+    try:
+        for count in (1, 2, 5):
+            for known in operation._registered.values():
+                known.driver.operation.threads = count
+            assert_same(solved(scenes), expected)
+    finally:
+        for known in operation._registered.values():
+            known.driver.operation.threads = thread_count()
+
+
+def test_of_threads_that_ask_at_once_one_compiles():
+    asked = []
+
+    @machine._kept_here
+    def compiled(assembly):
+        asked.append(assembly)
+        time.sleep(0.1)
+        return object()
+
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        found = set(pool.map(compiled, ["one", "one", "other", "one"]))
+    assert sorted(asked) == ["one", "other"]
+    assert len(found) == 2
+
+
+def test_a_lane_that_is_no_number_leaves_the_others_alone(scenes, expected):
+    """Also in the order in which lanes begin, which goes by the speed."""
+    speed = scenes.impact.speed.at[3].set(np.nan)
+    impact = dataclasses.replace(scenes.impact, speed=speed)
+    found = jax.jit(FAST)(Scene(scenes.block, scenes.soil, impact))
+    assert found.outcome_code[3] == Outcome.failed
+    assert np.isnan(found.e_n[3])
+    np.testing.assert_array_equal(np.delete(found.e_n, 3), np.delete(expected.e_n, 3))
+
+
+@pytest.mark.parametrize("kind", [jnp.float32, jnp.int64])
+def test_leaves_of_another_type_are_taken_for_their_values(scenes, kind):
+    def with_speed(speed):
+        return eqx.tree_at(lambda s: s.impact.speed, scenes, speed)
+
+    speed = (scenes.impact.speed + 0.3).astype(kind)
+    other, expected = with_speed(speed), FAST(with_speed(speed.astype(float)))
+    for solved in (FAST, jax.jit(FAST), jax.jit(jax.vmap(FAST))):
+        assert_same(solved(other), expected)
+
+
+def test_too_many_axes_are_refused_in_words():
+    speed = jnp.full((1,) * 25, 14.0)
+    with pytest.raises(jax.errors.JaxRuntimeError, match="arrays of at most 24 axes"):
+        jax.jit(FAST)(Scene(impact=Impact(speed=speed)))
+
+
+def test_a_program_can_be_exported(scenes, expected):
+    program = jax.jit(lambda scenes: FAST(scenes).e_n)
+    names = re.findall(r"jaximpact_[0-9a-f]{32}", program.lower(scenes).as_text())
+    allowed = [export.DisabledSafetyCheck.custom_call(name) for name in names]
+    exported = export.export(program, disabled_checks=allowed)(scenes)
+    np.testing.assert_array_equal(exported.call(scenes), expected.e_n)
+
+
+class OfNumbers(Ellipsoid):
+    """A shape that tells of a number alone whether it is upright."""
+
+    def is_upright(self, orientation):
+        return abs(math.sin(2.0 * orientation)) < 1e-12
+
+
+def test_a_shape_that_knows_numbers_alone():
+    """Where JAX traces, the model is one that is always exact."""
+
+    def place(orientation):
+        block = Block(shape=OfNumbers(aspect_ratio=2.0))
+        return exact_models(Scene(block, Soil(), Impact(orientation=orientation)))[0]
+
+    assert place(0.0) == 0
+    assert jax.jit(place)(0.0) == MODELS.index(PLANAR)
+
+
+def test_any_leaf_may_be_differentiated():
+    """By all parameters of a scene at once, against central differences at "reference".
+    Their error is that of the step, 1e-4 of the parameter, squared, and that of the
+    values, some 1e-10 by 1e-4."""
+    damped = Scene(
+        Block(aspect_ratio=1.7, mass=900.0),
+        Soil(dilatancy=0.2, alpha_vR=0.3, eta_N=0.1, eta_T=0.1, eta_R=0.1),
+        Impact(speed=11.0, angle=0.4, orientation=0.3, angular_velocity=1.0, slope=0.2),
+    )
+    undamped = dataclasses.replace(damped.soil, **UNDAMPED)
+
+    def rebound(scene):
+        return simulate(scene, accuracy="reference", ledger=False).e_n
+
+    for scene in (damped, Scene(damped.block, undamped, damped.impact)):
+        found = jax.tree.leaves(jax.grad(rebound)(scene))
+        leaves, structure = jax.tree.flatten(scene)
+        paths = [
+            jax.tree_util.keystr(p)
+            for p, _ in jax.tree_util.tree_leaves_with_path(scene)
+        ]
+        for place, (path, leaf) in enumerate(zip(paths, leaves, strict=True)):
+            if leaf == 0.0:
+                continue  # at the end of its range
+            sides = [
+                float(
+                    rebound(
+                        jax.tree.unflatten(
+                            structure,
+                            [*leaves[:place], leaf * factor, *leaves[place + 1 :]],
+                        )
+                    )
+                )
+                for factor in (1.0 + 1e-4, 1.0 - 1e-4)
+            ]
+            expected = (sides[0] - sides[1]) / 2e-4
+            assert float(found[place] * leaf) == pytest.approx(
+                expected, rel=1e-4, abs=5e-6
+            ), path
+
+
+def test_second_derivatives_are_refused_in_words():
+    def rebound(c_v):
+        return FAST(Block(), Soil(c_v=c_v), Impact()).e_n
+
+    for second in (jax.hessian(rebound), jax.jit(jax.grad(jax.grad(rebound)))):
+        with pytest.raises(
+            NotImplementedError, match="second derivatives of an impact"
+        ):
+            second(0.8)
+
+
+def test_empty_and_single_lanes():
+    assert FAST(Block(), Soil(), Impact(speed=jnp.zeros(0))).e_n.shape == (0,)
+    one = FAST(Block(), Soil(), Impact(speed=jnp.array([14.0])))
+    assert one.e_n.shape == (1,)
+    assert float(one.e_n[0]) == float(FAST(Block(), Soil(), Impact(speed=14.0)).e_n)
+
+
+def test_float32_is_refused_with_the_cure():
+    with (
+        jax.enable_x64(False),
+        pytest.raises(RuntimeError, match="jax_enable_x64"),
+    ):
+        simulate(Scene())

@@ -1,0 +1,286 @@
+"""The laws that the package has besides the usual ones: finite, dissipative, equal to
+the usual one where they must be, and the equation that each names."""
+
+import math
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from impact_scenes import mixed_scenes
+from other_laws import other_laws
+
+from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate, simulate_batch
+from jaximpact import laws as known
+from jaximpact.laws import Forces
+from jaximpact.shapes import Foundation
+
+pytestmark = pytest.mark.slow
+
+OTHERS = other_laws()
+FLOWS = [kind for slot, kind in OTHERS if slot == "flow"]
+SURFACES = [kind for slot, kind in OTHERS if slot == "loading_surface"]
+FRICTION = 0.9
+"""tan phi_p"""
+# Two orders of summation of the same formula.
+ROUNDING = 1e-13
+
+
+def footing(length=0.4, width=0.3, sinking=0.05):
+    return Foundation(*map(jnp.asarray, (length, width, sinking, 0.2, 0.1, 0.05)))
+
+
+def load_of(normal=3e4, tangential=8e3, moment=-1e3, surface=None, base=None):
+    forces = Forces(*map(jnp.asarray, (normal, tangential, moment)))
+    surface = surface or known.NovaMontrasio()
+    return surface(forces, jnp.asarray(1e5), base or footing(), FRICTION)
+
+
+def numbers_of(result):
+    names = ("e_n", "e_bar", "max_penetration", "max_normal_force", "duration")
+    return np.array([getattr(result, name) for name in names])
+
+
+def ids(pair):
+    return pair[1].__name__
+
+
+@pytest.mark.parametrize("other", OTHERS, ids=ids)
+def test_impacts_end_with_numbers_and_the_ground_gives_no_energy(other):
+    slot, kind = other
+    scene = mixed_scenes(200)
+    soil = Soil(**{slot: kind()}, gamma_v=scene.soil.gamma_v)
+    result = simulate_batch(
+        Scene(scene.block, soil, scene.impact), accuracy="balanced", ledger=True
+    )
+    assert not np.any(result.outcome_code == Outcome.failed)
+    assert np.all(np.isfinite(numbers_of(result)))
+    energy = result.energy
+    incoming = np.asarray(energy.kinetic_in)
+    # By no more than the ledger misses.
+    missed = np.abs(np.asarray(energy.residual)) + 1e-9 * incoming
+    assert np.max(missed / incoming) < 1e-2
+    assert np.all(np.asarray(energy.viscoplastic) >= -missed)
+    assert np.all(np.asarray(energy.slider) >= -missed)
+
+
+RATIOS = st.floats(-1.0, 1.0).map(lambda x: math.copysign(abs(x) ** 3, x))
+
+
+@pytest.mark.parametrize("flow", FLOWS)
+@pytest.mark.parametrize("surface", [known.NovaMontrasio, *SURFACES])
+@given(
+    normal=st.floats(0.0, 1e6),
+    shear=RATIOS,
+    rocking=RATIOS,
+    hardening=st.floats(1e-3, 1.0),
+    length=st.floats(1e-6, 3.0),
+    dilatancy=st.floats(0.0, 1.0),
+)
+def test_flow_dissipates(
+    flow, surface, normal, shear, rocking, hardening, length, dilatancy
+):
+    base = footing(length=length)
+    forces = normal, 3.0 * shear * normal, 3.0 * rocking * length * normal
+    load = load_of(*forces, surface=surface(), base=base)
+    rates = flow(dilatancy=dilatancy)(load, jnp.asarray(hardening), base)
+    assert np.all(np.isfinite(rates))
+    powers = np.multiply(forces, rates)
+    assert np.sum(powers) >= -1e-12 * np.sum(np.abs(powers))
+
+
+# Where each is the usual law
+
+
+def test_a_fluidity_that_is_a_rate_is_one_of_speed_times_the_length():
+    one, half = footing(length=1.0), footing(length=0.5)
+    hardening = jnp.asarray(0.1)
+    for rate, speed in (
+        (known.FluidityRate, known.Perzyna),
+        (known.PowerNucleusRate, known.PowerNucleus),
+    ):
+        load = load_of()
+        same = speed(dilatancy=0.3)(load, hardening, one)
+        np.testing.assert_array_equal(
+            rate(dilatancy=0.3)(load, hardening, one), same, strict=True
+        )
+        np.testing.assert_allclose(
+            rate(dilatancy=0.3)(load, hardening, half),
+            0.5 * np.array(same),
+            rtol=ROUNDING,
+        )
+
+
+def test_hardening_by_every_length_is_the_same_where_lengths_are():
+    flow = known.FlowRate(*map(jnp.asarray, (0.3, -0.1, 0.2)))
+    hardening = jnp.asarray(0.2)
+    values = {"c_v": 0.7, "alpha_vT": 1.5, "alpha_vR": 0.4}
+
+    def rate(kind, **sizes):
+        return float(kind(**values)(hardening, flow, footing(**sizes)))
+
+    usual = rate(known.HardeningPerLength, length=0.5, width=0.2)
+    path = 0.3 + 1.5 * 0.1 + 0.4 * 0.5 * 0.2
+    assert usual == pytest.approx(0.7 * 0.8 * path / 0.5, rel=ROUNDING)
+    root = rate(known.HardeningPerRootArea, length=0.5, width=0.2)
+    assert root == pytest.approx(0.5 / math.sqrt(0.1) * usual, rel=ROUNDING)
+    metre = rate(known.HardeningPerMetre, length=0.5, width=0.2)
+    assert metre == pytest.approx(0.5 * usual, rel=ROUNDING)
+    square = {"length": 1.0, "width": 1.0}
+    for kind in (known.HardeningPerRootArea, known.HardeningPerMetre):
+        assert rate(kind, **square) == pytest.approx(
+            rate(known.HardeningPerLength, **square), rel=ROUNDING
+        )
+
+
+def test_a_sphere_s_foundation_is_as_wide_as_long():
+    impact = Impact(angle=0.6)
+    usual, root = (
+        simulate(Block(), Soil(hardening=kind()), impact, accuracy="reference")
+        for kind in (known.HardeningPerLength, known.HardeningPerRootArea)
+    )
+    np.testing.assert_allclose(numbers_of(usual), numbers_of(root), rtol=1e-7)
+    oblong = Block(aspect_ratio=2.0)
+    usual, root = (
+        simulate(oblong, Soil(hardening=kind()), Impact(orientation=1.5))
+        for kind in (known.HardeningPerLength, known.HardeningPerRootArea)
+    )
+    # Along the minor axis the foundation is twice as long as wide.
+    assert float(usual.max_penetration) > 1.1 * float(root.max_penetration)
+
+
+def test_the_modulus_does_not_hang_on_its_place_without_an_exponent():
+    block, impact = Block(aspect_ratio=2.0), Impact(angle=0.5, orientation=0.4)
+    pair = [
+        simulate(block, Soil(elasticity=kind(n_E=0.0)), impact, accuracy="reference")
+        for kind in (known.DuncanChang, known.ContactPressureModulus)
+    ]
+    np.testing.assert_allclose(*map(numbers_of, pair), rtol=1e-7)
+
+
+def test_work_conjugate_sinking_is_the_usual_one_where_the_arms_are_equal():
+    for block, impact in (
+        (Block(aspect_ratio=2.0), Impact()),
+        (Block(aspect_ratio=2.0), Impact(orientation=0.5 * math.pi)),
+        (Block(), Impact(angle=0.6, angular_velocity=20.0)),
+    ):
+        pair = [
+            simulate(block, Soil(kinematics=kind()), impact, accuracy="reference")
+            for kind in (known.DeepestPoint, known.WorkConjugate)
+        ]
+        np.testing.assert_allclose(*map(numbers_of, pair), rtol=1e-7)
+
+
+def test_work_conjugate_sinking_has_no_arm_work():
+    # Eccentric, where the usual arm work is 14 % of the incoming energy.
+    impact = Impact(orientation=math.radians(30.0), angle=0.3)
+    usual, conjugate = (
+        simulate(Block(aspect_ratio=2.0), Soil(kinematics=kind()), impact)
+        for kind in (known.DeepestPoint, known.WorkConjugate)
+    )
+    assert float(usual.energy.arm) < -0.1 * float(usual.energy.kinetic_in)
+    assert float(conjugate.energy.arm) == 0.0
+    residual = abs(float(conjugate.energy.residual))
+    assert residual < 1e-4 * float(conjugate.energy.kinetic_in)
+    # What the form of the model leaves open in an eccentric impact.
+    assert abs(float(conjugate.e_n) - float(usual.e_n)) < 0.2
+    assert abs(float(conjugate.e_n)) < 0.02
+
+
+# The equation that each names
+
+
+def test_flows_change_what_they_name():
+    hardening, base, load = jnp.asarray(0.2), footing(), load_of()
+    usual = np.array(known.Perzyna()(load, hardening, base))
+    ratio = float(load.size) / 0.2
+    assert ratio > 1.0
+    for flow, factor in (
+        (known.AbsoluteOverstress(), 0.2),
+        (known.SquaredOverstress(), ratio - 1.0),
+        (known.PowerNucleus(nucleus_exponent=3.0), ratio**3 / (ratio - 1.0)),
+        (known.PowerNucleus(), ratio**2 / (ratio - 1.0)),
+    ):
+        np.testing.assert_allclose(
+            flow(load, hardening, base), factor * usual, rtol=1e-12
+        )
+
+
+def test_a_nucleus_without_a_threshold_flows_below_yield():
+    load, hardening = load_of(), jnp.asarray(0.9)
+    assert float(load.size) < 0.9
+    assert float(known.Perzyna()(load, hardening, footing()).normal) == 0.0
+    assert float(known.PowerNucleus()(load, hardening, footing()).normal) > 0.0
+
+
+def test_pressed_springs_carry_the_pressure_that_their_modulus_is_taken_at():
+    law = known.ContactPressureModulus(k_E=700.0, n_E=0.3, poisson=0.25, S_ef=0.8)
+    length, width, elastic = 0.5, 0.32, 2e-3
+    stiffness = law(footing(length, width), jnp.asarray(18e3), jnp.asarray(elastic))
+    normal = float(stiffness.normal) * elastic
+    pressure = normal / (0.25 * math.pi * length * width)
+    shear = 0.8 * 700.0 * 1e5 * (pressure / 1e5) ** 0.3 / 2.5
+    radius = 0.5 * math.sqrt(length * width)
+    shape = 0.957 * math.exp(0.0394 * length / width)
+    expected = (
+        shape * 4.0 * shear * radius / 0.75,
+        8.0 * shear * radius / 1.75,
+        8.0 * shear * radius**3 / 2.25,
+    )
+    np.testing.assert_allclose(stiffness, expected, rtol=1e-12)
+    unloaded = law(footing(), jnp.asarray(18e3), jnp.asarray(0.0))
+    assert np.all(np.isfinite(unloaded))
+    assert np.all(np.array(unloaded) > 0.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "initial"), [(known.SofterStart, 0.001), (known.HarderStart, 0.1)]
+)
+def test_another_start_of_hardening_is_that_and_nothing_else(kind, initial):
+    impact = Impact(angle=0.3)
+    result = simulate(Block(), Soil(hardening=kind()), impact, history=True)
+    assert float(result.history.hardening[0]) == initial
+    flow = known.FlowRate(*map(jnp.asarray, (0.3, -0.1, 0.2)))
+    for hardening in (0.01, 0.2, 0.99):
+        rates = [
+            law(jnp.asarray(hardening), flow, footing())
+            for law in (kind(), known.HardeningPerLength())
+        ]
+        assert float(rates[0]) == float(rates[1])
+
+
+def test_a_vertex_is_rounded_by_what_is_named():
+    xi, h, m = 0.3, 8e3 / (FRICTION * 1e5), 1e3 / (0.33 * 0.4 * 1e5)
+    for surface, rounding in (
+        (known.NovaMontrasio(), 0.01),
+        (known.SharperVertex(), 1e-3),
+        (known.BlunterVertex(), 0.1),
+    ):
+        eta = math.hypot(math.hypot(h, m) / xi, rounding) - rounding
+        load = load_of(surface=surface)
+        assert float(load.size) == pytest.approx(
+            xi / (1.0 - eta ** (1.0 / 0.9)), rel=1e-12
+        )
+
+
+def test_limit_loads_lack_what_they_name():
+    friction = jnp.asarray(0.7)
+    base = footing(0.4, 0.3, 0.2)
+
+    def limit(bearing):
+        return float(bearing(base, jnp.asarray(18e3), bearing.factors(friction)))
+
+    usual, shallow, least = map(
+        limit,
+        (
+            known.Vesic(),
+            known.VesicWithoutDepthFactor(),
+            known.VesicWithoutSurcharge(),
+        ),
+    )
+    surcharge = float(known.Vesic().factors(friction).surcharge)
+    of_depth = 0.25 * math.pi * 0.4 * 0.3 * 18e3 * 0.2 * surcharge
+    shape = 1.0 + 0.75 * math.tan(0.7)
+    assert shallow - least == pytest.approx(of_depth * shape, rel=1e-12)
+    assert usual > shallow

@@ -1,0 +1,632 @@
+"""Calibration: coordinates, steps, known values recovered, verdicts, bad studies."""
+
+import json
+
+import numpy as np
+import pytest
+from calibration_studies import Linear, objective_of, write_study_of
+from error_messages import assert_one_line_error
+
+from jaximpact import PRESETS, Accuracy, Block, Impact, Soil, simulate
+from jaximpact.calibration import read_study, run_study
+from jaximpact.calibration.diagnostics.identifiability import combination
+from jaximpact.calibration.diagnostics.uncertainty import estimate
+from jaximpact.calibration.estimation.least_squares import (
+    FINE,
+    Fits,
+    Reason,
+    bounded_step,
+    levenberg_marquardt,
+)
+from jaximpact.calibration.estimation.starts import (
+    fit,
+    fit_starts,
+    label_minima,
+    spread_starts,
+)
+from jaximpact.calibration.problem.bounds import Bounds
+from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.objective import Objective, Points, start_of
+from jaximpact.cli import main
+from jaximpact.progress import Progress
+
+pytestmark = pytest.mark.slow
+
+TRUE = {"c_v": 2.0, "gamma_v": 5.0, "k_E": 1500.0}
+TESTS = ((100.0, 6.0), (500.0, 15.0), (50.0, 25.0), (2000.0, 10.0))
+TARGETS = ("e_n", "max_penetration_m", "max_normal_force_N")
+STUDY = """\
+data = "tests.csv"
+starts = 16
+seed = 1
+[parameters]
+c_v = { start = 1.0, lower = 0.1, upper = 20.0 }
+gamma_v = { start = 10.0, lower = 0.5, upper = 100.0 }
+k_E = { start = 900.0, lower = 50.0, upper = 20000.0 }
+alpha_s = { start = 0.9, lower = 0.1, upper = 2.0 }
+[default_sigma]
+e_n = 0.01
+max_penetration_m = 0.005
+max_normal_force_N = 5000.0
+"""
+
+
+def write_study(folder, text=STUDY, measured=None):
+    """A study in a folder, its targets the ones given, else ones."""
+    measured = np.ones((len(TESTS), len(TARGETS))) if measured is None else measured
+    columns = "mass_kg", "speed_mps", *TARGETS
+    return write_study_of(folder, text, columns, np.hstack([TESTS, measured]))
+
+
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory):
+    """The machine code of `STUDY`, which all tests share."""
+    return engine_of(read_study(write_study(tmp_path_factory.mktemp("engine"))))
+
+
+def true_point(objective):
+    return objective.bounds.coordinate([*TRUE.values(), 1.0])
+
+
+@pytest.fixture(scope="module")
+def predicted(tmp_path_factory, engine):
+    """What the model gives for the true soil: noise-free targets."""
+    objective = objective_of(write_study(tmp_path_factory.mktemp("true")), engine)
+    return objective(true_point(objective)[None]).predicted[0]
+
+
+@pytest.fixture(scope="module")
+def twin(tmp_path_factory, predicted):
+    """The study of noise-free targets, and where it wrote."""
+    folder = tmp_path_factory.mktemp("twin")
+    path = write_study(folder, measured=predicted)
+    return run_study(path, folder / "out"), folder / "out"
+
+
+def some_bounds():
+    return Bounds(
+        np.array([0.01, -1.0]), np.array([50.0, 3.0]), np.array([True, False])
+    )
+
+
+@pytest.mark.parametrize("p", [(0.01, -1.0), (1.0, 0.0), (50.0, 3.0)])
+def test_coordinates_round_trip(p):
+    bounds = some_bounds()
+    x = bounds.coordinate(p)
+    np.testing.assert_allclose(bounds.parameter(x), p, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(bounds.at_fraction(bounds.fraction(x)), x, atol=1e-12)
+
+
+def test_slope_of_the_coordinates():
+    bounds, x, step = some_bounds(), np.array([0.7, -0.3]), 1e-6
+    change = bounds.parameter(x + step) - bounds.parameter(x - step)
+    # Differences of second order, with rounding.
+    np.testing.assert_allclose(bounds.slope(x), change / (2.0 * step), rtol=1e-9)
+
+
+def test_bounds_are_noticed():
+    bounds = some_bounds()
+    reached = [
+        bounds.bound_reached(bounds.coordinate(p)) for p in ([0.0101, 0.0], [1.0, 2.99])
+    ]
+    assert reached == [["lower", None], [None, "upper"]]
+
+
+def test_starts_are_spread_and_repeat():
+    bounds, nothing = some_bounds(), np.zeros(2)
+    given = bounds.coordinate([1.0, 0.5])
+    free = np.full(2, np.inf)
+    starts = spread_starts(bounds, given, nothing, free, 9, seed=3)
+    again = spread_starts(bounds, given, nothing, free, 9, seed=3)
+    np.testing.assert_array_equal(starts, again)
+    other = spread_starts(bounds, given, nothing, free, 9, seed=4)
+    assert not np.array_equal(starts, other)
+    np.testing.assert_array_equal(starts[0], given)
+    strata = np.floor((bounds.fraction(starts[1:]) - 0.02) / 0.96 * 8).astype(int)
+    for column in strata.T:  # each stratum once
+        np.testing.assert_array_equal(np.sort(column), np.arange(8))
+    assert spread_starts(bounds, given, nothing, free, 1, seed=0).shape == (1, 2)
+
+
+def test_starts_follow_a_prior():
+    bounds, given = some_bounds(), np.zeros(2)
+    sd = np.array([np.inf, 0.1])
+    starts = spread_starts(bounds, given, np.array([0.0, 1.0]), sd, 200, seed=0)
+    values = bounds.parameter(starts[1:])[:, 1]
+    # A sample of 199, in strata: its moments are far closer than those of chance.
+    assert np.mean(values) == pytest.approx(1.0, abs=0.005)
+    assert np.std(values) == pytest.approx(0.1, abs=0.005)
+
+
+class Valley:
+    """Rosenbrock's valley, with its minimum at (1, 1), as an objective."""
+
+    bounds = Bounds(np.array([-5.0, -5.0]), np.array([5.0, 5.0]), np.zeros(2, bool))
+
+    def __call__(self, x, free=None):
+        a, b = self.bounds.parameter(x).T
+        residuals = np.stack([10.0 * (b - a**2), 1.0 - a], axis=1)
+        rows = np.zeros((len(x), 2, 2))
+        rows[:, 0, 0], rows[:, 0, 1], rows[:, 1, 0] = -20.0 * a, 10.0, -1.0
+        return self.points(x, residuals, rows, np.zeros((len(x), 1)))
+
+    def points(self, x, residuals, rows, outcomes, more=0.0):
+        rows = rows * self.bounds.half
+        return Points(
+            x,
+            0.5 * np.sum(residuals**2, axis=1) + more,
+            np.einsum("lrp,lr->lp", rows, residuals),
+            np.einsum("lrp,lrq->lpq", rows, rows),
+            residuals[:, :, None],
+            outcomes,
+            rows[:, :, None, :],
+        )
+
+    def evaluate_partially(self, x, free):
+        return self(x)
+
+    def add_derivatives(self, points, free):
+        return points
+
+    def failed(self, predicted):
+        return ~np.isfinite(predicted)
+
+    def variance(self, cost):
+        return np.abs(cost)
+
+
+class Cliff(Valley):
+    """A slope down to a cliff at a = 0, and no minimum before it."""
+
+    def __call__(self, x, free=None):
+        a = self.bounds.parameter(x)[:, 0]
+        beyond = (a < 0.0).astype(float)
+        residuals = np.stack([1.0 + a, 0.0 * a], axis=1)
+        rows = np.zeros((len(x), 2, 2))
+        rows[:, 0, 0] = 1.0
+        return self.points(x, residuals, rows, beyond[:, None], 100.0 * beyond)
+
+
+def quiet(text):
+    pass
+
+
+def test_rosenbrock_from_everywhere():
+    """The known minimum (1, 1), from 25 points."""
+    grid = np.linspace(-4.0, 4.0, 5)
+    x = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2) / 5.0
+    fits = levenberg_marquardt(Valley(), x, None, FINE, quiet)
+    assert set(fits.reasons) == {Reason.converged}
+    found = Valley.bounds.parameter(fits.points.x)
+    # A promise of 1e-10 leaves 1e-5 in the flattest direction, of curvature 0.2.
+    np.testing.assert_allclose(found, 1.0, atol=1e-4)
+
+
+def test_a_held_unknown_stays():
+    x = np.array([[0.1, 0.5]])
+    fits = levenberg_marquardt(Valley(), x, np.array([[True, False]]), FINE, quiet)
+    assert fits.points.x[0, 1] == 0.5
+    # b = 2.5: the minimum of 100 (b - a^2)^2 + (1 - a)^2 over a.
+    a = Valley.bounds.parameter(fits.points.x)[0, 0]
+    assert -400.0 * a * (2.5 - a**2) - 2.0 * (1.0 - a) == pytest.approx(0.0, abs=1e-2)
+
+
+def test_a_start_at_a_cliff_is_stuck():
+    """The cost falls towards a cliff, and there is no minimum before it."""
+    fits = levenberg_marquardt(Cliff(), np.array([[0.3, 0.0]]), None, FINE, quiet)
+    assert fits.reasons == [Reason.jump]
+    assert not fits.reasons[0].at_minimum
+    assert 0.0 <= fits.points.x[0, 0] < 1e-2
+
+
+def test_a_step_keeps_to_the_bounds_and_goes_down():
+    """Against all corners and edges of a correlated quadratic, by brute force."""
+    random = np.random.default_rng(0)
+    root = random.normal(size=(40, 3, 3))
+    hessian = np.einsum("lpq,lrq->lpr", root, root) + 1e-3 * np.eye(3)
+    gradient = random.normal(size=(40, 3))
+    down, up = -random.random((40, 3)), random.random((40, 3))
+    nothing = np.zeros((40, 0))
+    points = Points(nothing, nothing, gradient, hessian, nothing, nothing, nothing)
+    step, promise = bounded_step(points, np.ones((40, 3), bool), down, up, np.zeros(40))
+    assert np.all((step >= down) & (step <= up))
+    parts = np.stack(np.meshgrid(*[np.linspace(0.0, 1.0, 21)] * 3), -1).reshape(-1, 3)
+    for lane in range(40):
+        grid = down[lane] + parts * (up[lane] - down[lane])
+        model = grid @ gradient[lane] + 0.5 * np.einsum(
+            "gp,pq,gq->g", grid, hessian[lane], grid
+        )
+        assert promise[lane] >= -np.min(model) - 1e-3
+
+
+def linear_study(tmp_path, rows, sigma=None):
+    """A study whose Jacobian is put in by hand."""
+    lines = ["mass_kg,e_n"] + ["1.0,0.0"] * rows
+    (tmp_path / "tests.csv").write_text("\n".join(lines) + "\n")
+    text = """data = "tests.csv"
+[parameters]
+c_v = { start = 1.0, lower = 0.1, upper = 10.0 }
+gamma_v = { start = 1.0, lower = 0.1, upper = 10.0 }
+"""
+    if sigma is not None:
+        text += f"[default_sigma]\ne_n = {sigma}\n"
+    (tmp_path / "study.toml").write_text(text)
+    return read_study(tmp_path / "study.toml")
+
+
+def by_hand(study, jacobian, predicted):
+    """An objective and a point of it, without an engine."""
+    objective = Objective(study, study.variants[0], None)
+    x = np.zeros((1, 2))
+    return objective, objective.evaluate(
+        x,
+        predicted[None, :, None],
+        np.zeros((1, len(predicted))),
+        jacobian[None, :, None],
+    )
+
+
+def test_uncertainty_of_a_linear_fit(tmp_path):
+    """Against the textbook: y = a + b x with a known sigma."""
+    place = np.linspace(0.0, 1.0, 11)
+    jacobian = np.stack([np.ones(11), place], axis=1)
+    objective, point = by_hand(
+        linear_study(tmp_path, 11, 0.5), jacobian, 0.1 * np.ones(11)
+    )
+    found = estimate(objective, point)
+    covariance = 0.5**2 * np.linalg.inv(jacobian.T @ jacobian)
+    np.testing.assert_allclose(found.covariance, covariance, rtol=1e-9)
+    assert found.degrees_of_freedom == pytest.approx(9.0)
+    assert found.inflation == 1.0
+
+
+def test_sigmas_that_are_too_small_are_not_believed(tmp_path):
+    place = np.linspace(0.0, 1.0, 11)
+    jacobian = np.stack([np.ones(11), place], axis=1)
+    predicted = np.where(np.arange(11) % 2, 1.0, -1.0)
+    objective, point = by_hand(linear_study(tmp_path, 11, 0.1), jacobian, predicted)
+    found = estimate(objective, point)
+    assert found.inflation == pytest.approx(11 * 100.0 / 9.0)
+
+
+def test_scatter_that_differs_from_test_to_test(tmp_path):
+    """Against the textbook's sandwich (White's, with leverages), for an estimated
+    sigma."""
+    place = np.linspace(0.0, 1.0, 60)
+    jacobian = np.stack([np.ones(60), place], axis=1)
+    noise = place * np.random.default_rng(0).normal(size=60)
+    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    noise -= jacobian @ inverse @ jacobian.T @ noise
+    # Targets of 0 have a nominal sigma of 0.05.
+    sigma = np.sqrt(np.sum(noise**2) / 58.0)
+    objective, point = by_hand(
+        linear_study(tmp_path, 60), jacobian * sigma / 0.05, noise
+    )
+    objective = objective.with_sigma(np.full((60, 1), sigma))
+    found = estimate(objective, objective.reevaluate(point))
+    leverage = np.einsum("rp,pq,rq->r", jacobian, inverse, jacobian)
+    middle = (jacobian.T * (noise / sigma) ** 2 / (1.0 - leverage)) @ jacobian
+    expected = 0.05**2 * inverse @ middle @ inverse
+    scale = max(1.0, 1.0 / np.mean((noise / sigma) ** 2 / (1.0 - leverage)))
+    np.testing.assert_allclose(found.covariance, scale * expected, rtol=1e-9)
+
+
+def test_a_parameter_without_influence_leaves_the_others_their_errors(tmp_path):
+    jacobian = np.stack([np.ones(11), np.zeros(11)], axis=1)
+    objective, point = by_hand(
+        linear_study(tmp_path, 11, 0.5), jacobian, 0.1 * np.ones(11)
+    )
+    found = estimate(objective, point)
+    assert found.standard_errors[1] > 1e6
+    assert found.standard_errors[0] == pytest.approx(0.5 / np.sqrt(11.0))
+
+
+def test_failed_predictions_say_nothing(tmp_path):
+    jacobian = np.stack([np.ones(11), np.linspace(0.0, 1.0, 11)], axis=1)
+    predicted = np.full(11, 0.1)
+    predicted[5:] = np.nan
+    objective, point = by_hand(linear_study(tmp_path, 11, 0.5), jacobian, predicted)
+    found = estimate(objective, point)
+    covariance = 0.5**2 * np.linalg.inv(jacobian[:5].T @ jacobian[:5])
+    np.testing.assert_allclose(found.covariance, covariance, rtol=1e-9)
+    assert point.cost[0] > 1e6
+
+
+def test_a_combination_in_words():
+    bounds = Bounds(np.ones(3), 2.0 * np.ones(3), np.array([True] * 3))
+    vector = np.array([0.8, -0.4, 0.01])
+    assert combination(("c_v", "gamma_v", "k_E"), bounds, vector) == "c_v gamma_v^-0.50"
+
+
+def test_predictions_are_those_of_the_model(predicted):
+    soil = Soil(**TRUE, alpha_s=1.0)
+    mass, speed = TESTS[1]
+    block, impact = Block(mass=mass), Impact(speed=speed)
+    result = simulate(block, soil, impact, accuracy="reference")
+    expected = (result.e_n, result.max_penetration, result.max_normal_force)
+    # Machine code keeps what is zero by symmetry as an unknown here, and not there.
+    np.testing.assert_allclose(predicted[1], expected, rtol=1e-6)
+
+
+def test_jacobian_equals_central_differences(tmp_path, engine):
+    """Far below the tolerance of any preset, so that differences are not its noise."""
+    exact = Accuracy("exact", 1e-11, PRESETS["reference"].floor)
+    objective = objective_of(write_study(tmp_path), engine, exact)
+    x = true_point(objective)
+    width = 1e-3
+    steps = width * np.eye(len(x))
+    around = objective(np.concatenate([x[None], x + steps, x - steps]))
+    plus, minus = np.split(around.predicted[1:], 2)
+    differences = np.moveaxis((plus - minus) / (2.0 * width), 0, -1)
+    largest = np.max(np.abs(differences), axis=(0, 2), keepdims=True)
+    np.testing.assert_allclose(
+        around.jacobian[0] / largest, differences / largest, rtol=0.0, atol=1e-5
+    )
+
+
+def test_gradient_and_cost_agree(tmp_path, engine):
+    """The objective's gradient, with robust loss and prior, against differences."""
+    text = STUDY.replace("seed = 1", 'seed = 1\nloss = "student"')
+    text = text.replace("upper = 20.0", "upper = 20.0, prior = {mean = 1.0, sd = 0.5}")
+    exact = Accuracy("exact", 1e-11, PRESETS["reference"].floor)
+    measured = np.tile([0.2, 0.3, 1e5], (len(TESTS), 1))
+    path = write_study(tmp_path, text, measured)
+    objective = objective_of(path, engine, exact)
+    x = true_point(objective)
+    steps = 1e-3 * np.eye(len(x))
+    points = objective(np.concatenate([x[None], x + steps, x - steps]))
+    plus, minus = np.split(points.cost[1:], 2)
+    largest = np.max(np.abs(points.gradient[0]))
+    np.testing.assert_allclose(
+        points.gradient[0], (plus - minus) / 2e-3, rtol=0.0, atol=1e-5 * largest
+    )
+
+
+def test_a_glance_made_whole_is_the_whole(tmp_path, engine):
+    objective = objective_of(write_study(tmp_path), engine)
+    x = np.stack([true_point(objective), start_of(objective.study)])
+    free = np.array([[True, True, False, True], [False, False, False, False]])
+    glance = objective.evaluate_partially(x, free)
+    whole = objective(x)
+    np.testing.assert_array_equal(glance.cost, whole.cost)
+    made = objective.add_derivatives(glance, free)
+    expected = np.where(free[0], whole.jacobian[0], 0.0)
+    np.testing.assert_array_equal(made.jacobian[0], expected)
+
+
+def test_twin_is_recovered(twin):
+    """From every start, to the accuracy of the impacts."""
+    result, _ = twin
+    variant = result.variants[0]
+    reached = variant.reached
+    assert np.sum(reached) >= 12
+    for place, value in enumerate(TRUE.values()):
+        np.testing.assert_allclose(
+            variant.end_parameters[reached, place], value, rtol=1e-4
+        )
+        assert variant.parameters[place] == pytest.approx(value, rel=1e-4)
+    assert variant.failed == 0
+    assert len(variant.start_costs) == 16
+    assert result.engine == "machine code"
+
+
+def test_verdicts_of_the_twin(twin):
+    """Friction under the block has no influence where nothing slides."""
+    result, _ = twin
+    variant = result.variants[0]
+    determined = {v.name: v.determined for v in variant.verdicts}
+    assert determined == {"c_v": True, "gamma_v": True, "k_E": True, "alpha_s": False}
+    assert "no influence" in variant.verdicts[3].reason
+    held = variant.profiles["alpha_s"]
+    # Each point is a fit of its own, which may stop early: nothing beside 1.92, where a
+    # 95 % interval ends.
+    assert np.max(held.rise) < 0.2
+    assert np.median(held.rise) < 1e-3
+    assert held.low is None
+    assert held.high is None
+    # Near the minimum a profile is the parabola of the standard error.
+    profile = variant.profiles["c_v"]
+    error = variant.uncertainty.standard_errors[0]
+    apart = np.abs(np.log(profile.values / variant.parameters[0])) / error
+    near = (apart > 0.5) & (apart < 2.5)
+    assert np.any(near)
+    np.testing.assert_allclose(np.sqrt(profile.rise[near]), apart[near], rtol=0.2)
+
+
+def test_files_of_the_twin(twin):
+    result, out = twin
+    assert sorted(p.name for p in out.iterdir()) == [
+        "fit.json",
+        "fit.png",
+        "fitted.csv",
+        "jaximpact-files.json",
+        "report",
+        "report.html",
+        "report.md",
+        "report.txt",
+    ]
+    report = (out / "report.txt").read_text()
+    assert "alpha_s is not identifiable" in report
+    line = next(x for x in report.splitlines() if x.strip().startswith("alpha_s"))
+    assert "not identifiable" in line
+    assert "of 16 starts found the best fit" in report
+    content = json.loads((out / "fit.json").read_text())
+    alpha_s = content["variants"][0]["parameters"]["alpha_s"]
+    assert alpha_s["standard_error"] is None
+    assert alpha_s["interval_95"] is None
+    (table,) = result.study.tests.files
+    assert content["manifest"]["data"] == [
+        {"file": "tests.csv", "sha256": table.sha256}
+    ]
+    assert content["manifest"]["seed"] == 1
+    rows = (out / "fitted.csv").read_text().splitlines()
+    assert len(rows) == 1 + len(TESTS) * len(TARGETS)
+
+
+def test_the_same_study_gives_the_same_numbers(tmp_path, engine, predicted):
+    noisy = predicted * (1.0 + 0.02 * np.random.default_rng(0).normal(size=(4, 3)))
+    objective = objective_of(write_study(tmp_path, measured=noisy), engine)
+    x = spread_starts(
+        objective.bounds,
+        start_of(objective.study),
+        objective.prior_mean,
+        objective.prior_sd,
+        6,
+        seed=0,
+    )
+    once, again = fit(objective, x), fit(objective, x)
+    np.testing.assert_array_equal(once.points.x, again.points.x)
+    assert once.reasons == again.reasons
+
+
+def test_fits_above_the_best_say_so(tmp_path, engine):
+    objective = objective_of(write_study(tmp_path), engine)
+    points = objective(np.stack([true_point(objective), start_of(objective.study)]))
+    best = float(np.min(points.cost))
+    worse = int(np.argmax(points.cost))
+    fits = Fits(points, [Reason.converged, Reason.converged], np.zeros(2, int))
+    reasons = label_minima(objective, fits, best)
+    assert reasons[worse] is Reason.above
+    assert reasons[1 - worse] is Reason.converged
+
+
+def test_stuck_starts_begin_anew(tmp_path, monkeypatch):
+    """Elsewhere, within the bounds, a few times, but not those that are near the best;
+    they end there only if that is lower, and how often is told."""
+    study = linear_study(tmp_path, 3, sigma=0.1)
+    objective = Linear(study, study.variants[0], None)
+    objective.matrix = np.eye(3)[:, :2]
+    stuck, ended = Reason.stuck, Reason.converged
+    # Of the starts 0 is never stuck, 1 once, 2 always, 3 until it is at its third, and
+    # 4 within a tenth of sigma from the best.
+    rounds = [
+        (
+            [[0.1, 0.0], [0.5, 0.0], [0.2, 0.0], [0.6, 0.0], [0.11, 0.0]],
+            [ended, stuck, stuck, stuck, stuck],
+        ),
+        ([[0.1, 0.0], [0.3, 0.0], [0.7, 0.0]], [ended, stuck, stuck]),
+        ([[0.3, 0.0], [0.4, 0.0]], [stuck, stuck]),
+        ([[0.4, 0.0], [0.1, 0.0]], [Reason.jump, ended]),
+    ]
+    begun = []
+
+    def made(objective, x, **how):
+        begun.append(x)
+        ends, reasons = rounds[len(begun) - 1]
+        points = objective(np.array(ends))
+        return Fits(points, reasons, np.full(len(ends), 5))
+
+    monkeypatch.setattr("jaximpact.calibration.estimation.starts.fit", made)
+    monkeypatch.setattr(
+        "jaximpact.calibration.estimation.starts.polish",
+        lambda objective, fits, progress: fits,
+    )
+    monkeypatch.setattr(
+        "jaximpact.calibration.estimation.starts.rough_of", lambda objective: objective
+    )
+    fits = fit_starts(objective, np.zeros((5, 2)), "levenberg-marquardt", Progress())
+    assert [len(x) for x in begun] == [5, 3, 2, 2]
+    assert len({tuple(row) for x in begun[1:] for row in x}) == 7
+    for x in begun:
+        assert np.all((x >= objective.bounds.low) & (x <= objective.bounds.high))
+    np.testing.assert_array_equal(fits.points.x[:, 0], [0.1, 0.1, 0.2, 0.1, 0.11])
+    assert fits.reasons == [ended, ended, stuck, ended, stuck]
+    np.testing.assert_array_equal(fits.restarts, [0, 1, 3, 3, 0])
+    np.testing.assert_array_equal(fits.steps, [5, 10, 20, 20, 5])
+
+
+@pytest.mark.parametrize("method", ["adam", "l-bfgs"])
+def test_first_order_methods_lower_the_cost(
+    tmp_path, predicted, engine, monkeypatch, method
+):
+    objective = objective_of(write_study(tmp_path, measured=predicted), engine)
+    monkeypatch.setattr("jaximpact.calibration.estimation.first_order.STEPS", 25)
+    x = true_point(objective) + 0.3 * np.eye(4)[:3]
+    before = objective(x).cost
+    after = fit(objective, x, method=method)
+    assert np.all(after.points.cost < 0.2 * before)
+    assert set(after.reasons) <= {Reason.step_limit, Reason.converged, Reason.stuck}
+
+
+BAD = {
+    "unknown key": ("starts = 16", "strats = 4", ("key strats", "starts")),
+    "unknown parameter": ("k_E = {", "kE = {", ("parameters.kE", "k_E")),
+    "block parameter": ("k_E = {", "mass_kg = {", ("parameters.mass_kg",)),
+    "unknown bound": ("lower = 50.0", "low = 50.0", ("parameters.k_E.low", "lower")),
+    "start outside": ("start = 900.0", "start = 9.0", ("parameters.k_E.start", "50")),
+    "no bounds": (", lower = 0.1, upper = 2.0", "", ("parameters.alpha_s.lower",)),
+    "negative bound": ("lower = 0.1,", "lower = -0.1,", ("parameters.c_v.lower",)),
+    "wrong type": ("starts = 16", "starts = 4.5", ("key starts", "whole number")),
+    "missing data": ("tests.csv", "nowhere.csv", ("nowhere.csv", "cannot be read")),
+    "unknown target": ("seed = 1", 'targets = ["en"]', ("key targets", "e_n")),
+    "absent target": ("seed = 1", 'targets = ["e_bar"]', ("targets", "no column")),
+    "no target": ("seed = 1", "targets = []", ("key targets",)),
+    "method": ("seed = 1", 'method = "adm"', ("key method", "adam")),
+    "accuracy": ("seed = 1", 'accuracy = "fats"', ("key accuracy", "fast")),
+    "loss": ("seed = 1", 'loss = "studnet"', ("key loss", "student")),
+    "weight": (
+        "[default_sigma]",
+        "[weights]\ne_n = -1\n[default_sigma]",
+        ("weights.e_n", "above 0"),
+    ),
+    "prior": (
+        "start = 1.0,",
+        "start = 1.0, prior = { mean = 1.0, sd = 0.0 },",
+        ("parameters.c_v.prior.sd", "above 0"),
+    ),
+    "prior without mean": (
+        "start = 1.0,",
+        "start = 1.0, prior = { sd = 1.0 },",
+        ("parameters.c_v.prior.mean", "missing"),
+    ),
+    "data twice": (
+        '"tests.csv"',
+        '["tests.csv", "tests.csv"]',
+        ("key data", "twice"),
+    ),
+    "sigma": ("e_n = 0.01", "e_n = 0.0", ("default_sigma.e_n", "above 0")),
+    "fixed soil": ("[default_sigma]", "[soil]\nk_F = 1.0\n[default_sigma]", ("k_E",)),
+    "twice": ("[default_sigma]", "[soil]\nk_E = 1.0\n[default_sigma]", ("is fitted",)),
+    "variant": (
+        "[default_sigma]",
+        "[[variants]]\nx = 1\n[default_sigma]",
+        ("variants",),
+    ),
+    "not TOML": ("starts = 16", "starts =", ("not valid TOML",)),
+}
+
+
+@pytest.mark.parametrize(("old", "new", "parts"), BAD.values(), ids=BAD)
+def test_bad_study_is_one_line(tmp_path, capsys, old, new, parts):
+    assert old in STUDY
+    path = write_study(tmp_path, STUDY.replace(old, new, 1))
+    out = tmp_path / "out"
+    assert main(["calibrate", str(path), "--out", str(out)]) == 2
+    assert_one_line_error(capsys, str(tmp_path), *parts)
+    assert not out.exists()
+
+
+def test_bad_target_names_row_and_column(tmp_path, capsys):
+    path = write_study(tmp_path)
+    table = tmp_path / "tests.csv"
+    lines = table.read_text().splitlines()
+    lines[2] = "500.0,15.0,nan,1.0,1.0"
+    table.write_text("\n".join(lines))
+    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
+    assert_one_line_error(capsys, "tests.csv", "row 3", "column e_n", "finite")
+
+
+def test_no_measured_result(tmp_path, capsys):
+    path = write_study(tmp_path)
+    (tmp_path / "tests.csv").write_text("mass_kg\n1.0\n")
+    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
+    assert_one_line_error(capsys, "tests.csv", "no measured result")
+
+
+def test_tangential_restitution_at_vertical_incidence_is_refused(tmp_path, capsys):
+    path = write_study(tmp_path)
+    (tmp_path / "tests.csv").write_text("mass_kg,e_t\n1.0,0.5\n")
+    text = STUDY[: STUDY.index("[default_sigma]")]
+    path.write_text(text)
+    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
+    assert_one_line_error(capsys, "tests.csv", "e_t")

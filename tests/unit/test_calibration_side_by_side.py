@@ -1,0 +1,91 @@
+"""Variants of a study on threads of their own: the same numbers, and an end to all of
+them when one fails."""
+
+import dataclasses
+import threading
+
+import numpy as np
+import pytest
+from test_calibration import STUDY, write_study
+
+from jaximpact import PRESETS
+from jaximpact.calibration import fit_study, read_study
+from jaximpact.calibration.estimation.starts import no_finer_than_sigmas
+from jaximpact.calibration.problem.forward_model import engine_of, run_in_threads
+from jaximpact.calibration.problem.objective import Objective
+from jaximpact.progress import Progress
+
+pytestmark = pytest.mark.slow
+
+VARIANTS = """
+[[variants]]
+name = "loose"
+relative_density = 0.3
+[[variants]]
+name = "dense"
+relative_density = 0.9
+"""
+
+
+def two_variants(folder):
+    measured = np.array(
+        [[0.2, 0.2, 4e4], [0.25, 0.6, 2e5], [0.1, 0.4, 8e4], [0.3, 0.7, 4e5]]
+    )
+    text = STUDY.replace("starts = 16", "starts = 3") + VARIANTS
+    return read_study(write_study(folder, text, measured))
+
+
+def test_variants_are_fitted_as_they_are_alone(tmp_path):
+    """To the last bit: what runs beside an impact does not change it."""
+    study = two_variants(tmp_path)
+    lines = []
+    both = fit_study(study, progress=lines.append).variants
+    for place, variant in enumerate(study.variants):
+        (alone,) = fit_study(dataclasses.replace(study, variants=(variant,))).variants
+        np.testing.assert_array_equal(both[place].parameters, alone.parameters)
+        np.testing.assert_array_equal(both[place].start_costs, alone.start_costs)
+        assert any(line.startswith(f"{variant.name}: ") for line in lines)
+
+
+def test_results_stand_in_the_order_of_the_items():
+    first_waits = threading.Event()
+
+    def work(item, tell):
+        if item == 0:
+            assert first_waits.wait(10.0)
+        first_waits.set()
+        return item * 10
+
+    assert run_in_threads(work, [0, 1], Progress()) == [0, 10]
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
+def test_one_that_fails_ends_the_others(error):
+    both_run, turns = threading.Barrier(2, timeout=10.0), []
+
+    def work(item, tell):
+        both_run.wait()
+        if item == 1:
+            raise error("enough")
+        for turn in range(10_000):
+            turns.append(turn)
+            tell("still here")
+            threading.Event().wait(1e-3)
+
+    with pytest.raises(error, match="enough"):
+        run_in_threads(work, [0, 1], Progress())
+    assert len(turns) < 10_000
+
+
+def test_accuracy_follows_the_sigmas(tmp_path):
+    """Coarser impacts only where their errors are small beside every sigma."""
+    study = two_variants(tmp_path)
+    objective = Objective(study, study.variants[0], engine_of(study))
+    size = np.abs(study.measured)
+    fine = objective.with_sigma(0.5e-3 * size)
+    coarse = objective.with_sigma(2e-3 * size)
+    assert objective.accuracy == PRESETS["reference"]
+    assert no_finer_than_sigmas(fine).accuracy == PRESETS["reference"]
+    assert no_finer_than_sigmas(coarse).accuracy == PRESETS["balanced"]
+    fast = coarse.at(PRESETS["fast"])
+    assert no_finer_than_sigmas(fast).accuracy == PRESETS["fast"]

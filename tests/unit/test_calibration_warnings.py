@@ -1,0 +1,131 @@
+"""What a report says against trusting a fit: units, misfit, starts, few tests."""
+
+from types import SimpleNamespace
+
+import jax
+import numpy as np
+import pytest
+
+from jaximpact import PRESETS, Block, Impact, Scene, Soil, simulate_batch
+from jaximpact.calibration import fit_study
+from jaximpact.calibration.arguments import table_given
+from jaximpact.calibration.diagnostics.examination import (
+    doubtful_units,
+    freedom_text,
+    warnings_of,
+)
+from jaximpact.calibration.diagnostics.identifiability import Verdict
+from jaximpact.calibration.problem.config import study_of
+from jaximpact.calibration.problem.dataset import joined_tables
+from jaximpact.calibration.report.contents import about_draws, target_rows
+
+ANGLES = [10.0, 25.0, 40.0, 50.0, 60.0, 35.0]
+SPEEDS = [8.0, 12.0, 10.0, 15.0, 20.0, 6.0]
+NOTHING_ELSE = SimpleNamespace(
+    residuals=SimpleNamespace(trends=[]),
+    each=None,
+    campaigns=None,
+    draws=SimpleNamespace(trusted=True, rough=False),
+    samples=None,
+)
+
+
+def study(columns, **content):
+    content = {"starts": 4, "accuracy": "balanced"} | content
+    return study_of(joined_tables((table_given(columns),)), content)
+
+
+@pytest.fixture(scope="module")
+def e_n():
+    """What the model gives on Table 1, with the scatter of a good measurement."""
+    jax.config.update("jax_enable_x64", True)
+    impact = Impact(speed=np.array(SPEEDS), angle=np.deg2rad(ANGLES))
+    scene = Scene(Block(mass=np.full(6, 500.0)), Soil(), impact)
+    noise = 1.0 + 0.02 * np.random.default_rng(0).normal(size=6)
+    return np.asarray(simulate_batch(scene).e_n) * noise
+
+
+def columns(e_n):
+    return {"speed_mps": SPEEDS, "angle_deg": ANGLES, "e_n": list(e_n)}
+
+
+def doubts(columns, **content):
+    result = fit_study(study(columns, **content))
+    return warnings_of(result, result.variants[0], NOTHING_ELSE), result
+
+
+def test_angles_in_radians_and_parts_in_per_cent():
+    angles = [0.2, 0.9, 1.2]
+    (words,) = doubtful_units(study({"angle_deg": angles, "e_n": [0.2, 0.3, 0.4]}))
+    assert "angle_deg is between 0.2 and 1.2" in words
+    assert "radians?" in words
+    (words,) = doubtful_units(study({"angle_deg": [9.0, 40.0], "e_n": [20.0, 31.0]}))
+    assert "per cent?" in words
+    for fine in ([0.0, 0.0], [0.0, 1.0], [0.5, 12.0]):
+        assert not doubtful_units(study({"angle_deg": fine, "e_n": [0.2, 1.2]}))
+    assert not doubtful_units(study({"speed_mps": [5.0], "e_n": [0.2]}))
+
+
+def test_a_good_fit_has_nothing_against_it(e_n):
+    found, _ = doubts(columns(e_n), parameters={"k_E": {}})
+    assert found == []
+
+
+def test_what_the_model_cannot_do_is_missed_by_more_than_the_mean(e_n):
+    """No ground gives back 1.7 times the normal velocity at 10 degrees; the same with
+    sigmas that nobody can keep."""
+    for content in ({}, {"default_sigma": {"e_n": 0.01}}):
+        found, _ = doubts(columns(1.7 + 0.1 * e_n), parameters={"k_E": {}}, **content)
+        (words,) = [x for x in found if "R2 of e_n" in x]
+        assert "is below 0" in words
+
+
+def test_repeated_impacts_are_as_good_as_their_mean():
+    """The fit reaches the mean itself: what is left is scatter, of which it is said
+    that it is all there is."""
+    repeated = {"angle_deg": [30.0] * 4, "e_n": [0.30, 0.31, 0.32, 0.31]}
+    found, _ = doubts(repeated, parameters={"k_E": {}})
+    assert not any("R2 of e_n" in x for x in found)
+    (words,) = [x for x in found if "The scatter estimated for e_n" in x]
+    assert "state their sigma" in words
+
+
+def test_sigmas_that_are_guesses_are_called_so():
+    found, result = doubts({"angle_deg": [30.0], "e_n": [0.3]}, parameters={"k_E": {}})
+    assert any(x.startswith("0 degrees of freedom") for x in found)
+    assert any("a guess" in x for x in found)
+    assert "(guessed)" in target_rows(result, result.variants[0])[1][-1]
+
+
+def test_no_freedom_is_none_whatever_rounding_leaves():
+    assert [freedom_text(f) for f in (-4.3e-14, 1.6e-15, 0.5, 42.0, 41.996)] == [
+        *("0", "0", "0.5", "42", "42")
+    ]
+
+
+def test_no_start_at_the_best_fit_is_said(e_n):
+    result = fit_study(study(columns(e_n), parameters={"k_E": {}}))
+    reasons = [SimpleNamespace(at_minimum=False) for _ in range(4)]
+    variant = result.variants[0]._replace(start_reasons=reasons)
+    (words,) = warnings_of(result, variant, NOTHING_ELSE)
+    assert words.startswith("No start ended at the best fit")
+
+
+def test_draws_that_all_count_do_not_make_a_bound_normal():
+    """At a bound the draws are cut off like the posterior, and all count."""
+    result = SimpleNamespace(study=SimpleNamespace(sigma_given=np.array([True])))
+    draws = SimpleNamespace(
+        x=np.zeros((512, 1)),
+        effective_fraction=np.array([0.9]),
+        accuracy=PRESETS["balanced"],
+        error=1e-4,
+    )
+
+    def words(determined):
+        verdict = Verdict("c_v", determined, "" if determined else "it is at a bound")
+        return about_draws(result, SimpleNamespace(verdicts=[verdict]), draws)
+
+    assert "nearly normal" in words(True)
+    assert "nearly normal" not in words(False)
+    assert "c_v" in words(False)
+    assert "rely on the verdict" in words(False)

@@ -1,0 +1,112 @@
+"""Shapes of users' own are tried before they are computed with; errors say what to
+change."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaximpact.errors import InputError
+from jaximpact.parameters import parameter
+from jaximpact.shapes import Ellipsoid, EllipticCylinder, RectangularPrism, Section
+from jaximpact.shapes.check import check_shape
+
+
+def changed(**functions):
+    """A cylinder of this module, with some of its functions changed."""
+    fields = {
+        "aspect_ratio": parameter(1.5, "-", "(0, inf)", "H/R"),
+        "out_of_plane_ratio": parameter(1.0, "-", "(0, inf)", "W/R"),
+    }
+    annotations = dict.fromkeys(fields, float)
+    return type(EllipticCylinder)(
+        "Mine",
+        (EllipticCylinder,),
+        fields | functions | {"__module__": __name__, "__annotations__": annotations},
+    )()
+
+
+def with_section(function):
+    def section(self, axes, sin, cos, height, sinking):
+        found = EllipticCylinder.section(self, axes, sin, cos, height, sinking)
+        return function(found, sinking)
+
+    return changed(section=section)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [Ellipsoid, EllipticCylinder, RectangularPrism])
+def test_the_packages_own_shapes_pass_as_users(kind):
+    mine = type(kind)(
+        f"My{kind.__name__}",
+        (kind,),
+        {"__module__": __name__, "__annotations__": {}},
+    )
+    # Of a class derived from one that declares the ratios they are declared too.
+    check_shape(mine(aspect_ratio=1.5))
+    check_shape(changed())
+
+
+def numpy_inside(self, axes, sin, cos):
+    return np.sqrt(float(sin)) + axes.minor
+
+
+def wrong_axes(self, axes, sin, cos):
+    return jnp.sqrt((axes.minor * cos) ** 2 + (axes.major * sin) ** 2)
+
+
+def lopsided(self, axes, sin, cos):
+    return EllipticCylinder.support(self, axes, sin, cos) + 0.1 * sin * cos
+
+
+def without_a_root(found, sinking):
+    return found._replace(width=jnp.sqrt(sinking))
+
+
+@pytest.mark.parametrize(
+    ("shape", "words"),
+    [
+        (lambda: changed(support=numpy_inside), r"Mine\.support uses NumPy.*line \d+"),
+        (lambda: changed(support=wrong_axes), "at 0 degrees must be the half size H"),
+        (lambda: changed(support=lopsided), "symmetric about its axes"),
+        (
+            lambda: changed(unit_volume=property(lambda self: jnp.ones(3))),
+            r"Mine\.unit_volume.* must return a number, but returns an array",
+        ),
+        (
+            lambda: changed(unit_inertia=property(lambda self: -1.0)),
+            r"Mine\.unit_inertia must be positive, but is -1",
+        ),
+        (lambda: with_section(lambda found, _: found[0]), r"must return Section\("),
+        (
+            lambda: with_section(lambda found, _: Section(*found[:2], jnp.ones(2))),
+            r"Mine\.section \(width\) must return a number, but returns an array of",
+        ),
+        (lambda: with_section(without_a_root), r"Mine\.section.* is not finite"),
+        (
+            lambda: with_section(lambda f, _: f._replace(left=f.right, right=f.left)),
+            "left <= right",
+        ),
+        (
+            lambda: changed(support=lambda self, axes: axes.minor),
+            r"Mine\.support cannot be computed: TypeError",
+        ),
+    ],
+)
+def test_errors_name_function_and_cure(shape, words):
+    with pytest.raises(InputError, match=words):
+        check_shape(shape())
+
+
+def test_a_shape_is_tried_once():
+    calls = []
+
+    def support(self, axes, sin, cos):
+        calls.append(1)
+        return EllipticCylinder.support(self, axes, sin, cos)
+
+    shape = changed(support=support)
+    check_shape(shape)
+    count = len(calls)
+    check_shape(jax.tree.map(lambda x: 2.0 * x, shape))
+    assert len(calls) == count > 0

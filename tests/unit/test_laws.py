@@ -1,0 +1,572 @@
+"""The constitutive laws against plain numbers, known values and their promises."""
+
+import dataclasses
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jaximpact import Block, Impact, Scene, Soil, simulate
+from jaximpact.impact.dynamics import contact, force_rate, initial_motion, prepare
+from jaximpact.laws import (
+    AbsoluteOverstress,
+    AbstractHardening,
+    Coulomb,
+    FlowRate,
+    Forces,
+    Load,
+    NovaMontrasio,
+    Stiffness,
+    Vesic,
+    flow_direction,
+    overstress,
+)
+from jaximpact.laws.bearing import bearing_factors
+from jaximpact.laws.elasticity import shape_factor
+from jaximpact.laws.loading_surface import TANGENT_FROM, VERTEX_ROUNDING
+from jaximpact.laws.slider import RELAXATION_TIME
+from jaximpact.parameters import parts_of
+from jaximpact.shapes import Foundation
+
+# Two orders of summation of the same formula.
+ROUNDING = 1e-13
+
+
+def all_finite(tree):
+    return bool(np.all([np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(tree)]))
+
+
+def footing(length, width, sinking=0.1):
+    return Foundation(length, width, sinking, 0.2, 0.0, 0.0)
+
+
+def elastic_stiffness(length, width, unit_weight_normal, soil):
+    return soil.elasticity(footing(length, width), unit_weight_normal, 1e-3)
+
+
+def dashpots(stiffness, mass, inertia, soil):
+    return soil.damping(stiffness, mass, inertia)
+
+
+def peak_friction_angle(soil):
+    return soil.peak_friction(soil.friction_angle, soil.relative_density)
+
+
+def bearing_capacity(length, width, sinking, unit_weight_normal, factors):
+    return Vesic()(footing(length, width, sinking), unit_weight_normal, factors)
+
+
+def loading_surface(xi, h, m, beta):
+    """By forces that are the dimensionless ones already."""
+    law = dataclasses.replace(NovaMontrasio(psi=1.0), beta=beta)
+    return law(Forces(xi, h, m), 1.0, footing(1.0, 1.0), 1.0)
+
+
+def flow_rate(load, hardening, length, friction_slope, soil):
+    load = load._replace(
+        tangential_scale=friction_slope, rotational_scale=soil.psi * length
+    )
+    return soil.flow(load, hardening, footing(length, length))
+
+
+def hardening_rate(hardening, flow, length, width, soil):
+    return soil.hardening(hardening, flow, footing(length, width))
+
+
+def slider_friction(soil):
+    return soil.slider.friction(soil.friction_angle)
+
+
+def slip_rate(*arguments):
+    return Coulomb()(*arguments)
+
+
+# Elasticity
+
+
+def test_stiffness_against_plain_numbers():
+    soil = Soil(k_E=700.0, n_E=0.5, poisson=0.25, S_ef=0.8)
+    length, width, unit_weight = 0.5, 0.32, 16e3
+    radius = 0.5 * math.sqrt(0.16)
+    shear = 0.8 * 700.0 * 1e5 * math.sqrt(16e3 * radius / 1e5) / 2.5
+    expected = Stiffness(
+        0.957 * math.exp(0.0394 * 0.5 / 0.32) * 4.0 * shear * radius / 0.75,
+        8.0 * shear * radius / 1.75,
+        8.0 * shear * radius**3 / 2.25,
+    )
+    for sizes in ((length, width), (width, length)):
+        np.testing.assert_allclose(
+            elastic_stiffness(*sizes, unit_weight, soil), expected, rtol=ROUNDING
+        )
+
+
+def test_modulus_is_k_E_atmospheres_at_one_atmosphere():
+    # gamma r_0 = 100 kPa; k_n = J_s 2 E* r_0 with E* = E / (1 - nu^2): Hertz's slope.
+    soil = Soil(S_ef=1.0)
+    radius = 1e5 / 18e3
+    normal = elastic_stiffness(2.0 * radius, 2.0 * radius, 18e3, soil).normal
+    reduced = 900.0 * 1e5 / (1.0 - 0.3**2)
+    expected = float(shape_factor(1.0)) * 2.0 * reduced * radius
+    assert float(normal) == pytest.approx(expected, rel=ROUNDING)
+
+
+def test_shape_factor_is_near_one_for_a_circle_and_follows_gazetas():
+    # 0.9955 at 1: the paper's interpolation. Gazetas' 1 + small growth, 1.12 at 4.
+    assert float(shape_factor(1.0)) == pytest.approx(0.9955, abs=5e-5)
+    assert float(shape_factor(4.0)) == pytest.approx(1.1204, abs=5e-5)
+
+
+def test_stiffness_without_foundation_is_finite_with_its_gradient():
+    def numbers(length, width, unit_weight):
+        return elastic_stiffness(length, width, unit_weight, Soil())
+
+    # Both sizes vanish together, so their ratio stays that of the block.
+    for length, width in ((1e-12, 1e-12), (1e-9, 1e-11), (1e-6, 1e-6)):
+        for unit_weight in (0.0, 18e3):
+            point = (length, width, unit_weight)
+            slope = jax.jacfwd(numbers, argnums=(0, 1, 2))(*point)
+            assert all_finite((numbers(*point), slope))
+
+
+def test_dashpots_against_plain_numbers():
+    soil = Soil(eta_N=0.1, eta_T=0.2, eta_R=0.3)
+    found = dashpots(Stiffness(4e6, 1e6, 9e4), 100.0, 4.0, soil)
+    expected = (0.2 * math.sqrt(4e8), 0.4 * math.sqrt(1e8), 0.6 * math.sqrt(36e4))
+    np.testing.assert_allclose(found, expected, rtol=ROUNDING)
+
+
+# Bearing capacity
+
+
+@pytest.mark.parametrize(
+    ("degrees", "surcharge", "weight"), [(30, 18.40, 22.40), (40, 64.20, 109.41)]
+)
+def test_bearing_factors_are_those_of_vesic_s_table(degrees, surcharge, weight):
+    factors = bearing_factors(math.radians(degrees))
+    # The table has two decimals.
+    assert float(factors.surcharge) == pytest.approx(surcharge, abs=0.006)
+    assert float(factors.weight) == pytest.approx(weight, abs=0.006)
+    tangent = math.tan(math.radians(degrees))
+    assert float(factors.friction_slope) == pytest.approx(tangent, rel=ROUNDING)
+    hansen = 2.0 * tangent * (1.0 - math.sin(math.radians(degrees))) ** 2
+    assert float(factors.depth) == pytest.approx(hansen, rel=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("relative_density", "degrees"),
+    [(0.1, 30.0), (0.2, 30.0), (0.9, 40.5), (1.0, 42.0)],
+)
+def test_peak_friction_is_bolton_s(relative_density, degrees):
+    # 3 degrees times I_R = 5 D_r - 1, between 0 and 4.
+    found = peak_friction_angle(Soil(relative_density=relative_density))
+    assert float(found) == pytest.approx(math.radians(degrees), rel=ROUNDING)
+
+
+def test_peak_friction_is_clipped_at_bolton_s_largest_index():
+    found = peak_friction_angle(Soil(relative_density=1.0, delta_1=7.0))
+    assert float(found) == pytest.approx(math.radians(42.0), rel=ROUNDING)
+
+
+def test_bearing_capacity_against_plain_numbers():
+    friction = 0.7
+    mu = math.tan(friction)
+    n_q = math.exp(math.pi * mu) * math.tan(0.25 * math.pi + 0.35) ** 2
+    n_g = 2.0 * (n_q + 1.0) * mu
+    smaller, larger, depth = 0.3, 0.5, 0.1
+    d_q = 1.0 + 2.0 * mu * (1.0 - math.sin(friction)) ** 2 * math.atan(depth / smaller)
+    pressure = 18e3 * (
+        depth * n_q * (1.0 + smaller / larger * mu) * d_q
+        + 0.5 * smaller * n_g * (1.0 - 0.4 * smaller / larger)
+    )
+    expected = 0.25 * math.pi * smaller * larger * pressure
+    factors = bearing_factors(friction)
+    for sizes in ((0.3, 0.5), (0.5, 0.3)):
+        found = bearing_capacity(*sizes, depth, 18e3, factors)
+        assert float(found) == pytest.approx(expected, rel=ROUNDING)
+
+
+def test_bearing_capacity_above_ground_is_that_at_ground_level():
+    factors = bearing_factors(0.7)
+
+    def capacity(length, depth):
+        return bearing_capacity(length, 0.3, depth, 18e3, factors)
+
+    at_ground = capacity(0.3, 0.0)
+    # A strip of round footing: weight term alone, shape factor 0.6.
+    plain = 0.25 * math.pi * 0.09 * 18e3 * 0.5 * 0.3 * factors.weight * 0.6
+    assert float(at_ground) == pytest.approx(float(plain), rel=ROUNDING)
+    assert float(capacity(0.3, -0.1)) == float(at_ground)
+    for length in (1e-12, 0.3):
+        for depth in (-0.1, 0.0, 0.1):
+            slope = jax.grad(capacity, argnums=(0, 1))(length, depth)
+            assert all_finite((capacity(length, depth), slope))
+
+
+# Loading surface
+
+surface = jax.jit(loading_surface)
+BETAS = [0.3, 0.9, 1.0, 1.9]
+
+
+def plain_size(xi, h, m, beta):
+    """rho* from its definition, in plain numbers."""
+    eta = math.sqrt((h**2 + m**2) / xi**2 + VERTEX_ROUNDING**2) - VERTEX_ROUNDING
+    w = eta ** (1.0 / beta)
+    if w <= TANGENT_FROM:
+        return xi / (1.0 - w)
+    return xi * (20.0 + 400.0 * (w - TANGENT_FROM))
+
+
+@pytest.mark.parametrize("beta", BETAS)
+@pytest.mark.parametrize("load", [(0.2, 0.05, 0.1), (0.3, -0.1, 0.02), (0.1, 0.3, 0.5)])
+def test_size_of_a_load_against_plain_numbers(load, beta):
+    found = surface(*load, beta)
+    # The plain difference root - e loses two digits, the power 1 / beta some more.
+    assert float(found.size) == pytest.approx(plain_size(*load, beta), rel=1e-11)
+
+
+@pytest.mark.parametrize("beta", BETAS)
+@pytest.mark.parametrize("load", [(0.2, 0.05, 0.1), (0.3, -0.1, 0.02), (0.1, 0.3, 0.5)])
+def test_gradient_of_the_loading_surface_is_its_derivative(load, beta):
+    slopes = jax.grad(lambda *a: loading_surface(*a, beta).size, argnums=(0, 1, 2))(
+        *load
+    )
+    found = surface(*load, beta)
+    scale = np.abs(slopes).max()
+    np.testing.assert_allclose(found[1:4], slopes, atol=ROUNDING * scale, rtol=1e-12)
+
+
+@pytest.mark.parametrize("beta", BETAS)
+def test_loading_surface_is_homogeneous_of_degree_one(beta):
+    one = surface(0.2, 0.05, -0.1, beta)
+    for factor in (1e-6, 7.0, 1e6):
+        other = surface(0.2 * factor, 0.05 * factor, -0.1 * factor, beta)
+        assert float(other.size) == pytest.approx(factor * float(one.size), rel=1e-12)
+        np.testing.assert_allclose(other[1:4], one[1:4], rtol=1e-12)
+    # Euler: load times gradient is the size.
+    work = 0.2 * one.normal + 0.05 * one.tangential - 0.1 * one.rotational
+    assert float(work) == pytest.approx(float(one.size), rel=1e-12)
+
+
+@pytest.mark.parametrize("beta", BETAS)
+def test_surface_equation_holds_up_to_the_rounding_of_the_vertex(beta):
+    rho = 0.4
+    # The tangent takes over at w = 0.95, that is below xi = 0.05 rho.
+    for part in np.linspace(0.07, 1.0, 12):
+        xi = part * rho
+        # A load on the sharp surface h^2 + m^2 = xi^2 (1 - xi/rho)^(2 beta)
+        side = (1.0 - part) ** beta
+        h, m = xi * side * math.cos(0.8), xi * side * math.sin(0.8)
+        size = float(surface(xi, h, m, beta).size)
+        rounded = max(1.0 - xi / size, 0.0) ** beta
+        # eta = sqrt(x^2 + e^2) - e lies between x - e and x; rounding at the vertex.
+        assert side - VERTEX_ROUNDING <= rounded + 1e-6
+        assert rounded <= side + 1e-6
+        # Nor is the surface anywhere farther off than that.
+        assert size <= rho * (1.0 + 1e-6)
+
+
+def test_mirrored_load_has_mirrored_gradient():
+    one = surface(0.2, 0.05, -0.1, 0.9)
+    other = surface(0.2, -0.05, 0.1, 0.9)
+    assert other == one._replace(tangential=-one.tangential, rotational=-one.rotational)
+
+
+def flow_of_load(xi, h, m, beta, hardening):
+    soil = Soil()
+    return flow_rate(loading_surface(xi, h, m, beta), hardening, 0.3, 0.8, soil)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("beta", BETAS)
+def test_no_load_and_vanishing_loads_are_finite_with_their_gradients(beta):
+    # xi, h, m: none; lifted off; no moment and no shear; vanishing normal load with
+    # and without shear (N comes down from 1e4 N: 1e-12 of that is nought).
+    corners = [
+        (0.0, 0.0, 0.0),
+        (0.0, 0.1, 0.1),
+        (-0.1, 0.1, 0.0),
+        (0.2, 0.0, 0.0),
+        (1e-30, 0.0, 0.0),
+        (1e-12, 0.1, 0.0),
+        (1e-30, 0.0, 0.1),
+        (50.0, 1e3, 1e3),
+    ]
+    loads = [jnp.asarray(column) for column in zip(*corners, strict=True)]
+
+    def value_and_slope(xi, h, m):
+        point = (xi, h, m, beta, 0.01)
+        slope = jax.jacfwd(flow_of_load, argnums=(0, 1, 2, 3, 4))(*point)
+        return flow_of_load(*point), slope, loading_surface(xi, h, m, beta)
+
+    value, slope, load = jax.vmap(value_and_slope)(*loads)
+    for i, corner in enumerate(corners):
+        lane = jax.tree.map(lambda x, i=i: x[i], (value, slope, load))
+        assert all_finite(lane), corner
+    # Without load nothing flows.
+    np.testing.assert_array_equal(np.stack(value)[:, 0], 0.0)
+    # As the normal load vanishes the flow goes to what it is without and below.
+    np.testing.assert_array_equal(np.stack(value)[:, 2], np.stack(value)[:, 5])
+    # Central load flows straight down.
+    np.testing.assert_array_equal(np.stack(value[1:])[:, 3:5], 0.0)
+    assert value.normal[3] > 0.0
+
+
+def test_gradient_is_continuous_at_the_vertex_for_a_large_exponent():
+    sides = np.array([1e-3, 1e-6, 1e-9])
+    slopes = [float(surface(0.2, side, 0.0, 1.9).tangential) for side in sides]
+    # It goes to 0 as h^(2/beta - 1) = h^0.05, slowly.
+    assert slopes[0] > slopes[1] > slopes[2] > 0.0
+    assert slopes[2] / slopes[1] == pytest.approx(1e-3 ** (2.0 / 1.9 - 1.0), rel=1e-3)
+    assert surface(0.2, 0.0, 0.0, 1.9).tangential == 0.0
+
+
+# Flow
+
+
+def test_overstress_is_relative_and_one_sided():
+    assert float(overstress(0.3, 0.2)) == pytest.approx(0.5, rel=ROUNDING)
+    assert overstress(0.1, 0.2) == 0.0
+
+
+def test_flow_direction_is_a_unit_vector_with_the_heave_reduced():
+    rising = Load(1.0, -3.0, 2.0, 6.0, 1.0, 1.0)
+    associated = flow_direction(rising, 1.0)
+    np.testing.assert_allclose(associated, (-3 / 7, 2 / 7, 6 / 7), rtol=ROUNDING)
+    flat = flow_direction(rising, 0.0)
+    np.testing.assert_allclose(flat, (0.0, *np.array([2.0, 6.0]) / math.sqrt(40)))
+    sinking = Load(1.0, 3.0, 2.0, -6.0, 1.0, 1.0)
+    for dilatancy in (0.0, 0.5, 1.0):
+        expected = (3 / 7, 2 / 7, -6 / 7)
+        np.testing.assert_allclose(
+            flow_direction(sinking, dilatancy), expected, rtol=ROUNDING
+        )
+
+
+def test_flow_rate_against_plain_numbers():
+    soil = Soil(gamma_v=4.0, psi=0.4, dilatancy=0.5)
+    load = Load(0.3, -6.0, 2.0, 6.0, 1.0, 1.0)
+    found = flow_rate(load, 0.2, 0.5, 0.8, soil)
+    # Phi = 0.5; direction (-3, 2, 6) / 7.
+    expected = (2.0 * -3 / 7, 2.0 * 2 / 7 / 0.8, 2.0 * 6 / 7 / (0.4 * 0.5))
+    np.testing.assert_allclose(found, expected, rtol=ROUNDING)
+
+
+def test_flow_is_replaceable():
+    load = Load(0.3, 1.0, 0.0, 0.0, 1.0, 1.0)
+    found = flow_rate(load, 0.2, 0.5, 0.8, Soil(flow=AbsoluteOverstress()))
+    assert float(found.normal) == pytest.approx(8.7 * 0.1, rel=ROUNDING)
+
+
+@jax.jit
+def dissipation(N, T, M, capacity, length, friction, hardening, beta, psi, dilatancy):
+    """Power of the visco-plastic element, and the sum of its terms' magnitudes."""
+    soil = dataclasses.replace(Soil(), psi=psi, dilatancy=dilatancy, beta=beta)
+    load = loading_surface(
+        N / capacity, T / (friction * capacity), M / (psi * length * capacity), beta
+    )
+    flow = flow_rate(load, hardening, length, friction, soil)
+    terms = jnp.stack([N * flow.normal, T * flow.tangential, M * flow.rotational])
+    return jnp.sum(terms), jnp.sum(jnp.abs(terms))
+
+
+@given(
+    N=st.floats(0.0, 1e8),
+    T=st.floats(-1e8, 1e8),
+    M=st.floats(-1e8, 1e8),
+    capacity=st.floats(1e-3, 1e9),
+    length=st.floats(1e-6, 10.0),
+    friction=st.floats(0.3, 2.0),
+    hardening=st.floats(0.01, 1.0),
+    beta=st.floats(0.3, 1.9),
+    psi=st.floats(0.1, 1.0),
+    dilatancy=st.floats(0.0, 1.0),
+)
+def test_dissipation_is_never_negative(**arguments):
+    power, magnitude = dissipation(*arguments.values())
+    if arguments["N"] > 1e-20 or arguments["N"] == 0.0:
+        assert np.isfinite(power)
+        # Terms of either sign cancel to rounding.
+        assert power >= -1e-12 * magnitude
+
+
+# Hardening
+
+
+def test_hardening_against_plain_numbers():
+    soil = Soil(c_v=2.0, alpha_vT=1.5, alpha_vR=0.5)
+    found = hardening_rate(0.2, FlowRate(3.0, -2.0, -4.0), 0.4, 0.9, soil)
+    # By the foundation's length, 0.4 m
+    expected = 2.0 * 0.8 * (3.0 + 1.5 * 2.0 + 0.5 * 0.4 * 4.0) / 0.4
+    assert float(found) == pytest.approx(expected, rel=ROUNDING)
+    heaving = hardening_rate(0.2, FlowRate(-3.0, 0.0, 0.0), 0.4, 0.9, soil)
+    assert heaving == 0.0
+
+
+@given(
+    hardening=st.floats(0.0, 2.0),
+    normal=st.floats(-1e3, 1e3),
+    tangential=st.floats(-1e3, 1e3),
+    rotational=st.floats(-1e4, 1e4),
+)
+def test_hardening_grows_towards_one_and_never_passes_it(
+    hardening, normal, tangential, rotational
+):
+    flow = FlowRate(normal, tangential, rotational)
+    rate = hardening_rate(hardening, flow, 0.3, 0.4, Soil(alpha_vR=1.0))
+    # Towards 1 from below, from above, and at rest there: so it is never passed.
+    assert np.isfinite(rate)
+    assert float(rate) * (1.0 - hardening) >= 0.0
+    if hardening == 1.0:
+        assert rate == 0.0
+
+
+def test_hardening_has_a_finite_gradient_without_flow():
+    def rate(normal, tangential, rotational):
+        flow = FlowRate(normal, tangential, rotational)
+        return hardening_rate(0.1, flow, 0.3, 0.4, Soil())
+
+    assert all_finite(jax.grad(rate, argnums=(0, 1, 2))(0.0, 0.0, 0.0))
+
+
+# Slider
+
+
+def test_slider_friction_is_a_part_of_the_ground_s():
+    found = slider_friction(Soil(alpha_s=0.5))
+    assert float(found) == pytest.approx(0.5 * math.tan(math.pi / 6), rel=ROUNDING)
+
+
+@given(
+    T=st.floats(-1e6, 1e6),
+    N=st.floats(0.0, 1e6),
+    stiffness=st.floats(1e3, 1e9),
+    friction=st.floats(0.0, 2.0),
+)
+def test_slip_follows_coulomb_and_is_antisymmetric(T, N, stiffness, friction):
+    rate = float(slip_rate(T, N, stiffness, friction))
+    assert rate == -float(slip_rate(-T, N, stiffness, friction))
+    if abs(T) <= N * friction:
+        assert rate == 0.0
+    else:
+        excess = math.copysign(abs(T) - N * friction, T)
+        expected = excess / (stiffness * RELAXATION_TIME)
+        # Rounding of the difference.
+        assert rate == pytest.approx(expected, rel=1e-12, abs=1e-300)
+        # Slip dissipates.
+        assert rate * T >= 0.0
+
+
+def test_slip_has_a_finite_gradient_without_force():
+    slope = jax.grad(slip_rate, argnums=(0, 1, 2, 3))(0.0, 0.0, 1e6, 0.5)
+    assert all_finite(slope)
+
+
+# The laws together
+
+
+def scene_at_work():
+    return Scene(
+        Block(aspect_ratio=2.0),
+        Soil(alpha_vR=0.5, eta_N=0.1, alpha_s=0.4),
+        Impact(angle=0.6, orientation=0.4),
+    )
+
+
+def rates_of(scene, *, damped):
+    """Everything that a state in full contact gives under the laws of a scene."""
+    ground = prepare(scene)
+    motion = initial_motion(scene)._replace(
+        penetration=jnp.asarray(0.05),
+        elastic_normal=jnp.asarray(1e-3),
+        elastic_tangential=jnp.asarray(2e-3),
+        elastic_rotation=jnp.asarray(1e-3),
+    )
+    forces = Forces(*map(jnp.asarray, (4e3, 1e3, 2e2))) if damped else None
+    now = contact(ground, motion, forces)
+    leaves = jax.tree.leaves((now, force_rate(ground, now, 0.01, 0.0)))
+    return np.array([float(leaf) for leaf in leaves])
+
+
+@pytest.mark.parametrize("slot", parts_of(Soil))
+def test_every_law_can_be_replaced_and_is_used(slot):
+    scene = scene_at_work()
+    law = getattr(scene.soil, slot)
+
+    def one_percent_more(name):
+        def method(self, *arguments, **branch):
+            found = getattr(law, name)(*arguments, **branch)
+            return jax.tree.map(lambda x: 1.01 * x, found)
+
+        return method
+
+    name = "sinking_arm" if slot == "kinematics" else "__call__"
+    kind = type("Changed", (type(law),), {name: one_percent_more(name)})
+    other = kind(
+        **{field.name: getattr(law, field.name) for field in dataclasses.fields(law)}
+    )
+    soil = dataclasses.replace(scene.soil, **{slot: other})
+    if slot == "kinematics":
+        turning = dataclasses.replace(scene.impact, angular_velocity=5.0)
+        scene = dataclasses.replace(scene, impact=turning)
+    changed = dataclasses.replace(scene, soil=soil)
+    damped = slot == "damping"
+    with_change, usual = (rates_of(each, damped=damped) for each in (changed, scene))
+    assert not np.allclose(with_change, usual, rtol=1e-6)
+
+
+class NoHardening(AbstractHardening):
+    def __call__(self, hardening, flow, foundation, *, branch=None):
+        return jnp.zeros_like(hardening)
+
+
+@pytest.mark.slow
+def test_replaced_law_changes_the_impact():
+    soft = simulate(Block(), Soil(hardening=NoHardening()), Impact())
+    usual = simulate(Block(), Soil(), Impact())
+    # Ground that does not harden lets the block in deeper; far beyond rounding.
+    assert float(soft.max_penetration) > 1.05 * float(usual.max_penetration)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("orientation", [0.0, 0.4, 0.5 * math.pi])
+@pytest.mark.parametrize("aspect_ratio", [1.0, 2.0])
+def test_contact_is_finite_with_its_gradients_at_every_singular_state(
+    orientation, aspect_ratio
+):
+    scene = Scene(
+        Block(aspect_ratio=aspect_ratio), Soil(), Impact(orientation=orientation)
+    )
+    start = initial_motion(scene)
+    zero = jnp.zeros(())
+    unloaded = start._replace(elastic_normal=zero)
+    states = {
+        "at the start": start,
+        "no foundation": start._replace(penetration=zero),
+        "in the air": start._replace(penetration=zero - 0.1),
+        "no force": unloaded,
+        "no force, no foundation": unloaded._replace(penetration=zero),
+        "pulled": start._replace(elastic_normal=zero - 1e-4),
+        "shear without normal force": unloaded._replace(elastic_tangential=zero + 1e-4),
+        "turned": start._replace(rotation=zero + 1.3),
+        "at rest": unloaded._replace(normal_velocity=zero),
+        "hardened": start._replace(hardening=zero + 1.0),
+    }
+    batch = jax.tree.map(lambda *leaves: jnp.stack(leaves), *states.values())
+
+    def numbers(scene, motion):
+        return contact(prepare(scene), motion)
+
+    def with_slopes(motion):
+        slopes = jax.jacfwd(numbers, argnums=(0, 1))(scene, motion)
+        return numbers(scene, motion), slopes
+
+    # Not under jit: fusion makes this compile for minutes.
+    value, slopes = jax.vmap(with_slopes)(batch)
+    for i, name in enumerate(states):
+        lane = jax.tree.map(lambda x, i=i: x[i], (value, slopes))
+        assert all_finite(lane), name

@@ -1,0 +1,151 @@
+"""The plot of one impact: every kind of outcome gives a figure, and files are whole."""
+
+import equinox as eqx
+import jax
+import numpy as np
+import pytest
+
+from jaximpact import Block, Impact, Outcome, Soil, simulate
+from jaximpact.laws import Vesic
+from jaximpact.plotting.impact import outline
+
+PANELS = ["contact force", "depth", "rotation", "energy", "side view, to scale"]
+
+
+def recorded(*scene):
+    return simulate(*scene, accuracy="fast", history=True)
+
+
+@pytest.fixture(scope="module")
+def result():
+    block = Block(aspect_ratio=2.0)
+    return recorded(block, Soil(), Impact(angle=0.7, orientation=0.3, slope=0.2))
+
+
+def panels(figure):
+    return {axes.get_title(): axes for axes in figure.axes if axes.get_title()}
+
+
+class TwiceAsStrong(Vesic):
+    def __call__(self, *arguments, **branch):
+        return 2.0 * super().__call__(*arguments, **branch)
+
+
+@pytest.mark.slow
+def test_shows_the_laws_that_the_result_is_of():
+    soil = Soil(bearing=TwiceAsStrong())
+    result = simulate(Block(), soil, Impact(), accuracy="fast")
+    (depth, *_) = panels(result.plot())["depth"].get_lines()
+    drawn = np.max(np.abs(depth.get_ydata()))
+    # In cm; of the steps' ends, between two of which the largest lies.
+    np.testing.assert_allclose(0.01 * drawn, result.max_penetration, rtol=5e-3)
+
+
+@pytest.mark.slow
+def test_shows_what_the_history_holds(result):
+    drawn = panels(result.plot())
+    assert list(drawn) == PANELS
+    history = result.history
+    lines = {line.get_label(): line for line in drawn["contact force"].get_lines()}
+    # Milliseconds and kilonewtons.
+    time, force = lines["N, normal"].get_data()
+    np.testing.assert_allclose(time, 1e3 * history.time)
+    np.testing.assert_allclose(force, 1e-3 * history.normal_force)
+    assert "kN" in drawn["contact force"].get_ylabel()
+    peak = f"{1e-3 * float(result.max_normal_force):.3g}"
+    assert peak in [text.get_text() for text in drawn["contact force"].texts]
+
+
+def test_title_names_scene_and_outcome(result):
+    title = result.plot().get_suptitle()
+    assert "100 kg" in title
+    assert f"{np.degrees(0.7):.3g}°" in title
+    assert str(result.outcome) in title
+
+
+def test_energy_fills_what_is_available(result):
+    axes = panels(result.plot())["energy"]
+    top = axes.collections[-1].get_paths()[0].vertices[:, 1].max()
+    available = next(x for x in axes.get_lines() if x.get_label() == "available")
+    # The ledger closes to the tolerance of the integration, 1e-3 here.
+    assert top == pytest.approx(np.max(available.get_ydata()), rel=1e-2)
+
+
+def test_outline_touches_the_ground_at_impact_and_turns_clockwise(result):
+    at_impact = outline(result.scene, 0.0, 0.0, 0.0)
+    size = float(result.scene.block.semi_axes.major)
+    # 2 degrees between points: the lowest is off by its square over 8.
+    assert at_impact[:, 1].min() == pytest.approx(0.0, abs=2e-4 * size)
+    turned = outline(result.scene, 0.0, 0.1, 0.0)
+    # Clockwise, down-slope to the right: the lower tip moves to the left.
+    assert turned[0, 0] < at_impact[0, 0]
+    moved = outline(result.scene, 0.05, 0.0, 0.2)
+    np.testing.assert_allclose(
+        moved - at_impact, [[0.2, -0.05]] * len(moved), atol=1e-15
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
+def test_saves_a_whole_file_and_nothing_else(result, tmp_path, suffix):
+    path = tmp_path / f"impact.{suffix}"
+    path.write_text("old")
+    result.plot(path)
+    assert path.stat().st_size > 10_000
+    assert [file.name for file in tmp_path.iterdir()] == [path.name]
+
+
+def test_unknown_format_leaves_no_file(result, tmp_path):
+    with pytest.raises(ValueError, match="format"):
+        result.plot(tmp_path / "impact.nonsense")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_history_is_recorded_when_it_was_not_asked_for(result):
+    scene = result.scene
+    bare = simulate(scene.block, scene.soil, scene.impact, accuracy="fast")
+    assert bare.history is None
+    titles = [x.plot().get_suptitle() for x in (bare, result)]
+    assert titles[0] == titles[1]
+
+
+def test_separating_block_is_drawn_without_a_course():
+    leaving = recorded(
+        Block(aspect_ratio=2.0),
+        Soil(),
+        Impact(angle=1.4, orientation=0.8, angular_velocity=100.0),
+    )
+    assert leaving.outcome is Outcome.separating
+    figure = leaving.plot()
+    assert "separating" in figure.get_suptitle()
+    assert len(panels(figure)["side view, to scale"].get_lines()) == 4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rows", [0, 1, 40])
+def test_failed_impact_is_drawn_as_far_as_it_came(result, rows, tmp_path):
+    broken = jax.tree.map(np.array, result.history)
+    for series in jax.tree.leaves(broken):
+        series[rows:] = np.nan
+    numbers = jax.tree.map(lambda x: x * np.nan, eqx.filter(result, eqx.is_array))
+    failed = eqx.tree_at(
+        lambda r: (r.scene, r.history, r.outcome_code),
+        eqx.combine(numbers, result),
+        (result.scene, broken, float(Outcome.failed)),
+    )
+    figure = failed.plot(tmp_path / "failed.png")
+    assert "FAILED" in figure.get_suptitle()
+
+
+@pytest.mark.slow
+def test_block_without_spin_and_shear_is_drawn(tmp_path):
+    upright = recorded(Block(), Soil(), Impact())
+    figure = upright.plot(tmp_path / "upright.png")
+    assert "e_t" not in figure.get_suptitle()
+
+
+def test_many_scenes_are_refused(result):
+    many = eqx.tree_at(lambda r: r.outcome_code, result, np.zeros(3))
+    with pytest.raises(ValueError, match="one impact"):
+        many.plot()

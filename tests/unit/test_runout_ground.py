@@ -1,0 +1,385 @@
+"""Ground that differs from block to block, and roughness."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from error_messages import assert_one_line_error
+from runout_scenes import (
+    BIPLANAR,
+    LAWS,
+    G,
+    gain_between_pieces,
+    gain_over_contacts,
+    pieces_of,
+)
+from text_files import write_changed
+
+from jaximpact import Block, ConstantCoefficients, Soil, read_netcdf
+from jaximpact.cli import main
+from jaximpact.runout import (
+    ClosedForm,
+    Ending,
+    FullModel,
+    Ground,
+    MotionMode,
+    Profile,
+    Release,
+    read_slope_study,
+    simulate_runout,
+)
+from jaximpact.runout.blocks import select
+from jaximpact.runout.flight.placement import lying_height
+from jaximpact.runout.random_inputs import philox
+
+ELASTIC = ClosedForm(ConstantCoefficients(1.0, 1.0))
+HILLS = Profile([0.0, 40.0, 60.0, 110.0, 300.0], [70.0, 40.0, 42.0, 0.0, 0.0])
+WIDE = Profile([-1e4, 1e4], [0.0, 0.0])
+
+
+def blocks_above(profile, count, seed=1):
+    generator = np.random.default_rng(seed)
+    x = generator.uniform(2.0, 30.0, count)
+    return Release(
+        Block(
+            generator.uniform(20.0, 500.0, count),
+            2600.0,
+            aspect_ratio=1.0 + 2.0 * x / 30.0,
+        ),
+        x,
+        profile.height(x) + generator.uniform(2.0, 6.0, count),
+        *generator.uniform(-2.0, 12.0, (2, count)),
+        generator.uniform(0.0, np.pi, count),
+        generator.normal(0.0, 8.0, count),
+    )
+
+
+def rough(profile, degrees):
+    return dataclasses.replace(profile, roughness=np.radians(degrees))
+
+
+def dropped(count, speed, roughness):
+    """Spheres that fall on a flat, each to meet one facet."""
+    release = Release(Block(), np.zeros(count), 50.0, 0.0, -speed)
+    runs = simulate_runout(
+        WIDE,
+        release,
+        ELASTIC,
+        ground=Ground(roughness=roughness),
+        event_limit=1,
+    )
+    assert set(runs.ending) == {Ending.event_limit}
+    return runs.contacts
+
+
+@pytest.mark.parametrize(
+    ("words", "key", "known"),
+    [
+        ([0, 0, 0, 0], (0, 0), [0x6627E8D5, 0xE169C58D, 0xBC57AC4C, 0x9B00DBD8]),
+        (
+            [0xFFFFFFFF] * 4,
+            (0xFFFFFFFF, 0xFFFFFFFF),
+            [0x408F276D, 0x41C83B0E, 0xA20BC7C6, 0x6D5451FD],
+        ),
+        (
+            [0x243F6A88, 0x85A308D3, 0x13198A2E, 0x03707344],
+            (0xA4093822, 0x299F31D0),
+            [0xD16CFE09, 0x94FDCCEB, 0x5001E420, 0x24126EA1],
+        ),
+    ],
+)
+def test_philox_gives_the_known_answers_of_its_authors(words, key, known):
+    found = philox([np.array([w]) for w in words], key)
+    assert [int(word[0]) for word in found] == known
+
+
+def test_facets_are_normal_and_cut():
+    deviation = np.radians(10.0)
+    slope = dropped(20_000, 20.0, deviation).slope
+    # What cutting at 3 leaves of the variance.
+    left = 1.0 - 6.0 * np.exp(-4.5) / np.sqrt(2.0 * np.pi) / 0.9973002
+    # Five standard errors.
+    assert np.mean(slope) == pytest.approx(0.0, abs=5.0 * deviation / 141.0)
+    assert np.std(slope) == pytest.approx(
+        deviation * np.sqrt(left), abs=5.0 * deviation / 200.0
+    )
+    assert 2.8 * deviation < np.max(np.abs(slope)) <= 3.0 * deviation
+
+
+def test_an_elastic_sphere_is_mirrored_at_the_facet():
+    contacts = dropped(200, 20.0, np.radians(8.0))
+    speed = np.hypot(
+        contacts.normal_velocity_before, contacts.tangential_velocity_before
+    )
+    # It comes straight down, and goes at twice the facet's angle.
+    np.testing.assert_allclose(
+        contacts.normal_velocity_before, speed * np.cos(contacts.slope), rtol=1e-12
+    )
+    up = -contacts.normal_velocity * np.cos(contacts.slope)
+    up -= contacts.tangential_velocity * np.sin(contacts.slope)
+    # The gap at touch, 1e-9 of the block, is climbed as well.
+    np.testing.assert_allclose(up, speed * np.cos(2.0 * contacts.slope), rtol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contacts", [ClosedForm(LAWS[0]), FullModel("fast")])
+def test_no_roughness_is_as_if_there_were_none(contacts):
+    release = blocks_above(HILLS, 20)
+    plain = simulate_runout(HILLS, release, contacts, time_limit=20.0)
+    ground = Ground(HILLS.soil, HILLS.rolling_friction_angle, 0.0, seed=5)
+    same = simulate_runout(HILLS, release, contacts, ground=ground, time_limit=20.0)
+    for records in ("contacts", "pieces"):
+        for one, other in zip(
+            getattr(plain, records), getattr(same, records), strict=True
+        ):
+            np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
+def test_energy_never_grows_over_facets(law):
+    """From piece to piece, and over each contact. Every run ends by itself."""
+    for seed, degrees in enumerate((1.0, 5.0, 12.0, 30.0)):
+        profile = rough(HILLS, degrees)
+        release = blocks_above(profile, 150, seed)
+        runs = simulate_runout(profile, release, ClosedForm(law))
+        assert set(runs.ending) <= {Ending.stopped, Ending.left_profile}
+        c = runs.contacts
+        assert np.sum(c.slope != profile.slope[c.segment.astype(int)]) > 150
+        gain, mass = gain_between_pieces(runs)
+        # of a lift by 1e-7 m: a touch may be early by 1e-9 of the block
+        assert np.max(gain / (mass * G)) < 1e-7
+        gain, mass = gain_over_contacts(runs)
+        assert np.max(gain / (mass * G)) < 1e-7
+
+
+@pytest.mark.parametrize("contacts", [ClosedForm(LAWS[4]), FullModel("fast")])
+def test_no_block_is_sent_into_the_ground(contacts):
+    """On one plane, where nothing else is in the way."""
+    angle = np.radians(25.0)
+    plane = Profile([0.0, 300.0], [140.0, 140.0 - 300.0 * np.tan(angle)])
+    plane = rough(plane, 10.0)
+    release = blocks_above(plane, 40)
+    runs = simulate_runout(plane, release, contacts, time_limit=6.0)
+    assert np.max(np.abs(runs.contacts.slope - angle)) > np.radians(20.0)
+    p = pieces_of(runs, MotionMode.flight)
+    outline = select(release.outline, p.trajectory)
+    lowest = lying_height(plane, outline, p.x, p.orientation)
+    # Touches may be early by 1e-9 of the block, and are of 0.1 to 1 m.
+    assert np.min(p.y - lowest) > -1e-8
+
+
+def test_facets_depend_on_seed_block_and_impact_alone():
+    profile = rough(HILLS, 8.0)
+    release, law = blocks_above(profile, 60), ClosedForm(LAWS[3])
+    ground = Ground.of_profile(profile, seed=3)
+    whole = simulate_runout(profile, release, law, ground=ground)
+    narrow = simulate_runout(profile, release, law, ground=ground, width=7)
+    np.testing.assert_array_equal(whole.x, narrow.x)
+    np.testing.assert_array_equal(whole.contacts.slope, narrow.contacts.slope)
+    chosen = np.array([5, 17, 40])
+    some = Release(
+        select(release.block, chosen),
+        *(column[chosen] for column in release.body),
+    )
+    part = simulate_runout(profile, some, law, ground=ground.of_blocks(chosen))
+    np.testing.assert_array_equal(part.x, whole.x[chosen])
+    again = ground.of_blocks(np.arange(60)).of_blocks(chosen)
+    np.testing.assert_array_equal(again.numbers, chosen)
+    other = simulate_runout(
+        profile, release, law, ground=dataclasses.replace(ground, seed=4)
+    )
+    stopped = (whole.ending == Ending.stopped) & (other.ending == Ending.stopped)
+    assert np.sum(stopped) > 5
+    assert not np.any(other.x[stopped] == whole.x[stopped])
+
+
+def test_each_block_has_its_soil():
+    """As if it went alone over a slope of that soil."""
+    soils = Soil(gamma_v=np.array([[2.0], [8.7], [30.0]]), c_v=np.array([1.0, 0.4]))
+    rolling = np.radians([[10.0], [20.0], [30.0]])
+    release = Release(Block(), [2.0, 2.0, 2.0], 232.0, 15.0)
+    law = FullModel("fast")
+    runs = simulate_runout(BIPLANAR, release, law, ground=Ground(soils, rolling))
+    assert len(set(runs.x)) == 3
+    for i, gamma_v in enumerate((2.0, 8.7, 30.0)):
+        profile = Profile(
+            BIPLANAR.x, BIPLANAR.y, Soil(gamma_v=gamma_v, c_v=[1.0, 0.4]), rolling[i]
+        )
+        alone = simulate_runout(profile, Release(Block(), 2.0, 232.0, 15.0), law)
+        assert alone.x == runs.x[i]
+        assert alone.time == runs.time[i]
+
+
+def test_a_ground_of_other_blocks_is_refused():
+    release = Release(Block(), [2.0, 3.0, 4.0], 233.0)
+    ground = Ground(Soil(c_v=np.ones((2, 1))))
+    with pytest.raises(ValueError, match="3 blocks and 2 segments, but one has shape"):
+        simulate_runout(BIPLANAR, release, ELASTIC, ground=ground)
+    with pytest.raises(ValueError, match="a ground's roughness_deg must be in"):
+        Ground(roughness=1.0)
+
+
+SLOPE = """
+count = 40
+seed = 7
+collectors_m = [60]
+bins = 10
+
+[profile]
+points_m = [[0, 50], [50, 20], [80, 0], [200, 0]]
+
+[ground]
+c_v = 0.5
+roughness_deg = 4
+
+[ground.segment.2]
+k_E = 700
+
+[block]
+mass_kg = { mean = 100, sd = 30, least = 20 }
+
+[release]
+x_m = { from = 2, to = 6 }
+clearance_m = 0.5
+speed_mps = 5
+
+[contacts]
+law = "frictional ellipsoid"
+e_contact = 0.3
+friction_coefficient = 0.6
+"""
+
+
+@pytest.fixture
+def slope(folder):
+    (folder / "slope.toml").write_text(SLOPE)
+    return folder / "slope.toml"
+
+
+def changed(path, *pairs):
+    return write_changed(path, SLOPE, *pairs)
+
+
+def test_ground_samples_changes_no_other_number(slope):
+    plain = read_slope_study(slope)
+    varied = read_slope_study(
+        changed(
+            slope,
+            ("c_v = 0.5", "c_v = { mean = 0.5, sd = 0.1, least = 0 }"),
+            ("k_E = 700", "k_E = [600, 700, 800]\nrolling_friction_angle_deg = 9"),
+            ("roughness_deg = 4", "roughness_deg = { from = 2, to = 6 }"),
+        )
+    )
+    np.testing.assert_array_equal(plain.release.x, varied.release.x)
+    np.testing.assert_array_equal(plain.release.block.mass, varied.release.block.mass)
+    assert set(varied.ground_samples) == {"c_v", "roughness_deg", "segment_2_k_E"}
+    drawn, soil = varied.ground_samples, varied.ground.soil
+    assert len(set(drawn["c_v"])) == 40
+    np.testing.assert_array_equal(soil.c_v, drawn["c_v"][:, None])
+    np.testing.assert_array_equal(drawn["segment_2_k_E"][:4], [600, 700, 800, 600])
+    np.testing.assert_array_equal(soil.k_E[:, 1], drawn["segment_2_k_E"])
+    np.testing.assert_array_equal(soil.k_E[:, [0, 2]], 900.0)
+    np.testing.assert_allclose(
+        np.degrees(varied.ground.rolling_friction_angle), [20.0, 9.0, 20.0]
+    )
+    roughness = np.degrees(varied.ground.roughness[:, 0])
+    np.testing.assert_allclose(roughness, drawn["roughness_deg"])
+    assert roughness.min() >= 2.0
+    assert roughness.max() <= 6.0
+    # Those of a segment leave the rest of the slope with its own.
+    varied = read_slope_study(
+        changed(
+            slope,
+            ("c_v = 0.5", "c_v = { from = 0.4, to = 0.6 }"),
+            ("k_E = 700", "c_v = 0.9"),
+        )
+    )
+    np.testing.assert_array_equal(varied.ground.soil.c_v[:, 1], 0.9)
+    np.testing.assert_array_equal(
+        varied.ground.soil.c_v[:, 2], varied.ground_samples["c_v"]
+    )
+
+
+def test_roughness_alone_is_chance(slope):
+    changed(
+        slope,
+        ("count = 40\n", ""),
+        ("{ mean = 100, sd = 30, least = 20 }", "100"),
+        ("{ from = 2, to = 6 }", "3"),
+    )
+    assert read_slope_study(slope).release.count == 1000
+    slope.write_text(slope.read_text().replace("roughness_deg = 4", ""))
+    assert read_slope_study(slope).release.count == 1
+
+
+@pytest.mark.slow
+def test_drawn_ground_is_kept_and_a_block_can_be_repeated(slope, tmp_path):
+    changed(slope, ("c_v = 0.5", "c_v = { mean = 0.5, sd = 0.1, least = 0 }"))
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    dataset = read_netcdf(tmp_path / "out" / "blocks.nc")
+    study = read_slope_study(slope)
+    np.testing.assert_array_equal(dataset.ground_c_v, study.ground_samples["c_v"])
+    assert dataset.ground_c_v.attrs["units"] == "-"
+    manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    assert manifest["ground"]["c_v"] == {"mean": 0.5, "sd": 0.1, "least": 0}
+    assert manifest["ground"]["roughness_deg"] == 4
+    # Block 17 alone, from what the dataset holds and the seed.
+    block = dataset.isel(block=17)
+    alone = simulate_runout(
+        study.profile,
+        Release(
+            Block(mass=block.mass_kg.values),
+            *(block[f"release_{n}"].values for n in ("x_m", "y_m", "v_x_mps")),
+        ),
+        study.contacts,
+        ground=Ground(
+            dataclasses.replace(study.profile.soil, c_v=block.ground_c_v.values),
+            study.profile.rolling_friction_angle,
+            np.radians(4.0),
+            seed=7,
+            numbers=np.array([17]),
+        ),
+    )
+    assert alone.x == block.x_m.values
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "parts"),
+    [
+        ("roughness_deg = 4", "roughnes_deg = 4", ("did you mean roughness_deg?",)),
+        ("roughness_deg = 4", "roughness_deg = 31", ("in [0, 30] deg",)),
+        ("c_v = 0.5", "c_v = []", ("key ground.c_v", "empty list")),
+        ("c_v = 0.5", "c_v = { mean = 0.5 }", ("key ground.c_v", "{ mean, sd }")),
+        (
+            "c_v = 0.5",
+            "c_v = { mean = 0.5, sd = 1 }",
+            ("ground.c_v", "at least 0", "for block"),
+        ),
+        (
+            "k_E = 700",
+            "k_E = { mean = 1, sd = 1 }",
+            ("ground.segment.2.k_E", "above 0", "for block"),
+        ),
+        ("segment.2", "segment.two", ("ground.segment.two", "number of a segment")),
+    ],
+)
+def test_bad_ground_is_refused_in_one_line(slope, capsys, old, new, parts):
+    changed(slope, (old, new))
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, "slope.toml", *parts)
+
+
+def test_a_distribution_is_not_hidden_by_a_column(slope, tmp_path, capsys):
+    (tmp_path / "p.csv").write_text(
+        "x_m,y_m,c_v,roughness_deg\n0,50,1,2\n80,0,0.2,0\n200,0,0,0\n"
+    )
+    points = "points_m = [[0, 50], [50, 20], [80, 0], [200, 0]]"
+    study = read_slope_study(changed(slope, (points, 'csv = "p.csv"')))
+    np.testing.assert_allclose(np.degrees(study.profile.roughness), [2.0, 0.0])
+    changed(
+        slope, (points, 'csv = "p.csv"'), ("c_v = 0.5", "c_v = { from = 0, to = 1 }")
+    )
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, "key ground.c_v", "p.csv has a column of it")

@@ -1,0 +1,109 @@
+"""A scene: one way in for all functions, its parts, and grounds that have names."""
+
+import math
+import pickle
+
+import jax
+import numpy as np
+import pytest
+
+from jaximpact import Block, Impact, Scene, Soil, simulate, simulate_batch
+from jaximpact.errors import InputError
+from jaximpact.quantities import INPUT_COLUMNS, columns_of, leaf_places
+from jaximpact.scene_quantities import scene_of_values, scene_values
+
+
+@pytest.mark.slow
+def test_a_scene_or_its_parts_are_the_same():
+    parts = Block(aspect_ratio=2.0), Soil(c_v=0.5), Impact(angle=0.4)
+    expected = simulate(Scene(*parts)).e_n
+    for given in (parts, (Scene(*parts),), (parts,)):
+        assert simulate(*given).e_n == expected
+        assert simulate_batch(*given).e_n == expected
+    assert simulate(impact=Impact(angle=0.4), scene=parts[0], soil=parts[1]).e_n == (
+        expected
+    )
+
+
+@pytest.mark.slow
+def test_what_is_left_out_has_its_default():
+    expected = simulate(Block(), Soil(), Impact()).e_n
+    assert simulate(Scene()).e_n == simulate(Block()).e_n == expected
+
+
+def test_what_is_no_scene_is_told():
+    with pytest.raises(InputError, match="a scene holds its soil and its impact"):
+        simulate(Scene(), Soil())
+    with pytest.raises(
+        InputError, match="soil must be of type Soil, but is of type Bl"
+    ):
+        simulate(Block(), Block())
+    with pytest.raises(InputError, match="block must be of type Block, but is 3"):
+        simulate(3)
+
+
+def test_degrees():
+    impact = Impact.from_degrees(
+        10.0, angle=30.0, orientation=45.0, angular_velocity=90.0, slope=-20.0
+    )
+    expected = Impact(10.0, *np.radians([30.0, 45.0, 90.0, -20.0]))
+    for name in ("speed", "angle", "orientation", "angular_velocity", "slope"):
+        found = float(getattr(impact, name))
+        assert found == pytest.approx(float(getattr(expected, name)), rel=1e-15)
+    slope = jax.grad(lambda angle: Impact.from_degrees(angle=angle).angle)(30.0)
+    assert float(slope) == pytest.approx(math.pi / 180.0, rel=1e-15)
+    with pytest.raises(InputError, match=r"Impact.angle must be a number"):
+        Impact.from_degrees(angle="steep")
+
+
+def test_named_grounds():
+    assert Soil.very_dense_sand() == Soil()
+    for ground, gamma_v in (
+        (Soil.supplement_gamma_v_1_70(), 1.70),
+        (Soil.supplement_gamma_v_0_85(), 0.85),
+    ):
+        assert float(ground.c_v) == 0.5
+        assert float(ground.gamma_v) == gamma_v
+        assert f"gamma_v            {gamma_v:g} m/s" in str(ground)
+
+
+def test_columns_are_read_off_the_scene_in_the_order_of_its_leaves():
+    scene = Scene()
+    assert columns_of(scene) == INPUT_COLUMNS
+    places = leaf_places(scene)
+    assert sorted(places.values()) == list(range(len(INPUT_COLUMNS)))
+    leaves = jax.tree.leaves(scene)
+    for name, column in INPUT_COLUMNS.items():
+        # Half a unit in the last place of the conversion
+        found = float(leaves[places[name]]) / column.factor
+        assert found == pytest.approx(column.default, rel=1e-15, abs=0.0)
+
+
+def test_columns_follow_laws_and_shape():
+    scene = Scene(Block(shape="RectangularPrism"), Soil(flow="PowerNucleus"))
+    columns = columns_of(scene)
+    assert columns.keys() - INPUT_COLUMNS.keys() == {
+        "corner_radius_ratio",
+        "nucleus_exponent",
+    }
+    assert columns["nucleus_exponent"].requirement == "in [1, 20]"
+
+
+def test_a_scene_is_told_and_found_again():
+    block = Block(mass=3.0, shape="EllipticCylinder", aspect_ratio=2.0)
+    scene = Scene(block, Soil(flow="PowerNucleus", nucleus_exponent=3.0, c_v=0.3))
+    values = scene_values(scene)
+    assert values["shape"] == "EllipticCylinder"
+    again = scene_of_values(values)
+    assert jax.tree.structure(again) == jax.tree.structure(scene)
+    for found, expected in zip(
+        jax.tree.leaves(again), jax.tree.leaves(scene), strict=True
+    ):
+        np.testing.assert_allclose(found, expected, rtol=1e-15)
+
+
+def test_parts_are_pickled_and_compared():
+    soil = Soil(flow="PowerNucleus", gamma_v=[1.0, 2.0])
+    again = pickle.loads(pickle.dumps(soil))
+    assert jax.tree.structure(again) == jax.tree.structure(soil)
+    np.testing.assert_array_equal(again.gamma_v, soil.gamma_v)

@@ -1,0 +1,64 @@
+"""Leaving out arithmetic on values known when a program is built."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaximpact.backend.xla_compilation import compile_unfused
+from jaximpact.impact.specialize import leave_out_known
+
+
+def mixed(x, y, z):
+    """Whatever y = 0 does away with, and what it does not."""
+    return {
+        "gone": y * jnp.sin(x) / (1.0 + x * x) + jnp.where(y > 0.0, jnp.exp(x), y),
+        "stays": jnp.sqrt(x * z) + y,
+        "known": jnp.exp(y),
+        "clipped": jnp.clip(x, -1.0, y + 0.5),
+    }
+
+
+POINT = np.array([0.3, 1.7]), np.array([2.0, 0.4])
+
+
+@pytest.mark.parametrize("value", [0.0, 1.0, 0.7])
+def test_result_is_that_of_the_function(value):
+    x, z = map(jnp.asarray, POINT)
+    found = leave_out_known(mixed, {1: value})(x, z)
+    expected = mixed(x, jnp.full_like(x, value), z)
+    assert jax.tree.structure(found) == jax.tree.structure(expected)
+    for name, values in expected.items():
+        # Arithmetic in another order.
+        np.testing.assert_allclose(found[name], values, rtol=1e-15)
+
+
+def test_arithmetic_on_zero_is_left_out():
+    x, z = map(jnp.asarray, POINT)
+    reduced = leave_out_known(mixed, {1: 0.0})
+    program = compile_unfused(reduced, x, z).as_text()
+    assert " sine(" not in program
+    assert " exponential(" not in program
+    assert " sqrt(" in program
+    assert " sine(" in compile_unfused(mixed, x, z, x).as_text()
+
+
+def test_derivatives_and_vmap_go_through():
+    x, z = map(jnp.asarray, POINT)
+
+    def whole(x, z):
+        return sum(mixed(x, jnp.zeros_like(x), z).values())
+
+    def reduced(x, z):
+        return sum(leave_out_known(mixed, {1: 0.0})(x, z).values())
+
+    for argument in (0, 1):
+        np.testing.assert_allclose(
+            jax.vmap(jax.grad(reduced, argument))(x, z),
+            jax.vmap(jax.grad(whole, argument))(x, z),
+            rtol=1e-14,
+        )
+
+
+def test_nothing_known_is_the_function_itself():
+    assert leave_out_known(mixed, {}) is mixed

@@ -1,0 +1,266 @@
+"""Sweeps: every point is the impact that it says it is, and can be computed again."""
+
+import dataclasses
+import itertools
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from jaximpact import (
+    Accuracy,
+    Block,
+    Impact,
+    Scene,
+    Soil,
+    parametric_set,
+    read_netcdf,
+    repeat_sweep,
+    simulate,
+    sweep,
+    write_netcdf,
+)
+from jaximpact.errors import InputError
+from jaximpact.paper.sets import GROUNDS, PARAMETRIC_SETS
+from jaximpact.sweep_file import read_sweep_study
+
+BASE = Scene(block=Block(mass=200.0, aspect_ratio=1.5), impact=Impact(speed=11.0))
+AXES = {
+    "ground": {"name": ["dense", "loose"], "c_v": [1.0, 0.5], "gamma_v": [8.7, 1.7]},
+    "angle_deg": [10.0, 40.0, 70.0],
+    "orientation_deg": [0.0, 120.0],
+}
+
+
+@pytest.fixture(scope="module")
+def dataset():
+    return sweep(BASE, AXES)
+
+
+@pytest.mark.slow
+def test_every_point_is_the_impact_of_its_coordinates(dataset):
+    assert dict(dataset.sizes) == {"ground": 2, "angle_deg": 3, "orientation_deg": 2}
+    for places in itertools.product(range(2), range(3), range(2)):
+        point = dataset.isel(dict(zip(dataset.sizes, places, strict=True)))
+        alone = simulate(
+            BASE.block,
+            Soil(c_v=float(point.c_v), gamma_v=float(point.gamma_v)),
+            dataclasses.replace(
+                BASE.impact,
+                angle=np.radians(point.angle_deg),
+                orientation=np.radians(point.orientation_deg),
+            ),
+        )
+        assert str(point.outcome.values) == str(alone.outcome)
+        for name, field in (
+            ("e_n", "e_n"),
+            ("max_penetration_m", "max_penetration"),
+            ("omega_radps", "angular_velocity"),
+            ("max_tangential_force_N", "max_tangential_force"),
+        ):
+            # a batch gives what the scene gives alone, to rounding
+            expected = float(getattr(alone, field))
+            assert float(point[name]) == pytest.approx(expected, rel=1e-9)
+
+
+def test_names_units_and_labels(dataset):
+    assert dataset.max_normal_force_N.attrs["units"] == "N"
+    assert dataset.angle_deg.attrs["units"] == "deg"
+    dense = dataset.sel(ground="dense", angle_deg=40.0, orientation_deg=0.0)
+    assert float(dense.gamma_v) == 8.7
+    assert json.loads(dataset.attrs["base"])["mass_kg"] == 200.0
+    assert sum(json.loads(dataset.attrs["outcomes"]).values()) == 12
+
+
+def test_netcdf_gives_back_what_was_written(dataset, tmp_path):
+    path = tmp_path / "sweep.nc"
+    write_netcdf(path, dataset)
+    xr.testing.assert_identical(read_netcdf(path), dataset)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_sweep_says_enough_to_be_repeated(dataset, tmp_path):
+    path = tmp_path / "sweep.nc"
+    write_netcdf(path, dataset)
+    again = repeat_sweep(read_netcdf(path))
+    # units of the edge and back cost a rounding of the inputs
+    xr.testing.assert_allclose(again, dataset, rtol=1e-9)
+    assert again.attrs == dataset.attrs
+
+
+def test_part_of_a_sweep_can_be_repeated(dataset):
+    part = dataset.isel(angle_deg=[1], ground=[1])
+    xr.testing.assert_allclose(repeat_sweep(part), part, rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_other_laws_are_told_and_found_again(tmp_path):
+    # Longer than wide on the ground, without which the two are one law.
+    usual_base = Scene(
+        Block(aspect_ratio=2.0), impact=Impact.from_degrees(orientation=90.0)
+    )
+    base = Scene(
+        usual_base.block, Soil(hardening="HardeningPerRootArea"), usual_base.impact
+    )
+    axes = {"speed_mps": [14.0], "c_v": [0.5, 1.0]}
+    other = sweep(base, axes)
+    usual = sweep(usual_base, axes)
+    assert abs(float(other.e_n[0, 0]) - float(usual.e_n[0, 0])) > 1e-3
+    write_netcdf(tmp_path / "sweep.nc", other)
+    xr.testing.assert_identical(repeat_sweep(read_netcdf(tmp_path / "sweep.nc")), other)
+
+
+def test_a_dataset_that_is_no_sweep_is_refused():
+    with pytest.raises(InputError, match="does not say what it was computed from"):
+        repeat_sweep(xr.Dataset({"outcome": ("x", ["detached"])}))
+
+
+def test_a_journal_is_taken_up(dataset, tmp_path):
+    journal = tmp_path / "journal"
+    seen = []
+    sweep(BASE, AXES, journal=journal)
+    sweep(BASE, AXES, journal=journal, progress=lambda *done: seen.append(done))
+    assert seen == [(12, 12)]  # all taken over, none computed again
+
+
+@pytest.mark.parametrize(
+    ("axes", "message"),
+    [
+        ({}, "needs at least one axis"),
+        ({"k_e": [1.0]}, "axis k_e is unknown; did you mean k_E"),
+        ({"angle_deg": [10.0, 95.0]}, "must be in \\(-90, 90\\) deg, but holds 95"),
+        ({"angle_deg": 10.0}, "must be a list of at least one number"),
+        ({"angle_deg": []}, "must be a list of at least one number"),
+        ({"angle_deg": ["steep"]}, "must be a number or an array of numbers"),
+        ({"g": {"c_v": [1.0], "gamma_v": [1.0, 2.0]}}, "c_v 1, gamma_v 2"),
+        ({"g": {"c_v": [1.0], "name": ["a", "b"]}}, "c_v 1, name 2"),
+        ({"g": {"gamma": [1.0]}}, "axis g: gamma is unknown; did you mean gamma_v"),
+        ({"g": {"name": ["a"]}}, "varies no quantity"),
+        ({"e_n": {"c_v": [1.0]}}, "e_n is a quantity"),
+        ({"c_v": [1.0], "g": {"c_v": [1.0]}}, "c_v already varies along c_v"),
+    ],
+)
+def test_wrong_axes_are_refused(axes, message):
+    with pytest.raises(InputError, match=message):
+        sweep(Scene(), axes)
+
+
+def test_points_that_fail_are_named_and_nan():
+    # a step size control that cannot be met
+    impossible = Accuracy("impossible", 1e-300, 1e-300)
+    dataset = sweep(Scene(), {"angle_deg": [0.0, 30.0]}, accuracy=impossible)
+    assert set(dataset.outcome.values) == {"failed"}
+    assert np.all(np.isnan(dataset.e_n))
+    assert json.loads(dataset.attrs["outcomes"]) == {"failed": 2}
+
+
+@pytest.mark.parametrize("name", PARAMETRIC_SETS)
+def test_parametric_sets_are_those_of_the_paper(name):
+    dataset = sweep(*parametric_set(name), accuracy="fast")
+    assert tuple(dataset.ground.values) == GROUNDS
+    base = json.loads(dataset.attrs["base"])
+    assert (base["mass_kg"], base["speed_mps"], base["k_E"]) == (100.0, 14.0, 900.0)
+    spans = {
+        "I": {"aspect_ratio": (1.0, 4.0)},
+        "II": {"aspect_ratio": (1.0, 4.0)},
+        "III": {"angle_deg": (10.0, 80.0), "aspect_ratio": (1.0, 4.0)},
+        "IV": {"orientation_deg": (0.0, 170.0), "aspect_ratio": (1.0, 4.0)},
+        "fig13": {
+            "orientation_deg": (0.0, 180.0),
+            "angular_velocity_degps": (0.0, 2000.0),
+        },
+    }[name]
+    for quantity, ends in spans.items():
+        values = dataset[quantity].values
+        assert (values[0], values[-1]) == ends
+    assert not np.any(dataset.outcome == "failed")
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_a_set_on_one_ground_is_that_part_of_the_whole(ground):
+    whole = sweep(*parametric_set("II"), accuracy="fast").sel(ground=ground)
+    alone = sweep(*parametric_set("II", ground), accuracy="fast")
+    assert tuple(alone.sizes) == ("aspect_ratio",)
+    xr.testing.assert_equal(alone, whole.drop_vars(["ground", "c_v", "gamma_v"]))
+
+
+def test_an_unknown_ground_is_refused():
+    with pytest.raises(InputError, match="did you mean 'Table 1'"):
+        parametric_set("I", "table 1")
+
+
+def test_an_unknown_set_is_refused():
+    with pytest.raises(InputError, match="V is no parametric set; did you mean IV"):
+        parametric_set("V")
+
+
+@pytest.fixture
+def study(tmp_path):
+    def write(text):
+        path = tmp_path / "study.toml"
+        path.write_text(text)
+        return read_sweep_study(path)
+
+    return write
+
+
+def test_a_study_file_gives_base_and_axes(study):
+    base, axes, accuracy = study(
+        """
+        accuracy = "fast"
+        [impact]
+        speed_mps = 11
+        [axes]
+        angle_deg = { from = 10, to = 80, count = 8 }
+        k_E = { from = 1e2, to = 1e4, count = 3, spacing = "logarithmic" }
+        [axes.ground]
+        name = ["dense", "loose"]
+        c_v = [1.0, 0.5]
+        """
+    )
+    assert float(base.impact.speed) == 11.0
+    assert accuracy == "fast"
+    np.testing.assert_allclose(axes["angle_deg"], np.arange(10.0, 81.0, 10.0))
+    np.testing.assert_allclose(axes["k_E"], [1e2, 1e3, 1e4])
+    assert axes["ground"] == {"name": ["dense", "loose"], "c_v": [1.0, 0.5]}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("speed_mps = 3", "key axes: is needed"),
+        ("axes = 3", "key axes: must be a table"),
+        ("[axes]\nk_e = [1]", "key axes.k_e: is unknown; did you mean k_E"),
+        ("[axes]\nk_e = {from=1, to=2, count=2}", "key axes.k_e: is unknown"),
+        ("[axes]\nk_E = 3", "must be a list of numbers, or a range"),
+        ("[axes]\nk_E = {from=1, to=2}", "key axes.k_E: needs count"),
+        ("[axes]\nk_E = {from=1, to=2, cont=2}", "did you mean count"),
+        ("[axes]\nk_E = {from=1, to=2, count=0}", "must be at least 1"),
+        (
+            "[axes]\nk_E = {from=0, to=2, count=2, spacing='logarithmic'}",
+            "between positive numbers",
+        ),
+        ("[axes]\nk_E = [1, -2]", "must be above 0, but holds -2"),
+        ("[axis]\nk_E = [1]", "is unknown; did you mean axes"),
+    ],
+)
+def test_a_study_that_cannot_be_used_is_refused(study, text, message):
+    with pytest.raises(InputError, match=message):
+        study(text)
+
+
+def test_a_file_that_is_no_netcdf_is_refused(tmp_path):
+    path = tmp_path / "noise.nc"
+    path.write_bytes(b"CDF\x02 noise, not a dataset")
+    with pytest.raises(InputError, match=r"noise\.nc"):
+        read_netcdf(path)
+    with pytest.raises(InputError, match="No such file"):
+        read_netcdf(tmp_path / "absent.nc")
+
+
+def test_a_scene_may_be_given_by_its_parts():
+    along = {"angle_deg": [40.0]}
+    parts = (BASE.block, BASE.soil, BASE.impact)
+    xr.testing.assert_identical(sweep(parts, along), sweep(BASE, along))
+    xr.testing.assert_identical(sweep(Block(), along), sweep(Scene(), along))

@@ -1,0 +1,293 @@
+"""Tables of scenes: what is read, what is refused and how, and how results go out."""
+
+import contextlib
+import csv
+import gc
+import json
+import math
+import os
+
+import numpy as np
+import pytest
+from error_messages import assert_one_line
+
+from jaximpact import PRESETS, Block, Impact, Outcome, Soil
+from jaximpact.errors import InputError
+from jaximpact.io.files import check_writable, replacing
+from jaximpact.io.output_files import manifest_path
+from jaximpact.io.result_table import count_outcomes, write_results
+from jaximpact.io.scene_table import SIGMA_COLUMNS, SLICE_ROWS, read_table
+from jaximpact.quantities import (
+    INPUT_COLUMNS,
+    LABEL_COLUMNS,
+    OUTCOME_MEANING,
+    RESULT_COLUMNS,
+)
+
+
+@pytest.fixture
+def table_of(tmp_path):
+    """Writes bytes or text to scenes.csv and reads it."""
+
+    def read(content, **options):
+        path = tmp_path / "scenes.csv"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return read_table(path, **options)
+
+    return read
+
+
+FAST = PRESETS["fast"]
+
+
+class FakeResult:
+    """A result of known numbers, in place of one that is computed."""
+
+    def __init__(self, count):
+        generator = np.random.default_rng(7)
+        for column in RESULT_COLUMNS.values():
+            values = generator.normal(size=count) * 10.0 ** generator.integers(
+                -300, 300, count
+            )
+            setattr(self, column.field, values)
+        self.outcome_code = np.arange(count) % len(Outcome) * 1.0
+
+
+def test_values_are_converted_to_si_and_missing_columns_take_their_default(table_of):
+    scene = table_of(
+        "slope_deg,mass_kg,unit_weight_kNm3\n45,2.5,20\n-30,1e3,16.5\n"
+    ).scene()
+    np.testing.assert_array_equal(scene.block.mass, [2.5, 1000.0])
+    np.testing.assert_allclose(scene.impact.slope, [math.pi / 4, -math.pi / 6], 1e-15)
+    np.testing.assert_array_equal(scene.soil.unit_weight, [20e3, 16.5e3])
+    assert float(scene.impact.speed) == 14.0
+    assert float(scene.soil.friction_angle) == pytest.approx(math.pi / 6, rel=1e-15)
+
+
+def test_a_table_without_numbers_has_a_default_scene_for_each_row(table_of):
+    scene = table_of("name\nfirst\nsecond\nthird\n").scene()
+    np.testing.assert_array_equal(scene.block.mass, [100.0] * 3)
+
+
+def test_defaults_of_the_columns_are_those_of_the_modules():
+    parts = {"block": Block(), "soil": Soil(), "impact": Impact()}
+    for column in INPUT_COLUMNS.values():
+        value = float(getattr(parts[column.part], column.field))
+        assert value == pytest.approx(column.factor * column.default, rel=1e-15), column
+
+
+def test_the_help_of_the_outcome_names_every_outcome():
+    assert all(str(outcome) in OUTCOME_MEANING for outcome in Outcome)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"\xef\xbb\xbfmass_kg,speed_mps\n1,2\n3,4\n",
+        b"mass_kg,speed_mps\r\n1,2\r\n3,4\r\n",
+        b"mass_kg,speed_mps\r1,2\r3,4",
+        b"\nmass_kg,speed_mps\n\n1,2\n  \n3,4\n\n",
+        b'"mass_kg", speed_mps\n"1",2\n 3 , 4\n',
+        b'mass_kg,note,speed_mps\n1,"two\nlines, quoted",2\n3,\xc3\xa4,4\n',
+    ],
+    ids=["byte-order-mark", "windows", "old-mac", "blank-lines", "spaces", "quotes"],
+)
+def test_harmless_variants_of_csv_are_read(table_of, content):
+    numbers = table_of(content).numbers
+    np.testing.assert_array_equal(numbers["mass_kg"], [1.0, 3.0])
+    np.testing.assert_array_equal(numbers["speed_mps"], [2.0, 4.0])
+
+
+REFUSED = {
+    "empty": ("", ["is empty"]),
+    "blank": ("\n\n", ["is empty"]),
+    "header-only": ("mass_kg\n", ["no rows"]),
+    "misspelt": ("mass_kg,sped_mps\n1,2\n", ["row 1", "sped_mps", "speed_mps?"]),
+    "wrong-case": ("MASS_KG\n1\n", ["row 1", "MASS_KG", "mass_kg?"]),
+    "unknown-soil": ("gamma_w\n1\n", ["row 1", "column gamma_w", "gamma_v?"]),
+    "twice": ("mass_kg,k_E,mass_kg\n1,2,3\n", ["row 1", "mass_kg", "twice"]),
+    "nameless": ("mass_kg,\n1,2\n", ["row 1", "column 2", "no name"]),
+    "no-header": ("100,14\n100,15\n", ["row 1", "column 100", "must name"]),
+    "result": ("mass_kg,e_n\n1,0.5\n", ["row 1", "e_n", "is a result"]),
+    "sigma": ("sigma_e_n\n0.5\n", ["row 1", "sigma_e_n", "is a result"]),
+    "outcome": ("outcome\ndetached\n", ["row 1", "outcome", "is a result"]),
+    "semicolons": ("mass_kg;k_E\n1;2\n", ["row 1", "separated by ';'"]),
+    "tabs": ("mass_kg\tk_E\n1\t2\n", ["row 1", "separated by tabs"]),
+    "decimal-comma": ("mass_kg\n1,5\n", ["row 2", "2 cells", "has 1", "point"]),
+    "quoted-comma": ('mass_kg\n"1,5"\n', ["row 2", "mass_kg", "'1,5'", "point"]),
+    "short-row": ("mass_kg,k_E\n1,2\n3\n", ["row 3", "1 cells", "has 2"]),
+    "text": ("k_E,mass_kg\n1,2\n3,heavy\n", ["row 3", "column mass_kg", "'heavy'"]),
+    "empty-cell": ("k_E,mass_kg\n1,2\n,2\n", ["row 3", "column k_E", "is empty"]),
+    "underscore": ("mass_kg\n1_000\n", ["row 2", "mass_kg", "'1_000'"]),
+    "not-a-number": ("mass_kg\nnan\n", ["row 2", "mass_kg", "but is nan"]),
+    "infinite": ("orientation_deg\ninf\n", ["row 2", "finite", "but is inf"]),
+    "overflow": ("orientation_deg\n1e999\n", ["row 2", "finite", "1e999"]),
+    "negative-mass": ("mass_kg\n1\n-5\n", ["row 3", "mass_kg", "above 0 kg", "-5"]),
+    "zero-ratio": ("aspect_ratio\n0\n", ["row 2", "aspect_ratio", "above 0, but"]),
+    "grazing": ("angle_deg\n90\n", ["row 2", "angle_deg", "(-90, 90) deg", "is 90"]),
+    "past-grazing": ("angle_deg\n-91\n", ["row 2", "angle_deg", "is -91"]),
+    "percent": ("relative_density\n90\n", ["row 2", "[0, 1]", "is 90"]),
+    "after-blank-lines": ("mass_kg\n\n1\n\n-1\n", ["row 5", "mass_kg"]),
+    "after-long-cell": ('note,mass_kg\n"a\nb",1\nc,-1\n', ["row 4", "mass_kg"]),
+    "open-quote": ('note,mass_kg\n"a,1\nb,2\n', ["row 2", "not valid CSV"]),
+    "latin-1": (b"note,mass_kg\na,1\n\xe4,1\n", ["row 3", "UTF-8"]),
+    "utf-16": ("mass_kg\n1\n".encode("utf-16"), ["row 1", "UTF-8"]),
+    "null": (b"mass_kg\n1\n\x00\n", ["row 3", "null"]),
+}
+
+
+@pytest.mark.parametrize(("content", "needed"), REFUSED.values(), ids=REFUSED)
+def test_bad_tables_are_refused_in_one_line_that_says_where(table_of, content, needed):
+    with pytest.raises(InputError) as caught:
+        table_of(content)
+    assert_one_line(caught.value, "scenes.csv", *needed)
+
+
+@pytest.mark.parametrize("column", INPUT_COLUMNS.values(), ids=INPUT_COLUMNS)
+def test_each_bound_is_allowed_or_refused_as_its_column_says(table_of, column):
+    for bound, allowed in (
+        (column.lower, column.lower_allowed),
+        (column.upper, column.upper_allowed),
+    ):
+        content = f"{column.name}\n{bound!r}\n"
+        if allowed:
+            assert table_of(content).numbers[column.name] == [bound]
+        else:
+            with pytest.raises(InputError, match=f"row 2, column {column.name}"):
+                table_of(content)
+
+
+def test_a_bad_cell_deep_in_the_table_is_found(table_of):
+    rows = ["1"] * (3 * SLICE_ROWS)
+    rows[2 * SLICE_ROWS + 17] = "0"
+    with pytest.raises(InputError, match=f"row {2 * SLICE_ROWS + 19}, column mass_kg"):
+        table_of("mass_kg\n" + "\n".join(rows))
+
+
+def test_a_file_that_cannot_be_read_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"none\.csv: cannot be read: No such file"):
+        read_table(tmp_path / "none.csv")
+    with pytest.raises(InputError, match="cannot be read: Is a directory"):
+        read_table(tmp_path)
+
+
+@pytest.mark.parametrize("mass", [1.0, -1.0])
+def test_the_collector_runs_again_after_a_table_is_read_or_refused(table_of, mass):
+    with contextlib.suppress(InputError):
+        table_of(f"mass_kg\n{mass}\n")
+    assert gc.isenabled()
+
+
+def test_measured_values_are_read_with_their_uncertainty(table_of):
+    table = table_of(
+        "test,e_n,sigma_e_n,outcome\nA,-0.25,0.05,detached\n", measured=True
+    )
+    assert table.numbers["e_n"] == [-0.25]
+    assert table.numbers["sigma_e_n"] == [0.05]
+
+
+@pytest.mark.parametrize(
+    ("content", "needed"),
+    [
+        ("e_n\n0.5\nnan\n", "row 3, column e_n: must be finite, but is nan"),
+        ("e_n\n0.5\n>\n", "row 3, column e_n: has a sign without a number"),
+        ("e_n\n0.5\n>=0.3\n", "row 3, column e_n: must be a number, but is '=0.3'"),
+        ("sigma_e_n\n>0.1\n", "row 2, column sigma_e_n: must be a number"),
+        ('mass_kg,e_n\n1,0.5\n"",0.5\n', "row 3, column mass_kg: is empty"),
+        ("sigma_e_n\n0\n", "row 2, column sigma_e_n: must be above 0"),
+        ("e_nn\n0.5\n", "row 1, column e_nn: is unknown; did you mean e_n?"),
+    ],
+)
+def test_bad_measured_values_are_refused(table_of, content, needed):
+    with pytest.raises(InputError) as caught:
+        table_of(content, measured=True)
+    assert needed in str(caught.value)
+
+
+def test_no_name_of_a_column_has_two_meanings():
+    names = [*INPUT_COLUMNS, *RESULT_COLUMNS, *SIGMA_COLUMNS, *LABEL_COLUMNS, "outcome"]
+    assert len(set(names)) == len(names)
+
+
+def test_results_are_appended_to_rows_left_as_they_were(table_of, tmp_path):
+    count = SLICE_ROWS + 5
+    rows = [f'{k + 1}.50,"block, {k}",1e1' for k in range(count)]
+    table = table_of("\r\n".join(["mass_kg, name ,speed_mps", *rows]))
+    result = FakeResult(count)
+    write_results(tmp_path / "results.csv", table, result, FAST, 0.0)
+
+    text = (tmp_path / "results.csv").read_text()
+    assert text.endswith("\n")
+    lines = text.splitlines()
+    assert len(lines) == count + 1
+    assert all(a.startswith(b + ",") for a, b in zip(lines[1:], rows, strict=True))
+    read = list(csv.reader(lines))
+    assert read[0] == ["mass_kg", " name ", "speed_mps", *RESULT_COLUMNS, "outcome"]
+    for place, column in enumerate(RESULT_COLUMNS.values(), start=3):
+        back = [float(row[place]) for row in read[1:]]
+        np.testing.assert_array_equal(back, getattr(result, column.field))
+    assert [row[-1] for row in read[1:7]] == [str(outcome) for outcome in Outcome]
+
+
+def test_what_is_undefined_is_written_as_nan(table_of, tmp_path):
+    result = FakeResult(1)
+    result.e_t = np.array([np.nan])
+    table = table_of("mass_kg\n1\n")
+    write_results(tmp_path / "results.csv", table, result, FAST, 0.0)
+    header, row = csv.reader((tmp_path / "results.csv").read_text().splitlines())
+    assert row[header.index("e_t")] == "nan"
+
+
+def test_the_manifest_says_from_what_the_results_came(table_of, tmp_path):
+    table = table_of("mass_kg\n1\n2\n")
+    write_results(tmp_path / "results.csv", table, FakeResult(2), FAST, 0.0)
+    manifest = json.loads(manifest_path(tmp_path / "results.csv").read_text())
+    assert manifest["scenes"]["file"] == "scenes.csv"
+    assert manifest["scenes"]["sha256"] == table.sha256
+    assert manifest["accuracy"]["name"] == "fast"
+    assert manifest["outcomes"] == {"detached": 1, "toppled": 1}
+    assert "jax" in manifest["versions"]
+
+
+def test_outcomes_are_counted():
+    result = FakeResult(0)
+    result.outcome_code = np.array([5.0, 0.0, 0.0, 3.0])
+    assert count_outcomes(result) == {"detached": 2, "in contact": 1, "failed": 1}
+
+
+@pytest.mark.parametrize("error", [OSError, KeyboardInterrupt])
+def test_an_interrupted_file_leaves_the_old_one_and_nothing_else(tmp_path, error):
+    path = tmp_path / "results.csv"
+    path.write_text("old")
+
+    def interrupted():
+        with replacing(path) as temporary:
+            temporary.write_text("half of")
+            raise error
+
+    with pytest.raises(error):
+        interrupted()
+    assert path.read_text() == "old"
+    assert os.listdir(tmp_path) == ["results.csv"]
+
+
+def test_a_link_is_followed_when_a_file_is_replaced(tmp_path):
+    (tmp_path / "real.csv").write_text("old")
+    (tmp_path / "link.csv").symlink_to(tmp_path / "real.csv")
+    with replacing(tmp_path / "link.csv") as temporary:
+        temporary.write_text("new")
+    assert (tmp_path / "link.csv").is_symlink()
+    assert (tmp_path / "real.csv").read_text() == "new"
+
+
+def test_targets_that_cannot_be_written_are_found_out_beforehand(tmp_path):
+    check_writable(tmp_path / "fine.csv", option="--out")
+    assert os.listdir(tmp_path) == []
+    for path, reason in (
+        (tmp_path, "something else"),
+        (os.devnull, "something else"),
+        (tmp_path / "none" / "results.csv", "existing directory"),
+        (tmp_path / ("x" * 300), "cannot be written"),
+    ):
+        with pytest.raises(InputError, match=reason):
+            check_writable(path, option="--out")
