@@ -73,6 +73,9 @@ Further keys, before all tables:
   bins           of x, for the envelopes (default: 50)
   time_limit_s, event_limit
                  where a block still under way is given up (defaults: 600 and 10000)
+  hop_threshold  height of a flight, as a fraction of the heave of the block's centre as
+                 it rolls, below which it rolls instead (default: 1; 0: each hop is a
+                 flight and an impact, some hundreds for each elongated block)
 
 """
 RESULT = """

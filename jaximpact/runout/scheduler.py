@@ -21,14 +21,10 @@ from .contacts.impact import strike
 from .flight.flights import fly_on
 from .flight.placement import check_release, release_at_touch
 from .ground_motion.on_ground import cross_edges, move_along
-from .state import Phase, State
+from .state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, Phase, State
 from .terrain import Ground, Profile
 from .trajectory import Ending, Runs
 
-TIME_LIMIT = 600.0
-"""Default of the longest trajectory [s]."""
-EVENT_LIMIT = 10_000
-"""Default of the most contacts and legs of a trajectory."""
 WIDTH = 8192
 """Number of blocks under way at once: enough for full cores, few enough for the
 caches."""
@@ -43,6 +39,7 @@ def simulate_runout(
     ground: Ground | None = None,
     time_limit: float = TIME_LIMIT,
     event_limit: int = EVENT_LIMIT,
+    hop_threshold: float = HOP_THRESHOLD,
     width: int = WIDTH,
     progress: Progress | ProgressFunction | None = None,
 ) -> Runs:
@@ -65,6 +62,9 @@ def simulate_runout(
             if not given.
         time_limit: longest trajectory [s], above 0.
         event_limit: most contacts and legs along the ground of a trajectory, from 1.
+        hop_threshold: height of a flight after a contact, as a fraction of the heave of
+            the block's centre in a turn, below which the block rolls instead of flying,
+            from 0; see `contacts.impact`. Spheres do not heave: it is not for them.
         width: number of blocks under way at once, from 1; no result depends on it.
         progress: called as `progress(ended, blocks)`.
 
@@ -90,9 +90,7 @@ def simulate_runout(
         raise InputError(f"contacts must be a law of contacts, but is {contacts!r}")
     if ground is not None:
         expect("ground", ground, Ground)
-    if real_number("time_limit", time_limit) <= 0.0:
-        raise InputError(f"time_limit must be above 0 s, but is {time_limit!r}")
-    whole_number("event_limit", event_limit, 1)
+    limits = checked_limits(time_limit, event_limit, hop_threshold)
     whole_number("width", width, 1)
     scenes = Scene(
         release.block,
@@ -103,21 +101,21 @@ def simulate_runout(
         ),
     )
     check_scene(scenes, batched=True, warn=True, of="entry")
-    state = State.at_release(profile, release, ground)
-    return follow(
-        *(state, contacts or FullModel(), time_limit, event_limit),
-        *(width, as_progress(progress)),
-    )
+    state = State.at_release(profile, release, ground, limits)
+    return follow(state, contacts or FullModel(), width, as_progress(progress))
 
 
-def follow(
-    state: State,
-    contacts: Contacts,
-    time_limit: float,
-    event_limit: int,
-    width: int,
-    progress: Progress,
-) -> Runs:
+def checked_limits(time_limit: float, event_limit: int, hop_threshold: float) -> Limits:
+    """Check the limits of trajectories. Raises InputError for values out of range."""
+    if real_number("time_limit", time_limit) <= 0.0:
+        raise InputError(f"time_limit must be above 0 s, but is {time_limit!r}")
+    whole_number("event_limit", event_limit, 1)
+    if real_number("hop_threshold", hop_threshold) < 0.0:
+        raise InputError(f"hop_threshold must be at least 0, but is {hop_threshold!r}")
+    return Limits(time_limit, event_limit, hop_threshold)
+
+
+def follow(state: State, contacts: Contacts, width: int, progress: Progress) -> Runs:
     """Follow blocks from their release to their ends; see `simulate_runout`."""
     active, waiting, blocks = np.zeros(0, int), 0, state.release.count
     while True:
@@ -128,11 +126,11 @@ def follow(
         progress("blocks", waiting - len(active), blocks)
         if not len(active):
             break
-        _move_to_contacts(state, active, time_limit, event_limit)
+        _move_to_contacts(state, active)
         touching = active[state.phase[active] == Phase.touching]
         if len(touching):
             strike(state, touching, contacts)
-            _count_events(state, touching, event_limit)
+            _count_events(state, touching)
     return Runs(
         profile=state.profile,
         release=state.release,
@@ -146,9 +144,7 @@ def follow(
     )
 
 
-def _move_to_contacts(
-    state: State, active: np.ndarray, time_limit: float, event_limit: int
-) -> None:
+def _move_to_contacts(state: State, active: np.ndarray) -> None:
     """Move blocks until each touches the ground or has ended."""
     while True:
         phase = state.phase[active]
@@ -158,16 +154,17 @@ def _move_to_contacts(
         if not (len(airborne) or len(grounded) or len(at_edge)):
             return
         if len(airborne):
-            fly_on(state, airborne, time_limit)
+            fly_on(state, airborne)
         if len(grounded):
-            move_along(state, grounded, time_limit)
+            move_along(state, grounded)
         if len(at_edge):
             cross_edges(state, at_edge)
-        _count_events(state, np.concatenate([grounded, at_edge]), event_limit)
+        _count_events(state, np.concatenate([grounded, at_edge]))
 
 
-def _count_events(state: State, lanes: np.ndarray, event_limit: int) -> None:
+def _count_events(state: State, lanes: np.ndarray) -> None:
     """Count an event of each block, and end those that have had too many."""
     state.events[lanes] += 1
-    many = (state.events[lanes] >= event_limit) & (state.phase[lanes] != Phase.ended)
+    many = state.events[lanes] >= state.limits.events
+    many &= state.phase[lanes] != Phase.ended
     state.end(lanes[many], Ending.event_limit)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import enum
+from typing import NamedTuple
 
 import jax
 import numpy as np
@@ -14,6 +15,13 @@ from .lane_programs import closed_form
 from .terrain import Ground, Profile, spread
 from .trajectory import ContactRecord, Pieces, Recorder
 
+TIME_LIMIT = 600.0
+"""Default of the longest trajectory [s]."""
+EVENT_LIMIT = 10_000
+"""Default of the most contacts and legs of a trajectory."""
+HOP_THRESHOLD = 1.0
+"""Default of the height of a flight, as a fraction of the block's heave, below which
+it rolls."""
 _friction_of = closed_form(lambda slider, angle: slider.friction(angle))
 
 
@@ -29,6 +37,18 @@ class Phase(enum.IntEnum):
     touching = 3
     """Contact with the ground."""
     ended = 4
+
+
+class Limits(NamedTuple):
+    """Limits of a trajectory, and of the flights that are followed."""
+
+    time: float = TIME_LIMIT
+    """Longest trajectory [s]."""
+    events: int = EVENT_LIMIT
+    """Most contacts and legs."""
+    hop_threshold: float = HOP_THRESHOLD
+    """Height of a flight after a contact, as a fraction of the block's heave, below
+    which it rolls instead."""
 
 
 @dataclasses.dataclass
@@ -58,6 +78,7 @@ class State:
     """Standard deviations of the angles of facets [rad], `(blocks, segments)`."""
     seed: int
     """Seed of the facets."""
+    limits: Limits
     numbers: np.ndarray
     """Block numbers that select the random facets."""
     impacts: np.ndarray
@@ -94,7 +115,11 @@ class State:
 
     @classmethod
     def at_release(
-        cls, profile: Profile, release: Release, ground: Ground | None = None
+        cls,
+        profile: Profile,
+        release: Release,
+        ground: Ground | None = None,
+        limits: Limits = Limits(),  # noqa: B008, which is immutable
     ) -> "State":
         """Start all blocks; on the profile's own ground if no other is given."""
         n, surface = release.count, ground or profile
@@ -118,6 +143,7 @@ class State:
             sliding_friction=of_all(_sliding_friction(soil)),
             roughness=of_all(surface.roughness),
             seed=0 if ground is None else ground.seed,
+            limits=limits,
             numbers=np.arange(n)
             if ground is None or ground.numbers is None
             else ground.numbers,

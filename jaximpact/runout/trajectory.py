@@ -100,6 +100,9 @@ class ContactRecord(NamedTuple):
     """Penetration of the lowest point at the end [m], out of which the block climbs."""
     outcome: Values
     """Code of `Outcome`; -1 for a touch too slow to be an impact."""
+    hop: Values
+    """True where the block would have left the ground by less than it heaves as it
+    rolls, and went on along the ground instead; see `contacts.impact`."""
 
 
 class Recorder:

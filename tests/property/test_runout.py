@@ -286,7 +286,9 @@ def test_contacts_that_take_time_go_from_velocity_to_velocity():
     no speed on the way is greater than one at an end of a flight."""
     block = Block(mass=100.0, aspect_ratio=np.repeat([1.0, 2.0, 4.0], 4))
     release = Release(block, 0.0, 235.0, 20.0, 3.0, 0.4, np.tile([0, 20, 90, 200], 3))
-    runs = simulate_runout(BIPLANAR, release, FullModel("fast"), event_limit=60)
+    runs = simulate_runout(
+        BIPLANAR, release, FullModel("fast"), event_limit=60, hop_threshold=0.0
+    )
     p = runs.pieces
     contacts = np.flatnonzero(p.motion == MotionMode.contact)
     contacts = contacts[
@@ -331,8 +333,9 @@ def test_contacts_in_closed_form_give_no_energy():
         assert np.max(gain / (mass * G)) < 1e-7
 
 
+@pytest.mark.parametrize(("threshold", "least"), [(0.0, 4), (1.0, 3)])
 @pytest.mark.parametrize("contacts", [*map(ClosedForm, LAWS[::3]), FullModel("fast")])
-def test_a_mirrored_slope_gives_the_mirrored_run(contacts):
+def test_a_mirrored_slope_gives_the_mirrored_run(contacts, threshold, least):
     release = Release(
         Block(aspect_ratio=[1.0, 2.0, 3.5]),
         *(1.0, 232.0, 15.0, 3.0),
@@ -347,10 +350,11 @@ def test_a_mirrored_slope_gives_the_mirrored_run(contacts):
         angular_velocity=-release.angular_velocity,
     )
     profile = Profile(-BIPLANAR.x[::-1], BIPLANAR.y[::-1])
-    limit = 4.0  # some contacts; later ones magnify rounding
-    there = simulate_runout(BIPLANAR, release, contacts, time_limit=limit)
-    back = simulate_runout(profile, mirrored, contacts, time_limit=limit)
-    assert len(there.contacts.time) > 3
+    # Some contacts; later ones magnify rounding.
+    how = {"time_limit": 4.0, "hop_threshold": threshold}
+    there = simulate_runout(BIPLANAR, release, contacts, **how)
+    back = simulate_runout(profile, mirrored, contacts, **how)
+    assert len(there.contacts.time) >= least
     np.testing.assert_array_equal(there.ending, back.ending)
     np.testing.assert_array_equal(there.events, back.events)
     # Rounding, times e to the number of contacts or so.
@@ -552,3 +556,52 @@ def test_a_scene_needs_a_place_and_a_release_none():
         simulate_runout(FLAT, Scene())
     with pytest.raises(InputError, match="x is for a scene"):
         simulate_runout(FLAT, Release(SPHERE, 5.0, 5.0), x=3.0)
+
+
+def test_spheres_never_hop():
+    """They do not heave as they roll: every threshold gives the same bits."""
+    release = Release(SPHERE, np.linspace(0.0, 50.0, 8), 240.0, 15.0, 0.0, 0.0, 10.0)
+    contacts = ClosedForm(ConstantCoefficients(0.4, 0.9))
+    first, second = (
+        simulate_runout(BIPLANAR, release, contacts, hop_threshold=threshold)
+        for threshold in (0.0, 1e6)
+    )
+    assert not np.any(second.contacts.hop)
+    for name in ("contacts", "pieces"):
+        for one, other in zip(getattr(first, name), getattr(second, name), strict=True):
+            np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("threshold", [0.0, 0.5, 2.0])
+def test_flights_lower_than_the_heave_are_rolled(threshold):
+    """A contact is followed by a flight where that lifts the block by the threshold at
+    least, by motion along the ground where it would lift it by less."""
+    generator = np.random.default_rng(7)
+    release = blocks_above(BIPLANAR, generator, 40)
+    law = ClosedForm(PfeifferBowen(0.5, 0.9))
+    runs = simulate_runout(BIPLANAR, release, law, hop_threshold=threshold)
+    c, p = runs.contacts, runs.pieces
+    owner = c.trajectory.astype(int)
+    outline = release.outline
+    heave = (outline.largest - outline.smallest)[owner]
+    height = np.maximum(-c.normal_velocity, 0.0) ** 2 / (2.0 * G * np.cos(c.slope))
+    hops = c.hop.astype(bool)
+    assert np.all(height[hops] < threshold * heave[hops])
+    assert np.any(hops) == (threshold > 0.0)
+    # What a block does next is the piece that begins as the contact ends.
+    flights = set(zip(p.trajectory[p.motion == 0], p.time[p.motion == 0], strict=True))
+    flies = np.array(
+        [(t, time) in flights for t, time in zip(owner, c.time, strict=True)]
+    )
+    assert not np.any(flies & hops)
+    assert np.all(height[flies] >= threshold * heave[flies])
+    gain, mass = gain_between_pieces(runs)
+    # Rounding of energies of some hundred metres of height.
+    assert np.max(gain / mass) <= 1e-9
+
+
+@pytest.mark.parametrize("threshold", [-0.1, np.nan, "1"])
+def test_a_threshold_of_hops_is_checked(threshold):
+    release = Release(SPHERE, 10.0, 240.0)
+    with pytest.raises(InputError, match="hop_threshold must be"):
+        simulate_runout(BIPLANAR, release, DEAD, hop_threshold=threshold)

@@ -1,4 +1,18 @@
-"""Transition of blocks that touch the ground: their impacts, and how they continue."""
+r"""Transition of blocks that touch the ground: their impacts, and how they continue.
+
+**Hops.** The centre of an elongated block heaves by $r_{max} - r_{min}$ as it rolls. A
+flight that would lift it by less than a fraction $\chi$ of that,
+
+$$ h = \frac{\max(-v_n, 0)^2}{2 g \cos w} < \chi\,(r_{max} - r_{min}), $$
+
+is a part of rolling: it is not followed, and the block goes on along the ground. The
+energy of its motion across the ground is lost. $\chi$ is `hop_threshold`; with 0 every
+hop is a flight that ends in an impact, some hundreds for each block. Spheres do not
+heave, and never hop.
+
+Source: our reading [R]; Dattola et al. (2023), section 3.3, have elongated blocks roll
+after their first impact and do not say how.
+"""
 
 from typing import NamedTuple
 
@@ -43,8 +57,12 @@ class Continuation(NamedTuple):
     """Angle Theta from the segment [rad]."""
     tangential_velocity: Values
     """Velocity along the segment [m/s]."""
+    over: np.ndarray
+    """Height above the segment [m]; more than 0 only after a facet was struck."""
+    rising: np.ndarray
+    """Velocity of the centre out of the segment [m/s]."""
     leaves: np.ndarray
-    """True for a block that flies on."""
+    """True for a block whose lowest point leaves the ground."""
     stuck: np.ndarray
     """True for a block that lacks the energy to climb out of the ground."""
 
@@ -69,18 +87,34 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     after, x, y = _travel(state, lanes, body, outline, mass_properties, struck, after)
     on = Continuation(
         *(x, y, after.orientation, after.tangential_velocity),
+        over=np.zeros(len(lanes)),
+        rising=-primal(after.normal_velocity),
         leaves=after.leaving >= slow,
         stuck=after.climbs == 0.0,
     )
     turned = struck.slope != touched.slope
+    lifted = None
     if np.any(turned):
         lifted = lift(outline, mass_properties, touched, struck, gap, after)
         smallest = state.smallest[lanes]
         after, on = _lift_off_facets(
             turned, lifted, after, on, touched.slope, slow, smallest
         )
-    _record(state, lanes, body, struck, response, after, on, outcome)
+    hops = on.leaves & ~on.stuck & _is_hop(state, lanes, outline, touched.slope, on)
+    on = on._replace(leaves=on.leaves & ~hops)
+    if lifted is not None:
+        stays = turned & ~on.leaves & ~on.stuck
+        on = _come_down(stays, on, lifted, touched.slope)
+    _record(state, lanes, body, struck, response, after, on, outcome, hops)
     _continue(state, lanes, touched, struck, after, on, outcome)
+
+
+def _is_hop(state, lanes, outline, slope, on: Continuation) -> np.ndarray:
+    """Tell flights that would lift a block by less than it heaves as it rolls."""
+    heave = outline.largest - outline.smallest
+    normal_gravity = GRAVITY * np.cos(slope)
+    height = on.over + np.maximum(on.rising, 0.0) ** 2 / (2.0 * normal_gravity)
+    return primal(height) < state.limits.hop_threshold * primal(heave)
 
 
 def _planes_struck(state, lanes, touched, is_impact, slow) -> PlaneContact:
@@ -168,29 +202,35 @@ def _lift_off_facets(
     away |= lifted.over > SMALL_RISE * smallest
     leaves = np.where(turned, away, on.leaves)
     stuck = on.stuck | (turned & (lifted.climbs == 0.0))
-    # A block that stays on the ground comes down to it.
-    rise = np.where(leaves | stuck, 0.0, -lifted.over) + lifted.lift
     on = Continuation(
-        x=on.x + np.where(turned, rise * np.sin(slope), 0.0),
-        y=on.y + np.where(turned, rise * np.cos(slope), 0.0),
+        x=on.x + np.where(turned, lifted.lift * np.sin(slope), 0.0),
+        y=on.y + np.where(turned, lifted.lift * np.cos(slope), 0.0),
         orientation=np.where(turned, lifted.orientation, on.orientation),
         tangential_velocity=np.where(
             turned, lifted.tangential_velocity, on.tangential_velocity
         ),
+        over=primal(np.where(turned, lifted.over, 0.0)),
+        rising=primal(np.where(turned, lifted.rising, on.rising)),
         leaves=leaves,
         stuck=stuck,
     )
     return after.scaled(fraction), on
 
 
-def _record(state, lanes, body, struck, response, after, on, outcome) -> None:
+def _come_down(lanes: np.ndarray, on: Continuation, lifted, slope) -> Continuation:
+    """Bring blocks that a facet left above their segment down to it, some lanes."""
+    drop = np.where(lanes, lifted.over, 0.0)
+    return on._replace(x=on.x - drop * np.sin(slope), y=on.y - drop * np.cos(slope))
+
+
+def _record(state, lanes, body, struck, response, after, on, outcome, hops) -> None:
     """Record contacts, and those that take time as pieces of the trajectory: from the
     velocities before to those after, at constant acceleration. The penetration is not
     part of the trajectory; it continues from where the block is set back."""
     state.contacts.add(
         lanes, state.time[lanes], state.segment[lanes], struck.slope, body.x, body.y,
         *struck[1:5], *after[3:6], on.x, on.y,
-        response.duration, response.sinking, outcome,
+        response.duration, response.sinking, outcome, hops,
     )  # fmt: skip
     chosen = response.duration > 0.0
     lanes, slope = lanes[chosen], struck.slope[chosen]

@@ -99,6 +99,8 @@ class Lifted(NamedTuple):
     """Angle Theta from the segment [rad]."""
     tangential_velocity: Values
     """Velocity along the segment [m/s]."""
+    rising: Values
+    """Velocity of its centre out of the segment [m/s]."""
     leaving: Values
     """Velocity at which its lowest point leaves the segment [m/s]."""
     climbs: Values
@@ -138,13 +140,14 @@ def lift(
     left = kinetic - mass_properties.mass * GRAVITY * jnp.cos(touched.slope) * depth
     fraction = jnp.sqrt(jnp.maximum(left, 0.0) / jnp.where(kinetic > 0.0, kinetic, 1.0))
     climbs = (left > 0.0) | (depth == 0.0)
-    away = -v_n * cos - v_t * sin - arm * spin
+    rising = -v_n * cos - v_t * sin
     return Lifted(
         lift=jnp.where(climbs, depth, 0.0),
         over=jnp.maximum(over, 0.0),
         fraction=fraction,
         orientation=theta,
         tangential_velocity=fraction * (v_t * cos - v_n * sin),
-        leaving=fraction * away,
+        rising=fraction * rising,
+        leaving=fraction * (rising - arm * spin),
         climbs=climbs.astype(float),
     )

@@ -21,8 +21,8 @@ from ..blocks import Body, Release, select
 from ..contacts.contact_models import ClosedForm, Contacts, FullModel
 from ..dual import Dual, as_dual, primal, tangent_of
 from ..flight.placement import check_release
-from ..scheduler import EVENT_LIMIT, TIME_LIMIT, WIDTH, follow
-from ..state import State
+from ..scheduler import WIDTH, checked_limits, follow
+from ..state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, State
 from ..terrain import Ground, Profile
 from ..trajectory import Ending, Runs
 from .outputs import chosen_outputs, outputs_of
@@ -75,6 +75,7 @@ def runout_gradients(
     check: bool = True,
     time_limit: float = TIME_LIMIT,
     event_limit: int = EVENT_LIMIT,
+    hop_threshold: float = HOP_THRESHOLD,
     ground: Ground | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> xr.Dataset:
@@ -106,7 +107,7 @@ def runout_gradients(
             run-out study.
         collectors: places of collectors [m].
         check: compare with differences; two to eight more runs for each parameter.
-        time_limit, event_limit, ground: as for `simulate_runout`.
+        time_limit, event_limit, hop_threshold, ground: as for `simulate_runout`.
         progress: called as `progress(done, runs)`, in runs of all blocks.
 
     Returns:
@@ -128,13 +129,13 @@ def runout_gradients(
     """
     progress = as_progress(progress)
     case = _checked_case(profile, release, contacts, ground)
+    limits = checked_limits(time_limit, event_limit, hop_threshold)
     if not check:
         _refuse_flat_faces(release, "give check=True, which compares with differences")
     chosen = chosen_parameters(case, parameters)
     units = chosen_outputs(outputs, collectors)
-    limits = time_limit, event_limit
     runs_to_do = 1 + 2 * len(chosen) * bool(check)
-    carried = _differentiate(case, chosen, *limits)
+    carried = _differentiate(case, chosen, limits)
     columns, when = outputs_of(carried, units)
     whole = _Whole(
         base=Runs(**{name: primal(value) for name, value in vars(carried).items()}),
@@ -159,6 +160,7 @@ def differentiate_runout(
     *,
     time_limit: float = TIME_LIMIT,
     event_limit: int = EVENT_LIMIT,
+    hop_threshold: float = HOP_THRESHOLD,
     ground: Ground | None = None,
 ) -> Runs:
     """Simulate trajectories whose numbers all carry derivatives, unchecked.
@@ -173,9 +175,10 @@ def differentiate_runout(
     faces: one in seven of their derivatives is not that of the differences.
     """
     case = _checked_case(profile, release, contacts, ground)
+    limits = checked_limits(time_limit, event_limit, hop_threshold)
     _refuse_flat_faces(release, "runout_gradients compares them with differences")
     chosen = chosen_parameters(case, parameters)
-    return _differentiate(case, chosen, time_limit, event_limit)
+    return _differentiate(case, chosen, limits)
 
 
 def _refuse_flat_faces(release: Release, cure: str) -> None:
@@ -205,22 +208,22 @@ def _checked_case(
 
 
 def _differentiate(
-    case: Case, parameters: tuple[Parameter, ...], time_limit: float, event_limit: int
+    case: Case, parameters: tuple[Parameter, ...], limits: Limits
 ) -> Runs:
     count = len(parameters)
     for parameter, direction in zip(parameters, np.eye(count), strict=True):
         case = parameter.shift(case, Dual(0.0, direction))
-    return _follow(case, count, time_limit, event_limit)
+    return _follow(case, count, limits)
 
 
-def _follow(case: Case, count: int, time_limit: float, event_limit: int) -> Runs:
-    state = State.at_release(case.profile, case.release, case.ground)
+def _follow(case: Case, count: int, limits: Limits) -> Runs:
+    state = State.at_release(case.profile, case.release, case.ground, limits)
     if count:
         changing = ("time", "direction", "speed_squared", "plane", "normal", "gap")
         fields = {name: as_dual(getattr(state, name), count) for name in changing}
         body = Body(*(as_dual(value, count) for value in state.body))
         state = dataclasses.replace(state, body=body, **fields)
-    return follow(state, case.contacts, time_limit, event_limit, WIDTH, Progress())
+    return follow(state, case.contacts, WIDTH, Progress())
 
 
 class _Whole(NamedTuple):
@@ -241,7 +244,7 @@ def _judge(
     whole: _Whole,
     slopes: np.ndarray,
     check: bool,
-    limits: tuple[float, int],
+    limits: Limits,
 ) -> dict[str, np.ndarray]:
     """Compare the derivatives with respect to one parameter with differences.
 
@@ -301,7 +304,7 @@ def _differences(
     some: np.ndarray,
     step: float,
     size: np.ndarray,
-    limits: tuple[float, int],
+    limits: Limits,
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Differentiate the outputs of some blocks by central differences.
 
@@ -339,7 +342,7 @@ def _neighbour(
     parameter: Parameter,
     some: np.ndarray,
     amount: np.ndarray,
-    limits: tuple[float, int],
+    limits: Limits,
 ) -> Runs | None:
     """Simulate some blocks with a parameter shifted; None where it leaves its range."""
     release = replaced(
@@ -350,7 +353,7 @@ def _neighbour(
     amount = amount if np.ndim(parameter.size(case)) else amount[0]
     ground = case.ground.of_blocks(some)
     shifted = parameter.shift(case._replace(release=release, ground=ground), amount)
-    return _follow(shifted, 0, *limits) if parameter.allows(shifted) else None
+    return _follow(shifted, 0, limits) if parameter.allows(shifted) else None
 
 
 def _dataset(case: Case, parameters, whole: _Whole, found: list[dict]) -> xr.Dataset:
@@ -436,7 +439,7 @@ def same_until(first: Runs, second: Runs) -> np.ndarray:
     in the same modes between them [s]; inf where they do so to the same end."""
     until = np.where(first.ending == second.ending, np.inf, first.time)
     for name, columns in (
-        ("contacts", ("segment", "outcome")),
+        ("contacts", ("segment", "outcome", "hop")),
         ("pieces", ("motion",)),
     ):
         one, other = getattr(first, name), getattr(second, name)

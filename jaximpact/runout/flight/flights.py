@@ -136,10 +136,10 @@ def _search(
     ends.gap[lanes] = np.where(touched, found.gap, 0.0)
 
 
-def fly_on(state: State, lanes: np.ndarray, time_limit: float) -> None:
+def fly_on(state: State, lanes: np.ndarray) -> None:
     """Advance blocks in the air to the ends of their flights."""
     body, outline = select(state.body, lanes), select(state.outline, lanes)
-    left = np.maximum(time_limit - state.time[lanes], 0.0)
+    left = np.maximum(state.limits.time - state.time[lanes], 0.0)
     parameters = tangent_count(body)
     ends = follow_flights(primal(body), primal(outline), state.profile, primal(left))
     if parameters:

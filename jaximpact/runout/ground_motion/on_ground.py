@@ -83,7 +83,7 @@ def lie_down(state: State, lanes: np.ndarray, plane: Values) -> None:
     state.body.orientation[lanes] = plane + lying
 
 
-def move_along(state: State, lanes: np.ndarray, time_limit: float) -> None:
+def move_along(state: State, lanes: np.ndarray) -> None:
     """Move blocks along their segments, to the end or as far as they get."""
     profile, segment = state.profile, state.segment[lanes]
     slope, length = state.slope[segment], state.length[segment]
@@ -116,7 +116,7 @@ def move_along(state: State, lanes: np.ndarray, time_limit: float) -> None:
     _record_leg(state, lanes, leg, speed, slope, radius)
     arrives = leg.arrives > 0.0
     state.speed_squared[lanes] = leg.speed**2
-    late = state.time[lanes] > time_limit
+    late = state.time[lanes] > state.limits.time
     at_edge = arrives & ~corner
     state.phase[lanes[at_edge]] = Phase.at_edge
     state.edge[lanes[at_edge]] = target[at_edge]

@@ -128,14 +128,9 @@ def simulate(
     release = study.release
     some = Release(select(release.block, chosen), *select(release.body, chosen))
     # All that `simulate_runout` checks was checked as the study was read.
-    return follow(
-        State.at_release(study.profile, some, study.ground.of_blocks(chosen)),
-        study.contacts,
-        study.time_limit,
-        study.event_limit,
-        WIDTH,
-        as_progress(progress),
-    )
+    ground = study.ground.of_blocks(chosen)
+    state = State.at_release(study.profile, some, ground, study.limits)
+    return follow(state, study.contacts, WIDTH, as_progress(progress))
 
 
 def edges_of(study: SlopeStudy) -> np.ndarray:
@@ -299,8 +294,9 @@ def provenance_of(study: SlopeStudy, codes: np.ndarray) -> dict:
         "ground": study.ground_told,
         "seed": study.seed,
         "blocks": len(codes),
-        "time_limit_s": study.time_limit,
-        "event_limit": study.event_limit,
+        "time_limit_s": study.limits.time,
+        "event_limit": study.limits.events,
+        "hop_threshold": study.limits.hop_threshold,
         "endings": {
             str(ending): int(np.sum(codes == ending))
             for ending in Ending

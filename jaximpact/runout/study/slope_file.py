@@ -29,7 +29,7 @@ from ..blocks import Release
 from ..contacts.contact_models import Contacts
 from ..flight.placement import check_release, lying_height
 from ..random_inputs import Quantity, combinations, draw, is_random, read_quantity
-from ..scheduler import EVENT_LIMIT, TIME_LIMIT
+from ..state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits
 from ..terrain import (
     ANGLE_COLUMNS,
     ROUGHNESS_COLUMN,
@@ -43,7 +43,7 @@ from .ground_file import GroundInput, read_ground_profile
 TABLES = ("profile", "ground", "block", "release", "contacts")
 NUMBERS = (
     *("title", "accuracy", "count", "seed", "collectors_m", "bins"),
-    *("time_limit_s", "event_limit"),
+    *("time_limit_s", "event_limit", "hop_threshold"),
 )
 RELEASE_COLUMNS = {
     name: INPUT_COLUMNS[name] for name in ("orientation_deg", "angular_velocity_degps")
@@ -95,10 +95,7 @@ class SlopeStudy(NamedTuple):
     """Places of the collectors [m], increasing, `(collectors,)`."""
     bins: int
     """Number of bins of the envelopes along the profile."""
-    time_limit: float
-    """Longest trajectory [s]."""
-    event_limit: int
-    """Most contacts and legs of a trajectory."""
+    limits: Limits
 
 
 def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
@@ -137,11 +134,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     profile = read_ground_profile(path, content, ground_input, checksums)
     laws = read_laws(path, content, accuracy)
     seed = whole(path, content, "seed", 0, 0)
-    time_limit = number(path, "time_limit_s", content.get("time_limit_s", TIME_LIMIT))
-    if time_limit <= 0.0:
-        raise InputError(
-            f"must be above 0 s, but is {time_limit:g}", file=path, key="time_limit_s"
-        )
+    limits = _limits(path, content)
     blocks = _blocks(path, content)
     quantities = ground_input.varied() | _quantities(path, content, blocks)
     jointly = ground_input.sampled_jointly()
@@ -185,11 +178,25 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
             seed=seed,
             collectors=_collectors(path, content, profile),
             bins=bins,
-            time_limit=time_limit,
-            event_limit=whole(path, content, "event_limit", EVENT_LIMIT, 1),
+            limits=limits,
         )
         for law in laws
     ]
+
+
+def _limits(path: Path, content: dict) -> Limits:
+    time = number(path, "time_limit_s", content.get("time_limit_s", TIME_LIMIT))
+    if time <= 0.0:
+        raise InputError(
+            f"must be above 0 s, but is {time:g}", file=path, key="time_limit_s"
+        )
+    key = "hop_threshold"
+    threshold = number(path, key, content.get(key, HOP_THRESHOLD))
+    if threshold < 0.0:
+        raise InputError(
+            f"must be at least 0, but is {threshold:g}", file=path, key=key
+        )
+    return Limits(time, whole(path, content, "event_limit", EVENT_LIMIT, 1), threshold)
 
 
 def _count(
