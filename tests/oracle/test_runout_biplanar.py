@@ -39,6 +39,14 @@ def runs():
     return simulate_runout(case.profile(Soil()), case.release(), FullModel("fast"))
 
 
+@pytest.fixture(scope="module")
+def flying():
+    """The same runs where each hop is a flight that ends in an impact."""
+    case = BiplanarCase()
+    slope, release = case.profile(Soil()), case.release()
+    return simulate_runout(slope, release, FullModel("fast"), hop_threshold=0.0)
+
+
 # --- the case
 
 
@@ -109,9 +117,10 @@ def test_a_sphere_that_drops_jumps_by_the_square_of_its_coefficient():
     assert np.isnan(rise_before(runs, flights)).all()
 
 
-def test_heights_are_the_largest_on_the_way(runs):
+def test_heights_are_the_largest_on_the_way(flying):
     """Over the toe too, where the ground bends: against 400 samples of each flight,
     which can miss the top by (duration/800)^2 g/2."""
+    runs = flying
     flights = jumps(runs)
     p = type(runs.pieces)(*(column[flights.piece] for column in runs.pieces))
     time = p.duration[:, None] * np.linspace(0.0, 1.0, 401)
@@ -126,7 +135,8 @@ def test_heights_are_the_largest_on_the_way(runs):
     np.testing.assert_allclose(flights.rise, flights.height - start, atol=1e-12)
 
 
-def test_every_impact_after_a_flight_knows_its_rise(runs):
+def test_every_impact_after_a_flight_knows_its_rise(flying):
+    runs = flying
     flights, contacts = jumps(runs), runs.contacts
     before = rise_before(runs, flights)
     ends = runs.pieces.time[flights.piece] + runs.pieces.duration[flights.piece]
