@@ -355,8 +355,6 @@ def test_contact_in_closed_form_in_machine_code():
     )
 
 
-# Equinox calls it in loops that are differentiated backwards; JAX 0.9 warns of it.
-@pytest.mark.filterwarnings("ignore:jax.core.get_aval:DeprecationWarning")
 def test_contact_in_closed_form_through_diffrax_in_reverse():
     def restitution(by):
         stiffness, damping = by
