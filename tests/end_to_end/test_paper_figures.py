@@ -13,12 +13,11 @@ from text_files import rows_of
 from jaximpact import Accuracy, Block, Impact, Soil, simulate
 from jaximpact.cli import main
 from jaximpact.errors import InputError
-from jaximpact.paper.figures import PAPER_FIGURES, Study, write_figures
-from jaximpact.paper.figures import write as run
+from jaximpact.paper import figures as run
+from jaximpact.paper.figures import PAPER_FIGURES, Study, write_figures, write_table
 from jaximpact.paper.figures.drawing import colours_of
 from jaximpact.paper.figures.slope_figures import ENDING_COLUMN, LINE
 from jaximpact.paper.figures.tables import BRANCH, DURATION, JUMP, SERIES, peak
-from jaximpact.paper.figures.write import write_table
 from jaximpact.paper.goodness_of_fit import fit_exponential
 from jaximpact.paper.sets import GROUNDS
 from jaximpact.quantities import (
