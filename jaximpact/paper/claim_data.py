@@ -9,7 +9,6 @@ import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY
 from ..batch import simulate_batch
-from ..impact.termination import Outcome
 from ..progress import Progress
 from ..runout import Ending, FullModel, MotionMode, Runs, passages, simulate_runout
 from ..runout.analysis import Jumps, jumps, restitutions, rise_before
@@ -103,11 +102,10 @@ class Study:
         result = simulate_batch(scenes, accuracy=ACCURACY, ledger=True)
         ledger = result.energy
         assert ledger is not None  # asked for above
-        names = np.array([str(outcome) for outcome in Outcome])
         variables = {
             "e_bar": result.e_bar,
             "gravity_share": ledger.gravity / ledger.kinetic_in,
-            "outcome": names[np.asarray(result.outcome_code).astype(int)],
+            "outcome": result.outcome,
         }
         return xr.Dataset({key: ("impact", value) for key, value in variables.items()})
 
@@ -135,10 +133,8 @@ class Study:
             rows = [np.pad(row, (0, longest - len(row)), "edge") for row in series]
             return np.reshape(rows, shape)
 
-        dimensions = (*grid, "step")
-        columns = {"time_s": "time", "rotation_rad": "rotation"}
-        columns["R_r"] = "rotational_ratio"
-        series = {name: (dimensions, padded(of)) for name, of in columns.items()}
+        columns = {"rotation_rad": "rotation", "R_r": "rotational_ratio"}
+        series = {name: ((*grid, "step"), padded(of)) for name, of in columns.items()}
         return xr.Dataset(series, grid)
 
     def _slope(self, reading: SlopeReading) -> xr.Dataset:

@@ -77,14 +77,12 @@ def e_n_is_negative(sets: Study) -> Judgement:
 
 def e_n_rises_at_large_angles(sets: Study) -> Judgement:
     """Along the major axis e_n rises from 65 to 80°, by more than 0.1."""
-
-    steep, along_minor = (
+    steep, steep_minor = (
         data.e_n.sel(angle_deg=data.angle_deg >= RISES_FROM_DEG)
         for data in (along_major_axis(sets), along_minor_axis(sets))
     )
-    change, minor = (
-        x[{"angle_deg": -1}] - x[{"angle_deg": 0}] for x in (steep, along_minor)
-    )
+    first, last = {"angle_deg": 0}, {"angle_deg": -1}
+    change, minor = steep[last] - steep[first], steep_minor[last] - steep_minor[first]
     up = along_dimension(
         lambda line: bool(np.all(steps(line) == RISES)), steep, "angle_deg"
     )

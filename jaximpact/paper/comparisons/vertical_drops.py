@@ -53,9 +53,10 @@ class Result(NamedTuple):
 
     field: str
     """The model's."""
-    size: float
     unit: str
-    """Unit in the drawing, and its size in SI."""
+    """Unit in the drawing."""
+    size: float
+    """Size of the unit in SI."""
     source: str
     power: float
     """1 over the exponent of M_E in the law."""
@@ -63,12 +64,18 @@ class Result(NamedTuple):
 
 RESULTS = {
     "largest force": Result(
-        *("max_normal_force", 1e3, "kN"),
-        *("Labiouse, Descoeudres and Montani (1996)", 2.5),
+        field="max_normal_force",
+        unit="kN",
+        size=1e3,
+        source="Labiouse, Descoeudres and Montani (1996)",
+        power=2.5,
     ),
     "penetration": Result(
-        *("max_penetration", 1e-2, "cm"),
-        *("Gerber (2019), in Lu et al. (2019), eq. 11", -2.5),
+        field="max_penetration",
+        unit="cm",
+        size=1e-2,
+        source="Gerber (2019), in Lu et al. (2019), eq. 11",
+        power=-2.5,
     ),
 }
 

@@ -35,6 +35,7 @@ from ...runout.biplanar import (
     BiplanarCase,
 )
 from ...scene import GRAVITY
+from ...scene_quantities import scene_values
 from ...units import DEGREE
 from ..goodness_of_fit import Fit, fit_exponential, fit_normal
 from .drawing import (
@@ -82,10 +83,8 @@ def case_values(study: Study) -> dict:
     """What the runs were computed from, for the manifest."""
     case = BiplanarCase()
     scene = study.parametric_set("I")[0]
-    soil = {
-        column.name: float(getattr(scene.soil, column.field)) / column.factor
-        for column in columns_of_part("soil", scene.soil).values()
-    }
+    values = scene_values(scene)
+    soil = {name: values[name] for name in columns_of_part("soil", scene.soil)}
     angles = {
         f"{name}_deg": getattr(case, name) / DEGREE
         for name in ("direction", "orientation", "rolling_friction_angle")
@@ -103,8 +102,8 @@ def case_values(study: Study) -> dict:
         "height_above_the_crest_m": case.height,
         **angles,
         **others,
-        "mass_kg": float(scene.block.mass),
-        "density_kgm3": float(scene.block.density),
+        "mass_kg": values["mass_kg"],
+        "density_kgm3": values["density_kgm3"],
         "aspect_ratios": list(ASPECT_RATIOS),
         "spins_of_the_sphere_degps": list(SPINS_DEGPS),
         **soil,
