@@ -423,7 +423,8 @@ def test_failed_points_are_left_out_and_said(tables, tmp_path, monkeypatch):
     figure = PAPER_FIGURES["5"]._replace(compute=lambda study: table)
     monkeypatch.setitem(run.PAPER_FIGURES, "5", figure)
     said = []
-    write_figures(tmp_path, only=["5"], say=said.append)
+    write_figures(str(tmp_path), only=["5"], say=said.append)
+    assert said[0].startswith(f"{tmp_path / 'figure-5.png'}: ")
     assert "1 of 14 rows failed" in said[0]
     manifest = json.loads((tmp_path / "figure-5.csv.manifest.json").read_text())
     assert manifest["rows"] == {"detached": 13, "failed": 1}

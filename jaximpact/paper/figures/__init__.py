@@ -56,6 +56,7 @@ def write_figures(
     another process writes there.
     """
     require_float64()
+    out = Path(out)
     figures = chosen_values("--only", only, PAPER_FIGURES)
     study = study or Study()
     names = [name for figure in figures for name in _names(figure)]
