@@ -24,7 +24,6 @@ import tempfile
 import time
 from collections.abc import Callable
 from datetime import date
-from math import isnan
 from pathlib import Path
 from typing import NamedTuple
 
@@ -70,72 +69,35 @@ class Fitted(NamedTuple):
     """Processor time of all cores; NaN where it was not measured."""
     impacts: int
 
-
-class Compared(NamedTuple):
-    """A method beside ours."""
-
-    method: str
-    starts: int
-    """Starts of each variant."""
-    given: np.ndarray
-    """rms from the start that the study gives, shape (variants,)."""
-    best: np.ndarray
-    """Least rms, shape (variants,)."""
-    reached: np.ndarray
-    """Starts whose rms is no more than the goal, shape (variants,)."""
-    impacts: int
-    seconds: float
-    processor_seconds: float
-    seconds_of_all: float
-    """Seconds for all starts of the study: measured, or in proportion to those made."""
-    times_cold: float
-    """Those seconds over what ours takes cold."""
+    def seconds_of_all(self, starts: int) -> float:
+        """Seconds for all starts of the study: measured, or in proportion to those
+        made."""
+        return self.seconds * starts / self.rms.shape[1]
 
 
-def compare(fitted: list[Fitted], starts: int, cold: float) -> list[Compared]:
-    """Compare every method with ours.
+def as_rows(fitted: list[Fitted], starts: int, cold: float) -> list[tuple[str, ...]]:
+    """Every method beside ours: a table, its head first. For each variant it tells the
+    rms from the start that the study gives, the least rms, and how many starts come to
+    the goal.
 
     Args:
         starts: of the study.
         cold: seconds that ours takes for all of them with nothing compiled.
     """
-    rows = []
-    for method in fitted:
-        made = method.rms.shape[1]
-        seconds = method.seconds * starts / made
-        rows.append(
-            Compared(
-                method.method,
-                made,
-                method.rms[:, 0],
-                np.min(method.rms, axis=1),
-                np.sum(method.rms <= np.array([*GOALS.values()])[:, None], axis=1),
-                method.impacts,
-                method.seconds,
-                method.processor_seconds,
-                seconds,
-                seconds / cold,
-            )
-        )
-    return rows
-
-
-def as_rows(compared: list[Compared]) -> list[tuple[str, ...]]:
-    """A table, its head first."""
     head = ["way", "starts"]
     for name, goal in GOALS.items():
         head += [f"{name}: rms given", "best", f"<= {goal}"]
     rows = [(*head, "impacts", "s", "CPU s", "s for all starts", "times ours cold")]
-    for one in compared:
-        cells = [one.method, str(one.starts)]
-        for given, best, reached in zip(one.given, one.best, one.reached, strict=True):
-            cells += [f"{given:.4f}", f"{best:.4f}", f"{reached} of {one.starts}"]
-        cells += [
-            str(one.impacts),
-            f"{one.seconds:.1f}",
-            "-" if isnan(one.processor_seconds) else f"{one.processor_seconds:.1f}",
-        ]
-        rows.append((*cells, f"{one.seconds_of_all:.4g}", f"{one.times_cold:.3g}"))
+    for one in fitted:
+        made, used = one.rms.shape[1], one.processor_seconds
+        cells = [one.method, str(made)]
+        for rms, goal in zip(one.rms, GOALS.values(), strict=True):
+            reached = np.sum(rms <= goal)
+            cells += [f"{rms[0]:.4f}", f"{np.min(rms):.4f}", f"{reached} of {made}"]
+        cells += [str(one.impacts), f"{one.seconds:.1f}"]
+        cells.append("-" if np.isnan(used) else f"{used:.1f}")
+        seconds = one.seconds_of_all(starts)
+        rows.append((*cells, f"{seconds:.4g}", f"{seconds / cold:.3g}"))
     return rows
 
 
@@ -239,12 +201,10 @@ def methods_of(peers: tuple[Peer, ...]) -> list:
     found = []
     for peer in peers:
         try:
-            brought = importlib.import_module(
-                f".peers.{peer.module}", __package__
-            ).methods()
+            module = importlib.import_module(f".peers.{peer.module}", __package__)
         except ImportError as error:
             sys.exit(f"{error}; the peers need pip install 'jaximpact[peers]'")
-        found.append(next(m for m in brought if m.name == peer.method))
+        found.append(next(m for m in module.methods() if m.name == peer.method))
     return found
 
 
@@ -272,10 +232,9 @@ def main() -> None:
         )
         for kind, run in ours.items()
     ]
-    print(
-        f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores,", end=""
-    )
-    print(f" load {os.getloadavg()[0]:.1f}, {date.today()}")
+    processor = platform.processor() or platform.machine()
+    load = f"load {os.getloadavg()[0]:.1f}"
+    print(f"{processor}, {os.cpu_count()} cores, {load}, {date.today()}")
     for kind, run in ours.items():
         print(in_words(kind, run), flush=True)
 
@@ -285,7 +244,7 @@ def main() -> None:
     counts = arguments.starts, arguments.scipy_starts
     for peer, method, starts in zip(PEERS, methods, counts, strict=True):
         fitted.append(fit_peer(study, peer, method, starts, say))
-    rows = as_rows(compare(fitted, study.starts, ours["cold"].seconds))
+    rows = as_rows(fitted, study.starts, ours["cold"].seconds)
     print(align(rows))
     print(f"load at the end {os.getloadavg()[0]:.1f}")
     if arguments.out is not None:

@@ -101,9 +101,8 @@ def _impacts(random, targets, spread):
     study = study_of(joined_tables((table_given(nothing),)), {})
     objective = Objective(study, study.variants[0], _engine(study))
     x = objective.bounds.coordinate(np.array([[p.start for p in study.parameters]]))
-    return columns, objective.evaluate_partially(x, np.zeros(x.shape, bool)).predicted[
-        0
-    ]
+    found = objective.evaluate_partially(x, np.zeros(x.shape, bool))
+    return columns, found.predicted[0]
 
 
 def _engine(study):
@@ -141,64 +140,21 @@ def _fit_and_predict(study, engine, columns, measured, targets):
     """Which new measurements lie in their intervals and how wide these are, over the
     value, `(tests, targets)`, of each target the least value first; and r. None where
     the fit's draws are not to be trusted."""
-    from jaximpact.calibration.diagnostics.importance_sampling import (
-        draw,
-        freedom_of_targets,
-        weights_of,
-    )
-    from jaximpact.calibration.diagnostics.uncertainty import estimate
-    from jaximpact.calibration.estimation.sigma import relative_sigma
-    from jaximpact.calibration.fitted_ground import FittedGround, FittedVariant
+    from jaximpact.calibration.fitted_ground import FittedGround
     from jaximpact.calibration.prediction import held_out_study, predict_variant
-    from jaximpact.calibration.problem.noise import (
-        ProportionalScatter,
-        least_size,
-    )
-    from jaximpact.calibration.problem.objective import Objective
-    from jaximpact.calibration.study import best_fit
 
-    objective, _, best = best_fit(Objective(study, study.variants[0], engine))
-    points, bounds = best.points, objective.bounds
-    uncertainty = estimate(objective, points)
-    draws = draw(objective, points, uncertainty.inflation, count=DRAWS)
-    parts = relative_sigma(study, objective.sigma, points.predicted[0])
-    least = least_size(study.measured)
-    named = enumerate(targets)
-    fitted = FittedVariant(
-        variant=study.variants[0],
-        unknowns=tuple(p.name for p in study.parameters),
-        best=bounds.parameter(points.x[0]),
-        draws=bounds.parameter(draws.x),
-        weights=weights_of(objective, points, draws),
-        undetermined=(),
-        allowed={},
-        sigma=dict(zip(targets, np.median(objective.sigma, axis=0), strict=True)),
-        proportional={
-            name: ProportionalScatter(parts[place], least[place])
-            for place, name in named
-            if study.proportional[place]
-        },
-        estimated=dict(zip(targets, ~study.sigma_given, strict=True)),
-        inflation=uncertainty.inflation,
-        freedom=dict(zip(targets, freedom_of_targets(objective, points), strict=True)),
-        accuracy=draws.accuracy,
-    )
+    fitted, parts = _fitted(study, engine, targets)
     if not fitted.trusted:
         return None
+    nothing = ("soil", "nuisances", "ranges", "results", "versions", "parts", "block")
     ground = FittedGround(
         title="campaign",
         variants=(fitted,),
         parameters=study.parameters,
-        soil={},
-        nuisances={},
         targets=study.targets,
         accuracy="balanced",
         seed=0,
-        ranges={},
-        results={},
-        versions={},
-        parts={},
-        block={},
+        **{name: {} for name in nothing},
     )
     if np.any(study.sigma_given):
         columns = columns | _sigmas(measured, targets)
@@ -209,6 +165,50 @@ def _fit_and_predict(study, engine, columns, measured, targets):
     order = np.argsort(np.abs(new.measured), axis=0)
     sorted_ = (np.take_along_axis(part, order, axis=0) for part in (inside, width))
     return *sorted_, parts
+
+
+def _fitted(study, engine, targets):
+    """The variant as it is fitted, and r of each target."""
+    from jaximpact.calibration.diagnostics.importance_sampling import (
+        draw,
+        freedom_of_targets,
+        weights_of,
+    )
+    from jaximpact.calibration.diagnostics.uncertainty import estimate
+    from jaximpact.calibration.estimation.sigma import relative_sigma
+    from jaximpact.calibration.fitted_ground import FittedVariant
+    from jaximpact.calibration.problem.noise import ProportionalScatter, least_size
+    from jaximpact.calibration.problem.objective import Objective
+    from jaximpact.calibration.study import best_fit
+
+    objective, _, best = best_fit(Objective(study, study.variants[0], engine))
+    points, bounds = best.points, objective.bounds
+    uncertainty = estimate(objective, points)
+    draws = draw(objective, points, uncertainty.inflation, count=DRAWS)
+    parts = relative_sigma(study, objective.sigma, points.predicted[0])
+    least = least_size(study.measured)
+
+    def by_target(values):
+        return dict(zip(targets, values, strict=True))
+
+    scatter = by_target(map(ProportionalScatter, parts, least))
+    proportional = by_target(study.proportional)
+    fitted = FittedVariant(
+        variant=study.variants[0],
+        unknowns=tuple(p.name for p in study.parameters),
+        best=bounds.parameter(points.x[0]),
+        draws=bounds.parameter(draws.x),
+        weights=weights_of(objective, points, draws),
+        undetermined=(),
+        allowed={},
+        sigma=by_target(np.median(objective.sigma, axis=0)),
+        proportional={name: scatter[name] for name in targets if proportional[name]},
+        estimated=by_target(~study.sigma_given),
+        inflation=uncertainty.inflation,
+        freedom=by_target(freedom_of_targets(objective, points)),
+        accuracy=draws.accuracy,
+    )
+    return fitted, parts
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ from jaximpact.plotting.style import (
     panels,
 )
 
-from .section import Bench, Row, Section, cell, table_of
+from .section import Bench, Row, Section, Table, table_of
 
 
 def measure(bench: Bench) -> list[Row]:
@@ -66,21 +66,19 @@ def _in_a_process(name: str, directory: str, cache: Path) -> dict[str, float]:
 
 
 @in_style
-def draw(rows: list[Row]) -> Figure:
+def draw(rows: Table) -> Figure:
     """Bars of import and first use, cold over warm."""
-    uses = list(dict.fromkeys(row["use"] for row in rows))
+    uses = list(rows["use"].unique())
     figure, (axes,) = panels(height=1.2 + 0.45 * len(uses))
     for state, shift, colour in (("cold", -0.19, BLUE), ("warm", 0.19, SKY)):
-        own = [row for row in rows if row["cache"] == state]
-        places = np.array([uses.index(row["use"]) for row in own]) + shift
-        start = [row["import_s"] for row in own]
-        first = [row["first_s"] for row in own]
+        own = rows[rows["cache"] == state]
+        places = np.array([uses.index(use) for use in own["use"]]) + shift
+        start, first = own["import_s"], own["first_s"]
         axes.barh(places, start, 0.36, color=GREY, label="import" if shift < 0 else "")
         bars = axes.barh(
             places, first, 0.36, left=start, color=colour, label=f"first use, {state}"
         )
-        total = [f"{a + b:.1f} s" for a, b in zip(start, first, strict=True)]
-        axes.bar_label(bars, total, padding=4)
+        axes.bar_label(bars, [f"{total:.1f} s" for total in start + first], padding=4)
     axes.set_yticks(range(len(uses)), uses)
     axes.invert_yaxis()
     axes.margins(x=0.1)
@@ -89,16 +87,16 @@ def draw(rows: list[Row]) -> Figure:
     return figure
 
 
-def table(rows: list[Row]) -> list[tuple[str, ...]]:
+def table(rows: Table) -> list[tuple[str, ...]]:
     """Seconds by use and cache."""
     return table_of(
         rows,
         {
-            "use": cell("use"),
-            "cache": cell("cache"),
-            "import, s": cell("import_s", ".2f"),
-            "first use, s": cell("first_s", ".2f"),
-            "second use, s": cell("second_s", ".2f"),
+            "use": "{use}",
+            "cache": "{cache}",
+            "import, s": "{import_s:.2f}",
+            "first use, s": "{first_s:.2f}",
+            "second use, s": "{second_s:.2f}",
         },
     )
 

@@ -20,7 +20,7 @@ from jaximpact.plotting.style import BLUE, GREEN, VERMILION, in_style, log_label
 from jaximpact.scene import Scene
 
 from ..impacts import spread
-from .section import Bench, Row, Section
+from .section import Bench, Row, Section, Table
 from .stability import base
 from .style import log_axes
 
@@ -29,7 +29,9 @@ LIMIT = 2.785
 K_E = (1.0, 900.0, 1e6)
 GAMMA_V = (1e-3, 8.7, 1e3)
 """[m/s]"""
-USUAL = (900.0, 8.7)
+OF_K_E = [(k_E, 8.7) for k_E in K_E]
+OF_GAMMA_V = [(900.0, gamma_v) for gamma_v in GAMMA_V]
+"""Pairs of both, one of them as usual."""
 COLOURS = (GREEN, BLUE, VERMILION)
 
 
@@ -87,100 +89,66 @@ def follow(scenes: Scene) -> Course:
 
 def measure(bench: Bench) -> list[Row]:
     """A row for each case and step."""
-    pairs = list(
-        dict.fromkeys([(k, USUAL[1]) for k in K_E] + [(USUAL[0], g) for g in GAMMA_V])
-    )
+    pairs = list(dict.fromkeys((*OF_K_E, *OF_GAMMA_V)))
     k_E, gamma_v = np.transpose(pairs)
     bench.say(f"{len(pairs)} contacts")
     course = follow(spread(base({"k_E": k_E, "gamma_v": gamma_v}), len(pairs)))
     rows = []
     for lane, (k, g) in enumerate(pairs):
         time, first = np.unique(course.time[:, lane], return_index=True)
-        for t, rate in zip(time, course.fastest[first, lane], strict=True):
-            rows.append(
-                {
-                    "k_E": k,
-                    "gamma_v": g,
-                    "time_s": float(t),
-                    "stable_step_s": float(LIMIT / rate),
-                    "own_steps": int(course.steps[lane]),
-                }
-            )
+        rows += [
+            {
+                "k_E": k,
+                "gamma_v": g,
+                "time_s": float(t),
+                "stable_step_s": float(LIMIT / rate),
+                "own_steps": int(course.steps[lane]),
+            }
+            for t, rate in zip(time, course.fastest[first, lane], strict=True)
+        ]
     return rows
 
 
-def _case(rows: list[Row], k_E: float, gamma_v: float) -> list[Row]:
-    return [row for row in rows if row["k_E"] == k_E and row["gamma_v"] == gamma_v]
-
-
 @in_style
-def draw(rows: list[Row]) -> Figure:
+def draw(rows: Table) -> Figure:
     """The stable step over time: for three k_E, and for three gamma_v."""
-    figure, (left, right) = panels(
-        1,
-        2,
-        height=4.0,
-        title="14 m/s at 40° from the normal, $A_r$ = 2",
-        sharex=True,
-        sharey=True,
-    )
-    lines_of = (
-        (left, "modulus number $k_E$", [((k, USUAL[1]), log_label(k)) for k in K_E]),
-        (
-            right,
-            r"fluidity $\gamma_v$",
-            [((USUAL[0], g), f"{log_label(g)} m/s") for g in GAMMA_V],
-        ),
-    )
-    for axes, title, lines in lines_of:
+    title = "14 m/s at 40° from the normal, $A_r$ = 2"
+    both = {"sharex": True, "sharey": True}
+    figure, (left, right) = panels(1, 2, height=4.0, title=title, **both)
+    of_case = dict(iter(rows.groupby(["k_E", "gamma_v"])))
+    k_E, gamma_v = map(log_label, K_E), (f"{log_label(g)} m/s" for g in GAMMA_V)
+    for axes, title, cases, labels in (
+        (left, "modulus number $k_E$", OF_K_E, k_E),
+        (right, r"fluidity $\gamma_v$", OF_GAMMA_V, gamma_v),
+    ):
         log_axes(axes, "time since touch [s]", "")
-        for (case, label), colour in zip(lines, COLOURS, strict=True):
-            own = _case(rows, *case)
-            axes.plot(
-                [row["time_s"] for row in own],
-                [row["stable_step_s"] for row in own],
-                color=colour,
-                label=label,
-            )
+        for case, label, colour in zip(cases, labels, COLOURS, strict=True):
+            own = of_case[case]
+            axes.plot(own["time_s"], own["stable_step_s"], color=colour, label=label)
         axes.set(xlim=(1e-8, 2.0), ylim=(1e-14, 1.0))
         axes.legend(title=title, loc="lower right")
     left.set_ylabel("largest step at which RK4 is stable [s]")
     return figure
 
 
-def steps_needed(own: list[Row]) -> float:
+def steps_needed(own: Table) -> float:
     """Steps of an explicit method that always takes the largest stable one."""
-    time = np.array([row["time_s"] for row in own])
-    inverse = 1.0 / np.array([row["stable_step_s"] for row in own])
+    time, inverse = own["time_s"].to_numpy(), 1.0 / own["stable_step_s"].to_numpy()
     return float(np.trapezoid(inverse, time) + time[0] * inverse[0])
 
 
-def table(rows: list[Row]) -> list[tuple[str, ...]]:
+def table(rows: Table) -> list[tuple[str, ...]]:
     """Smallest stable step, steps needed and steps taken, for each case."""
-    lines = [
-        (
-            "k_E",
-            "gamma_v, m/s",
-            "contact, ms",
-            "smallest stable step after the first 1 %, s",
-            "steps of RK4, at least",
-            "steps of balanced",
-        )
-    ]
-    for k, g in dict.fromkeys((row["k_E"], row["gamma_v"]) for row in rows):
-        own = _case(rows, k, g)
-        end = own[-1]["time_s"]
-        late = [r["stable_step_s"] for r in own if r["time_s"] > 0.01 * end]
-        lines.append(
-            (
-                f"{k:g}",
-                f"{g:g}",
-                f"{1e3 * end:.3g}",
-                f"{min(late):.1e}",
-                f"{steps_needed(own):.2g}",
-                f"{own[0]['own_steps']:g}",
-            )
-        )
+    head = ["k_E", "gamma_v, m/s", "contact, ms"]
+    head.append("smallest stable step after the first 1 %, s")
+    head += ["steps of RK4, at least", "steps of balanced"]
+    lines = [tuple(head)]
+    for (k, g), own in rows.groupby(["k_E", "gamma_v"], sort=False):
+        end = own["time_s"].iloc[-1]
+        least = own.loc[own["time_s"] > 0.01 * end, "stable_step_s"].min()
+        contact = f"{k:g}", f"{g:g}", f"{1e3 * end:.3g}", f"{least:.1e}"
+        taken = own["own_steps"].iloc[0]
+        lines.append((*contact, f"{steps_needed(own):.2g}", f"{taken:g}"))
     return lines
 
 

@@ -20,7 +20,7 @@ from .section import (
     Bench,
     Row,
     Section,
-    cell,
+    Table,
     error_figures,
     interleaved_minima,
     table_of,
@@ -88,11 +88,10 @@ def timed(rung: Rung, scenes: Scene, accuracy: Accuracy) -> float:
 
 
 @in_style
-def draw(rows: list[Row]) -> Figure:
+def draw(rows: Table) -> Figure:
     """A panel for each set, a line for each model over the presets."""
     title = f"each line from {' to '.join(SHOWN)}"
     figure, four = panels(2, 2, height=2.8, title=title, sharex=True, sharey=True)
-    models = list(dict.fromkeys(row["model"] for row in rows))
     handles = {}
     titles = {
         "I": "set I: upright, vertical",
@@ -104,38 +103,29 @@ def draw(rows: list[Row]) -> Figure:
         log_axes(axes, "time per impact, one core [s]", "error of $e_n$, 95 % [-]")
         axes.label_outer()
         axes.set_title(titles[name])
-        for place, model in enumerate(models):
-            own = [r for r in rows if r["set"] == name and r["model"] == model]
-            (handles[model],) = axes.plot(
-                [row["seconds_per_impact"] for row in own],
-                [min(row["error_95"], 3.0) for row in own],
-                label=model,
-                **points(place),
-            )
+        for place, model in enumerate(rows["model"].unique()):
+            own = rows[(rows["set"] == name) & (rows["model"] == model)]
+            time, error = own["seconds_per_impact"], own["error_95"].clip(upper=3.0)
+            (handles[model],) = axes.plot(time, error, label=model, **points(place))
         axes.axhline(1e-3, color="black", lw=0.8, ls=":")
     legend_outside(figure, list(handles.values()), ncols=3)
     return figure
 
 
-def table(rows: list[Row]) -> list[tuple[str, ...]]:
+def table(rows: Table) -> list[tuple[str, ...]]:
     """Time at `fast`, and error at `fast`, by set and model."""
-    fast = [row for row in rows if row["preset"] == "fast"]
-    planar = {
-        row["set"]: row["seconds_per_impact"]
-        for row in fast
-        if row["model"] == PLANAR.name
-    }
+    fast = rows[rows["preset"] == "fast"]
+    seconds = fast["seconds_per_impact"]
+    planar = fast[fast["model"] == PLANAR.name].set_index("set")["seconds_per_impact"]
     return table_of(
-        fast,
+        fast.assign(us=1e6 * seconds, cost=seconds / fast["set"].map(planar)),
         {
-            "set": cell("set"),
-            "model": cell("model"),
-            "time, us": lambda row: f"{1e6 * row['seconds_per_impact']:.0f}",
-            "error, median": cell("error_median", ".0e"),
-            "error, 95 %": cell("error_95", ".0e"),
-            "relative cost": lambda row: (
-                f"{row['seconds_per_impact'] / planar[row['set']]:.2f}"
-            ),
+            "set": "{set}",
+            "model": "{model}",
+            "time, us": "{us:.0f}",
+            "error, median": "{error_median:.0e}",
+            "error, 95 %": "{error_95:.0e}",
+            "relative cost": "{cost:.2f}",
         },
     )
 

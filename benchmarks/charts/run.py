@@ -7,11 +7,9 @@ interrupted benchmark goes on. Within a section all is measured in one go, becau
 taken at different hours are not to be compared.
 """
 
-import csv
 import dataclasses
 import datetime
 import hashlib
-import io
 import json
 import os
 import platform
@@ -19,12 +17,14 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import pandas as pd
+
 from jaximpact._precision import require_float64
 from jaximpact._versions import version_of, versions
 from jaximpact.errors import InputError
 from jaximpact.io.checks import chosen_values
 from jaximpact.io.display import align
-from jaximpact.io.files import write_text
+from jaximpact.io.files import replacing, write_text
 from jaximpact.io.output_files import NewFile, output_directory
 from jaximpact.plotting.style import save_figure
 
@@ -34,7 +34,7 @@ from .explicit_step import EXPLICIT_STEP
 from .in_jax import IN_JAX
 from .ladder import LADDER
 from .methods import Ours, find_peers
-from .section import Bench, Row, Section, Settings
+from .section import Bench, Row, Section, Settings, Table
 from .stability import STABILITY
 from .target import TARGET
 from .throughput import THROUGHPUT
@@ -131,7 +131,7 @@ def _run_section(section: Section, bench: Bench, out: Path, new: NewFile, say) -
         rows = section.measure(
             bench._replace(say=lambda text: bench.say(f"{section.name}: {text}"))
         )
-        write_text(new(data.name), as_csv(rows))
+        write_table(new(data.name), rows)
         seconds = time.perf_counter() - begin
         record = conditions | {
             "sha256": _digest(data),
@@ -145,36 +145,32 @@ def _run_section(section: Section, bench: Bench, out: Path, new: NewFile, say) -
         manifest[section.name] = record
         write_text(new(MANIFEST), json.dumps(manifest, indent=1) + "\n")
         say(f"{section.name}: measured in {seconds:.0f} s")
-    rows = read_csv(data)
-    save_figure(section.draw(rows), new(f"{section.name}.png"))
-    lines = section.table(rows)
+    measured = read_table(data)
+    save_figure(section.draw(measured), new(f"{section.name}.png"))
+    lines = section.table(measured)
     write_text(new(f"{section.name}.md"), as_markdown(lines))
     return f"{section.name}\n{align(lines)}\n"
 
 
-def as_csv(rows: list[Row]) -> str:
+def write_table(path: Path, rows: list[Row]) -> None:
     """The rows under their keys, numbers with all their digits."""
-    file = io.StringIO()
-    writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return file.getvalue()
+    with replacing(path) as temporary:
+        pd.DataFrame(rows).to_csv(
+            temporary, index=False, na_rep="nan", lineterminator="\n"
+        )
 
 
-def read_csv(path: Path) -> list[Row]:
-    """The rows, what looks like a number as one."""
-    with open(path, encoding="utf-8", newline="") as file:
-        return [
-            {key: _number_or_text(text) for key, text in row.items()}
-            for row in csv.DictReader(file)
-        ]
+def read_table(path: Path) -> Table:
+    """The rows as they were written; columns that look like numbers as numbers."""
+    texts = pd.read_csv(path, dtype=str, keep_default_na=False)
 
+    def numbers_or_texts(column):
+        try:
+            return column.astype(float)  # exact, as reading numbers is not everywhere
+        except ValueError:
+            return column
 
-def _number_or_text(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
+    return texts.apply(numbers_or_texts)
 
 
 def as_markdown(lines: list[tuple[str, ...]]) -> str:

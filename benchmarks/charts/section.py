@@ -2,8 +2,8 @@
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 from .methods import Method
 
 Row = dict[str, float | str]
+Table = Any
+"""A pandas.DataFrame of rows, as they are read back."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,27 +97,20 @@ class Section(NamedTuple):
     name: str
     measure: Callable[[Bench], list[Row]]
     """Rows of the CSV; all with the same keys."""
-    draw: Callable[[list[Row]], Figure]
-    """The chart, from the rows as they are read back."""
-    table: Callable[[list[Row]], list[tuple[str, ...]]]
+    draw: Callable[[Table], Figure]
+    table: Callable[[Table], list[tuple[str, ...]]]
     """The figures that are worth quoting: a header, then rows."""
 
 
-def table_of(
-    rows: Iterable[Row], columns: dict[str, Callable[[Row], str]]
-) -> list[tuple[str, ...]]:
+def table_of(rows: Table, columns: dict[str, str]) -> list[tuple[str, ...]]:
     """A table with a line for each row.
 
     Args:
-        columns: name in the header, and what a cell says of its row.
+        columns: name in the header, and the format of a cell: `"{tolerance:.0e}"`.
     """
-    lines = (tuple(cell(row) for cell in columns.values()) for row in rows)
+    records = rows.to_dict("records")
+    lines = (tuple(f.format(**row) for f in columns.values()) for row in records)
     return [tuple(columns), *lines]
-
-
-def cell(key: str, form: str = "") -> Callable[[Row], str]:
-    """Cells that show a value of their row in a format."""
-    return lambda row: format(row[key], form)
 
 
 def error_figures(values: np.ndarray, exact: np.ndarray) -> dict:

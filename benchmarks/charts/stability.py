@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from jaximpact.accuracy import PRESETS
+from jaximpact.laws.slider import RELAXATION_TIME
 from jaximpact.plotting.style import (
     GREY,
     ORANGE,
@@ -24,7 +25,7 @@ from jaximpact.soil import Soil
 
 from ..impacts import spread
 from .methods import Method, Ours, exact_e_n
-from .section import Bench, Row, Section, Settings, decades
+from .section import Bench, Row, Section, Settings, Table, decades
 
 RIGHT_WITHIN = 1e-2
 """e_n that is said to be finished and is further off than this is a lie."""
@@ -64,46 +65,24 @@ def cases(settings: Settings) -> list[Case]:
         x.ravel()
         for x in np.meshgrid(decades(1.0, 1e6, count), decades(1e-3, 1e3, count))
     )
-    found = [
-        Case(
-            "k_E [-], gamma_v [m/s]",
-            k_E,
-            gamma_v,
-            spread(base({"k_E": k_E, "gamma_v": gamma_v}), count**2),
-        )
-    ]
+    scenes = spread(base({"k_E": k_E, "gamma_v": gamma_v}), count**2)
+    found = [Case("k_E [-], gamma_v [m/s]", k_E, gamma_v, scenes)]
     points = settings.sweep_points
-    below_90 = np.array(decades(30.0, 0.1, points))
-    sweeps = {
-        "mass [kg]": (decades(1e-3, 1e5, points), lambda v: base(block={"mass": v})),
-        "speed [m/s]": (decades(0.1, 60.0, points), lambda v: base(speed=v)),
-        "90° - impact angle [°]": (
-            below_90,
-            lambda v: base(angle=np.radians(90.0 - v)),
-        ),
-        "spin [°/s]": (
-            decades(20.0, 2e4, points),
-            lambda v: base(angular_velocity=np.radians(v)),
-        ),
-        "aspect ratio [-]": (
-            decades(0.2, 6.0, points),
-            lambda v: base(block={"aspect_ratio": v}),
-        ),
-    }
-    for name, (values, scene) in sweeps.items():
-        values = np.asarray(values)
+    sweeps = (
+        ("mass [kg]", 1e-3, 1e5, lambda v: base(block={"mass": v})),
+        ("speed [m/s]", 0.1, 60.0, lambda v: base(speed=v)),
+        ("90° - impact angle [°]", 30.0, 0.1, lambda v: base(angle=np.radians(90 - v))),
+        ("spin [°/s]", 20.0, 2e4, lambda v: base(angular_velocity=np.radians(v))),
+        ("aspect ratio [-]", 0.2, 6.0, lambda v: base(block={"aspect_ratio": v})),
+    )
+    for name, low, high, scene in sweeps:
+        values = np.array(decades(low, high, points))
         nothing = np.full(points, np.nan)
         found.append(Case(name, values, nothing, spread(scene(values), points)))
+    oblique = spread(base(angle=np.radians(70.0)), 1)
     for slider_time in sorted({1e-6, *settings.slider_times}):
-        found.append(
-            Case(
-                "tau_s [s]",
-                np.array([slider_time]),
-                np.array([np.nan]),
-                spread(base(angle=np.radians(np.array([70.0]))), 1),
-                slider_time,
-            )
-        )
+        x, nothing = np.array([slider_time]), np.array([np.nan])
+        found.append(Case("tau_s [s]", x, nothing, oblique, slider_time))
     return found
 
 
@@ -148,18 +127,11 @@ def measure(bench: Bench) -> list[Row]:
     rows = []
     for case in cases(bench.settings):
         bench.say(f"{case.name}, exact")
-        own = (
-            exact_e_n(case.scenes)
-            if case.slider_time is None
-            else exact_e_n(case.scenes, case.slider_time)
-        )
+        own = exact_e_n(case.scenes, case.slider_time or RELAXATION_TIME)
         second = None
         if other is not None:
-            second = (
-                _at_slider_time(other, case)
-                .solve(case.scenes, min(other.tolerances), batch=True)
-                .e_n
-            )
+            there = _at_slider_time(other, case)
+            second = there.solve(case.scenes, min(other.tolerances), batch=True).e_n
         exact = believed(own, second)
         for label, method, tolerance in ways:
             here = _at_slider_time(method, case)
@@ -191,18 +163,17 @@ def _at_slider_time(method: Method, case: Case) -> Method | None:
     return None if change is None else change(case.slider_time)
 
 
-def _split(rows: list[Row]) -> tuple[list[Row], dict[str, list[Row]]]:
+def _split(rows: Table) -> tuple[Table, dict[str, Table]]:
     """Rows of the map, and those of each sweep."""
-    on_map = [row for row in rows if np.isfinite(row["y"])]
-    names = dict.fromkeys(row["case"] for row in rows if not np.isfinite(row["y"]))
-    return on_map, {n: [r for r in rows if r["case"] == n] for n in names}
+    on_map = np.isfinite(rows["y"])
+    return rows[on_map], dict(iter(rows[~on_map].groupby("case", sort=False)))
 
 
 @in_style
-def draw(rows: list[Row]) -> Figure:
+def draw(rows: Table) -> Figure:
     """A small map for each method, and under them a panel for each sweep."""
     on_map, sweeps = _split(rows)
-    labels = list(dict.fromkeys(row["method"] for row in rows))
+    labels = list(rows["method"].unique())
     across = 4
     lines = -(-len(labels) // across)
     heights = 1.7 * lines + 0.4, 2 * (0.7 + 0.17 * len(labels))
@@ -213,51 +184,34 @@ def draw(rows: list[Row]) -> Figure:
         if label is None:
             axes.remove()
             continue
-        own = [row for row in on_map if row["method"] == label]
-        x, y = (np.unique([row[key] for row in own]) for key in "xy")
-        verdicts = _grid(own, [(row["y"], row["x"]) for row in own], y, x)
-        _paint(axes, x, y, verdicts)
+        own = on_map[on_map["method"] == label]
+        _paint(axes, own.pivot(index="y", columns="x", values="verdict"))
         log_scale(axes)
         axes.set_title(label.replace(", ", ",\n"), fontsize=9)
     top.supxlabel("modulus number $k_E$ [-]", fontsize=10)
     top.supylabel(r"fluidity $\gamma_v$ [m/s]", fontsize=10)
 
     panels = bottom.subplots(2, 3, sharey=True, squeeze=False).flat
-    places = np.arange(len(labels))
     for axes, (name, own) in zip(panels, sweeps.items(), strict=False):
-        x = np.unique([row["x"] for row in own])
-        at = [(labels.index(row["method"]), row["x"]) for row in own]
-        _paint(axes, x, places, _grid(own, at, places, x), log_y=False)
+        grid = own.pivot(index="method", columns="x", values="verdict")
+        _paint(axes, grid.reindex(labels).set_axis(range(len(labels))), log_y=False)
         axes.set(xlabel=name.replace("tau_s", r"$\tau_s$"))
-        axes.set_yticks(places, labels, fontsize=9)
+        axes.set_yticks(range(len(labels)), labels, fontsize=9)
         log_scale(axes, "x")
     bottom.axes[0].invert_yaxis()  # and the others, which share the axis
-    patches = [
-        Patch(color=colour, label=text)
-        for colour, text in zip(COLOURS, VERDICTS, strict=True)
-    ]
+    entries = zip(COLOURS, VERDICTS, strict=True)
+    patches = [Patch(color=colour, label=text) for colour, text in entries]
     legend_outside(figure, patches, "upper center")
     return figure
 
 
-def _grid(rows: list[Row], at, y: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Indices of the verdicts on a grid.
-
-    Args:
-        at: place of each row, by y and x.
-    """
-    grid = np.full((len(y), len(x)), np.nan)
-    for row, (down, across) in zip(rows, at, strict=True):
-        place = np.searchsorted(y, down), np.searchsorted(x, across)
-        grid[place] = VERDICTS.index(row["verdict"])
-    return grid
-
-
-def _paint(axes, x, y, grid, *, log_y: bool = True) -> None:
+def _paint(axes, grid: Table, *, log_y: bool = True) -> None:
+    """Paint verdicts, over y down and x across."""
+    colours = dict(zip(VERDICTS, range(len(VERDICTS)), strict=True))
     axes.pcolormesh(
-        _edges(x, log=True),
-        _edges(y, log=log_y),
-        grid,
+        _edges(grid.columns.to_numpy(), log=True),
+        _edges(grid.index.to_numpy(), log=log_y),
+        grid.map(colours.get, na_action="ignore").to_numpy(float),
         cmap=ListedColormap(COLOURS),
         vmin=-0.5,
         vmax=len(VERDICTS) - 0.5,
@@ -278,24 +232,14 @@ def _edges(centres: np.ndarray, *, log: bool) -> np.ndarray:
     return np.exp(edges) if log else edges
 
 
-def table(rows: list[Row]) -> list[tuple[str, ...]]:
+def table(rows: Table) -> list[tuple[str, ...]]:
     """Impacts by verdict: on the map, and in all sweeps."""
-    on_map, sweeps = _split(rows)
-    in_sweeps = [row for own in sweeps.values() for row in own]
-    lines = [
-        (
-            "method",
-            *(f"map: {v}" for v in VERDICTS),
-            *(f"sweeps: {v}" for v in VERDICTS),
-        )
-    ]
-    for label in dict.fromkeys(row["method"] for row in rows):
-        counts = [
-            sum(r["method"] == label and r["verdict"] == v for r in part)
-            for part in (on_map, in_sweeps)
-            for v in VERDICTS
-        ]
-        lines.append((label, *map(str, counts)))
+    part = np.where(np.isfinite(rows["y"]), "map", "sweeps")
+    counts = rows.groupby(["method", part, "verdict"]).size()
+    heads = [(name, verdict) for name in ("map", "sweeps") for verdict in VERDICTS]
+    lines = [("method", *(f"{name}: {verdict}" for name, verdict in heads))]
+    for label in rows["method"].unique():
+        lines.append((label, *(str(counts.get((label, *head), 0)) for head in heads)))
     return lines
 
 

@@ -1,7 +1,6 @@
 """One look for all charts: a colour for each family, a marker for each method."""
 
 import itertools
-from collections.abc import Iterable
 
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
@@ -18,6 +17,8 @@ from jaximpact.plotting.style import (
     log_scale,
 )
 
+from .section import Table
+
 COLOURS = {
     "jaximpact": BLUE,
     "numbalsoda": VERMILION,
@@ -28,33 +29,20 @@ COLOURS = {
 }
 
 
-def colour_of(family: str) -> str:
-    """The colour of a family."""
-    return COLOURS.get(family, SKY)
-
-
-def markers_of(rows: Iterable[dict]) -> dict[str, str]:
-    """A marker for each method, by its place in its family."""
-    families: dict[str, list[str]] = {}
-    for row in rows:
-        names = families.setdefault(row["family"], [])
-        if row["method"] not in names:
-            names.append(row["method"])
+def styles_of(rows: Table) -> dict[str, dict]:
+    """Colour of the family of each method, and a marker by its place in it."""
     return {
-        name: marker
-        for names in families.values()
-        for name, marker in zip(names, itertools.cycle(MARKERS), strict=False)
+        name: {"color": COLOURS.get(family, SKY), "marker": marker}
+        for family, own in rows.groupby("family", sort=False)
+        for name, marker in zip(
+            own["method"].unique(), itertools.cycle(MARKERS), strict=False
+        )
     }
 
 
-def method_handles(rows: Iterable[dict]) -> list[Line2D]:
+def method_handles(rows: Table) -> list[Line2D]:
     """An entry of the legend for each method."""
-    rows = list(rows)
-    families = {row["method"]: row["family"] for row in rows}
-    return [
-        Line2D([], [], color=colour_of(families[name]), marker=marker, label=name)
-        for name, marker in markers_of(rows).items()
-    ]
+    return [Line2D([], [], label=n, **style) for n, style in styles_of(rows).items()]
 
 
 def log_axes(axes: Axes, x: str, y: str) -> None:

@@ -7,7 +7,7 @@ scenes; then all scenes are solved in turn, round after round.
 import numpy as np
 from matplotlib.figure import Figure
 
-from jaximpact.plotting.style import in_style, panels
+from jaximpact.plotting.style import SKY, in_style, panels
 
 from ..impacts import choose, mixed_scenes
 from .methods import Method, Ours, exact_e_n
@@ -15,12 +15,12 @@ from .section import (
     Bench,
     Row,
     Section,
-    cell,
+    Table,
     error_figures,
     interleaved_minima,
     table_of,
 )
-from .style import colour_of
+from .style import COLOURS
 
 RIVAL = "numbalsoda"
 OUR_TOLERANCES = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4)
@@ -89,37 +89,38 @@ def measure(bench: Bench) -> list[Row]:
 
 
 @in_style
-def draw(rows: list[Row]) -> Figure:
+def draw(rows: Table) -> Figure:
     """Bars, with numbers."""
     figure, (axes,) = panels(height=1.2 + 0.5 * len(rows))
-    rates = [row["impacts_per_s"] for row in rows]
-    colours = [colour_of(row["family"]) for row in rows]
-    bars = axes.barh([row["method"] for row in rows], rates, color=colours)
+    rates = rows["impacts_per_s"]
+    colours = [COLOURS.get(family, SKY) for family in rows["family"]]
+    bars = axes.barh(rows["method"], rates, color=colours)
     axes.bar_label(bars, [f"{rate:,.0f}" for rate in rates], padding=4)
     axes.invert_yaxis()
     axes.margins(x=0.15)
     axes.set_xlabel(
         "impacts per second [1/s], all cores, 95 % of errors of $e_n$ within "
-        f"{max(row['error_95'] for row in rows):.1e}"
+        f"{rows['error_95'].max():.1e}"
     )
     return figure
 
 
-def table(rows: list[Row]) -> list[tuple[str, ...]]:
+def table(rows: Table) -> list[tuple[str, ...]]:
     """The figures, with the ratio to the first peer."""
-    rival = next((r["impacts_per_s"] for r in rows if r["family"] == RIVAL), None)
+    rival = rows.loc[rows["family"] == RIVAL, "impacts_per_s"]
+    times = "-"
+    if len(rival):
+        times = [f"{ratio:.2f}" for ratio in rows["impacts_per_s"] / rival.iloc[0]]
     return table_of(
-        rows,
+        rows.assign(times=times),
         {
-            "method": cell("method"),
-            "tolerance": cell("tolerance", ".0e"),
-            "impacts/s": cell("impacts_per_s", ".0f"),
-            "error, median": cell("error_median", ".0e"),
-            "error, 95 %": cell("error_95", ".0e"),
-            "failed": cell("failed", ".2%"),
-            "times numbalsoda": lambda row: (
-                "-" if rival is None else f"{row['impacts_per_s'] / rival:.2f}"
-            ),
+            "method": "{method}",
+            "tolerance": "{tolerance:.0e}",
+            "impacts/s": "{impacts_per_s:.0f}",
+            "error, median": "{error_median:.0e}",
+            "error, 95 %": "{error_95:.0e}",
+            "failed": "{failed:.2%}",
+            "times numbalsoda": "{times}",
         },
     )
 

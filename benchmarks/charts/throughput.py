@@ -12,8 +12,8 @@ from jaximpact.scene import Scene
 
 from ..impacts import choose, mixed_scenes
 from .methods import Method
-from .section import Bench, Row, Section, interleaved_minima
-from .style import colour_of, log_axes, markers_of, method_handles
+from .section import Bench, Row, Section, Table, interleaved_minima
+from .style import log_axes, method_handles, styles_of
 
 COMPARED = ("numbalsoda", "CVODE", "diffrax")
 """Families of peers, the first method of each."""
@@ -65,30 +65,24 @@ def _seconds(method: Method, scenes: Scene, tolerance: float) -> float:
 
 
 @in_style
-def draw(rows: list[Row]) -> Figure:
+def draw(rows: Table) -> Figure:
     """A line for each method."""
     figure, (axes,) = panels(height=4.5)
     log_axes(axes, "impacts in the batch [-]", "impacts per second [1/s]")
-    for name, marker in markers_of(rows).items():
-        own = [row for row in rows if row["method"] == name]
-        axes.plot(
-            [row["impacts"] for row in own],
-            [row["impacts_per_s"] for row in own],
-            color=colour_of(own[0]["family"]),
-            marker=marker,
-        )
+    for name, style in styles_of(rows).items():
+        own = rows[rows["method"] == name]
+        axes.plot(own["impacts"], own["impacts_per_s"], **style)
     legend_outside(figure, method_handles(rows), ncols=2)
     return figure
 
 
-def table(rows: list[Row]) -> list[tuple[str, ...]]:
+def table(rows: Table) -> list[tuple[str, ...]]:
     """Impacts a second: methods down, sizes across."""
-    sizes = sorted({row["impacts"] for row in rows})
-    found = {(row["method"], row["impacts"]): row["impacts_per_s"] for row in rows}
-    lines = [("method", *(f"{size:g}" for size in sizes))]
-    for name in dict.fromkeys(row["method"] for row in rows):
-        cells = (found.get((name, size)) for size in sizes)
-        lines.append((name, *("-" if c is None else f"{c:.3g}" for c in cells)))
+    found = rows.pivot(index="method", columns="impacts", values="impacts_per_s")
+    lines = [("method", *(f"{size:g}" for size in found.columns))]
+    for name in rows["method"].unique():
+        cells = ("-" if np.isnan(c) else f"{c:.3g}" for c in found.loc[name])
+        lines.append((name, *cells))
     return lines
 
 

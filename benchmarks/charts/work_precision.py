@@ -18,13 +18,13 @@ from .section import (
     Bench,
     Row,
     Section,
+    Table,
     affordable,
-    cell,
     error_figures,
     interleaved_minima,
     table_of,
 )
-from .style import colour_of, log_axes, markers_of, method_handles
+from .style import log_axes, method_handles, styles_of
 
 MODES = {"single": False, "batch": True}
 PRESET_OF = {preset.tolerance: name for name, preset in PRESETS.items()}
@@ -148,10 +148,10 @@ def _measure(bench: Bench, measured: list[Measured], scenes, exact) -> list[Row]
 
 
 @in_style
-def draw(rows: list[Row], quantity: str) -> Figure:
+def draw(rows: Table, quantity: str) -> Figure:
     """A row of panels for the median and one for 95 %, a column for each mode."""
     figure, four = panels(2, 2, height=3.1, sharex="col", sharey=True)
-    markers = markers_of(rows)
+    styles = styles_of(rows)
     titles = ("one after another, on one core", "all at once, on every core")
     errors = (("error_median", "median"), ("error_95", "95 %"))
     for place, axes in enumerate(four):
@@ -160,59 +160,51 @@ def draw(rows: list[Row], quantity: str) -> Figure:
         axes.label_outer()
         if place < len(titles):
             axes.set_title(titles[place])
-        for name, marker in markers.items():
-            own = [r for r in rows if r["method"] == name and r["mode"] == mode]
-            if own:
-                _draw_method(axes, own, key, marker)
+        here = rows[rows["mode"] == mode]
+        for name, style in styles.items():
+            own = here[here["method"] == name].sort_values("tolerance", kind="stable")
+            if len(own):
+                _draw_method(axes, own, key, style)
         axes.axhline(1e-3, color="black", lw=0.8, ls=":")
         axes.margins(0.12)
-        times = [r["seconds_per_impact"] for r in rows if r["mode"] == mode]
-        axes.set_xlim(left=min(times) / 20.0)  # room for the names of presets
+        axes.set_xlim(
+            left=here["seconds_per_impact"].min() / 20.0
+        )  # room for the names of presets
     legend_outside(figure, method_handles(rows), ncols=3)
     return figure
 
 
-def _draw_method(axes: Axes, own: list[Row], key: str, marker: str) -> None:
-    own = sorted(own, key=lambda row: row["tolerance"])
-    colour = colour_of(own[0]["family"])
-    time = [row["seconds_per_impact"] for row in own]
-    error = [min(row[key], 2.0) for row in own]
-    ours = any(row["preset"] for row in own)
-    axes.plot(
-        time,
-        error,
-        color=colour,
-        marker=marker,
-        markersize=4,
-        lw=2.0 if ours else 1.0,
-        zorder=3 if ours else 2,
-    )
-    for row, at, value in zip(own, time, error, strict=True):
-        if row["preset"]:
+def _draw_method(axes: Axes, own: Table, key: str, style: dict) -> None:
+    time, error = own["seconds_per_impact"], own[key].clip(upper=2.0)
+    weight = {"lw": 2.0, "zorder": 3} if any(own["preset"]) else {"lw": 1.0}
+    axes.plot(time, error, markersize=4, **weight, **style)
+    for preset, *point in zip(own["preset"], time, error, strict=True):
+        if preset:
             axes.annotate(
-                row["preset"],
-                (at, value),
+                preset,
+                point,
                 xytext=(-4, -4),
                 textcoords="offset points",
                 ha="right",
                 va="top",
-                color=colour,
+                color=style["color"],
                 fontsize=9,
             )
 
 
-def table(rows: list[Row]) -> list[tuple[str, ...]]:
+def table(rows: Table) -> list[tuple[str, ...]]:
     """Every point, by method and mode."""
+    gap = np.where(rows["preset"] == "", "", " ")
     return table_of(
-        rows,
+        rows.assign(rate=1.0 / rows["seconds_per_impact"], gap=gap),
         {
-            "method": cell("method"),
-            "tolerance": lambda row: f"{row['tolerance']:.0e} {row['preset']}".strip(),
-            "mode": cell("mode"),
-            "impacts/s": lambda row: f"{1.0 / row['seconds_per_impact']:.3g}",
-            "error, median": cell("error_median", ".0e"),
-            "error, 95 %": cell("error_95", ".0e"),
-            "failed": cell("failed", ".0%"),
+            "method": "{method}",
+            "tolerance": "{tolerance:.0e}{gap}{preset}",
+            "mode": "{mode}",
+            "impacts/s": "{rate:.3g}",
+            "error, median": "{error_median:.0e}",
+            "error, 95 %": "{error_95:.0e}",
+            "failed": "{failed:.0%}",
         },
     )
 

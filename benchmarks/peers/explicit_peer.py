@@ -4,16 +4,14 @@ Its step is fixed but for the onset, where the foundation is small and rates are
 thousand times higher: there the step grows in proportion to time.
 """
 
-import concurrent.futures
+import functools
 import math
-import os
-import time
 
 import numpy as np
 
 from ..impacts import Answer
 from . import model
-from .shared import Compiled, answer
+from .shared import Compiled, solve_on_threads
 
 ONSET = 1.5e-4
 """Largest step at the onset, as a part of the time since touch: the fastest rate times
@@ -70,18 +68,9 @@ class FixedStep(Compiled):
 
     def solve(self, scenes, tolerance: float, batch: bool) -> Answer:
         """Impacts on every core at once, or one after another on one."""
-        cores = (os.cpu_count() or 1) if batch else 1
         p, start = model.parameters_and_start(scenes, self.slider_time)
-        e_n = np.empty(len(p))
-        edges = np.linspace(0, len(p), min(len(p), 20 * cores) + 1).astype(int)
-
-        def part(k):
-            _integrate(start, p, tolerance, edges[k], edges[k + 1], e_n)
-
-        begin = time.perf_counter()
-        with concurrent.futures.ThreadPoolExecutor(cores) as pool:
-            list(pool.map(part, range(len(edges) - 1)))
-        return answer(p, start, e_n, time.perf_counter() - begin)
+        integrate = functools.partial(_integrate, start, p, tolerance)
+        return solve_on_threads(integrate, p, start, batch)
 
 
 def methods() -> list[FixedStep]:

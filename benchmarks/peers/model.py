@@ -10,8 +10,12 @@ given the best form that we know.
 
 import math
 
+import jax
 import numpy as np
 from numba import njit
+
+from jaximpact.scene import Block, Impact, Scene
+from jaximpact.soil import Soil
 
 GRAVITY = 9.81
 ATMOSPHERE = 1e5
@@ -20,113 +24,75 @@ TANGENT_FROM = 0.95
 TIME_LIMIT = 1.0
 STATES = 9
 
-# Places in the vector of parameters
-(
-    H,
-    R,
-    W,
-    MASS,
-    INERTIA,
-    SIN,
-    COS,
-    SUPPORT,
-    G_N,
-    G_T,
-    GAMMA_N,
-    MODULUS,
-    N_E,
-    NU,
-    BETA,
-    C_V,
-    GAMMA_V,
-    ALPHA_VT,
-    ALPHA_VR,
-    PSI,
-    DILATANCY,
-    TAN_P,
-    N_Q,
-    N_G,
-    DEPTH,
-    TAN_B,
-    SPEED,
-    ENERGY,
-    ELASTIC,
-    FORCE,
-    SLIDER,
-) = range(31)
+# Indices into the vector of parameters
+H, R, W, MASS, INERTIA, SIN, COS, SUPPORT = range(8)
+G_N, G_T, GAMMA_N, MODULUS, N_E, NU, BETA, C_V = range(8, 16)
+GAMMA_V, ALPHA_VT, ALPHA_VR, PSI, DILATANCY, TAN_P, N_Q, N_G = range(16, 24)
+DEPTH, TAN_B, SPEED, ENERGY, ELASTIC, FORCE, SLIDER = range(24, 31)
 PARAMETERS = 31
 
 compiled = njit(cache=True, nogil=True, error_model="numpy")
 
 
 def parameters_and_start(
-    scenes, slider_time: float = 1e-6
+    scenes: Scene, slider_time: float = 1e-6
 ) -> tuple[np.ndarray, np.ndarray]:
     """Parameters `(n, 31)` and scaled states at the start `(n, 9)` of scenes."""
-    block, soil, impact = scenes.block, scenes.soil, scenes.impact
-    count = np.size(impact.speed)
-
-    def field(part, name):
-        return np.broadcast_to(np.asarray(getattr(part, name), float), (count,))
-
-    mass, ratio = field(block, "mass"), field(block, "aspect_ratio")
-    out_of_plane = field(block, "out_of_plane_ratio")
-    radius = np.cbrt(
-        3.0 * mass / (4.0 * np.pi * field(block, "density") * ratio * out_of_plane)
+    block, soil, impact = jax.tree.map(
+        lambda leaf: np.asarray(leaf, float),
+        (scenes.block, scenes.soil, scenes.impact),
     )
-    slope = field(impact, "slope")
-    start = field(impact, "orientation")
-    phi = field(soil, "friction_angle")
-    dense = field(soil, "delta_1") * field(soil, "relative_density")
-    phi_p = phi + np.radians(3.0) * np.clip(dense - field(soil, "delta_2"), 0.0, 4.0)
-    tan_p = np.tan(phi_p)
-    n_q = np.exp(np.pi * tan_p) * np.tan(np.pi / 4.0 + phi_p / 2.0) ** 2
-    speed, angle = field(impact, "speed"), field(impact, "angle")
-    spin = field(impact, "angular_velocity")
-
-    p = np.empty((count, PARAMETERS))
-    p[:, H], p[:, R], p[:, W] = ratio * radius, radius, out_of_plane * radius
-    p[:, MASS] = mass
-    p[:, INERTIA] = mass * (p[:, H] ** 2 + p[:, R] ** 2) / 5.0
-    p[:, SIN], p[:, COS] = np.sin(start), np.cos(start)
-    p[:, SUPPORT] = np.hypot(p[:, H] * p[:, COS], p[:, R] * p[:, SIN])
-    p[:, G_N], p[:, G_T] = GRAVITY * np.cos(slope), GRAVITY * np.sin(slope)
-    p[:, GAMMA_N] = field(soil, "unit_weight") * np.cos(slope)
-    p[:, NU] = field(soil, "poisson")
-    p[:, MODULUS] = (
-        field(soil, "S_ef") * field(soil, "k_E") * ATMOSPHERE / (2.0 * (1.0 + p[:, NU]))
-    )
-    for place, name in (
-        (N_E, "n_E"),
-        (BETA, "beta"),
-        (C_V, "c_v"),
-        (GAMMA_V, "gamma_v"),
-        (ALPHA_VT, "alpha_vT"),
-        (ALPHA_VR, "alpha_vR"),
-        (PSI, "psi"),
-        (DILATANCY, "dilatancy"),
-    ):
-        p[:, place] = field(soil, name)
-    p[:, TAN_P], p[:, N_Q], p[:, N_G] = tan_p, n_q, 2.0 * (n_q + 1.0) * tan_p
-    p[:, DEPTH] = 2.0 * tan_p * (1.0 - np.sin(phi_p)) ** 2
-    p[:, TAN_B] = field(soil, "alpha_s") * np.tan(phi)
-    v_n, v_t = speed * np.cos(angle), speed * np.sin(angle)
-    p[:, SPEED] = speed
+    p = np.empty((np.size(impact.speed), PARAMETERS))
     p[:, SLIDER] = slider_time
-    p[:, ENERGY] = 0.5 * mass * speed**2 + 0.5 * p[:, INERTIA] * spin**2
+    _fill_block(p, block, impact)
+    _fill_soil(p, soil, impact.slope)
+    speed, radius = p[:, SPEED], p[:, R]
+    spin = impact.angular_velocity
+    p[:, ENERGY] = 0.5 * p[:, MASS] * speed**2 + 0.5 * p[:, INERTIA] * spin**2
     shear = p[:, MODULUS] * (p[:, GAMMA_N] * radius / ATMOSPHERE) ** p[:, N_E]
     stiffness = 4.0 * shear * radius / (1.0 - p[:, NU])
-    p[:, ELASTIC] = speed * np.sqrt(mass / stiffness)
+    p[:, ELASTIC] = speed * np.sqrt(p[:, MASS] / stiffness)
     p[:, FORCE] = stiffness * p[:, ELASTIC]
 
-    y = np.zeros((count, STATES))
+    y = np.zeros((len(p), STATES))
     touch = 1e-6 * radius
     y[:, 0] = touch / radius
-    y[:, 2], y[:, 3] = v_n / speed, v_t / speed
+    y[:, 2] = speed * np.cos(impact.angle) / speed
+    y[:, 3] = speed * np.sin(impact.angle) / speed
     y[:, 4] = spin * radius / speed
     y[:, 5] = touch / p[:, ELASTIC]
     y[:, 8] = 0.01
     return p, y
+
+
+def _fill_block(p: np.ndarray, block: Block, impact: Impact) -> None:
+    ratio, out_of_plane = block.aspect_ratio, block.out_of_plane_ratio
+    volume_ratio = 4.0 * np.pi * block.density * ratio * out_of_plane
+    p[:, R] = np.cbrt(3.0 * block.mass / volume_ratio)
+    p[:, H], p[:, W] = ratio * p[:, R], out_of_plane * p[:, R]
+    p[:, MASS] = block.mass
+    p[:, INERTIA] = block.mass * (p[:, H] ** 2 + p[:, R] ** 2) / 5.0
+    p[:, SIN], p[:, COS] = np.sin(impact.orientation), np.cos(impact.orientation)
+    p[:, SUPPORT] = np.hypot(p[:, H] * p[:, COS], p[:, R] * p[:, SIN])
+    p[:, SPEED] = impact.speed
+
+
+def _fill_soil(p: np.ndarray, soil: Soil, slope: np.ndarray) -> None:
+    phi = soil.friction_angle
+    dense = soil.delta_1 * soil.relative_density
+    phi_p = phi + np.radians(3.0) * np.clip(dense - soil.delta_2, 0.0, 4.0)
+    tan_p = np.tan(phi_p)
+    n_q = np.exp(np.pi * tan_p) * np.tan(np.pi / 4.0 + phi_p / 2.0) ** 2
+    p[:, G_N], p[:, G_T] = GRAVITY * np.cos(slope), GRAVITY * np.sin(slope)
+    p[:, GAMMA_N] = soil.unit_weight * np.cos(slope)
+    p[:, MODULUS] = soil.S_ef * soil.k_E * ATMOSPHERE / (2.0 * (1.0 + soil.poisson))
+    p[:, N_E], p[:, NU], p[:, BETA] = soil.n_E, soil.poisson, soil.beta
+    p[:, C_V], p[:, GAMMA_V] = soil.c_v, soil.gamma_v
+    p[:, ALPHA_VT], p[:, ALPHA_VR] = soil.alpha_vT, soil.alpha_vR
+    p[:, PSI], p[:, DILATANCY] = soil.psi, soil.dilatancy
+    p[:, TAN_P], p[:, N_Q], p[:, N_G] = tan_p, n_q, 2.0 * (n_q + 1.0) * tan_p
+    p[:, DEPTH] = 2.0 * tan_p * (1.0 - np.sin(phi_p)) ** 2
+    p[:, TAN_B] = soil.alpha_s * np.tan(phi)
 
 
 def is_separating(p: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -162,7 +128,8 @@ def foundation(u_n, theta, p):
 
 @compiled
 def forces(y, p):
-    """Forces before the cut of N at zero, with what they hang on."""
+    """Forces N, T and M before the cut of N at zero, their stiffnesses, and the
+    foundation."""
     sinking, length, width, r_n, r_t, tangency = foundation(y[0] * p[R], y[1], p)
     length, width = max(length, 1e-6 * p[R]), max(width, 1e-6 * p[R])
     r_0 = 0.5 * math.sqrt(length * width)
@@ -174,44 +141,14 @@ def forces(y, p):
     normal = k_n * y[5] * p[ELASTIC]
     tangential = k_t * y[6] * p[ELASTIC]
     moment = k_r * y[7] * p[ELASTIC] / p[R]
-    return (
-        normal,
-        tangential,
-        moment,
-        k_n,
-        k_t,
-        k_r,
-        sinking,
-        length,
-        width,
-        r_n,
-        r_t,
-        tangency,
-    )
+    base = sinking, length, width, r_n, r_t, tangency
+    return (normal, tangential, moment), (k_n, k_t, k_r), base
 
 
 @compiled
-def rates(y, p, dy):
-    """Right-hand side: scaled rates into `dy`."""
-    (
-        normal,
-        tangential,
-        moment,
-        _,
-        k_t,
-        _,
-        sinking,
-        length,
-        width,
-        r_n,
-        r_t,
-        tangency,
-    ) = forces(y, p)
-    normal = max(normal, 0.0)
-    v_n, v_t = y[2] * p[SPEED], y[3] * p[SPEED]
-    spin = y[4] * p[SPEED] / p[R]
-    rho = y[8]
-
+def plastic_flow(normal, tangential, moment, rho, base, p):
+    """Plastic rates along N, T and M."""
+    sinking, length, width = base[0], base[1], base[2]
     small, large = min(length, width), max(length, width)
     u = max(sinking, 0.0)
     s_q = 1.0 + small / large * p[TAN_P]
@@ -223,35 +160,43 @@ def rates(y, p, dy):
     xi = normal / capacity
     h = tangential / (p[TAN_P] * capacity)
     m = moment / (p[PSI] * length * capacity)
-    flow_n = flow_t = flow_r = 0.0
     ratio2 = h * h + m * m
     xi = max(xi, 1e-6 * math.sqrt(ratio2))
-    if xi > 0.0:
-        z2 = ratio2 / (xi * xi)
-        root = math.sqrt(z2 + VERTEX * VERTEX)
-        eta = z2 / (root + VERTEX)
-        w = wp = 0.0
-        if eta > 0.0:
-            w = eta ** (1.0 / p[BETA])
-            wp = w / (p[BETA] * eta)
-        if w < TANGENT_FROM:
-            F = 1.0 / (1.0 - w)
-            slope = F * F
-        else:
-            F = 1.0 / (1.0 - TANGENT_FROM)
-            slope = F * F
-            F += slope * (w - TANGENT_FROM)
-        over = xi * F / rho - 1.0
-        if over > 0.0:
-            g_x = F - slope * wp * z2 / root
-            if g_x < 0.0:
-                g_x *= p[DILATANCY]
-            g_h = slope * wp * h / (xi * root)
-            g_m = slope * wp * m / (xi * root)
-            rate = p[GAMMA_V] * over / math.sqrt(g_x * g_x + g_h * g_h + g_m * g_m)
-            flow_n = rate * g_x
-            flow_t = rate * g_h / p[TAN_P]
-            flow_r = rate * g_m / (p[PSI] * length)
+    if not xi > 0.0:  # NaN too
+        return 0.0, 0.0, 0.0
+    z2 = ratio2 / (xi * xi)
+    root = math.sqrt(z2 + VERTEX * VERTEX)
+    eta = z2 / (root + VERTEX)
+    w = wp = 0.0
+    if eta > 0.0:
+        w = eta ** (1.0 / p[BETA])
+        wp = w / (p[BETA] * eta)
+    # Beyond TANGENT_FROM the tangent there
+    F = 1.0 / (1.0 - min(w, TANGENT_FROM))
+    slope = F * F
+    F += slope * max(w - TANGENT_FROM, 0.0)
+    over = xi * F / rho - 1.0
+    if not over > 0.0:
+        return 0.0, 0.0, 0.0
+    g_x = F - slope * wp * z2 / root
+    if g_x < 0.0:
+        g_x *= p[DILATANCY]
+    g_h = slope * wp * h / (xi * root)
+    g_m = slope * wp * m / (xi * root)
+    rate = p[GAMMA_V] * over / math.sqrt(g_x * g_x + g_h * g_h + g_m * g_m)
+    return rate * g_x, rate * g_h / p[TAN_P], rate * g_m / (p[PSI] * length)
+
+
+@compiled
+def rates(y, p, dy):
+    """Right-hand side: scaled rates into `dy`."""
+    (normal, tangential, moment), (_, k_t, _), base = forces(y, p)
+    _, length, _, r_n, r_t, tangency = base
+    normal = max(normal, 0.0)
+    v_n, v_t = y[2] * p[SPEED], y[3] * p[SPEED]
+    spin = y[4] * p[SPEED] / p[R]
+    rho = y[8]
+    flow_n, flow_t, flow_r = plastic_flow(normal, tangential, moment, rho, base, p)
     slip = 0.0
     excess = abs(tangential) - normal * p[TAN_B]
     if excess > 0.0:
@@ -276,9 +221,8 @@ def rates(y, p, dy):
 @compiled
 def margin(y, p):
     """The least dimensionless distance to an end of the impact; negative beyond it."""
-    normal, tangential, moment, k_n, k_t, k_r, sinking, length, _, _, _, tangency = (
-        forces(y, p)
-    )
+    (normal, tangential, moment), (k_n, k_t, k_r), base = forces(y, p)
+    sinking, length, _, _, _, tangency = base
     # A moment that is mere rounding must not topple a symmetric block.
     lever = 0.5 * normal * length - abs(moment) + 1e-12 * p[FORCE] * p[R]
     topple = max(lever / (p[FORCE] * p[R]), 1e-3 - sinking / p[R])

@@ -5,11 +5,8 @@ first point of a grid beyond the end. The points come from LSODA's own interpola
 cost next to nothing; between two of them the end is found on a cubic.
 """
 
-import concurrent.futures
 import functools
 import math
-import os
-import time
 
 import numpy as np
 from numba import carray, cfunc, njit
@@ -17,7 +14,7 @@ from numbalsoda import lsoda, lsoda_sig
 
 from ..impacts import Answer
 from . import model
-from .shared import Compiled, answer, quiet_stderr
+from .shared import Compiled, solve_on_threads
 
 WINDOW = 1.3
 """Length of a window, in times of R over the sum of the impact speed and the speed of
@@ -108,33 +105,13 @@ class Numbalsoda(Compiled):
 
     def solve(self, scenes, tolerance: float, batch: bool) -> Answer:
         """Impacts on every core at once, or one after another on one."""
-        cores = (os.cpu_count() or 1) if batch else 1
         p, start = model.parameters_and_start(scenes, self.slider_time)
-        e_n = np.empty(len(p))
         points = math.ceil(POINTS * max(1.0, (1e-4 / tolerance) ** 0.25))
-        address = _right_hand_side()
-        # Twenty parts a core: the slow impacts are spread over the cores.
-        edges = np.linspace(0, len(p), min(len(p), 20 * cores) + 1).astype(int)
-
-        def part(k):
-            _integrate(
-                address,
-                start,
-                p,
-                tolerance,
-                FLOOR,
-                WINDOW,
-                points,
-                edges[k],
-                edges[k + 1],
-                e_n,
-            )
-
-        begin = time.perf_counter()
-        with quiet_stderr(), concurrent.futures.ThreadPoolExecutor(cores) as pool:
-            list(pool.map(part, range(len(edges) - 1)))
-        seconds = time.perf_counter() - begin
-        return answer(p, start, e_n, seconds)
+        setting = tolerance, FLOOR, WINDOW, points
+        integrate = functools.partial(
+            _integrate, _right_hand_side(), start, p, *setting
+        )
+        return solve_on_threads(integrate, p, start, batch)
 
 
 def methods() -> list[Numbalsoda]:

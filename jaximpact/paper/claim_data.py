@@ -1,34 +1,28 @@
 """Datasets that claims are judged by, computed as they are asked for, and what is read
-off them: one axis alone, the difference to mirrored orientations."""
+off them: one axis alone, the difference to mirrored orientations, flights down a slope.
+"""
 
-import concurrent.futures
 import itertools
-from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
 
-from ..accuracy import DEFAULT_ACCURACY, get_accuracy
-from ..backend.recording import record_history
-from ..backend.threads import thread_count
+from ..accuracy import DEFAULT_ACCURACY
 from ..batch import simulate_batch
-from ..impact.termination import Outcome
-from ..progress import Progress, ProgressFunction, as_progress
-from ..scene import Scene
+from ..progress import Progress
+from ..runout import Ending, FullModel, MotionMode, Runs, passages, simulate_runout
+from ..runout.analysis import Jumps, jumps, restitutions, rise_before
+from ..runout.biplanar import ASPECT_RATIOS, SPINS_DEGPS
+from ..runout.trajectory import stretches_of
+from ..scene import GRAVITY, Scene
 from ..scene_quantities import scene_of_values, scene_values
 from ..sweeping import Axes, sweep
 from .criteria import NotComputed
-from .readings import AS_IT_IS, Reading, with_contact_at
-from .sets import PARAMETRIC_SETS, TABLE_1, parametric_set
-from .slope_data import slope_dataset
-
-Datasets = Mapping[str, xr.Dataset]
-"""Datasets by name: the parametric sets on one ground, `courses`, the random impacts
-(`RANDOM_SETS`), and the slope run-out, `SLOPE`."""
+from .readings import AS_IT_IS, Reading, SlopeReading, with_contact_at
+from .sets import TABLE_1, parametric_set, record_impacts
 
 ACCURACY = DEFAULT_ACCURACY
-SERIES = "courses"
-SLOPE = "slope"
+SERIES, SLOPE = "courses", "slope"
 SERIES_ANGLES_DEG = np.arange(10.0, 81.0, 10.0)
 RANDOM_IMPACTS = 10_000
 SEED = 13
@@ -40,23 +34,25 @@ _SPINS_DEGPS = {
 RANDOM_SETS = tuple(_SPINS_DEGPS)
 """Random impacts: on level ground with the spins of Fig. 13 and with those of the
 paper's runs, and on slopes."""
+COMPARED_X = np.arange(10.0, 251.0, 10.0)
+"""Places where paths are compared [m]: the paper has them superimpose up to 250 m."""
 
 
-class Study(Datasets):
+class Study:
     """Datasets of one ground under one reading of the model, each computed once.
 
-    A set with an impact that failed raises NotComputed; random impacts that failed are
-    NaN.
+    They are taken by name, `study["III"]`: the parametric sets, `SERIES`, the random
+    impacts (`RANDOM_SETS`), and the slope run-out, `SLOPE`. A set with an impact that
+    failed raises NotComputed; random impacts that failed are NaN.
     """
 
     def __init__(
         self,
         ground: str = TABLE_1,
         reading: Reading = AS_IT_IS,
-        progress: Progress | ProgressFunction | None = None,
+        progress: Progress = Progress(),  # noqa: B008
     ):
-        self.ground, self.reading = ground, reading
-        self.progress = as_progress(progress)
+        self.ground, self.reading, self.progress = ground, reading, progress
         self._known: dict[str, xr.Dataset] = {}
         self._others: dict[str, Study] = {ground: self}
 
@@ -74,21 +70,13 @@ class Study(Datasets):
             self._known[name] = self._compute(name)
         return self._known[name]
 
-    def __iter__(self):
-        return iter((*PARAMETRIC_SETS, SERIES, *RANDOM_SETS, SLOPE))
-
-    def __len__(self):
-        return len(list(iter(self)))
-
     def _compute(self, name: str) -> xr.Dataset:
         if name == SERIES:
             return self._time_series()
         if name in RANDOM_SETS:
             return self._random(name)
         if name == SLOPE:
-            base, _ = self._parametric_set("I")
-            reading = self.reading
-            return slope_dataset(base.soil, reading.slope, ACCURACY)
+            return self._slope(self.reading.slope)
         base, axes = self._parametric_set(name)
         dataset = sweep(base, axes, accuracy=ACCURACY)
         failed = int((dataset.outcome == "failed").sum())
@@ -110,18 +98,14 @@ class Study(Datasets):
         of random impacts."""
         base, _ = self._parametric_set("I")
         values = scene_values(base) | random_quantities(name)
-        result = simulate_batch(
-            scene_of_values(values),
-            accuracy=ACCURACY,
-            ledger=True,
-        )
+        scenes = scene_of_values(values)
+        result = simulate_batch(scenes, accuracy=ACCURACY, ledger=True)
         ledger = result.energy
         assert ledger is not None  # asked for above
-        names = np.array([str(outcome) for outcome in Outcome])
         variables = {
             "e_bar": result.e_bar,
             "gravity_share": ledger.gravity / ledger.kinetic_in,
-            "outcome": names[np.asarray(result.outcome_code).astype(int)],
+            "outcome": result.outcome,
         }
         return xr.Dataset({key: ("impact", value) for key, value in variables.items()})
 
@@ -133,17 +117,12 @@ class Study(Datasets):
             "angle_deg": SERIES_ANGLES_DEG,
             "aspect_ratio": np.asarray(axes["aspect_ratio"]),
         }
-        values = scene_values(base) | {"orientation_deg": 0.0}
-
-        def record(point):
-            scene = scene_of_values(values | dict(zip(grid, point, strict=True)))
-            return record_history(scene, get_accuracy(ACCURACY))
-
-        first, *rest = itertools.product(*grid.values())
-        # What the first compiles the others share.
-        histories = [record(first)]
-        with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
-            histories += pool.map(record, rest)
+        points = [
+            {"orientation_deg": 0.0, **dict(zip(grid, point, strict=True))}
+            for point in itertools.product(*grid.values())
+        ]
+        recorded = record_impacts(base, points, ACCURACY, self.progress)
+        histories = [history for _, history in recorded]
         longest = max(len(history.time) for history in histories)
         shape = *map(len, grid.values()), longest
 
@@ -154,15 +133,52 @@ class Study(Datasets):
             rows = [np.pad(row, (0, longest - len(row)), "edge") for row in series]
             return np.reshape(rows, shape)
 
-        dimensions = (*grid, "step")
-        return xr.Dataset(
-            {
-                "time_s": (dimensions, padded("time")),
-                "rotation_rad": (dimensions, padded("rotation")),
-                "R_r": (dimensions, padded("rotational_ratio")),
-            },
-            grid,
-        )
+        columns = {"rotation_rad": "rotation", "R_r": "rotational_ratio"}
+        series = {name: ((*grid, "step"), padded(of)) for name, of in columns.items()}
+        return xr.Dataset(series, grid)
+
+    def _slope(self, reading: SlopeReading) -> xr.Dataset:
+        """Slope run-out: numbers of trajectories over the aspect ratio and the spin of
+        the sphere, of the paths without spin over the aspect ratio, and of all jumps
+        and impacts in a row."""
+        case, soil = reading.case, self._parametric_set("I")[0].soil
+        runs = simulate_runout(case.profile(soil), case.release(), FullModel(ACCURACY))
+        whole = np.isin(runs.ending, [Ending.stopped, Ending.left_profile])
+        if not np.all(whole):
+            raise NotComputed(
+                f"{np.sum(~whole)} of {len(whole)} runs failed or came to a limit"
+            )
+        flights = jumps(runs)
+        grid = {
+            "aspect_ratio": np.array(ASPECT_RATIOS),
+            "angular_velocity_degps": np.array(SPINS_DEGPS),
+        }
+        of_trajectories = {
+            "first_impact_x_m": _first(runs, "x"),
+            "off_the_parabola_m": off_the_parabola(runs),
+            "first_flight_m": flights.height[_firsts(flights.trajectory)],
+            **bounces(runs, flights, reading.hop),
+        }
+        counted = flights.after_contact & (flights.rise >= reading.hop)
+        if reading.released_flight_jumps:
+            counted[_firsts(flights.trajectory)] = True
+        coefficients = restitutions(runs, out_of_the_crater=reading.out_of_the_crater)
+        impacts = np.isfinite(coefficients.e_n)
+        if reading.hop > 0.0:
+            impacts &= rise_before(runs, flights) > reading.hop
+        of_block = np.repeat(ASPECT_RATIOS, len(SPINS_DEGPS))
+        variables = {
+            name: (tuple(grid), np.reshape(values, tuple(map(len, grid.values()))))
+            for name, values in of_trajectories.items()
+        }
+        variables |= {
+            "paths_apart_m": ("aspect_ratio", paths_apart(runs)),
+            "jump_height_m": ("jump", flights.height[counted]),
+            "jump_aspect_ratio": ("jump", of_block[flights.trajectory[counted]]),
+            "e_n": ("impact", coefficients.e_n[impacts]),
+            "e_t": ("impact", coefficients.e_t[impacts]),
+        }
+        return xr.Dataset(variables, grid)
 
 
 def random_quantities(name: str) -> dict[str, np.ndarray]:
@@ -180,14 +196,22 @@ def random_quantities(name: str) -> dict[str, np.ndarray]:
     }
 
 
-def along_major_axis(sets: Datasets) -> xr.Dataset:
+# --- What is read off datasets.
+
+
+def along_major_axis(sets: Study) -> xr.Dataset:
     """Set III along the major axis: over the angle and A_r."""
     return sets["III"].sel(orientation_deg=0.0, drop=True)
 
 
-def along_minor_axis(sets: Datasets) -> xr.Dataset:
+def along_minor_axis(sets: Study) -> xr.Dataset:
     """Set III along the minor axis: over the angle and A_r."""
     return sets["III"].sel(orientation_deg=90.0, drop=True)
+
+
+def elongated(data):
+    """What is of blocks with an A_r above 1, of a dataset or an array over A_r."""
+    return data.sel(aspect_ratio=data.aspect_ratio > 1.0)
 
 
 def along_dimension(function, values: xr.DataArray, dimension: str) -> xr.DataArray:
@@ -212,3 +236,71 @@ def asymmetry(values: xr.DataArray, sign: float = 1.0) -> xr.DataArray:
     """The largest of `less_mirrored`, as a part of the largest value."""
     apart = abs(less_mirrored(values, sign)).max("orientation_deg")
     return apart / abs(values).max("orientation_deg")
+
+
+# --- What is read off trajectories down the slope.
+
+
+def _firsts(trajectory: np.ndarray) -> np.ndarray:
+    """Index of the first row of each trajectory; every one has some."""
+    return np.unique(trajectory, return_index=True)[1]
+
+
+def _first(runs: Runs, name: str) -> np.ndarray:
+    return getattr(runs.contacts, name)[_firsts(runs.contacts.trajectory)]
+
+
+def off_the_parabola(runs: Runs) -> np.ndarray:
+    """How far from the parabola of its release each centre is at its first contact, at
+    the x that it has there [m]."""
+    body = runs.release.body
+    x, y = _first(runs, "x"), _first(runs, "y")
+    time = (x - body.x) / body.v_x
+    return np.abs(y - (body.y + (body.v_y - 0.5 * GRAVITY * time) * time))
+
+
+def paths_apart(runs: Runs) -> np.ndarray:
+    """How far the path of each shape without spin is from the sphere's, vertically, at
+    the worst of `COMPARED_X` [m]; NaN for one that does not come so far."""
+    still = np.arange(len(ASPECT_RATIOS)) * len(SPINS_DEGPS)
+    apart = np.zeros(len(still))
+    stretches = stretches_of(runs)
+    for x in COMPARED_X:
+        found = passages(runs, x, stretches)
+        heights = [found.centre_height[found.trajectory == block] for block in still]
+        for place, height in enumerate(heights):
+            passed = len(height) and len(heights[0])
+            worst = np.max(np.abs(height - heights[0][0])) if passed else np.nan
+            apart[place] = np.maximum(apart[place], worst)
+    return apart
+
+
+def bounces(runs: Runs, flights: Jumps, hop: float) -> dict[str, np.ndarray]:
+    """Flights between the first impact of each trajectory and its first rolling: how
+    many, the largest and the middle one of their rises [m], 0 for none, and whether the
+    block rolls then.
+
+    Args:
+        hop: rise up to which a flight is rolling [m].
+    """
+    rolling = np.flatnonzero(runs.pieces.motion == MotionMode.rolling)
+    rollers = runs.pieces.trajectory[rolling].astype(int)
+    count, highest, middle, rolls = np.zeros((4, runs.release.count))
+    for block in range(runs.release.count):
+        after = np.flatnonzero(flights.trajectory == block)[1:]
+        until = np.min(rolling[rollers == block], initial=len(runs.pieces.motion))
+        rolls[block] = until < len(runs.pieces.motion)
+        after = after[flights.piece[after] < until]
+        low = np.flatnonzero(flights.rise[after] <= hop)
+        if hop > 0.0 and len(low):
+            after, rolls[block] = after[: low[0]], 1.0
+        rises = flights.rise[after]
+        count[block] = len(rises)
+        highest[block] = np.max(rises, initial=0.0)
+        middle[block] = np.median(rises) if len(rises) else 0.0
+    return {
+        "bounces": count,
+        "highest_bounce_m": highest,
+        "middle_bounce_m": middle,
+        "rolls": rolls > 0.0,
+    }

@@ -9,6 +9,7 @@ else it holds partly.
 
 import dataclasses
 import enum
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -120,18 +121,15 @@ def condition(met: bool) -> Part:
 def trends(values: xr.DataArray, along: str, direction: int, what: str) -> Parts:
     """The trends along one of two dimensions, at each place of the other."""
     (other,) = (str(name) for name in values.dims if name != along)
-    lines = values.transpose(other, along).values
-    return Parts(
-        what, other, values[other].values, [trend(x, direction) for x in lines]
-    )
+    parts = [trend(x, direction) for x in values.transpose(other, along).values]
+    return Parts(what, other, values[other].values, parts)
 
 
 def conditions(met: xr.DataArray, what: str) -> Parts:
     """A condition at each place of one dimension."""
     (dimension,) = map(str, met.dims)
-    return Parts(
-        what, dimension, met[dimension].values, [condition(bool(x)) for x in met]
-    )
+    parts = [condition(bool(x)) for x in met]
+    return Parts(what, dimension, met[dimension].values, parts)
 
 
 def combine(verdicts: Iterable[Verdict]) -> Verdict:
@@ -141,9 +139,7 @@ def combine(verdicts: Iterable[Verdict]) -> Verdict:
 
 
 def judge(
-    evidence: str,
-    groups: Iterable[Part | Parts],
-    numbers: Mapping[str, Any] | None = None,
+    evidence: str, groups: Iterable[Part | Parts], numbers: Mapping[str, Any]
 ) -> Judgement:
     """The judgement by all parts of a criterion.
 
@@ -152,17 +148,17 @@ def judge(
         groups: the parts.
         numbers: those of the evidence; each is made a float.
     """
-    groups = list(groups)
-    parts = [
-        part
-        for group in groups
-        for part in (group.parts if isinstance(group, Parts) else [group])
-    ]
-    texts = [evidence, *(tally(group) for group in groups if isinstance(group, Parts))]
+    parts, texts = [], [evidence]
+    for group in groups:
+        if isinstance(group, Parts):
+            parts += group.parts
+            texts.append(tally(group))
+        else:
+            parts.append(group)
     return Judgement(
         combine(part.verdict for part in parts),
-        "; ".join(text for text in texts if text),
-        {name: float(value) for name, value in (numbers or {}).items()},
+        "; ".join(texts),
+        {name: float(value) for name, value in numbers.items()},
         sum(part.held for part in parts),
         sum(part.asked for part in parts),
     )
@@ -188,18 +184,13 @@ def tally(group: Parts) -> str:
 
 def ranges(values: Sequence[float] | np.ndarray, chosen: Sequence[bool]) -> str:
     """The chosen values, neighbours of a row as a range: "10 to 30, 50"."""
-    found: list[list[float]] = []
-    before = False
-    for value, is_chosen in zip(values, chosen, strict=True):
-        if is_chosen and before:
-            found[-1].append(value)
-        elif is_chosen:
-            found.append([value])
-        before = is_chosen
-    return ", ".join(
-        f"{row[0]:g}" if len(row) == 1 else f"{row[0]:g} to {row[-1]:g}"
-        for row in found
-    )
+    rows = []
+    pairs = zip(values, chosen, strict=True)
+    for is_chosen, row in itertools.groupby(pairs, key=lambda pair: pair[1]):
+        if is_chosen:
+            (first, _), *_, (last, _) = 2 * list(row)
+            rows.append(f"{first:g}" if first == last else f"{first:g} to {last:g}")
+    return ", ".join(rows)
 
 
 def from_to(values: ArrayLike, unit: str = "") -> str:
@@ -216,11 +207,20 @@ def between(values: ArrayLike, unit: str = "") -> str:
     return from_to([values.min(), values.max()], unit)
 
 
-def steps_that_go(values: ArrayLike, direction: int) -> str:
-    """How many steps of a line go in a direction, in words."""
-    part = trend(values, direction)
-    verb = "rises" if direction == RISES else "falls"
-    return f"{verb} in {part.held} of {part.asked} steps"
+def trend_in_words(values: ArrayLike, unit: str, *directions: int) -> str:
+    """Ends of a line, and how many of its steps go in each of the directions."""
+    words = [from_to(values, unit)]
+    for direction in directions:
+        part = trend(values, direction)
+        verb = "rises" if direction == RISES else "falls"
+        words.append(f"{verb} in {part.held} of {part.asked} steps")
+    return ", ".join(words)
+
+
+def extremes(values: xr.DataArray, name: str = "") -> dict[str, xr.DataArray]:
+    """Least and largest value, under the names that they have among the numbers."""
+    end = f"_{name}" if name else ""
+    return {f"least{end}": values.min(), f"largest{end}": values.max()}
 
 
 def key_of(words: str) -> str:

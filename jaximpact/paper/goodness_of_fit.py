@@ -44,37 +44,36 @@ class Fit(NamedTuple):
 
 def fit_exponential(values) -> Fit:
     r"""The density $\exp(-(x - x_0)/s)/s$ from the least of the numbers on, $x_0$."""
-    values = np.sort(np.asarray(values, float))
-    n = len(values)
-    if n < SOME or values[0] == values[-1]:
-        return _nothing(n)
-    start = values[0]
-    scale = float(np.mean(values - start))
-    distance = _distance(1.0 - np.exp(-(values - start) / scale))
-    root = np.sqrt(n)
-    chance = 0.2 / n + 1.094 / (root + 0.26 + 0.5 / root)
-    return Fit(float(start), scale, distance, chance, n)
+    return _fit(
+        values,
+        np.min,
+        lambda values, start: np.mean(values - start),
+        lambda scaled: 1.0 - np.exp(-scaled),
+        lambda n, root: 0.2 / n + 1.094 / (root + 0.26 + 0.5 / root),
+    )
 
 
 def fit_normal(values) -> Fit:
     """Mean and standard deviation."""
+    return _fit(
+        values,
+        np.mean,
+        lambda values, start: np.std(values),
+        ndtr,
+        lambda n, root: 0.895 / (root - 0.01 + 0.85 / root),
+    )
+
+
+def _fit(values, start_of, scale_of, distribution, distance_by_chance) -> Fit:
+    """A fit by functions: of the numbers, of these and the start, of the distance from
+    the start over the scale, and of the count and its root."""
     values = np.sort(np.asarray(values, float))
     n = len(values)
     if n < SOME or values[0] == values[-1]:
-        return _nothing(n)
-    mean, scale = float(np.mean(values)), float(np.std(values))
-    distance = _distance(ndtr((values - mean) / scale))
-    root = np.sqrt(n)
-    chance = 0.895 / (root - 0.01 + 0.85 / root)
-    return Fit(mean, scale, distance, chance, n)
-
-
-def _distance(expected: np.ndarray) -> float:
-    """Kolmogorov's distance, by the fitted distribution function at sorted numbers."""
-    n = len(expected)
+        return Fit(np.nan, np.nan, np.nan, np.nan, n)
+    start = float(start_of(values))
+    scale = float(scale_of(values, start))
+    expected = distribution((values - start) / scale)
     ranks = np.arange(n + 1) / n
-    return float(np.max(np.maximum(expected - ranks[:-1], ranks[1:] - expected)))
-
-
-def _nothing(count: int) -> Fit:
-    return Fit(np.nan, np.nan, np.nan, np.nan, count)
+    distance = np.max(np.maximum(expected - ranks[:-1], ranks[1:] - expected))
+    return Fit(start, scale, float(distance), distance_by_chance(n, np.sqrt(n)), n)

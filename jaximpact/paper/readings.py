@@ -16,9 +16,7 @@ import xarray as xr
 from ..restitution import vijayakumar_coefficient
 from ..runout.biplanar import HOP, SLOPE, BiplanarCase
 from ..scene import Scene
-from ..shapes import AbstractShape
 from ..units import DEGREE
-from .slope_data import SlopeReading
 
 
 class ContactPoint(enum.Enum):
@@ -37,29 +35,43 @@ def with_contact_at(
     elsewhere, and the rigid-body coefficient that follows from it."""
     if point is ContactPoint.foundation:
         return dataset
-    axes = base.block.semi_axes
+    block = base.block
+
+    def arm_at(turn):
+        sin, cos = np.sin(turn), np.cos(turn)
+        return np.asarray(block.shape.tangency_arm(block.semi_axes, sin, cos))
+
     start = np.radians(dataset.orientation_deg)
-    touch = _arm(base.block.shape, axes, start)
-    arm = touch
+    touch = arm = xr.apply_ufunc(arm_at, start)
     if point is ContactPoint.deepest:
-        arm = _arm(base.block.shape, axes, start + dataset.rotation_rad)
+        arm = xr.apply_ufunc(arm_at, start + dataset.rotation_rad)
     spin = np.radians(dataset.angular_velocity_degps)
     normal: Any = float(base.impact.normal_velocity)
     e_contact = -(dataset.v_n_mps + arm * dataset.omega_radps) / (normal + touch * spin)
-    rigid = xr.apply_ufunc(
-        lambda *varied: np.asarray(
-            vijayakumar_coefficient(base.block, varied[0], varied[1], normal, varied[2])
-        ),
-        *xr.broadcast(start, e_contact, spin),
-    )
+
+    def rigid_body(turn, contact, spinning):
+        return np.asarray(
+            vijayakumar_coefficient(block, turn, contact, normal, spinning)
+        )
+
+    rigid = xr.apply_ufunc(rigid_body, *xr.broadcast(start, e_contact, spin))
     return dataset.assign(e_contact=e_contact, e_n_vijayakumar=rigid)
 
 
-def _arm(shape: AbstractShape, axes, orientation: xr.DataArray) -> xr.DataArray:
-    return xr.apply_ufunc(
-        lambda turn: np.asarray(shape.tangency_arm(axes, np.sin(turn), np.cos(turn))),
-        orientation,
-    )
+@dataclasses.dataclass(frozen=True)
+class SlopeReading:
+    """How the paper's runs down a slope are read: the case itself, and what is
+    counted."""
+
+    case: BiplanarCase = dataclasses.field(default_factory=BiplanarCase)
+    hop: float = 0.0
+    """Rise up to which a flight counts as rolling [m]: it is no bounce and no jump, and
+    the contact that ends it is no impact. With 0 every contact counts."""
+    released_flight_jumps: bool = False
+    """Whether the flight that a block is released in is a jump too."""
+    out_of_the_crater: bool = True
+    """Whether velocities after an impact are those with which the block goes on; else
+    those before it climbs out of the ground."""
 
 
 @dataclasses.dataclass(frozen=True)

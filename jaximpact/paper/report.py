@@ -4,7 +4,7 @@ import csv
 import io
 import textwrap
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from .claims import JUDGES
@@ -48,72 +48,63 @@ class Validation(NamedTuple):
 def as_text(validation: Validation) -> str:
     """The findings one below another, what they say and what decides, then counts."""
     parts = []
-    for findings, of in ((validation.claims, "claims"), (validation.laws, "laws")):
-        if findings:
-            parts += [_lines(finding) for finding in findings]
-            parts.append(f"{len(findings)} {of}: {counts(findings)}\n")
-    parts += [_matrix_text(group) for group in _groups(validation.readings)]
+    for findings, count in _parts(validation):
+        parts += [*map(_lines, findings), f"{count}\n"]
+    parts += map(_matrix_text, _groups(validation.readings))
     return "\n".join(parts)
 
 
 def _lines(finding: Finding) -> str:
     head = f"{finding.id}  {finding.judgement.verdict:<12}  "
-    margin = " " * len(head)
+    below = " " * len(head)
     claim = textwrap.fill(
-        finding.claim, WIDTH, initial_indent=head, subsequent_indent=margin
+        finding.claim, WIDTH, initial_indent=head, subsequent_indent=below
     )
-    evidence = textwrap.indent(
-        textwrap.fill(finding.judgement.evidence, WIDTH - len(margin) - 2),
-        margin + "  ",
+    below += "  "
+    evidence = textwrap.fill(
+        finding.judgement.evidence,
+        WIDTH,
+        initial_indent=below,
+        subsequent_indent=below,
     )
     return f"{claim}\n{evidence}\n"
 
 
-def counts(findings: Iterable[Finding]) -> str:
-    """How many have which verdict, in words."""
-    found = Counter(finding.judgement.verdict for finding in findings)
+def _parts(validation: Validation) -> Iterator[tuple[list[Finding], str]]:
+    """Claims and laws, if there are any, with how many have which verdict."""
     words = {
         Verdict.holds: "hold",
         Verdict.partly: "hold partly",
         Verdict.fails: "fail",
         Verdict.not_computed: "not computed",
     }
-    return ", ".join(
-        f"{found[verdict]} {word}" for verdict, word in words.items() if found[verdict]
-    )
+    for findings, of in ((validation.claims, "claims"), (validation.laws, "laws")):
+        found = Counter(finding.judgement.verdict for finding in findings)
+        counts = [f"{found[v]} {word}" for v, word in words.items() if found[v]]
+        if findings:
+            yield findings, f"{len(findings)} {of}: {', '.join(counts)}"
 
 
 def as_csv(findings: Iterable[Finding]) -> str:
     """A row for each finding."""
-    return _csv(
-        (*FINDING_COLUMNS, *JUDGEMENT_COLUMNS),
-        (
-            (*(getattr(f, name) for name in FINDING_COLUMNS), *_cells(f.judgement))
-            for f in findings
-        ),
-    )
+    rows = [{**vars(finding), **vars(finding.judgement)} for finding in findings]
+    return _csv((*FINDING_COLUMNS, *JUDGEMENT_COLUMNS), rows)
 
 
 def readings_csv(readings: ByReading) -> str:
     """A row for each reading and claim."""
-    return _csv(
-        ("reading", "id", *JUDGEMENT_COLUMNS),
-        (
-            (reading, name, *_cells(judgement))
-            for reading, judgements in readings.items()
-            for name, judgement in judgements.items()
-        ),
-    )
+    rows = [
+        {"reading": reading, "id": name, **vars(judgement)}
+        for reading, judgements in readings.items()
+        for name, judgement in judgements.items()
+    ]
+    return _csv(("reading", "id", *JUDGEMENT_COLUMNS), rows)
 
 
-def _cells(judgement: Judgement) -> tuple:
-    return tuple(getattr(judgement, name) for name in JUDGEMENT_COLUMNS)
-
-
-def _csv(header: tuple[str, ...], rows: Iterable[tuple]) -> str:
+def _csv(columns: tuple[str, ...], rows: Iterable[dict]) -> str:
     file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(header)
+    writer = csv.DictWriter(file, columns, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
     writer.writerows(rows)
     return file.getvalue()
 
@@ -121,30 +112,15 @@ def _csv(header: tuple[str, ...], rows: Iterable[tuple]) -> str:
 def as_markdown(validation: Validation) -> str:
     """The findings in tables, and what the readings change."""
     parts = []
-    for findings, of in ((validation.claims, "claims"), (validation.laws, "laws")):
-        if findings:
-            parts.append(
-                markdown_table(
-                    ("", "where", "claim", "verdict", "what decides"),
-                    (
-                        (
-                            f.id,
-                            f.where,
-                            f.claim,
-                            _marked(f.judgement.verdict),
-                            f.judgement.evidence,
-                        )
-                        for f in findings
-                    ),
-                )
-            )
-            parts.append(f"{len(findings)} {of}: {counts(findings)}.\n")
-    parts.append(
-        markdown_table(
-            ("", "criterion"),
-            ((f.id, f.criterion) for f in validation.claims if f.judgement.asked),
-        )
-    )
+    header = ("", "where", "claim", "verdict", "what decides")
+    for findings, count in _parts(validation):
+        rows = [
+            (f.id, f.where, f.claim, _marked(f.judgement.verdict), f.judgement.evidence)
+            for f in findings
+        ]
+        parts += [markdown_table(header, rows), f"{count}.\n"]
+    asked = [(f.id, f.criterion) for f in validation.claims if f.judgement.asked]
+    parts.append(markdown_table(("", "criterion"), asked))
     for group in _groups(validation.readings):
         parts += [matrix_markdown(group), moves(group)]
     return "\n".join(parts)
@@ -187,11 +163,11 @@ def _matrix(readings: ByReading) -> tuple[list[str], list[list[str]]]:
         letter = LETTERS[judgement.verdict]
         changed = (LETTERS[found[name].verdict] for found in others.values())
         rows.append([name, letter, *(SAME if x == letter else x for x in changed)])
-    holding = [
-        str(sum(found.verdict is Verdict.holds for found in judgements.values()))
+    holding = (
+        [found.verdict for found in judgements.values()].count(Verdict.holds)
         for judgements in readings.values()
-    ]
-    return list(others), [*rows, ["hold", *holding]]
+    )
+    return list(others), [*rows, ["hold", *map(str, holding)]]
 
 
 def _split(readings: ByReading) -> tuple[Mapping[str, Judgement], ByReading]:
@@ -229,31 +205,24 @@ def moves(readings: ByReading) -> str:
         rank = RANKS.get(judgement.verdict)
         if rank is None or rank == RANKS[Verdict.holds]:
             continue
-        moved = {
-            reading: RANKS.get(found[name].verdict, rank)
-            for reading, found in others.items()
-        }
+        found = {reading: judgements[name] for reading, judgements in others.items()}
+        moved = {r: RANKS.get(other.verdict, rank) for r, other in found.items()}
         better = [reading for reading, to in moved.items() if to > rank]
         worse = [reading for reading, to in moved.items() if to < rank]
-        nearest = max(others, key=lambda r: (moved[r], _share(others[r][name])))
-        best = others[nearest][name]
-        gains = moved[nearest] > rank or _share(best) > _share(judgement)
-        rows.append(
-            (
-                name,
-                f"{judgement.verdict}, {judgement.held} of {judgement.asked}",
-                ", ".join(better) or "none",
-                ", ".join(worse) or "none",
-                f"{nearest}: {best.verdict}, {best.held} of {best.asked}: "
-                f"{best.evidence}"
-                if gains
-                else "none",
-            )
-        )
-    return markdown_table(
-        ("", "as it is", "better with", "worse with", "nearest"), rows
-    )
+        nearest = max(others, key=lambda r: (moved[r], _share(found[r])))
+        best = found[nearest]
+        gain = "none"
+        if moved[nearest] > rank or _share(best) > _share(judgement):
+            gain = f"{nearest}: {_tally(best)}: {best.evidence}"
+        lists = (", ".join(readings) or "none" for readings in (better, worse))
+        rows.append((name, _tally(judgement), *lists, gain))
+    header = ("", "as it is", "better with", "worse with", "nearest")
+    return markdown_table(header, rows)
 
 
 def _share(judgement: Judgement) -> float:
     return judgement.held / max(judgement.asked, 1)
+
+
+def _tally(judgement: Judgement) -> str:
+    return f"{judgement.verdict}, {judgement.held} of {judgement.asked}"

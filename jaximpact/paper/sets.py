@@ -1,16 +1,24 @@
-"""The paper's parametric sets, as sweeps.
+"""The paper's parametric sets, as sweeps, and the recording of impacts of a set.
 
 Source: Dattola et al. (2023), Table 2, Fig. 13 and the supplementary material. The
 paper gives ranges; the steps within them are ours.
 """
 
+import concurrent.futures
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from ..accuracy import Accuracy, get_accuracy
+from ..backend.recording import solve_recorded
+from ..backend.threads import thread_count
 from ..errors import InputError, nearest
+from ..impact.history import History
+from ..impact.summary import ImpactSummary
+from ..progress import Progress
 from ..scene import Scene
-from ..scene_quantities import scene_of_values
+from ..scene_quantities import scene_of_values, scene_values
 from ..sweeping import LABELS, Axes
 
 TABLE_1 = "Table 1"
@@ -24,8 +32,8 @@ _ASPECT_RATIOS = {"aspect_ratio": np.linspace(1.0, 4.0, 7)}
 _SPINS = {"angular_velocity_degps": [0.0, 500.0, 1500.0, 2000.0]}
 
 
-def _orientations(last: float, step: float = 5.0) -> dict[str, Any]:
-    return {"orientation_deg": np.arange(0.0, last + step / 2.0, step)}
+def _orientations(last: float) -> dict[str, Any]:
+    return {"orientation_deg": np.arange(0.0, last + 2.5, 5.0)}
 
 
 _SETS: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
@@ -38,10 +46,7 @@ _SETS: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
         | _ASPECT_RATIOS,
     ),
     "IV": ({}, _GROUND | _orientations(170.0) | _ASPECT_RATIOS),
-    "fig13": (
-        {"aspect_ratio": 2.0},
-        _GROUND | _SPINS | _orientations(180.0),
-    ),
+    "fig13": ({"aspect_ratio": 2.0}, _GROUND | _SPINS | _orientations(180.0)),
 }
 PARAMETRIC_SETS = tuple(_SETS)
 """I: vertical, along the major axis; II: along the minor axis; III: inclined, along
@@ -80,3 +85,32 @@ def check_ground(ground: str) -> None:
             f"the ground must be one of {', '.join(map(repr, GROUNDS))}, but is "
             f"{ground!r}; did you mean {nearest(ground, GROUNDS)!r}?"
         )
+
+
+def record_impacts(
+    base: Scene,
+    points: Sequence[Mapping],
+    accuracy: str | Accuracy,
+    progress: Progress,
+) -> list[tuple[ImpactSummary, History]]:
+    """Compute impacts with their histories.
+
+    Args:
+        points: what differs from the base, quantities in the units of their columns.
+    """
+    values, setting = scene_values(base), get_accuracy(accuracy)
+
+    def record(point):
+        return solve_recorded(scene_of_values(values | dict(point)), setting)
+
+    progress("time series", 0, len(points))
+    # The first compiles what all use.
+    results = [record(points[0])]
+    pool = concurrent.futures.ThreadPoolExecutor(thread_count())
+    try:
+        for result in pool.map(record, points[1:]):
+            results.append(result)
+            progress("time series", len(results), len(points))
+    finally:
+        pool.shutdown(cancel_futures=True)
+    return results

@@ -7,16 +7,17 @@ interrupted run goes on. What the laws are compared by is drawn.
 
 import contextlib
 import csv
+import dataclasses
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from .._precision import require_float64
 from .._versions import versions
 from ..accuracy import get_accuracy
-from ..errors import InputError, nearest
 from ..interruption import resumable
+from ..io.checks import chosen_values
 from ..io.files import write_text
 from ..io.output_files import NewFile, output_directory
 from ..plotting.style import save_figure
@@ -28,6 +29,7 @@ from .comparisons.comparison import Comparison, as_findings
 from .criteria import Finding, Judgement, NotComputed, Verdict
 from .readings import AS_IT_IS, READINGS, SLOPE_READINGS
 from .report import (
+    FINDING_COLUMNS,
     JUDGEMENT_COLUMNS,
     ByReading,
     Validation,
@@ -71,7 +73,7 @@ def validate(
     require_float64()
     progress, say = as_progress(progress), say or (lambda text: None)
     claims = read_claims()
-    chosen = _choose(only, claims)
+    chosen = chosen_values("--only", only, {name: name for name in (*claims, LAWS)})
     directory, kept = contextlib.nullcontext(), {}
     if out is not None:
         out = Path(out)
@@ -85,9 +87,7 @@ def validate(
             if name in chosen:
                 progress(f"{name}: {claim.claim}")
                 found.append(Finding(*claim, _judge(name, study, claim.criterion)))
-        comparisons: list[Comparison] = []
-        if LAWS in chosen:
-            comparisons = compare_with_laws(progress)
+        comparisons = compare_with_laws(progress) if LAWS in chosen else []
         by_reading = {}
         if readings:
             ids = [name for name in JUDGES if name in chosen and name != SUPPLEMENT]
@@ -110,17 +110,6 @@ def validate(
     return validation
 
 
-def _choose(only: Sequence[str], claims: Mapping) -> set[str]:
-    known = (*claims, LAWS)
-    for name in only:
-        if name not in known:
-            raise InputError(
-                f"--only takes {next(iter(claims))} to {list(claims)[-1]} and {LAWS}, "
-                f"but got {name!r}; did you mean {nearest(name, known)!r}?"
-            )
-    return set(only or known)
-
-
 def _judge(name: str, study: Study, criterion: str) -> Judgement:
     if name not in JUDGES:
         return Judgement(Verdict.not_computed, criterion.partition(": ")[2])
@@ -140,10 +129,10 @@ def _judge_readings(
         new: where to keep them all after each reading, if anywhere.
     """
     found: ByReading = {}
-    on_slopes = [name for name in ids if name in SLOPE_CLAIMS]
-    others = [name for name in ids if name not in SLOPE_CLAIMS]
-    asked = [(reading, others) for reading in READINGS if others]
-    asked += [(reading, on_slopes) for reading in SLOPE_READINGS if on_slopes]
+    asked = []
+    for readings, on_slopes in ((READINGS, False), (SLOPE_READINGS, True)):
+        names = [name for name in ids if (name in SLOPE_CLAIMS) == on_slopes]
+        asked += [(reading, names) for reading in readings if names]
     for number, (reading, names) in enumerate(asked, start=1):
         before = kept.get(reading.name, {})
         study = Study(
@@ -162,13 +151,8 @@ def _judge_readings(
 
 def conditions() -> dict:
     """What all findings depend on besides the package's own functions."""
-    setting = get_accuracy(ACCURACY)
     return {
-        "accuracy": {
-            "name": setting.name,
-            "tolerance": setting.tolerance,
-            "floor": setting.floor,
-        },
+        "accuracy": dataclasses.asdict(get_accuracy(ACCURACY)),
         "random_impacts": RANDOM_IMPACTS,
         "seed": SEED,
         "versions": versions(),
@@ -199,28 +183,26 @@ def _read_readings(out: Path) -> ByReading:
 def _write_all(
     new: NewFile, validation: Validation, comparisons: list[Comparison]
 ) -> None:
-    figures = {row.figure_name: row.draw for row in comparisons}
-    for name, draw in figures.items():
+    for name, draw in {row.figure_name: row.draw for row in comparisons}.items():
         save_figure(draw(), new(f"{name}.png"))
     table, page, tree = map(new, FILES)
-    write_text(table, as_csv((*validation.claims, *validation.laws)))
+    findings = [*validation.claims, *validation.laws]
+    write_text(table, as_csv(findings))
     write_text(page, as_markdown(validation))
-    findings = [_finding_json(f) for f in (*validation.claims, *validation.laws)]
-    write_text(tree, _as_json({"manifest": conditions(), "findings": findings}))
+    stored = [_finding_json(finding) for finding in findings]
+    write_text(tree, _as_json({"manifest": conditions(), "findings": stored}))
 
 
 def _finding_json(finding: Finding) -> dict:
     judgement = finding.judgement
-    told = {
-        name: getattr(finding, name) for name in ("id", "where", "claim", "criterion")
+    numbers = {
+        name: value if math.isfinite(value) else None
+        for name, value in judgement.numbers.items()
     }
     return {
-        **told,
+        **{name: getattr(finding, name) for name in FINDING_COLUMNS},
         **{name: getattr(judgement, name) for name in JUDGEMENT_COLUMNS},
-        "numbers": {
-            name: value if math.isfinite(value) else None
-            for name, value in judgement.numbers.items()
-        },
+        "numbers": numbers,
     }
 
 

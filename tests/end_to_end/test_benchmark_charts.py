@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import jax
 import numpy as np
+import pandas as pd
 import pytest
 from error_messages import assert_one_line_error
 from text_files import rows_of
@@ -260,7 +261,7 @@ def test_fastest_rate_and_steps_needed():
     # A change of units leaves the eigenvalues 2i, -2i and -1.
     jacobian = rotation * scales[0][:, None] / scales[0]
     np.testing.assert_allclose(fastest_rates(jacobian[None], scales), [2.0])
-    rows = [{"time_s": t, "stable_step_s": LIMIT / 1e6} for t in (0.0, 1e-3)]
+    rows = pd.DataFrame({"time_s": [0.0, 1e-3], "stable_step_s": LIMIT / 1e6})
     assert steps_needed(rows) == pytest.approx(1e3 / LIMIT)
 
 
@@ -318,7 +319,7 @@ def test_every_way_inside_jax_is_measured(monkeypatch):
         in_jax.EAGER_GRADIENT: 1,
         in_jax.STEPS: 1,
     }
-    in_jax.draw(rows)
+    in_jax.draw(pd.DataFrame(rows))
 
     seconds = {
         in_jax.BATCH: 3.0,
@@ -330,7 +331,7 @@ def test_every_way_inside_jax_is_measured(monkeypatch):
         in_jax.STEPS: 6e-4,
     }
     known = [row | {"seconds": seconds[row["way"]]} for row in rows]
-    found = [cell for _, cell in in_jax.table(known)[1:]]
+    found = [cell for _, cell in in_jax.table(pd.DataFrame(known))[1:]]
     assert found == ["0.75", "0.25", "100 µs", "600 µs", "1000 µs", "2000 µs"]
 
 

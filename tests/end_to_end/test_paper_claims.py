@@ -27,7 +27,6 @@ from jaximpact import (
 from jaximpact.cli import main
 from jaximpact.paper import Finding, Judgement, Verdict
 from jaximpact.paper import claim_data as study
-from jaximpact.paper import slope_data as slope_study
 from jaximpact.paper import validation as run
 from jaximpact.paper.claim_data import RANDOM_SETS, SLOPE, Study
 from jaximpact.paper.claims import JUDGES, read_claims
@@ -525,14 +524,14 @@ def test_runs_down_a_slope_have_readings_of_their_own(monkeypatch, capsys):
 
 
 def test_runs_that_fail_are_no_ground_for_a_verdict(monkeypatch):
-    usual = slope_study.simulate_runout
+    usual = study.simulate_runout
 
     def with_failure(*arguments):
         runs = usual(*arguments[:2], ClosedForm(ConstantCoefficients(0.0, 1.0)))
         runs.ending[[3, 7]] = Ending.failed, Ending.time_limit
         return runs
 
-    monkeypatch.setattr(slope_study, "simulate_runout", with_failure)
+    monkeypatch.setattr(study, "simulate_runout", with_failure)
     with pytest.raises(NotComputed, match="2 of 45 runs failed or came to a limit"):
         Study()[SLOPE]
 

@@ -8,18 +8,16 @@ from jaximpact import Block, Impact, Outcome, Soil, simulate
 from jaximpact.paper import Verdict
 from jaximpact.paper.comparisons import STUDIES, compare_with_laws
 from jaximpact.paper.comparisons.comparison import (
-    Comparison,
-    as_findings,
-    log_slope,
-    relative_deviation,
-    verdict_of,
-)
-from jaximpact.paper.comparisons.one_at_a_time import (
     TRIED,
     VALUES,
+    Comparison,
+    as_findings,
     changes_of,
+    log_slope,
+    relative_deviation,
     strike,
     variants_of,
+    verdict_of,
 )
 from jaximpact.paper.comparisons.published_laws import (
     KatsuragiDurian,
@@ -27,8 +25,11 @@ from jaximpact.paper.comparisons.published_laws import (
     labiouse_max_force_kN,
 )
 from jaximpact.paper.comparisons.restitution_angle import average_restitution
-from jaximpact.paper.comparisons.scaling import implied_modulus_kPa
-from jaximpact.paper.comparisons.stopping_depth import beads, steel_sphere
+from jaximpact.paper.comparisons.vertical_drops import (
+    beads,
+    implied_modulus_kPa,
+    steel_sphere,
+)
 from jaximpact.quantities import columns_of_part
 
 pytestmark = pytest.mark.slow

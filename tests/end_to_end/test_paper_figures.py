@@ -13,12 +13,11 @@ from text_files import rows_of
 from jaximpact import Accuracy, Block, Impact, Soil, simulate
 from jaximpact.cli import main
 from jaximpact.errors import InputError
-from jaximpact.paper.figures import PAPER_FIGURES, Study, write_figures
-from jaximpact.paper.figures import write as run
+from jaximpact.paper import figures as run
+from jaximpact.paper.figures import PAPER_FIGURES, Study, write_figures, write_table
 from jaximpact.paper.figures.drawing import colours_of
 from jaximpact.paper.figures.slope_figures import ENDING_COLUMN, LINE
 from jaximpact.paper.figures.tables import BRANCH, DURATION, JUMP, SERIES, peak
-from jaximpact.paper.figures.write import write_table
 from jaximpact.paper.goodness_of_fit import fit_exponential
 from jaximpact.paper.sets import GROUNDS
 from jaximpact.quantities import (
@@ -424,7 +423,8 @@ def test_failed_points_are_left_out_and_said(tables, tmp_path, monkeypatch):
     figure = PAPER_FIGURES["5"]._replace(compute=lambda study: table)
     monkeypatch.setitem(run.PAPER_FIGURES, "5", figure)
     said = []
-    write_figures(tmp_path, only=["5"], say=said.append)
+    write_figures(str(tmp_path), only=["5"], say=said.append)
+    assert said[0].startswith(f"{tmp_path / 'figure-5.png'}: ")
     assert "1 of 14 rows failed" in said[0]
     manifest = json.loads((tmp_path / "figure-5.csv.manifest.json").read_text())
     assert manifest["rows"] == {"detached": 13, "failed": 1}

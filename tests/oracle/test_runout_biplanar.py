@@ -6,7 +6,7 @@ import pytest
 from runout_scenes import SPHERE, G, R
 
 from jaximpact import Block, ConstantCoefficients, Impact, Soil, simulate
-from jaximpact.paper.slope_data import (
+from jaximpact.paper.claim_data import (
     COMPARED_X,
     bounces,
     off_the_parabola,

@@ -33,9 +33,7 @@ def read_claims() -> dict[str, Claim]:
     return {row["id"]: Claim(**row) for row in rows}
 
 
-OF_SETS: dict[str, Callable[..., Judgement]] = dict(
-    sorted((impacts.CLAIMS | restitution.CLAIMS).items())
-)
+OF_SETS: dict[str, Callable[[Study], Judgement]] = impacts.CLAIMS | restitution.CLAIMS
 """Judges of the claims on sets I to IV, in the order of their ids."""
 
 
@@ -45,6 +43,12 @@ def alike_on_other_grounds(study: Study) -> Judgement:
         {name: judge(study.on(ground)).verdict for name, judge in OF_SETS.items()}
         for ground in GROUNDS
     )
+
+    def in_words(ground: str, verdicts: dict[str, Verdict]) -> str:
+        counts = Counter(verdicts.values())
+        kinds = (Verdict.holds, Verdict.partly, Verdict.fails)
+        return f"{ground}: " + "/".join(str(counts[kind]) for kind in kinds)
+
     parts, words, numbers = [], [in_words(GROUNDS[0], table_1)], {}
     for ground, verdicts in zip(GROUNDS[1:], others, strict=True):
         different = [name for name in OF_SETS if verdicts[name] != table_1[name]]
@@ -55,17 +59,10 @@ def alike_on_other_grounds(study: Study) -> Judgement:
     return judge("; ".join(words), parts, numbers)
 
 
-def in_words(ground: str, verdicts: dict[str, Verdict]) -> str:
-    """How many of the claims hold on a ground."""
-    counts = Counter(verdicts.values())
-    kinds = (Verdict.holds, Verdict.partly, Verdict.fails)
-    return f"{ground}: " + "/".join(str(counts[kind]) for kind in kinds)
-
-
 SUPPLEMENT = "C38"
 """The claim of the supplementary material, on other pairs of c_v and gamma_v; it is not
 judged again under every reading."""
-JUDGES: dict[str, Callable[..., Judgement]] = (
+JUDGES: dict[str, Callable[[Study], Judgement]] = (
     OF_SETS
     | restitution.FURTHER_CLAIMS
     | impacts.SPHERICITY_CLAIMS

@@ -6,11 +6,13 @@ import numpy as np
 import xarray as xr
 
 from ..claim_data import (
-    Datasets,
+    SERIES,
+    Study,
     along_dimension,
     along_major_axis,
     along_minor_axis,
     asymmetry,
+    elongated,
 )
 from ..criteria import (
     FALLS,
@@ -24,11 +26,12 @@ from ..criteria import (
     between,
     condition,
     conditions,
+    extremes,
     from_to,
     judge,
     steps,
-    steps_that_go,
     trend,
+    trend_in_words,
     trends,
 )
 
@@ -54,9 +57,10 @@ SLIGHT = 0.20
 """Part of the maximum of R_r up to which a fall is slight."""
 
 
-def _trend_with_length(
-    name: str, quantity: str, direction: int, unit: str, divisor=1.0, others=()
-):
+# --- Claims of one kind, each made by a function of what differs.
+
+
+def _trend_with_length(name, quantity, unit, divisor, direction, *others):
     """The judge of a largest value of a set that rises or falls with A_r.
 
     Args:
@@ -64,36 +68,98 @@ def _trend_with_length(
         others: further directions whose steps are told.
     """
 
-    def judge_trend(sets: Datasets) -> Judgement:
+    def judge_trend(sets: Study) -> Judgement:
         values = sets[name][quantity].values / divisor
-        told = ", ".join(steps_that_go(values, each) for each in (direction, *others))
         return judge(
-            f"{from_to(values, unit)}, {told}",
+            trend_in_words(values, unit, direction, *others),
             [trend(values, direction)],
-            {f"sphere_{unit}": values[0], f"longest_{unit}": values[-1]},
+            _ends(values, unit),
         )
 
     return judge_trend
 
 
-def peaks_come_later(sets: Datasets) -> Judgement:
+def _ends(values: np.ndarray, name: str) -> dict[str, float]:
+    return {f"sphere_{name}": values[0], f"longest_{name}": values[-1]}
+
+
+def trends_along_the_major_axis(quantity: str, unit: str, *asked):
+    """The judge of a quantity of set III along the major axis.
+
+    Args:
+        asked: the dimension, the direction and the words of each trend.
+    """
+
+    def judge_trends(sets: Study) -> Judgement:
+        values = along_major_axis(sets)[quantity]
+        parts = [trends(values, *each) for each in asked]
+        return judge(between(values, unit), parts, extremes(values, unit))
+
+    return judge_trends
+
+
+def excess_percent(sets: Study, name: str) -> xr.DataArray:
+    """The excess of a quantity along the major axis over that along the minor one,
+    in percent, for A_r above 1."""
+    return elongated(100.0 * (sets["I"][name] / sets["II"][name] - 1.0))
+
+
+def _excess_within(name: str, low: float, high: float):
+    """The judge of an excess along the major axis between two percentages."""
+
+    def judge_excess(sets: Study) -> Judgement:
+        excess = excess_percent(sets, name)
+        return judge(
+            f"{from_to(excess, '%')} at A_r {from_to(excess.aspect_ratio)}",
+            [conditions((excess >= low) & (excess <= high), "within")],
+            {"at_least_A_r_percent": excess[0], "at_largest_A_r_percent": excess[-1]},
+        )
+
+    return judge_excess
+
+
+def _symmetry_of(name: str, unit: str, factor: float = 1.0):
+    """The judge of a largest value of set IV that is symmetric about 90°."""
+
+    def judge_symmetry(sets: Study) -> Judgement:
+        values = factor * sets["IV"][name]
+        apart = _asymmetry(values).max()
+        return judge(
+            f"{between(values, unit)}, mirrored to {float(apart):.0e}",
+            [_symmetric(values)],
+            {"asymmetry": apart},
+        )
+
+    return judge_symmetry
+
+
+def _symmetric(values: xr.DataArray, sign: float = 1.0) -> Parts:
+    """Whether values over the orientation are symmetric, at each A_r."""
+    what = "symmetric" if sign > 0.0 else "antisymmetric"
+    return conditions(_asymmetry(values, sign) <= MARGIN, what)
+
+
+def _asymmetry(values: xr.DataArray, sign: float = 1.0) -> xr.DataArray:
+    """As `asymmetry`; what a sphere does not do is symmetric either way."""
+    return asymmetry(values.where(abs(values) > NOTHING, 0.0), sign).fillna(0.0)
+
+
+# --- Vertical impacts.
+
+
+def peaks_come_later(sets: Study) -> Judgement:
     """The times of the largest u_n and N of set I rise with A_r."""
     depth = 1e3 * sets["I"].time_of_max_penetration_s.values
     force = 1e3 * sets["I"].time_of_max_normal_force_s.values
     return judge(
-        f"of u_n {from_to(depth, 'ms')}, {steps_that_go(depth, RISES)}; "
-        f"of N {from_to(force, 'ms')}, {steps_that_go(force, RISES)}",
+        f"of u_n {trend_in_words(depth, 'ms', RISES)}; "
+        f"of N {trend_in_words(force, 'ms', RISES)}",
         [trend(depth, RISES), trend(force, RISES)],
-        {
-            "sphere_u_n_ms": depth[0],
-            "longest_u_n_ms": depth[-1],
-            "sphere_N_ms": force[0],
-            "longest_N_ms": force[-1],
-        },
+        _ends(depth, "u_n_ms") | _ends(force, "N_ms"),
     )
 
 
-def short_blocks_stop(sets: Datasets) -> Judgement:
+def short_blocks_stop(sets: Study) -> Judgement:
     """Blocks of low A_r stop, those of high A_r detach."""
     data = sets["I"]
     e_n = data.e_n.values
@@ -118,41 +184,20 @@ def short_blocks_stop(sets: Datasets) -> Judgement:
     )
 
 
-def excess_percent(sets: Datasets, name: str) -> xr.DataArray:
-    """The excess of a quantity along the major axis over that along the minor one,
-    in percent, for A_r above 1."""
-    major, minor = sets["I"][name], sets["II"][name]
-    percent = 100.0 * (major / minor - 1.0)
-    return percent.sel(aspect_ratio=percent.aspect_ratio > 1.0)
-
-
-def penetrates_more_along_the_major_axis(sets: Datasets) -> Judgement:
+def penetrates_more_along_the_major_axis(sets: Study) -> Judgement:
     """The largest u_n of set I is above that of set II."""
     excess = excess_percent(sets, "max_penetration_m")
     return judge(
         f"by {between(excess, '%')}",
         [conditions(excess > 100.0 * MARGIN, "deeper")],
-        {"least_percent": excess.min(), "largest_percent": excess.max()},
+        extremes(excess, "percent"),
     )
 
 
-def _excess_within(name: str, low: float, high: float):
-    """The judge of an excess along the major axis between two percentages."""
-
-    def judge_excess(sets: Datasets) -> Judgement:
-        excess = excess_percent(sets, name)
-        return judge(
-            f"{from_to(excess, '%')} at A_r {from_to(excess.aspect_ratio)}",
-            [conditions((excess >= low) & (excess <= high), "within")],
-            {"at_least_A_r_percent": excess[0], "at_largest_A_r_percent": excess[-1]},
-        )
-
-    return judge_excess
-
-
-def half_as_long_along_the_major_axis(sets: Datasets) -> Judgement:
+def half_as_long_along_the_major_axis(sets: Study) -> Judgement:
     """Contacts of set I last about half as long as those of set II."""
-    shorter = -excess_percent(sets, "duration_s")
+    longer = excess_percent(sets, "duration_s")
+    shorter = -longer
     low, high = ABOUT_HALF
 
     def part_of(percent: float) -> Part:
@@ -161,22 +206,15 @@ def half_as_long_along_the_major_axis(sets: Datasets) -> Judgement:
         is_shorter = percent > 100.0 * MARGIN
         return Part(Verdict.partly if is_shorter else Verdict.fails, 0, 1)
 
-    longer = -shorter
+    places = shorter.aspect_ratio
+    parts = [part_of(float(percent)) for percent in shorter]
     major, minor = (1e3 * sets[name].duration_s.values for name in ("I", "II"))
     return judge(
-        f"longer by {from_to(longer, '%')} at A_r {from_to(longer.aspect_ratio)}: "
+        f"longer by {from_to(longer, '%')} at A_r {from_to(places)}: "
         f"{from_to(major[1:], 'ms')} against {from_to(minor[1:], 'ms')}"
         if np.all(longer > 0.0)
-        else f"shorter by {from_to(shorter, '%')} at A_r "
-        f"{from_to(shorter.aspect_ratio)}",
-        [
-            Parts(
-                "about half as long",
-                "aspect_ratio",
-                shorter.aspect_ratio.values,
-                [part_of(float(percent)) for percent in shorter],
-            )
-        ],
+        else f"shorter by {from_to(shorter, '%')} at A_r {from_to(places)}",
+        [Parts("about half as long", "aspect_ratio", places.values, parts)],
         {
             "shorter_at_least_A_r_percent": shorter[0],
             "shorter_at_largest_A_r_percent": shorter[-1],
@@ -184,15 +222,14 @@ def half_as_long_along_the_major_axis(sets: Datasets) -> Judgement:
     )
 
 
-def e_n_along_the_axes(sets: Datasets) -> Judgement:
+def e_n_along_the_axes(sets: Study) -> Judgement:
     """e_n rises with A_r along the major axis and falls along the minor one."""
     major, minor = sets["I"].e_n, sets["II"].e_n
     sphere = major.sel(aspect_ratio=1.0, drop=True)
-    long = major.aspect_ratio > 1.0
-    between_them = ((minor < sphere) & (sphere < major)).sel(aspect_ratio=long)
+    between_them = elongated((minor < sphere) & (sphere < major))
     return judge(
-        f"major {from_to(major)}, {steps_that_go(major, RISES)}; "
-        f"minor {from_to(minor)}, {steps_that_go(minor, FALLS)}",
+        f"major {trend_in_words(major, '', RISES)}; "
+        f"minor {trend_in_words(minor, '', FALLS)}",
         [
             trend(major, RISES),
             trend(minor, FALLS),
@@ -206,54 +243,24 @@ def e_n_along_the_axes(sets: Datasets) -> Judgement:
     )
 
 
-def swallow_wings(sets: Datasets) -> Judgement:
+def swallow_wings(sets: Study) -> Judgement:
     """e_n over the orientation: symmetric, with a minimum on either side of 90°."""
     e_n = sets["IV"].e_n
     ranges = e_n.max("orientation_deg") - e_n.min("orientation_deg")
     half = e_n.sel(orientation_deg=e_n.orientation_deg <= 90.0)
     lowest = half.min("orientation_deg")
-    rises = [
-        half.sel(orientation_deg=end) - lowest > WING * ranges for end in (0.0, 90.0)
-    ]
-    long = e_n.aspect_ratio > 1.0
-    wings = (rises[0] & rises[1]).sel(aspect_ratio=long)
-    minima = half.idxmin("orientation_deg").sel(aspect_ratio=long)
+    ends = half.sel(orientation_deg=[0.0, 90.0])
+    wings = elongated((ends - lowest > WING * ranges).all("orientation_deg"))
+    minima = elongated(half.idxmin("orientation_deg"))
     return judge(
-        f"range {from_to(ranges)}, {steps_that_go(ranges, RISES)}; minimum at "
-        f"{between(minima, '°')}, {between(lowest.sel(aspect_ratio=long))}",
-        [
-            symmetric(e_n),
-            conditions(wings, "wings"),
-            trend(ranges, RISES),
-        ],
+        f"range {trend_in_words(ranges, '', RISES)}; minimum at "
+        f"{between(minima, '°')}, {between(elongated(lowest))}",
+        [_symmetric(e_n), conditions(wings, "wings"), trend(ranges, RISES)],
         {"largest_range": ranges.max(), "least_e_n": lowest.min()},
     )
 
 
-def symmetric(values: xr.DataArray, sign: float = 1.0):
-    """Whether values over the orientation are symmetric, at each A_r."""
-    what = "symmetric" if sign > 0.0 else "antisymmetric"
-    # What a sphere does not do is symmetric either way.
-    values = values.where(abs(values) > NOTHING, 0.0)
-    return conditions(asymmetry(values, sign).fillna(0.0) <= MARGIN, what)
-
-
-def _symmetry_of(name: str, unit: str, factor: float = 1.0):
-    """The judge of a largest value of set IV that is symmetric about 90°."""
-
-    def judge_symmetry(sets: Datasets) -> Judgement:
-        values = factor * sets["IV"][name]
-        apart = asymmetry(values.where(abs(values) > NOTHING, 0.0)).fillna(0.0)
-        return judge(
-            f"{between(values, unit)}, mirrored to {float(apart.max()):.0e}",
-            [symmetric(values)],
-            {"asymmetry": apart.max()},
-        )
-
-    return judge_symmetry
-
-
-def rotation_against_orientation(sets: Datasets) -> Judgement:
+def rotation_against_orientation(sets: Study) -> Judgement:
     """The rotation is antisymmetric, and largest at an A_r near 2.5."""
     turn = np.degrees(sets["IV"].rotation_rad)
     inside = (turn.orientation_deg > 0.0) & (turn.orientation_deg < 90.0)
@@ -268,7 +275,7 @@ def rotation_against_orientation(sets: Datasets) -> Judgement:
         f"all orientations {float(top.max()):.3g}° at A_r {float(top.idxmax()):g}, "
         f"{float(top[-1]):.3g}° at A_r 4",
         [
-            symmetric(turn, -1.0),
+            _symmetric(turn, -1.0),
             conditions(near & single, "rises to a peak near A_r 2.5 and falls"),
         ],
         {"median_A_r_of_peak": peaks.median(), "largest_deg": top.max()},
@@ -281,40 +288,29 @@ def _rises_then_falls(values: np.ndarray) -> bool:
     return bool(np.all(taken[:peak] > 0) and np.all(taken[peak:] < 0))
 
 
-def force_falls_with_sphericity(sets: Datasets) -> Judgement:
+def force_falls_with_sphericity(sets: Study) -> Judgement:
     """The largest N falls with A_r, thus with falling S_p."""
-    vertical = {
-        axis: sets[name].max_normal_force_N.values / 1e3
-        for axis, name in (("major", "I"), ("minor", "II"))
-    }
-    inclined = {
-        "major": along_major_axis(sets).max_normal_force_N,
-        "minor": along_minor_axis(sets).max_normal_force_N,
-    }
-    return judge(
-        "; ".join(
-            f"vertical along the {axis} axis {from_to(force, 'kN')}, "
-            f"{steps_that_go(force, FALLS)}"
-            for axis, force in vertical.items()
-        ),
-        [
-            *(trend(force, FALLS) for force in vertical.values()),
-            *(
-                trends(force, "aspect_ratio", FALLS, f"inclined, {axis} axis: falls")
-                for axis, force in inclined.items()
-            ),
-        ],
-        {
-            f"{axis}_axis_{which}_kN": force[place]
-            for axis, force in vertical.items()
-            for which, place in (("sphere", 0), ("longest", -1))
-        },
-    )
+    axes = {"major": ("I", along_major_axis), "minor": ("II", along_minor_axis)}
+    words, vertical, inclined, numbers = [], [], [], {}
+    for axis, (name, along_axis) in axes.items():
+        force = sets[name].max_normal_force_N.values / 1e3
+        told = trend_in_words(force, "kN", FALLS)
+        words.append(f"vertical along the {axis} axis {told}")
+        vertical.append(trend(force, FALLS))
+        what = f"inclined, {axis} axis: falls"
+        slanted = along_axis(sets).max_normal_force_N
+        inclined.append(trends(slanted, "aspect_ratio", FALLS, what))
+        numbers |= {f"{axis}_axis_sphere_kN": force[0]}
+        numbers |= {f"{axis}_axis_longest_kN": force[-1]}
+    return judge("; ".join(words), [*vertical, *inclined], numbers)
 
 
-def rotation_grows(sets: Datasets) -> Judgement:
+# --- Inclined impacts.
+
+
+def rotation_grows(sets: Study) -> Judgement:
     """The rotation never goes back."""
-    rotation = sets["courses"].rotation_rad.sel(angle_deg=ANGLE_DEG)
+    rotation = sets[SERIES].rotation_rad.sel(angle_deg=ANGLE_DEG)
     back = (-rotation.diff("step").min("step")).clip(min=0.0)
     last = np.degrees(rotation.max("step"))
     return judge(
@@ -324,14 +320,13 @@ def rotation_grows(sets: Datasets) -> Judgement:
     )
 
 
-def rotational_ratio_peaks(sets: Datasets) -> Judgement:
+def rotational_ratio_peaks(sets: Study) -> Judgement:
     """R_r rises to a maximum, after which that of low A_r falls slightly."""
-    ratio = sets["courses"].R_r.sel(angle_deg=ANGLE_DEG)
+    ratio = sets[SERIES].R_r.sel(angle_deg=ANGLE_DEG)
     largest = ratio.max("step")
-    last = ratio.isel(step=-1)
-    fall = (largest - last) / largest
+    fall = (largest - ratio.isel(step=-1)) / largest
     dip = along_dimension(_deepest_dip, ratio, "step")
-    short, long = fall.isel(aspect_ratio=[0]), fall.isel(aspect_ratio=[-1])
+    sphere, longest = float(fall[0]), float(fall[-1])
     percent = 100.0 * fall
     return judge(
         f"largest {between(largest)}; falls by {float(percent[0]):.2g} % at A_r 1, "
@@ -339,8 +334,8 @@ def rotational_ratio_peaks(sets: Datasets) -> Judgement:
         f"{float(percent[-1]):.2g} % at 4",
         [
             conditions(dip <= DIP, "rises to its maximum"),
-            *conditions((short >= DIP) & (short <= SLIGHT), "").parts,
-            *conditions(long < DIP, "").parts,
+            condition(DIP <= sphere <= SLIGHT),
+            condition(longest < DIP),
         ],
         {
             "fall_of_sphere_percent": percent[0],
@@ -357,41 +352,27 @@ def _deepest_dip(ratio: np.ndarray) -> float:
     return float(np.max(np.maximum.accumulate(rise) - rise) / rise[-1])
 
 
-def peaks_inside(values: xr.DataArray, dimension: str) -> xr.DataArray:
-    """Whether lines along a dimension have a maximum beyond both of their ends."""
+def _peaks_inside(values: xr.DataArray) -> Parts:
+    """Whether lines over the angle have a maximum beyond both of their ends."""
 
     def of_line(line):
         top = line[np.argmax(line)]
         return steps([line[0], top])[0] > 0 and steps([line[-1], top])[0] > 0
 
-    return along_dimension(of_line, values, dimension)
+    return conditions(along_dimension(of_line, values, "angle_deg"), "peaks inside")
 
 
-def place_of_peak(values: xr.DataArray, dimension: str, unit: str) -> str:
-    """Places of the maxima of lines along a dimension, in words."""
-    return f"peak at {between(values.idxmax(dimension), unit)}"
+def _place_of_peak(values: xr.DataArray) -> str:
+    return f"peak at {between(values.idxmax('angle_deg'), '°')}"
 
 
-def penetration(sets: Datasets) -> Judgement:
-    """The largest u_n falls with the angle and rises with A_r."""
-    depth = along_major_axis(sets).max_penetration_m
-    return judge(
-        between(depth, "m"),
-        [
-            trends(depth, "angle_deg", FALLS, "falls with the angle"),
-            trends(depth, "aspect_ratio", RISES, "grows with A_r"),
-        ],
-        {"least_m": depth.min(), "largest_m": depth.max()},
-    )
-
-
-def force(sets: Datasets) -> Judgement:
+def force(sets: Study) -> Judgement:
     """The largest N falls with A_r and with the angle."""
     force = along_major_axis(sets).max_normal_force_N / 1e3
     first, top = force.isel(angle_deg=0), force.max("angle_deg")
     rise = 100.0 * (top / first - 1.0)
     return judge(
-        f"{between(force, 'kN')}, {place_of_peak(force, 'angle_deg', '°')}, above that "
+        f"{between(force, 'kN')}, {_place_of_peak(force)}, above that "
         f"at {float(force.angle_deg[0]):g}° by up to {float(rise.max()):.2g} %",
         [
             trends(force, "aspect_ratio", FALLS, "falls with A_r"),
@@ -401,55 +382,52 @@ def force(sets: Datasets) -> Judgement:
     )
 
 
-def rotation(sets: Datasets) -> Judgement:
+def rotation(sets: Study) -> Judgement:
     """The rotation has a peak over the angle and falls with A_r, but for the sphere."""
     turn = np.degrees(along_major_axis(sets).rotation_rad)
-    sphere = turn.sel(aspect_ratio=1.0)
-    others = turn.sel(aspect_ratio=turn.aspect_ratio > 1.0)
+    sphere, others = turn.sel(aspect_ratio=1.0), elongated(turn)
     low, high = others.min("aspect_ratio"), others.max("aspect_ratio")
     return judge(
-        f"{place_of_peak(turn, 'angle_deg', '°')}; sphere {between(sphere, '°')}, "
+        f"{_place_of_peak(turn)}; sphere {between(sphere, '°')}, "
         f"others {between(others, '°')}",
         [
-            conditions(peaks_inside(turn, "angle_deg"), "peaks inside"),
+            _peaks_inside(turn),
             trends(others, "aspect_ratio", FALLS, "falls with A_r from 1.5"),
             conditions((sphere > low) & (sphere < high), "sphere in between"),
         ],
-        {
-            "largest_of_sphere_deg": sphere.max(),
-            "least_of_others_deg": others.min(),
-            "largest_of_others_deg": others.max(),
-        },
+        {"largest_of_sphere_deg": sphere.max(), **extremes(others, "of_others_deg")},
     )
 
 
-def rotational_ratio(sets: Datasets) -> Judgement:
+def rotational_ratio(sets: Study) -> Judgement:
     """The largest R_r of an impact has a peak over the angle and rises with A_r."""
-    ratio = sets["courses"].R_r.max("step")
+    ratio = sets[SERIES].R_r.max("step")
     return judge(
-        f"{between(ratio)}, {place_of_peak(ratio, 'angle_deg', '°')}",
-        [
-            conditions(peaks_inside(ratio, "angle_deg"), "peaks inside"),
-            trends(ratio, "aspect_ratio", RISES, "grows with A_r"),
-        ],
-        {"least": ratio.min(), "largest": ratio.max()},
+        f"{between(ratio)}, {_place_of_peak(ratio)}",
+        [_peaks_inside(ratio), trends(ratio, "aspect_ratio", RISES, "grows with A_r")],
+        extremes(ratio),
     )
 
 
 CLAIMS = {
-    "C01": _trend_with_length("I", "max_penetration_m", RISES, "m"),
-    "C02": _trend_with_length("I", "max_normal_force_N", FALLS, "kN", 1e3),
+    "C01": _trend_with_length("I", "max_penetration_m", "m", 1.0, RISES),
+    "C02": _trend_with_length("I", "max_normal_force_N", "kN", 1e3, FALLS),
     "C03": peaks_come_later,
     "C04": short_blocks_stop,
-    "C05": _trend_with_length("II", "max_penetration_m", RISES, "m", 1.0, [FALLS]),
-    "C06": _trend_with_length("II", "max_normal_force_N", FALLS, "kN", 1e3, [RISES]),
+    "C05": _trend_with_length("II", "max_penetration_m", "m", 1.0, RISES, FALLS),
+    "C06": _trend_with_length("II", "max_normal_force_N", "kN", 1e3, FALLS, RISES),
     "C07": penetrates_more_along_the_major_axis,
     "C08": _excess_within("max_penetration_m", *DEPTH_EXCESS),
     "C09": half_as_long_along_the_major_axis,
     "C10": _excess_within("max_normal_force_N", *FORCE_EXCESS),
     "C11": rotation_grows,
     "C12": rotational_ratio_peaks,
-    "C13": penetration,
+    "C13": trends_along_the_major_axis(
+        "max_penetration_m",
+        "m",
+        ("angle_deg", FALLS, "falls with the angle"),
+        ("aspect_ratio", RISES, "grows with A_r"),
+    ),
     "C14": force,
     "C15": rotation,
     "C16": rotational_ratio,

@@ -7,11 +7,12 @@ import xarray as xr
 
 from ..claim_data import (
     RANDOM_SETS,
-    Datasets,
+    Study,
     along_dimension,
     along_major_axis,
     along_minor_axis,
     asymmetry,
+    elongated,
     less_mirrored,
 )
 from ..criteria import (
@@ -23,6 +24,7 @@ from ..criteria import (
     between,
     condition,
     conditions,
+    extremes,
     from_to,
     judge,
     key_of,
@@ -31,6 +33,7 @@ from ..criteria import (
     trends,
 )
 from ..sets import PARAMETRIC_SETS
+from .impacts import trends_along_the_major_axis
 
 NEGATIVE_TO_DEG = 50.0
 RISES_FROM_DEG = 65.0
@@ -50,37 +53,17 @@ COINCIDE = 1e-3
 _SPIN = "angular_velocity_degps"
 
 
-def _trend_along_the_major_axis(name: str, direction: int, what: str):
-    """The judge of a coefficient that rises or falls with A_r along the major axis."""
-
-    def judge_trend(sets: Datasets) -> Judgement:
-        values = along_major_axis(sets)[name]
-        return judge(
-            between(values),
-            [trends(values, "aspect_ratio", direction, what)],
-            {"least": values.min(), "largest": values.max()},
-        )
-
-    return judge_trend
-
-
-def e_n_is_negative(sets: Datasets) -> Judgement:
+def e_n_is_negative(sets: Study) -> Judgement:
     """Along the major axis e_n is not monotonic, and negative up to 50°."""
-    e_n = along_major_axis(sets).e_n
-    e_n = e_n.sel(aspect_ratio=e_n.aspect_ratio > 1.0)
+    e_n = elongated(along_major_axis(sets).e_n)
     turns = along_dimension(
         lambda line: {RISES, FALLS} <= set(steps(line)), e_n, "angle_deg"
     )
     low = e_n.sel(angle_deg=e_n.angle_deg <= NEGATIVE_TO_DEG)
-    negative = e_n < 0.0
     found = ", ".join(
-        f"A_r {a_r:g} from {e_n.angle_deg.values[line][0]:g}°"
-        for a_r, line in zip(
-            e_n.aspect_ratio.values,
-            negative.transpose("aspect_ratio", "angle_deg").values,
-            strict=True,
-        )
-        if line.any()
+        f"A_r {float(line.aspect_ratio):g} from {float(line.angle_deg[line < 0][0]):g}°"
+        for line in e_n.transpose("aspect_ratio", "angle_deg")
+        if (line < 0.0).any()
     )
     return judge(
         f"{between(low)} up to {NEGATIVE_TO_DEG:g}°; negative {found or 'nowhere'}",
@@ -92,32 +75,25 @@ def e_n_is_negative(sets: Datasets) -> Judgement:
     )
 
 
-def e_n_rises_at_large_angles(sets: Datasets) -> Judgement:
+def e_n_rises_at_large_angles(sets: Study) -> Judgement:
     """Along the major axis e_n rises from 65 to 80°, by more than 0.1."""
-
-    def rise_of(e_n: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
-        steep = e_n.sel(angle_deg=e_n.angle_deg >= RISES_FROM_DEG)
-        change = steep.isel(angle_deg=-1) - steep.isel(angle_deg=0)
-        up = along_dimension(
-            lambda line: bool(np.all(steps(line) == RISES)), steep, "angle_deg"
-        )
-        return change, up & (change > RISES_BY)
-
-    change, met = rise_of(along_major_axis(sets).e_n)
-    minor, _ = rise_of(along_minor_axis(sets).e_n)
+    steep, steep_minor = (
+        data.e_n.sel(angle_deg=data.angle_deg >= RISES_FROM_DEG)
+        for data in (along_major_axis(sets), along_minor_axis(sets))
+    )
+    first, last = {"angle_deg": 0}, {"angle_deg": -1}
+    change, minor = steep[last] - steep[first], steep_minor[last] - steep_minor[first]
+    up = along_dimension(
+        lambda line: bool(np.all(steps(line) == RISES)), steep, "angle_deg"
+    )
     return judge(
         f"change from 65 to 80°: {between(change)} (minor axis {between(minor)})",
-        [conditions(met, "rises fast")],
-        {
-            "least_change": change.min(),
-            "largest_change": change.max(),
-            "least_change_minor_axis": minor.min(),
-            "largest_change_minor_axis": minor.max(),
-        },
+        [conditions(up & (change > RISES_BY), "rises fast")],
+        extremes(change, "change") | extremes(minor, "change_minor_axis"),
     )
 
 
-def both_fall_along_the_minor_axis(sets: Datasets) -> Judgement:
+def both_fall_along_the_minor_axis(sets: Study) -> Judgement:
     """Along the minor axis e_n and e_t fall with A_r."""
     data = along_minor_axis(sets)
     return judge(
@@ -126,41 +102,30 @@ def both_fall_along_the_minor_axis(sets: Datasets) -> Judgement:
             trends(data.e_n, "aspect_ratio", FALLS, "e_n falls with A_r"),
             trends(data.e_t, "aspect_ratio", FALLS, "e_t falls with A_r"),
         ],
-        {
-            "least_e_n": data.e_n.min(),
-            "largest_e_n": data.e_n.max(),
-            "least_e_t": data.e_t.min(),
-            "largest_e_t": data.e_t.max(),
-        },
+        extremes(data.e_n, "e_n") | extremes(data.e_t, "e_t"),
     )
 
 
-def two_orders_of_magnitude(sets: Datasets) -> Judgement:
+def two_orders_of_magnitude(sets: Study) -> Judgement:
     """Along the major axis |e_n| varies over the angle by more than 100 times."""
     e_n = along_major_axis(sets).e_n
     size = abs(e_n)
     ratio = size.max("angle_deg") / size.min("angle_deg")
     crosses = (e_n.min("angle_deg") < 0.0) & (e_n.max("angle_deg") > 0.0)
-    signs = "its sign changes at A_r " + ", ".join(
-        f"{float(a_r):g}" for a_r in e_n.aspect_ratio[crosses]
-    )
+    where = ", ".join(f"{float(a_r):g}" for a_r in e_n.aspect_ratio[crosses])
     return judge(
         f"largest over least |e_n| {from_to(ratio)} at A_r "
-        f"{from_to(e_n.aspect_ratio)}; "
-        + (signs if crosses.any() else "its sign changes nowhere"),
+        f"{from_to(e_n.aspect_ratio)}; its sign changes "
+        + (f"at A_r {where}" if where else "nowhere"),
         [conditions((ratio > TWO_ORDERS) | crosses, "more than 100")],
-        {
-            "least_ratio": ratio.min(),
-            "largest_ratio": ratio.max(),
-            "signs_change": crosses.sum(),
-        },
+        {**extremes(ratio, "ratio"), "signs_change": crosses.sum()},
     )
 
 
-def never_exceeds_one(sets: Datasets) -> Judgement:
+def never_exceeds_one(sets: Study) -> Judgement:
     """The energetic coefficient is at most 1, in the sets and in random impacts."""
-    in_sets = np.concatenate([_impacts(sets[name]).e_bar for name in PARAMETRIC_SETS])
-    groups = {"sets": in_sets}
+    in_sets = [_impacts(sets[name]).e_bar for name in PARAMETRIC_SETS]
+    groups = {"sets": np.concatenate(in_sets)}
     failed = beyond_gravity = 0
     for name in RANDOM_SETS:
         impacts = _impacts(sets[name])
@@ -178,15 +143,16 @@ def never_exceeds_one(sets: Datasets) -> Judgement:
     for name, values in groups.items():
         key = key_of(name)
         numbers |= {f"{key}_above_1": above[name], f"{key}_largest": values.max()}
+    words = [
+        f"{name} {above[name]} of {len(values)}, largest {values.max():.4g}"
+        for name, values in groups.items()
+    ]
+    words.append(f"with gravity's work taken off {beyond_gravity}")
+    if failed:
+        words.append(f"{failed} random impacts failed")
     return Judgement(
         verdict,
-        "above 1: "
-        + "; ".join(
-            f"{name} {above[name]} of {len(values)}, largest {values.max():.4g}"
-            for name, values in groups.items()
-        )
-        + f"; with gravity's work taken off {beyond_gravity}"
-        + (f"; {failed} random impacts failed" if failed else ""),
+        f"above 1: {'; '.join(words)}",
         {name: float(value) for name, value in numbers.items()},
         sum(count == 0 for count in above.values()),
         len(above),
@@ -200,7 +166,7 @@ def _impacts(data: xr.Dataset) -> xr.Dataset:
     return flat.isel(point=flat.outcome.values != "separating")
 
 
-def apparent_is_negative(sets: Datasets) -> Judgement:
+def apparent_is_negative(sets: Study) -> Judgement:
     """e_n is negative over a wide range, the contact and energetic ones are not."""
     data = sets["fig13"]
     share = (data.e_n < 0.0).mean("orientation_deg")
@@ -225,7 +191,7 @@ def apparent_is_negative(sets: Datasets) -> Judgement:
     )
 
 
-def asymmetry_grows_with_spin(sets: Datasets) -> Judgement:
+def asymmetry_grows_with_spin(sets: Study) -> Judgement:
     """Symmetric without spin, ever less so with it."""
     data = sets["fig13"]
     parts, words, numbers = [], [], {}
@@ -245,7 +211,7 @@ def asymmetry_grows_with_spin(sets: Datasets) -> Judgement:
     )
 
 
-def coefficients_coincide(sets: Datasets) -> Judgement:
+def coefficients_coincide(sets: Study) -> Judgement:
     """Along an axis and without spin the four coefficients are one."""
     still = sets["fig13"].sel({_SPIN: 0.0}, drop=True)
     along_axes = still.sel(orientation_deg=[0.0, 90.0, 180.0])
@@ -260,8 +226,12 @@ def coefficients_coincide(sets: Datasets) -> Judgement:
 
 
 CLAIMS = {
-    "C23": _trend_along_the_major_axis("e_n", FALLS, "falls with A_r"),
-    "C24": _trend_along_the_major_axis("e_t", RISES, "grows with A_r"),
+    "C23": trends_along_the_major_axis(
+        "e_n", "", ("aspect_ratio", FALLS, "falls with A_r")
+    ),
+    "C24": trends_along_the_major_axis(
+        "e_t", "", ("aspect_ratio", RISES, "grows with A_r")
+    ),
     "C25": e_n_is_negative,
     "C26": e_n_rises_at_large_angles,
     "C27": both_fall_along_the_minor_axis,

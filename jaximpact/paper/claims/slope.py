@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from ...runout.biplanar import COEFFICIENTS
-from ..claim_data import SLOPE, Datasets, Study
+from ..claim_data import SLOPE, Study, elongated
 from ..criteria import Judgement, between, condition, conditions, judge, key_of
 from ..goodness_of_fit import Fit, fit_exponential, fit_normal
 from ..sets import GROUNDS
@@ -28,11 +28,11 @@ MEAN_WITHIN = 0.1
 WELL_ABOVE, SHARE_ABOVE = 1.2, 0.01
 
 
-def same_path(sets: Datasets) -> Judgement:
+def same_path(sets: Study) -> Judgement:
     """Without spin all fly the same parabola, and their paths superimpose to 250 m."""
     still = _without_spin(sets)
     off, apart = still.off_the_parabola_m, still.paths_apart_m
-    long = apart.sel(aspect_ratio=apart.aspect_ratio > 1.0)
+    long = elongated(apart)
     return judge(
         f"first impact at x {between(still.first_impact_x_m, 'm')}, within "
         f"{float(off.max()):.0e} m of the parabola; as far as x 250 m off the sphere's "
@@ -41,18 +41,15 @@ def same_path(sets: Datasets) -> Judgement:
             conditions(off <= ON_THE_PARABOLA, "on the parabola"),
             conditions(long <= SUPERIMPOSED, "superimposed"),
         ],
-        {
-            "first_impact_x_m": still.first_impact_x_m.max(),
-            "apart_m": long.max(),
-        },
+        {"first_impact_x_m": still.first_impact_x_m.max(), "apart_m": long.max()},
     )
 
 
-def elongated_blocks_roll(sets: Datasets) -> Judgement:
+def elongated_blocks_roll(sets: Study) -> Judgement:
     """Elongated blocks roll after the first impact, the sphere after three bounces."""
     still = _without_spin(sets)
     sphere = still.sel(aspect_ratio=1.0)
-    long = still.sel(aspect_ratio=still.aspect_ratio > 1.0)
+    long = elongated(still)
     count, highest = int(sphere.bounces), float(sphere.highest_bounce_m)
     small = highest <= SMALL * float(sphere.first_flight_m)
     few = A_FEW[0] <= count <= A_FEW[1]
@@ -74,7 +71,7 @@ def elongated_blocks_roll(sets: Datasets) -> Judgement:
     )
 
 
-def _without_spin(sets: Datasets) -> xr.Dataset:
+def _without_spin(sets: Study) -> xr.Dataset:
     return sets[SLOPE].sel(angular_velocity_degps=0.0, drop=True)
 
 
@@ -83,17 +80,14 @@ def heights_are_exponential(study: Study) -> Judgement:
     parts, words, numbers = [], [], {}
     for ground in GROUNDS:
         fits = exponential_fits(study.on(ground)[SLOPE])
-        distance = xr.DataArray(
-            [fit.distance for fit in fits.values()],
-            coords={"aspect_ratio": list(fits)},
-        )
-        count = np.array([fit.count for fit in fits.values()])
+        _, _, distance, _, count = np.array([*fits.values()]).T
+        distance = xr.DataArray(distance, coords={"aspect_ratio": list(fits)})
         part = conditions((distance <= NEAR) & (count >= ENOUGH), "near")
         parts += part.parts
         words.append(
             f"{ground}: distance {_listed(distance)} at A_r {_listed(list(fits))}, "
             f"mean height {_listed([fit.mean for fit in fits.values()])} m, "
-            f"{count.min()} to {count.max()} jumps"
+            f"{count.min():.0f} to {count.max():.0f} jumps"
         )
         numbers[f"largest_distance_{key_of(ground)}"] = distance.max()
     near = sum(part.held for part in parts)

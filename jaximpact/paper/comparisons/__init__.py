@@ -3,8 +3,7 @@
 from ...progress import Progress, ProgressFunction, as_progress
 from .comparison import Comparison
 from .restitution_angle import compare_restitution_angle
-from .scaling import compare_scaling
-from .stopping_depth import compare_stopping_depth
+from .vertical_drops import compare_scaling, compare_stopping_depth
 
 STUDIES = (compare_scaling, compare_restitution_angle, compare_stopping_depth)
 

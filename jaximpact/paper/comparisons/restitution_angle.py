@@ -9,8 +9,7 @@ from ...impact.termination import Outcome
 from ...plotting.style import in_style, legend_outside, panels, points
 from ...scene import Block, Impact
 from ...soil import Soil
-from .comparison import Comparison
-from .one_at_a_time import changes_of, strike, variants_of
+from .comparison import Comparison, changes_of, strike, variants_of
 from .published_laws import wyllie_normal_restitution
 
 MASS, SPEED = 500.0, 15.0
@@ -70,6 +69,7 @@ def compare_restitution_angle() -> list[Comparison]:
         count = sum(average.outcomes.values()) // len(ANGLES)
         ends = ", ".join(f"{n} {name}" for name, n in average.outcomes.items())
         who = "sphere" if ratio == 1.0 else f"ellipsoid of A_r {ratio:g}"
+        turned = f"mean over {count} orientations of half a turn"
         rows.append(
             Comparison(
                 name=f"e_n against angle, {who}",
@@ -78,12 +78,7 @@ def compare_restitution_angle() -> list[Comparison]:
                 law=tuple(float(x) for x in law),
                 model=tuple(float(x) for x in average.mean[0]),
                 over=f"15 to 90 deg from the surface, {MASS:g} kg at {SPEED:g} m/s "
-                "without spin, "
-                + (
-                    "one orientation"
-                    if count == 1
-                    else f"mean over {count} orientations of half a turn"
-                ),
+                "without spin, " + ("one orientation" if count == 1 else turned),
                 source=SOURCE,
                 note=f"Every impact counts, as it ended: {ends}. Of a toppled block "
                 "e_n is that of the moment it topples. The field's blocks came with "
@@ -99,39 +94,25 @@ def compare_restitution_angle() -> list[Comparison]:
 @in_style
 def draw_restitution_angle() -> Figure:
     """e_n over the angle, without and with dilatancy."""
-    figure, both = panels(
-        1,
-        2,
-        height=3.8,
-        title=f"{MASS:g} kg at {SPEED:g} m/s without spin: mean over orientations, "
-        "bands of one standard deviation",
-        sharey=True,
+    title = (
+        f"{MASS:g} kg at {SPEED:g} m/s without spin: mean over orientations, bands of "
+        "one standard deviation"
     )
+    figure, both = panels(1, 2, height=3.8, title=title, sharey=True)
     law = wyllie_normal_restitution(DRAWN_ANGLES)
     soils = Soil(dilatancy=[0.0, 1.0])
     averages = [average_restitution(soils, r, DRAWN_ANGLES) for r in ASPECT_RATIOS]
     titles = ("Table 1: no dilatancy", "Table 1 with dilatancy 1")
     for place, (axes, title) in enumerate(zip(both, titles, strict=True)):
         axes.plot(DRAWN_ANGLES, law, "k--", label=r"19.5 $\theta^{-1.03}$")
-        for number, (ratio, average) in enumerate(
-            zip(ASPECT_RATIOS, averages, strict=True)
-        ):
+        for number, average in enumerate(averages):
             mean, spread = average.mean[place], average.spread[place]
-            axes.plot(
-                DRAWN_ANGLES,
-                mean,
-                markersize=4,
-                **points(number),
-                label="sphere" if ratio == 1.0 else f"$A_r$ = {ratio:g}",
-            )
-            axes.fill_between(
-                DRAWN_ANGLES,
-                mean - spread,
-                mean + spread,
-                color=points(number)["color"],
-                alpha=0.12,
-                lw=0.0,
-            )
+            ratio = ASPECT_RATIOS[number]
+            label = "sphere" if ratio == 1.0 else f"$A_r$ = {ratio:g}"
+            style = points(number)
+            axes.plot(DRAWN_ANGLES, mean, markersize=4, label=label, **style)
+            band = {"color": style["color"], "alpha": 0.12, "lw": 0.0}
+            axes.fill_between(DRAWN_ANGLES, mean - spread, mean + spread, **band)
         axes.axhline(0.0, color="black", lw=0.7)
         axes.set(title=title, xlabel="impact angle from the surface [°]")
     both[0].set_ylabel("normal restitution $e_n$ [-]")

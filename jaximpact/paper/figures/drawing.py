@@ -61,12 +61,12 @@ DARK_TO_LIGHT = matplotlib.colormaps["viridis"]
 LIGHTEST = 0.92
 """Fraction of the sequence that can be seen on white."""
 MARKERS = {
-    Outcome.detached: "o",
-    Outcome.toppled: "^",
-    Outcome.arrested: "s",
-    Outcome.in_contact: "D",
-    Outcome.separating: "P",
-    Outcome.failed: "X",
+    str(Outcome.detached): "o",
+    str(Outcome.toppled): "^",
+    str(Outcome.arrested): "s",
+    str(Outcome.in_contact): "D",
+    str(Outcome.separating): "P",
+    str(Outcome.failed): "X",
 }
 SQUARES: dict[str, Any] = {"color": "black", "marker": "s", "markersize": 5, "lw": 0.9}
 
@@ -82,11 +82,15 @@ def lettered_panels(rows: int, columns: int, **how) -> tuple[Figure, list[Axes]]
     return figure, axes
 
 
-def label_axes(axes: Axes, x: str, y: str) -> None:
+def label_axes(axes: Axes, x: str, y: str, y_label: str = "") -> None:
     """Labels with units, round ticks for angles, and a line at zero where values lie on
-    both sides of it."""
-    axes.set_xlabel(LABELS[x])
-    axes.set_ylabel(LABELS[y])
+    both sides of it.
+
+    Args:
+        x, y: columns.
+        y_label: in place of the label of y.
+    """
+    axes.set(xlabel=LABELS[x], ylabel=y_label or LABELS[y])
     if x in (ANGLE, ORIENTATION):
         axes.xaxis.set_major_locator(MultipleLocator(30 if x == ORIENTATION else 10))
     if x == "time_s":
@@ -132,14 +136,9 @@ def draw_series(axes: Axes, table: Table, y: str) -> None:
         draw_curve(axes, series, "time_s", y, color=colour)
         last = series.tail(1)
         (outcome,) = last[OUTCOME_COLUMN]
-        axes.plot(
-            *_scaled(last, "time_s", y),
-            color=colour,
-            marker=_marker(outcome),
-            markersize=5,
-            zorder=4,
-            clip_on=False,
-        )
+        end: dict[str, Any] = {"marker": MARKERS[outcome], "markersize": 5}
+        end |= {"color": colour, "zorder": 4, "clip_on": False}
+        axes.plot(*_scaled(last, "time_s", y), **end)
     label_axes(axes, "time_s", y)
 
 
@@ -172,19 +171,15 @@ def aspect_ratio_legend(
         figure, handles, "upper center", ncols=len(handles), handlelength=1.4
     )
     if outcomes:
-        known = [str(outcome) for outcome in Outcome]
-        ends = sorted(table[OUTCOME_COLUMN].unique(), key=known.index)
+        order = [str(outcome) for outcome in Outcome]
+        ends = sorted(table[OUTCOME_COLUMN].unique(), key=order.index)
         handles = [Line2D([], [], ls="", label="end of the contact:")]
         for end in ends:
-            marker: dict[str, Any] = {"color": "0.3", "ls": "", "marker": _marker(end)}
+            marker: dict[str, Any] = {"color": "0.3", "ls": "", "marker": MARKERS[end]}
             handles.append(Line2D([], [], label=end, **marker))
         legend_outside(
             figure, handles, "lower center", ncols=len(handles), handlelength=1.0
         )
-
-
-def _marker(outcome: str) -> str:
-    return next(marker for known, marker in MARKERS.items() if str(known) == outcome)
 
 
 def _scaled(table: Table, *columns: str) -> list[np.ndarray]:

@@ -1,5 +1,6 @@
 """Figures 4 to 9 and 13: single impacts of the parametric sets."""
 
+import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,6 +11,7 @@ from matplotlib.lines import Line2D
 
 from ...plotting.style import BLUE, GREEN, VERMILION, in_style, legend_outside
 from ...quantities import OUTCOME_COLUMN
+from ..sets import record_impacts
 from .drawing import (
     ANGLE,
     ASPECT_RATIO,
@@ -26,15 +28,12 @@ from .drawing import (
     square_handles,
 )
 from .tables import (
-    HALF_TURN,
     PaperFigure,
     Study,
     Table,
     curves_with_jumps,
-    histories_of,
     impact_table,
     peak,
-    record_series,
     series_table,
 )
 
@@ -49,10 +48,7 @@ COEFFICIENTS: dict[str, tuple[str, dict[str, Any]]] = {
     "e_n": ("apparent", {"color": BLUE}),
     "e_contact": ("contact", {"color": VERMILION, "ls": "--"}),
     "e_bar": ("energetic", {"color": GREEN, "ls": "-."}),
-    "e_n_vijayakumar": (
-        "Vijayakumar et al. (2012)",
-        {"color": "black", "ls": ":"},
-    ),
+    "e_n_vijayakumar": ("Vijayakumar et al. (2012)", {"color": "black", "ls": ":"}),
 }
 """Column -> name in the legend, and line."""
 
@@ -69,11 +65,9 @@ def over_time(
 
     def compute(study: Study) -> Table:
         base, axes = study.parametric_set(name)
-        points = [
-            {**held, ASPECT_RATIO: value} for value in np.asarray(axes[ASPECT_RATIO])
-        ]
-        results = record_series(study, base, points)
-        return series_table(points, results, ("time_s", *series))
+        ratios = np.asarray(axes[ASPECT_RATIO])
+        points = [{**held, ASPECT_RATIO: value} for value in ratios]
+        return series_table(study, base, points, ("time_s", *series))
 
     @in_style
     def draw(table: Table) -> Figure:
@@ -91,8 +85,7 @@ def compute_5(study: Study) -> Table:
     """Sets I and II."""
     parts = []
     for name, orientation in (("I", 0.0), ("II", 90.0)):
-        base, axes = study.parametric_set(name)
-        part = impact_table(base, axes, LARGEST, study.accuracy)
+        part = impact_table(*study.parametric_set(name), LARGEST, study.accuracy)
         part.insert(0, ORIENTATION, orientation)
         parts.append(part)
     return pd.concat(parts, ignore_index=True)
@@ -114,9 +107,10 @@ def compute_7(study: Study) -> Table:
     axes = {name: axes[name] for name in axes if name != ORIENTATION}
     table = impact_table(base, axes, (*LARGEST, "rotation_rad"), study.accuracy)
     points = table[[*axes]].to_dict("records")
+    recorded = record_impacts(base, points, study.accuracy, study.progress)
     ratios = [
         peak(np.asarray(history.time), np.asarray(history.rotational_ratio))
-        for history in histories_of(record_series(study, base, points))
+        for _, history in recorded
     ]
     table.insert(table.columns.get_loc(OUTCOME_COLUMN), MAX_RATIO, ratios)
     return table.sort_values([ASPECT_RATIO, ANGLE], ignore_index=True)
@@ -132,19 +126,6 @@ def draw_7(table: Table) -> Figure:
         each.set_ylim(bottom=0.0)
     aspect_ratio_legend(figure, table, **POINTS)
     return figure
-
-
-def over_orientation(name: str, results: Sequence[str]):
-    """The computation of a set over half a turn in steps of a degree."""
-
-    def compute(study: Study) -> Table:
-        base, axes = study.parametric_set(name)
-        axes = {**axes, ORIENTATION: HALF_TURN}
-        return curves_with_jumps(
-            base, axes, ORIENTATION, tuple(results), study.accuracy
-        )
-
-    return compute
 
 
 RESULTS_8 = (
@@ -173,8 +154,8 @@ def draw_8(table: Table) -> Figure:
 
 def compute_9(study: Study) -> Table:
     """Set III."""
-    base, axes = study.parametric_set("III")
-    table = impact_table(base, axes, ("e_n", "e_t"), study.accuracy)
+    restitution = ("e_n", "e_t")
+    table = impact_table(*study.parametric_set("III"), restitution, study.accuracy)
     return table.sort_values([ORIENTATION, ASPECT_RATIO, ANGLE], ignore_index=True)
 
 
@@ -198,8 +179,7 @@ def draw_13(table: Table) -> Figure:
     for each, (spin, curves) in zip(axes, table.groupby(SPIN), strict=True):
         for column, (_, style) in COEFFICIENTS.items():
             draw_curve(each, curves, ORIENTATION, column, **style)
-        label_axes(each, ORIENTATION, "e_n")
-        each.set_ylabel("coefficient of restitution [-]")
+        label_axes(each, ORIENTATION, "e_n", "coefficient of restitution [-]")
         each.set_title(f"initial spin {spin:g} °/s")
     axes[0].set_xlim(0.0, 180.0)
     handles = [Line2D([], [], label=name, **s) for name, s in COEFFICIENTS.values()]
@@ -240,7 +220,7 @@ IMPACT_FIGURES = (
         "8",
         "vertical impacts against orientation",
         ("IV",),
-        over_orientation("IV", RESULTS_8),
+        functools.partial(curves_with_jumps, name="IV", results=RESULTS_8),
         draw_8,
     ),
     PaperFigure("9", "restitution against impact angle", ("III",), compute_9, draw_9),
@@ -248,7 +228,7 @@ IMPACT_FIGURES = (
         "13",
         "coefficients of a spinning block",
         ("fig13",),
-        over_orientation("fig13", tuple(COEFFICIENTS)),
+        functools.partial(curves_with_jumps, name="fig13", results=tuple(COEFFICIENTS)),
         draw_13,
     ),
 )

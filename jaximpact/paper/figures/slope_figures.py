@@ -1,6 +1,7 @@
 """Figures 10 to 12 and 14: slope run-out on two planes."""
 
 import dataclasses
+import itertools
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,7 @@ from ...runout.biplanar import (
     BiplanarCase,
 )
 from ...scene import GRAVITY
+from ...scene_quantities import scene_values
 from ...units import DEGREE
 from ..goodness_of_fit import Fit, fit_exponential, fit_normal
 from .drawing import (
@@ -81,10 +83,8 @@ def case_values(study: Study) -> dict:
     """What the runs were computed from, for the manifest."""
     case = BiplanarCase()
     scene = study.parametric_set("I")[0]
-    soil = {
-        column.name: float(getattr(scene.soil, column.field)) / column.factor
-        for column in columns_of_part("soil", scene.soil).values()
-    }
+    values = scene_values(scene)
+    soil = {name: values[name] for name in columns_of_part("soil", scene.soil)}
     angles = {
         f"{name}_deg": getattr(case, name) / DEGREE
         for name in ("direction", "orientation", "rolling_friction_angle")
@@ -102,8 +102,8 @@ def case_values(study: Study) -> dict:
         "height_above_the_crest_m": case.height,
         **angles,
         **others,
-        "mass_kg": float(scene.block.mass),
-        "density_kgm3": float(scene.block.density),
+        "mass_kg": values["mass_kg"],
+        "density_kgm3": values["density_kgm3"],
         "aspect_ratios": list(ASPECT_RATIOS),
         "spins_of_the_sphere_degps": list(SPINS_DEGPS),
         **soil,
@@ -118,19 +118,12 @@ def compute_10(study: Study) -> Table:
     rising = v_y + v_x * np.tan(SLOPE)
     end = (rising + np.sqrt(rising**2 + 2.0 * GRAVITY * case.height)) / GRAVITY
     time = np.linspace(0.0, end, DRAWN)
-    return pd.concat(
-        [
-            pd.DataFrame({LINE: PROFILE, "x_m": profile.x, "y_m": profile.y}),
-            pd.DataFrame(
-                {
-                    LINE: FLIGHT,
-                    "x_m": v_x * time,
-                    "y_m": HEIGHT + case.height + (v_y - 0.5 * GRAVITY * time) * time,
-                }
-            ),
-        ],
-        ignore_index=True,
-    )
+    y = HEIGHT + case.height + (v_y - 0.5 * GRAVITY * time) * time
+    lines = [
+        pd.DataFrame({LINE: PROFILE, "x_m": profile.x, "y_m": profile.y}),
+        pd.DataFrame({LINE: FLIGHT, "x_m": v_x * time, "y_m": y}),
+    ]
+    return pd.concat(lines, ignore_index=True)
 
 
 @in_style
@@ -142,41 +135,27 @@ def draw_10(table: Table) -> Figure:
     axes.fill_between(x, y, -60.0, color=SOIL)
     axes.plot(x, y, color="black", lw=2.5, label=PROFILE)
     axes.plot(flight["x_m"], flight["y_m"], color=BLUE, lw=1.4, label=FLIGHT)
-    for ends, text in (
-        ((x[0], x[1]), f"$L_{{s1}}$ = {SLOPE_LENGTH:g} m"),
-        ((x[1], x[2]), f"$L_{{s2}}$ = {FLAT_LENGTH:g} m"),
-    ):
-        _measure(axes, (ends[0], -25.0), (ends[1], -25.0))
-        axes.text(0.5 * sum(ends), -30.0, text, ha="center", va="top")
-    _measure(axes, (x[1] + 80.0, 0.0), (x[1] + 80.0, y[0]))
-    axes.text(x[1] + 90.0, 0.5 * y[0], f"$H_s$ = {HEIGHT:g} m", va="center")
+    measure = {"arrowstyle": "<->", "color": "0.3", "shrinkA": 0, "shrinkB": 0}
+    for number, (left, right) in enumerate(itertools.pairwise(x), start=1):
+        axes.annotate("", (right, -25.0), (left, -25.0), arrowprops=measure)
+        text = f"$L_{{s{number}}}$ = {right - left:g} m"
+        axes.text(0.5 * (left + right), -30.0, text, ha="center", va="top")
+    foot = x[1] + 80.0
+    axes.annotate("", (foot, y[0]), (foot, 0.0), arrowprops=measure)
+    axes.text(foot + 10.0, 0.5 * y[0], f"$H_s$ = {HEIGHT:g} m", va="center")
     axes.text(x[1] - 210.0, 12.0, rf"$\omega$ = {SLOPE / DEGREE:.1f}°")
     angle = BiplanarCase().direction
-    start = flight.iloc[0]
-    tip = (start["x_m"] + 90.0 * np.cos(angle), start["y_m"] + 90.0 * np.sin(angle))
-    axes.annotate(
-        "",
-        tip,
-        (start["x_m"], start["y_m"]),
-        arrowprops={"arrowstyle": "-|>", "color": BLUE, "lw": 1.4},
-    )
-    axes.text(
-        tip[0] + 6.0,
-        tip[1],
-        f"{SPEED:g} m/s, {angle / DEGREE:g}° up",
-        va="center",
-    )
+    start = flight[["x_m", "y_m"]].to_numpy()[0]
+    tip = start + 90.0 * np.array([np.cos(angle), np.sin(angle)])
+    velocity = {"arrowstyle": "-|>", "color": BLUE, "lw": 1.4}
+    axes.annotate("", tip, start, arrowprops=velocity)
+    text = f"{SPEED:g} m/s, {angle / DEGREE:g}° up"
+    axes.text(tip[0] + 6.0, tip[1], text, va="center")
     label_axes(axes, "x_m", "y_m")
     axes.set(xlim=(x[0] - 20.0, x[-1]), ylim=(-60.0, 290.0))
     axes.set_aspect("equal")
     legend_outside(figure, place="upper center")
     return figure
-
-
-def _measure(axes, start, stop) -> None:
-    """A line with an arrow at both ends."""
-    style = {"arrowstyle": "<->", "color": "0.3", "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", stop, start, arrowprops=style)
 
 
 def compute_11(study: Study) -> Table:
@@ -189,17 +168,15 @@ def compute_11(study: Study) -> Table:
     parts = []
     for block in range(0, runs.release.count, len(SPINS_DEGPS)):
         path = runs.path(block, SPACING)
-        part = blocks_table(runs, np.full(len(path["x"]), block))
-        parts.append(
-            part.assign(
-                time_s=path["time"],
-                x_m=path["x"],
-                y_m=path["y"],
-                height_m=path["y"] - runs.profile.height(path["x"]),
-                velocity_mps=np.hypot(path["v_x"], path["v_y"]),
-                spin_degps=path["angular_velocity"] / DEGREE,
-            )
+        part = blocks_table(runs, np.full(len(path["x"]), block)).assign(
+            time_s=path["time"],
+            x_m=path["x"],
+            y_m=path["y"],
+            height_m=path["y"] - runs.profile.height(path["x"]),
+            velocity_mps=np.hypot(path["v_x"], path["v_y"]),
+            spin_degps=path["angular_velocity"] / DEGREE,
         )
+        parts.append(part)
     return pd.concat(parts, ignore_index=True)
 
 
@@ -208,13 +185,8 @@ def draw_11(table: Table) -> Figure:
     """Against x: a: trajectory, with the profile; b: height of the centre above the
     ground; c: translational velocity; d: rotational velocity."""
     figure, axes = lettered_panels(2, 2)
-    axes[0].plot(
-        [0.0, SLOPE_LENGTH, SLOPE_LENGTH + FLAT_LENGTH],
-        [HEIGHT, 0.0, 0.0],
-        color="black",
-        lw=3.0,
-        zorder=1,
-    )
+    x = [0.0, SLOPE_LENGTH, SLOPE_LENGTH + FLAT_LENGTH]
+    axes[0].plot(x, [HEIGHT, 0.0, 0.0], color="black", lw=3.0, zorder=1)
     for each, series in zip(axes, SERIES, strict=True):
         draw_curves(each, table, "x_m", series, lw=0.8)
         each.set_xlim(0.0, 1.02 * table["x_m"].max())
@@ -246,17 +218,14 @@ def draw_12(table: Table) -> Figure:
     fraction = axes[-1]
     colours = colours_of(table[ASPECT_RATIO])
     for each, (shape, rows) in zip(axes[:-1], table.groupby(ASPECT_RATIO), strict=True):
-        heights, higher = rows["height_m"], rows.loc[rows["rise_m"] > HOP, "height_m"]
-        fits = fit_exponential(heights), fit_exponential(higher)
-        draw_histogram(each, heights, edges, fits[0], exponential, **ALL)
-        draw_histogram(each, higher, edges, fits[1], exponential, **HIGHER)
-        label_axes(each, "height_m", "height_m")
-        each.set_ylabel("jumps [-]")
-        each.set_title(
-            f"$A_r$ = {shape:g}, distance of the fit:\n"
-            f"all {distance_in_words(fits[0])}, higher {distance_in_words(fits[1])}"
-        )
-        scale_counts(each, heights, edges)
+        words = []
+        for chosen, who, style in all_and_higher(rows, "rise_m"):
+            fit = fit_exponential(chosen["height_m"])
+            draw_histogram(each, chosen["height_m"], edges, fit, exponential, style)
+            words.append(f"{who} {distance_in_words(fit)}")
+        heights = rows["height_m"]
+        label_counts(each, "height_m", "jumps [-]", heights, edges)
+        each.set_title(f"$A_r$ = {shape:g}, distance of the fit:\n{', '.join(words)}")
         ordered = np.sort(heights)
         fraction.step(
             ordered,
@@ -265,14 +234,12 @@ def draw_12(table: Table) -> Figure:
             lw=1.2,
             label=f"{shape:g}",
         )
-    label_axes(fraction, "height_m", "height_m")
-    fraction.set_ylabel("fraction that is higher [-]")
+    label_axes(fraction, "height_m", "height_m", "fraction that is higher [-]")
     log_scale(fraction, "y")
     fraction.legend(title="$A_r$")
     axes[0].set_xlim(edges[0], edges[-1])
-    legend_of_two(
-        figure, "all jumps, exponential fit", f"higher: rise by more than {HOP:g} m"
-    )
+    higher = f"higher: rise by more than {HOP:g} m"
+    legend_of_two(figure, "all jumps, exponential fit", higher)
     return figure
 
 
@@ -280,19 +247,17 @@ def compute_14(study: Study) -> Table:
     """A row for each impact; coefficients are NaN where the centre does not come
     down."""
     runs = study.slope_runs()
-    found = restitutions(runs)
-    chosen = np.flatnonzero(runs.contacts.outcome >= 0)
-    table = blocks_table(runs, runs.contacts.trajectory[chosen])
-    outcomes = [str(Outcome(code)) for code in runs.contacts.outcome[chosen]]
-    return table.drop(columns=ENDING_COLUMN).assign(
-        x_m=runs.contacts.x[chosen],
-        e_n=found.e_n[chosen],
-        e_t=found.e_t[chosen],
-        **{
-            RISE: rise_before(runs, jumps(runs))[chosen],
-            OUTCOME_COLUMN: outcomes,
-        },
-    )
+    contacts, found = runs.contacts, restitutions(runs)
+    chosen = np.flatnonzero(contacts.outcome >= 0)
+    table = blocks_table(runs, contacts.trajectory[chosen])
+    columns = {
+        "x_m": contacts.x[chosen],
+        "e_n": found.e_n[chosen],
+        "e_t": found.e_t[chosen],
+        RISE: rise_before(runs, jumps(runs))[chosen],
+        OUTCOME_COLUMN: [str(Outcome(code)) for code in contacts.outcome[chosen]],
+    }
+    return table.drop(columns=ENDING_COLUMN).assign(**columns)
 
 
 @in_style
@@ -304,34 +269,29 @@ def draw_14(table: Table) -> Figure:
     for each, name in zip(axes, ("e_n", "e_t"), strict=True):
         inside = table[table[name].between(*COEFFICIENTS)]
         words = []
-        for rows, who, style in (
-            (inside, "all", ALL),
-            (inside[inside[RISE] > HOP], "higher", HIGHER),
-        ):
-            fit = fit_normal(rows[name])
-            draw_histogram(each, rows[name], edges, fit, normal, **style)
+        for chosen, who, style in all_and_higher(inside, RISE):
+            fit = fit_normal(chosen[name])
+            draw_histogram(each, chosen[name], edges, fit, normal, style)
             words.append(
                 f"{who} {fit.start:.2f} ± {fit.scale:.2f}, "
                 f"distance {distance_in_words(fit)}"
             )
-        label_axes(each, name, name)
-        each.set_ylabel("impacts [-]")
-        scale_counts(each, inside[name], edges)
+        label_counts(each, name, "impacts [-]", inside[name], edges)
         each.set_title("\n".join(words))
-    legend_of_two(
-        figure,
-        "all impacts, normal fit",
-        f"higher: after a rise of more than {HOP:g} m",
-    )
+    higher = f"higher: after a rise of more than {HOP:g} m"
+    legend_of_two(figure, "all impacts, normal fit", higher)
     return figure
+
+
+def all_and_higher(rows: Table, rise: str) -> tuple[tuple[Table, str, dict], ...]:
+    """All rows, and those that rise by more than a hop, with name and style."""
+    return (rows, "all", ALL), (rows[rows[rise] > HOP], "higher", HIGHER)
 
 
 def legend_of_two(figure: Figure, all_of_them: str, higher: str) -> None:
     """The legend of the histograms, and what the numbers in brackets are."""
-    handles = [
-        Line2D([], [], label=all_of_them, **ALL),
-        Line2D([], [], label=higher, **HIGHER),
-    ]
+    entries = (all_of_them, ALL), (higher, HIGHER)
+    handles = [Line2D([], [], label=label, **style) for label, style in entries]
     legend_outside(figure, handles, "upper center")
     figure.supxlabel(
         "distance: Kolmogorov's; in brackets what it exceeds by chance in 5 % of cases",
@@ -339,49 +299,46 @@ def legend_of_two(figure: Figure, all_of_them: str, higher: str) -> None:
     )
 
 
-def draw_histogram(
-    axes: Axes, values, edges: np.ndarray, fit: Fit, density, **style
-) -> None:
+def draw_histogram(axes: Axes, values, edges, fit: Fit, density, style) -> None:
     """Counts, and what the fitted density expects of them."""
-    axes.hist(
-        values, edges.tolist(), histtype="stepfilled", color=style["color"], alpha=0.35
-    )
+    filled = {"histtype": "stepfilled", "color": style["color"], "alpha": 0.35}
+    axes.hist(values, edges.tolist(), **filled)
     if np.isfinite(fit.scale):
         x = np.linspace(edges[0], edges[-1], 400)
         expected = fit.count * (edges[1] - edges[0]) * density(x, fit)
         axes.plot(x, expected, lw=1.4, **style)
 
 
-def scale_counts(axes: Axes, values, edges: np.ndarray) -> None:
-    """A logarithmic axis for counts of up to those of the values, and of a curve that
-    passes above them."""
+def label_counts(axes: Axes, x: str, counted: str, values, edges: np.ndarray) -> None:
+    """Labels, and a logarithmic axis for counts of up to those of the values, and of a
+    curve that passes above them."""
+    label_axes(axes, x, x, counted)
     log_scale(axes, "y")
     axes.set_ylim(FEWEST, 10.0 * max(1, *np.histogram(values, edges)[0]))
 
 
 def distance_in_words(fit: Fit) -> str:
-    """The distance, and in brackets what it exceeds by chance in 5 of 100 cases."""
     return f"{fit.distance:.2f} ({fit.distance_by_chance:.2f})"
 
 
 def exponential(x: np.ndarray, fit: Fit) -> np.ndarray:
-    """Its density, NaN before it begins."""
+    """Density of a fit, NaN before it begins."""
     beyond = np.where(x >= fit.start, x - fit.start, np.nan)
     return np.exp(-beyond / fit.scale) / fit.scale
 
 
 def normal(x: np.ndarray, fit: Fit) -> np.ndarray:
-    """Its density."""
+    """Density of a fit."""
     return np.exp(-0.5 * ((x - fit.start) / fit.scale) ** 2) / (
         np.sqrt(2.0 * np.pi) * fit.scale
     )
 
 
 SLOPE_FIGURES = (
-    PaperFigure("10", "the slope of two planes", (), compute_10, draw_10, True),
-    PaperFigure("11", "runs without initial spin", (), compute_11, draw_11, True),
-    PaperFigure("12", "heights of jumps", (), compute_12, draw_12, True),
+    PaperFigure("10", "the slope of two planes", (), compute_10, draw_10),
+    PaperFigure("11", "runs without initial spin", (), compute_11, draw_11),
+    PaperFigure("12", "heights of jumps", (), compute_12, draw_12),
     PaperFigure(
-        "14", "restitution in all impacts of the runs", (), compute_14, draw_14, True
+        "14", "restitution in all impacts of the runs", (), compute_14, draw_14
     ),
 )

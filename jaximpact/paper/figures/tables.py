@@ -6,9 +6,8 @@ contact. Both may have the same outcome, which does not tell then. The duration 
 over a jump it changes by as much however close the two sides are.
 """
 
-import concurrent.futures
 import dataclasses
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,17 +15,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ...accuracy import Accuracy
-from ...backend.threads import thread_count
-from ...impact.history import History
+from ...impact.termination import Outcome
 from ...progress import Progress
 from ...quantities import OUTCOME_COLUMN
 from ...runout import FullModel, Runs, simulate_runout
 from ...runout.biplanar import BiplanarCase
 from ...scene import Scene
-from ...scene_quantities import scene_of_values, scene_values
-from ...simulation import ImpactResult, simulate
 from ...sweeping import Axes, sweep
-from ..sets import TABLE_1, check_ground, parametric_set
+from ..sets import TABLE_1, check_ground, parametric_set, record_impacts
 
 Table = Any
 """A pandas.DataFrame, whose own annotations give a Series for every choice of rows."""
@@ -41,7 +37,7 @@ SERIES = {
     "R_r": "rotational_ratio",
 }
 """Column -> field of the history."""
-DURATION = "duration_s"
+ORIENTATION, DURATION = "orientation_deg", "duration_s"
 BRANCH = "branch"
 """Column that counts the pieces of a curve: from 0, one more after each jump."""
 JUMP = 0.05
@@ -81,7 +77,7 @@ class Study:
                 case.profile(soil),
                 case.release(),
                 FullModel(self.accuracy),
-                progress=lambda done, total: self.progress("runs", done, total),
+                progress=self.progress,
             )
         return self.known[self.ground]
 
@@ -93,13 +89,11 @@ class PaperFigure(NamedTuple):
     title: str
     """What it shows, in a line."""
     sets: tuple[str, ...]
-    """The parametric sets that it is computed from."""
+    """The parametric sets that it is computed from; none: the slope run-out."""
     compute: Callable[[Study], Table]
     """The table: a row for each point, columns named with units as in `columns`."""
     draw: Callable[[Table], Figure]
     """The figure, from the table alone."""
-    on_the_slope: bool = False
-    """Whether it shows the slope run-out on two planes."""
 
     @property
     def name(self) -> str:
@@ -120,61 +114,8 @@ def impact_table(
     return dataset.to_dataframe().reset_index()
 
 
-def impacts_at(
-    base: Scene,
-    points: Table,
-    results: tuple[str, ...],
-    accuracy: str | Accuracy,
-) -> Table:
-    """The points, a row each, with results and outcome of their impacts appended."""
-    quantities = {name: points[name].to_numpy() for name in points}
-    table = impact_table(base, {"point": quantities}, results, accuracy)
-    return table[[*quantities, *results, OUTCOME_COLUMN]]
-
-
-def record_series(
-    study: Study, base: Scene, points: Sequence[Mapping]
-) -> list[ImpactResult]:
-    """Impacts with their histories.
-
-    Args:
-        study: for its accuracy, and to be told of progress.
-        points: what differs from the base, quantities in the units of their columns.
-    """
-
-    def record(point):
-        scene = scene_of_values(scene_values(base) | dict(point))
-        return simulate(
-            scene.block,
-            scene.soil,
-            scene.impact,
-            accuracy=study.accuracy,
-            history=True,
-        )
-
-    total = len(points)
-    study.progress("time series", 0, total)
-    # The first compiles what all use.
-    results = [record(points[0])]
-    pool = concurrent.futures.ThreadPoolExecutor(thread_count())
-    try:
-        for result in pool.map(record, points[1:]):
-            results.append(result)
-            study.progress("time series", len(results), total)
-    finally:
-        pool.shutdown(cancel_futures=True)
-    return results
-
-
-def histories_of(results: Iterable[ImpactResult]) -> list[History]:
-    """The histories of results that were asked to have them."""
-    return [result.history for result in results if result.history is not None]
-
-
 def series_table(
-    points: Iterable[Mapping],
-    results: Iterable[ImpactResult],
-    series: Sequence[str],
+    study: Study, base: Scene, points: Sequence[Mapping], series: Sequence[str]
 ) -> Table:
     """Time series one below another, a row for the start and for each step of the
     integration, with the point and the outcome in every row.
@@ -182,13 +123,12 @@ def series_table(
     Steps are as the integration took them: dense where forces change fast, and the last
     one on the end of the contact, which a common grid of times would cut off.
     """
+    recorded = record_impacts(base, points, study.accuracy, study.progress)
     parts = []
-    for point, result in zip(points, results, strict=True):
-        columns = {name: getattr(result.history, SERIES[name]) for name in series}
-        part = pd.DataFrame(columns).assign(**{OUTCOME_COLUMN: str(result.outcome)})
-        for place, (quantity, value) in enumerate(point.items()):
-            part.insert(place, quantity, value)
-        parts.append(part)
+    for point, (numbers, history) in zip(points, recorded, strict=True):
+        columns = {name: getattr(history, SERIES[name]) for name in series}
+        outcome = str(Outcome(int(numbers.outcome_code)))
+        parts.append(pd.DataFrame({**point, **columns, OUTCOME_COLUMN: outcome}))
     return pd.concat(parts, ignore_index=True)
 
 
@@ -207,18 +147,11 @@ def peak(time: np.ndarray, values: np.ndarray) -> float:
     return float(height - 0.25 * first**2 / second) if second < 0.0 else float(height)
 
 
-def curves_with_jumps(
-    base: Scene,
-    axes: Axes,
-    along: str,
-    results: tuple[str, ...],
-    accuracy: str | Accuracy,
-) -> Table:
-    """Impacts along curves, with both sides of every jump.
+def curves_with_jumps(study: Study, name: str, results: tuple[str, ...]) -> Table:
+    """Impacts along curves over half a turn, with both sides of every jump.
 
     Args:
-        base, axes, accuracy: as for `sweep`.
-        along: the axis that runs along a curve; the others number the curves.
+        name: of the parametric set; what else varies in it numbers the curves.
         results: columns wanted beside the axes, duration and outcome.
 
     Returns:
@@ -226,21 +159,22 @@ def curves_with_jumps(
         of a jump, which are rows of their own, lie 1/1024 of the distance between
         neighbours apart. Of several jumps between the same neighbours one is found.
     """
-    results = (*results, DURATION)
+    base, axes = study.parametric_set(name)
+    results, along = (*results, DURATION), ORIENTATION
     across = [axis for axis in axes if axis != along]
-    grid = impact_table(base, axes, results, accuracy)
+    grid = impact_table(base, {**axes, along: HALF_TURN}, results, study.accuracy)
     grid = grid.sort_values([*across, along], ignore_index=True)
     same_curve = (grid[across].shift(-1) == grid[across]).all(axis=1)
     before = np.flatnonzero(same_curve)
     left, right = (grid.loc[before + i].reset_index(drop=True) for i in (0, 1))
     for _ in range(HALVINGS):
         left, right = _jumping(left, right)
-        points = left[[*across, along]].assign(
-            **{along: 0.5 * (left[along] + right[along])}
-        )
-        if points.empty:
+        if left.empty:
             break
-        middle = impacts_at(base, points, results, accuracy)
+        points = {axis: left[axis].to_numpy() for axis in across}
+        points[along] = (0.5 * (left[along] + right[along])).to_numpy()
+        middle = impact_table(base, {"point": points}, results, study.accuracy)
+        middle = middle.drop(columns="point")
         in_left_half = _change(left, middle) > _change(middle, right)
         left, right = (
             pd.concat([left[in_left_half], middle[~in_left_half]]).sort_index(),
