@@ -11,7 +11,7 @@ from ..accuracy import DEFAULT_ACCURACY
 from ..batch import simulate_batch
 from ..progress import Progress
 from ..runout import Ending, FullModel, MotionMode, Runs, passages, simulate_runout
-from ..runout.analysis import Jumps, jumps, restitutions, rise_before
+from ..runout.analysis import Jumps, jumps, restitutions
 from ..runout.biplanar import ASPECT_RATIOS, SPINS_DEGPS
 from ..runout.trajectory import stretches_of
 from ..scene import GRAVITY, Scene
@@ -140,9 +140,14 @@ class Study:
     def _slope(self, reading: SlopeReading) -> xr.Dataset:
         """Slope run-out: numbers of trajectories over the aspect ratio and the spin of
         the sphere, of the paths without spin over the aspect ratio, and of all jumps
-        and impacts in a row."""
+        and impacts in a row. Impacts after which a block hops are counted apart."""
         case, soil = reading.case, self._parametric_set("I")[0].soil
-        runs = simulate_runout(case.profile(soil), case.release(), FullModel(ACCURACY))
+        runs = simulate_runout(
+            case.profile(soil),
+            case.release(),
+            FullModel(ACCURACY),
+            hop_threshold=reading.hop_threshold,
+        )
         whole = np.isin(runs.ending, [Ending.stopped, Ending.left_profile])
         if not np.all(whole):
             raise NotComputed(
@@ -157,15 +162,15 @@ class Study:
             "first_impact_x_m": _first(runs, "x"),
             "off_the_parabola_m": off_the_parabola(runs),
             "first_flight_m": flights.height[_firsts(flights.trajectory)],
-            **bounces(runs, flights, reading.hop),
+            **bounces(runs, flights),
         }
-        counted = flights.after_contact & (flights.rise >= reading.hop)
+        counted = flights.after_contact.copy()
         if reading.released_flight_jumps:
             counted[_firsts(flights.trajectory)] = True
         coefficients = restitutions(runs, out_of_the_crater=reading.out_of_the_crater)
-        impacts = np.isfinite(coefficients.e_n)
-        if reading.hop > 0.0:
-            impacts &= rise_before(runs, flights) > reading.hop
+        hops = runs.contacts.hop.astype(bool)
+        valid = np.isfinite(coefficients.e_n)
+        impacts = valid & ~hops
         of_block = np.repeat(ASPECT_RATIOS, len(SPINS_DEGPS))
         variables = {
             name: (tuple(grid), np.reshape(values, tuple(map(len, grid.values()))))
@@ -177,6 +182,11 @@ class Study:
             "jump_aspect_ratio": ("jump", of_block[flights.trajectory[counted]]),
             "e_n": ("impact", coefficients.e_n[impacts]),
             "e_t": ("impact", coefficients.e_t[impacts]),
+            "impact_aspect_ratio": (
+                "impact",
+                of_block[runs.contacts.trajectory[impacts].astype(int)],
+            ),
+            "e_n_before_hops": ("hop", coefficients.e_n[valid & hops]),
         }
         return xr.Dataset(variables, grid)
 
@@ -275,14 +285,10 @@ def paths_apart(runs: Runs) -> np.ndarray:
     return apart
 
 
-def bounces(runs: Runs, flights: Jumps, hop: float) -> dict[str, np.ndarray]:
+def bounces(runs: Runs, flights: Jumps) -> dict[str, np.ndarray]:
     """Flights between the first impact of each trajectory and its first rolling: how
     many, the largest and the middle one of their rises [m], 0 for none, and whether the
-    block rolls then.
-
-    Args:
-        hop: rise up to which a flight is rolling [m].
-    """
+    block rolls then."""
     rolling = np.flatnonzero(runs.pieces.motion == MotionMode.rolling)
     rollers = runs.pieces.trajectory[rolling].astype(int)
     count, highest, middle, rolls = np.zeros((4, runs.release.count))
@@ -291,9 +297,6 @@ def bounces(runs: Runs, flights: Jumps, hop: float) -> dict[str, np.ndarray]:
         until = np.min(rolling[rollers == block], initial=len(runs.pieces.motion))
         rolls[block] = until < len(runs.pieces.motion)
         after = after[flights.piece[after] < until]
-        low = np.flatnonzero(flights.rise[after] <= hop)
-        if hop > 0.0 and len(low):
-            after, rolls[block] = after[: low[0]], 1.0
         rises = flights.rise[after]
         count[block] = len(rises)
         highest[block] = np.max(rises, initial=0.0)

@@ -14,7 +14,8 @@ import numpy as np
 import xarray as xr
 
 from ..restitution import vijayakumar_coefficient
-from ..runout.biplanar import HOP, SLOPE, BiplanarCase
+from ..runout.biplanar import SLOPE, BiplanarCase
+from ..runout.state import HOP_THRESHOLD
 from ..scene import Scene
 from ..units import DEGREE
 
@@ -64,9 +65,9 @@ class SlopeReading:
     counted."""
 
     case: BiplanarCase = dataclasses.field(default_factory=BiplanarCase)
-    hop: float = 0.0
-    """Rise up to which a flight counts as rolling [m]: it is no bounce and no jump, and
-    the contact that ends it is no impact. With 0 every contact counts."""
+    hop_threshold: float = HOP_THRESHOLD
+    """Height of a flight, as a fraction of the block's heave, below which it rolls; see
+    `simulate_runout`."""
     released_flight_jumps: bool = False
     """Whether the flight that a block is released in is a jump too."""
     out_of_the_crater: bool = True
@@ -145,7 +146,9 @@ SLOPE_READINGS = (
     _case("major axis horizontal", orientation=90.0 * DEGREE),
     _case("rolling friction 10°", rolling_friction_angle=10.0 * DEGREE),
     _case("rolling friction 25°", rolling_friction_angle=25.0 * DEGREE),
-    Reading(f"hops up to {HOP:g} m are rolling", slope=SlopeReading(hop=HOP)),
+    Reading("each hop is an impact", slope=SlopeReading(hop_threshold=0.0)),
+    Reading("hops up to half the heave", slope=SlopeReading(hop_threshold=0.5)),
+    Reading("hops up to twice the heave", slope=SlopeReading(hop_threshold=2.0)),
     Reading(
         "the released flight is a jump", slope=SlopeReading(released_flight_jumps=True)
     ),

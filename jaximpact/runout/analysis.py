@@ -265,21 +265,6 @@ def jumps(runs: Runs) -> Jumps:
     )
 
 
-def rise_before(runs: Runs, flights: Jumps) -> np.ndarray:
-    """Find the rise of the flight that each contact ends [m], `(contacts,)`; NaN for
-    one that ends no flight, or takes no time."""
-    motion = runs.pieces.motion
-    rise = np.full(len(motion), np.nan)
-    rise[flights.piece] = flights.rise
-    # Pieces of contacts and contact records have the same order.
-    places = np.flatnonzero(motion == MotionMode.contact)
-    same = runs.pieces.trajectory[places - 1] == runs.pieces.trajectory[places]
-    before = np.full(len(runs.contacts.time), np.nan)
-    takes_time = runs.contacts.duration > 0.0
-    before[takes_time] = np.where(same & (places > 0), rise[places - 1], np.nan)
-    return before
-
-
 def _time_at(p, x: float) -> np.ndarray:
     """Compute when flights pass x [s]; 0 for never."""
     moves = p.v_x != 0.0

@@ -31,9 +31,6 @@ ASPECT_RATIOS = (1.0, 1.5, 2.0, 3.0, 4.0)
 """Aspect ratios of the blocks; the paper has 1 to 4, the steps are ours."""
 SPINS_DEGPS = tuple(np.linspace(0.0, 20_000.0, 9).tolist())
 """Spins of the sphere [deg/s]."""
-HOP = 0.5
-"""Rise of the centre in a flight [m] up to which a block that tumbles along the ground
-counts as rolling; the first flight rises by some ten metres."""
 COEFFICIENTS = (-1.0, 3.0)
 """Range of coefficients of restitution in the diagrams: those of grazing impacts have
 no bounds."""

@@ -36,7 +36,7 @@ RELATIVE = 2e-3
 
 COURSES = ("4", "6")
 OF_RUNS = ("x_m", "y_m", "height_m", "velocity_mps", "spin_degps")
-OF_RUNS += ("start_x_m", "rise_m", "rise_before_m")
+OF_RUNS += ("start_x_m", "rise_m")
 OVER_ORIENTATION = ("8", "13")
 
 
@@ -235,21 +235,13 @@ def test_velocities_of_runs_are_those_of_the_centre(tables):
 def test_jumps_and_impacts_are_of_one_set_of_runs(tables):
     jumps, impacts = tables["12"], tables["14"]
     by = ["aspect_ratio", "angular_velocity_degps"]
-    assert len(impacts.groupby(by)) == len(jumps.groupby(by)) == 45
+    assert len(impacts.groupby(by)) == 45
     first = impacts.groupby(by).first()
     assert first["x_m"].between(59.0, 61.5).all()
-    # The flight of the release: 11.2 m above its start, the centre 1 m above the crest.
-    summit = (20.0 * np.sin(np.radians(10.0)) + 0.575 * first_speed()) ** 2 / 2 / 9.81
-    np.testing.assert_allclose(first["rise_before_m"], summit, rtol=1e-9)
-    # Every jump but the last few ends in an impact; a few touches are too slow.
-    rises = impacts["rise_before_m"].dropna()
-    higher = jumps["rise_m"] > 0.5
-    assert (rises > 0.5).sum() - 45 <= higher.sum()
-
-
-def first_speed():
-    """Along x at release [m/s]."""
-    return 20.0 * np.cos(np.radians(10.0))
+    # A block that hops after an impact does not fly from it.
+    flies = impacts["hop"] == 0
+    assert len(jumps) <= flies.sum()
+    assert set(impacts[~flies]["aspect_ratio"]) == {1.5, 2.0, 3.0, 4.0}
 
 
 def test_fits_are_drawn_as_they_are_told(tables):

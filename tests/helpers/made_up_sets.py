@@ -177,5 +177,7 @@ def _slope():
             "jump_aspect_ratio": ("jump", np.repeat(ASPECT_RATIOS, len(shares))),
             "e_n": ("impact", 0.67 + 0.3 * spread),
             "e_t": ("impact", 0.92 + 0.2 * spread),
+            "impact_aspect_ratio": ("impact", np.resize(ASPECT_RATIOS, len(spread))),
+            "e_n_before_hops": ("hop", -0.7 + 0.1 * spread),
         }
     )

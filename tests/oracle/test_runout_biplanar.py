@@ -20,7 +20,7 @@ from jaximpact.runout import (
     Release,
     simulate_runout,
 )
-from jaximpact.runout.analysis import jumps, restitutions, rise_before
+from jaximpact.runout.analysis import jumps, restitutions
 from jaximpact.runout.biplanar import (
     ASPECT_RATIOS,
     SLOPE,
@@ -114,7 +114,6 @@ def test_a_sphere_that_drops_jumps_by_the_square_of_its_coefficient():
     assert flights.rise[0] == 0.0
     # A law that takes no time leaves no piece of a contact between the flights.
     assert not flights.after_contact.any()
-    assert np.isnan(rise_before(runs, flights)).all()
 
 
 def test_heights_are_the_largest_on_the_way(flying):
@@ -133,27 +132,6 @@ def test_heights_are_the_largest_on_the_way(flying):
     assert np.all(flights.height <= sampled + missed + 1e-9)
     start = p.y - runs.profile.height(p.x)
     np.testing.assert_allclose(flights.rise, flights.height - start, atol=1e-12)
-
-
-def test_every_impact_after_a_flight_knows_its_rise(flying):
-    runs = flying
-    flights, contacts = jumps(runs), runs.contacts
-    before = rise_before(runs, flights)
-    ends = runs.pieces.time[flights.piece] + runs.pieces.duration[flights.piece]
-    known = {
-        (trajectory, end): rise
-        for trajectory, end, rise in zip(
-            flights.trajectory, ends, flights.rise, strict=True
-        )
-    }
-    for i, rise in enumerate(before):
-        at = contacts.trajectory[i], contacts.time[i]
-        if contacts.duration[i] > 0.0 and at in known:
-            assert rise == known[at]
-        else:
-            assert np.isnan(rise)
-    # Nearly all impacts end a flight; those at the toe may end a way along the ground.
-    assert np.isfinite(before).mean() > 0.9
 
 
 # --- coefficients
@@ -222,18 +200,18 @@ def test_paths_are_apart_by_what_they_are_seen_to_be(runs):
     np.testing.assert_allclose(apart, found, rtol=0.0, atol=1e-3)
 
 
-@pytest.mark.parametrize("hop", [0.0, 0.5])
-def test_bounces_are_the_flights_before_a_block_rolls(runs, hop):
+@pytest.mark.parametrize("which", ["runs", "flying"])
+def test_bounces_are_the_flights_before_a_block_rolls(which, request):
+    runs = request.getfixturevalue(which)
     flights = jumps(runs)
-    found = bounces(runs, flights, hop)
+    found = bounces(runs, flights)
     rise_of = dict(zip(flights.piece, flights.rise, strict=True))
     for block in range(runs.release.count):
         pieces = np.flatnonzero(runs.pieces.trajectory == block)
         rises, rolls = [], False
         for piece in pieces[1:]:
             way = runs.pieces.motion[piece]
-            low = way == MotionMode.flight and hop > 0.0 and rise_of[piece] <= hop
-            if way == MotionMode.rolling or low:
+            if way == MotionMode.rolling:
                 rolls = True
                 break
             if way == MotionMode.flight:

@@ -105,7 +105,11 @@ def exponential_fits(data: xr.Dataset) -> dict[float, Fit]:
 
 
 def coefficients_are_normal(study: Study) -> Judgement:
-    """e_n and e_t of all impacts are near normal, with the paper's means."""
+    """e_n and e_t of all impacts are near normal, with the paper's means.
+
+    Impacts after which a block hops are not among them. Means pooled over shapes rest
+    on how many impacts each shape has, so those of each are told beside them.
+    """
     data = study[SLOPE]
     parts, words, numbers = [], [], {}
     for name, mean in MEANS.items():
@@ -123,7 +127,7 @@ def coefficients_are_normal(study: Study) -> Judgement:
             f"{fit.scale:.2f}, median {np.median(values):.2f}, distance "
             f"{fit.distance:.2f}, {100.0 * above:.1f} % above {WELL_ABOVE}, "
             f"{100.0 * float(outside):.1f} % outside of {COEFFICIENTS[0]:g} to "
-            f"{COEFFICIENTS[1]:g}"
+            f"{COEFFICIENTS[1]:g}, mean at A_r {_means_by_shape(data, name)}"
         )
         numbers |= {f"mean_{name}": fit.start, f"distance_{name}": fit.distance}
     others = []
@@ -131,8 +135,22 @@ def coefficients_are_normal(study: Study) -> Judgement:
         other = study.on(ground)[SLOPE]
         means = [np.mean(_in_window(other[name])) for name in MEANS]
         others.append(f"{ground} {means[0]:.2f} and {means[1]:.2f}")
-    words += [f"{data.e_n.size} impacts", "means elsewhere: " + ", ".join(others)]
+    spheres = int((data.impact_aspect_ratio == 1.0).sum())
+    words += [
+        f"{data.e_n.size} impacts, {spheres} of them of spheres, and "
+        f"{data.e_n_before_hops.size} before hops, of mean e_n "
+        f"{float(data.e_n_before_hops.mean()):.2f}",
+        "means elsewhere: " + ", ".join(others),
+    ]
     return judge("; ".join(words), parts, numbers)
+
+
+def _means_by_shape(data: xr.Dataset, name: str) -> str:
+    means = (
+        (shape, _in_window(data[name][data.impact_aspect_ratio == shape]).mean())
+        for shape in np.unique(data.impact_aspect_ratio)
+    )
+    return ", ".join(f"{shape:g}: {mean:.2f}" for shape, mean in means)
 
 
 def _in_window(values: xr.DataArray) -> np.ndarray:

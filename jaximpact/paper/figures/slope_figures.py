@@ -21,13 +21,12 @@ from ...plotting.style import (
 )
 from ...quantities import OUTCOME_COLUMN, columns_of_part
 from ...runout import Ending, MotionMode, Pieces, Runs
-from ...runout.analysis import jumps, restitutions, rise_before
+from ...runout.analysis import jumps, restitutions
 from ...runout.biplanar import (
     ASPECT_RATIOS,
     COEFFICIENTS,
     FLAT_LENGTH,
     HEIGHT,
-    HOP,
     SLOPE,
     SLOPE_LENGTH,
     SPEED,
@@ -60,11 +59,10 @@ SPACING = 0.05
 """Largest time between rows [s]; the ends of all pieces of a trajectory are rows."""
 SERIES = ("y_m", "height_m", "velocity_mps", "spin_degps")
 JUMP_BINS, IMPACT_BINS = 50, 80
-RISE = "rise_before_m"
-"""Column of the rise of the flight that an impact ends; NaN where the block came along
-the ground."""
-ALL: dict[str, Any] = {"color": "black"}
-HIGHER: dict[str, Any] = {"color": VERMILION, "ls": "--"}
+HOP = "hop"
+"""Column: 1 for an impact after which the block hops along the ground."""
+IMPACTS: dict[str, Any] = {"color": "black"}
+BEFORE_HOPS: dict[str, Any] = {"color": VERMILION, "ls": "--"}
 
 
 def blocks_table(runs: Runs, trajectory: np.ndarray) -> Table:
@@ -210,22 +208,19 @@ def compute_12(study: Study) -> Table:
 
 @in_style
 def draw_12(table: Table) -> Figure:
-    """a to e: histograms for each aspect ratio, all spins, with exponential fits to all
-    jumps and to the higher ones, which rise by more than a hop, and the distances of
-    the fits; f: fractions that are higher."""
+    """a to e: histograms for each aspect ratio, all spins, with exponential fits, and
+    the distances of the fits; f: fractions that are higher."""
     figure, axes = lettered_panels(3, 2, sharex=True)
     edges = np.linspace(0.0, 1.02 * table["height_m"].max(), JUMP_BINS + 1)
     fraction = axes[-1]
     colours = colours_of(table[ASPECT_RATIO])
     for each, (shape, rows) in zip(axes[:-1], table.groupby(ASPECT_RATIO), strict=True):
-        words = []
-        for chosen, who, style in all_and_higher(rows, "rise_m"):
-            fit = fit_exponential(chosen["height_m"])
-            draw_histogram(each, chosen["height_m"], edges, fit, exponential, style)
-            words.append(f"{who} {distance_in_words(fit)}")
         heights = rows["height_m"]
+        fit = fit_exponential(heights)
+        draw_histogram(each, heights, edges, fit, exponential, IMPACTS)
         label_counts(each, "height_m", "jumps [-]", heights, edges)
-        each.set_title(f"$A_r$ = {shape:g}, distance of the fit:\n{', '.join(words)}")
+        told = f"distance of the fit {distance_in_words(fit)}"
+        each.set_title(f"$A_r$ = {shape:g}: {len(heights)} jumps,\n{told}")
         ordered = np.sort(heights)
         fraction.step(
             ordered,
@@ -238,8 +233,7 @@ def draw_12(table: Table) -> Figure:
     log_scale(fraction, "y")
     fraction.legend(title="$A_r$")
     axes[0].set_xlim(edges[0], edges[-1])
-    higher = f"higher: rise by more than {HOP:g} m"
-    legend_of_two(figure, "all jumps, exponential fit", higher)
+    say_what_distances_are(figure)
     return figure
 
 
@@ -254,7 +248,7 @@ def compute_14(study: Study) -> Table:
         "x_m": contacts.x[chosen],
         "e_n": found.e_n[chosen],
         "e_t": found.e_t[chosen],
-        RISE: rise_before(runs, jumps(runs))[chosen],
+        HOP: contacts.hop[chosen].astype(int),
         OUTCOME_COLUMN: [str(Outcome(code)) for code in contacts.outcome[chosen]],
     }
     return table.drop(columns=ENDING_COLUMN).assign(**columns)
@@ -262,14 +256,19 @@ def compute_14(study: Study) -> Table:
 
 @in_style
 def draw_14(table: Table) -> Figure:
-    """a: e_n; b: e_t; with normal fits to all impacts and to those after a flight that
-    rises by more than a hop: mean and standard deviation, and distance."""
+    """a: e_n; b: e_t; with normal fits to impacts after which blocks fly, or roll from
+    rest on the ground, and to those before hops: mean and standard deviation, and
+    distance."""
     figure, axes = lettered_panels(1, 2)
     edges = np.linspace(*COEFFICIENTS, IMPACT_BINS + 1)
     for each, name in zip(axes, ("e_n", "e_t"), strict=True):
         inside = table[table[name].between(*COEFFICIENTS)]
         words = []
-        for chosen, who, style in all_and_higher(inside, RISE):
+        for hops, who, style in (
+            (0, "impacts", IMPACTS),
+            (1, "before hops", BEFORE_HOPS),
+        ):
+            chosen = inside[inside[HOP] == hops]
             fit = fit_normal(chosen[name])
             draw_histogram(each, chosen[name], edges, fit, normal, style)
             words.append(
@@ -278,21 +277,18 @@ def draw_14(table: Table) -> Figure:
             )
         label_counts(each, name, "impacts [-]", inside[name], edges)
         each.set_title("\n".join(words))
-    higher = f"higher: after a rise of more than {HOP:g} m"
-    legend_of_two(figure, "all impacts, normal fit", higher)
+    entries = (
+        ("impacts, normal fit", IMPACTS),
+        ("impacts after which the block hops along the ground", BEFORE_HOPS),
+    )
+    handles = [Line2D([], [], label=label, **style) for label, style in entries]
+    legend_outside(figure, handles, "upper center")
+    say_what_distances_are(figure)
     return figure
 
 
-def all_and_higher(rows: Table, rise: str) -> tuple[tuple[Table, str, dict], ...]:
-    """All rows, and those that rise by more than a hop, with name and style."""
-    return (rows, "all", ALL), (rows[rows[rise] > HOP], "higher", HIGHER)
-
-
-def legend_of_two(figure: Figure, all_of_them: str, higher: str) -> None:
-    """The legend of the histograms, and what the numbers in brackets are."""
-    entries = (all_of_them, ALL), (higher, HIGHER)
-    handles = [Line2D([], [], label=label, **style) for label, style in entries]
-    legend_outside(figure, handles, "upper center")
+def say_what_distances_are(figure: Figure) -> None:
+    """Explain the numbers in brackets."""
     figure.supxlabel(
         "distance: Kolmogorov's; in brackets what it exceeds by chance in 5 % of cases",
         fontsize=9,
