@@ -29,6 +29,12 @@ COLUMNS = (
     *("barrier", "x_m", "height_m", "capacity_kJ"),
     *("quantity", "blocks", "count", "value", "low", "high"),
 )
+EFFECT_WORDS = {
+    "arrive, of all": "arriving",
+    "pass over, of these": "over_of_arriving",
+    "break it": "broken_of_arriving",
+    "are stopped": "stopped_of_arriving",
+}
 NOTE = "A barrier changes no trajectory: blocks that it stops are counted, not removed."
 
 
