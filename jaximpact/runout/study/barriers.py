@@ -79,7 +79,7 @@ def _barrier(path: Path, where: str, table: dict, profile: Profile) -> Barrier:
             key=f"{where}.x_m",
         )
     key = f"{where}.name"
-    name = typed(path, {key: table.get("name", f"x = {x:g} m")}, key, str)
+    name = typed(path, {key: table.get("name", f"barrier at {x:g} m")}, key, str)
     if not name.strip():
         raise InputError("must be a text, but is empty", file=path, key=key)
     return Barrier(name, x, height, 1e3 * capacity)

@@ -22,6 +22,7 @@ from .barrier_results import (
 )
 from .intervals import percentile_interval
 from .map_files import names_of_map_files, write_map_files
+from .report_page import report_page
 from .run_study import PERCENTILES, simulate
 from .slope_file import SlopeStudy
 
@@ -42,7 +43,7 @@ QUANTITIES = (
 
 STUDY_FILES = (
     *("blocks.nc", "stops.csv", "profile.png", "envelopes.png", "stops.png"),
-    *("report.txt", "manifest.json"),
+    *("report.txt", "report.html", "manifest.json"),
 )
 COLLECTOR_FILES = ("collectors.csv", "collectors.png")
 COLLECTOR_COLUMNS = (
@@ -87,6 +88,7 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> N
     first = simulate(study, np.arange(min(SHOWN, study.release.count)))
     drawing.plot_trajectories(first, study.collectors, study.title, new("profile.png"))
     write_map_files(study, dataset, first, new)
+    write_text(new("report.html"), report_page(study, dataset, first))
     drawing.plot_envelopes(dataset, study.profile, new("envelopes.png"))
     drawing.plot_stops(dataset, new("stops.png"))
     if len(study.collectors):
