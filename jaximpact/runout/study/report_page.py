@@ -147,8 +147,8 @@ def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
         arrive = by_name["share_arriving"]
         through = [by_name[f"share_{n}_of_all"].count or 0 for n in ("over", "broken")]
         lines.append(
-            f"Barrier {name}: {arrive.count} blocks arrive, {through[0]} pass over and "
-            f"{through[1]} break it."
+            f"{name[:1].upper()}{name[1:]}: {arrive.count} blocks arrive, {through[0]} "
+            f"pass over, and {through[1]} break the barrier."
         )
     return lines
 
@@ -172,7 +172,10 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
     if np.all(study.profile.rolling_friction_angle == ROLLING_FRICTION_ANGLE) and (
         ROLLING_COLUMN not in str(sorted(study.ground_samples))
     ):
-        lines.append("The angle of rolling friction of 20° is an assumption.")
+        lines.append(
+            "The angle of rolling friction is its default, 20°: an assumption, unless "
+            "it was measured."
+        )
     failed = endings.get(str(Ending.failed), 0)
     if failed:
         lines.append(f"{failed} blocks failed, and are in no number but their count.")

@@ -52,6 +52,8 @@ function place() {
   const bin = Number(slider.value), band = document.getElementById("bin");
   band.setAttribute("x", toX(data.edges[bin]));
   band.setAttribute("width", (data.edges[bin + 1] - data.edges[bin]) * s);
+  add(labels, "rect", { class: "margin", x: 0, y: HIGH - 24, width: WIDE, height: 24 });
+  add(labels, "rect", { class: "margin", x: 0, y: 0, width: 46, height: HIGH - 24 });
   for (const x of ticks(view.x, view.x + WIDE / s, 8)) {
     if (toX(x) > WIDE - 50) continue;
     add(labels, "line", { class: "grid", x1: toX(x), x2: toX(x), y1: HIGH - 22, y2: HIGH - 17 });
