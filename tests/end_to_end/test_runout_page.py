@@ -87,7 +87,7 @@ def test_the_slider_shows_the_blocks_in_a_bin(page, tmp_path, place):
         expected = factor * here[f"envelope_{name}_percentiles"].values
         # Four digits are shown.
         np.testing.assert_allclose([float(v) for v in row[1::2]], expected, rtol=6e-4)
-        assert row[-1].endswith("to –")  # 80 blocks have no upper end at 99 %
+        assert row[-1].endswith("to -")  # 80 blocks have no upper end at 99 %
     # A curve in each panel, and labels of the profile's places.
     assert shown.count("<polyline") == 3
     assert re.search(r"<text [^>]*>fence</text>", shown)

@@ -35,6 +35,8 @@ EFFECT_WORDS = {
     "break it": "broken_of_arriving",
     "are stopped": "stopped_of_arriving",
 }
+ROUNDING = 1e-9
+"""Number below which a text says 0."""
 NOTE = "A barrier changes no trajectory: blocks that it stops are counted, not removed."
 
 
@@ -268,7 +270,10 @@ def too_few(dataset: xr.Dataset) -> list[str]:
 
 def number_text(value: float) -> str:
     """Write a number with four digits, a dash where there is none."""
-    return f"{value:.4g}" if np.isfinite(value) else "-"
+    # What rounding leaves of 0, as of the height of a block that rolls, is 0.
+    return (
+        f"{0.0 if abs(value) < ROUNDING else value:.4g}" if np.isfinite(value) else "-"
+    )
 
 
 def interval_text(low: float, high: float) -> str:

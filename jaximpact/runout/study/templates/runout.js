@@ -11,17 +11,19 @@ function add(parent, tag, attributes, text) {
   return element;
 }
 
-// Round numbers between two ends, about so many.
+// Round numbers between two ends, about so many, each with its text.
 function ticks(low, high, count) {
   const raw = (high - low) / count;
   const power = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= raw);
   const found = [];
-  for (let i = Math.ceil(low / step); i * step <= high; i++) found.push(i * step);
+  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  for (let i = Math.ceil(low / step); i * step <= high; i++)
+    found.push([i * step, (i * step).toFixed(Math.min(decimals, 20))]);
   return found;
 }
 
-const shown = (value) => String(Number(value.toPrecision(4)));
+const shown = (value, digits = 4) => String(Number(value.toPrecision(digits)));
 
 // --- The profile: wheel and buttons zoom, dragging moves, a click chooses x.
 
@@ -54,15 +56,15 @@ function place() {
   band.setAttribute("width", (data.edges[bin + 1] - data.edges[bin]) * s);
   add(labels, "rect", { class: "margin", x: 0, y: HIGH - 24, width: WIDE, height: 24 });
   add(labels, "rect", { class: "margin", x: 0, y: 0, width: 46, height: HIGH - 24 });
-  for (const x of ticks(view.x, view.x + WIDE / s, 8)) {
+  for (const [x, text] of ticks(view.x, view.x + WIDE / s, 8)) {
     if (toX(x) > WIDE - 50) continue;
     add(labels, "line", { class: "grid", x1: toX(x), x2: toX(x), y1: HIGH - 22, y2: HIGH - 17 });
-    add(labels, "text", { x: toX(x), y: HIGH - 5, "text-anchor": "middle" }, shown(x));
+    add(labels, "text", { x: toX(x), y: HIGH - 5, "text-anchor": "middle" }, text);
   }
-  for (const y of ticks(view.y, view.y + HIGH / s, 5)) {
+  for (const [y, text] of ticks(view.y, view.y + HIGH / s, 5)) {
     if (toY(y) > HIGH - 25 || toY(y) < 15) continue;
     add(labels, "line", { class: "grid", x1: 42, x2: 47, y1: toY(y), y2: toY(y) });
-    add(labels, "text", { x: 38, y: toY(y) + 4, "text-anchor": "end" }, shown(y));
+    add(labels, "text", { x: 38, y: toY(y) + 4, "text-anchor": "end" }, text);
   }
   add(labels, "text", { x: WIDE - 4, y: HIGH - 5, "text-anchor": "end" }, "x [m]");
   add(labels, "text", { x: 4, y: 14 }, "y [m]");
@@ -141,7 +143,7 @@ function draw() {
   const bin = Number(slider.value), count = data.counts[bin];
   const [from, to] = [data.edges[bin], data.edges[bin + 1]];
   document.getElementById("where").textContent =
-    `x from ${shown(from)} to ${shown(to)} m: ${count} of ${data.blocks} blocks come there`;
+    `x from ${shown(from, 7)} to ${shown(to, 7)} m: ${count} of ${data.blocks} blocks come there`;
   place();
   data.quantities.forEach((quantity, i) => panel(panels[i], quantity, bin));
   table(bin);
@@ -171,9 +173,9 @@ function panel(svg, quantity, bin) {
     add(svg, "text", { x: x0 - 5, y: y + 4, "text-anchor": "end" },
       `${Number((100 * 10 ** -d).toPrecision(1))} %`);
   }
-  for (const v of ticks(0, top, 4)) {
+  for (const [v, text] of ticks(0, top, 4)) {
     add(svg, "line", { class: "grid", x1: toX(v), x2: toX(v), y1: y0, y2: y1 });
-    add(svg, "text", { x: toX(v), y: y0 + 16, "text-anchor": "middle" }, shown(v));
+    add(svg, "text", { x: toX(v), y: y0 + 16, "text-anchor": "middle" }, text);
   }
   const points = values.map((v, i) =>
     `${toX(v).toFixed(1)},${toY(data.ranks[bin][i] / data.blocks).toFixed(1)}`);
@@ -186,14 +188,14 @@ function panel(svg, quantity, bin) {
 function table(bin) {
   const body = document.getElementById("numbers");
   body.replaceChildren();
-  const text = (v) => (v === null ? "–" : shown(v));
+  const text = (v) => (v === null ? "-" : shown(v));
   for (const quantity of data.quantities) {
     const row = body.insertRow();
     row.insertCell().textContent = `${quantity.words} [${quantity.unit}]`;
     for (const [value, low, high] of quantity.percentiles[bin]) {
       row.insertCell().textContent = text(value);
       row.insertCell().textContent =
-        low === null && high === null ? "–" : `${text(low)} to ${text(high)}`;
+        low === null && high === null ? "-" : `${text(low)} to ${text(high)}`;
     }
   }
 }
