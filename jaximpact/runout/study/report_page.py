@@ -169,9 +169,9 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
         "are combinations of lists and no random samples.",
         "The motion is plane: blocks neither leave the profile sideways nor break.",
     ]
-    if np.all(study.profile.rolling_friction_angle == ROLLING_FRICTION_ANGLE) and (
-        ROLLING_COLUMN not in str(sorted(study.ground_samples))
-    ):
+    varied = any(ROLLING_COLUMN in name for name in study.ground_samples)
+    angles = study.profile.rolling_friction_angle
+    if np.all(angles == ROLLING_FRICTION_ANGLE) and not varied:
         lines.append(
             "The angle of rolling friction is its default, 20°: an assumption, unless "
             "it was measured."
