@@ -180,6 +180,11 @@ def test_no_half_of_a_map_is_left(tmp_path, kind):
     assert [file.name for file in tmp_path.iterdir()] == ["map"]
 
 
+def test_what_sqlite_cannot_write_is_an_error_of_files(tmp_path):
+    with pytest.raises(OSError, match="cannot be written"):
+        geopackage(tmp_path / "no folder" / "a.gpkg", 2056).__enter__()
+
+
 @pytest.mark.parametrize("count", [0, 1, 12, 13, 120, 1000, 100_000])
 @pytest.mark.parametrize("most", [12, 120])
 def test_ranks_of_curves(count, most):

@@ -56,28 +56,26 @@ def geopackage(path: Path, code: int) -> Iterator[OpenLayer]:
     Raises OSError where the file system refuses.
     """
     with replacing(path) as temporary:
-        connection = sqlite3.connect(temporary)
         try:
-            # What is not whole is not kept: a journal would only lie beside it.
-            connection.execute("PRAGMA journal_mode = MEMORY")
-            connection.execute(f"PRAGMA application_id = {APPLICATION}")
-            connection.execute(f"PRAGMA user_version = {VERSION}")
-            connection.executescript(TABLES)
-            systems = [
-                ("undefined cartesian", -1, "NONE", -1, "undefined", None),
-                ("undefined geographic", 0, "NONE", 0, "undefined", None),
-                ("WGS 84", 4326, "EPSG", 4326, WGS84, None),
-                # Programs know its definition by the number.
-                (f"EPSG:{code}", code, "EPSG", code, "undefined", None),
-            ]
-            insert = "INSERT INTO gpkg_spatial_ref_sys VALUES (?, ?, ?, ?, ?, ?)"
-            connection.executemany(insert, systems)
-            yield lambda *layer: _layer(connection, code, *layer)
-            connection.commit()
+            with contextlib.closing(sqlite3.connect(temporary)) as connection:
+                # What is not whole is not kept: a journal would only lie beside it.
+                connection.execute("PRAGMA journal_mode = MEMORY")
+                connection.execute(f"PRAGMA application_id = {APPLICATION}")
+                connection.execute(f"PRAGMA user_version = {VERSION}")
+                connection.executescript(TABLES)
+                systems = [
+                    ("undefined cartesian", -1, "NONE", -1, "undefined", None),
+                    ("undefined geographic", 0, "NONE", 0, "undefined", None),
+                    ("WGS 84", 4326, "EPSG", 4326, WGS84, None),
+                    # Programs know its definition by the number.
+                    (f"EPSG:{code}", code, "EPSG", code, "undefined", None),
+                ]
+                insert = "INSERT INTO gpkg_spatial_ref_sys VALUES (?, ?, ?, ?, ?, ?)"
+                connection.executemany(insert, systems)
+                yield lambda *layer: _layer(connection, code, *layer)
+                connection.commit()
         except sqlite3.OperationalError as error:
             raise OSError(f"{path} cannot be written: {error}") from error
-        finally:
-            connection.close()
 
 
 def _layer(
