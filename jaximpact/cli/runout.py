@@ -43,6 +43,12 @@ The study is a TOML file. Lengths in m, angles in degrees; x to the right, y up.
     e_n = 0.35
     e_t = 0.85
 
+    [[barriers]]                   # as many as you like
+    name = "fence"                 # default: its place
+    x_m = 450
+    height_m = 4                   # of its top above the ground, vertically
+    capacity_kJ = 1000             # kinetic energy that it stops
+
 A quantity of ground, block or release is a number; { mean, sd }, a normal distribution,
 cut off at least and most if they are given; { from, to }, a uniform one; or a list. It
 is sampled once per block, and so is the ground: a block finds one c_v wherever it goes,
@@ -63,6 +69,12 @@ which the block would not strike are sampled again. No contact gains energy by i
 Touches too slow to be an impact, rolling and sliding see the segment as it is.
 direction_deg goes from the horizontal upwards; orientation_deg from the vertical,
 clockwise, to the major axis; clockwise is positive for angular_velocity_degps.
+A barrier changes no trajectory: blocks that reach it, pass over it (lowest point above
+its top), break it (energy above its capacity) or are stopped are counted, at their
+first passage, with intervals of 95 %.
+[profile] may have origin = [easting, northing] of x = 0, azimuth_deg, the direction of
+x from north clockwise, and crs = "EPSG:2056" or another in metres: then trajectories,
+stops, collectors and barriers are written for maps, as GeoJSON and GeoPackage.
 
 Further keys, before all tables:
   title          free text
@@ -71,6 +83,8 @@ Further keys, before all tables:
                  the count, and whatever else is random
   accuracy       of the full model, as --accuracy
   bins           of x, for the envelopes (default: 50)
+  export_trajectories
+                 in files, the first ones (default: 50)
   time_limit_s, event_limit
                  where a block still under way is given up (defaults: 600 and 10000)
   hop_threshold  height of a flight, as a fraction of the heave of the block's centre as
@@ -82,10 +96,11 @@ RESULT = """
 
 Every block has an ending: stopped, left profile, time limit, event limit or failed. All
 are counted; those that failed are left out of percentiles and curves. Written to DIR:
-report.txt (also printed), manifest.json, blocks.nc, stops.csv, collectors.csv and
-drawings; where laws are compared, for each law in a directory of its own, and tables
-and drawings that set them side by side in DIR. After a run that was cut short the same
-command goes on from there."""
+report.txt (also printed), report.html, a page to hand over, manifest.json, blocks.nc,
+stops.csv, collectors.csv, barriers.csv, trajectories.csv, maps and drawings; where laws
+are compared, for each law in a directory of its own, and tables and drawings that set
+them side by side in DIR. After a run that was cut short the same command goes on from
+there."""
 
 
 def _description() -> str:

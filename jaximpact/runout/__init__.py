@@ -8,12 +8,15 @@ from .derivatives.gradients import Standing, differentiate_runout, runout_gradie
 from .dual import Dual
 from .random_inputs import Normal, Uniform, draw
 from .scheduler import simulate_runout
+from .study.barriers import Barrier
+from .study.map_placement import MapPlacement
 from .study.run_study import run_slope_study
 from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
 from .terrain import Ground, Profile, read_profile
 from .trajectory import ContactRecord, Ending, MotionMode, Pieces, Runs
 
 __all__ = [
+    "Barrier",
     "ClosedForm",
     "ContactRecord",
     "Contacts",
@@ -23,6 +26,7 @@ __all__ = [
     "Ground",
     "ImpactResponse",
     "ImpactResponses",
+    "MapPlacement",
     "Maxima",
     "MotionMode",
     "Normal",

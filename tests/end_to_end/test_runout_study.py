@@ -267,6 +267,7 @@ def test_the_command_writes_all(slope, tmp_path, capsys):
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
         *("report.txt", "manifest.json", "blocks.nc", "stops.csv", "collectors.csv"),
         *("profile.png", "envelopes.png", "stops.png", "collectors.png"),
+        *("report.html", "trajectories.csv"),
         "jaximpact-files.json",
     }
     dataset = read_netcdf(tmp_path / "out" / "blocks.nc")

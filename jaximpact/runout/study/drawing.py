@@ -240,6 +240,27 @@ def _finish_exceedance(axes: list[Axes]) -> None:
 def _draw_ground(axes: Axes, profile: Profile) -> list[Patch]:
     """Draw the profile, segments of different ground in different colours, and give the
     entries of a legend."""
+    number, told = grounds_of(profile)
+    bottom = bottom_of(profile)
+    for segment, ground in enumerate(number):
+        ends = slice(segment, segment + 2)
+        colour = GROUNDS[ground % len(GROUNDS)]
+        axes.fill_between(profile.x[ends], profile.y[ends], bottom, color=colour, lw=0)
+    axes.plot(profile.x, profile.y, color="black", lw=1.0)
+    entries = [
+        Patch(color=GROUNDS[place], label=f"ground: {', '.join(words[:3]) or 'one'}")
+        for place, words in enumerate(told[:SHOWN_GROUNDS])
+    ]
+    return entries if len(told) > 1 else []
+
+
+def grounds_of(profile: Profile) -> tuple[list[int], list[list[str]]]:
+    """Number the different grounds of a profile, in the order in which they come.
+
+    Returns:
+        The number of each segment's ground, and for each ground the quantities in which
+        grounds differ, such as "c_v = 0.5".
+    """
     columns = list(ground_columns(profile.soil).values())
     values = np.stack(
         [
@@ -250,19 +271,15 @@ def _draw_ground(axes: Axes, profile: Profile) -> list[Patch]:
     )
     grounds, number = np.unique(values, axis=0, return_inverse=True)
     order = list(dict.fromkeys(number.ravel().tolist()))
-    bottom = profile.y.min() - 0.05 * max(
-        np.ptp(profile.y), 0.2 * float(np.ptp(profile.x))
-    )
-    for segment, ground in enumerate(number.ravel().tolist()):
-        ends = slice(segment, segment + 2)
-        colour = GROUNDS[order.index(ground) % len(GROUNDS)]
-        axes.fill_between(profile.x[ends], profile.y[ends], bottom, color=colour, lw=0)
-    axes.plot(profile.x, profile.y, color="black", lw=1.0)
     differing = np.flatnonzero(np.any(grounds != grounds[0], axis=0))
-    entries = []
-    for place, ground in enumerate(order[:SHOWN_GROUNDS]):
-        told = ", ".join(
-            f"{columns[i].name} = {grounds[ground, i]:g}" for i in differing[:3]
-        )
-        entries.append(Patch(color=GROUNDS[place], label=f"ground: {told or 'one'}"))
-    return entries if len(order) > 1 else []
+    told = [
+        [f"{columns[i].name} = {grounds[ground, i]:g}" for i in differing]
+        for ground in order
+    ]
+    return [order.index(ground) for ground in number.ravel().tolist()], told
+
+
+def bottom_of(profile: Profile) -> float:
+    """Give the height down to which the ground is drawn [m]."""
+    extent = max(np.ptp(profile.y), 0.2 * float(np.ptp(profile.x)))
+    return float(profile.y.min() - 0.05 * extent)

@@ -23,6 +23,7 @@ from ..terrain import (
     read_profile,
 )
 from .calibrated import Calibrated, read_calibrated
+from .map_placement import KEYS as MAP_KEYS
 
 LAWS = tuple(parts_of(Soil))
 """Keys of the ground that name laws."""
@@ -199,8 +200,8 @@ def read_ground_profile(
     of files that are read."""
     if ground.calibrated is not None:
         checksums[ground.calibrated.file] = ground.calibrated.checksum
-    table = known_table(path, content, "profile", ("points_m", "csv"))
-    if len(table) != 1:
+    table = known_table(path, content, "profile", ("points_m", "csv", *MAP_KEYS))
+    if ("points_m" in table) == ("csv" in table):
         raise InputError(
             "needs points_m or csv, and not both", file=path, key="profile"
         )

@@ -12,6 +12,17 @@ from ...io.files import write_text
 from ...io.output_files import NewFile
 from ..trajectory import Ending
 from . import drawing
+from .barrier_results import (
+    COLUMNS,
+    barrier_names,
+    barrier_rows,
+    barriers_in_json,
+    barriers_in_words,
+    effect_rows,
+)
+from .intervals import percentile_interval
+from .map_files import names_of_map_files, write_map_files
+from .report_page import report_page
 from .run_study import PERCENTILES, simulate
 from .slope_file import SlopeStudy
 
@@ -32,13 +43,15 @@ QUANTITIES = (
 
 STUDY_FILES = (
     *("blocks.nc", "stops.csv", "profile.png", "envelopes.png", "stops.png"),
-    *("report.txt", "manifest.json"),
+    *("report.txt", "report.html", "manifest.json"),
 )
 COLLECTOR_FILES = ("collectors.csv", "collectors.png")
 COLLECTOR_COLUMNS = (
     *("collector_m", "blocks_passing", "quantity"),
     *(f"p{p}" for p in PERCENTILES),
+    *(f"p{p}_{end}" for p in PERCENTILES for end in ("low", "high")),
 )
+BARRIER_FILES = ("barriers.csv",)
 STOPS = (*PERCENTILES, 100)
 LAW_COLUMNS = (
     *("law", "blocks", *(str(e).replace(" ", "_") for e in Ending)),
@@ -47,18 +60,22 @@ LAW_COLUMNS = (
 )
 COMPARISON_FILES = ("comparison.csv", "comparison.png", "report.txt", "manifest.json")
 COMPARED_COLLECTOR_FILES = ("comparison_collectors.csv", "comparison_collectors.png")
+COMPARED_BARRIER_FILES = ("comparison_barriers.csv",)
 
 
 def names_of_files(study: SlopeStudy, comparison: bool = False) -> tuple[str, ...]:
     """List the names of the files of a study, or of a comparison of its laws."""
     files = COMPARISON_FILES if comparison else STUDY_FILES
     of_collectors = COMPARED_COLLECTOR_FILES if comparison else COLLECTOR_FILES
-    return files + (of_collectors if len(study.collectors) else ())
+    of_barriers = COMPARED_BARRIER_FILES if comparison else BARRIER_FILES
+    files += of_collectors if len(study.collectors) else ()
+    files += of_barriers if study.barriers else ()
+    return files if comparison else files + names_of_map_files(study)
 
 
 def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> None:
-    """Write blocks.nc, stops.csv, collectors.csv, report.txt, manifest.json and the
-    drawings, each whole or not at all.
+    """Write the files of `names_of_files`: dataset, tables, maps, reports and drawings,
+    each whole or not at all.
 
     Args:
         dataset: result of `run_slope_study`.
@@ -68,18 +85,22 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> N
     """
     write_netcdf(new("blocks.nc"), dataset)
     write_text(new("stops.csv"), _stops(dataset))
-    shown = np.arange(min(SHOWN, study.release.count))
-    drawing.plot_trajectories(
-        simulate(study, shown), study.collectors, study.title, new("profile.png")
-    )
+    first = simulate(study, np.arange(min(SHOWN, study.release.count)))
+    drawing.plot_trajectories(first, study.collectors, study.title, new("profile.png"))
+    write_map_files(study, dataset, first, new)
+    write_text(new("report.html"), report_page(study, dataset, first))
     drawing.plot_envelopes(dataset, study.profile, new("envelopes.png"))
     drawing.plot_stops(dataset, new("stops.png"))
     if len(study.collectors):
         rows = collector_rows(dataset)
         write_text(new("collectors.csv"), _csv(COLLECTOR_COLUMNS, rows))
         drawing.plot_collectors(dataset, new("collectors.png"))
+    if study.barriers:
+        write_text(new("barriers.csv"), _csv(COLUMNS, barrier_rows(dataset)))
     write_text(new("report.txt"), in_words(dataset) + "\n")
     manifest = {"title": dataset.title} | _attributes(dataset)
+    if study.barriers:
+        manifest["barriers"] = barriers_in_json(dataset)
     write_text(new("manifest.json"), json.dumps(manifest, indent=1) + "\n")
 
 
@@ -112,6 +133,7 @@ def in_words(dataset: xr.Dataset) -> str:
     if "collector" in dataset.sizes:
         lines += ["first passages of collectors, percentiles of the blocks that pass"]
         lines.append(align(_passage_rows(dataset, blocks - failed)))
+    lines += barriers_in_words(dataset)
     return "\n".join(lines)
 
 
@@ -146,13 +168,16 @@ def _stops(dataset: xr.Dataset) -> str:
 
 
 def collector_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
-    """List percentiles of first passages, a row for each collector and quantity."""
-    rows = []
+    """List percentiles of first passages, a row for each collector and quantity, and
+    the ends of the percentiles' intervals of 95 %."""
+    rows, valid = [], drawing.valid_blocks(dataset)
     for place, x in enumerate(dataset.collector.values.tolist()):
         for name in QUANTITIES:
             values = dataset[f"{name}_percentiles"].values[:, place].tolist()
             passing = int(dataset.blocks_passing.values[place])
-            cells = (x, passing, name.removeprefix("passage_"), *values)
+            passages = dataset[name].values[valid, place]
+            ends = (e for p in PERCENTILES for e in percentile_interval(passages, p))
+            cells = (x, passing, name.removeprefix("passage_"), *values, *ends)
             rows.append(tuple(map(str, cells)))
     return rows
 
@@ -182,6 +207,13 @@ def write_comparison(
             new("comparison_collectors.csv"), _csv(("law", *COLLECTOR_COLUMNS), rows)
         )
         drawing.plot_compared_collectors(datasets, new("comparison_collectors.png"))
+    if study.barriers:
+        rows = [
+            (_quoted(law), *row)
+            for law, dataset in datasets.items()
+            for row in barrier_rows(dataset)
+        ]
+        write_text(new("comparison_barriers.csv"), _csv(("law", *COLUMNS), rows))
     write_text(new("report.txt"), compare_in_words(datasets) + "\n")
     laws = {law: _attributes(dataset) for law, dataset in datasets.items()}
     manifest = {"title": study.title, "laws": laws}
@@ -232,6 +264,9 @@ def compare_in_words(datasets: Mapping[str, xr.Dataset]) -> str:
             "the centre [m], median and 95 %"
         )
         lines.append(align(rows))
+    for law, dataset in datasets.items():
+        if barrier_names(dataset):
+            lines += [f"barriers by {law}", align(effect_rows(dataset))]
     return "\n".join(lines)
 
 

@@ -27,6 +27,7 @@ from ..scheduler import WIDTH, follow
 from ..state import State
 from ..terrain import ground_columns
 from ..trajectory import Ending, Runs, state_after, stretches_of
+from .barrier_results import barrier_variables
 from .slope_file import SlopeStudy
 
 BLOCK_NUMBERS = {
@@ -153,7 +154,7 @@ def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
         "energy_at_release_J": start,
         "energy_at_end_J": end,
     }
-    for x in study.collectors.tolist():
+    for x in _places(study):
         count, first = first_passages(passages(runs, x, stretches), blocks)
         of_passage = {
             "passages": count,
@@ -189,12 +190,17 @@ def _energies(runs: Runs) -> tuple[np.ndarray, np.ndarray]:
     return start, np.where(runs.ending == Ending.stopped, 0.0, end)
 
 
+def _places(study: SlopeStudy) -> list[float]:
+    """List the places at which passages are found: collectors and barriers [m]."""
+    return sorted({*study.collectors.tolist(), *(b.x for b in study.barriers)})
+
+
 def _columns(study: SlopeStudy) -> list[str]:
     """List the names of the numbers of a row."""
     return [
         "ending",
         *BLOCK_NUMBERS,
-        *(f"{n} at {x!r}" for x in study.collectors.tolist() for n in PASSAGE_NUMBERS),
+        *(f"{n} at {x!r}" for x in _places(study) for n in PASSAGE_NUMBERS),
         *(f"{n} in bin {i}" for n in ENVELOPES for i in range(study.bins)),
     ]
 
@@ -209,7 +215,7 @@ def _subject(study: SlopeStudy) -> dict:
 
 
 def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
-    blocks, places = len(rows), len(study.collectors)
+    blocks, places = len(rows), len(_places(study))
     codes, rest = rows[:, 0].astype(int), rows[:, 1:]
     sizes = [len(BLOCK_NUMBERS), places * len(PASSAGE_NUMBERS)]
     of_block, of_passage, of_bins = np.split(rest, np.cumsum(sizes), axis=1)
@@ -224,7 +230,38 @@ def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
     for values, (name, words_of) in zip(of_block.T, BLOCK_NUMBERS.items(), strict=True):
         variables[name] = ("block", values, _about(*words_of))
     # NetCDF 3 takes a dimension of no length for one that grows.
-    variables |= _passages(of_passage, valid) if places else {}
+    if len(study.collectors):
+        here = np.searchsorted(_places(study), study.collectors)
+        variables |= _passages(of_passage[:, here], valid)
+    here = [_places(study).index(barrier.x) for barrier in study.barriers]
+    at_barriers = np.moveaxis(of_passage[:, here], 2, 0)
+    of_barriers, barriers = barrier_variables(
+        study.barriers, dict(zip(PASSAGE_NUMBERS, at_barriers, strict=True))
+    )
+    variables |= of_barriers
+    variables |= _envelopes(maxima, valid)
+    edges = edges_of(study)
+    at = {"collector": ("collector", study.collectors, _about("m", "x"))}
+    return xr.Dataset(
+        variables,
+        (at if len(study.collectors) else {})
+        | barriers
+        | {
+            "block": np.arange(blocks),
+            "percentile": ("percentile", np.array(PERCENTILES), _about("%", "")),
+            "bin": ("bin", 0.5 * (edges[1:] + edges[:-1]), _about("m", "x, middle")),
+            "bin_left_m": ("bin", edges[:-1], _about("m", "x, left end of the bin")),
+            "bin_right_m": ("bin", edges[1:], _about("m", "x, right end of the bin")),
+        },
+        {"title": study.title}
+        | {k: json.dumps(v) for k, v in provenance_of(study, codes).items()},
+    )
+
+
+def _envelopes(maxima: Maxima, valid: np.ndarray) -> dict:
+    """Describe largest values in bins: of each block, and percentiles of the valid
+    blocks' ones."""
+    variables: dict[str, tuple] = {}
     variables["blocks_in_bin"] = (
         "bin",
         np.sum(np.isfinite(maxima.speed[valid]), axis=0),
@@ -246,21 +283,13 @@ def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
             _largest(values),
             _about(unit, f"{meaning} on its way"),
         )
-    edges = edges_of(study)
-    at = {"collector": ("collector", study.collectors, _about("m", "x"))}
-    return xr.Dataset(
-        variables,
-        (at if places else {})
-        | {
-            "block": np.arange(blocks),
-            "percentile": ("percentile", np.array(PERCENTILES), _about("%", "")),
-            "bin": ("bin", 0.5 * (edges[1:] + edges[:-1]), _about("m", "x, middle")),
-            "bin_left_m": ("bin", edges[:-1], _about("m", "x, left end of the bin")),
-            "bin_right_m": ("bin", edges[1:], _about("m", "x, right end of the bin")),
-        },
-        {"title": study.title}
-        | {k: json.dumps(v) for k, v in provenance_of(study, codes).items()},
-    )
+        # Of half the size, and precise enough for curves.
+        variables[f"{name}_in_bin"] = (
+            ("block", "bin"),
+            values.astype(np.float32),
+            _about(unit, f"{meaning} in the bin; nan for a block that is never there"),
+        )
+    return variables
 
 
 def _passages(of_passage: np.ndarray, valid: np.ndarray) -> dict:

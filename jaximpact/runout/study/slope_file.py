@@ -37,13 +37,15 @@ from ..terrain import (
     Profile,
     ground_columns,
 )
+from .barriers import Barrier, read_barriers
 from .contact_laws import check_law, read_laws
 from .ground_file import GroundInput, read_ground_profile
+from .map_placement import MapPlacement, read_map_placement
 
-TABLES = ("profile", "ground", "block", "release", "contacts")
+TABLES = ("profile", "ground", "block", "release", "contacts", "barriers")
 NUMBERS = (
     *("title", "accuracy", "count", "seed", "collectors_m", "bins"),
-    *("time_limit_s", "event_limit", "hop_threshold"),
+    *("time_limit_s", "event_limit", "hop_threshold", "export_trajectories"),
 )
 RELEASE_COLUMNS = {
     name: INPUT_COLUMNS[name] for name in ("orientation_deg", "angular_velocity_degps")
@@ -56,6 +58,8 @@ NOT_NEGATIVE = ("clearance_m", "speed_mps")
 DEFAULT_COUNT = 1000
 """Default number of blocks where something is random."""
 DEFAULT_BINS = 50
+DEFAULT_EXPORT = 50
+"""Default number of trajectories in files."""
 
 
 class SlopeStudy(NamedTuple):
@@ -96,6 +100,12 @@ class SlopeStudy(NamedTuple):
     bins: int
     """Number of bins of the envelopes along the profile."""
     limits: Limits
+    barriers: tuple[Barrier, ...] = ()
+    """Barriers, by which blocks are counted."""
+    placement: MapPlacement | None = None
+    """Place of the profile on the map."""
+    export_trajectories: int = DEFAULT_EXPORT
+    """Number of trajectories in files: the first ones."""
 
 
 def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
@@ -179,6 +189,11 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
             collectors=_collectors(path, content, profile),
             bins=bins,
             limits=limits,
+            barriers=read_barriers(path, content, profile),
+            placement=read_map_placement(path, content),
+            export_trajectories=whole(
+                path, content, "export_trajectories", DEFAULT_EXPORT, 1
+            ),
         )
         for law in laws
     ]

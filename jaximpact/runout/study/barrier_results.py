@@ -1,0 +1,293 @@
+"""What barriers do: blocks counted by effect, and design values with their intervals.
+
+Trajectories know nothing of barriers. A block is counted at its first passage and goes
+on as if no barrier stood there: what is stopped is counted, and not removed.
+"""
+
+import enum
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from ...io.display import Rows, align
+from ..trajectory import Ending
+from .barriers import Barrier
+from .intervals import least_blocks, percentile_interval, share_interval
+
+DESIGN_PERCENTILES = (95, 99)
+DESIGN_QUANTITIES = {
+    "energy": ("barrier_energy_J", "kJ", 1e-3),
+    "speed": ("barrier_speed_mps", "m/s", 1.0),
+    "centre_height": ("barrier_centre_height_m", "m", 1.0),
+    "lowest_height": ("barrier_lowest_height_m", "m", 1.0),
+}
+"""Quantities of design values: variable, unit and factor."""
+UNITS_IN_NAMES = {"kJ": "kJ", "m/s": "mps", "m": "m"}
+COLUMNS = (
+    *("barrier", "x_m", "height_m", "capacity_kJ"),
+    *("quantity", "blocks", "count", "value", "low", "high"),
+)
+EFFECT_WORDS = {
+    "arrive, of all": "arriving",
+    "pass over, of these": "over_of_arriving",
+    "break it": "broken_of_arriving",
+    "are stopped": "stopped_of_arriving",
+}
+ROUNDING = 1e-9
+"""Number below which a text says 0."""
+NOTE = "A barrier changes no trajectory: blocks that it stops are counted, not removed."
+
+
+class BarrierEffect(enum.StrEnum):
+    """Effects of a barrier and a block on each other, at the block's first passage."""
+
+    none = "not reached"
+    over = "passes over"
+    broken = "breaks it"
+    stopped = "is stopped"
+
+
+class Estimate(NamedTuple):
+    """Number estimated from blocks, with its interval of 95 %."""
+
+    quantity: str
+    """Name with the unit, such as energy_kJ_p95."""
+    blocks: int
+    """Number of blocks behind it."""
+    count: int | None
+    """Number of blocks of a share; None for a percentile."""
+    value: float
+    low: float
+    """Lower end; NaN where there are too few blocks for one."""
+    high: float
+
+
+def effects_of(
+    barrier: Barrier, lowest_height: np.ndarray, energy: np.ndarray
+) -> np.ndarray:
+    """Decide what becomes of each block at a barrier, as text, `(blocks,)`.
+
+    A block passes over if its lowest point is above the top. Else it breaks the barrier
+    if its kinetic energy exceeds the capacity, and is stopped if not.
+
+    Args:
+        lowest_height: height of the lowest point at first passage [m]; NaN for blocks
+            that do not come there.
+        energy: kinetic energy there [J].
+    """
+    return np.select(
+        [
+            np.isnan(lowest_height),
+            lowest_height > barrier.height,
+            energy > barrier.capacity,
+        ],
+        [
+            str(e)
+            for e in (BarrierEffect.none, BarrierEffect.over, BarrierEffect.broken)
+        ],
+        str(BarrierEffect.stopped),
+    )
+
+
+def barrier_variables(
+    barriers: Sequence[Barrier], passages: Mapping[str, np.ndarray]
+) -> tuple[dict, dict]:
+    """Describe barriers and what becomes of each block there, as the variables and the
+    coordinates of a dataset; none without barriers.
+
+    Args:
+        passages: quantities of first passages by their names, `(blocks, barriers)`.
+    """
+    if not barriers:
+        return {}, {}
+    names, x, height, capacity = zip(*barriers, strict=True)
+    lowest, energy = passages["passage_lowest_height_m"], passages["passage_energy_J"]
+    effects = [
+        effects_of(barrier, lowest[:, place], energy[:, place])
+        for place, barrier in enumerate(barriers)
+    ]
+    meaning = "effect of barrier and block on each other, at first passage"
+    at, variables = ("block", "barrier"), {}
+    variables["barrier_effect"] = (at, np.stack(effects, 1), {"long_name": meaning})
+    for name, unit, words in (
+        ("energy_J", "J", "kinetic energy"),
+        ("speed_mps", "m/s", "speed"),
+        ("centre_height_m", "m", "height of the centre above the ground"),
+        ("lowest_height_m", "m", "height of the lowest point above the ground"),
+    ):
+        about = {"units": unit, "long_name": f"{words} at first passage of the barrier"}
+        variables[f"barrier_{name}"] = (at, passages[f"passage_{name}"], about)
+    coordinates: dict = {"barrier": np.array(names)}
+    for name, values, unit, words in (
+        ("barrier_x_m", x, "m", "x of the barrier"),
+        ("barrier_height_m", height, "m", "height above the ground, vertically"),
+        ("barrier_capacity_J", capacity, "J", "largest kinetic energy that it stops"),
+    ):
+        about = {"units": unit, "long_name": words}
+        coordinates[name] = ("barrier", np.array(values, float), about)
+    return variables, coordinates
+
+
+def estimates_at(dataset: xr.Dataset, barrier: str) -> list[Estimate]:
+    """Estimate shares and design values at a barrier, of the blocks that did not fail.
+
+    Shares are of all these blocks, and of those that arrive; design values of those
+    that arrive.
+    """
+    valid = dataset.ending.values != str(Ending.failed)
+    here = dataset.sel(barrier=barrier)
+    effects = here.barrier_effect.values[valid]
+    arriving = int(np.sum(effects != str(BarrierEffect.none)))
+    found = [_share("arriving", arriving, len(effects))]
+    for of, blocks in (("all", len(effects)), ("arriving", arriving)):
+        for effect in list(BarrierEffect)[1:]:
+            count = int(np.sum(effects == str(effect)))
+            found.append(_share(f"{effect.name}_of_{of}", count, blocks))
+    for name, (variable, unit, factor) in DESIGN_QUANTITIES.items():
+        values = factor * here[variable].values[valid]
+        values = values[np.isfinite(values)]
+        for percent in DESIGN_PERCENTILES:
+            value = float(np.percentile(values, percent)) if len(values) else np.nan
+            ends = percentile_interval(values, percent)
+            quantity = f"{name}_{UNITS_IN_NAMES[unit]}_p{percent}"
+            found.append(Estimate(quantity, len(values), None, value, *ends))
+    return found
+
+
+def _share(name: str, count: int, blocks: int) -> Estimate:
+    value = count / blocks if blocks else np.nan
+    ends = share_interval(count, blocks)
+    return Estimate(f"share_{name}", blocks, count, value, *ends)
+
+
+def barrier_names(dataset: xr.Dataset) -> list[str]:
+    """List the barriers of a result; none where it has none."""
+    return dataset.barrier.values.tolist() if "barrier" in dataset.sizes else []
+
+
+def barrier_rows(dataset: xr.Dataset) -> Rows:
+    """List the rows of barriers.csv, in the order of `COLUMNS`."""
+    rows: Rows = []
+    for name in barrier_names(dataset):
+        x, height, capacity = _numbers_of(dataset, name)
+        quoted = '"' + name.replace('"', '""') + '"'
+        for estimate in estimates_at(dataset, name):
+            quantity, blocks, count, *values = estimate
+            cells = (x, height, capacity, quantity, blocks)
+            counted = "" if count is None else str(count)
+            rows.append((quoted, *map(str, cells), counted, *map(str, values)))
+    return rows
+
+
+def barriers_in_json(dataset: xr.Dataset) -> list[dict]:
+    """Describe the barriers with their estimates, None for what is not known."""
+    found = []
+    for name in barrier_names(dataset):
+        x, height, capacity = _numbers_of(dataset, name)
+        estimates = {
+            e.quantity: {
+                key: None if value is None or np.isnan(value) else value
+                for key, value in e._asdict().items()
+                if key != "quantity"
+            }
+            for e in estimates_at(dataset, name)
+        }
+        told = {"name": name, "x_m": x, "height_m": height, "capacity_kJ": capacity}
+        found.append(told | {"estimates": estimates})
+    return found
+
+
+def barriers_in_words(dataset: xr.Dataset) -> list[str]:
+    """Report barriers as lines of text; none where there are none."""
+    if not barrier_names(dataset):
+        return []
+    lines = ["barriers, blocks at first passage, with 95 % intervals", NOTE]
+    lines.append(align(effect_rows(dataset)))
+    lines.append("design values of the blocks that arrive, with 95 % intervals")
+    lines.append(align(design_rows(dataset)))
+    return lines + too_few(dataset)
+
+
+def effect_rows(dataset: xr.Dataset) -> Rows:
+    """Write what becomes of blocks at each barrier, the head first."""
+    rows: Rows = [
+        (
+            *("barrier", "x [m]", "height [m]", "capacity [kJ]"),
+            *("", "blocks", "share", "interval"),
+        )
+    ]
+    for name in barrier_names(dataset):
+        first = (name, *(f"{value:g}" for value in _numbers_of(dataset, name)))
+        by_name = {e.quantity: e for e in estimates_at(dataset, name)}
+        for word, quantity in EFFECT_WORDS.items():
+            found = by_name[f"share_{quantity}"]
+            share, ends = "-", "-"
+            if found.blocks:
+                share, ends = (
+                    f"{found.value:.1%}",
+                    f"{found.low:.1%} to {found.high:.1%}",
+                )
+            rows.append((*first, word, str(found.count), share, ends))
+            first = ("", "", "", "")
+    return rows
+
+
+def design_rows(dataset: xr.Dataset) -> Rows:
+    """Write the design values at each barrier, the head first."""
+    heads = (
+        cell for percent in DESIGN_PERCENTILES for cell in (f"{percent} %", "interval")
+    )
+    rows: Rows = [("barrier", "blocks", "", "unit", *heads)]
+    for name in barrier_names(dataset):
+        by_name = {e.quantity: e for e in estimates_at(dataset, name)}
+        first = (name, str(by_name["share_arriving"].count))
+        for word, (_, unit, _) in DESIGN_QUANTITIES.items():
+            cells = []
+            for percent in DESIGN_PERCENTILES:
+                found = by_name[f"{word}_{UNITS_IN_NAMES[unit]}_p{percent}"]
+                cells += [number_text(found.value), interval_text(*found[-2:])]
+            rows.append((*first, word.replace("_", " "), unit, *cells))
+            first = ("", "")
+    return rows
+
+
+def too_few(dataset: xr.Dataset) -> list[str]:
+    """Say at which barriers there are too few blocks for an interval."""
+    lines = []
+    for name in barrier_names(dataset):
+        count = estimates_at(dataset, name)[0].count or 0
+        short = [p for p in DESIGN_PERCENTILES if count < least_blocks(p)]
+        if short:
+            needed = " and ".join(f"{least_blocks(p)} for {p} %" for p in short)
+            lines.append(
+                f"{name}: {count} blocks arrive, too few for both ends of an interval; "
+                f"{needed} are needed"
+            )
+    return lines
+
+
+def number_text(value: float) -> str:
+    """Write a number with four digits, a dash where there is none."""
+    # What rounding leaves of 0, as of the height of a block that rolls, is 0.
+    return (
+        f"{0.0 if abs(value) < ROUNDING else value:.4g}" if np.isfinite(value) else "-"
+    )
+
+
+def interval_text(low: float, high: float) -> str:
+    """Write an interval; an end for which there are too few blocks is a dash."""
+    if np.isnan(low) and np.isnan(high):
+        return "-"
+    return f"{number_text(low)} to {number_text(high)}"
+
+
+def _numbers_of(dataset: xr.Dataset, name: str) -> tuple[float, float, float]:
+    """Give place [m], height [m] and capacity [kJ] of a barrier."""
+    here = dataset.sel(barrier=name)
+    return (
+        float(here.barrier_x_m),
+        float(here.barrier_height_m),
+        float(here.barrier_capacity_J) / 1e3,
+    )

@@ -1,0 +1,169 @@
+r"""Profile and trajectories of a study's page, as paths of SVG.
+
+A piece of a trajectory has a constant acceleration, and so is a parabola, which a
+quadratic Bezier curve with the control point
+
+$$ P_0 + \tfrac{1}{2} v_0 T $$
+
+draws exactly, at any zoom. Coordinates are whole numbers of a small unit, and relative,
+which takes few letters and adds up no rounding.
+"""
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import to_hex
+
+from ..blocks import select
+from ..terrain import Profile
+from ..trajectory import Pieces, Runs, state_after
+from .drawing import GROUNDS, bottom_of, grounds_of
+from .slope_file import SlopeStudy
+
+RESOLUTION = 200_000
+"""Number of units over the larger side of the drawing."""
+CLASSES = 5
+"""Number of colours of speeds."""
+BRIGHTEST = 0.9
+"""Part of the colour map beyond which a line is too pale on the ground's colours."""
+MOST_LETTERS = 700_000
+"""Length of all paths of trajectories beyond which there are fewer trajectories."""
+
+
+class Units:
+    """Conversion of coordinates of the profile to those of the drawing."""
+
+    def __init__(self, profile: Profile, highest: float):
+        self.x, self.y = float(profile.x[0]), bottom_of(profile)
+        self.width = float(np.ptp(profile.x))
+        self.height = max(highest, float(profile.y.max())) - self.y
+        self.unit = max(self.width, self.height) / RESOLUTION
+
+    def __call__(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Round coordinates [m] to whole units."""
+        x, y = (x - self.x) / self.unit, (y - self.y) / self.unit
+        return np.round(x).astype(int), np.round(y).astype(int)
+
+
+def page_profile(study: SlopeStudy, runs: Runs) -> dict:
+    """Collect the drawing of the profile: paths, colours and the scale.
+
+    Args:
+        runs: trajectories to draw.
+    """
+    finite = runs.pieces.y[np.isfinite(runs.pieces.y)]
+    units = Units(study.profile, float(np.max(finite, initial=study.profile.y.max())))
+    speeds, shown = _trajectories(runs, units)
+    number, told = grounds_of(study.profile)
+    several = len(told) > 1
+    known = np.isfinite(runs.x[:shown]) & np.isfinite(runs.y[:shown])
+    ends = zip(*units(runs.x[:shown][known], runs.y[:shown][known]), strict=True)
+    line = zip(*units(study.profile.x, study.profile.y), strict=True)
+    return {
+        "scale": {
+            **{"x": units.x, "y": units.y, "unit": units.unit},
+            **{"width": units.width, "height": units.height},
+        },
+        "grounds": [
+            {
+                "path": _ground(study.profile, number, ground, units),
+                "colour": GROUNDS[ground % len(GROUNDS)],
+                "words": ", ".join(words) if several else "one ground",
+            }
+            for ground, words in enumerate(told)
+        ],
+        "surface": "M" + " ".join(f"{x} {y}" for x, y in line),
+        "speeds": speeds,
+        "ends": "".join(f"M{x} {y}h0" for x, y in ends),
+        "shown": shown,
+        "collectors": [
+            _vertical(units, x, None, study.profile) for x in study.collectors
+        ],
+        "barriers": [
+            _vertical(units, b.x, b.height, study.profile) for b in study.barriers
+        ],
+    }
+
+
+def _vertical(units: Units, x: float, height: float | None, profile: Profile) -> str:
+    """Draw a vertical line at x, of a height [m], or from bottom to top."""
+    ground = float(profile.height(x))
+    low, high = (units.y, units.y + units.height)
+    if height is not None:
+        low, high = ground, ground + height
+    (across, _), (below, above) = units(np.array([x, x]), np.array([low, high]))
+    return f"M{across} {below}V{above}"
+
+
+def _ground(profile: Profile, number: list[int], ground: int, units: Units) -> str:
+    """Draw the segments of one ground, neighbours together."""
+    x, y = units(profile.x, profile.y)
+    mine = np.array([-1, *(int(n == ground) for n in number), -1]) == 1
+    starts = np.flatnonzero(mine[1:] & ~mine[:-1])
+    stops = np.flatnonzero(mine[:-1] & ~mine[1:])
+    paths = []
+    for start, stop in zip(starts, stops, strict=True):
+        points = (f"{x[i]} {y[i]}" for i in range(start, stop + 1))
+        paths.append(f"M{x[start]} 0L{' '.join(points)}V0Z")
+    return "".join(paths)
+
+
+def _trajectories(runs: Runs, units: Units) -> tuple[list[dict], int]:
+    """Draw trajectories by classes of speed, and count those that there is room for."""
+    pieces = select(runs.pieces, np.isfinite(runs.pieces.x))
+    start, stop = (state_after(pieces, t) for t in (0.0, pieces.duration))
+    before, after = (np.hypot(s.v_x, s.v_y) for s in (start, stop))
+    fastest = max(float(np.max(np.maximum(before, after), initial=0.0)), 1e-9)
+    step = fastest / CLASSES
+    # A piece on which the speed changes much gets several colours.
+    parts = np.clip(np.abs(after - before) / step + 1.0, 1, 2 * CLASSES).astype(int)
+    of = np.repeat(np.arange(len(parts)), parts)
+    nth = np.arange(len(of)) - np.repeat(np.cumsum(parts) - parts, parts)
+    duration = pieces.duration[of] / parts[of]
+    cut = select(pieces, of)
+    middle = state_after(cut, (nth + 0.5) * duration)
+    level = np.hypot(middle.v_x, middle.v_y) / step
+    level = np.clip(level, 0, CLASSES - 1).astype(int)
+    paths, shown = _paths(cut, nth * duration, duration, level, units)
+    colours = colormaps["viridis"](np.linspace(0.0, BRIGHTEST, CLASSES))
+    return [
+        {
+            "path": path,
+            "colour": to_hex(colour),
+            "words": f"{i * step:.3g} to {(i + 1) * step:.3g} m/s",
+        }
+        for i, (path, colour) in enumerate(zip(paths, colours, strict=True))
+    ], shown
+
+
+def _paths(
+    pieces: Pieces,
+    start: np.ndarray,
+    duration: np.ndarray,
+    level: np.ndarray,
+    units: Units,
+) -> tuple[list[str], int]:
+    """Write a path for each class of speed, trajectory after trajectory."""
+    first, last = (state_after(pieces, t) for t in (start, start + duration))
+    half = 0.5 * duration
+    x_0, y_0 = units(first.x, first.y)
+    x_1, y_1 = units(first.x + first.v_x * half, first.y + first.v_y * half)
+    x_2, y_2 = units(last.x, last.y)
+    moves = np.flatnonzero((x_0 != x_2) | (y_0 != y_2))
+    rows = np.stack([x_0, y_0, x_1, y_1, x_2, y_2], axis=1)[moves].tolist()
+    blocks = pieces.trajectory[moves].astype(int).tolist()
+    paths: list[list[str]] = [[] for _ in range(CLASSES)]
+    at: list[tuple[int, int] | None] = [None] * CLASSES
+    letters, shown = 0, -1
+    for block, place, row in zip(blocks, level[moves].tolist(), rows, strict=True):
+        if block != shown and letters > MOST_LETTERS:
+            break
+        shown = block
+        x, y, *control, x_end, y_end = row
+        text = "" if at[place] == (x, y) else f"M{x} {y}"
+        text += f"q{control[0] - x} {control[1] - y} {x_end - x} {y_end - y}"
+        at[place] = (x_end, y_end)
+        paths[place].append(text)
+        letters += len(text)
+    else:
+        shown = int(np.max(pieces.trajectory, initial=-1))
+    return ["".join(path) for path in paths], shown + 1

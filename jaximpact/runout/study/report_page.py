@@ -1,0 +1,332 @@
+"""Page of a study to hand over: one file of HTML that needs nothing else."""
+
+import json
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from ...io.display import Rows
+from ...scene_quantities import SHAPE
+from ..contacts.contact_models import ClosedForm
+from ..terrain import ROLLING_COLUMN, ROLLING_FRICTION_ANGLE
+from ..trajectory import Ending, Runs
+from . import barrier_results
+from .barrier_results import (
+    DESIGN_PERCENTILES,
+    barrier_names,
+    interval_text,
+    number_text,
+)
+from .drawing import SHOWN_GROUNDS, grounds_of, valid_blocks
+from .intervals import least_blocks, percentile_interval
+from .map_files import NO_MAP
+from .page_curves import QUANTITIES, page_curves
+from .page_profile import page_profile
+from .run_study import BLOCK_NUMBERS, PERCENTILES
+from .slope_file import SlopeStudy
+
+if TYPE_CHECKING:
+    import markupsafe
+
+WIDTH, LEAST_HEIGHT, MOST_HEIGHT = 960, 260, 620
+"""Size of the drawing of the profile [px]."""
+PASSAGES = {
+    "speed": ("passage_speed_mps", "m/s", 1.0),
+    "energy": ("passage_energy_J", "kJ", 1e-3),
+    "height of the centre": ("passage_centre_height_m", "m", 1.0),
+    "height of the lowest point": ("passage_lowest_height_m", "m", 1.0),
+}
+MOST_ROWS = 40
+"""Largest number of stretches of ground in a table."""
+CURVES = (
+    "The share of all blocks whose largest value between the two ends of a bin exceeds "
+    "a value. It is at least that at any single x in the bin. Intervals hold the true "
+    "percentile with 95 %, if the blocks are random samples; a dash says that there "
+    "are too few blocks."
+)
+BARRIERS = (
+    "A block passes over if its lowest point, at its first passage of x, is above the "
+    "top; else it breaks the barrier if its kinetic energy exceeds the capacity, and "
+    "is stopped if not. " + barrier_results.NOTE
+)
+
+
+def report_page(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> str:
+    """Write the page.
+
+    Args:
+        dataset: result of the study.
+        runs: trajectories to draw, the first ones.
+    """
+    drawing = page_profile(study, runs)
+    scale = drawing["scale"]
+    height = (WIDTH - 60) * scale["height"] / scale["width"] + 40
+    height = int(np.clip(height, LEAST_HEIGHT, MOST_HEIGHT))
+    pixels = min((WIDTH - 60) / scale["width"], (height - 40) / scale["height"])
+    size = pixels * scale["unit"]
+    left = 0.5 * WIDTH + 20 - 0.5 * scale["width"] * pixels
+    curves = page_curves(dataset)
+    places = [
+        {"x": x, "y": scale["y"] + scale["height"], "words": f"x = {x:g} m"}
+        for x in study.collectors.tolist()
+    ] + [
+        {"x": b.x, "y": float(study.profile.height(b.x)) + b.height, "words": b.name}
+        for b in study.barriers
+    ]
+    start = places[-1]["x"] if places else _median_stop(dataset)
+    data = curves | {"scale": scale, "places": places, "start": start}
+    contents = {
+        "title": study.title,
+        "summary": _summary(study, dataset),
+        "unknown": unknowns(study, dataset),
+        "drawing": drawing,
+        "drawing_height": height,
+        "transform": f"matrix({size:.6g} 0 0 {-size:.6g} {left:.1f} {height - 30})",
+        "drawing_words": f"The first {drawing['shown']} trajectories of "
+        f"{study.release.count}, coloured by speed; dashed lines are collectors.",
+        "most_grounds": SHOWN_GROUNDS,
+        "curve_words": CURVES,
+        "curve_names": [words for _, words, _, _ in QUANTITIES],
+        "bins": study.bins,
+        "percents": PERCENTILES,
+        **_results(dataset),
+        "barrier_words": BARRIERS,
+        "settings": _settings(study),
+        "inputs": _inputs(dataset),
+        "grounds": _grounds(study),
+        "origin": _origin(dataset),
+        "data": _json(data),
+    }
+    return _render("runout.jinja", contents)
+
+
+def _render(layout: str, contents: dict) -> str:
+    # A late import: reading a study needs no templates.
+    import jinja2
+
+    loaders: list[jinja2.BaseLoader] = [
+        jinja2.PackageLoader("jaximpact.runout.study"),
+        # The layout of pages, which calibrations have too.
+        jinja2.PackageLoader("jaximpact.calibration.report"),
+    ]
+    environment = jinja2.Environment(
+        loader=jinja2.ChoiceLoader(loaders),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    text = environment.get_template(layout).render(contents)
+    return re.sub(r"\n{2,}", "\n", text).strip("\n") + "\n"
+
+
+def _json(data: dict) -> "markupsafe.Markup":
+    """Write data into a script, which a title with its end would cut off."""
+    import markupsafe
+
+    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
+    return markupsafe.Markup(text.replace("<", "\\u003c"))
+
+
+def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
+    endings = json.loads(dataset.attrs["endings"])
+    told = ", ".join(f"{count} {name}" for name, count in endings.items())
+    lines = [f"{study.release.count} blocks, contacts by {study.law_name}: {told}."]
+    stopped = dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
+    if len(stopped):
+        low, high = percentile_interval(stopped, 95)
+        lines.append(
+            f"95 % of those that stopped did so before x = "
+            f"{np.percentile(stopped, 95):.4g} m (95 % interval: "
+            f"{interval_text(low, high)}), the farthest at {stopped.max():.4g} m."
+        )
+    for name in barrier_names(dataset):
+        by_name = {e.quantity: e for e in barrier_results.estimates_at(dataset, name)}
+        arrive = by_name["share_arriving"]
+        through = [by_name[f"share_{n}_of_all"].count or 0 for n in ("over", "broken")]
+        lines.append(
+            f"{name[:1].upper()}{name[1:]}: {arrive.count} blocks arrive, {through[0]} "
+            f"pass over, and {through[1]} break the barrier."
+        )
+    return lines
+
+
+def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
+    """List what a reader must not take from the numbers."""
+    endings = json.loads(dataset.attrs["endings"])
+    law = f"Contacts are by {study.law_name}, whose coefficients are taken as known."
+    if not isinstance(study.contacts, ClosedForm):
+        law = (
+            "The ground's laws are readings of the literature that the model's paper "
+            "names, not its authors' code: docs/model.md and docs/limits.md."
+        )
+    lines = [
+        law,
+        "Intervals tell how far other random blocks might lead, and nothing of errors "
+        "of the model, the ground or the releases. They mean nothing for blocks that "
+        "are combinations of lists and no random samples.",
+        "The motion is plane: blocks neither leave the profile sideways nor break.",
+    ]
+    varied = any(ROLLING_COLUMN in name for name in study.ground_samples)
+    angles = study.profile.rolling_friction_angle
+    if np.all(angles == ROLLING_FRICTION_ANGLE) and not varied:
+        lines.append(
+            "The angle of rolling friction is its default, 20°: an assumption, unless "
+            "it was measured."
+        )
+    failed = endings.get(str(Ending.failed), 0)
+    if failed:
+        lines.append(f"{failed} blocks failed, and are in no number but their count.")
+    cut = sum(endings.get(str(e), 0) for e in (Ending.time_limit, Ending.event_limit))
+    if cut:
+        lines.append(
+            f"{cut} blocks were cut off by a limit and might have gone farther: shares "
+            "that pass are lower bounds."
+        )
+    lines += _few_at_collectors(dataset) + barrier_results.too_few(dataset)
+    if study.barriers:
+        lines.append(barrier_results.NOTE)
+    if study.placement is None:
+        lines.append(NO_MAP)
+    return lines
+
+
+def _few_at_collectors(dataset: xr.Dataset) -> list[str]:
+    if "collector" not in dataset.sizes:
+        return []
+    counts = zip(dataset.collector.values, dataset.blocks_passing.values, strict=True)
+    return [
+        f"Only {count} blocks pass x = {x:g} m: an interval of the 99 % value takes "
+        f"{least_blocks(99)}."
+        for x, count in counts
+        if count < least_blocks(99)
+    ]
+
+
+def _median_stop(dataset: xr.Dataset) -> float:
+    x = dataset.x_m.values[np.isfinite(dataset.x_m.values)]
+    return float(np.median(x)) if len(x) else float(dataset.bin_left_m.values[0])
+
+
+def _results(dataset: xr.Dataset) -> dict:
+    """Collect the tables of endings, collectors and barriers."""
+    endings = json.loads(dataset.attrs["endings"])
+    blocks = dataset.sizes["block"]
+    rows: Rows = [("ending", "blocks", "share")]
+    rows += [(n, str(count), f"{count / blocks:.1%}") for n, count in endings.items()]
+    stopped = dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
+    told = "No block stopped."
+    if len(stopped):
+        values = np.percentile(stopped, PERCENTILES)
+        told = "x where blocks stopped [m]: " + ", ".join(
+            f"{p} % by {v:.5g} ({interval_text(*percentile_interval(stopped, p))})"
+            for p, v in zip(PERCENTILES, values, strict=True)
+        )
+        told += f", all by {stopped.max():.5g}."
+    any_barrier = bool(barrier_names(dataset))
+    return {
+        "endings": rows,
+        "stops": told,
+        "collectors": _collectors(dataset),
+        "barriers": barrier_results.effect_rows(dataset) if any_barrier else [],
+        "design": barrier_results.design_rows(dataset) if any_barrier else [],
+    }
+
+
+def _collectors(dataset: xr.Dataset) -> Rows:
+    if "collector" not in dataset.sizes:
+        return []
+    heads = []
+    for p in PERCENTILES:
+        heads += [f"{p} %", "interval"] if p in DESIGN_PERCENTILES else [f"{p} %"]
+    rows: Rows = [("x [m]", "pass", "", "unit", *heads)]
+    valid = valid_blocks(dataset)
+    for place, x in enumerate(dataset.collector.values):
+        passing = int(dataset.blocks_passing.values[place])
+        share = f" ({passing / np.sum(valid):.1%})" if np.any(valid) else ""
+        first = (f"{x:g}", f"{passing}{share}")
+        for word, (name, unit, factor) in PASSAGES.items():
+            values = factor * dataset[name].values[valid, place]
+            found = factor * dataset[f"{name}_percentiles"].values[:, place]
+            cells = []
+            for p, value in zip(PERCENTILES, found, strict=True):
+                cells.append(number_text(value))
+                if p in DESIGN_PERCENTILES:
+                    cells.append(interval_text(*percentile_interval(values, p)))
+            rows.append((*first, word, unit, *cells))
+            first = ("", "")
+    return rows
+
+
+def _settings(study: SlopeStudy) -> Rows:
+    rows: Rows = [("setting", "value")]
+    rows += [(f"contacts: {name}", str(value)) for name, value in study.law.items()]
+    rows += [
+        ("blocks", str(study.release.count)),
+        ("seed", str(study.seed)),
+        ("bins of x", str(study.bins)),
+        ("time limit [s]", f"{study.time_limit:g}"),
+        ("event limit", str(study.event_limit)),
+    ]
+    if study.placement is not None:
+        place = study.placement
+        rows += [
+            ("x = 0 on the map", f"{place.easting:.2f}, {place.northing:.2f}"),
+            ("direction of x, from north", f"{np.degrees(place.azimuth):g}°"),
+            ("reference system", place.crs),
+        ]
+    # A law in closed form knows none of the soil's laws.
+    closed = isinstance(study.contacts, ClosedForm)
+    laws = {n: v for n, v in study.laws.items() if n == SHAPE or not closed}
+    rows += [(f"law: {name}", str(law)) for name, law in laws.items()]
+    ground = study.ground_told.items()
+    return rows + [(f"ground: {name}", _in_words(value)) for name, value in ground]
+
+
+def _in_words(value) -> str:
+    """Write a value of the study's file, tables as pairs."""
+    if not isinstance(value, dict):
+        return str(value)
+    return "; ".join(f"{name} {_in_words(inner)}" for name, inner in value.items())
+
+
+def _inputs(dataset: xr.Dataset) -> Rows:
+    """Write the ranges of what each block gets."""
+    rows: Rows = [("quantity", "unit", "least", "median", "largest")]
+    for name, values in dataset.items():
+        result = name in BLOCK_NUMBERS or name == "ending" or "max_" in str(name)
+        if values.dims != ("block",) or result:
+            continue
+        unit = values.attrs.get("units", "")
+        if values.dtype.kind != "f":
+            kinds = sorted({str(value) for value in values.values})
+            rows.append((str(name), unit, ", ".join(kinds), "", ""))
+            continue
+        ends = values.values.min(), np.median(values.values), values.values.max()
+        rows.append((str(name), unit, *(f"{end:.5g}" for end in ends)))
+    return rows
+
+
+def _grounds(study: SlopeStudy) -> Rows:
+    """Write the stretches of ground that is alike for all blocks."""
+    number, told = grounds_of(study.profile)
+    x = study.profile.x
+    rows: Rows = [("x from [m]", "to [m]", "ground")]
+    start = 0
+    for segment, ground in enumerate(number):
+        if segment + 1 == len(number) or number[segment + 1] != ground:
+            words = ", ".join(told[ground]) or "one ground"
+            rows.append((f"{x[start]:g}", f"{x[segment + 1]:g}", words))
+            start = segment + 1
+    if len(rows) > MOST_ROWS:
+        more = f"and {len(rows) - MOST_ROWS} more stretches, in the study's files"
+        rows = [*rows[:MOST_ROWS], ("", "", more)]
+    return rows
+
+
+def _origin(dataset: xr.Dataset) -> Rows:
+    rows: Rows = [("file or program", "SHA-256 or version")]
+    rows += [*json.loads(dataset.attrs["files"]).items()]
+    return [*rows, *json.loads(dataset.attrs["versions"]).items()]

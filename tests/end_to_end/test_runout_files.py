@@ -1,0 +1,477 @@
+"""Files of a run-out study: barriers, trajectories, maps and the page; and that the
+study's numbers are what they were without them."""
+
+import csv
+import json
+import re
+
+import numpy as np
+import pytest
+from error_messages import assert_one_line_error
+from text_files import rows_of, write_changed
+
+import jaximpact.runout.study.output as output_module
+from jaximpact import read_netcdf
+from jaximpact.cli import main
+from jaximpact.errors import InputError
+from jaximpact.io.files import write_text
+from jaximpact.runout import Ending, passages, read_slope_study, run_slope_study
+from jaximpact.runout.study import map_files
+from jaximpact.runout.study.intervals import percentile_interval
+from jaximpact.runout.study.report_page import report_page, unknowns
+from jaximpact.runout.study.run_study import simulate
+
+pytestmark = pytest.mark.slow
+
+SLOPE = """
+count = 90
+seed = 7
+collectors_m = [40, 60]
+bins = 20
+export_trajectories = 70
+
+[profile]
+points_m = [[0, 50], [50, 20], [55, 20], [80, 0], [200, 0]]
+origin = [2600000, 1200000]
+azimuth_deg = 90
+crs = "EPSG:2056"
+
+[ground.segment.2]
+c_v = 0.5
+
+[block]
+mass_kg = { mean = 100, sd = 60, least = 20 }
+aspect_ratio = [1, 1.5, 2]
+
+[release]
+x_m = { from = 2, to = 6 }
+clearance_m = 0.5
+speed_mps = 5
+
+[contacts]
+law = "frictional ellipsoid"
+e_contact = 0.3
+friction_coefficient = 0.6
+
+[[barriers]]
+name = "upper, fence"
+x_m = 60
+height_m = 1
+capacity_kJ = 20
+
+[[barriers]]
+x_m = 85
+height_m = 2
+capacity_kJ = 1
+"""
+PLACE = 'origin = [2600000, 1200000]\nazimuth_deg = 90\ncrs = "EPSG:2056"\n'
+PLAIN = SLOPE[: SLOPE.index("[[barriers]]")].replace(PLACE, "")
+PLAIN = PLAIN.replace("export_trajectories = 70\n", "")
+ON_MAP = ("trajectories.geojson", "stops.geojson", "collectors.geojson", "maps.gpkg")
+
+
+@pytest.fixture
+def slope(folder):
+    path = folder / "slope.toml"
+    path.write_text(SLOPE)
+    return path
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """Directory of the study's files, the study and its dataset."""
+    folder = tmp_path_factory.mktemp("runout")
+    path = folder / "slope.toml"
+    path.write_text(SLOPE)
+    assert main(["runout", str(path), "--out", str(folder / "out")]) == 0
+    study = read_slope_study(path)
+    return folder / "out", study, run_slope_study(study)
+
+
+def layer(folder, name):
+    return json.loads((folder / f"{name}.geojson").read_text(encoding="utf-8"))
+
+
+def test_the_dataset_comes_back_from_its_file(results):
+    folder, _, dataset = results
+    kept = read_netcdf(folder / "blocks.nc")
+    assert kept.barrier.values.tolist() == ["upper, fence", "barrier at 85 m"]
+    assert kept.barrier_capacity_J.values.tolist() == [20e3, 1e3]
+    for name in ("barrier_effect", "barrier_energy_J", "energy_J_in_bin"):
+        np.testing.assert_array_equal(kept[name], dataset[name])
+
+
+def test_the_study_is_the_same_without_barriers_and_maps(results, tmp_path):
+    folder, _, with_all = results
+    path = tmp_path / "slope.toml"
+    path.write_text(PLAIN)
+    plain = run_slope_study(read_slope_study(path))
+    assert not [name for name in plain.variables if "barrier" in str(name)]
+    for name, values in plain.items():
+        np.testing.assert_array_equal(values, with_all[name])
+    # The report begins as it would.
+    report = output_module.in_words(plain)
+    assert (folder / "report.txt").read_text().startswith(report + "\nbarriers")
+
+
+def test_barriers_count_first_passages(results):
+    folder, study, dataset = results
+    runs = simulate(study, np.arange(90))
+    rows = rows_of(folder / "barriers.csv")
+    for barrier in study.barriers:
+        found = passages(runs, barrier.x)
+        blocks, first = np.unique(found.trajectory, return_index=True)
+        over = found.lowest_height[first] > barrier.height
+        broken = ~over & (found.energy[first] > barrier.capacity)
+        mine = {r["quantity"]: r for r in rows if r["barrier"] == barrier.name}
+        counts = {
+            "arriving": len(blocks),
+            "over_of_all": over.sum(),
+            "broken_of_all": broken.sum(),
+            "stopped_of_all": np.sum(~over & ~broken),
+        }
+        for name, count in counts.items():
+            row = mine[f"share_{name}"]
+            assert int(row["count"]) == count
+            assert int(row["blocks"]) == 90
+            assert float(row["value"]) == count / 90
+            assert float(row["low"]) <= count / 90 <= float(row["high"])
+        assert mine["share_over_of_arriving"]["blocks"] == str(len(blocks))
+        energies = 1e-3 * found.energy[first]
+        row = mine["energy_kJ_p95"]
+        assert float(row["value"]) == pytest.approx(np.percentile(energies, 95))
+        ends = [float(row["low"]), float(row["high"])]
+        np.testing.assert_allclose(ends, percentile_interval(energies, 95))
+        # 90 blocks are too few for the upper end at 99 %.
+        assert mine["energy_kJ_p99"]["high"] == "nan"
+    # All four effects occur.
+    assert len(np.unique(dataset.barrier_effect.values)) == 4
+    told = json.loads((folder / "manifest.json").read_text())["barriers"]
+    assert [b["name"] for b in told] == [b.name for b in study.barriers]
+    assert told[0]["estimates"]["energy_kJ_p99"]["high"] is None
+    assert "too few for both ends" in (folder / "report.txt").read_text()
+
+
+def test_failed_blocks_are_in_no_share(results):
+    _, _, dataset = results
+    dataset = dataset.copy(deep=True)
+    arrived = dataset.barrier_effect.values[:, 0] != "not reached"
+    dataset["ending"] = dataset.ending.astype("U12")
+    dataset.ending.values[np.flatnonzero(arrived)[:5]] = str(Ending.failed)
+    first = output_module.barriers_in_json(dataset)[0]["estimates"]["share_arriving"]
+    assert (first["count"], first["blocks"]) == (arrived.sum() - 5, 85)
+
+
+def test_collectors_have_intervals(results):
+    folder, _, dataset = results
+    for row in rows_of(folder / "collectors.csv"):
+        place = float(row["collector_m"])
+        values = dataset[f"passage_{row['quantity']}"].sel(collector=place).values
+        for percent in (50, 90, 95, 99):
+            low, high = percentile_interval(values, percent)
+            assert row[f"p{percent}_low"] == str(low)
+            assert row[f"p{percent}_high"] == str(high)
+
+
+def test_trajectories_in_files_are_those_of_the_study(results):
+    folder, study, dataset = results
+    table = np.genfromtxt(folder / "trajectories.csv", delimiter=",", names=True)
+    assert set(table["block"]) == set(range(70))
+    lines = layer(folder, "trajectories")["features"]
+    assert [line["properties"]["block"] for line in lines] == list(range(70))
+    runs = simulate(study, np.arange(70))
+    for block in (0, 49, 50, 69):  # on both sides of a portion's end
+        mine = table[table["block"] == block]
+        path = runs.path(block, map_files.SPACING)
+        np.testing.assert_allclose(mine["x_m"], path["x"], rtol=1e-11, atol=1e-9)
+        assert np.all(np.diff(mine["time_s"]) >= 0.0)
+        # Twelve digits of the file.
+        assert mine["x_m"][-1] == pytest.approx(dataset.x_m.values[block], rel=1e-11)
+        assert mine["kinetic_energy_J"].max() <= dataset.max_energy_J[block] * (
+            1 + 1e-9
+        )
+        # The profile runs due east.
+        np.testing.assert_allclose(mine["easting_m"], 2600000.0 + mine["x_m"])
+        np.testing.assert_allclose(mine["northing_m"], 1200000.0, atol=1e-6)
+        positions = np.array(lines[block]["geometry"]["coordinates"])
+        assert positions[-1, 2] == pytest.approx(dataset.y_m.values[block], abs=6e-4)
+        assert np.all(np.any(np.diff(positions, axis=0) != 0.0, axis=1))
+        properties = lines[block]["properties"]
+        assert properties["max_energy_J"] == float(dataset.max_energy_J[block])
+        assert properties["ending"] == str(dataset.ending.values[block])
+
+
+def test_ends_and_collectors_on_the_map(results):
+    folder, study, dataset = results
+    stops = layer(folder, "stops")["features"]
+    assert len(stops) == 90
+    easting = [f["geometry"]["coordinates"][0] - 2600000.0 for f in stops]
+    np.testing.assert_allclose(easting, dataset.x_m, atol=6e-4)
+    places = layer(folder, "collectors")["features"]
+    assert [f["properties"]["kind"] for f in places] == [
+        *("collector", "collector", "barrier", "barrier")
+    ]
+    assert places[2]["properties"]["name"] == "upper, fence"
+    assert places[2]["properties"]["capacity_kJ"] == 20.0
+    assert places[0]["properties"]["capacity_kJ"] is None
+    # On the ground.
+    for feature in places:
+        x, y = feature["properties"]["x_m"], feature["geometry"]["coordinates"][2]
+        assert y == pytest.approx(study.profile.height(x), abs=6e-4)
+    estimates = output_module.barriers_in_json(dataset)[0]["estimates"]
+    for name in ("share_over_of_all", "energy_kJ_p95"):
+        assert places[2]["properties"][name] == estimates[name]["value"]
+
+
+def test_other_programs_read_the_maps(results):
+    pyogrio = pytest.importorskip("pyogrio", reason="a reader of maps")
+    folder, *_ = results
+    for name in ("trajectories", "stops", "collectors"):
+        package = pyogrio.read_info(folder / "maps.gpkg", layer=name)
+        alone = pyogrio.read_info(folder / f"{name}.geojson")
+        assert package["crs"] == alone["crs"] == "EPSG:2056"
+        assert package["features"] == alone["features"] > 0
+        assert package["geometry_type"] == alone["geometry_type"]
+        assert list(package["fields"]) == list(alone["fields"])
+        _, _, shapes, values = pyogrio.raw.read(folder / "maps.gpkg", layer=name)
+        _, _, same, equal = pyogrio.raw.read(folder / f"{name}.geojson")
+        assert list(shapes) == list(same)
+        for ours, theirs in zip(values, equal, strict=True):
+            assert ours.tolist() == pytest.approx(theirs.tolist(), nan_ok=True)
+
+
+def test_a_block_that_failed_has_no_place(results):
+    _, study, dataset = results
+    dataset = dataset.copy(deep=True)
+    dataset.x_m.values[3] = np.nan
+    features = [*map_files._stops(dataset, study.placement)]
+    assert features[3].positions == []
+    assert features[3].properties["x_m"] is None
+    assert len(features) == 90
+
+
+def test_without_a_place_there_is_no_map(slope, tmp_path):
+    slope.write_text(PLAIN)
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert not names & {*ON_MAP, "barriers.csv"}
+    with open("out/trajectories.csv", newline="") as file:
+        assert "easting_m" not in next(csv.reader(file))
+    assert "No file for maps is written" in (tmp_path / "out/report.html").read_text()
+
+
+def test_files_are_announced(results):
+    folder, study, _ = results
+    written = {path.name for path in folder.iterdir()} - {"jaximpact-files.json"}
+    assert written == {*output_module.names_of_files(study)}
+
+
+@pytest.mark.parametrize("name", ["report.html", "barriers.csv", *ON_MAP])
+def test_nothing_of_others_is_replaced(slope, tmp_path, capsys, name):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / name).write_text("mine")
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, f"holds {name}")
+    assert (tmp_path / "out" / name).read_text() == "mine"
+
+
+def test_an_input_is_not_replaced(slope, tmp_path, capsys):
+    (tmp_path / "trajectories.csv").write_text("x_m,y_m\n0,50\n80,0\n200,0\n")
+    points = "points_m = [[0, 50], [50, 20], [55, 20], [80, 0], [200, 0]]"
+    write_changed(slope, SLOPE, (points, 'csv = "trajectories.csv"'))
+    assert main(["runout", "slope.toml", "--out", "."]) == 2
+    assert_one_line_error(capsys, "trajectories.csv", "which is read")
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
+def test_writing_that_breaks_off_leaves_no_half(slope, tmp_path, monkeypatch, error):
+    """In the second portion of trajectories, while three files are open."""
+    simulated = map_files.simulate
+
+    def breaks(study, chosen):
+        raise error("disk full")
+
+    monkeypatch.setattr(map_files, "simulate", breaks)
+    assert main(["runout", "slope.toml", "--out", "out"]) != 0
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert not names & {*ON_MAP, "trajectories.csv", "report.html"}
+    assert not [name for name in names if "partial" in name]
+    monkeypatch.setattr(map_files, "simulate", simulated)
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names >= {*ON_MAP, "trajectories.csv", "report.html"}
+
+
+def test_laws_are_compared_at_barriers(slope, tmp_path, capsys):
+    law = SLOPE[SLOPE.index("[contacts]") : SLOPE.index("[[barriers]]")]
+    constant = '[[contacts]]\nlaw = "constant coefficients"\ne_n = 0.3\ne_t = 0.9\n'
+    both = law.replace("[contacts]", "[[contacts]]") + constant
+    write_changed(slope, SLOPE, (law, both))
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    out, _ = capsys.readouterr()
+    assert "barriers by constant coefficients" in out
+    rows = rows_of(tmp_path / "out/comparison_barriers.csv")
+    for name in ("frictional ellipsoid", "constant coefficients"):
+        alone = rows_of(tmp_path / "out" / name.replace(" ", "-") / "barriers.csv")
+        mine = [row for row in rows if row["law"] == name]
+        assert [{**row, "law": name} for row in alone] == mine
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "parts"),
+    [
+        ("export_trajectories = 70", "export_trajectories = 0", ("at least 1",)),
+        ("export_trajectories", "export_trajectory", ("mean export_trajectories?",)),
+        ("azimuth_deg = 90", "azimut_deg = 90", ("did you mean azimuth_deg?",)),
+        ("azimuth_deg = 90\n", "", ("profile.azimuth_deg", "needed beside origin")),
+        ("x_m = 85", "x_m = 285", ("barriers.2.x_m", "between the ends")),
+    ],
+)
+def test_bad_files_are_refused_in_one_line(slope, capsys, old, new, parts):
+    write_changed(slope, SLOPE, (old, new))
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, "slope.toml", *parts)
+
+
+# --- The page.
+
+
+def data_of(page):
+    return json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL)[1])
+
+
+def test_the_page_needs_nothing_else(results):
+    page = (results[0] / "report.html").read_text(encoding="utf-8")
+    assert not re.findall(r"(?:src|href)\s*=|url\(|@import|fetch\(", page)
+    # Names of XML are no addresses that are read.
+    assert {*re.findall(r"https?://[^\s\"']+", page)} <= {"http://www.w3.org/2000/svg"}
+    assert page.count("<script") == page.count("</script>") == 2
+
+
+def test_curves_of_the_page_are_those_of_the_blocks(results):
+    folder, _, dataset = results
+    data = data_of((folder / "report.html").read_text(encoding="utf-8"))
+    assert data["blocks"] == 90
+    assert data["counts"] == dataset.blocks_in_bin.values.tolist()
+    names = ("height_m", "speed_mps", "energy_J")
+    for name, quantity in zip(names, data["quantities"], strict=True):
+        factor = 1e-3 if name == "energy_J" else 1.0
+        largest = 0.0
+        for place, values in enumerate(quantity["values"]):
+            blocks = factor * dataset[f"{name}_in_bin"].values[:, place]
+            blocks = np.sort(blocks[np.isfinite(blocks)])[::-1]
+            # Four digits are kept.
+            ranks = np.array(data["ranks"][place], int)
+            np.testing.assert_allclose(values, blocks[ranks - 1], rtol=6e-4)
+            largest = max([largest, *values])
+            if len(blocks):
+                found = np.array(quantity["percentiles"][place], float)
+                np.testing.assert_allclose(
+                    found[:, 0], np.percentile(blocks, [50, 90, 95, 99]), rtol=6e-4
+                )
+                assert np.isnan(found[-1, 2])  # an upper end takes 368 blocks
+        assert largest == pytest.approx(
+            factor * float(dataset[f"max_{name}"].max()), rel=6e-4
+        )
+
+
+def test_maxima_in_bins_are_those_of_the_envelopes(results):
+    _, _, dataset = results
+    for name in ("height_m", "speed_mps", "energy_J"):
+        values = dataset[f"{name}_in_bin"].values
+        here = np.any(np.isfinite(values), axis=0)
+        largest = dataset[f"envelope_{name}_max"].values
+        # Stored in single precision.
+        np.testing.assert_allclose(np.nanmax(values[:, here], 0), largest[here], 1e-6)
+        assert np.all(np.isnan(largest[~here]))
+
+
+def test_paths_of_the_page_end_where_the_blocks_do(results):
+    """Curves of whole units, each relative to the end of the one before."""
+    folder, study, dataset = results
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    scale = data_of(page)["scale"]
+    ends = re.search(r'class="end" d="([^"]*)"', page)[1]
+    ended = [int(x) for x in re.findall(r"M(-?\d+) ", ends)]
+    np.testing.assert_allclose(
+        scale["x"] + scale["unit"] * np.array(ended),
+        dataset.x_m[:50],
+        atol=scale["unit"],
+    )
+    reached = set()
+    for path in re.findall(r'class="speed" style="[^"]*" d="([^"]*)"', page):
+        at = None
+        for x, y, curve in re.findall(r"(?:M(-?\d+) (-?\d+))?q([-\d ]+)", path):
+            at = (int(x), int(y)) if x else at
+            *_, dx, dy = map(int, curve.split())
+            at = (at[0] + dx, at[1] + dy)
+            reached.add(at[0])
+    assert reached >= {*ended}
+    assert study.title in page
+
+
+def test_what_is_not_known_is_told(results, slope):
+    _, study, dataset = results
+    told = " ".join(unknowns(study, dataset))
+    for part in ("too few", "counted, not removed", "plane", "an assumption"):
+        assert part in told
+    assert "No file for maps" not in told
+    dataset = dataset.copy()
+    endings = {"failed": 3, "time limit": 2, "stopped": 85}
+    dataset.attrs["endings"] = json.dumps(endings)
+    told = " ".join(unknowns(study, dataset))
+    assert "3 blocks failed" in told
+    assert "2 blocks were cut off" in told
+    law = SLOPE[SLOPE.index("[contacts]") : SLOPE.index("[[barriers]]")]
+    full = read_slope_study(write_changed(slope, SLOPE, (law, "")))
+    assert "readings of the literature" in " ".join(unknowns(full, dataset))
+
+
+def test_texts_of_users_are_only_text(results, slope):
+    _, study, dataset = results
+    evil = '</script><img src=x onerror="a()"> {{ 3 }} $x$'
+    barriers = (study.barriers[0]._replace(name=evil), *study.barriers[1:])
+    dataset = dataset.assign_coords(barrier=[evil, study.barriers[1].name])
+    runs = simulate(study, np.arange(3))
+    page = report_page(study._replace(title=evil, barriers=barriers), dataset, runs)
+    assert "<img" not in page
+    assert page.count("</script>") == 2
+    assert data_of(page)["places"][2]["words"] == evil
+
+
+def test_a_page_of_nothing(results, slope):
+    """All blocks are cut off at once, before any collector."""
+    write_changed(slope, SLOPE, ("bins = 20", "bins = 1\ntime_limit_s = 1e-3"))
+    study = read_slope_study(slope)
+    dataset = run_slope_study(study)
+    page = report_page(study, dataset, simulate(study, np.arange(90)))
+    assert data_of(page)["counts"] == [90]
+    assert "No block stopped." in page
+
+
+def test_a_large_study_makes_a_small_page(results, tmp_path):
+    """Of 10 000 blocks: 90 of them over again."""
+    _, study, dataset = results
+    many = dataset.isel(block=np.arange(10_000) % 90)
+    page = report_page(study, many, simulate(study, np.arange(50)))
+    write_text(tmp_path / "report.html", page)
+    assert (tmp_path / "report.html").stat().st_size < 2e6
+
+
+def test_too_many_letters_mean_fewer_trajectories(results, monkeypatch):
+    from jaximpact.runout.study import page_profile
+
+    _, study, dataset = results
+    runs = simulate(study, np.arange(50))
+    monkeypatch.setattr(page_profile, "MOST_LETTERS", 2000)
+    page = report_page(study, dataset, runs)
+    shown = int(re.search(r"The first (\d+) trajectories of 90", page)[1])
+    assert 0 < shown < 50
+    ends = re.search(r'class="end" d="([^"]*)"', page)[1]
+    assert ends.count("M") == shown
+
+
+def test_input_errors_are_of_the_right_kind(slope):
+    write_changed(slope, SLOPE, ("height_m = 1\n", ""))
+    with pytest.raises(InputError, match="height_m: is needed"):
+        read_slope_study(slope)

@@ -1,0 +1,109 @@
+"""The page of a run-out study in a real browser, where there is one: what it shows at
+two places of the slider, and its print."""
+
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from jaximpact.runout import read_slope_study, run_slope_study
+from jaximpact.runout.study.report_page import report_page
+from jaximpact.runout.study.run_study import simulate
+
+BROWSER = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))),
+    None,
+)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed"),
+]
+FLAGS = (
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic"),
+    *("--no-first-run", "--disable-background-networking", "--disable-sync"),
+    *("--disable-component-update", "--virtual-time-budget=2000"),
+)
+SLOPE = """
+count = 80
+collectors_m = [60]
+bins = 20
+
+[profile]
+points_m = [[0, 50], [80, 0], [200, 0]]
+
+[release]
+x_m = { from = 2, to = 6 }
+clearance_m = 0.5
+speed_mps = 5
+
+[contacts]
+law = "constant coefficients"
+e_n = 0.4
+e_t = 0.8
+
+[[barriers]]
+name = "fence"
+x_m = 85
+height_m = 2
+capacity_kJ = 10
+"""
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    """File of the page, and the study's dataset."""
+    folder = tmp_path_factory.mktemp("page")
+    (folder / "slope.toml").write_text(SLOPE)
+    study = read_slope_study(folder / "slope.toml")
+    dataset = run_slope_study(study)
+    file = folder / "report.html"
+    file.write_text(report_page(study, dataset, simulate(study, np.arange(50))))
+    return file, dataset
+
+
+def browse(page, folder, *arguments, place):
+    command = [BROWSER, *FLAGS, f"--user-data-dir={folder / 'profile'}", *arguments]
+    address = f"{page.as_uri()}#x={place}"
+    done = subprocess.run([*command, address], capture_output=True, timeout=120)
+    assert done.returncode == 0, done.stderr.decode(errors="replace")[-2000:]
+    return done.stdout.decode()
+
+
+@pytest.mark.parametrize("place", [25, 95])
+def test_the_slider_shows_the_blocks_in_a_bin(page, tmp_path, place):
+    file, dataset = page
+    shown = browse(file, tmp_path, "--dump-dom", place=place)
+    here = dataset.sel(bin=place, method="nearest")
+    count = int(here.blocks_in_bin)
+    where = re.search(r'<strong id="where">(.*?)</strong>', shown)[1]
+    low, high = float(here.bin_left_m), float(here.bin_right_m)
+    assert where == f"x from {low:g} to {high:g} m: {count} of 80 blocks come there"
+    body = re.search(r'<tbody id="numbers">(.*?)</tbody>', shown, re.DOTALL)[1]
+    rows = [re.findall("<td>(.*?)</td>", row) for row in body.split("</tr>")[:-1]]
+    for row, name in zip(rows, ("height_m", "speed_mps", "energy_J"), strict=True):
+        factor = 1e-3 if name == "energy_J" else 1.0
+        expected = factor * here[f"envelope_{name}_percentiles"].values
+        # Four digits are shown.
+        np.testing.assert_allclose([float(v) for v in row[1::2]], expected, rtol=6e-4)
+        assert row[-1].endswith("to -")  # 80 blocks have no upper end at 99 %
+    # A curve in each panel, and labels of the profile's places.
+    assert shown.count("<polyline") == 3
+    assert re.search(r"<text [^>]*>fence</text>", shown)
+    assert re.search(r"<text [^>]*>x = 60 m</text>", shown)
+
+
+def test_pictures_differ_with_the_slider_and_it_prints(page, tmp_path):
+    file, _ = page
+    pictures = []
+    for place in (25, 95):
+        picture = tmp_path / f"{place}.png"
+        size = "--window-size=1000,1600"
+        browse(file, tmp_path, size, f"--screenshot={picture}", place=place)
+        pictures.append(picture.read_bytes())
+    assert all(picture.startswith(b"\x89PNG") for picture in pictures)
+    assert pictures[0] != pictures[1]
+    target = tmp_path / "page.pdf"
+    browse(file, tmp_path, f"--print-to-pdf={target}", place=95)
+    assert target.read_bytes().startswith(b"%PDF")

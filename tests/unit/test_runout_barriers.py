@@ -1,0 +1,196 @@
+"""Barriers and places on the map as the study's file gives them; effects of barriers;
+files of maps by hand."""
+
+import json
+import sqlite3
+import struct
+
+import numpy as np
+import pytest
+
+from jaximpact.errors import InputError
+from jaximpact.runout import Barrier, Profile
+from jaximpact.runout.study.barrier_results import effects_of
+from jaximpact.runout.study.barriers import read_barriers
+from jaximpact.runout.study.geojson import Feature, geojson
+from jaximpact.runout.study.geopackage import geopackage
+from jaximpact.runout.study.map_placement import read_map_placement
+from jaximpact.runout.study.page_curves import kept_ranks
+
+PROFILE = Profile([0.0, 100.0, 200.0], [50.0, 0.0, 0.0])
+BARRIER = {"x_m": 120, "height_m": 3, "capacity_kJ": 250.5}
+PLACE = {"origin": [2600000.0, 1200000], "azimuth_deg": 30, "crs": "EPSG:2056"}
+FEATURES = [
+    Feature(True, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.5]], {"block": 0, "name": 'a "b"'}),
+    Feature(True, [], {"block": 1, "name": None}),
+]
+
+
+def barriers(tmp_path, *tables):
+    return read_barriers(tmp_path / "slope.toml", {"barriers": [*tables]}, PROFILE)
+
+
+def test_barriers_are_read_in_si(tmp_path):
+    found = barriers(tmp_path, BARRIER | {"name": "fence"}, BARRIER)
+    assert found == (
+        Barrier("fence", 120.0, 3.0, 250_500.0),
+        Barrier("barrier at 120 m", 120.0, 3.0, 250_500.0),
+    )
+    assert read_barriers(tmp_path, {}, PROFILE) == ()
+
+
+@pytest.mark.parametrize(
+    ("changes", "parts"),
+    [
+        ({"heigth_m": 3}, ("barriers.1.heigth_m", "did you mean height_m?")),
+        ({"x_m": 0}, ("barriers.1.x_m", "between the ends", "but is 0")),
+        ({"x_m": 200}, ("barriers.1.x_m", "between the ends")),
+        ({"x_m": "a"}, ("barriers.1.x_m", "must be a number")),
+        ({"height_m": 0}, ("barriers.1.height_m", "above 0")),
+        ({"capacity_kJ": -1}, ("barriers.1.capacity_kJ", "above 0")),
+        ({"capacity_kJ": float("nan")}, ("barriers.1.capacity_kJ", "finite")),
+        ({"capacity_kJ": float("inf")}, ("barriers.1.capacity_kJ", "finite")),
+        ({"capacity_kJ": True}, ("barriers.1.capacity_kJ", "must be a number")),
+        ({"name": 3}, ("barriers.1.name", "must be a text")),
+        ({"name": " "}, ("barriers.1.name", "is empty")),
+    ],
+)
+def test_bad_barriers_are_refused(tmp_path, changes, parts):
+    with pytest.raises(InputError) as raised:
+        barriers(tmp_path, BARRIER | changes)
+    for part in ("slope.toml", *parts):
+        assert part in str(raised.value)
+
+
+@pytest.mark.parametrize("missing", BARRIER)
+def test_what_a_barrier_needs(tmp_path, missing):
+    given = {key: value for key, value in BARRIER.items() if key != missing}
+    with pytest.raises(InputError, match=rf"barriers\.1\.{missing}: is needed"):
+        barriers(tmp_path, given)
+
+
+def test_names_tell_barriers_apart(tmp_path):
+    with pytest.raises(InputError, match=r"barriers\.2\.name: .*stands twice"):
+        barriers(tmp_path, BARRIER, BARRIER)
+
+
+@pytest.mark.parametrize("value", [BARRIER, [3], "fence"])
+def test_barriers_must_be_tables(tmp_path, value):
+    with pytest.raises(InputError, match=r"key barriers: must be tables"):
+        read_barriers(tmp_path / "slope.toml", {"barriers": value}, PROFILE)
+
+
+def test_effects_at_a_barrier():
+    barrier = Barrier("fence", 120.0, 3.0, 1000.0)
+    heights = np.array([np.nan, 3.1, 3.0, -0.1, 0.0, 9.0])
+    energies = np.array([np.nan, 10.0, 1000.0, 1001.0, 999.0, 5000.0])
+    assert list(effects_of(barrier, heights, energies)) == [
+        *("not reached", "passes over", "is stopped", "breaks it", "is stopped"),
+        "passes over",
+    ]
+
+
+def test_places_on_the_map(tmp_path):
+    place = read_map_placement(tmp_path, {"profile": PLACE})
+    assert place is not None
+    assert (place.crs, place.code) == ("EPSG:2056", 2056)
+    easting, northing = place.coordinates(np.array([0.0, 100.0]))
+    # Of 100 m in the direction N 30 E, half go to the east.
+    np.testing.assert_allclose(easting, [2600000.0, 2600050.0], rtol=1e-15)
+    np.testing.assert_allclose(northing, [1200000.0, 1200000 + 50 * 3**0.5])
+    assert read_map_placement(tmp_path, {"profile": {"csv": "a.csv"}}) is None
+    assert read_map_placement(tmp_path, {}) is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "parts"),
+    [
+        ({"origin": [1.0]}, ("profile.origin", "[easting, northing]")),
+        ({"origin": 3.0}, ("profile.origin", "must be a list")),
+        ({"origin": [1.0, "b"]}, ("profile.origin", "must be a number")),
+        ({"azimuth_deg": 361}, ("profile.azimuth_deg", "from 0")),
+        ({"azimuth_deg": -1}, ("profile.azimuth_deg", "from 0")),
+        ({"crs": "LV95"}, ("profile.crs", 'such as "EPSG:2056"')),
+        ({"crs": "EPSG:4326"}, ("profile.crs", "in degrees")),
+        ({"crs": 2056}, ("profile.crs", "must be a text")),
+    ],
+)
+def test_bad_places_are_refused(tmp_path, changes, parts):
+    with pytest.raises(InputError) as raised:
+        read_map_placement(tmp_path / "slope.toml", {"profile": PLACE | changes})
+    for part in ("slope.toml", *parts):
+        assert part in str(raised.value)
+
+
+@pytest.mark.parametrize("missing", PLACE)
+def test_a_place_needs_all_three(tmp_path, missing):
+    given = {key: value for key, value in PLACE.items() if key != missing}
+    with pytest.raises(InputError, match=rf"profile\.{missing}: is needed beside"):
+        read_map_placement(tmp_path, {"profile": given})
+
+
+def test_geojson_by_hand(tmp_path):
+    path = tmp_path / "a.geojson"
+    with geojson(path, "lines", 2056) as add:
+        for feature in FEATURES:
+            add(feature)
+    tree = json.loads(path.read_text(encoding="utf-8"))
+    assert tree["type"] == "FeatureCollection"
+    assert tree["crs"]["properties"]["name"] == "urn:ogc:def:crs:EPSG::2056"
+    assert tree["features"][0] == {
+        "type": "Feature",
+        "geometry": {"type": "LineString", "coordinates": [[1, 2, 3], [4, 5, 6.5]]},
+        "properties": {"block": 0, "name": 'a "b"'},
+    }
+    assert tree["features"][1]["geometry"] is None
+
+
+def test_geopackage_by_hand(tmp_path):
+    path = tmp_path / "a.gpkg"
+    with geopackage(path, 2056) as layer:
+        add = layer("lines", True, {"block": int, "name": str})
+        for feature in FEATURES:
+            add(feature)
+    assert path.read_bytes()[68:72] == b"GPKG"  # where SQLite keeps the application
+    connection = sqlite3.connect(path)
+    rows = connection.execute("SELECT * FROM lines").fetchall()
+    connection.close()
+    assert [row[2:] for row in rows] == [(0, 'a "b"'), (1, None)]
+    head = struct.unpack_from("<2sBBiBII", rows[0][1])
+    assert head == (b"GP", 0, 1, 2056, 1, 1002, 2)
+    assert struct.unpack_from("<6d", rows[0][1], 17) == (1, 2, 3, 4, 5, 6.5)
+    assert rows[1][1] is None
+
+
+@pytest.mark.parametrize("kind", [geojson, geopackage])
+def test_no_half_of_a_map_is_left(tmp_path, kind):
+    path = tmp_path / "map"
+    path.write_text("before")
+    arguments = (path, "lines", 2056) if kind is geojson else (path, 2056)
+
+    def interrupted():
+        with kind(*arguments) as opened:
+            add = opened if kind is geojson else opened("lines", True, {"block": int})
+            add(FEATURES[0])
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert path.read_text() == "before"
+    assert [file.name for file in tmp_path.iterdir()] == ["map"]
+
+
+def test_what_sqlite_cannot_write_is_an_error_of_files(tmp_path):
+    with pytest.raises(OSError, match="cannot be written"):
+        geopackage(tmp_path / "no folder" / "a.gpkg", 2056).__enter__()
+
+
+@pytest.mark.parametrize("count", [0, 1, 12, 13, 120, 1000, 100_000])
+@pytest.mark.parametrize("most", [12, 120])
+def test_ranks_of_curves(count, most):
+    ranks = kept_ranks(count, most)
+    assert len(ranks) <= most
+    assert sorted(set(ranks)) == ranks
+    if count:
+        assert ranks[0] == 1
+        assert ranks[-1] == count
