@@ -29,11 +29,11 @@ from .slope_file import SlopeStudy
 SHOWN = 50
 """Number of trajectories in the drawing: the first ones, computed once more."""
 STOP_COLUMNS = (
-    *("block", "ending", "x_m", "y_m", "time_s", "impacts", "events"),
+    *("block", "ending", "x_m", "y_m", "time_s", "impacts", "hops", "events"),
     *("energy_at_release_J", "energy_at_end_J"),
     *("max_height_m", "max_speed_mps", "max_energy_J"),
 )
-WHOLE = ("block", "impacts", "events")
+WHOLE = ("block", "impacts", "hops", "events")
 QUANTITIES = (
     *("passage_speed_mps", "passage_energy_J", "passage_translational_energy_J"),
     *("passage_rotational_energy_J", "passage_spin_radps"),

@@ -267,8 +267,9 @@ def _settings(study: SlopeStudy) -> Rows:
         ("blocks", str(study.release.count)),
         ("seed", str(study.seed)),
         ("bins of x", str(study.bins)),
-        ("time limit [s]", f"{study.time_limit:g}"),
-        ("event limit", str(study.event_limit)),
+        ("time limit [s]", f"{study.limits.time:g}"),
+        ("event limit", str(study.limits.events)),
+        ("hop threshold", f"{study.limits.hop_threshold:g}"),
     ]
     if study.placement is not None:
         place = study.placement

@@ -35,6 +35,7 @@ BLOCK_NUMBERS = {
     "y_m": ("m", "where it ended: the centre; nan where a contact failed"),
     "time_s": ("s", "when it ended, since release"),
     "impacts": ("-", "impacts, without touches too slow to be one"),
+    "hops": ("-", "contacts after which it rolled in place of a low flight"),
     "events": ("-", "contacts and legs along the ground"),
     "energy_at_release_J": ("J", "kinetic energy at release"),
     "energy_at_end_J": ("J", "kinetic energy at its end; 0 for a block that stopped"),
@@ -142,7 +143,9 @@ def edges_of(study: SlopeStudy) -> np.ndarray:
 def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
     """Summarise each block in a row of numbers, in the order of `_columns`."""
     blocks, stretches = runs.release.count, stretches_of(runs)
-    impacts = runs.contacts.trajectory[runs.contacts.outcome >= 0].astype(int)
+    contacts = runs.contacts
+    impacts = contacts.trajectory[contacts.outcome >= 0].astype(int)
+    hops = contacts.trajectory[contacts.hop.astype(bool)].astype(int)
     start, end = _energies(runs)
     numbers = {
         "ending": runs.ending,
@@ -150,6 +153,7 @@ def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
         "y_m": runs.y,
         "time_s": runs.time,
         "impacts": np.bincount(impacts, minlength=blocks),
+        "hops": np.bincount(hops, minlength=blocks),
         "events": runs.events,
         "energy_at_release_J": start,
         "energy_at_end_J": end,
