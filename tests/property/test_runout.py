@@ -605,3 +605,45 @@ def test_a_threshold_of_hops_is_checked(threshold):
     release = Release(SPHERE, 10.0, 240.0)
     with pytest.raises(InputError, match="hop_threshold must be"):
         simulate_runout(BIPLANAR, release, DEAD, hop_threshold=threshold)
+
+
+@pytest.mark.parametrize(
+    "contacts", [ClosedForm(PfeifferBowen(0.5, 0.9)), FullModel("reference")]
+)
+def test_points_on_a_straight_slope_change_nothing(contacts):
+    """Profiles that were surveyed have points on a line, which rounding makes a break
+    of 1e-16 rad."""
+    x = np.linspace(0.0, 400.0, 81)
+    cut = Profile(np.append(x, 1000.0), np.append(230.0 - 0.575 * x, 0.0))
+    generator = np.random.default_rng(3)
+    n = 16
+    block = Block(aspect_ratio=np.tile([1.0, 1.5, 2.0, 3.0], n // 4))
+    release = Release(
+        block, 3.0, 245.0, 12.0, 0.0, generator.uniform(0.0, 6.0, n), np.arange(n) * 2.0
+    )
+    whole, cut_up = (
+        simulate_runout(profile, release, contacts) for profile in (BIPLANAR, cut)
+    )
+    np.testing.assert_array_equal(whole.ending, cut_up.ending)
+    # Rounding, magnified by some ten contacts; less accurate contacts magnify it more.
+    np.testing.assert_allclose(whole.x, cut_up.x, atol=1e-4)
+
+
+def test_a_block_rolls_over_a_break_that_throws_it_less_than_a_hop():
+    """The flight would rise over the next segment by (v sin(turn))^2/(2 g cos w)."""
+    speed, turn = 10.0, np.radians([2.0, 12.0])
+    block = Block(aspect_ratio=1.5)
+    motions = []
+    for angle in turn:
+        profile = Profile(
+            [0.0, 100.0, 200.0], [0.0, 0.0, -100.0 * np.tan(angle)], Soil(), 0.0
+        )
+        release = Release(block, 90.0, 1.0, speed, 0.0, 0.0, 40.0)
+        runs = simulate_runout(profile, release, DEAD)
+        rolling = np.flatnonzero(runs.pieces.motion == MotionMode.rolling)
+        v = runs.pieces.v_x[rolling[0]]
+        rise = (v * np.sin(angle)) ** 2 / (2.0 * G * np.cos(angle))
+        outline = runs.release.outline
+        low = rise < (outline.largest - outline.smallest)[0]
+        motions.append((low, runs.pieces.motion[rolling[0] + 1]))
+    assert motions == [(True, MotionMode.rolling), (False, MotionMode.flight)]

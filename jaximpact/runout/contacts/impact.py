@@ -23,7 +23,12 @@ from ...impact_response import ImpactResponse
 from ...scene import GRAVITY
 from ..blocks import BlockOutline, Body, select, support_of
 from ..dual import Values, primal
-from ..ground_motion.on_ground import SMALL_RISE, begin_on_ground, small_speed
+from ..ground_motion.on_ground import (
+    SAME_PLANE,
+    SMALL_RISE,
+    begin_on_ground,
+    small_speed,
+)
 from ..state import Phase, State
 from ..terrain import Profile
 from ..trajectory import Ending, MotionMode
@@ -39,8 +44,6 @@ from .roughness import facets_struck, lift
 
 NO_IMPACT = -1
 """Outcome of a touch that is too slow to be an impact."""
-SAME_PLANE = 1e-9
-"""Sine of the angle between two planes within which they are the same."""
 IN_THE_GROUND = 1e-6
 """Depth of a block in a segment, as a fraction of its smaller semi-axis, from which on
 that segment is behind or above it."""
@@ -334,7 +337,9 @@ def free_fraction(
         clear = gap(lanes, place, body.x, body.y, body.orientation)
         left = np.maximum(gap(lanes, place, x, y, orientation), 0.0)
         closing = -(normal_x[place] * d_x[lanes] + normal_y[place] * d_y[lanes])
-        stops = (clear > -IN_THE_GROUND * smallest[lanes]) & (closing > left)
+        little = IN_THE_GROUND * smallest[lanes]
+        # Rounding of a straight slope's points must not hold a block up.
+        stops = (clear > -little) & (closing > left + little)
         ends = np.where(stops, left / np.where(stops, closing, 1.0), 1.0)
         fraction[lanes] = np.minimum(fraction[lanes], ends)
         place = place + direction[lanes]

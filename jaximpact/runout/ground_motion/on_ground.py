@@ -4,11 +4,13 @@ import numpy as np
 
 from ...scene import GRAVITY
 from ..blocks import select, support_of
-from ..dual import Values
+from ..dual import Values, primal
 from ..state import Phase, State
 from ..trajectory import Ending, MotionMode
 from .rolling import barrier_of, begin_ground_motion, cross_break, follow_segment
 
+SAME_PLANE = 1e-9
+"""Sine of the angle between two planes within which they are the same."""
 SMALL_RISE = 1e-2
 """Fraction of the smaller semi-axis; energies that would lift a block by less count as
 none: hops so low are not followed, and touches so slow are no impacts. They take less
@@ -20,6 +22,16 @@ def small_speed(state: State, lanes: np.ndarray, slope: Values) -> Values:
     """Compute the speed across a plane below which there is no hop or impact [m/s]."""
     rise = SMALL_RISE * state.smallest[lanes]
     return np.sqrt(2.0 * GRAVITY * np.cos(slope) * rise)
+
+
+def hop_height(state: State, lanes: np.ndarray) -> Values:
+    """Compute the height of a flight up to which it is not followed [m]: one that lifts
+    a block by less than it heaves as it rolls, or by next to nothing."""
+    outline = select(state.outline, lanes)
+    heave = outline.largest - outline.smallest
+    return np.maximum(
+        state.limits.hop_threshold * heave, SMALL_RISE * state.smallest[lanes]
+    )
 
 
 def begin_on_ground(
@@ -85,6 +97,7 @@ def lie_down(state: State, lanes: np.ndarray, plane: Values) -> None:
 
 def move_along(state: State, lanes: np.ndarray) -> None:
     """Move blocks along their segments, to the end or as far as they get."""
+    _find_segments(state, lanes)
     profile, segment = state.profile, state.segment[lanes]
     slope, length = state.slope[segment], state.length[segment]
     outline, mass_properties = (
@@ -132,6 +145,23 @@ def move_along(state: State, lanes: np.ndarray) -> None:
     )
     _slow_down(state, lanes[~arrives], slope, friction, needed, ~arrives)
     state.end(lanes[late], Ending.time_limit)
+
+
+def _find_segments(state: State, lanes: np.ndarray) -> None:
+    """Assign blocks that a contact took past the end of their segment to the next ones,
+    as long as these go straight on."""
+    while len(lanes):
+        segment = state.segment[lanes]
+        foot = primal(_foot_on(state, lanes, segment))
+        right = primal(state.direction[lanes]) > 0.0
+        past = np.where(right, foot > state.length[segment], foot < 0.0)
+        beyond = np.where(right, segment + 1, segment - 1)
+        exists = (beyond >= 0) & (beyond < state.profile.segments)
+        beyond = np.where(exists, beyond, segment)
+        turn = np.sin(state.slope[beyond] - state.slope[segment])
+        goes = past & exists & (np.abs(turn) <= SAME_PLANE)
+        state.segment[lanes[goes]] = beyond[goes]
+        lanes = lanes[goes]
 
 
 def _foot_on(state: State, lanes: np.ndarray, segment: np.ndarray) -> Values:
@@ -268,6 +298,7 @@ def cross_edges(state: State, lanes: np.ndarray) -> None:
     crossing = cross_break(
         outline, mass_properties, squared, direction * plane, direction * after,
         direction * state.body.orientation[lanes], rolls.astype(float),
+        hop_height(state, lanes),
     )  # fmt: skip
     flies, back = crossing.flies > 0.0, crossing.goes_back > 0.0
     stays = crossing.stays > 0.0

@@ -20,7 +20,10 @@ flat side and slides, with the ground's friction, $\tan\varphi_b =
 next, as long as its weight holds it there: $v^2 \le g r\cos\alpha$ with $\alpha$ going
 from one descent to the other. Where that ends it flies. To cross a crest it has to be
 lifted by $r(\cos\alpha - \cos w)$; a block that is too slow goes back. A block that
-slides flies if it does so at once, with the radius of curvature of its flat side.
+slides flies if it does so at once, with the radius of curvature of its flat side. A
+flight that would rise over the next segment by less than a hop,
+$v^2\sin^2(w_2 - w_1)/(2 g \cos w_2)$, is not followed: the block goes on along the
+ground.
 
 **At a concave break** it runs into the next segment.
 """
@@ -272,6 +275,7 @@ def cross_break(
     after: Values,
     orientation: Values,
     rolls: Values,
+    hop: Values,
 ) -> Crossing:
     """Move a block over a convex break.
 
@@ -288,6 +292,7 @@ def cross_break(
         orientation: angle from the vertical to the major axis, positive towards the
             direction of motion [rad].
         rolls: 1 if it rolls, 0 if it slides.
+        hop: height up to which a flight is not followed [m].
     """
     mass, inertia = mass_properties
     rolling = rolls > 0.0
@@ -309,7 +314,10 @@ def cross_break(
     slips = speed_squared > GRAVITY * curvature * jnp.cos(before)
     slips &= before + PAST_THE_EDGE < after
     flies = jnp.where(rolling, (leaving.angle < after) & leaving.loose, slips)
-    flies = flies & ~short & ~stays
+    # Also keeps rounding of a straight slope's points from throwing blocks up.
+    rise = speed_squared * jnp.sin(after - before) ** 2
+    is_hop = rise < 2.0 * GRAVITY * jnp.cos(after) * hop
+    flies = flies & ~short & ~stays & ~is_hop
     speed = safe_sqrt(speed_squared)
     return Crossing(
         goes_back=goes_back.astype(float),
