@@ -20,16 +20,17 @@ import numpy as np
 from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array
 
-from .._jax_internals import Tracer, namespace_of, number_in
+from .._jax_internals import Tracer, is_inside_jit, namespace_of, number_in
 from .._precision import float64_leaf
 from .._types import Structure
 from ..accuracy import Accuracy
+from ..errors import InputError
 from ..impact.history import History, empty_history, outside_contact
-from ..impact.problem import Assembly
+from ..impact.problem import Assembly, assemble
 from ..impact.reduced_models import MODELS, exact_models
 from ..impact.summary import ImpactSummary, Solution, empty_summary
-from ..scene import Scene
-from .engine_names import MACHINE_CODE, Engine
+from ..scene import Scene, shape_of
+from . import NATIVE, Engine
 from .native_backend import compile_native, compile_native_along, computes_on_cpu
 from .operation import Operation, call, register
 
@@ -76,7 +77,7 @@ def solve(
     leaves,
     accuracy: Accuracy,
     ledger: bool,
-    engine: Engine = Engine(MACHINE_CODE),  # noqa: B008
+    engine: Engine = NATIVE,
 ) -> ImpactSummary:
     """Compute impacts, each by the cheapest model that is exact for it.
 
@@ -116,6 +117,44 @@ def solve_at(
     return numbers, jax.device_put(history)
 
 
+def solve_recorded(
+    scene: Scene, accuracy: Accuracy, engine: Engine = NATIVE
+) -> tuple[ImpactSummary, History]:
+    """Compute one impact with the energy ledger, and its history as NumPy arrays, with
+    an entry for the start and each step.
+
+    Raises ValueError under a JAX transformation, where the number of steps is not
+    known, and InputError for many impacts.
+    """
+    if is_inside_jit(scene) or any(
+        isinstance(leaf, Tracer) for leaf in jax.tree.leaves(scene)
+    ):
+        raise ValueError(
+            "history=True cannot be used inside a JAX transformation, where the number "
+            "of steps is not known; give the times that are wanted: save_at=times"
+        )
+    if shape_of(scene):
+        raise InputError(
+            "history=True records one impact, but the fields of the scene have the "
+            f"shape {shape_of(scene)}; give the times that are wanted: save_at=times"
+        )
+    assembly = assemble(scene)
+    kernel = None
+    if engine.is_machine_code and computes_on_cpu():
+        kernel = compile_native(assembly, sampled=True)
+    if kernel is None:
+        from .xla_backend import record_by_xla  # loads diffrax, which takes a while
+
+        leaves, structure = jax.tree.flatten(scene)
+        numbers = solve(structure, leaves, accuracy, True, engine)
+        return numbers, record_by_xla(scene, accuracy, engine.solver)
+    inputs = [*jax.tree.leaves(scene), accuracy.tolerance, accuracy.floor]
+    results, samples = kernel.workspace().record(np.array(inputs, float)[:, None])
+    numbers = jax.tree.unflatten(kernel.structure, [row[0] for row in results])
+    series = jax.tree.structure(empty_history(assembly.ledger))
+    return jax.device_put(numbers), jax.tree.unflatten(series, list(samples))
+
+
 def _at_places(xp, history: History, places) -> History:
     """Put the times of a history in another order, by NumPy or `jax.numpy`."""
     if places.ndim == 1:
@@ -132,7 +171,7 @@ def _solved(
     accuracy: Accuracy,
     ledger: bool,
     times,
-    engine: Engine = Engine(MACHINE_CODE),  # noqa: B008
+    engine: Engine = NATIVE,
 ) -> Solution:
     places, rest = [], np.empty(len(leaves) + 2)
     rest[-2:] = accuracy.tolerance, accuracy.floor
@@ -401,7 +440,6 @@ def _by_xla(given: Given, values: list, times, varied: list[int]) -> Any:
     `_columns` gives them."""
     from .xla_backend import in_xla  # loads diffrax, which takes a while
 
-    solver = given.engine.solver
     known = given.leaves([np.nan if isinstance(x, Tracer) else x for x in values])
     for place in varied:
         if place != _place_of_times(given.structure):
@@ -410,27 +448,5 @@ def _by_xla(given: Given, values: list, times, varied: list[int]) -> Any:
     _, possible = exact_models(scene)
     assembly = Assembly(given.structure, MODELS[max(possible)], given.ledger)
     leaves, (tolerance, floor) = given.leaves(values), given.rest[-2:]
-    known = assembly, tuple(varied), solver
-    own = () if times is None else np.shape(times)[:-1]
-    shape = np.broadcast_shapes(own, *map(np.shape, leaves))
-    if not shape:
-        return in_xla(*known, leaves, tolerance, floor, times)
-    lanes = math.prod(shape)
-    rows = [jnp.broadcast_to(leaf, shape).reshape(lanes) for leaf in leaves]
-    if times is not None:
-        series = np.shape(times)[-1:]
-        times = jnp.broadcast_to(times, shape + series).reshape(lanes, *series)
-
-    def of_lane(row, times):
-        return in_xla(*known, row, tolerance, floor, times)
-
-    found = jax.vmap(of_lane)(rows, times)
-
-    def with_lanes(x, axis):
-        return x.reshape(*x.shape[:axis], *shape, *x.shape[axis + 1 :])
-
-    if not varied:
-        return jax.tree.map(lambda x: with_lanes(x, 0), found)
-    solution, columns = found
-    columns = jax.tree.map(lambda x: with_lanes(jnp.moveaxis(x, 0, 1), 1), columns)
-    return jax.tree.map(lambda x: with_lanes(x, 0), solution), columns
+    solver = given.engine.solver
+    return in_xla(assembly, tuple(varied), solver, leaves, tolerance, floor, times)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from ..accuracy import DEFAULT_ACCURACY, get_accuracy
-from ..backend.recording import record_history
+from ..backend.derivative_rules import solve_recorded
 from ..backend.threads import thread_count
 from ..batch import simulate_batch
 from ..impact.termination import Outcome
@@ -137,7 +137,7 @@ class Study(Datasets):
 
         def record(point):
             scene = scene_of_values(values | dict(zip(grid, point, strict=True)))
-            return record_history(scene, get_accuracy(ACCURACY))
+            return solve_recorded(scene, get_accuracy(ACCURACY))[1]
 
         first, *rest = itertools.product(*grid.values())
         # What the first compiles the others share.

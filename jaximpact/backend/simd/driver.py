@@ -140,14 +140,11 @@ class Driver(NamedTuple):
         return self.engine.get_function_address("impacts")
 
 
-def _made(key: str, make: Callable[[], bytes]) -> bytes:
-    return make()
+Keep = Callable[[str, Callable[[], bytes]], bytes]
+_keep: Keep = lambda _, make: make()  # noqa: E731
 
 
-_keep = _made
-
-
-def keep_driver(keep: Callable[[str, Callable[[], bytes]], bytes]) -> None:
+def keep_driver(keep: Keep) -> None:
     """Have the driver's object file kept, which takes a tenth of a second to compile.
 
     Args:
