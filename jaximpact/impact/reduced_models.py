@@ -197,6 +197,9 @@ class Departures:
     """True within what was measured."""
 
 
+_usual = functools.cache(Scene)
+
+
 def departures(scene: Scene) -> Departures:
     """The departures of each scene; fields are arrays that broadcast."""
     usual = _usual()
@@ -221,11 +224,6 @@ def departures(scene: Scene) -> Departures:
         measured = measured & (low <= value) & (value <= high)
     angle, slope = np.abs(number(impact.angle)), np.abs(number(impact.slope))
     return Departures(angle, slope, spin, tilt, measured)
-
-
-@functools.cache
-def _usual() -> Scene:
-    return Scene()
 
 
 def vertical_error(scene: Scene) -> np.ndarray:

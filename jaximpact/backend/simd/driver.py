@@ -7,7 +7,6 @@ import threading
 from collections.abc import Callable
 from typing import NamedTuple
 
-import numpy as np
 from llvmlite.binding import ExecutionEngine
 
 from .llvm_ir import PACK, architecture, compile_text, host, load
@@ -181,12 +180,3 @@ def shared_driver() -> Driver:
         if not _shared:
             _shared.append(load_driver())
     return _shared[0]
-
-
-def new_columns(rows: int) -> tuple[Columns, np.ndarray]:
-    """Make empty columns, and the memory that they work in, which must live as long."""
-    space = np.zeros(rows * PACK * 8 + ALIGNMENT, np.uint8)
-    start = -space.ctypes.data % ALIGNMENT
-    columns = Columns(work=space.ctypes.data + start)
-    columns.lane[:] = [-1] * PACK
-    return columns, space

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import jax
 import numpy as np
 
-from .driver import Course, Program, new_columns, shared_driver
+from .driver import ALIGNMENT, Columns, Course, Program, shared_driver
 from .graph import INPUT, NUMPY, Graph, Node
 from .llvm_ir import DECLARATIONS, PACK, Output, compile_text, load, write_function
 from .lower_jaxpr import Translator
@@ -120,7 +120,10 @@ class Workspace:
     def __init__(self, kernel: Kernel):
         self._kernel = kernel  # The code must live as long as this.
         self._run = shared_driver().run
-        self._columns, self._space = new_columns(kernel.program.rows)
+        self._space = np.zeros(kernel.program.rows * PACK * 8 + ALIGNMENT, np.uint8)
+        start = self._space.ctypes.data
+        self._columns = Columns(work=start + -start % ALIGNMENT)
+        self._columns.lane[:] = [-1] * PACK
 
     def record(self, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Run one lane, and sample it at its start and at the end of every step.
