@@ -30,6 +30,7 @@ __all__ = [
     "result_types",
     "scan_counts",
     "setting",
+    "walk",
 ]
 
 _CALLS = {"jit": "jaxpr", "pjit": "jaxpr", "custom_jvp_call": "call_jaxpr"}
@@ -91,6 +92,32 @@ def called(equation) -> ClosedJaxpr | None:
     """The function that an equation calls as it stands; None if it calls none."""
     name = _CALLS.get(equation.primitive.name)
     return None if name is None else equation.params[name]
+
+
+def walk(
+    jaxpr: Jaxpr, constants, arguments, literal: Callable, apply: Callable
+) -> list:
+    """Go through a jaxpr, equation by equation, with values of any kind.
+
+    Args:
+        constants, arguments: values of the jaxpr's constants and inputs.
+        literal: gives the value of a literal.
+        apply: gives the values of an equation's results, from the equation and the
+            values of its operands.
+
+    Returns:
+        Values of the outputs.
+    """
+    values = dict(zip(jaxpr.constvars, constants, strict=True))
+    values |= zip(jaxpr.invars, arguments, strict=True)
+
+    def read(atoms) -> list:
+        return [literal(x) if isinstance(x, Literal) else values[x] for x in atoms]
+
+    for equation in jaxpr.eqns:
+        results = apply(equation, read(equation.invars))
+        values |= zip(equation.outvars, results, strict=True)
+    return read(jaxpr.outvars)
 
 
 def scan_counts(equation) -> tuple[int, int]:

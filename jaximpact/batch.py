@@ -3,7 +3,7 @@
 Each worker integrates a fixed number of lanes at once, and a lane that has ended takes
 the next scene, so that no lane waits for the slowest. On a CPU lanes run in machine
 code (`backend.native_backend`); on other devices, and for laws that have none, in XLA's
-programs (`backend.xla_batched`).
+programs (`backend.xla_backend`).
 """
 
 import concurrent.futures
@@ -25,7 +25,7 @@ from ._versions import versions
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .backend.native_backend import NativeWorker, compile_native, computes_on_cpu
 from .backend.threads import thread_count
-from .backend.xla_batched import (
+from .backend.xla_backend import (
     MarchingWorker,
     compile_programs,
     lanes_of_worker,

@@ -14,7 +14,7 @@ import numpy as np
 
 from ._versions import versions
 from .accuracy import Accuracy
-from .backend.engine_names import MACHINE_CODE
+from .backend import MACHINE_CODE
 from .identity import part_names
 from .impact.history import History
 from .impact.summary import ImpactSummary
@@ -210,7 +210,7 @@ class ImpactResult(ImpactSummary):
         Raises ValueError for a result of many impacts, and for a suffix that names no
         format.
         """
-        from .backend.recording import record_history
+        from .backend.derivative_rules import solve_recorded
         from .plotting.impact import plot_impact
 
         if self.shape:
@@ -221,7 +221,7 @@ class ImpactResult(ImpactSummary):
         recorded = self.history
         # At the times of `save_at` it need not hold the peaks, nor the end.
         if recorded is None or recorded.in_contact is not None:
-            recorded = record_history(self.scene, self.accuracy)
+            _, recorded = solve_recorded(self.scene, self.accuracy)
         return plot_impact(self, self.scene, recorded, path)
 
     def manifest(self) -> dict:

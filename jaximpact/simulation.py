@@ -10,9 +10,8 @@ from numpy.typing import ArrayLike
 from ._jax_internals import Tracer
 from ._precision import require_float64
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from .backend.derivative_rules import solve, solve_at
-from .backend.engine_names import MACHINE_CODE, get_engine
-from .backend.recording import solve_recorded
+from .backend import MACHINE_CODE, get_engine
+from .backend.derivative_rules import solve, solve_at, solve_recorded
 from .errors import InputError
 from .io.checks import check_scene, check_times, usual_values
 from .result import ImpactResult

@@ -8,7 +8,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from jaximpact.accuracy import PRESETS, Accuracy
-from jaximpact.backend.native_backend import compile_native, solve_side_by_side
+from jaximpact.backend.native_backend import (
+    compile_native,
+    kernel_inputs,
+    solve_rows,
+)
 from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import MODELS, PLANAR, Model
 from jaximpact.plotting.style import in_style, legend_outside, panels, points
@@ -36,7 +40,7 @@ Rung = Callable[[Scene, Accuracy], np.ndarray]
 def rung_of(model: Model) -> Rung:
     """A model by the unknowns that it integrates."""
     kernel = compile_native(Assembly(jax.tree.structure(Scene()), model, ledger=False))
-    return lambda *given: solve_side_by_side(kernel, *given).e_n
+    return lambda *given: solve_rows(kernel, np.stack(kernel_inputs(*given))).e_n
 
 
 def ladder() -> dict[str, Rung]:

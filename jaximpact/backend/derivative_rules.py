@@ -12,6 +12,7 @@ the number of parameters that vary.
 
 import functools
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -20,16 +21,17 @@ import numpy as np
 from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array
 
-from .._jax_internals import Tracer, namespace_of, number_in
+from .._jax_internals import Tracer, is_inside_jit, namespace_of, number_in
 from .._precision import float64_leaf
 from .._types import Structure
 from ..accuracy import Accuracy
+from ..errors import InputError
 from ..impact.history import History, empty_history, outside_contact
-from ..impact.problem import Assembly
+from ..impact.problem import Assembly, assemble
 from ..impact.reduced_models import MODELS, exact_models
 from ..impact.summary import ImpactSummary, Solution, empty_summary
-from ..scene import Scene
-from .engine_names import MACHINE_CODE, Engine
+from ..scene import Scene, shape_of
+from . import NATIVE, Engine
 from .native_backend import compile_native, compile_native_along, computes_on_cpu
 from .operation import Operation, call, register
 
@@ -53,11 +55,19 @@ class Given(NamedTuple):
     sampled: bool = False
     """Whether a history is sampled at times that are asked for."""
 
-    def leaves(self, values: list) -> list:
-        """Leaves of the scene, with the values of those at `places`."""
+    @property
+    def place_of_times(self) -> int:
+        """Index that stands for the times among the leaves: the one behind them."""
+        return self.structure.num_leaves
+
+    def leaves(self, values: list, unknown: Sequence[int] = ()) -> list:
+        """Leaves of the scene, with the values of those at `places`, and with NaN for
+        those that are not known."""
         leaves = list(self.rest[:-2])
         for place, value in zip(self.places, values, strict=True):
             leaves[place] = value
+        for place in set(unknown) - {self.place_of_times}:
+            leaves[place] = np.nan
         return leaves
 
     def solution(self, rows) -> Solution:
@@ -76,7 +86,7 @@ def solve(
     leaves,
     accuracy: Accuracy,
     ledger: bool,
-    engine: Engine = Engine(MACHINE_CODE),  # noqa: B008
+    engine: Engine = NATIVE,
 ) -> ImpactSummary:
     """Compute impacts, each by the cheapest model that is exact for it.
 
@@ -116,6 +126,44 @@ def solve_at(
     return numbers, jax.device_put(history)
 
 
+def solve_recorded(
+    scene: Scene, accuracy: Accuracy, engine: Engine = NATIVE
+) -> tuple[ImpactSummary, History]:
+    """Compute one impact with the energy ledger, and its history as NumPy arrays, with
+    an entry for the start and each step.
+
+    Raises ValueError under a JAX transformation, where the number of steps is not
+    known, and InputError for many impacts.
+    """
+    if is_inside_jit(scene) or any(
+        isinstance(leaf, Tracer) for leaf in jax.tree.leaves(scene)
+    ):
+        raise ValueError(
+            "history=True cannot be used inside a JAX transformation, where the number "
+            "of steps is not known; give the times that are wanted: save_at=times"
+        )
+    if shape_of(scene):
+        raise InputError(
+            "history=True records one impact, but the fields of the scene have the "
+            f"shape {shape_of(scene)}; give the times that are wanted: save_at=times"
+        )
+    assembly = assemble(scene)
+    kernel = None
+    if engine.is_machine_code and computes_on_cpu():
+        kernel = compile_native(assembly, sampled=True)
+    if kernel is None:
+        from .xla_backend import record_by_xla  # loads diffrax, which takes a while
+
+        leaves, structure = jax.tree.flatten(scene)
+        numbers = solve(structure, leaves, accuracy, True, engine)
+        return numbers, record_by_xla(scene, accuracy, engine.solver)
+    inputs = [*jax.tree.leaves(scene), accuracy.tolerance, accuracy.floor]
+    results, samples = kernel.workspace().record(np.array(inputs, float)[:, None])
+    numbers = jax.tree.unflatten(kernel.structure, [row[0] for row in results])
+    series = jax.tree.structure(empty_history(assembly.ledger))
+    return jax.device_put(numbers), jax.tree.unflatten(series, list(samples))
+
+
 def _at_places(xp, history: History, places) -> History:
     """Put the times of a history in another order, by NumPy or `jax.numpy`."""
     if places.ndim == 1:
@@ -132,7 +180,7 @@ def _solved(
     accuracy: Accuracy,
     ledger: bool,
     times,
-    engine: Engine = Engine(MACHINE_CODE),  # noqa: B008
+    engine: Engine = NATIVE,
 ) -> Solution:
     places, rest = [], np.empty(len(leaves) + 2)
     rest[-2:] = accuracy.tolerance, accuracy.floor
@@ -143,16 +191,15 @@ def _solved(
         else:
             rest[place] = leaf
     # Whoever puts leaves in place by himself may put numbers of another type.
-    values = [_float64(leaves[place]) for place in places]
+    values = [
+        leaf if leaf.dtype == np.float64 else float64_leaf(leaf)
+        for leaf in (leaves[place] for place in places)
+    ]
     given = Given(structure, ledger, tuple(places), rest, engine, times is not None)
     if any(isinstance(value, Tracer) for value in (*values, times)):
         return _solve(given, values, times)
     # Nothing to differentiate: half the time of a call would go into asking.
     return _values(given, values, times)
-
-
-def _float64(leaf):
-    return leaf if leaf.dtype == np.float64 else float64_leaf(leaf)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
@@ -165,7 +212,7 @@ def _solve_jvp(given: Given, primals, tangents):
     values, times = primals
     steps = dict(zip(given.places, tangents[0], strict=True))
     if given.sampled:
-        steps[_place_of_times(given.structure)] = tangents[1]
+        steps[given.place_of_times] = tangents[1]
     steps = {k: s for k, s in steps.items() if not isinstance(s, SymbolicZero)}
     if not steps:
         solution = _values(given, values, times)
@@ -175,7 +222,7 @@ def _solve_jvp(given: Given, primals, tangents):
         of_numbers = [column for (column,) in columns]
         return solution, given.solution(_along(of_numbers, list(steps.values())))
     # No number changes with the times, and a sample with its own alone.
-    by_time = steps.pop(_place_of_times(given.structure), None)
+    by_time = steps.pop(given.place_of_times, None)
     of_numbers, of_samples = zip(*columns, strict=True)
     changes = _along(list(of_numbers[: len(steps)]), list(steps.values()))
     along_time = [step[..., None] for step in steps.values()]
@@ -217,34 +264,17 @@ def _values(given: Given, values: list, times) -> Solution:
 def _columns(given: Given, values: list, times, varied: list[int]) -> tuple[Any, Any]:
     """Results, and for each of the leaves in `varied` the derivatives of all results,
     and of all samples, with respect to it, on a first axis."""
-    solution, by_leaf = None, {}
-    for group in _by_model(given, varied):
-        found = _columns_of_group(given, values, times, group)
-        solution = found[0] if solution is None else solution
-        by_leaf |= zip(group, found[1], strict=True)
-    return solution, [by_leaf[place] for place in varied]
-
-
-def _place_of_times(structure) -> int:
-    """Index that stands for the times among the leaves of a scene: the one behind
-    them."""
-    return structure.num_leaves
-
-
-def _by_model(given: Given, varied: list[int]) -> list[list[int]]:
-    """Group the leaves by the models that their derivatives need.
-
-    Derivatives with respect to a leaf that may break the symmetry need the planar
-    model, with respect to damping ratios dashpots; the others need no more than the
-    value does.
-    """
     posture, damping, others = _groups(given.structure)
-    others = others | {_place_of_times(given.structure)}
-    groups = (
-        [place for place in varied if place in group]
-        for group in (others, posture, damping)
-    )
-    return [group for group in groups if group]
+    solution, by_leaf = None, {}
+    # Derivatives with respect to a leaf that may break the symmetry need the planar
+    # model, with respect to damping ratios dashpots; the others need no more than the
+    # value does.
+    for group in (others | {given.place_of_times}, posture, damping):
+        if of_group := [place for place in varied if place in group]:
+            found = _columns_of_group(given, values, times, of_group)
+            solution = found[0] if solution is None else solution
+            by_leaf |= zip(of_group, found[1], strict=True)
+    return solution, [by_leaf[place] for place in varied]
 
 
 def _columns_of_group(given: Given, values: list, times, varied: list[int]):
@@ -317,10 +347,8 @@ def _choose(given: Given, values: list, varied: list[int], directions: int):
     if many:
         scene = jax.tree.unflatten(given.structure, leaves)
         # What is one number for all lanes decides as that number does.
-        leaves = [number_in(x) if isinstance(x, Tracer) else x for x in leaves]
-        for place in varied:
-            if place != _place_of_times(given.structure):
-                leaves[place] = np.nan
+        known = [number_in(x) if isinstance(x, Tracer) else x for x in known]
+        leaves = given.leaves(known, varied)
         models, possible = exact_models(jax.tree.unflatten(given.structure, leaves))
     else:
         models, possible = _exact_model(
@@ -366,7 +394,7 @@ def _groups(structure) -> tuple[set[int], set[int], set[int]]:
 
 def _effort(scene: Scene):
     """A number that is larger for shorter contacts, to begin the longest ones first, as
-    `order_by_effort` does."""
+    `simulate_batch` does."""
     block, impact = scene.block, scene.impact
     xp = namespace_of(*jax.tree.leaves(scene))
     size = xp.cbrt(block.mass / block.density)
@@ -387,11 +415,12 @@ def _operation(
         for place in possible:
             assembly = Assembly(structure, MODELS[place], ledger)
             if directions:
-                kernels.append(compile_native_along(assembly, directions, sampled))
+                kernel = compile_native_along(assembly, directions, sampled)
             else:
-                kernels.append(compile_native(assembly, sampled))
-            if kernels[-1] is None:
+                kernel = compile_native(assembly, sampled)
+            if kernel is None:
                 return None
+            kernels.append(kernel)
         _operations[key] = register(kernels, directions)
     return _operations[key]
 
@@ -401,36 +430,11 @@ def _by_xla(given: Given, values: list, times, varied: list[int]) -> Any:
     `_columns` gives them."""
     from .xla_backend import in_xla  # loads diffrax, which takes a while
 
-    solver = given.engine.solver
-    known = given.leaves([np.nan if isinstance(x, Tracer) else x for x in values])
-    for place in varied:
-        if place != _place_of_times(given.structure):
-            known[place] = np.nan
-    scene = jax.tree.unflatten(given.structure, [np.asarray(x) for x in known])
+    known = [np.nan if isinstance(x, Tracer) else x for x in values]
+    known = [np.asarray(x) for x in given.leaves(known, varied)]
+    scene = jax.tree.unflatten(given.structure, known)
     _, possible = exact_models(scene)
     assembly = Assembly(given.structure, MODELS[max(possible)], given.ledger)
     leaves, (tolerance, floor) = given.leaves(values), given.rest[-2:]
-    known = assembly, tuple(varied), solver
-    own = () if times is None else np.shape(times)[:-1]
-    shape = np.broadcast_shapes(own, *map(np.shape, leaves))
-    if not shape:
-        return in_xla(*known, leaves, tolerance, floor, times)
-    lanes = math.prod(shape)
-    rows = [jnp.broadcast_to(leaf, shape).reshape(lanes) for leaf in leaves]
-    if times is not None:
-        series = np.shape(times)[-1:]
-        times = jnp.broadcast_to(times, shape + series).reshape(lanes, *series)
-
-    def of_lane(row, times):
-        return in_xla(*known, row, tolerance, floor, times)
-
-    found = jax.vmap(of_lane)(rows, times)
-
-    def with_lanes(x, axis):
-        return x.reshape(*x.shape[:axis], *shape, *x.shape[axis + 1 :])
-
-    if not varied:
-        return jax.tree.map(lambda x: with_lanes(x, 0), found)
-    solution, columns = found
-    columns = jax.tree.map(lambda x: with_lanes(jnp.moveaxis(x, 0, 1), 1), columns)
-    return jax.tree.map(lambda x: with_lanes(x, 0), solution), columns
+    solver = given.engine.solver
+    return in_xla(assembly, tuple(varied), solver, leaves, tolerance, floor, times)

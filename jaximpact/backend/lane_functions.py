@@ -17,56 +17,37 @@ from ..impact.specialize import depends
 from ..impact.summary import ImpactSummary
 from ..integrator.batched import Lanes, sample_lanes, start_lanes, step_lanes
 from ..integrator.summarise import summarise_lanes
-from .simd import Code, LaneFunctions, compile_code
+from .simd import Code, LaneFunctions, compile_code, without_copies
 
 
 @collector_paused()
-def code_of_values(assembly: Assembly, sampled: bool) -> Code:
-    """Compile the code of `native_backend.compile_native`."""
+def code_of_lanes(assembly: Assembly, directions: int, sampled: bool) -> Code:
+    """Compile the code of `native_backend.compile_native`, or with directions that of
+    `native_backend.compile_native_along`."""
+    one = jax.ShapeDtypeStruct((1,), float)
+    leaves = assembly.structure.num_leaves
+    # Scene, tolerance and floor
+    inputs = jax.tree.unflatten(assembly.structure, [one] * leaves), one, one
     lanes = _Lanes(assembly, sampled)
-    functions = LaneFunctions(
-        lambda inputs, _: (lanes.begin(inputs), ()),
-        lambda state, _: _nothing_own(*lanes.step(state)),
-        lambda inputs, _, state, __: (lanes.finish(inputs, state), ()),
-        *(lambda state, _, time: (lanes.sample(state, time), ()), _time_of) * sampled,
-    )
-    return compile_code(functions, _inputs(assembly))
-
-
-@collector_paused()
-def code_of_derivatives(assembly: Assembly, directions: int, sampled: bool) -> Code:
-    """Compile the code of `native_backend.compile_native_along`."""
-    inputs = _inputs(assembly)
-    lanes = _Along(assembly, inputs, sampled)
-    functions = LaneFunctions(
-        lanes.begin, lanes.step, lanes.finish, *(lanes.sample, _time_of) * sampled
-    )
-    direction = [inputs[1]] * (assembly.structure.num_leaves + sampled)
-    return compile_code(functions, inputs, direction, directions)
-
-
-def _nothing_own(state, going):
-    return state, (), going
+    sampling = (lanes.sample, _time_of) if sampled else ()
+    if not directions:
+        functions = without_copies(lanes.begin, lanes.step, lanes.finish, *sampling)
+        return compile_code(functions, inputs)
+    along = _Along(lanes, inputs)
+    sampling = (along.sample, _time_of) if sampled else ()
+    functions = LaneFunctions(along.begin, along.step, along.finish, *sampling)
+    return compile_code(functions, inputs, [one] * (leaves + sampled), directions)
 
 
 def _time_of(lanes: Lanes):
     return lanes.time
 
 
-def _inputs(assembly: Assembly):
-    """Placeholders for the scene, tolerance and floor of one lane."""
-    one = jax.ShapeDtypeStruct((1,), float)
-    scenes = jax.tree.unflatten(
-        assembly.structure, [one] * assembly.structure.num_leaves
-    )
-    return scenes, one, one
-
-
 class _Lanes(NamedTuple):
     """Functions of lanes that integrate impacts."""
 
     assembly: Assembly
-    sampled: bool = False
+    sampled: bool
 
     def begin(self, inputs) -> Lanes:
         scenes, tolerance, floor = inputs
@@ -88,13 +69,16 @@ class _Along:
     direction.
 
     Those leaves of the lanes are differentiated that change with any leaf of a scene.
+    A direction is a list: a number for each leaf of the scene, and where lanes are
+    sampled one for the times asked for. A slope is a list too, of what changes in the
+    lanes, and ends with that number.
     """
 
-    def __init__(self, assembly: Assembly, inputs, sampled: bool = False):
-        self.lanes = _Lanes(assembly, sampled)
-        self.varied = list(range(assembly.structure.num_leaves))
-        traced, lanes = jax.make_jaxpr(self.lanes.begin, return_shape=True)(inputs)
-        places = (_changing(traced, lanes, place) for place in self.varied)
+    def __init__(self, lanes: _Lanes, inputs):
+        self.lanes = lanes
+        self.varied = list(range(lanes.assembly.structure.num_leaves))
+        traced, at_start = jax.make_jaxpr(lanes.begin, return_shape=True)(inputs)
+        places = (_changing(traced, at_start, place) for place in self.varied)
         self.changing = sorted(set().union(*places))
 
     def begin(self, inputs, direction):
@@ -102,40 +86,35 @@ class _Along:
             lanes = self.lanes.begin(_with_leaves(inputs, self.varied, values))
             return _leaves(lanes, self.changing), lanes
 
-        by_leaves, by_time = self._split(direction, self.varied)
+        count = len(self.varied)
         _, slope, lanes = jax.jvp(
-            of_leaves, _leaves(inputs, self.varied), by_leaves, has_aux=True
+            of_leaves, _leaves(inputs, self.varied), direction[:count], has_aux=True
         )
-        return lanes, [*slope, *by_time]
-
-    def _split(self, derivatives, places: list[int]):
-        """Split derivatives into those of leaves, and that of the times asked for."""
-        return list(derivatives[: len(places)]), list(derivatives[len(places) :])
+        return lanes, [*slope, *direction[count:]]
 
     def step(self, lanes, slope):
         def of_changing(*values):
             after, going = self.lanes.step(_with_leaves(lanes, self.changing, values))
             return _leaves(after, self.changing), (after, going)
 
-        slope, by_time = self._split(slope, self.changing)
-        _, slope, (after, going) = jax.jvp(
-            of_changing, _leaves(lanes, self.changing), slope, has_aux=True
+        count = len(self.changing)
+        _, after_slope, (after, going) = jax.jvp(
+            of_changing, _leaves(lanes, self.changing), slope[:count], has_aux=True
         )
-        return after, [*slope, *by_time], going
+        return after, [*after_slope, *slope[count:]], going
 
     def sample(self, lanes, slope, times):
-        def of_changing(times, *values):
+        def of_changing(*values_and_times):
+            *values, times = values_and_times
             lanes_then = _with_leaves(lanes, self.changing, values)
             return self.lanes.sample(lanes_then, times)
 
-        slope, by_time = self._split(slope, self.changing)
-        values = times, *_leaves(lanes, self.changing)
-        return jax.jvp(of_changing, values, (*by_time, *slope))
+        return jax.jvp(
+            of_changing, (*_leaves(lanes, self.changing), times), tuple(slope)
+        )
 
     def finish(self, inputs, direction, lanes, slope):
         count = len(self.varied)
-        direction, _ = self._split(direction, self.varied)
-        slope, _ = self._split(slope, self.changing)
 
         def of_both(*values):
             return self.lanes.finish(
@@ -144,7 +123,8 @@ class _Along:
             )
 
         values = _leaves(inputs, self.varied) + _leaves(lanes, self.changing)
-        return jax.jvp(of_both, values, [*direction, *slope])
+        slopes = [*direction[:count], *slope[: len(self.changing)]]
+        return jax.jvp(of_both, values, slopes)
 
 
 def _changing(traced, lanes: Lanes, place: int) -> list[int]:
@@ -168,7 +148,6 @@ def _leaves(tree, places: list[int]) -> list[Array]:
 
 
 def _with_leaves(tree, places: list[int], values):
-    """The tree with other values of some leaves."""
     leaves, structure = jax.tree.flatten(tree)
     for place, value in zip(places, values, strict=True):
         leaves[place] = value

@@ -28,6 +28,8 @@ keep_driver(kept)
 
 NATIVE_PART = 128
 """Impacts that a worker takes at a time, some 10 ms of work."""
+REQUIRED = "JAXIMPACT_REQUIRE_MACHINE_CODE"
+"""Environment variable; where it is set, XLA does not stand in for machine code."""
 
 
 def computes_on_cpu() -> bool:
@@ -74,31 +76,7 @@ def compile_native(assembly: Assembly, sampled: bool = False) -> Kernel | None:
     Args:
         sampled: whether it also gives a `History` at times asked for on the way.
     """
-
-    def compile_lanes() -> Code:
-        # It loads diffrax, which takes a while.
-        from .lane_functions import code_of_values
-
-        return code_of_values(assembly, sampled)
-
-    code = _kept_or_compiled(assembly, "sampled" if sampled else None, compile_lanes)
-    structure = jax.tree.structure(empty_summary(assembly.ledger))
-    return Kernel(code, structure, _retries(assembly))
-
-
-def _retries(assembly: Assembly) -> Retries:
-    """Retries of failed impacts with finer tolerances; not of those that ran out of
-    steps, and would do so again."""
-    structure = jax.tree.structure(empty_summary(assembly.ledger))
-    rows = jax.tree.unflatten(structure, range(structure.num_leaves))
-    return Retries(
-        assembly.structure.num_leaves,  # behind the leaves of a scene
-        rows.outcome_code,
-        rows.steps,
-        float(Outcome.failed),
-        MAX_STEPS,
-        RETRIES,
-    )
+    return _compiled(assembly, 0, sampled)
 
 
 @_kept_here
@@ -120,27 +98,37 @@ def compile_native_along(
     Of the state, course and constants of the problem are differentiated; widths of
     steps, and with them the time, are not.
     """
+    return _compiled(assembly, directions, sampled)
+
+
+def _compiled(assembly: Assembly, directions: int, sampled: bool) -> Kernel:
+    """Load the code of an assembly from the disk, or compile and keep it."""
 
     def compile_lanes() -> Code:
-        from .lane_functions import code_of_derivatives
+        # It loads diffrax, which takes a while.
+        from .lane_functions import code_of_lanes
 
-        return code_of_derivatives(assembly, directions, sampled)
+        return code_of_lanes(assembly, directions, sampled)
 
-    choice = "along", directions, *("sampled",) * sampled
-    code = _kept_or_compiled(assembly, choice, compile_lanes)
-    numbers = empty_summary(assembly.ledger)
-    structure = jax.tree.structure((numbers, (numbers,) * directions))
-    return Kernel(code, structure, _retries(assembly))
-
-
-def _kept_or_compiled(
-    assembly: Assembly, choice, compile_lanes: Callable[[], Code]
-) -> Code:
-    """Load the code of an assembly from the disk, or compile and keep it."""
-    key = _key(assembly, choice)
+    key = _key(assembly, directions, sampled)
     if key is None:
-        return compile_lanes()
-    return Code.unpacked(kept(key, lambda: compile_lanes().packed()))
+        code = compile_lanes()
+    else:
+        code = Code.unpacked(kept(key, lambda: compile_lanes().packed()))
+    numbers = empty_summary(assembly.ledger)
+    results = (numbers, (numbers,) * directions) if directions else numbers
+    structure = jax.tree.structure(numbers)
+    rows = jax.tree.unflatten(structure, range(structure.num_leaves))
+    # Of failed impacts, but for those that ran out of steps, and would do so again
+    retries = Retries(
+        assembly.structure.num_leaves,  # behind the leaves of a scene
+        rows.outcome_code,
+        rows.steps,
+        float(Outcome.failed),
+        MAX_STEPS,
+        RETRIES,
+    )
+    return Kernel(code, jax.tree.structure(results), retries)
 
 
 def without_machine_code(problem: NoMachineCode) -> None:
@@ -152,10 +140,6 @@ def without_machine_code(problem: NoMachineCode) -> None:
             f"the laws have no machine code, which {REQUIRED} asks for: {reason}"
         ) from problem
     _tell_slower_way(reason)
-
-
-REQUIRED = "JAXIMPACT_REQUIRE_MACHINE_CODE"
-"""Environment variable; where it is set, XLA does not stand in for machine code."""
 
 
 @functools.cache
@@ -170,15 +154,15 @@ def _tell_slower_way(reason: str) -> None:
     )
 
 
-def _key(assembly: Assembly, choice) -> str | None:
+def _key(assembly: Assembly, *choices) -> str | None:
     """Key of everything that the code of an assembly depends on; None if the source of
     a user's law is not known, as in an interactive session."""
     structure = assembly.structure
     parts = described(jax.tree.unflatten(structure, list(range(structure.num_leaves))))
     if parts is None:
         return None
-    choices = assembly._replace(structure=None), parts, choice
-    return repr((choices, host(), *installed()))
+    named = assembly._replace(structure=None), parts, *choices
+    return repr((named, host(), *installed()))
 
 
 @functools.cache
@@ -221,11 +205,6 @@ def along_leaves(inputs: np.ndarray, leaves) -> np.ndarray:
     directions = np.zeros((rows - 2, lanes))  # but tolerance and floor
     directions[leaves, np.arange(lanes)] = 1.0
     return np.concatenate([inputs, directions])
-
-
-def solve_side_by_side(kernel: Kernel, scene: Scene, accuracy: Accuracy):
-    """Compute scenes of shape (lanes,) by one core; results are in their order."""
-    return solve_rows(kernel, np.stack(kernel_inputs(scene, accuracy)))
 
 
 def solve_rows(kernel: Kernel, inputs: np.ndarray):

@@ -104,8 +104,8 @@ class History(NamedTuple):
             dims: names of the axes before that of time; by default `scene`, or
                 `scene_0`, `scene_1` and so on, as in `ImpactResult.to_xarray`.
 
-        Raises InputError for impacts with different times, and for a wrong number of
-        names.
+        Raises InputError for impacts with different times, for no impacts, and for a
+        wrong number of names.
         """
         import xarray as xr
 
@@ -116,8 +116,13 @@ class History(NamedTuple):
                 f"dims must be {len(lanes)} names, one for each axis of the shape "
                 f"{lanes}, but is {dims!r}"
             )
+        if 0 in lanes:
+            raise InputError(
+                "a dataset needs at least one impact, but the history has shape "
+                f"{lanes}"
+            )
         time = np.asarray(self.time)
-        base = time[(0,) * len(lanes)] if time.size else time.reshape(-1)
+        base = time[(0,) * len(lanes)]
         if not np.array_equal(np.broadcast_to(base, time.shape), time):
             raise InputError(
                 "a dataset needs one time base, but the impacts of the history have "

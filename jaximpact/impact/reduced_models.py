@@ -11,7 +11,6 @@ other quantity is not at its default, or with other laws or another shape than t
 ones.
 """
 
-import dataclasses
 import functools
 from collections.abc import Callable
 from typing import NamedTuple
@@ -105,10 +104,9 @@ def model_places(scene: Scene, tolerance: float = 0.0) -> np.ndarray:
     exact = np.asarray(exact)
     if tolerance == 0.0:
         return exact
-    allowed = np.where(
-        translational_error(scene) <= tolerance, MODELS.index(TRANSLATIONAL), exact
-    )
-    allowed = np.where(vertical_error(scene) <= tolerance, 0, allowed)
+    vertical, translational = reduction_errors(scene)
+    allowed = np.where(translational <= tolerance, MODELS.index(TRANSLATIONAL), exact)
+    allowed = np.where(vertical <= tolerance, 0, allowed)
     return np.minimum(exact, allowed)
 
 
@@ -183,26 +181,26 @@ LARGEST_TILT = 0.03
 ground's normal or from its plane."""
 
 
-@dataclasses.dataclass(frozen=True)
-class Departures:
-    """Departures of scenes from the symmetry; arrays that broadcast, not negative."""
-
-    angle: np.ndarray
-    slope: np.ndarray
-    spin: np.ndarray
-    """Omega_0 H / v."""
-    tilt: np.ndarray
-    """|sin(2 theta_0)| / 2; 0 for a sphere."""
-    measured: np.ndarray
-    """True within what was measured."""
+_usual = functools.cache(Scene)
 
 
-def departures(scene: Scene) -> Departures:
-    """The departures of each scene; fields are arrays that broadcast."""
+def reduction_errors(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """Errors of the vertical and of the translational model for each scene.
+
+    They are sums over departures from the symmetry: angle, slope, spin Omega_0 H / v,
+    and tilt |sin(2 theta_0)| / 2. The error of normal motion alone grows in proportion
+    to each departure, since the soil that shear and rocking harden takes their
+    magnitude. The translational model is for spheres that come in without spin.
+
+    Args:
+        scene: fields are arrays that broadcast.
+
+    Returns:
+        The errors, inf where they are not known.
+    """
     usual = _usual()
     if jax.tree.structure(scene) != jax.tree.structure(usual):
-        none = np.zeros(())
-        return Departures(none, none, none, none, measured=np.asarray(False))
+        return np.asarray(np.inf), np.asarray(np.inf)
     block, impact = scene.block, scene.impact
     number = np.asarray
     sphere = number(block.aspect_ratio) == 1.0
@@ -210,6 +208,7 @@ def departures(scene: Scene) -> Departures:
     axes = block.semi_axes
     turning = np.abs(number(impact.angular_velocity)) / number(impact.speed)
     spin = turning * number(axes.major)
+    angle, slope = np.abs(number(impact.angle)), np.abs(number(impact.slope))
     measured = turning * number(axes.minor) <= LARGEST_SPIN
     measured = measured & (tilt <= LARGEST_TILT)
     for column in columns_of(scene).values():
@@ -219,27 +218,10 @@ def departures(scene: Scene) -> Departures:
         )
         low, high = MEASURED.get(column.field, (default, default))
         measured = measured & (low <= value) & (value <= high)
-    angle, slope = np.abs(number(impact.angle)), np.abs(number(impact.slope))
-    return Departures(angle, slope, spin, tilt, measured)
-
-
-@functools.cache
-def _usual() -> Scene:
-    return Scene()
-
-
-def vertical_error(scene: Scene) -> np.ndarray:
-    """Error of normal motion alone: in proportion to each departure, since the soil
-    that shear and rocking harden takes their magnitude. inf where it is not known."""
-    d = departures(scene)
-    error = 1.4 * d.angle + 0.1 * d.slope + 0.9 * d.spin + 1.0 * d.tilt
-    return np.where(d.measured, error, np.inf)
-
-
-def translational_error(scene: Scene) -> np.ndarray:
-    """Error of a sphere that does not turn and comes in without spin. inf for other
-    blocks, and where it is not known."""
-    d = departures(scene)
-    sphere = np.asarray(scene.block.aspect_ratio) == 1.0
-    error = d.angle * (0.06 + 0.11 * d.angle) + 0.1 * d.slope
-    return np.where(d.measured & sphere & (d.spin == 0.0), error, np.inf)
+    vertical = 1.4 * angle + 0.1 * slope + 0.9 * spin + 1.0 * tilt
+    translational = angle * (0.06 + 0.11 * angle) + 0.1 * slope
+    moves_so = measured & sphere & (spin == 0.0)
+    return (
+        np.where(measured, vertical, np.inf),
+        np.where(moves_so, translational, np.inf),
+    )

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from .._jax_internals import Jaxpr, Literal, bind, called
+from .._jax_internals import ClosedJaxpr, Jaxpr, Literal, bind, called, walk
 
 _ZERO_TIMES = {"mul": (0, 1), "div": (0,)}
 """Operations that give zero if one of these operands is, the others being finite."""
@@ -74,22 +74,12 @@ def _as_array(value):
     return value.array() if isinstance(value, _Known) else value
 
 
-def _evaluate(closed, arguments) -> list:
-    values = {}
+def _evaluate(closed: ClosedJaxpr, arguments) -> list:
+    return walk(closed.jaxpr, closed.consts, arguments, _literal, _apply)
 
-    def read(atom):
-        if isinstance(atom, Literal):
-            return _Known(atom.val, atom.aval) if np.ndim(atom.val) == 0 else atom.val
-        return values[atom]
 
-    jaxpr = closed.jaxpr
-    values.update(zip(jaxpr.constvars, closed.consts, strict=True))
-    values.update(zip(jaxpr.invars, arguments, strict=True))
-    for equation in jaxpr.eqns:
-        operands = [read(atom) for atom in equation.invars]
-        results = _apply(equation, operands)
-        values.update(zip(equation.outvars, results, strict=True))
-    return [read(atom) for atom in jaxpr.outvars]
+def _literal(atom: Literal):
+    return _Known(atom.val, atom.aval) if np.ndim(atom.val) == 0 else atom.val
 
 
 def _apply(equation, operands) -> list:
@@ -127,21 +117,13 @@ def depends(jaxpr: Jaxpr, varied: list[bool]) -> list[bool]:
 
     Errs towards True: of an operation that is not looked into all results count.
     """
-    changes = {
-        var for var, is_varied in zip(jaxpr.invars, varied, strict=True) if is_varied
-    }
 
-    def may_change(atom) -> bool:
-        return not isinstance(atom, Literal) and atom in changes
-
-    for equation in jaxpr.eqns:
-        inputs = [may_change(atom) for atom in equation.invars]
+    def of_equation(equation, inputs: list[bool]) -> list[bool]:
+        count = len(equation.outvars)
         if not any(inputs) or equation.primitive.name == "stop_gradient":
-            continue
-        results = [True] * len(equation.outvars)
-        if (inner := called(equation)) is not None:
-            results = depends(inner.jaxpr, inputs)
-        changes |= {
-            var for var, yes in zip(equation.outvars, results, strict=True) if yes
-        }
-    return [may_change(atom) for atom in jaxpr.outvars]
+            return [False] * count
+        inner = called(equation)
+        return [True] * count if inner is None else depends(inner.jaxpr, inputs)
+
+    constants = [False] * len(jaxpr.constvars)
+    return walk(jaxpr, constants, varied, lambda _: False, of_equation)

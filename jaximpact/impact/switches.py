@@ -8,6 +8,7 @@ control lands on the switches as it lands on the end of the impact.
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 
 from .._types import Scalar
@@ -99,14 +100,7 @@ def in_force(switches: Switches, hardening: AbstractHardening) -> Switches:
     hardening where the soil's law has them."""
     yields = switches.yielding > 0.0
     by_sliding, by_rocking = hardening.heeds_signs()
-    return Switches(
-        pressing=jnp.ones_like(yields),
-        yielding=jnp.ones_like(yields),
-        heave=yields,
-        shear=yields & by_sliding,
-        rocking=yields & by_rocking,
-        slip_down=jnp.ones_like(yields),
-        slip_up=jnp.ones_like(yields),
-        section=jnp.ones_like(yields),
-        side=None if switches.side is None else jnp.ones_like(yields),
+    always = jax.tree.map(lambda _: jnp.ones_like(yields), switches)
+    return always._replace(
+        heave=yields, shear=yields & by_sliding, rocking=yields & by_rocking
     )

@@ -26,6 +26,8 @@ LANDING = 1e-10
 ON_SWITCH = 1e-7, 1e-2
 """Magnitude below which a switching function counts as zero: absolute, and as a
 fraction of the tolerance."""
+FIRST_WIDTH = 1e-12
+"""Width of the first step over the time in which the block moves by its size."""
 SMALLEST_WIDTH = 1e-15
 """Smallest width of a step over the time reached; a few roundings."""
 PATIENCE = 40
@@ -183,11 +185,6 @@ def root_of_cubic(start, start_rate, end, end_rate, width):
     return jnp.where(jnp.abs(value) < 0.1 * jnp.minimum(start, -end), s, 0.5)
 
 
-def first_width(problem: Problem) -> Scalar:
-    """Width of the first step [s]: 1e-12 of the time in which the block moves by R."""
-    return 1e-12 * problem.passing_time
-
-
 class LandingState(NamedTuple):
     """State of `LandingController`."""
 
@@ -218,7 +215,7 @@ class LandingController(diffrax.AbstractStepSizeController):
         self, terms, t0, t1, y0, dt0, args, func, error_order
     ) -> tuple[Any, LandingState]:
         if dt0 is None:
-            dt0 = first_width(args)
+            dt0 = FIRST_WIDTH * args.passing_time
         t1, inner = self.inner.init(terms, t0, t1, y0, dt0, args, func, error_order)
         zero = jnp.zeros_like(t1)
         return t1, LandingState(inner, zero, zero, zero)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..accuracy import Accuracy, get_accuracy
-from ..backend.recording import solve_recorded
+from ..backend.derivative_rules import solve_recorded
 from ..backend.threads import thread_count
 from ..errors import InputError, nearest
 from ..impact.history import History

@@ -12,7 +12,7 @@ from impact_scenes import mixed_scenes
 from paths import HELPERS
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate, simulate_batch
-from jaximpact.backend.xla_batched import WIDTH
+from jaximpact.backend.xla_backend import WIDTH
 
 
 def chosen(scenes, places):

@@ -13,6 +13,8 @@ from scipy.integrate import simpson
 
 from jaximpact import Block, Impact, Scene, Soil, simulate
 from jaximpact.backend import derivative_rules as solving
+from jaximpact.errors import InputError
+from jaximpact.impact.history import empty_history
 from jaximpact.impact.problem import assemble, pose
 from jaximpact.integrator.rosenbrock import Rodas5P
 from jaximpact.scene import GRAVITY
@@ -225,6 +227,12 @@ def test_dataset_has_units_and_one_time_base():
         own_times.to_xarray()
     with pytest.raises(ValueError, match="dims must be 2 names"):
         of_speeds(speed, TIMES).to_xarray(("speed",))
+
+
+def test_a_dataset_of_no_impacts_is_refused():
+    series = jax.tree.map(lambda _: np.zeros((0, 5)), empty_history(ledger=False))
+    with pytest.raises(InputError, match=r"at least one impact, .* shape \(0,\)"):
+        series.to_xarray()
 
 
 @pytest.mark.parametrize(

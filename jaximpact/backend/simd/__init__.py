@@ -9,6 +9,7 @@ from .kernel import (
     Workspace,
     compile_code,
     compile_kernel,
+    without_copies,
 )
 from .llvm_ir import host
 from .lower_jaxpr import NoMachineCode
@@ -24,4 +25,5 @@ __all__ = [
     "compile_kernel",
     "host",
     "keep_driver",
+    "without_copies",
 ]

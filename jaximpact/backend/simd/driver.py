@@ -7,7 +7,6 @@ import threading
 from collections.abc import Callable
 from typing import NamedTuple
 
-import numpy as np
 from llvmlite.binding import ExecutionEngine
 
 from .llvm_ir import PACK, architecture, compile_text, host, load
@@ -140,14 +139,11 @@ class Driver(NamedTuple):
         return self.engine.get_function_address("impacts")
 
 
-def _made(key: str, make: Callable[[], bytes]) -> bytes:
-    return make()
+Keep = Callable[[str, Callable[[], bytes]], bytes]
+_keep: Keep = lambda _, make: make()  # noqa: E731
 
 
-_keep = _made
-
-
-def keep_driver(keep: Callable[[str, Callable[[], bytes]], bytes]) -> None:
+def keep_driver(keep: Keep) -> None:
     """Have the driver's object file kept, which takes a tenth of a second to compile.
 
     Args:
@@ -184,12 +180,3 @@ def shared_driver() -> Driver:
         if not _shared:
             _shared.append(load_driver())
     return _shared[0]
-
-
-def new_columns(rows: int) -> tuple[Columns, np.ndarray]:
-    """Make empty columns, and the memory that they work in, which must live as long."""
-    space = np.zeros(rows * PACK * 8 + ALIGNMENT, np.uint8)
-    start = -space.ctypes.data % ALIGNMENT
-    columns = Columns(work=space.ctypes.data + start)
-    columns.lane[:] = [-1] * PACK
-    return columns, space

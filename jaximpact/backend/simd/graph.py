@@ -15,6 +15,8 @@ INPUT = "input"
 """Operation of a value that is given."""
 KINDS = {float: FLOAT, int: INTEGER, bool: TRUTH}
 PYTHON = {kind: python for python, kind in KINDS.items()}
+NUMPY = {"f": FLOAT, "i": INTEGER, "u": INTEGER, "b": TRUTH}
+"""Kind of a NumPy type -> kind of a value."""
 
 Number = float | int | bool
 
@@ -173,37 +175,35 @@ def _is(value: Value, number: Number) -> bool:
     return type(value) is type(number) and value == number
 
 
+NEUTRAL = {
+    "add": 0.0,
+    "subtract": 0.0,
+    "multiply": 1.0,
+    "divide": 1.0,
+    "and": True,
+    "or": False,
+}
+"""Second operand, of what commutes also the first, that leaves the other as it is."""
+
+
 def _simplified(name: str, arguments: tuple) -> Value | None:
     """The argument, or truth, that the operation gives whatever the others are.
 
     Products with zero stay: they are not zero for infinity and NaN.
     """
-    first, *rest = arguments
     if name.startswith("choose"):
-        yes, no = rest
-        if not isinstance(first, Node):
-            return yes if first else no
+        condition, yes, no = arguments
+        if not isinstance(condition, Node):
+            return yes if condition else no
         return yes if yes is no else None
-    if len(arguments) != 2:
+    if name not in NEUTRAL:
         return None
-    (second,) = rest
-    pairs = ((first, second), (second, first))
-    if name == "add":
-        return next((a for a, b in pairs if _is(b, 0.0)), None)
-    if name == "multiply":
-        return next((a for a, b in pairs if _is(b, 1.0)), None)
-    if name == "subtract":
-        return first if _is(second, 0.0) else None
-    if name == "divide":
-        return first if _is(second, 1.0) else None
-    if name == "and":
-        return next(
-            (a if b else False for a, b in pairs if not isinstance(b, Node)),
-            first if first is second else None,
-        )
-    if name == "or":
-        return next(
-            (True if b else a for a, b in pairs if not isinstance(b, Node)),
-            first if first is second else None,
-        )
+    first, second = arguments
+    if _is(second, NEUTRAL[name]):
+        return first
+    if OPERATIONS[name].commutes and _is(first, NEUTRAL[name]):
+        return second
+    if name in ("and", "or"):
+        known = (x for x in arguments if not isinstance(x, Node))
+        return next(known, first if first is second else None)
     return None

@@ -10,17 +10,17 @@ import ctypes
 import json
 import math
 from collections.abc import Callable, Sequence
+from itertools import count
 from typing import NamedTuple
 
 import jax
 import numpy as np
 
-from .driver import Course, Program, new_columns, shared_driver
-from .graph import FLOAT, INPUT, INTEGER, TRUTH, Graph, Node, kind_of
+from .driver import ALIGNMENT, Columns, Course, Program, shared_driver
+from .graph import INPUT, NUMPY, Graph, Node
 from .llvm_ir import DECLARATIONS, PACK, Output, compile_text, load, write_function
 from .lower_jaxpr import Translator
 
-KINDS = {"f": FLOAT, "i": INTEGER, "b": TRUTH}
 USUAL_STEPS = 2_000
 """Steps for which there is room when a course is recorded; a lane that takes more runs
 once more."""
@@ -120,7 +120,10 @@ class Workspace:
     def __init__(self, kernel: Kernel):
         self._kernel = kernel  # The code must live as long as this.
         self._run = shared_driver().run
-        self._columns, self._space = new_columns(kernel.program.rows)
+        self._space = np.zeros(kernel.program.rows * PACK * 8 + ALIGNMENT, np.uint8)
+        start = self._space.ctypes.data
+        self._columns = Columns(work=start + -start % ALIGNMENT)
+        self._columns.lane[:] = [-1] * PACK
 
     def record(self, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Run one lane, and sample it at its start and at the end of every step.
@@ -201,25 +204,40 @@ class LaneFunctions(NamedTuple):
     state."""
 
 
-def compile_kernel(begin: Callable, step: Callable, finish: Callable, inputs) -> Kernel:
-    """Compile functions of lanes without copies, ready to run.
+def without_copies(
+    begin: Callable,
+    step: Callable,
+    finish: Callable,
+    sample: Callable | None = None,
+    time: Callable | None = None,
+) -> LaneFunctions:
+    """Make lane functions of those of lanes that have nothing of their own.
 
     Args:
         begin: from inputs to the state at the start.
         step: from a state to the next, and whether the lane goes on.
         finish: from inputs and the last state to results.
-        inputs: as for `compile_code`.
+        sample: from a state and a time that its last step has passed to samples there.
+        time: as in `LaneFunctions`.
     """
 
     def step_both(state, _):
         state, going = step(state)
         return state, (), going
 
-    functions = LaneFunctions(
+    return LaneFunctions(
         lambda inputs, _: (begin(inputs), ()),
         step_both,
         lambda inputs, _, state, __: (finish(inputs, state), ()),
+        sample and (lambda state, _, time: (sample(state, time), ())),
+        time,
     )
+
+
+def compile_kernel(begin: Callable, step: Callable, finish: Callable, inputs) -> Kernel:
+    """Compile functions of lanes, as for `without_copies`, ready to run; inputs are as
+    for `compile_code`."""
+    functions = without_copies(begin, step, finish)
     state = jax.eval_shape(begin, inputs)
     results = jax.eval_shape(finish, inputs, state)
     return Kernel(compile_code(functions, inputs), jax.tree.structure(results))
@@ -264,14 +282,9 @@ def compile_code(
         at_samples = layout.allot(samples)
         sampled_rows = sum(part.rows for part in at_samples)
         time_row = at_states[0].place_of(functions.time, states[0])
+        sources = [*at_states, at_asked]
         functions_written.append(
-            (
-                "sample",
-                sample,
-                [*at_states, at_asked],
-                at_samples,
-                dict(masked=True),
-            )
+            ("sample", sample, sources, at_samples, dict(masked=True))
         )
     text, spare_rows = zip(
         *(
@@ -355,7 +368,7 @@ def _written(
         for part in sources:
             row = part.start_of(copy)
             for shape in part.shapes:
-                kind = KINDS[next(kinds).dtype.kind]
+                kind = NUMPY[next(kinds).dtype.kind]
                 if (row, shape) not in held:
                     values = np.empty(shape, object)
                     for i, index in enumerate(np.ndindex(shape)):
@@ -376,17 +389,12 @@ def _written(
         for part in targets:
             values = [x for _ in part.shapes for x in next(arrays).ravel()]
             if copy == 0 or part.copies > 1:
-                start = part.start_of(copy)
-                outputs += [
-                    Output(start + i, x, kind_of(x)) for i, x in enumerate(values)
-                ]
-    changed = [output for output in outputs if not _stays(output)]
+                outputs += map(Output, count(part.start_of(copy)), values)
+    # What is in its row already stays there.
+    changed = [
+        output
+        for output in outputs
+        if not isinstance(output.value, Node)
+        or (output.value.operation, output.value.arguments) != (INPUT, (output.row,))
+    ]
     return write_function(name, changed, said, masked, free_row)
-
-
-def _stays(output: Output) -> bool:
-    """Tell whether a value is in its row already."""
-    value = output.value
-    if not isinstance(value, Node) or value.operation != INPUT:
-        return False
-    return value.arguments == (output.row,)

@@ -13,9 +13,9 @@ from typing import Any
 import jax
 import numpy as np
 
-from ..._jax_internals import Literal, called, place_of, scan_counts
+from ..._jax_internals import Literal, called, place_of, scan_counts, walk
 from . import math_functions as elementary
-from .graph import FLOAT, INTEGER, TRUTH, Graph, Node, Value, kind_of
+from .graph import FLOAT, INTEGER, NUMPY, TRUTH, Graph, Node, Value, kind_of
 from .math_functions import REWRITTEN
 
 Values = np.ndarray
@@ -82,26 +82,21 @@ class Translator:
 
     def run(self, jaxpr, constants, copies: Copies) -> Copies:
         """Values of the outputs of a jaxpr, for each copy of its arguments."""
-        shared = dict(zip(jaxpr.constvars, map(values_of, constants), strict=True))
-        known = [
-            shared | dict(zip(jaxpr.invars, arguments, strict=True))
-            for arguments in copies
-        ]
+        count = len(copies)
 
-        def read(atoms) -> Copies:
-            literals = {
-                id(atom): _literal(atom) for atom in atoms if isinstance(atom, Literal)
-            }
-            return [
-                [literals[id(a)] if id(a) in literals else of[a] for a in atoms]
-                for of in known
-            ]
+        def by_copy(values: list) -> Copies:
+            return [[value[copy] for value in values] for copy in range(count)]
 
-        for equation in jaxpr.eqns:
-            outputs = self.outputs(equation, read(equation.invars))
-            for of, values in zip(known, outputs, strict=True):
-                of |= zip(equation.outvars, values, strict=True)
-        return read(jaxpr.outvars)
+        outputs = walk(
+            jaxpr,
+            [[values_of(constant)] * count for constant in constants],
+            zip(*copies, strict=True),
+            lambda atom: [_literal(atom)] * count,
+            lambda equation, operands: zip(
+                *self.outputs(equation, by_copy(operands)), strict=True
+            ),
+        )
+        return by_copy(outputs)
 
     def outputs(self, equation, copies: Copies) -> Copies:
         """Values of the outputs of one equation; an error names its place."""
@@ -131,12 +126,9 @@ class Translator:
     def apply(self, equation, inputs: list[Values]) -> list[Values]:
         """Values of the outputs of one equation."""
         name, params = equation.primitive.name, equation.params
-        if name in SAME:
-            return [_each(lambda x: x, inputs[0])]
         if name in STRUCTURE:
-            return [STRUCTURE[name](params, *inputs)]
-        if name in PARTS:
-            return PARTS[name](params, *inputs)
+            arranged = STRUCTURE[name](params, *inputs)
+            return arranged if isinstance(arranged, list) else [arranged]
         if name in ELEMENTWISE:
             function = ELEMENTWISE[name]
             return [_each(lambda *x: function(self.graph, *x), *inputs)]
@@ -219,9 +211,7 @@ class Translator:
 
     def _convert_element_type(self, params, values: Values) -> Values:
         graph = self.graph
-        kind = {"f": FLOAT, "i": INTEGER, "u": INTEGER, "b": TRUTH}[
-            np.dtype(params["new_dtype"]).kind
-        ]
+        kind = NUMPY[np.dtype(params["new_dtype"]).kind]
 
         def convert(x: Value) -> Value:
             if kind_of(x) == kind:
@@ -333,10 +323,6 @@ class Translator:
         return result
 
 
-def _transposed(params, x: Values) -> Values:
-    return np.transpose(x, params["permutation"])
-
-
 def _broadcast(params, x: Values) -> Values:
     shape = [1] * len(params["shape"])
     for size, axis in zip(x.shape, params["broadcast_dimensions"], strict=True):
@@ -363,26 +349,26 @@ def _dynamic_slice(params, x: Values, *starts: Values) -> Values:
     ]
 
 
-SAME = {"stop_gradient", "copy"}
 STRUCTURE = {
+    "stop_gradient": lambda params, x: x,
+    "copy": lambda params, x: x,
     "broadcast_in_dim": _broadcast,
     "reshape": lambda params, x: x.reshape(params["new_sizes"]),
     "squeeze": lambda params, x: np.squeeze(x, tuple(params["dimensions"])),
-    "transpose": _transposed,
+    "transpose": lambda params, x: np.transpose(x, params["permutation"]),
     "slice": _slice,
     "dynamic_slice": _dynamic_slice,
     "concatenate": lambda params, *x: np.concatenate(x, params["dimension"]),
     "stack": lambda params, *x: np.stack(x, params["axis"]),
     "rev": lambda params, x: np.flip(x, params["dimensions"]),
     "tile": lambda params, x: np.tile(x, params["reps"]),
-}
-PARTS = {
     "unstack": lambda params, x: list(np.moveaxis(x, params["axis"], 0)),
     "split": lambda params, x: np.split(
         x, np.cumsum(params["sizes"])[:-1], params["axis"]
     ),
 }
-"""Operations that take an array apart."""
+"""Operations that put values in other places; those that take an array apart give a
+list."""
 
 
 def _plain(name: str, integer: str | None = None, truth: str | None = None) -> Callable:
