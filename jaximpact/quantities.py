@@ -18,7 +18,7 @@ from .errors import InputError, nearest
 from .finding import shipped
 from .parameters import Composite, Declared, Part, declared_of, parameters_of, parts_of
 from .scene import PARTS, Scene
-from .units import UNITS
+from .units import RESULT_SUFFIXES, UNITS
 
 
 @dataclasses.dataclass(frozen=True)
@@ -204,7 +204,7 @@ def _by_name(columns: list[InputColumn]) -> dict[str, InputColumn]:
 
 
 def _default_kinds(whole: type) -> dict[str, Any]:
-    """Return the classes that the fields of a scene, block or soil have by default."""
+    """The classes that the fields of a scene, block or soil have by default."""
     return {field.name: field.default_factory for field in dataclasses.fields(whole)}
 
 
@@ -233,9 +233,7 @@ def shipped_parts(slot: str) -> list[type[Part]]:
 
 def columns_of_class(slot: str, kind: type[Part]) -> dict[str, InputColumn]:
     """The columns of the parameters of a law or a shape alone."""
-    return _by_name(
-        [_column(SLOTS[slot], field, said) for field, said in declared_of(kind).items()]
-    )
+    return _by_name([_column(SLOTS[slot], *pair) for pair in declared_of(kind).items()])
 
 
 def why_unknown(name: str, known: Iterable[str]) -> str:
@@ -244,17 +242,14 @@ def why_unknown(name: str, known: Iterable[str]) -> str:
     a parameter, else the nearest known."""
     known = tuple(known)
     for slot in SLOTS:
-        owners = [k.__name__ for k in shipped_parts(slot) if _has(slot, k, name)]
+        kinds = shipped_parts(slot)
+        owners = [k.__name__ for k in kinds if str(name) in columns_of_class(slot, k)]
         if owners and not INPUT_COLUMNS.keys().isdisjoint(known):
             return (
                 f"it belongs to the {slot.replace('_', ' ')} {' or '.join(owners)}, "
                 f'which is not chosen ({slot} = "{owners[0]}")'
             )
     return f"did you mean {nearest(name, known)}?"
-
-
-def _has(slot: str, kind: type[Part], name: str) -> bool:
-    return str(name) in columns_of_class(slot, kind)
 
 
 def _usual_columns() -> dict[str, InputColumn]:
@@ -288,60 +283,52 @@ class ResultColumn:
     meaning: str
 
 
-RESULT_COLUMNS: dict[str, ResultColumn] = {
-    column.name: column
-    for column in (
-        ResultColumn("e_n", "e_n", "-", "apparent normal restitution"),
-        ResultColumn("e_t", "e_t", "-", "apparent tangential restitution"),
-        ResultColumn(
-            "e_contact", "e_contact", "-", "normal restitution at the contact"
-        ),
-        ResultColumn("e_bar", "e_bar", "-", "energetic restitution"),
-        ResultColumn("R_r", "R_r", "-", "final rotational over total kinetic energy"),
-        ResultColumn("max_penetration_m", "max_penetration", "m", "largest u_n"),
-        ResultColumn("max_sinking_m", "max_sinking", "m", "largest u_D"),
-        ResultColumn("max_normal_force_N", "max_normal_force", "N", "largest N"),
-        ResultColumn("max_moment_Nm", "max_moment", "N m", "largest |M|"),
-        ResultColumn("duration_s", "duration", "s", "time in contact"),
-        ResultColumn("rotation_rad", "rotation", "rad", "rotation during contact"),
-        ResultColumn("v_n_mps", "normal_velocity", "m/s", "final v_n, into the ground"),
-        ResultColumn("v_t_mps", "tangential_velocity", "m/s", "final v_t, down-slope"),
-        ResultColumn("omega_radps", "angular_velocity", "rad/s", "final spin"),
-    )
-}
-FURTHER_COLUMNS: dict[str, ResultColumn] = {
-    column.name: column
-    for column in (
-        ResultColumn("e_n_vijayakumar", "e_n_vijayakumar", "-", "e_n of a rigid body"),
-        ResultColumn(
-            "max_tangential_force_N", "max_tangential_force", "N", "largest |T|"
-        ),
-        ResultColumn(
-            "time_of_max_penetration_s",
-            "time_of_max_penetration",
-            "s",
-            "when u_n is largest",
-        ),
-        ResultColumn(
-            "time_of_max_sinking_s", "time_of_max_sinking", "s", "when u_D is"
-        ),
-        ResultColumn(
-            "time_of_max_normal_force_s", "time_of_max_normal_force", "s", "when N is"
-        ),
-        ResultColumn(
-            "time_of_max_tangential_force_s",
-            "time_of_max_tangential_force",
-            "s",
-            "when |T| is",
-        ),
-        ResultColumn("time_of_max_moment_s", "time_of_max_moment", "s", "when |M| is"),
-        ResultColumn("final_penetration_m", "final_penetration", "m", "u_n at the end"),
-        ResultColumn("final_sinking_m", "final_sinking", "m", "u_D at the end"),
-        ResultColumn("steps", "steps", "-", "steps of the integration"),
-    )
-}
+def _results(*rows: tuple[str, str, str]) -> dict[str, ResultColumn]:
+    """Columns of fields of `ImpactSummary`, of rows of field, unit and meaning; the
+    unit stands behind the name."""
+    stems = {
+        "normal_velocity": "v_n",
+        "tangential_velocity": "v_t",
+        "angular_velocity": "omega",
+    }
+    found = {}
+    for field, unit, meaning in rows:
+        name = stems.get(field, field) + RESULT_SUFFIXES[unit]
+        found[name] = ResultColumn(name, field, unit, meaning)
+    return found
+
+
+RESULT_COLUMNS = _results(
+    ("e_n", "-", "apparent normal restitution"),
+    ("e_t", "-", "apparent tangential restitution"),
+    ("e_contact", "-", "normal restitution at the contact"),
+    ("e_bar", "-", "energetic restitution"),
+    ("R_r", "-", "final rotational over total kinetic energy"),
+    ("max_penetration", "m", "largest u_n"),
+    ("max_sinking", "m", "largest u_D"),
+    ("max_normal_force", "N", "largest N"),
+    ("max_moment", "N m", "largest |M|"),
+    ("duration", "s", "time in contact"),
+    ("rotation", "rad", "rotation during contact"),
+    ("normal_velocity", "m/s", "final v_n, into the ground"),
+    ("tangential_velocity", "m/s", "final v_t, down-slope"),
+    ("angular_velocity", "rad/s", "final spin"),
+)
+"""Results that a table of results holds, by the names of their columns."""
+FURTHER_COLUMNS = _results(
+    ("e_n_vijayakumar", "-", "e_n of a rigid body"),
+    ("max_tangential_force", "N", "largest |T|"),
+    ("time_of_max_penetration", "s", "time of the largest u_n"),
+    ("time_of_max_sinking", "s", "time of the largest u_D"),
+    ("time_of_max_normal_force", "s", "time of the largest N"),
+    ("time_of_max_tangential_force", "s", "time of the largest |T|"),
+    ("time_of_max_moment", "s", "time of the largest |M|"),
+    ("final_penetration", "m", "u_n at the end"),
+    ("final_sinking", "m", "u_D at the end"),
+    ("steps", "-", "steps of the integration"),
+)
 """Results that a table of results does not hold."""
-ENERGY_COLUMNS: dict[str, ResultColumn] = {
+ENERGY_COLUMNS = {
     f"energy_{item}_J": ResultColumn(f"energy_{item}_J", item, "J", meaning)
     for item, meaning in {
         "kinetic_in": "kinetic energy at impact",

@@ -14,9 +14,10 @@ from numpy.typing import ArrayLike
 from .._precision import require_float64
 from .._versions import versions
 from ..accuracy import Accuracy, get_accuracy
+from ..batch import broadcast_scene
 from ..identity import part_names
 from ..impact.termination import Outcome
-from ..impact_response import ImpactResponse, ImpactResponses, respond
+from ..impact_response import COLUMNS, ImpactResponses, respond
 from ..io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..io.journal import Journal
 from ..progress import Progress, ProgressFunction, as_progress
@@ -36,9 +37,6 @@ from .table import (
     look_up_many,
 )
 
-PART = 20_000
-"""Impacts that are computed between two calls of `progress`."""
-
 
 def compute(
     block: Block,
@@ -48,50 +46,15 @@ def compute(
     progress: Progress | None = None,
     journal: Journal | None = None,
 ) -> ImpactResponses:
-    """Compute impacts of one block on one ground by the full model.
+    """Compute impacts of one block on one ground by the full model, as `respond` does.
 
     Args:
         block, soil: scalars.
         impact: arrays `(n,)`.
         accuracy: as for `simulate`.
-        progress: told of the impacts.
-        journal: keeps the columns of `ImpactResponse` and the outcome, by the index of
-            the impact; what it holds is not computed again.
     """
-    accuracy = get_accuracy(accuracy)
-    impact = jax.tree.map(np.asarray, impact)
-    count = len(impact.speed)
-    columns = np.full((count, len(ImpactResponse._fields) + 1), np.nan)
-    done = np.zeros(count, bool)
-    if journal is not None:
-        places, numbers = journal.rows()
-        columns[places], done[places] = numbers, True
-    # Every part has long and short contacts.
-    stride = -(-count // PART)
-    for start in range(stride):
-        chosen = np.arange(start, count, stride)
-        chosen = chosen[~done[chosen]]
-        if len(chosen):
-            columns[chosen] = _part(accuracy, block, soil, impact, chosen)
-            done[chosen] = True
-            if journal is not None:
-                journal.append(chosen, columns[chosen])
-        if progress is not None:
-            progress("impacts", int(np.sum(done)), count)
-    response = ImpactResponse(*columns.T[:-1])
-    return ImpactResponses(response, columns[:, -1].astype(int))
-
-
-def _part(accuracy: Accuracy, block, soil, impact: Impact, chosen) -> np.ndarray:
-    """Compute the columns of some impacts."""
-    some = jax.tree.map(lambda leaf: leaf[chosen], impact)
-
-    def spread(leaf):
-        return np.broadcast_to(np.asarray(leaf), (len(chosen),))
-
-    scene = Scene(jax.tree.map(spread, block), jax.tree.map(spread, soil), some)
-    found = respond(scene, accuracy)
-    return np.stack([*found.response, found.outcome], axis=1)
+    scene, _ = broadcast_scene(Scene(block, soil, impact))
+    return respond(scene, get_accuracy(accuracy), journal, progress)
 
 
 SLOWEST = 1.0
@@ -285,7 +248,7 @@ def _opened(journal: Path | None, block, soil, accuracy: Accuracy, axes):
         "versions": versions(),
     }
     count = math.prod(map(len, axes))
-    return Journal(journal, subject, [*ImpactResponse._fields, "outcome"], count)
+    return Journal(journal, subject, [*COLUMNS], count)
 
 
 def axes_of(table: ReboundTable) -> list[np.ndarray]:
