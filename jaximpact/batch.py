@@ -249,9 +249,8 @@ def compute_scenes(
     groups = _groups(scene, order, model_tolerance, ledger)
     begin = time.perf_counter()
     with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
-        prepared = list(
-            pool.map(lambda group: _workers(scene, *group, accuracy), groups)
-        )
+        starting = [pool.submit(_workers, scene, *group, accuracy) for group in groups]
+        prepared = [future.result() for future in starting]
     started = time.perf_counter()
     for (_, chosen), workers in zip(groups, prepared, strict=True):
         _run_side_by_side(workers, chosen, keep)

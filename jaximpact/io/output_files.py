@@ -18,6 +18,7 @@ from .files import (
     locked,
     make_directory,
     refuse_inputs,
+    replacing,
     same_file,
     write_text,
 )
@@ -200,6 +201,18 @@ def manifest_path(path: Path) -> Path:
 def journal_path(path: Path) -> Path:
     """The path of the journal of results, beside them."""
     return path.parent / (path.name + JOURNAL)
+
+
+@contextlib.contextmanager
+def replacing_with_manifest(path: Path, manifest: Mapping) -> Iterator[Path]:
+    """Give a temporary path for results, as `replacing` does; they appear with their
+    manifest beside them.
+
+    Raises OSError where the file system refuses.
+    """
+    with replacing(manifest_path(path)) as beside, replacing(path) as temporary:
+        beside.write_text(json.dumps(manifest, indent=2) + "\n")
+        yield temporary
 
 
 @contextlib.contextmanager

@@ -200,14 +200,11 @@ def tabulate(
         scale * np.sinh(np.linspace(low, high, nodes.speed)), slopes, nodes[1:]
     )
     shape = tuple(map(len, axes))
-    speed, *rest, orientation, slope = (
-        grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")
-    )
-    impact = impact_from(block, Direction(speed, *rest), orientation, slope)
+    places, impact = impacts_at(block, axes)
     setting = get_accuracy(accuracy)
     with _opened(journal, block, soil, setting, axes) as store:
         computed = compute(block, soil, impact, setting, as_progress(progress), store)
-    size = np.hypot(speed, scale)
+    size = np.hypot(places[0], scale)
     radius = float(block.semi_axes.minor)
     after = computed.response
     entries = np.stack(
@@ -256,6 +253,16 @@ def axes_of(table: ReboundTable) -> list[np.ndarray]:
     return _axes(
         np.asarray(table.speeds), np.asarray(table.slopes), table.outcomes.shape[1:4]
     )
+
+
+def impacts_at(block: Block, axes: list[np.ndarray]) -> tuple[list[np.ndarray], Impact]:
+    """Return the coordinates of all nodes, one after another, and their impacts."""
+    speed, elevation, azimuth, orientation, slope = places = [
+        grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")
+    ]
+    direction = Direction(speed, elevation, azimuth)
+    impact = impact_from(block, direction, orientation, slope)
+    return places, jax.tree.map(np.asarray, impact)
 
 
 def _axes(speeds, slopes, counts) -> list[np.ndarray]:
