@@ -94,8 +94,8 @@ def run(arguments: argparse.Namespace) -> None:
     """Compute the table."""
     from .. import batch
     from ..io import result_table as results
-    from ..io import scene_file
     from ..io import scene_table as tables
+    from ..io.toml import read_scene
 
     scenes, base, out = arguments.scenes, arguments.base, arguments.out
     timing = {}
@@ -109,7 +109,7 @@ def run(arguments: argparse.Namespace) -> None:
     with files, resumable():
         accuracy = arguments.accuracy
         if base is not None:
-            base, of_file = scene_file.read_scene(base)
+            base, of_file = read_scene(base)
             accuracy = accuracy or of_file
         table = tables.read_table(scenes, base=base)
         with ProgressLines() as progress:

@@ -62,7 +62,7 @@ def add_parser(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the impact."""
-    from ..io.scene_file import read_scene
+    from ..io.toml import read_scene
     from ..simulation import simulate
 
     plot, files = arguments.plot, contextlib.nullcontext()

@@ -72,8 +72,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Compute the sweep."""
     from ..io.datasets import write_netcdf
     from ..paper.sets import parametric_set
-    from ..sweep_file import read_sweep_study
-    from ..sweeping import sweep
+    from ..sweeping import read_sweep_study, sweep
 
     if arguments.set is not None:
         (base, axes), accuracy = parametric_set(arguments.set), None

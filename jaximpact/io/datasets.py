@@ -17,7 +17,6 @@ from ..errors import InputError
 from ..identity import name_of, part_names
 from ..impact.history import SCENE_DIMENSION, dimension_names
 from ..impact.summary import ImpactSummary
-from ..indexing import Selection
 from ..parameters import declared_of
 from ..quantities import (
     ENERGY_COLUMNS,
@@ -29,7 +28,7 @@ from ..quantities import (
     ResultColumn,
     columns_of,
 )
-from ..scene import Scene
+from ..scene import Scene, Selection
 from ..scene_quantities import SHAPE, scene_values, text_of, unusual_parts, value_of
 from ..shapes import AbstractShape, MixedShapes
 from .files import read_input, replacing

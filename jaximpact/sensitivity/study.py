@@ -13,8 +13,7 @@ from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError, located
 from ..io.files import read_input, write_text
 from ..io.output_files import NewFile, output_directory
-from ..io.scene_file import scene_from
-from ..io.toml import allowed, check_keys, choice, parse_toml, typed, whole
+from ..io.toml import allowed, check_keys, choice, parse_toml, scene_from, typed, whole
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import InputColumn
 from ..scene import Scene
