@@ -92,13 +92,8 @@ def input_help(title: str) -> str:
 
 
 def _row(column: "InputColumn") -> tuple[str, ...]:
-    return (
-        column.name,
-        column.unit,
-        f"{column.default:g}",
-        column.range_text,
-        column.meaning,
-    )
+    default = f"{column.default:g}"
+    return column.name, column.unit, default, column.range_text, column.meaning
 
 
 def label_help() -> str:

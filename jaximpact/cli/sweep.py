@@ -114,10 +114,9 @@ def in_words(dataset: "xr.Dataset") -> str:
     for name, column in RESULT_COLUMNS.items():
         values = dataset[name].values
         values = values[np.isfinite(values)]
+        cells = ["-"] * 3
         if values.size:
-            of_values = (values.min(), np.median(values), values.max())
-            least, median, largest = (f"{value:.4g}" for value in of_values)
-            rows.append((name, column.unit, least, median, largest))
-        else:
-            rows.append((name, column.unit, "-", "-", "-"))
+            statistics = values.min(), np.median(values), values.max()
+            cells = [f"{value:.4g}" for value in statistics]
+        rows.append((name, column.unit, *cells))
     return f"axes: {', '.join(sizes)}\noutcomes: {', '.join(ends)}\n{align(rows)}"
