@@ -95,6 +95,11 @@ class InputColumn:
         low, high = self.usual
         return low <= value <= high
 
+    def is_unusual(self, values) -> np.ndarray:
+        """Which values, in the column's unit, are beyond the usual ones."""
+        low, high = self.usual
+        return (values < low) | (values > high)
+
     def holds(self, value: float) -> bool:
         """Whether one value, in the column's unit, is finite and in range."""
         above = value >= self.lower if self.lower_allowed else value > self.lower

@@ -159,8 +159,12 @@ class Scene(eqx.Module):
 PARTS = tuple(field.name for field in dataclasses.fields(Scene))
 
 
+SceneLike = Scene | Block | tuple[Block, Soil, Impact]
+"""What `as_scene` makes a scene of."""
+
+
 def as_scene(
-    scene: "Scene | Block | tuple[Block, Soil, Impact]",
+    scene: SceneLike,
     soil: Soil | None = None,
     impact: "Impact | None" = None,
 ) -> "Scene":

@@ -26,7 +26,7 @@ from .io.datasets import (
 from .io.toml import check_keys, choice, load_toml, number, scene_from, typed, whole
 from .progress import Progress, ProgressFunction
 from .quantities import OUTCOME_COLUMN, SLOTS, InputColumn, columns_of, why_unknown
-from .scene import Block, Impact, Scene, as_scene
+from .scene import Scene, SceneLike, as_scene
 from .scene_quantities import (
     SHAPE,
     scene_of_values,
@@ -36,7 +36,6 @@ from .scene_quantities import (
     with_shapes,
 )
 from .shapes import AbstractShape
-from .soil import Soil
 
 LABELS = "name"
 """Key, in a group of quantities, of the labels along its dimension."""
@@ -58,7 +57,7 @@ class _Axis(NamedTuple):
 
 
 def sweep(
-    base: Scene | Block | tuple[Block, Soil, Impact],
+    base: SceneLike,
     axes: Axes,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,

@@ -75,7 +75,6 @@ def add_parser(commands) -> None:
 
 
 def _tolerance(text: str) -> float:
-    """A number that is not negative."""
     value = float(text)
     if not 0.0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f"must be at least 0, but is {text}")

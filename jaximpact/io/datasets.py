@@ -203,17 +203,30 @@ def dataset_of(
     )
     attributes = {
         "title": "jaximpact: impacts of rock blocks on deformable ground",
-        "base": json.dumps(values),
-        "accuracy": json.dumps(dataclasses.asdict(accuracy)),
+        **provenance(base, accuracy, values),
         "model_tolerance": model_tolerance,
-        "laws": json.dumps(part_names(base.soil, base.block)),
-        "versions": json.dumps(versions()),
         "outcomes": json.dumps(count_outcomes(summary)),
     }
     shapes = {_label_of(kind, kinds): [text_of(kind), name_of(kind)] for kind in kinds}
     if shapes:
         attributes[SHAPES] = json.dumps(shapes)
     return xr.Dataset(variables, coordinates, attributes)
+
+
+def provenance(
+    base: Scene, accuracy: Accuracy, values: Mapping | None = None
+) -> dict[str, str]:
+    """Scene, accuracy, laws and versions, as attributes of a dataset.
+
+    Args:
+        values: of the scene, in place of all that `scene_values` gives.
+    """
+    return {
+        "base": json.dumps(scene_values(base) if values is None else values),
+        "accuracy": json.dumps(dataclasses.asdict(accuracy)),
+        "laws": json.dumps(part_names(base.soil, base.block)),
+        "versions": json.dumps(versions()),
+    }
 
 
 def attributes_of(column: InputColumn | ResultColumn) -> dict[str, str]:

@@ -264,7 +264,6 @@ def output_files(
 
 
 def _check_unowned(option: str, path: Path) -> None:
-    """Raise InputError for a file that belongs to other results."""
     for suffix in (MANIFEST, JOURNAL, LIST):
         if path.name.endswith(suffix):
             raise InputError(

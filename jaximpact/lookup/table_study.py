@@ -128,7 +128,6 @@ def _map_axes(path: Path, content: dict) -> MapAxes:
 
 
 def _check_size(path: Path, key: str, counts: tuple[int, ...]) -> None:
-    """Raise InputError for more impacts than fit into memory."""
     impacts = math.prod(counts)
     check_memory(impacts * NUMBERS_PER_IMPACT, f"{impacts} impacts", file=path, key=key)
 

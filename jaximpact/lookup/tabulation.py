@@ -234,7 +234,6 @@ def tabulate(
 
 
 def _opened(journal: Path | None, block, soil, accuracy: Accuracy, axes):
-    """Open the journal of a table, if there is one."""
     if journal is None:
         return contextlib.nullcontext()
     subject = {

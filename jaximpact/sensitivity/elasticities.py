@@ -1,8 +1,6 @@
 """Elasticities: by how many per cent an output changes when a parameter does by one."""
 
-import dataclasses
 import enum
-import json
 import threading
 from collections.abc import Iterable
 
@@ -12,20 +10,17 @@ import xarray as xr
 from jaxtyping import Float
 
 from .._precision import require_float64
-from .._versions import versions
 from ..accuracy import Accuracy, get_accuracy
 from ..batch import broadcast_scene
-from ..identity import part_names
 from ..impact.summary import ImpactSummary
 from ..impact.termination import Outcome
 from ..io.checks import check_scene
-from ..io.datasets import SCENE_DIMENSION, scene_coordinates
+from ..io.datasets import SCENE_DIMENSION, provenance, scene_coordinates
 from ..io.result_table import outcomes_in_words
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import OUTCOME_COLUMN, OUTCOME_MEANING, InputColumn, ResultColumn
-from ..scene import GRAVITY, Block, Impact, Scene, as_scene
-from ..scene_quantities import scene_values, value_of
-from ..soil import Soil
+from ..scene import GRAVITY, Scene, SceneLike, as_scene
+from ..scene_quantities import value_of
 from ..sweeping import Axes, check_axes, coordinates_of, spread
 from .derivatives import POINTS, Differences, derivatives, differences, size_of
 from .ranges import (
@@ -92,7 +87,7 @@ class Check(enum.IntEnum):
 
 
 def elasticities(
-    scene: Scene | Block | tuple[Block, Soil, Impact],
+    scene: SceneLike,
     parameters: Iterable[str] | None = None,
     outputs: Iterable[str] = DEFAULT_OUTPUTS,
     *,
@@ -185,11 +180,8 @@ def elasticities(
         coordinates | axes_of_names(inputs, results),
         attrs={
             "title": "jaximpact: elasticities of impacts",
-            "base": json.dumps(scene_values(base)),
-            "laws": json.dumps(part_names(base.soil, base.block)),
-            "accuracy": json.dumps(dataclasses.asdict(setting)),
             "agrees_within": AGREES_WITHIN,
-            "versions": json.dumps(versions()),
+            **provenance(base, setting),
         },
     )
 

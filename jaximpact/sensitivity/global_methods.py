@@ -26,14 +26,13 @@ from .._versions import version_of, versions
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ..batch import simulate_batch
 from ..errors import InputError
-from ..identity import part_names
 from ..io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
+from ..io.datasets import provenance
 from ..io.result_table import count_outcomes
 from ..progress import Progress, ProgressFunction
 from ..quantities import columns_of
-from ..scene import Block, Impact, Scene, as_scene
-from ..scene_quantities import scene_values, scene_with
-from ..soil import Soil
+from ..scene import SceneLike, as_scene
+from ..scene_quantities import scene_with
 from .ranges import DEFAULT_OUTPUTS, Range, axes_of_names, check_ranges, output_columns
 
 DEFAULT_BLOCKS = 4096
@@ -51,7 +50,7 @@ CONSTANT_WITHIN = 1e-12
 
 
 def sobol(
-    base: Scene | Block | tuple[Block, Soil, Impact],
+    base: SceneLike,
     ranges: Mapping[str, Range | tuple[float, float]],
     outputs: Iterable[str] = DEFAULT_OUTPUTS,
     *,
@@ -104,7 +103,7 @@ def sobol(
 
 
 def morris(
-    base: Scene | Block | tuple[Block, Soil, Impact],
+    base: SceneLike,
     ranges: Mapping[str, Range | tuple[float, float]],
     outputs: Iterable[str] = DEFAULT_OUTPUTS,
     *,
@@ -161,7 +160,7 @@ class _Method(NamedTuple):
 
 def _estimate_over_ranges(
     method: _Method,
-    base: Scene | Block | tuple[Block, Soil, Impact],
+    base: SceneLike,
     ranges: Mapping[str, Range | tuple[float, float]],
     outputs: Iterable[str],
     size: int,
@@ -203,13 +202,11 @@ def _estimate_over_ranges(
         axes_of_names(tuple(columns[name] for name in checked), results),
         attrs={
             "title": f"jaximpact: {method.title} of impacts",
-            "base": json.dumps(scene_values(base)),
-            "laws": json.dumps(part_names(base.soil, base.block)),
+            **provenance(base, setting),
             "ranges": json.dumps(
                 {name: dataclasses.asdict(given) for name, given in checked.items()}
             ),
             "seed": seed,
-            "accuracy": json.dumps(dataclasses.asdict(setting)),
             "outcomes": json.dumps(count_outcomes(computed)),
             "versions": json.dumps(versions() | {"SALib": version_of("SALib")}),
         },

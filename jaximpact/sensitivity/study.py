@@ -147,7 +147,6 @@ def _methods(
 
 
 def _range(path: Path, column: InputColumn, entry) -> Range | None:
-    """Read the range of a parameter, None for an empty table."""
     key = f"parameters.{column.name}"
     if not isinstance(entry, dict):
         raise InputError(
