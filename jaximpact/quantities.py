@@ -16,7 +16,7 @@ import numpy as np
 
 from .errors import InputError, nearest
 from .finding import shipped
-from .parameters import Composite, Declared, Part, declared_of, parameters_of, parts_of
+from .parameters import Composite, Declared, Part, declared_of, parts_of
 from .scene import PARTS, Scene
 from .units import RESULT_SUFFIXES, UNITS
 
@@ -140,39 +140,30 @@ def own_columns(kind: type[Part]) -> list[InputColumn]:
 def columns_of(scene: Scene) -> dict[str, InputColumn]:
     """The columns of a scene: those of its parts, with those of the laws and the shape
     that it has."""
-    return _columns_of(*_parts(scene))
+    wholes = ((part, getattr(scene, part)) for part in PARTS)
+    return _columns_of(*((part, type(whole), *_held(whole)) for part, whole in wholes))
 
 
 def columns_of_part(part: str, whole: Composite) -> dict[str, InputColumn]:
     """The columns of a soil or a block alone."""
-    return _of_whole(part, type(whole), _declared_parts(whole))
+    return _columns_of((part, type(whole), *_held(whole)))
 
 
-def _parts(scene: Scene) -> tuple:
-    return tuple(
-        (part, type(whole), _declared_parts(whole))
-        for part in PARTS
-        for whole in [getattr(scene, part)]
-    )
-
-
-def _declared_parts(whole) -> tuple:
-    return tuple(
-        tuple(parameters_of(getattr(whole, slot)).items())
-        for slot in parts_of(type(whole))
-    )
+def _held(whole: Composite) -> list[type[Part]]:
+    return [type(getattr(whole, slot)) for slot in parts_of(type(whole))]
 
 
 @functools.cache
 def _columns_of(*parts: tuple) -> dict[str, InputColumn]:
-    return _by_name([c for part in parts for c in _of_whole(*part).values()])
-
-
-def _of_whole(part: str, kind: type, declared_parts: tuple) -> dict[str, InputColumn]:
-    declared = list(declared_of(kind).items())
-    for of_part in declared_parts:
-        declared += of_part
-    return _by_name([_column(part, field, said) for field, said in declared])
+    """Of the name of each part of a scene, its class and those of its laws or shape."""
+    return _by_name(
+        [
+            _column(part, *pair)
+            for part, *kinds in parts
+            for kind in kinds
+            for pair in declared_of(kind).items()
+        ]
+    )
 
 
 @functools.cache
@@ -255,17 +246,6 @@ def why_unknown(name: str, known: Iterable[str]) -> str:
                 f'which is not chosen ({slot} = "{owners[0]}")'
             )
     return f"did you mean {nearest(name, known)}?"
-
-
-def _usual_columns() -> dict[str, InputColumn]:
-    """The columns of a scene with the usual laws and shape, without making one: at
-    import JAX may be in float32 still."""
-
-    def parts_declared(kind: type) -> tuple:
-        return tuple(tuple(declared_of(USUAL[slot]).items()) for slot in parts_of(kind))
-
-    parts = [(part, _KINDS[part], parts_declared(_KINDS[part])) for part in PARTS]
-    return _columns_of(*parts)
 
 
 def leaf_places(scene: Scene) -> dict[str, int]:
@@ -359,5 +339,11 @@ LABEL_COLUMNS = ("name", "id", "test", "campaign", "source", "note", "comment")
 """Columns of free text, which identify a row and are carried along."""
 
 
-INPUT_COLUMNS: dict[str, InputColumn] = _usual_columns()
+# Without making a scene: at import JAX may be in float32 still.
+INPUT_COLUMNS: dict[str, InputColumn] = _columns_of(
+    *(
+        (part, kind, *(USUAL[slot] for slot in parts_of(kind)))
+        for part, kind in _KINDS.items()
+    )
+)
 """Of a scene with the usual laws and shape; those of another are `columns_of` it."""

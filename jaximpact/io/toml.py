@@ -62,31 +62,26 @@ def parse_toml(path: Path, data: bytes) -> dict:
         found = DIGITS.search(text)
         row = text.count("\n", 0, found.start()) + 1 if found else None
         raise InputError(TOO_LARGE, file=path, row=row) from None
-    _check_values(path, content)
+    _check_value(path, "", content)
     return content
 
 
-def _check_values(path: Path, content: dict) -> None:
+def _check_value(path: Path, key: str, value: Any, depth: int = 0) -> None:
     """Raise InputError for what no key may hold."""
-    level: list[tuple[str, Any]] = [("", content)]
-    for _ in range(DEEPEST):
-        inner: list[tuple[str, Any]] = []
-        for key, value in level:
-            if isinstance(value, dict):
-                for name, one in value.items():
-                    where = f"{key}.{name}" if key else name
-                    _check_text(path, where, name)
-                    inner.append((where, one))
-            elif isinstance(value, list):
-                inner += [(key, one) for one in value]
-            elif isinstance(value, str):
-                _check_text(path, key, value)
-            elif isinstance(value, int) and abs(value) > LARGEST_WHOLE:
-                raise InputError(TOO_LARGE, file=path, key=key)
-        if not inner:
-            return
-        level = inner
-    raise InputError(TOO_DEEP, file=path)
+    if depth == DEEPEST:
+        raise InputError(TOO_DEEP, file=path)
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            where = f"{key}.{name}" if key else name
+            _check_text(path, where, name)
+            _check_value(path, where, inner, depth + 1)
+    elif isinstance(value, list):
+        for inner in value:
+            _check_value(path, key, inner, depth + 1)
+    elif isinstance(value, str):
+        _check_text(path, key, value)
+    elif isinstance(value, int) and abs(value) > LARGEST_WHOLE:
+        raise InputError(TOO_LARGE, file=path, key=key)
 
 
 def _check_text(path: Path, key: str, text: str) -> None:
