@@ -112,9 +112,8 @@ def check_choice(name: str, value, known: Collection[str], **place) -> None:
         name: what an error calls the value; "" where its place says so.
         place: file, row, column and key of the error.
     """
-    if not isinstance(value, str) or value not in known:
-        raise InputError(
-            f"{name} must be one of {', '.join(known)}, but is {value!r}; did you mean "
-            f"{nearest(value, known)}?".lstrip(),
-            **place,
-        )
+    is_text = isinstance(value, str)
+    if not is_text or value not in known:
+        hint = f"; did you mean {nearest(value, known)}?" if is_text else ""
+        problem = f"must be one of {', '.join(known)}, but is {value!r}{hint}"
+        raise InputError(f"{name} {problem}".lstrip(), **place)

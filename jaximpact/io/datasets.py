@@ -5,7 +5,7 @@ import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -203,8 +203,7 @@ def dataset_of(
     )
     attributes = {
         "title": "jaximpact: impacts of rock blocks on deformable ground",
-        **provenance(base, accuracy, values),
-        "model_tolerance": model_tolerance,
+        **provenance(base, accuracy, values, model_tolerance=model_tolerance),
         "outcomes": json.dumps(count_outcomes(summary)),
     }
     shapes = {_label_of(kind, kinds): [text_of(kind), name_of(kind)] for kind in kinds}
@@ -214,16 +213,18 @@ def dataset_of(
 
 
 def provenance(
-    base: Scene, accuracy: Accuracy, values: Mapping | None = None
-) -> dict[str, str]:
-    """Scene, accuracy, laws and versions, as attributes of a dataset.
+    base: Scene, accuracy: Accuracy, values: Mapping | None = None, **settings
+) -> dict[str, Any]:
+    """Scene, settings, laws and versions, as attributes of a dataset.
 
     Args:
         values: of the scene, in place of all that `scene_values` gives.
+        settings: others than the accuracy.
     """
     return {
         "base": json.dumps(scene_values(base) if values is None else values),
         "accuracy": json.dumps(dataclasses.asdict(accuracy)),
+        **settings,
         "laws": json.dumps(part_names(base.soil, base.block)),
         "versions": json.dumps(versions()),
     }

@@ -180,8 +180,7 @@ def elasticities(
         coordinates | axes_of_names(inputs, results),
         attrs={
             "title": "jaximpact: elasticities of impacts",
-            "agrees_within": AGREES_WITHIN,
-            **provenance(base, setting),
+            **provenance(base, setting, agrees_within=AGREES_WITHIN),
         },
     )
 
