@@ -95,9 +95,9 @@ def as_text(result: "ImpactResult") -> str:
     from ..io.display import align
 
     columns = quantities.RESULT_COLUMNS | quantities.FURTHER_COLUMNS
+    ledger = quantities.ENERGY_COLUMNS.values()
     numbers = [(name, result, c) for name, c in columns.items()]
-    for column in quantities.ENERGY_COLUMNS.values():
-        numbers.append((f"energy {column.field}", result.energy, column))
+    numbers += [(f"energy {c.field}", result.energy, c) for c in ledger]
     rows = [
         (quantities.OUTCOME_COLUMN, str(result.outcome), "", quantities.OUTCOME_MEANING)
     ]

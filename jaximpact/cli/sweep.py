@@ -110,7 +110,7 @@ def in_words(dataset: "xr.Dataset") -> str:
     sizes = [f"{name} {size}" for name, size in dataset.sizes.items()]
     names, counts = np.unique(dataset.outcome, return_counts=True)
     ends = [f"{c} {n}" for n, c in zip(names, counts, strict=True)]
-    rows = [("result", "unit", "least", "median", "largest")]
+    rows: list[tuple[str, ...]] = [("result", "unit", "least", "median", "largest")]
     for name, column in RESULT_COLUMNS.items():
         values = dataset[name].values
         values = values[np.isfinite(values)]
