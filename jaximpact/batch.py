@@ -249,10 +249,10 @@ def compute_scenes(
     groups = _groups(scene, order, model_tolerance, ledger)
     begin = time.perf_counter()
     with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
-        starting = [pool.submit(_workers, scene, *group, accuracy) for group in groups]
+        starting = [pool.submit(_workers, *group, accuracy) for group in groups]
         prepared = [future.result() for future in starting]
     started = time.perf_counter()
-    for (_, chosen), workers in zip(groups, prepared, strict=True):
+    for (*_, chosen), workers in zip(groups, prepared, strict=True):
         _run_side_by_side(workers, chosen, keep)
     if timing is not None:
         timing |= {
@@ -277,14 +277,15 @@ def _longest_first(scene: Scene) -> np.ndarray:
 
 def _groups(
     scene: Scene, order: np.ndarray, model_tolerance: float, ledger: bool
-) -> list[tuple[Assembly, np.ndarray]]:
-    """Assemblies of the model, and the indices of the scenes that each is for; of mixed
-    shapes every assembly is for one."""
+) -> list[tuple[Scene, Assembly, np.ndarray]]:
+    """Scenes of one shape, an assembly of the model for it, and the indices of the
+    scenes that the assembly is for."""
     groups = []
     for alone, of_shape in by_shape(scene):
         models = np.where(of_shape, model_places(alone, model_tolerance), -1)[order]
         groups += [
             (
+                alone,
                 Assembly(jax.tree.structure(alone), MODELS[model], ledger),
                 order[models == model],
             )
@@ -297,9 +298,6 @@ def _workers(
     scene: Scene, assembly: Assembly, chosen: np.ndarray, accuracy: Accuracy
 ) -> list[NativeWorker] | list[MarchingWorker]:
     """Workers for the chosen scenes, with what they run compiled."""
-    if jax.tree.structure(scene) != assembly.structure:
-        alone = (each for each, _ in by_shape(scene))
-        scene = next(s for s in alone if jax.tree.structure(s) == assembly.structure)
     kernel = compile_native(assembly) if computes_on_cpu() else None
     if kernel is not None:
         return [NativeWorker(kernel, scene, accuracy)] * thread_count()

@@ -22,11 +22,11 @@ PACKAGE = __name__.partition(".")[0]
 def part_names(*wholes: Composite) -> dict[str, str]:
     """The parts of soil and block as a manifest tells them: what each is for, its class
     and, of one that is not the package's, a digest of its source."""
-    names = {}
-    for whole in wholes:
-        for slot in parts_of(type(whole)):
-            names[slot] = name_of(type(getattr(whole, slot)))
-    return names
+    return {
+        slot: name_of(type(getattr(whole, slot)))
+        for whole in wholes
+        for slot in parts_of(type(whole))
+    }
 
 
 def name_of(kind: type[Part]) -> str:
