@@ -30,10 +30,16 @@ from ..io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..io.datasets import provenance
 from ..io.result_table import count_outcomes
 from ..progress import Progress, ProgressFunction
-from ..quantities import columns_of
 from ..scene import SceneLike, as_scene
 from ..scene_quantities import scene_with
-from .ranges import DEFAULT_OUTPUTS, Range, axes_of_names, check_ranges, output_columns
+from .ranges import (
+    DEFAULT_OUTPUTS,
+    Range,
+    axes_of_names,
+    check_ranges,
+    output_columns,
+    parameter_columns,
+)
 
 DEFAULT_BLOCKS = 4096
 DEFAULT_TRAJECTORIES = 256
@@ -85,8 +91,9 @@ def sobol(
         `..._interval`, the half width of the 95 % confidence interval (bootstrap). For
         each output its `mean` and `standard_deviation` over the ranges, and
         `groups_kept`, `groups_dropped`: a block with an impact that has no value is
-        left out whole. Indices are NaN where fewer than half
-        of the blocks are left, or the output does not change; `reason` says so.
+        left out whole; see `sensitivity.global_methods`. Indices are NaN where fewer
+        than half of the blocks are left, or the output does not change; `reason` says
+        so.
         Outcomes (attribute `outcomes`) that are no failure count as they are: a
         separating block has an e_n of -1.
 
@@ -196,10 +203,9 @@ def _estimate_over_ranges(
         values = np.array([of_output[name] for of_output in found])
         dimensions = ("output", "parameter")[: values.ndim]
         variables[name] = dimensions, values, method.attributes.get(name, {})
-    columns = columns_of(base)
     return xr.Dataset(
         variables,
-        axes_of_names(tuple(columns[name] for name in checked), results),
+        axes_of_names(parameter_columns(base, checked), results),
         attrs={
             "title": f"jaximpact: {method.title} of impacts",
             **provenance(base, setting),
