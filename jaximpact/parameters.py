@@ -252,10 +252,10 @@ class Part(Module):
         names = _names(cls)
         for name in named:
             if name not in names:
-                raise TypeError(
-                    f"{cls.__name__} has no field {name!r}; did you mean "
-                    f"{nearest(name, names)}?"
+                hint = (
+                    f"did you mean {nearest(name, names)}?" if names else "it has none"
                 )
+                raise TypeError(f"{cls.__name__} has no field {name!r}; {hint}")
         # More than there are fields: Python itself complains.
         for name, value in (*zip(names, given, strict=False), *named.items()):
             if name in _numeric(cls):
