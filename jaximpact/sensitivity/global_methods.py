@@ -282,12 +282,11 @@ def sobol_of(values: Float[np.ndarray, "blocks rows"], seed: int) -> dict[str, A
 def check_blocks(blocks: int, parameters: int) -> None:
     """Raise InputError unless the number of blocks is a power of two, which Sobol's
     sequence needs for its balance, and the sample fits into memory."""
-    if not isinstance(blocks, int) or blocks < 2 or blocks & (blocks - 1):
-        near = 1024
-        if isinstance(blocks, int) and blocks >= 1:
-            near = 2 ** max(1, round(math.log2(blocks)))
+    blocks = whole_number("blocks", blocks, 2)
+    if blocks & (blocks - 1):
         raise InputError(
-            f"blocks must be a power of two, but is {blocks!r}; take {near}"
+            f"blocks must be a power of two, but is {blocks}; take "
+            f"{2 ** round(math.log2(blocks))}"
         )
     impacts = blocks * (parameters + 2)
     check_memory(impacts * NUMBERS_PER_IMPACT, f"{blocks} blocks, {impacts} impacts,")

@@ -26,6 +26,7 @@ from jaximpact.sensitivity import in_words
 from jaximpact.sensitivity.figures import plot_heat_map, plot_morris, plot_sobol
 from jaximpact.sensitivity.global_methods import (
     LEVELS,
+    check_blocks,
     morris_of,
     problem_of,
     sobol_of,
@@ -191,6 +192,10 @@ def test_wrong_sizes_of_samples_are_refused():
     ranges = {"c_v": (0.5, 1.0), "k_E": (500, 900)}
     with pytest.raises(InputError, match="power of two, but is 1000; take 1024"):
         sobol(Scene(), ranges, blocks=1000)
+    for blocks, needed in ((0, "at least 2, but is 0"), ("64", "a whole number")):
+        with pytest.raises(InputError, match=f"blocks must be {needed}"):
+            sobol(Scene(), ranges, blocks=blocks)
+    check_blocks(np.int64(64), parameters=2)
     with pytest.raises(InputError, match="at least 2, but is 1"):
         morris(Scene(), ranges, trajectories=1)
     with pytest.raises(InputError, match="seed must be at least 0, but is -1"):
