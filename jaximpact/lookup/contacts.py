@@ -40,6 +40,8 @@ class Tabulated:
 
     def __init__(self, tables: ReboundTable | Sequence[ReboundTable]):
         self.tables = [tables] if isinstance(tables, ReboundTable) else list(tables)
+        if not self.tables:
+            raise InputError("Tabulated needs at least one table, but got none")
         self._pairs = [_Pair.of(table) for table in self.tables]
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> ImpactResponses:

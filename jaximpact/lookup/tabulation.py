@@ -97,8 +97,8 @@ def measure_error(
             random ones.
         accuracy: of the model; by default that of the table.
     """
-    random = isinstance(impacts, int)
-    sample = random_impacts(table, impacts) if random else impacts
+    given = isinstance(impacts, Impact)
+    sample = impacts if given else random_impacts(table, impacts)
     computed = compute(table.block, table.soil, sample, accuracy or table.accuracy)
     entry = look_up_many(table, sample)
     sample = jax.tree.map(np.asarray, sample)
