@@ -12,10 +12,10 @@ from typing import Any, NamedTuple, NoReturn, TypeVar
 
 from ..accuracy import PRESETS
 from ..errors import InputError, UnusualValueWarning, check_choice, located
-from ..parameters import Composite, parts_of
+from ..parameters import Composite, Part, parts_of
 from ..quantities import SLOTS, InputColumn, columns_of, why_unknown
 from ..scene import PARTS, Scene
-from ..scene_quantities import part_named, replaced_parts, scene_with, with_parts
+from ..scene_quantities import part_named, replaced_parts, scene_with
 from .files import CONTROLS, as_text, read_input
 
 LARGEST_WHOLE = 2**63 - 1
@@ -200,15 +200,19 @@ def with_named_parts(
 
     Raises InputError, naming file and key, for a name that cannot be used.
     """
-    found = {}
-    for slot in parts_of(type(whole)):
-        if slot in table:
-            key = f"{where}.{slot}"
-            text = typed(path, {key: table[slot]}, key, str)
-            with located(file=path, key=key):
-                found[slot] = part_named(slot, text, path.parent)
+    found = {
+        slot: _named_part(path, f"{where}.{slot}", slot, table[slot])
+        for slot in parts_of(type(whole))
+        if slot in table
+    }
     with located(file=path, key=where):
         return replaced_parts(whole, found)
+
+
+def _named_part(path: Path, key: str, slot: str, name) -> Part:
+    text = typed(path, {key: name}, key, str)
+    with located(file=path, key=key):
+        return part_named(slot, text, path.parent)
 
 
 # --- Scenes.
@@ -275,14 +279,15 @@ def scene_from(path: Path, content: dict, others: tuple[str, ...] = ()) -> Scene
 
 def _with_parts(path: Path, names: Found) -> Scene:
     """The usual scene with the laws and the shape that a file names, by slot."""
-    texts = {}
+    found: dict[str, dict[str, Part]] = {part: {} for part in PARTS}
     for slot, (table, name) in names.items():
         _check_table(path, slot, table, SLOTS[slot])
-        texts[slot] = typed(path, {slot: name}, slot, str)
-        with located(file=path, key=slot):
-            part_named(slot, texts[slot], path.parent)
+        found[SLOTS[slot]][slot] = _named_part(path, slot, slot, name)
+    usual = Scene()
     with located(file=path):
-        scene = with_parts(Scene(), texts, path.parent)
+        scene = Scene(
+            *(replaced_parts(getattr(usual, p), slots) for p, slots in found.items())
+        )
         columns_of(scene)  # which are two of one name where laws do not fit together
         return scene
 
