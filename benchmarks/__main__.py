@@ -40,13 +40,7 @@ def make_parser() -> Parser:
         allow_abbrev=False,
     )
     options.add_directory(parser, "charts and data")
-    parser.add_argument(
-        "--only",
-        nargs="+",
-        default=(),
-        metavar="NAME",
-        help="sections to measure (default: all)",
-    )
+    options.add_only(parser, "NAME", "sections to measure")
     parser.add_argument(
         "--peers",
         type=Path,

@@ -76,6 +76,6 @@ def _is_real(value) -> bool:
 
 
 def _told(value) -> str:
-    """A value with its kind; of what has many fields the kind alone."""
+    """A value with its type; of what has many fields the type alone."""
     kind = type(value).__name__
     return f"of type {kind}" if isinstance(value, eqx.Module) else f"{value!r} ({kind})"

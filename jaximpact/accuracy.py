@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from .errors import InputError, nearest
+from .errors import InputError, check_choice
 
 MAX_STEPS = 300_000
 """Steps after which an impact is given up as failed. Small blocks on very hard ground
@@ -68,9 +68,5 @@ def get_accuracy(accuracy: str | Accuracy) -> Accuracy:
     """
     if isinstance(accuracy, Accuracy):
         return accuracy
-    if not isinstance(accuracy, str) or accuracy not in PRESETS:
-        raise InputError(
-            f"accuracy must be one of {', '.join(PRESETS)}, but {accuracy!r} was "
-            f"given; did you mean {nearest(accuracy, PRESETS)!r}?"
-        )
+    check_choice("accuracy", accuracy, PRESETS)
     return PRESETS[accuracy]

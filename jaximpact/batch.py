@@ -14,7 +14,6 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import jax
 import numpy as np
@@ -76,10 +75,11 @@ def by_shape(scene: Scene) -> list[tuple[Scene, np.ndarray]]:
     if not isinstance(shape, MixedShapes):
         return [(scene, np.asarray(True))]
     index = np.asarray(shape.index)
-    if not np.all(np.isin(index, np.arange(len(shape.kinds)))):
+    unknown = index[~np.isin(index, np.arange(len(shape.kinds)))]
+    if unknown.size:
         raise InputError(
             f"the index of mixed shapes must be one of 0 to {len(shape.kinds) - 1}, "
-            f"but holds {index[~np.isin(index, np.arange(len(shape.kinds)))].flat[0]:g}"
+            f"but holds {unknown.flat[0]:g}"
         )
     found = []
     for place in np.unique(index.astype(int)):
@@ -140,54 +140,65 @@ def simulate_batch(
         for alone, _ in by_shape(scene):
             check_scene(alone, batched=True)
     scene, count = broadcast_scene(scene)
-    names, structure = _columns(empty_summary(ledger))
-    numbers = np.empty((len(names), count))
-    missing = np.ones(count, bool)
-    told, done, lock = as_progress(progress), 0, threading.Lock()
+    template, structure = jax.tree_util.tree_flatten_with_path(empty_summary(ledger))
+    names = [jax.tree_util.keystr(path)[1:] for path, _ in template]
     opened = contextlib.nullcontext()
     if journal is not None:
         subject = _subject(scene, count, setting, model_tolerance)
         opened = Journal(journal, subject, names, count)
-
     with opened as kept:
-        if kept is not None:
-            places, rows = kept.rows()
-            numbers[:, places], missing[places] = rows.T, False
-            if done := len(places):
-                told("impacts", done, count)
-
-        def keep(places: np.ndarray, of_places: ImpactSummary) -> None:
-            nonlocal done
-            rows = np.stack(jax.tree.leaves(of_places), axis=-1)
-            with lock:
-                if kept is not None:
-                    kept.append(places, rows)
-                numbers[:, places] = rows.T
-                done += len(places)
-                told("impacts", done, count)
-
+        collector = Collector(len(names), count, kept, as_progress(progress))
         compute_scenes(
             scene,
             setting,
-            keep,
-            places=np.flatnonzero(missing),
+            lambda places, of_places: collector.take(
+                places, np.stack(jax.tree.leaves(of_places), axis=-1)
+            ),
+            places=np.flatnonzero(collector.missing),
             model_tolerance=model_tolerance,
             ledger=ledger,
             timing=timing,
         )
-    columns = jax.tree.unflatten(structure, list(numbers))
     return ImpactResult(
-        **vars(columns),
+        **vars(jax.tree.unflatten(structure, list(collector.numbers))),
         scene=scene,
         accuracy=setting,
         model_tolerance=model_tolerance,
     )
 
 
-def _columns(template: ImpactSummary) -> tuple[list[str], Any]:
-    """Names of the leaves, and the structure that they make up."""
-    leaves, structure = jax.tree_util.tree_flatten_with_path(template)
-    return [jax.tree_util.keystr(path)[1:] for path, _ in leaves], structure
+class Collector:
+    """Numbers of impacts, as they come from any thread, kept in a journal if there is
+    one; what this holds already is not missing.
+
+    Args:
+        width: how many numbers an impact has.
+        count: how many impacts there are.
+        progress: told how many impacts are done.
+    """
+
+    def __init__(
+        self, width: int, count: int, journal: Journal | None, progress: Progress
+    ):
+        self.numbers = np.empty((width, count))
+        self.missing = np.ones(count, bool)
+        self._journal, self._progress, self._done = journal, progress, 0
+        self._lock = threading.Lock()
+        if journal is not None:
+            self._add(*journal.rows())
+
+    def take(self, places: np.ndarray, rows: np.ndarray) -> None:
+        """Take the numbers of some impacts, shape (places, width)."""
+        with self._lock:
+            if self._journal is not None:
+                self._journal.append(places, rows)
+            self._add(places, rows)
+
+    def _add(self, places: np.ndarray, rows: np.ndarray) -> None:
+        if len(places):
+            self.numbers[:, places], self.missing[places] = rows.T, False
+            self._done += len(places)
+            self._progress("impacts", self._done, len(self.missing))
 
 
 def _subject(
@@ -238,13 +249,10 @@ def compute_scenes(
     groups = _groups(scene, order, model_tolerance, ledger)
     begin = time.perf_counter()
     with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
-        prepared = list(
-            pool.map(
-                lambda group: _workers(scene, group[0], group[1], accuracy), groups
-            )
-        )
+        starting = [pool.submit(_workers, *group, accuracy) for group in groups]
+        prepared = [future.result() for future in starting]
     started = time.perf_counter()
-    for (_, chosen), workers in zip(groups, prepared, strict=True):
+    for (*_, chosen), workers in zip(groups, prepared, strict=True):
         _run_side_by_side(workers, chosen, keep)
     if timing is not None:
         timing |= {
@@ -269,14 +277,15 @@ def _longest_first(scene: Scene) -> np.ndarray:
 
 def _groups(
     scene: Scene, order: np.ndarray, model_tolerance: float, ledger: bool
-) -> list[tuple[Assembly, np.ndarray]]:
-    """Assemblies of the model, and the indices of the scenes that each is for; of mixed
-    shapes every assembly is for one."""
+) -> list[tuple[Scene, Assembly, np.ndarray]]:
+    """Scenes of one shape, an assembly of the model for it, and the indices of the
+    scenes that the assembly is for."""
     groups = []
     for alone, of_shape in by_shape(scene):
         models = np.where(of_shape, model_places(alone, model_tolerance), -1)[order]
         groups += [
             (
+                alone,
                 Assembly(jax.tree.structure(alone), MODELS[model], ledger),
                 order[models == model],
             )
@@ -289,9 +298,6 @@ def _workers(
     scene: Scene, assembly: Assembly, chosen: np.ndarray, accuracy: Accuracy
 ) -> list[NativeWorker] | list[MarchingWorker]:
     """Workers for the chosen scenes, with what they run compiled."""
-    if jax.tree.structure(scene) != assembly.structure:
-        alone = (each for each, _ in by_shape(scene))
-        scene = next(s for s in alone if jax.tree.structure(s) == assembly.structure)
     kernel = compile_native(assembly) if computes_on_cpu() else None
     if kernel is not None:
         return [NativeWorker(kernel, scene, accuracy)] * thread_count()

@@ -3,7 +3,7 @@
 import contextlib
 import difflib
 import os
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 LONGEST = 600
 """Characters of a message."""
@@ -103,3 +103,17 @@ def nearest(name: str, known) -> str:
     asked = str(name)[:LONGEST].lower()
     matches = difflib.get_close_matches(asked, folded, n=1, cutoff=0.0)
     return folded[matches[0]]
+
+
+def check_choice(name: str, value, known: Collection[str], **place) -> None:
+    """Raise InputError, with the nearest known word, unless a value is one of them.
+
+    Args:
+        name: what an error calls the value; "" where its place says so.
+        place: file, row, column and key of the error.
+    """
+    is_text = isinstance(value, str)
+    if not is_text or value not in known:
+        hint = f"; did you mean {nearest(value, known)}?" if is_text else ""
+        problem = f"must be one of {', '.join(known)}, but is {value!r}{hint}"
+        raise InputError(f"{name} {problem}".lstrip(), **place)

@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import inspect
 import sys
+import traceback
 from pathlib import Path
 
 from .errors import InputError, nearest
@@ -145,10 +146,9 @@ def _loaded(path: Path, digest: str):
         spec.loader.exec_module(module)
     except Exception as error:
         del sys.modules[name]
-        line = next(
-            (f" (line {at.tb_lineno})" for at in _frames(error, path)),
-            "",
-        )
+        frames = traceback.extract_tb(error.__traceback__)
+        lines = [frame.lineno for frame in frames if frame.filename == str(path)]
+        line = f" (line {lines[-1]})" if lines else ""
         cure = f"; {CURE}" if "non-default argument" in str(error) else ""
         raise InputError(
             f"cannot be run as the file of a law or a shape{line}: "
@@ -156,13 +156,3 @@ def _loaded(path: Path, digest: str):
             file=path,
         ) from error
     return module
-
-
-def _frames(error: BaseException, path: Path):
-    """Where in a file an error arose, innermost first."""
-    found, at = [], error.__traceback__
-    while at is not None:
-        if at.tb_frame.f_code.co_filename == str(path):
-            found.insert(0, at)
-        at = at.tb_next
-    return found

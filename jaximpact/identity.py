@@ -1,6 +1,7 @@
 """Identity of laws and shapes, for keys and manifests: a law that was edited is
 another law."""
 
+import contextlib
 import dataclasses
 import functools
 import hashlib
@@ -21,11 +22,11 @@ PACKAGE = __name__.partition(".")[0]
 def part_names(*wholes: Composite) -> dict[str, str]:
     """The parts of soil and block as a manifest tells them: what each is for, its class
     and, of one that is not the package's, a digest of its source."""
-    names = {}
-    for whole in wholes:
-        for slot in parts_of(type(whole)):
-            names[slot] = name_of(type(getattr(whole, slot)))
-    return names
+    return {
+        slot: name_of(type(getattr(whole, slot)))
+        for whole in wholes
+        for slot in parts_of(type(whole))
+    }
 
 
 def name_of(kind: type[Part]) -> str:
@@ -118,17 +119,14 @@ def _gather(module: ModuleType | None, found: dict[str, ModuleType]) -> None:
 
 def is_ours(kind: type) -> bool:
     """Whether a class is the package's."""
-    return _is_of_package(kind.__module__)
-
-
-def _is_of_package(module: str) -> bool:
-    return module.partition(".")[0] == PACKAGE
+    return kind.__module__.partition(".")[0] == PACKAGE
 
 
 def _is_installed(module: ModuleType) -> bool:
-    if _is_of_package(module.__name__) or module.__name__ in sys.builtin_module_names:
+    top = module.__name__.partition(".")[0]
+    if top == PACKAGE or module.__name__ in sys.builtin_module_names:
         return True
-    if module.__name__.partition(".")[0] in sys.stdlib_module_names:
+    if top in sys.stdlib_module_names:
         return module.__name__ != "__main__"
     file = getattr(module, "__file__", None)
     if file is None:
@@ -138,17 +136,13 @@ def _is_installed(module: ModuleType) -> bool:
 
 @functools.cache
 def _places() -> tuple[Path, ...]:
-    """Where packages are installed."""
     names = ("stdlib", "platstdlib", "purelib", "platlib")
     places = [sysconfig.get_path(name) for name in names]
     return tuple(Path(place) for place in (*places, *site.getsitepackages()))
 
 
 def _source_of(module: ModuleType) -> bytes | None:
-    file = getattr(module, "__file__", None)
-    if file is not None and file.endswith(".py"):
-        try:
-            return Path(file).read_bytes()
-        except OSError:
-            return None
+    file = getattr(module, "__file__", None) or ""
+    with contextlib.suppress(OSError):
+        return Path(file).read_bytes() if file.endswith(".py") else None
     return None

@@ -7,7 +7,10 @@ import numpy as np
 from jaxtyping import Array
 
 from .accuracy import Accuracy
-from .batch import compute_scenes
+from .batch import Collector, compute_scenes
+from .impact.summary import ImpactSummary
+from .io.journal import Journal
+from .progress import Progress, as_progress
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -34,6 +37,10 @@ class ImpactResponse(NamedTuple):
     """Penetration of the lowest point at the end of the contact [m]."""
 
 
+COLUMNS = (*ImpactResponse._fields, "outcome")
+"""Names of the numbers of an impact that `respond` keeps."""
+
+
 class ImpactResponses(NamedTuple):
     """Responses of blocks to impacts, and how these ended."""
 
@@ -43,14 +50,25 @@ class ImpactResponses(NamedTuple):
     """Codes of `Outcome`, `(lanes,)`."""
 
 
-def respond(scene: Scene, accuracy: Accuracy) -> ImpactResponses:
-    """Integrate impacts by the full model; every field an array `(lanes,)`."""
+def respond(
+    scene: Scene,
+    accuracy: Accuracy,
+    journal: Journal | None = None,
+    progress: Progress | None = None,
+) -> ImpactResponses:
+    """Integrate impacts by the full model; every field an array `(lanes,)`.
+
+    Args:
+        journal: keeps the columns `COLUMNS` by the index of the impact; what it holds
+            is not computed again.
+        progress: told of the impacts.
+    """
     scene = jax.tree.map(np.asarray, scene)
     lanes = len(scene.impact.speed)
-    columns = np.full((len(ImpactResponse._fields) + 1, lanes), np.nan)
+    collector = Collector(len(COLUMNS), lanes, journal, as_progress(progress))
 
-    def keep(lanes, summary) -> None:
-        columns[:, lanes] = [
+    def keep(places: np.ndarray, summary: ImpactSummary) -> None:
+        columns = [
             summary.normal_velocity,
             summary.tangential_velocity,
             summary.angular_velocity,
@@ -59,6 +77,9 @@ def respond(scene: Scene, accuracy: Accuracy) -> ImpactResponses:
             summary.final_sinking,
             summary.outcome_code,
         ]
+        collector.take(places, np.stack(columns, axis=-1))
 
-    compute_scenes(scene, accuracy, keep)
-    return ImpactResponses(ImpactResponse(*columns[:-1]), columns[-1].astype(int))
+    missing = None if journal is None else np.flatnonzero(collector.missing)
+    compute_scenes(scene, accuracy, keep, places=missing)
+    *response, outcome = collector.numbers
+    return ImpactResponses(ImpactResponse(*response), outcome.astype(int))

@@ -109,14 +109,14 @@ def parameter(
             "three texts"
         )
     lower, upper = _ends(told, range)
+    value = math.nan if default is None else float(default)
+    declared = Declared(value, unit, range, meaning, column or "", usual)
     if default is None:
-        declared = Declared(math.nan, unit, range, meaning, column or "", usual)
         return eqx.field(converter=float64_leaf, metadata={"declared": declared})
     above = default >= lower if range[0] == "[" else default > lower
     below = default <= upper if range[-1] == "]" else default < upper
     if not (above and below):
         raise InputError(f"{told}: the default is not in the range")
-    declared = Declared(float(default), unit, range, meaning, column or "", usual)
     return eqx.field(
         default=declared.si_default,
         converter=float64_leaf,
@@ -192,8 +192,8 @@ def with_unit(value, unit: str = "-", factor: float = 1.0) -> str:
     """A number with its unit; of an array its smallest and largest value, and shape.
 
     Args:
-        value: in SI units; anything else than numbers is with_unit as it is.
-        unit: to be with_unit behind the value, "-" for none.
+        value: in SI units; anything else than numbers is shown as it is.
+        unit: shown behind the value, "-" for none.
         factor: value in SI units over value in `unit`.
     """
     unit = "" if unit == "-" else f" {unit}"
@@ -252,10 +252,10 @@ class Part(Module):
         names = _names(cls)
         for name in named:
             if name not in names:
-                raise TypeError(
-                    f"{cls.__name__} has no field {name!r}; did you mean "
-                    f"{nearest(name, names)}?"
+                hint = (
+                    f"did you mean {nearest(name, names)}?" if names else "it has none"
                 )
+                raise TypeError(f"{cls.__name__} has no field {name!r}; {hint}")
         # More than there are fields: Python itself complains.
         for name, value in (*zip(names, given, strict=False), *named.items()):
             if name in _numeric(cls):
@@ -299,7 +299,6 @@ def parts_of(kind: type) -> dict[str, type[Part]]:
 
 
 def _default_part(kind: type, slot: str) -> type[Part]:
-    """The class of the part that a composite has if none is given."""
     (field,) = (field for field in dataclasses.fields(kind) if field.name == slot)
     return cast(type[Part], field.default_factory)
 
@@ -397,15 +396,13 @@ class Composite(Module):
         return (name,)
 
     def __getattr__(self, name: str) -> Any:
+        slots, held = parts_of(type(self)), vars(self)
         if not name.startswith("__"):
-            held = vars(self)
-            for slot in parts_of(type(self)):
+            for slot in slots:
                 if slot in held and name in parameters_of(held[slot]):
                     return getattr(held[slot], name)
-            if all(slot in held for slot in parts_of(type(self))):
-                known = [*held]
-                for slot in parts_of(type(self)):
-                    known += parameters_of(held[slot])
+            if all(slot in held for slot in slots):
+                known = [*held, *(n for s in slots for n in parameters_of(held[s]))]
                 raise AttributeError(
                     f"{type(self).__name__} has no parameter {name!r}"
                     f"{_unusual_parts(self)}; did you mean {nearest(name, known)}?"
@@ -413,10 +410,9 @@ class Composite(Module):
         raise AttributeError(f"{type(self).__name__!r} object has no {name!r}")
 
     def __dir__(self):
-        names = set(super().__dir__())
-        for slot in parts_of(type(self)):
-            names |= set(parameters_of(vars(self)[slot]))
-        return sorted(names)
+        slots = parts_of(type(self))
+        own = (n for slot in slots for n in parameters_of(vars(self)[slot]))
+        return sorted({*super().__dir__(), *own})
 
 
 def _own(whole: Composite, slot: str, owner: dict[str, str]) -> None:

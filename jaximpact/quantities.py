@@ -16,9 +16,9 @@ import numpy as np
 
 from .errors import InputError, nearest
 from .finding import shipped
-from .parameters import Composite, Declared, Part, declared_of, parameters_of, parts_of
+from .parameters import Composite, Declared, Part, declared_of, parts_of
 from .scene import PARTS, Scene
-from .units import UNITS
+from .units import RESULT_SUFFIXES, UNITS
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,6 +95,11 @@ class InputColumn:
         low, high = self.usual
         return low <= value <= high
 
+    def is_unusual(self, values) -> np.ndarray:
+        """Which values, in the column's unit, are beyond the usual ones."""
+        low, high = self.usual
+        return (values < low) | (values > high)
+
     def holds(self, value: float) -> bool:
         """Whether one value, in the column's unit, is finite and in range."""
         above = value >= self.lower if self.lower_allowed else value > self.lower
@@ -135,39 +140,30 @@ def own_columns(kind: type[Part]) -> list[InputColumn]:
 def columns_of(scene: Scene) -> dict[str, InputColumn]:
     """The columns of a scene: those of its parts, with those of the laws and the shape
     that it has."""
-    return _columns_of(*_parts(scene))
+    wholes = ((part, getattr(scene, part)) for part in PARTS)
+    return _columns_of(*((part, type(whole), *_held(whole)) for part, whole in wholes))
 
 
 def columns_of_part(part: str, whole: Composite) -> dict[str, InputColumn]:
     """The columns of a soil or a block alone."""
-    return _of_whole(part, type(whole), _declared_parts(whole))
+    return _columns_of((part, type(whole), *_held(whole)))
 
 
-def _parts(scene: Scene) -> tuple:
-    return tuple(
-        (part, type(whole), _declared_parts(whole))
-        for part in PARTS
-        for whole in [getattr(scene, part)]
-    )
-
-
-def _declared_parts(whole) -> tuple:
-    return tuple(
-        tuple(parameters_of(getattr(whole, slot)).items())
-        for slot in parts_of(type(whole))
-    )
+def _held(whole: Composite) -> list[type[Part]]:
+    return [type(getattr(whole, slot)) for slot in parts_of(type(whole))]
 
 
 @functools.cache
 def _columns_of(*parts: tuple) -> dict[str, InputColumn]:
-    return _by_name([c for part in parts for c in _of_whole(*part).values()])
-
-
-def _of_whole(part: str, kind: type, declared_parts: tuple) -> dict[str, InputColumn]:
-    declared = list(declared_of(kind).items())
-    for of_part in declared_parts:
-        declared += of_part
-    return _by_name([_column(part, field, said) for field, said in declared])
+    """Of the name of each part of a scene, its class and those of its laws or shape."""
+    return _by_name(
+        [
+            _column(part, *pair)
+            for part, *kinds in parts
+            for kind in kinds
+            for pair in declared_of(kind).items()
+        ]
+    )
 
 
 @functools.cache
@@ -204,7 +200,7 @@ def _by_name(columns: list[InputColumn]) -> dict[str, InputColumn]:
 
 
 def _default_kinds(whole: type) -> dict[str, Any]:
-    """Return the classes that the fields of a scene, block or soil have by default."""
+    """The classes that the fields of a scene, block or soil have by default."""
     return {field.name: field.default_factory for field in dataclasses.fields(whole)}
 
 
@@ -233,9 +229,7 @@ def shipped_parts(slot: str) -> list[type[Part]]:
 
 def columns_of_class(slot: str, kind: type[Part]) -> dict[str, InputColumn]:
     """The columns of the parameters of a law or a shape alone."""
-    return _by_name(
-        [_column(SLOTS[slot], field, said) for field, said in declared_of(kind).items()]
-    )
+    return _by_name([_column(SLOTS[slot], *pair) for pair in declared_of(kind).items()])
 
 
 def why_unknown(name: str, known: Iterable[str]) -> str:
@@ -244,28 +238,14 @@ def why_unknown(name: str, known: Iterable[str]) -> str:
     a parameter, else the nearest known."""
     known = tuple(known)
     for slot in SLOTS:
-        owners = [k.__name__ for k in shipped_parts(slot) if _has(slot, k, name)]
+        kinds = shipped_parts(slot)
+        owners = [k.__name__ for k in kinds if str(name) in columns_of_class(slot, k)]
         if owners and not INPUT_COLUMNS.keys().isdisjoint(known):
             return (
                 f"it belongs to the {slot.replace('_', ' ')} {' or '.join(owners)}, "
                 f'which is not chosen ({slot} = "{owners[0]}")'
             )
     return f"did you mean {nearest(name, known)}?"
-
-
-def _has(slot: str, kind: type[Part], name: str) -> bool:
-    return str(name) in columns_of_class(slot, kind)
-
-
-def _usual_columns() -> dict[str, InputColumn]:
-    """The columns of a scene with the usual laws and shape, without making one: at
-    import JAX may be in float32 still."""
-
-    def parts_declared(kind: type) -> tuple:
-        return tuple(tuple(declared_of(USUAL[slot]).items()) for slot in parts_of(kind))
-
-    parts = [(part, _KINDS[part], parts_declared(_KINDS[part])) for part in PARTS]
-    return _columns_of(*parts)
 
 
 def leaf_places(scene: Scene) -> dict[str, int]:
@@ -288,60 +268,52 @@ class ResultColumn:
     meaning: str
 
 
-RESULT_COLUMNS: dict[str, ResultColumn] = {
-    column.name: column
-    for column in (
-        ResultColumn("e_n", "e_n", "-", "apparent normal restitution"),
-        ResultColumn("e_t", "e_t", "-", "apparent tangential restitution"),
-        ResultColumn(
-            "e_contact", "e_contact", "-", "normal restitution at the contact"
-        ),
-        ResultColumn("e_bar", "e_bar", "-", "energetic restitution"),
-        ResultColumn("R_r", "R_r", "-", "final rotational over total kinetic energy"),
-        ResultColumn("max_penetration_m", "max_penetration", "m", "largest u_n"),
-        ResultColumn("max_sinking_m", "max_sinking", "m", "largest u_D"),
-        ResultColumn("max_normal_force_N", "max_normal_force", "N", "largest N"),
-        ResultColumn("max_moment_Nm", "max_moment", "N m", "largest |M|"),
-        ResultColumn("duration_s", "duration", "s", "time in contact"),
-        ResultColumn("rotation_rad", "rotation", "rad", "rotation during contact"),
-        ResultColumn("v_n_mps", "normal_velocity", "m/s", "final v_n, into the ground"),
-        ResultColumn("v_t_mps", "tangential_velocity", "m/s", "final v_t, down-slope"),
-        ResultColumn("omega_radps", "angular_velocity", "rad/s", "final spin"),
-    )
-}
-FURTHER_COLUMNS: dict[str, ResultColumn] = {
-    column.name: column
-    for column in (
-        ResultColumn("e_n_vijayakumar", "e_n_vijayakumar", "-", "e_n of a rigid body"),
-        ResultColumn(
-            "max_tangential_force_N", "max_tangential_force", "N", "largest |T|"
-        ),
-        ResultColumn(
-            "time_of_max_penetration_s",
-            "time_of_max_penetration",
-            "s",
-            "when u_n is largest",
-        ),
-        ResultColumn(
-            "time_of_max_sinking_s", "time_of_max_sinking", "s", "when u_D is"
-        ),
-        ResultColumn(
-            "time_of_max_normal_force_s", "time_of_max_normal_force", "s", "when N is"
-        ),
-        ResultColumn(
-            "time_of_max_tangential_force_s",
-            "time_of_max_tangential_force",
-            "s",
-            "when |T| is",
-        ),
-        ResultColumn("time_of_max_moment_s", "time_of_max_moment", "s", "when |M| is"),
-        ResultColumn("final_penetration_m", "final_penetration", "m", "u_n at the end"),
-        ResultColumn("final_sinking_m", "final_sinking", "m", "u_D at the end"),
-        ResultColumn("steps", "steps", "-", "steps of the integration"),
-    )
-}
+def _results(*rows: tuple[str, str, str]) -> dict[str, ResultColumn]:
+    """Columns of fields of `ImpactSummary`, of rows of field, unit and meaning; the
+    unit stands behind the name."""
+    stems = {
+        "normal_velocity": "v_n",
+        "tangential_velocity": "v_t",
+        "angular_velocity": "omega",
+    }
+    found = {}
+    for field, unit, meaning in rows:
+        name = stems.get(field, field) + RESULT_SUFFIXES[unit]
+        found[name] = ResultColumn(name, field, unit, meaning)
+    return found
+
+
+RESULT_COLUMNS = _results(
+    ("e_n", "-", "apparent normal restitution"),
+    ("e_t", "-", "apparent tangential restitution"),
+    ("e_contact", "-", "normal restitution at the contact"),
+    ("e_bar", "-", "energetic restitution"),
+    ("R_r", "-", "final rotational over total kinetic energy"),
+    ("max_penetration", "m", "largest u_n"),
+    ("max_sinking", "m", "largest u_D"),
+    ("max_normal_force", "N", "largest N"),
+    ("max_moment", "N m", "largest |M|"),
+    ("duration", "s", "time in contact"),
+    ("rotation", "rad", "rotation during contact"),
+    ("normal_velocity", "m/s", "final v_n, into the ground"),
+    ("tangential_velocity", "m/s", "final v_t, down-slope"),
+    ("angular_velocity", "rad/s", "final spin"),
+)
+"""Results that a table of results holds, by the names of their columns."""
+FURTHER_COLUMNS = _results(
+    ("e_n_vijayakumar", "-", "e_n of a rigid body"),
+    ("max_tangential_force", "N", "largest |T|"),
+    ("time_of_max_penetration", "s", "time of the largest u_n"),
+    ("time_of_max_sinking", "s", "time of the largest u_D"),
+    ("time_of_max_normal_force", "s", "time of the largest N"),
+    ("time_of_max_tangential_force", "s", "time of the largest |T|"),
+    ("time_of_max_moment", "s", "time of the largest |M|"),
+    ("final_penetration", "m", "u_n at the end"),
+    ("final_sinking", "m", "u_D at the end"),
+    ("steps", "-", "steps of the integration"),
+)
 """Results that a table of results does not hold."""
-ENERGY_COLUMNS: dict[str, ResultColumn] = {
+ENERGY_COLUMNS = {
     f"energy_{item}_J": ResultColumn(f"energy_{item}_J", item, "J", meaning)
     for item, meaning in {
         "kinetic_in": "kinetic energy at impact",
@@ -367,5 +339,11 @@ LABEL_COLUMNS = ("name", "id", "test", "campaign", "source", "note", "comment")
 """Columns of free text, which identify a row and are carried along."""
 
 
-INPUT_COLUMNS: dict[str, InputColumn] = _usual_columns()
+# Without making a scene: at import JAX may be in float32 still.
+INPUT_COLUMNS: dict[str, InputColumn] = _columns_of(
+    *(
+        (part, kind, *(USUAL[slot] for slot in parts_of(kind)))
+        for part, kind in _KINDS.items()
+    )
+)
 """Of a scene with the usual laws and shape; those of another are `columns_of` it."""

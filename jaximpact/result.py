@@ -12,6 +12,7 @@ import equinox as eqx
 import jax
 import numpy as np
 
+from ._jax_internals import Tracer
 from ._versions import versions
 from .accuracy import Accuracy
 from .backend import MACHINE_CODE
@@ -19,9 +20,8 @@ from .identity import part_names
 from .impact.history import History
 from .impact.summary import ImpactSummary
 from .impact.termination import Outcome
-from .indexing import Selection, is_traced
 from .quantities import ENERGY_COLUMNS, FURTHER_COLUMNS, RESULT_COLUMNS
-from .scene import Scene
+from .scene import Scene, Selection
 from .scene_quantities import scene_values
 
 if TYPE_CHECKING:  # all three take a while to load
@@ -238,7 +238,7 @@ class ImpactResult(ImpactSummary):
 
 def _is_known(leaf) -> bool:
     if isinstance(leaf, jax.Array):
-        return not is_traced(leaf) and not leaf.is_deleted()
+        return not isinstance(leaf, Tracer) and not leaf.is_deleted()
     return isinstance(leaf, np.ndarray | np.generic | float)
 
 

@@ -93,9 +93,7 @@ def scene_with(scene: Scene, values: Mapping[str, ArrayLike]) -> Scene:
     return Scene(**parts)
 
 
-def scene_of_values(
-    values: Mapping[str, ArrayLike | str], directory: Path | None = None
-) -> Scene:
+def scene_of_values(values: Mapping[str, ArrayLike | str]) -> Scene:
     """Make a scene of quantities in the units of their columns and of names of laws and
     shapes, of which that of the shape may be a list; what is not given has its
     default."""
@@ -103,9 +101,8 @@ def scene_of_values(
     numbers: dict[str, Any] = {n: v for n, v in values.items() if n not in SLOTS}
     scene = Scene()
     if not isinstance(names.get(SHAPE, ""), str):
-        kinds = [shape_named(text, directory) for text in names.pop(SHAPE)]
-        scene = with_shapes(scene, kinds)
-    return scene_with(with_parts(scene, names, directory), numbers)
+        scene = with_shapes(scene, [shape_named(text) for text in names.pop(SHAPE)])
+    return scene_with(with_parts(scene, names), numbers)
 
 
 def scene_values(scene: Scene) -> dict:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ._checks import expect, real_numbers
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
-from .errors import InputError
+from .errors import InputError, located
 from .identity import name_of, part_names
 from .io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from .io.datasets import (
@@ -23,9 +23,10 @@ from .io.datasets import (
     dataset_of,
     shape_coordinate,
 )
+from .io.toml import check_keys, choice, load_toml, number, scene_from, typed, whole
 from .progress import Progress, ProgressFunction
 from .quantities import OUTCOME_COLUMN, SLOTS, InputColumn, columns_of, why_unknown
-from .scene import Block, Impact, Scene, as_scene
+from .scene import Scene, SceneLike, as_scene
 from .scene_quantities import (
     SHAPE,
     scene_of_values,
@@ -35,7 +36,6 @@ from .scene_quantities import (
     with_shapes,
 )
 from .shapes import AbstractShape
-from .soil import Soil
 
 LABELS = "name"
 """Key, in a group of quantities, of the labels along its dimension."""
@@ -57,7 +57,7 @@ class _Axis(NamedTuple):
 
 
 def sweep(
-    base: Scene | Block | tuple[Block, Soil, Impact],
+    base: SceneLike,
     axes: Axes,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
@@ -222,7 +222,6 @@ def columns_of_axes(axes: Axes, base: Scene) -> dict[str, InputColumn]:
 
 
 def _quantities_of(name: str, given) -> Mapping[str, ArrayLike]:
-    """What varies along an axis: the group's quantities, or the one it is named for."""
     return given if isinstance(given, Mapping) else {name: given}
 
 
@@ -285,18 +284,13 @@ def _entries(given) -> list:
 
 def _kinds(place: str, given) -> Any:
     """Return an array of classes of shapes, given by their names or themselves."""
-    entries = _entries(given)
-    kinds = np.empty(len(entries), object)
-    for i, entry in enumerate(entries):
-        if isinstance(entry, str):
-            kinds[i] = shape_named(entry)
-        elif isinstance(entry, type) and issubclass(entry, AbstractShape):
-            kinds[i] = entry
-        else:
-            entries = []
-            break
-    if not entries:
+    found = [shape_named(e) if isinstance(e, str) else e for e in _entries(given)]
+    if not found or not all(
+        isinstance(kind, type) and issubclass(kind, AbstractShape) for kind in found
+    ):
         raise InputError(f"{place} must be a list of names of shapes, but is {given!r}")
+    kinds = np.empty(len(found), object)
+    kinds[:] = found
     return kinds
 
 
@@ -328,10 +322,9 @@ def _numbers(place: str, column: InputColumn, given: ArrayLike) -> np.ndarray:
 def spread(base: Scene, grid: list[_Axis], shape: tuple[int, ...]) -> Scene:
     """Return the scenes of all points, one after another, the last axis fastest."""
     along = {}
-    for place, axis in enumerate(grid):
-        lie = [-1 if i == place else 1 for i in range(len(grid))]
+    for axis, places in zip(grid, np.indices(shape), strict=True):
         for name, values in axis.values.items():
-            along[name] = np.broadcast_to(values.reshape(lie), shape).ravel()
+            along[name] = values[places.ravel()]
     kinds = along.pop(SHAPE, None)
     return scene_with(base if kinds is None else with_shapes(base, kinds), along)
 
@@ -353,3 +346,106 @@ def coordinates_of(grid: list[_Axis], scene: Scene) -> dict:
                 else (axis.name, values, attributes_of(columns[name]))
             )
     return coordinates
+
+
+# --- From a file.
+
+AXES_KEY = "axes"
+RANGE_KEYS = ("from", "to", "count", "spacing")
+SPACINGS = {"linear": np.linspace, "logarithmic": np.geomspace}
+
+
+class SweepStudy(NamedTuple):
+    """What the file says."""
+
+    base: Scene
+    axes: Axes
+    accuracy: str | None
+    """Name of a preset, or None where the file does not say."""
+
+
+def read_sweep_study(path: Path) -> SweepStudy:
+    """Read a sweep: a scene as `read_scene` reads it, and a table `[axes]`.
+
+    An axis is a list of numbers, or a range `{from = 1, to = 4, count = 7}` that holds
+    both ends, with `spacing = "logarithmic"` if wanted; `shape` is a list of names of
+    shapes. A table of axes inside it, `[axes.ground]`, holds quantities that vary
+    together, and `name` for labels.
+
+    Raises InputError, naming file and key, for whatever cannot be used.
+    """
+    path = Path(path)
+    content = load_toml(path)
+    base, accuracy = scene_from(path, content, (AXES_KEY,))
+    if AXES_KEY not in content:
+        raise InputError(
+            "is needed: which quantities vary, and over what", file=path, key=AXES_KEY
+        )
+    given = _with_shapes(path, AXES_KEY, typed(path, content, AXES_KEY, dict))
+    with located(file=path):
+        columns = columns_of_axes(given, base)
+    axes = {
+        name: _axis(path, f"{AXES_KEY}.{name}", name, value, columns)
+        for name, value in given.items()
+    }
+    with located(file=path):
+        check_axes(axes, base)
+    return SweepStudy(base, axes, accuracy)
+
+
+def _with_shapes(path: Path, key: str, axes: dict) -> dict:
+    """Return the axes with classes in place of the names of shapes."""
+    found = {}
+    for name, value in axes.items():
+        where = f"{key}.{name}"
+        if name == SHAPE and isinstance(value, list):
+            texts = [typed(path, {where: text}, where, str) for text in value]
+            with located(file=path, key=where):
+                found[name] = [shape_named(x, path.parent) for x in texts]
+        else:
+            inner = isinstance(value, dict)
+            found[name] = _with_shapes(path, where, value) if inner else value
+    return found
+
+
+def _axis(path: Path, key: str, name: str, value, columns):
+    if name in columns or name == SHAPE:
+        return _values(path, key, name, value)
+    if not isinstance(value, dict) or set(value) <= set(RANGE_KEYS):
+        raise InputError(
+            f"is unknown; {why_unknown_axis(name, columns)}", file=path, key=key
+        )
+    return {
+        quantity: _values(path, f"{key}.{quantity}", quantity, values)
+        for quantity, values in value.items()
+    }
+
+
+def _values(path: Path, key: str, name: str, value):
+    """Return a list of numbers, labels or shapes, or the values of a range."""
+    if isinstance(value, list):
+        is_text = name in (LABELS, SHAPE)
+        return value if is_text else [number(path, key, one) for one in value]
+    if not isinstance(value, dict):
+        raise InputError(
+            "must be a list of numbers, or a range {from, to, count}, but is "
+            f"{value!r}",
+            file=path,
+            key=key,
+        )
+    check_keys(path, key, value, RANGE_KEYS)
+    for name in ("from", "to", "count"):
+        if name not in value:
+            raise InputError(f"needs {name}", file=path, key=key)
+    ends = [number(path, f"{key}.{end}", value[end]) for end in ("from", "to")]
+    count = whole(path, value, "count", 1, 1)
+    check_memory(count, f"{count} values", file=path, key=f"{key}.count")
+    spacing = choice(path, value, "spacing", "linear", tuple(SPACINGS))
+    if spacing == "logarithmic" and min(ends) <= 0.0:
+        raise InputError(
+            f"must run between positive numbers to be logarithmic, but runs from "
+            f"{ends[0]:g} to {ends[1]:g}",
+            file=path,
+            key=key,
+        )
+    return SPACINGS[spacing](*ends, count)

@@ -8,6 +8,11 @@ SIZES = {"deg": DEGREE, "deg/s": DEGREE, "kN/m3": 1e3}
 """Units of columns that are not SI -> size in SI."""
 SUFFIXES = {"deg": "_deg", "deg/s": "_degps", "kN/m3": "_kNm3"}
 """The same units -> what stands for them behind a column's name."""
+RESULT_SUFFIXES = {
+    **{"-": "", "m": "_m", "N": "_N", "N m": "_Nm", "s": "_s"},
+    **{"rad": "_rad", "m/s": "_mps", "rad/s": "_radps"},
+}
+"""Units of results -> what stands for them behind a column's name."""
 UNITS = {
     "deg": {"deg": 1.0, "rad": 1.0 / DEGREE},
     "deg/s": {"deg/s": 1.0, "rad/s": 1.0 / DEGREE},

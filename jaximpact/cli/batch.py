@@ -27,14 +27,8 @@ Ctrl-C, kill or a power cut, the same command goes on where it stopped."""
 
 
 def _columns() -> str:
-    """Help on the columns that a table may have."""
-    return "\n\n".join(
-        (
-            options.input_help("Columns of the scenes:"),
-            options.label_help(),
-            options.result_help(),
-        )
-    )
+    inputs = options.input_help("Columns of the scenes:")
+    return f"{inputs}\n\n{options.label_help()}\n\n{options.result_help()}"
 
 
 def add_parser(commands) -> None:
@@ -70,10 +64,8 @@ def add_parser(commands) -> None:
         type=_tolerance,
         default=0.0,
         metavar="ERROR",
-        help=(
-            "take cheaper models where they were measured to be within this error of "
-            "e_n and e_bar (default: 0, only where they are exact)"
-        ),
+        help="take cheaper models where they were measured to be within this error of "
+        "e_n and e_bar (default: 0, only where they are exact)",
     )
     parser.add_argument(
         "--timing",
@@ -83,7 +75,6 @@ def add_parser(commands) -> None:
 
 
 def _tolerance(text: str) -> float:
-    """A number that is not negative."""
     value = float(text)
     if not 0.0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f"must be at least 0, but is {text}")
@@ -92,10 +83,10 @@ def _tolerance(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the table."""
-    from .. import batch
-    from ..io import result_table as results
-    from ..io import scene_file
-    from ..io import scene_table as tables
+    from ..batch import simulate_batch
+    from ..io.result_table import count_outcomes, write_results
+    from ..io.scene_table import read_table
+    from ..io.toml import read_scene
 
     scenes, base, out = arguments.scenes, arguments.base, arguments.out
     timing = {}
@@ -109,12 +100,12 @@ def run(arguments: argparse.Namespace) -> None:
     with files, resumable():
         accuracy = arguments.accuracy
         if base is not None:
-            base, of_file = scene_file.read_scene(base)
+            base, of_file = read_scene(base)
             accuracy = accuracy or of_file
-        table = tables.read_table(scenes, base=base)
+        table = read_table(scenes, base=base)
         with ProgressLines() as progress:
             progress("impacts", 0, len(table.rows))
-            result = batch.simulate_batch(
+            result = simulate_batch(
                 table.scene(),
                 accuracy=accuracy or DEFAULT_ACCURACY,
                 model_tolerance=arguments.model_tolerance,
@@ -122,17 +113,12 @@ def run(arguments: argparse.Namespace) -> None:
                 progress=progress,
                 timing=timing,
             )
-        results.write_results(
-            out, table, result, result.accuracy, result.model_tolerance
-        )
+        write_results(out, table, result, result.accuracy, result.model_tolerance)
     if arguments.timing:
         rate = timing["impacts"] / timing["run_s"]
         say(
             f"{timing['compile_s']:.2f} s compiling, {timing['run_s']:.2f} s running, "
             f"{rate:.0f} impacts/s in {timing['engine']}"
         )
-    counts = results.count_outcomes(result).items()
-    say(
-        f"{len(table.rows)} impacts: "
-        + ", ".join(f"{count} {outcome}" for outcome, count in counts)
-    )
+    counts = [f"{count} {words}" for words, count in count_outcomes(result).items()]
+    say(f"{len(table.rows)} impacts: {', '.join(counts)}")

@@ -61,6 +61,13 @@ def add_directory(
     )
 
 
+def add_only(parser: argparse.ArgumentParser, metavar: str, what: str) -> None:
+    """Add `--only`, a choice among several; help says `what` they are."""
+    parser.add_argument(
+        "--only", nargs="+", default=(), metavar=metavar, help=f"{what} (default: all)"
+    )
+
+
 def input_help(title: str) -> str:
     """List the quantities of a scene with unit, default, range and meaning, the laws
     and shapes by name, and the quantities that only these have."""
@@ -92,13 +99,8 @@ def input_help(title: str) -> str:
 
 
 def _row(column: "InputColumn") -> tuple[str, ...]:
-    return (
-        column.name,
-        column.unit,
-        f"{column.default:g}",
-        column.range_text,
-        column.meaning,
-    )
+    default = f"{column.default:g}"
+    return column.name, column.unit, default, column.range_text, column.meaning
 
 
 def label_help() -> str:

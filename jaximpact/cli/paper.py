@@ -49,13 +49,7 @@ def add_parser(commands) -> None:
         description=FIGURES,
     )
     options.add_directory(parser, "drawings and tables")
-    parser.add_argument(
-        "--only",
-        nargs="+",
-        default=(),
-        metavar="N",
-        help="numbers of figures (default: all)",
-    )
+    options.add_only(parser, "N", "numbers of figures")
     parser.add_argument(
         "--ground",
         metavar="NAME",
@@ -72,13 +66,7 @@ def add_parser(commands) -> None:
         description=VALIDATE,
     )
     options.add_directory(parser, "tables and drawings", required=False)
-    parser.add_argument(
-        "--only",
-        nargs="+",
-        default=(),
-        metavar="ID",
-        help="claims to judge, as in C07 C08, and laws (default: all)",
-    )
+    options.add_only(parser, "ID", "claims to judge, as in C07 C08, and laws")
     parser.add_argument(
         "--readings",
         action="store_true",

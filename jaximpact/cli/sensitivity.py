@@ -69,12 +69,12 @@ def run(arguments: argparse.Namespace) -> None:
     from ..sensitivity.study import run_study
 
     with resumable(), ProgressLines() as progress:
-        result = run_study(
+        report = run_study(
             arguments.study,
             arguments.out,
             method=arguments.method,
             accuracy=arguments.accuracy,
             progress=progress,
         )
-    print(result.in_words())
+    print(report)
     say(f"tables and drawings written to {arguments.out}")

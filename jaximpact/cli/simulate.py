@@ -62,7 +62,7 @@ def add_parser(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Compute the impact."""
-    from ..io.scene_file import read_scene
+    from ..io.toml import read_scene
     from ..simulation import simulate
 
     plot, files = arguments.plot, contextlib.nullcontext()
@@ -91,21 +91,16 @@ def run(arguments: argparse.Namespace) -> None:
 
 def as_text(result: "ImpactResult") -> str:
     """Return every result and the energy ledger as a table with units and meanings."""
+    from .. import quantities
     from ..io.display import align
-    from ..quantities import (
-        ENERGY_COLUMNS,
-        FURTHER_COLUMNS,
-        OUTCOME_COLUMN,
-        OUTCOME_MEANING,
-        RESULT_COLUMNS,
-    )
 
-    columns = [*RESULT_COLUMNS.values(), *FURTHER_COLUMNS.values()]
-    numbers = [(c.name, result, c) for c in columns]
-    numbers += [
-        (f"energy {c.field}", result.energy, c) for c in ENERGY_COLUMNS.values()
+    columns = quantities.RESULT_COLUMNS | quantities.FURTHER_COLUMNS
+    ledger = quantities.ENERGY_COLUMNS.values()
+    numbers = [(name, result, c) for name, c in columns.items()]
+    numbers += [(f"energy {c.field}", result.energy, c) for c in ledger]
+    rows = [
+        (quantities.OUTCOME_COLUMN, str(result.outcome), "", quantities.OUTCOME_MEANING)
     ]
-    rows = [(OUTCOME_COLUMN, str(result.outcome), "", OUTCOME_MEANING)]
     rows += [
         (name, f"{float(getattr(owner, c.field)):.6g}", c.unit, c.meaning)
         for name, owner, c in numbers
@@ -115,22 +110,17 @@ def as_text(result: "ImpactResult") -> str:
 
 def as_json(result: "ImpactResult") -> dict:
     """Return the same as a tree of plain values, None for NaN, with the manifest."""
-    from ..quantities import (
-        ENERGY_COLUMNS,
-        FURTHER_COLUMNS,
-        OUTCOME_COLUMN,
-        RESULT_COLUMNS,
-    )
+    from .. import quantities
 
     def number(owner, field: str) -> float | None:
         value = float(getattr(owner, field))
         return value if math.isfinite(value) else None
 
-    columns = (RESULT_COLUMNS | FURTHER_COLUMNS).items()
-    ledger = [c.field for c in ENERGY_COLUMNS.values()]
+    columns = quantities.RESULT_COLUMNS | quantities.FURTHER_COLUMNS
+    ledger = [column.field for column in quantities.ENERGY_COLUMNS.values()]
     return {
-        OUTCOME_COLUMN: str(result.outcome),
-        **{name: number(result, column.field) for name, column in columns},
+        quantities.OUTCOME_COLUMN: str(result.outcome),
+        **{name: number(result, column.field) for name, column in columns.items()},
         "energy_J": {field: number(result.energy, field) for field in ledger},
         "manifest": result.manifest(),
     }

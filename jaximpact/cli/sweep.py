@@ -72,8 +72,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Compute the sweep."""
     from ..io.datasets import write_netcdf
     from ..paper.sets import parametric_set
-    from ..sweep_file import read_sweep_study
-    from ..sweeping import sweep
+    from ..sweeping import read_sweep_study, sweep
 
     if arguments.set is not None:
         (base, axes), accuracy = parametric_set(arguments.set), None
@@ -111,14 +110,13 @@ def in_words(dataset: "xr.Dataset") -> str:
     sizes = [f"{name} {size}" for name, size in dataset.sizes.items()]
     names, counts = np.unique(dataset.outcome, return_counts=True)
     ends = [f"{c} {n}" for n, c in zip(names, counts, strict=True)]
-    rows = [("result", "unit", "least", "median", "largest")]
+    rows: list[tuple[str, ...]] = [("result", "unit", "least", "median", "largest")]
     for name, column in RESULT_COLUMNS.items():
         values = dataset[name].values
         values = values[np.isfinite(values)]
+        cells = ["-"] * 3
         if values.size:
-            of_values = (values.min(), np.median(values), values.max())
-            least, median, largest = (f"{value:.4g}" for value in of_values)
-            rows.append((name, column.unit, least, median, largest))
-        else:
-            rows.append((name, column.unit, "-", "-", "-"))
+            statistics = values.min(), np.median(values), values.max()
+            cells = [f"{value:.4g}" for value in statistics]
+        rows.append((name, column.unit, *cells))
     return f"axes: {', '.join(sizes)}\noutcomes: {', '.join(ends)}\n{align(rows)}"

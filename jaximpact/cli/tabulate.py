@@ -3,6 +3,7 @@
 import argparse
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import InputError
 from ..interruption import resumable
@@ -10,6 +11,15 @@ from ..io.output_files import journal_path, manifest_path, output_files
 from . import options
 from .progress import ProgressLines, say
 
+if TYPE_CHECKING:
+    from ..lookup.table_study import TableStudy
+
+OUTPUTS = {
+    "out": (".nc", "the table"),
+    "csv": (".csv", "its nodes as text"),
+    "map": (".csv", "restitution over all orientations"),
+}
+"""Option -> suffix of its file, and help."""
 DESCRIPTION = """\
 Compute impacts of one block on one ground by the full model and keep them in a table,
 from which run-outs and other rockfall programs look them up.
@@ -66,76 +76,80 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "study", type=Path, metavar="table.toml", help="block, ground and axes"
     )
-    for name, suffix, what in (
-        ("--out", ".nc", "the table"),
-        ("--csv", ".csv", "its nodes as text"),
-        ("--map", ".csv", "restitution over all orientations"),
-    ):
-        parser.add_argument(name, type=Path, metavar=f"file{suffix}", help=what)
+    for name, (suffix, what) in OUTPUTS.items():
+        parser.add_argument(f"--{name}", type=Path, metavar=f"file{suffix}", help=what)
     options.add_accuracy(parser, otherwise="the file's, else fast")
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Make the tables."""
-    from ..lookup import orientation_map, tabulate, write_csv, write_map, write_table
-    from ..lookup.orientation_map import map_in_words
     from ..lookup.table_study import read_table_study
 
-    wanted = {
-        "--out": (arguments.out, ".nc"),
-        "--csv": (arguments.csv, ".csv"),
-        "--map": (arguments.map, ".csv"),
-    }
-    wanted = {name: pair for name, pair in wanted.items() if pair[0] is not None}
-    if not wanted:
+    given = ((f"--{name}", getattr(arguments, name)) for name in OUTPUTS)
+    outputs = {option: path for option, path in given if path is not None}
+    if not outputs:
         raise InputError("one of --out, --csv and --map is needed")
     study = read_table_study(arguments.study, arguments.accuracy)
-    for name, (path, suffix) in wanted.items():
+    for option, path in outputs.items():
+        suffix, _ = OUTPUTS[option[2:]]
         if path.suffix != suffix:
-            raise InputError(f"{name} must end in {suffix}, but is {path}")
-    beside, journals = {}, []
-    if arguments.out or arguments.csv:
-        journals.append(journal_path(arguments.out or arguments.csv))
-    if arguments.csv:
-        beside[manifest_path(arguments.csv)] = manifest_path(arguments.csv)
-    if arguments.map:
-        journals.append(journal_path(arguments.map))
-        for path in (manifest_path(arguments.map), arguments.map.with_suffix(".png")):
-            beside[path] = manifest_path(arguments.map)
+            raise InputError(f"{option} must end in {suffix}, but is {path}")
+    table, csv, of_map = arguments.out or arguments.csv, arguments.csv, arguments.map
+    beside = {}
+    if csv:
+        beside[manifest_path(csv)] = manifest_path(csv)
+    if of_map:
+        for path in (manifest_path(of_map), of_map.with_suffix(".png")):
+            beside[path] = manifest_path(of_map)
     files = output_files(
-        {name: path for name, (path, _) in wanted.items()},
+        outputs,
         inputs=[arguments.study],
         beside=beside,
-        journals=journals,
+        journals=[journal_path(path) for path in (table, of_map) if path],
     )
     with files, resumable():
-        if arguments.out or arguments.csv:
-            with ProgressLines() as lines:
-                table = tabulate(
-                    study.block,
-                    study.soil,
-                    slopes=study.slopes,
-                    speeds=study.speeds,
-                    nodes=study.nodes,
-                    accuracy=study.accuracy,
-                    journal=journals[0],
-                    progress=partial(lines, "impacts of the table"),
-                )
-            if arguments.out:
-                write_table(arguments.out, table)
-            if arguments.csv:
-                write_csv(arguments.csv, table)
-            print(table.in_words())
-        if arguments.map:
-            with ProgressLines() as lines:
-                dataset = orientation_map(
-                    study.block,
-                    study.soil,
-                    study.map_axes,
-                    accuracy=study.accuracy,
-                    journal=journals[-1],
-                    progress=partial(lines, "impacts of the map"),
-                )
-            write_map(arguments.map, dataset)
-            print(map_in_words(dataset))
-    say(f"written to {', '.join(str(path) for path, _ in wanted.values())}")
+        if table:
+            _make_table(study, arguments.out, csv, journal_path(table))
+        if of_map:
+            _make_map(study, of_map)
+    say(f"written to {', '.join(map(str, outputs.values()))}")
+
+
+def _make_table(
+    study: "TableStudy", out: Path | None, csv: Path | None, journal: Path
+) -> None:
+    from ..lookup import tabulate, write_csv, write_table
+
+    with ProgressLines() as lines:
+        table = tabulate(
+            study.block,
+            study.soil,
+            slopes=study.slopes,
+            speeds=study.speeds,
+            nodes=study.nodes,
+            accuracy=study.accuracy,
+            journal=journal,
+            progress=partial(lines, "impacts of the table"),
+        )
+    if out:
+        write_table(out, table)
+    if csv:
+        write_csv(csv, table)
+    print(table.in_words())
+
+
+def _make_map(study: "TableStudy", path: Path) -> None:
+    from ..lookup import orientation_map, write_map
+    from ..lookup.orientation_map import map_in_words
+
+    with ProgressLines() as lines:
+        dataset = orientation_map(
+            study.block,
+            study.soil,
+            study.map_axes,
+            accuracy=study.accuracy,
+            journal=journal_path(path),
+            progress=partial(lines, "impacts of the map"),
+        )
+    write_map(path, dataset)
+    print(map_in_words(dataset))

@@ -7,6 +7,7 @@ import equinox as eqx
 
 from .._types import Scalar
 from ..parameters import with_unit
+from ..quantities import FURTHER_COLUMNS, RESULT_COLUMNS
 from .history import History
 
 
@@ -63,25 +64,6 @@ class EnergyLedger(NamedTuple):
             f"{name}={with_unit(item, 'J')}" for name, item in self._asdict().items()
         )
         return f"EnergyLedger({', '.join(items)})"
-
-
-UNITS = {
-    "m": ("max_penetration", "max_sinking", "final_penetration", "final_sinking"),
-    "N": ("max_normal_force", "max_tangential_force"),
-    "N m": ("max_moment",),
-    "s": (
-        "duration",
-        "time_of_max_penetration",
-        "time_of_max_sinking",
-        "time_of_max_normal_force",
-        "time_of_max_tangential_force",
-        "time_of_max_moment",
-    ),
-    "rad": ("rotation",),
-    "m/s": ("normal_velocity", "tangential_velocity"),
-    "rad/s": ("angular_velocity",),
-}
-"""Unit -> results in it; all others are dimensionless."""
 
 
 class ImpactSummary(eqx.Module):
@@ -144,7 +126,8 @@ class ImpactSummary(eqx.Module):
     """Steps of the integration, rejected ones included."""
 
     def __repr__(self) -> str:
-        units = {name: unit for unit, names in UNITS.items() for name in names}
+        columns = {**RESULT_COLUMNS, **FURTHER_COLUMNS}.values()
+        units = {column.field: column.unit for column in columns}
         names = [field.name for field in dataclasses.fields(ImpactSummary)]
         inside = (
             f"{n}={with_unit(getattr(self, n), units.get(n, '-'))}" for n in names

@@ -186,9 +186,7 @@ def _check_field(
         bad = ~column.is_allowed(values / column.factor)
         raise InputError(f"{name} must be {column.requirement}, but is {told(bad)}")
     if warn and not (column.is_usual(low) and column.is_usual(high)):
-        inside = values / column.factor
-        bad = (inside < column.usual[0]) | (inside > column.usual[1])
-        text = f"{name} is {told(bad)}"
+        text = f"{name} is {told(column.is_unusual(values / column.factor))}"
         warnings.warn(UnusualValueWarning(text, column.name), stacklevel=4)
 
 

@@ -5,7 +5,7 @@ import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -17,7 +17,6 @@ from ..errors import InputError
 from ..identity import name_of, part_names
 from ..impact.history import SCENE_DIMENSION, dimension_names
 from ..impact.summary import ImpactSummary
-from ..indexing import Selection
 from ..parameters import declared_of
 from ..quantities import (
     ENERGY_COLUMNS,
@@ -29,7 +28,7 @@ from ..quantities import (
     ResultColumn,
     columns_of,
 )
-from ..scene import Scene
+from ..scene import Scene, Selection
 from ..scene_quantities import SHAPE, scene_values, text_of, unusual_parts, value_of
 from ..shapes import AbstractShape, MixedShapes
 from .files import read_input, replacing
@@ -204,17 +203,31 @@ def dataset_of(
     )
     attributes = {
         "title": "jaximpact: impacts of rock blocks on deformable ground",
-        "base": json.dumps(values),
-        "accuracy": json.dumps(dataclasses.asdict(accuracy)),
-        "model_tolerance": model_tolerance,
-        "laws": json.dumps(part_names(base.soil, base.block)),
-        "versions": json.dumps(versions()),
+        **provenance(base, accuracy, values, model_tolerance=model_tolerance),
         "outcomes": json.dumps(count_outcomes(summary)),
     }
     shapes = {_label_of(kind, kinds): [text_of(kind), name_of(kind)] for kind in kinds}
     if shapes:
         attributes[SHAPES] = json.dumps(shapes)
     return xr.Dataset(variables, coordinates, attributes)
+
+
+def provenance(
+    base: Scene, accuracy: Accuracy, values: Mapping | None = None, **settings
+) -> dict[str, Any]:
+    """Scene, settings, laws and versions, as attributes of a dataset.
+
+    Args:
+        values: of the scene, in place of all that `scene_values` gives.
+        settings: others than the accuracy.
+    """
+    return {
+        "base": json.dumps(scene_values(base) if values is None else values),
+        "accuracy": json.dumps(dataclasses.asdict(accuracy)),
+        **settings,
+        "laws": json.dumps(part_names(base.soil, base.block)),
+        "versions": json.dumps(versions()),
+    }
 
 
 def attributes_of(column: InputColumn | ResultColumn) -> dict[str, str]:

@@ -47,18 +47,20 @@ def as_text(summary: ImpactSummary, scene: Scene, accuracy: str, history: Any) -
 
 def as_html(summary: ImpactSummary, scene: Scene, accuracy: str, history: Any) -> str:
     """The same as HTML: lines, and a table."""
-    heads, rows = _heads_and_rows(summary, scene, accuracy, history)
-    lines = [f"<div>{html.escape(head.strip())}</div>" for head in heads]
-    table = "".join(
-        f"<tr>{''.join(_html_cell(cell, row) for cell in row)}</tr>" for row in rows
-    )
-    return "".join([*lines, f"<table>{table}</table>" if rows else ""])
+    return _html(*_heads_and_rows(summary, scene, accuracy, history))
 
 
-def _html_cell(cell: str, row: tuple[str, ...]) -> str:
+def _html(heads: list[str], rows: Rows) -> str:
     # The row of headings has no name in front.
-    tag = "td" if row[0] else "th"
-    return f"<{tag}>{html.escape(cell)}</{tag}>"
+    lines = [f"<div>{html.escape(head.strip())}</div>" for head in heads]
+    for row in rows:
+        tag = "td" if row[0] else "th"
+        cells = (f"<{tag}>{html.escape(cell)}</{tag}>" for cell in row)
+        lines.append(f"<tr>{''.join(cells)}</tr>")
+    if rows:
+        lines.insert(len(heads), "<table>")
+        lines.append("</table>")
+    return "".join(lines)
 
 
 def _heads_and_rows(
@@ -107,7 +109,6 @@ def _many(
 
 
 def _varying(scene: Scene, shape: tuple[int, ...]) -> list[str]:
-    """Names of the quantities in which the scenes differ."""
     names = [name for name, found in inputs_of(scene, shape).items() if found.axes]
     kinds = kind_of_each(scene, shape)
     return names if kinds is None or not varying_axes(kinds) else [SHAPE, *names]
@@ -130,11 +131,7 @@ class ShownAsTable:
 
     def _repr_html_(self) -> str:
         head, rows = self.display_rows()
-        lines = (
-            f"<tr>{''.join(f'<td>{html.escape(cell)}</td>' for cell in row)}</tr>"
-            for row in rows
-        )
-        return f"<div>{html.escape(head)}</div><table>{''.join(lines)}</table>"
+        return _html([head], rows)
 
 
 def range_of(values: ArrayLike) -> str:

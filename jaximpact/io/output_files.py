@@ -18,6 +18,7 @@ from .files import (
     locked,
     make_directory,
     refuse_inputs,
+    replacing,
     same_file,
     write_text,
 )
@@ -203,6 +204,18 @@ def journal_path(path: Path) -> Path:
 
 
 @contextlib.contextmanager
+def replacing_with_manifest(path: Path, manifest: Mapping) -> Iterator[Path]:
+    """Give a temporary path for results, as `replacing` does; they appear with their
+    manifest beside them.
+
+    Raises OSError where the file system refuses.
+    """
+    with replacing(manifest_path(path)) as beside, replacing(path) as temporary:
+        beside.write_text(json.dumps(manifest, indent=2) + "\n")
+        yield temporary
+
+
+@contextlib.contextmanager
 def output_files(
     outputs: Mapping[str, Path],
     *,
@@ -251,7 +264,6 @@ def output_files(
 
 
 def _check_unowned(option: str, path: Path) -> None:
-    """Raise InputError for a file that belongs to other results."""
     for suffix in (MANIFEST, JOURNAL, LIST):
         if path.name.endswith(suffix):
             raise InputError(

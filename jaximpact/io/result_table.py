@@ -2,7 +2,6 @@
 
 import dataclasses
 import itertools
-import json
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,8 +16,8 @@ from ..impact.summary import ImpactSummary
 from ..impact.termination import Outcome
 from ..quantities import OUTCOME_COLUMN, RESULT_COLUMNS
 from ..scene_quantities import scene_values
-from .files import refuse_inputs, replacing
-from .output_files import manifest_path
+from .files import refuse_inputs
+from .output_files import manifest_path, replacing_with_manifest
 from .scene_table import SLICE_ROWS, Table
 
 
@@ -69,18 +68,16 @@ def write_results(
         "versions": versions(),
     }
     with (
-        replacing(manifest_path(path)) as manifest_temporary,
-        replacing(path) as temporary,
+        replacing_with_manifest(path, manifest) as temporary,
+        open(temporary, "w", encoding="utf-8", newline="") as file,
     ):
-        manifest_temporary.write_text(json.dumps(manifest, indent=2) + "\n")
-        with open(temporary, "w", encoding="utf-8", newline="") as file:
-            header = (table.header, *RESULT_COLUMNS, OUTCOME_COLUMN)
-            file.write(",".join(header) + "\n")
-            for lines in _lines(table, summary):
-                file.write("\n".join(lines) + "\n")
-            file.flush()
-            # The name must not outlive the content in a power cut.
-            os.fsync(file.fileno())
+        header = (table.header, *RESULT_COLUMNS, OUTCOME_COLUMN)
+        file.write(",".join(header) + "\n")
+        for lines in _lines(table, summary):
+            file.write("\n".join(lines) + "\n")
+        file.flush()
+        # The name must not outlive the content in a power cut.
+        os.fsync(file.fileno())
 
 
 def _lines(table: Table, summary: ImpactSummary) -> Iterator[Iterator[str]]:

@@ -6,6 +6,7 @@ the one to blame.
 
 import csv
 import dataclasses
+import functools
 import hashlib
 import io
 import itertools
@@ -243,7 +244,6 @@ def _check_header(
 
 
 def _check_lengths(path: Path, lines, cells_of_rows, count: int) -> None:
-    """Raise InputError for the first row that does not have `count` cells."""
     if set(map(len, cells_of_rows)) == {count}:
         return
     for line, cells in zip(lines, cells_of_rows, strict=True):
@@ -317,15 +317,11 @@ Reader = Callable[[_Cells], np.ndarray]
 def _readers(
     names: list[str], columns: Mapping[str, InputColumn], base: Scene
 ) -> dict[str, Reader]:
-    """For each column of numbers, the function that checks and reads its cells."""
-
-    def of_scene(column: InputColumn) -> Reader:
-        return lambda cells: _numbers(cells, column)
-
-    readers = {}
+    readers: dict[str, Reader] = {}
     for name in names:
         if name in columns:
-            readers[name] = _reader_of_shapes(name, base) or of_scene(columns[name])
+            read = functools.partial(_numbers, column=columns[name])
+            readers[name] = _reader_of_shapes(name, base) or read
         elif name in RESULT_COLUMNS or name in SIGMA_COLUMNS:
             readers[name] = _present
     return readers
@@ -436,14 +432,13 @@ def _warn_of_unusual(
     numbers: dict[str, np.ndarray],
     lines: np.ndarray,
 ) -> None:
-    """One warning for each column of the scene with values that are unusual."""
     for name, values in numbers.items():
         column = columns.get(name)
         if column is None or (
             column.is_usual(np.nanmin(values)) and column.is_usual(np.nanmax(values))
         ):
             continue
-        bad = (values < column.usual[0]) | (values > column.usual[1])
+        bad = column.is_unusual(values)
         index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
         where = f" and {more} more rows" if more else ""
         warnings.warn(

@@ -1,4 +1,5 @@
-"""TOML files: their values checked for kind, range and name, each error in one line."""
+"""TOML files: values checked for kind, range and name, and scenes; each error in one
+line."""
 
 import math
 import re
@@ -7,12 +8,14 @@ import tomllib
 import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar
+from typing import Any, NamedTuple, NoReturn, TypeVar
 
-from ..errors import InputError, UnusualValueWarning, located, nearest
-from ..parameters import Composite, parts_of
-from ..quantities import InputColumn, why_unknown
-from ..scene_quantities import part_named, replaced_parts
+from ..accuracy import PRESETS
+from ..errors import InputError, UnusualValueWarning, check_choice, located
+from ..parameters import Composite, Part, parts_of
+from ..quantities import SLOTS, InputColumn, columns_of, why_unknown
+from ..scene import PARTS, Scene
+from ..scene_quantities import part_named, replaced_parts, scene_with
 from .files import CONTROLS, as_text, read_input
 
 LARGEST_WHOLE = 2**63 - 1
@@ -29,6 +32,7 @@ TOO_LARGE = (
 )
 KIND_WORDS = {str: "a text", dict: "a table", list: "a list", int: "a whole number"}
 REQUIRED: Any = object()
+ACCURACY_KEY = "accuracy"
 
 Kind = TypeVar("Kind")
 
@@ -58,31 +62,26 @@ def parse_toml(path: Path, data: bytes) -> dict:
         found = DIGITS.search(text)
         row = text.count("\n", 0, found.start()) + 1 if found else None
         raise InputError(TOO_LARGE, file=path, row=row) from None
-    _check_values(path, content)
+    _check_value(path, "", content)
     return content
 
 
-def _check_values(path: Path, content: dict) -> None:
+def _check_value(path: Path, key: str, value: Any, depth: int = 0) -> None:
     """Raise InputError for what no key may hold."""
-    level: list[tuple[str, Any]] = [("", content)]
-    for _ in range(DEEPEST):
-        inner: list[tuple[str, Any]] = []
-        for key, value in level:
-            if isinstance(value, dict):
-                for name, one in value.items():
-                    where = f"{key}.{name}" if key else name
-                    _check_text(path, where, name)
-                    inner.append((where, one))
-            elif isinstance(value, list):
-                inner += [(key, one) for one in value]
-            elif isinstance(value, str):
-                _check_text(path, key, value)
-            elif isinstance(value, int) and abs(value) > LARGEST_WHOLE:
-                raise InputError(TOO_LARGE, file=path, key=key)
-        if not inner:
-            return
-        level = inner
-    raise InputError(TOO_DEEP, file=path)
+    if depth == DEEPEST:
+        raise InputError(TOO_DEEP, file=path)
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            where = f"{key}.{name}" if key else name
+            _check_text(path, where, name)
+            _check_value(path, where, inner, depth + 1)
+    elif isinstance(value, list):
+        for inner in value:
+            _check_value(path, key, inner, depth + 1)
+    elif isinstance(value, str):
+        _check_text(path, key, value)
+    elif isinstance(value, int) and abs(value) > LARGEST_WHOLE:
+        raise InputError(TOO_LARGE, file=path, key=key)
 
 
 def _check_text(path: Path, key: str, text: str) -> None:
@@ -153,13 +152,7 @@ def whole(
 def choice(path: Path, content: dict, key: str, default: str, known) -> str:
     """One of the known words."""
     value = typed(path, content, key, str, default)
-    if value not in known:
-        raise InputError(
-            f"must be one of {', '.join(known)}, but is {value!r}; did you mean "
-            f"{nearest(value, known)}?",
-            file=path,
-            key=key,
-        )
+    check_choice("", value, known, file=path, key=key)
     return value
 
 
@@ -207,12 +200,115 @@ def with_named_parts(
 
     Raises InputError, naming file and key, for a name that cannot be used.
     """
-    found = {}
-    for slot in parts_of(type(whole)):
-        if slot in table:
-            key = f"{where}.{slot}"
-            text = typed(path, {key: table[slot]}, key, str)
-            with located(file=path, key=key):
-                found[slot] = part_named(slot, text, path.parent)
+    found = {
+        slot: _named_part(path, f"{where}.{slot}", slot, table[slot])
+        for slot in parts_of(type(whole))
+        if slot in table
+    }
     with located(file=path, key=where):
         return replaced_parts(whole, found)
+
+
+def _named_part(path: Path, key: str, slot: str, name) -> Part:
+    text = typed(path, {key: name}, key, str)
+    with located(file=path, key=key):
+        return part_named(slot, text, path.parent)
+
+
+# --- Scenes.
+
+Found = Mapping[str, tuple[str | None, object]]
+"""Key -> the table that it was found in, None before all tables, and its value."""
+
+
+class SceneFile(NamedTuple):
+    """A scene, and the accuracy that its file names."""
+
+    scene: Scene
+    accuracy: str | None
+    """Name of a preset, or None where the file does not say."""
+
+
+def read_scene(path: Path) -> SceneFile:
+    """Read one scene.
+
+    The keys are the columns of a table of scenes, with the units in their names, and
+    the names of laws and shape (`SLOTS`), as `finding.find_part` takes them; files of
+    laws are looked for from the directory of this one. Each stands in its table
+    `[block]`, `[soil]` or `[impact]`, or before all tables. A missing key has its
+    default. `accuracy`, before all tables, names a preset.
+
+    Raises InputError, naming file and key, for whatever cannot be used.
+    """
+    path = Path(path)
+    return scene_from(path, load_toml(path))
+
+
+def scene_from(path: Path, content: dict, others: tuple[str, ...] = ()) -> SceneFile:
+    """The scene that part of a file describes, by the keys of `read_scene`.
+
+    Args:
+        path: the file, named in errors.
+        content: its content as parsed.
+        others: keys of the file that are not of the scene; passed over where they
+            stand in `content`, and known when an unknown key is told the nearest.
+
+    Raises InputError, naming file and key, for whatever cannot be used.
+    """
+    accuracy, numbers, names = None, {}, {}
+    for key, value in content.items():
+        if key in others:
+            continue
+        if key == ACCURACY_KEY:
+            check_choice("", value, PRESETS, file=path, key=key)
+            accuracy = value
+        elif key in PARTS:
+            for name, inner in typed(path, content, key, dict).items():
+                if name in content:
+                    raise InputError(
+                        f"stands in [{key}] and before all tables; remove one",
+                        file=path,
+                        key=name,
+                    )
+                (names if name in SLOTS else numbers)[name] = key, inner
+        else:
+            (names if key in SLOTS else numbers)[key] = None, value
+    base = _with_parts(path, names)
+    return SceneFile(scene_with(base, _values(path, numbers, base, others)), accuracy)
+
+
+def _with_parts(path: Path, names: Found) -> Scene:
+    """The usual scene with the laws and the shape that a file names, by slot."""
+    found: dict[str, dict[str, Part]] = {part: {} for part in PARTS}
+    for slot, (table, name) in names.items():
+        _check_table(path, slot, table, SLOTS[slot])
+        found[SLOTS[slot]][slot] = _named_part(path, slot, slot, name)
+    usual = Scene()
+    with located(file=path):
+        scene = Scene(
+            *(replaced_parts(getattr(usual, p), slots) for p, slots in found.items())
+        )
+        columns_of(scene)  # which are two of one name where laws do not fit together
+        return scene
+
+
+def _values(
+    path: Path, numbers: Found, base: Scene, others: tuple[str, ...]
+) -> dict[str, float]:
+    """The quantities of a file by their columns, checked."""
+    columns, values = columns_of(base), {}
+    for name, (table, value) in numbers.items():
+        if name not in columns:
+            top = () if table else (*PARTS, ACCURACY_KEY, *others)
+            key = f"{table}.{name}" if table else name
+            unknown(path, key, name, (*columns, *SLOTS, *top))
+        _check_table(path, name, table, columns[name].part)
+        values[name] = quantity(path, name, columns[name], value)
+    return values
+
+
+def _check_table(path: Path, name: str, table: str | None, part: str) -> None:
+    if table not in (None, part):
+        raise InputError(
+            f"stands in [{table}], but belongs into [{part}]", file=path, key=name
+        )

@@ -13,6 +13,7 @@ from ..impact.termination import Outcome
 from ..impact_response import ImpactResponse, ImpactResponses
 from ..quantities import columns_of
 from ..scene import Block, Impact, Scene
+from ..scene_quantities import value_of
 from ..soil import Soil
 from ..units import DEGREE
 from .table import Entry, ReboundTable, look_up_many
@@ -39,6 +40,8 @@ class Tabulated:
 
     def __init__(self, tables: ReboundTable | Sequence[ReboundTable]):
         self.tables = [tables] if isinstance(tables, ReboundTable) else list(tables)
+        if not self.tables:
+            raise InputError("Tabulated needs at least one table, but got none")
         self._pairs = [_Pair.of(table) for table in self.tables]
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> ImpactResponses:
@@ -50,20 +53,19 @@ class Tabulated:
         for table, pair in zip(self.tables, self._pairs, strict=True):
             chosen = open_yet & _same(ours, pair, count)
             if np.any(chosen):
-                columns[:, chosen] = _in_parts(
-                    table,
-                    jax.tree.map(lambda leaf: leaf[chosen], impact),  # noqa: B023
-                )
+                some = jax.tree.map(lambda leaf, where=chosen: leaf[where], impact)
+                columns[:, chosen] = _in_parts(table, some)
                 open_yet &= ~chosen
         if np.any(open_yet):
             lane = int(np.argmax(open_yet))
-            ratio = np.broadcast_to(np.asarray(block.aspect_ratio), (count,))[lane]
-            mass = np.broadcast_to(np.asarray(block.mass), (count,))[lane]
-            kind = type(block.shape).__name__
+            mass, ratio = (
+                np.broadcast_to(np.asarray(each), (count,))[lane]
+                for each in (block.mass, block.aspect_ratio)
+            )
             raise InputError(
                 f"no table was made for a block of {mass:g} kg with aspect ratio "
-                f"{ratio:g} ({kind}) on the ground that it struck; tabulate that pair "
-                "too"
+                f"{ratio:g} ({type(block.shape).__name__}) on the ground that it "
+                "struck; tabulate that pair too"
             )
         outcome = columns[-1].astype(int)
         columns[:-1, outcome == Outcome.failed] = np.nan
@@ -172,32 +174,20 @@ def _difference(scene: Scene, table: ReboundTable) -> str:
         if name != names[slot]:
             told.append(f"{slot} is {name} and in a table {names[slot]}")
     columns = columns_of(of_table)
-    for column in columns_of(scene).values():
-        if column.part == "impact" or column.name not in columns:
-            continue
-        ours, theirs = (
-            float(np.asarray(getattr(getattr(of, column.part), column.field)))
-            for of in (scene, of_table)
-        )
-        if not _alike(ours, theirs):
-            told.append(
-                f"{column.name} is {ours / column.factor:g} and in a table "
-                f"{theirs / column.factor:g}"
-            )
+    for name, column in columns_of(scene).items():
+        if column.part != "impact" and name in columns:
+            ours, theirs = (float(value_of(of, column)) for of in (scene, of_table))
+            if not _alike(ours, theirs):
+                told.append(f"{name} is {ours:g} and in a table {theirs:g}")
     return ", ".join(told)
 
 
 def _in_parts(table: ReboundTable, impact: Impact) -> np.ndarray:
     """Entries as columns."""
     count = len(impact.speed)
-    columns = np.empty((len(Entry._fields), count))
+    padded = jax.tree.map(lambda leaf: np.pad(leaf, (0, -count % PART), "edge"), impact)
+    parts = []
     for start in range(0, count, PART):
-        part = slice(start, min(start + PART, count))
-        size = part.stop - part.start
-        padded = jax.tree.map(
-            lambda leaf: np.pad(leaf[part], (0, PART - size), "edge"),  # noqa: B023
-            impact,
-        )
-        entry = look_up_many(table, padded)
-        columns[:, part] = [np.asarray(column)[:size] for column in entry]
-    return columns
+        part = jax.tree.map(lambda leaf, k=start: leaf[k : k + PART], padded)
+        parts.append([np.asarray(column) for column in look_up_many(table, part)])
+    return np.concatenate(parts, axis=1)[:, :count]

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from ..accuracy import Accuracy
 from ..impact.termination import Outcome
 from ..io.files import replacing
-from ..io.output_files import manifest_path
+from ..io.output_files import replacing_with_manifest
 from ..plotting.style import in_style, log_scale, panels, png_bytes
 from ..progress import Progress, ProgressFunction
 from ..quantities import INPUT_COLUMNS, OUTCOME_COLUMN, RESULT_COLUMNS
@@ -86,8 +86,9 @@ def orientation_map(
     failed = outcome == str(Outcome.failed)
     separating = outcome == str(Outcome.separating)
     struck = ~failed & ~separating
+    impacts = struck.sum(-1)
     variables = {
-        "impacts": (DIMENSIONS, struck.sum(-1), _about("orientations that strike")),
+        "impacts": (DIMENSIONS, impacts, _about("orientations that strike")),
         "separating": (DIMENSIONS, separating.sum(-1), _about("that move away")),
         "failed": (DIMENSIONS, failed.sum(-1), _about("that could not be integrated")),
     }
@@ -96,7 +97,6 @@ def orientation_map(
         for key, values in zip(STATISTICS, numbers, strict=True):
             meaning = f"{RESULT_COLUMNS[name].meaning}: {STATISTICS[key]}"
             variables[f"{name}_{key}"] = (DIMENSIONS, values, _about(meaning))
-    impacts = struck.sum(-1)
     for kind in Outcome:
         if kind not in (Outcome.failed, Outcome.separating):
             with np.errstate(invalid="ignore"):
@@ -107,12 +107,12 @@ def orientation_map(
         name: (name, np.asarray(values, float), {"units": INPUT_COLUMNS[name].unit})
         for name, values in zip(DIMENSIONS, axes, strict=False)
     }
+    kept = ("base", "accuracy", "model_tolerance", "laws", "versions")
     attributes = {
         "title": "jaximpact: restitution over all orientations",
         "orientations": count,
+        **{name: found.attrs[name] for name in kept},
     }
-    kept = ("base", "accuracy", "model_tolerance", "laws", "versions")
-    attributes |= {name: found.attrs[name] for name in kept}
     return xr.Dataset(variables, coordinates, attributes)
 
 
@@ -148,12 +148,10 @@ def write_map(path: Path, dataset: xr.Dataset) -> None:
     }
     # The manifest takes its name first: by it a later run knows the drawing.
     with (
-        replacing(path.with_suffix(".png")) as drawing_temporary,
-        replacing(path) as temporary,
-        replacing(manifest_path(path)) as manifest_temporary,
+        replacing(path.with_suffix(".png")) as drawing,
+        replacing_with_manifest(path, manifest) as temporary,
     ):
-        drawing_temporary.write_bytes(png_bytes(draw_map(dataset)))
-        manifest_temporary.write_text(json.dumps(manifest, indent=2) + "\n")
+        drawing.write_bytes(png_bytes(draw_map(dataset)))
         dataset.to_dataframe().to_csv(temporary, na_rep="nan", lineterminator="\n")
 
 

@@ -42,7 +42,6 @@ BEND = 3.0
 STEEPEST = 0.5 * math.pi
 """Largest elevation [rad]."""
 
-
 Numbers = Scalar | np.ndarray
 """One number, or an array of NumPy with many of them."""
 
@@ -202,15 +201,11 @@ class ReboundTable(eqx.Module):
     def __repr__(self) -> str:
         if self.error is None or isinstance(self.speeds, Tracer):
             return super().__repr__()
-        columns = columns_of_part("soil", self.soil).items()
-        values = {
-            name: float(getattr(self.soil, c.field)) / c.factor for name, c in columns
-        }
-        changed = [
-            f"{name} {values[name]:g}"
-            for name, column in columns
-            if not math.isclose(values[name], column.default, rel_tol=1e-12)
-        ]
+        changed = []
+        for name, column in columns_of_part("soil", self.soil).items():
+            value = float(getattr(self.soil, column.field)) / column.factor
+            if not math.isclose(value, column.default, rel_tol=1e-12):
+                changed.append(f"{name} {value:g}")
         ground = ", ".join(changed) or "all values are the defaults"
         return (
             f"ReboundTable, accuracy {self.accuracy.name}: {self.in_words()}\n"
@@ -250,10 +245,7 @@ class ReboundTable(eqx.Module):
         direction = direction_of(self.block, impact)
         scale = gravity_speed(self.block)
         shape = self.outcomes.shape
-        first, last = (
-            jnp.arcsinh(self.speeds[0] / scale),
-            jnp.arcsinh(self.speeds[-1] / scale),
-        )
+        first, last = (jnp.arcsinh(self.speeds[end] / scale) for end in (0, -1))
         flattest, steepest = FLATTEST ** (1.0 / BEND), STEEPEST ** (1.0 / BEND)
         elevation = jnp.maximum(direction.elevation, FLATTEST) ** (1.0 / BEND)
         places = jnp.broadcast_arrays(
@@ -270,8 +262,8 @@ class ReboundTable(eqx.Module):
         scales = (size, size, size / radius, 1.0, 1.0, 1.0)
         values = [value * by for value, by in zip(values, scales, strict=True)]
 
-        beyond = direction.total_speed > self.speeds[-1] * (1.0 + 1e-9)
         margin = 1e-9
+        beyond = direction.total_speed > self.speeds[-1] * (1.0 + margin)
         beyond |= impact.slope > self.slopes[-1] + margin
         beyond |= impact.slope < self.slopes[0] - margin
         away = direction.elevation <= 0.0

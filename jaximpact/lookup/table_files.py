@@ -4,7 +4,6 @@ import dataclasses
 import json
 from pathlib import Path
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 import pandas as pd
@@ -16,14 +15,14 @@ from ..errors import InputError
 from ..identity import part_names
 from ..impact.termination import Outcome
 from ..io.datasets import read_netcdf, write_netcdf
-from ..io.files import replacing
-from ..io.output_files import manifest_path
+from ..io.output_files import replacing_with_manifest
+from ..io.result_table import outcomes_in_words
 from ..quantities import OUTCOME_COLUMN
 from ..scene import Scene
 from ..scene_quantities import scene_of_values, scene_values
 from ..units import DEGREE
-from .table import Direction, ReboundTable, TableError, gravity_speed, impact_from
-from .tabulation import axes_of
+from .table import ReboundTable, TableError, gravity_speed
+from .tabulation import axes_of, impacts_at
 
 DIMENSIONS = (
     *("total_speed_mps", "elevation_deg", "azimuth_deg", "orientation_deg"),
@@ -53,8 +52,9 @@ def write_table(path: Path, table: ReboundTable) -> None:
         np.asarray(table.outcomes, np.int32),
         {"long_name": ", ".join(f"{o.value} {o}" for o in Outcome)},
     )
-    dataset = xr.Dataset(variables, _coordinates(table), _provenance(table))
-    write_netcdf(Path(path), dataset)
+    title, *others = _provenance(table).items()
+    attributes = dict([title, *((name, json.dumps(value)) for name, value in others)])
+    write_netcdf(Path(path), xr.Dataset(variables, _coordinates(table), attributes))
 
 
 def read_table(path: Path) -> ReboundTable:
@@ -112,22 +112,21 @@ def _scene(path: Path, dataset: xr.Dataset) -> Scene:
 def write_csv(path: Path, table: ReboundTable) -> None:
     """Write the nodes of a table as CSV for other programs.
 
-    A row for each node, with a manifest beside it.
-
-    The first five columns are the table's axes, on which the nodes are a grid, the last
-    axis fastest; then come the impact and what it does, in the units of the tables of
-    results. `nan` where there is no number. Both files appear whole or not at all.
+    A row for each node, with a manifest beside it. The first five columns are the
+    table's axes, on which the nodes are a grid, the last axis fastest; then come the
+    impact and what it does, in the units of the tables of results. `nan` where there is
+    no number. Both files appear whole or not at all.
 
     Raises OSError where the file system refuses.
     """
-    path = Path(path)
-    places, impact = _nodes(table)
+    places, impact = impacts_at(table.block, axes_of(table))
     scale = np.hypot(places[0], float(gravity_speed(table.block)))
     radius = float(table.block.semi_axes.minor)
     change = np.asarray(table.entries).reshape(-1, len(ENTRIES))
     codes = np.asarray(table.outcomes).ravel()
     v_n, v_t = (
-        np.asarray(v) for v in (impact.normal_velocity, impact.tangential_velocity)
+        np.asarray(impact.normal_velocity),
+        np.asarray(impact.tangential_velocity),
     )
     after_n = v_n + change[:, 0] * scale
     after_t = v_t + change[:, 1] * scale
@@ -146,38 +145,18 @@ def write_csv(path: Path, table: ReboundTable) -> None:
         "final_sinking_m": change[:, 5],
     }
     failed = codes == Outcome.failed
-    columns = dict(zip(DIMENSIONS, _in_units(places), strict=True))
-    columns |= {
+    columns = {
+        **dict(zip(DIMENSIONS, _in_units(places), strict=True)),
         "speed_mps": impact.speed,
         "angle_deg": impact.angle / DEGREE,
         "angular_velocity_degps": impact.angular_velocity / DEGREE,
+        **{name: np.where(failed, np.nan, values) for name, values in numbers.items()},
+        OUTCOME_COLUMN: outcomes_in_words(codes),
     }
-    columns |= {name: np.where(failed, np.nan, v) for name, v in numbers.items()}
-    columns[OUTCOME_COLUMN] = np.array([str(o) for o in Outcome])[codes]
-    manifest = {
-        name: json.loads(text) if name not in ("title",) else text
-        for name, text in _provenance(table).items()
-    }
-    with (
-        replacing(manifest_path(path)) as manifest_temporary,
-        replacing(path) as temporary,
-    ):
-        manifest_temporary.write_text(json.dumps(manifest, indent=2) + "\n")
+    with replacing_with_manifest(Path(path), _provenance(table)) as temporary:
         pd.DataFrame(columns).to_csv(
             temporary, index=False, na_rep="nan", lineterminator="\n"
         )
-
-
-def _nodes(table: ReboundTable):
-    """Coordinates of all nodes, one after another, and their impacts."""
-    axes = axes_of(table)
-    speed, elevation, azimuth, orientation, slope = places = [
-        grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")
-    ]
-    impact = impact_from(
-        table.block, Direction(speed, elevation, azimuth), orientation, slope
-    )
-    return places, jax.tree.map(np.asarray, impact)
 
 
 def _in_units(places):
@@ -197,16 +176,14 @@ def _coordinates(table: ReboundTable) -> dict:
     return coordinates | {"slope_rad": ("slope_deg", slopes, {"units": "rad"})}
 
 
-def _provenance(table: ReboundTable) -> dict[str, str]:
-    scene = scene_values(Scene(table.block, table.soil))
+def _provenance(table: ReboundTable) -> dict:
+    """The title, and what is needed to make the table again, ready for JSON."""
     assert table.error is not None  # of a finished table it is measured
     return {
         "title": "jaximpact: impacts of one block on one ground, tabulated",
-        "scene": json.dumps(scene),
-        "accuracy": json.dumps(dataclasses.asdict(table.accuracy)),
-        "error": json.dumps(
-            {name: float(value) for name, value in table.error._asdict().items()}
-        ),
-        "laws": json.dumps(part_names(table.soil, table.block)),
-        "versions": json.dumps(versions()),
+        "scene": scene_values(Scene(table.block, table.soil)),
+        "accuracy": dataclasses.asdict(table.accuracy),
+        "error": {name: float(x) for name, x in table.error._asdict().items()},
+        "laws": part_names(table.soil, table.block),
+        "versions": versions(),
     }

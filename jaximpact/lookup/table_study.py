@@ -27,7 +27,7 @@ from ..quantities import INPUT_COLUMNS, columns_of_part
 from ..scene import Block
 from ..soil import Soil
 from ..units import DEGREE
-from .orientation_map import MapAxes
+from .orientation_map import DIMENSIONS, MapAxes
 from .tabulation import SPEEDS, Nodes
 
 TABLES = ("block", "ground", "table", "map")
@@ -67,7 +67,7 @@ def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
     content = load_toml(path)
     check_keys(path, "", content, (*TABLES, "accuracy"))
     table = known_table(path, content, "table", TABLE_KEYS)
-    slopes = np.array(_list(path, table, "table", "slopes_deg", [0.0]))
+    slopes = _ascending(path, table, "table", "slopes_deg", "slope_deg", [0.0])
     ends = _list(path, table, "table", "total_speeds_mps", list(SPEEDS))
     if len(ends) != 2 or not 0.0 < ends[0] < ends[1]:
         raise InputError(
@@ -80,21 +80,17 @@ def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
     nodes = Nodes(
         *(
             whole(path, counts, name, default, 1 if name == "orientation" else 2)
-            for name, default in zip(Nodes._fields, Nodes(), strict=True)
+            for name, default in Nodes()._asdict().items()
         )
     )
     _check_size(path, "table.nodes", (*nodes, len(slopes)))
     if accuracy is None:
         accuracy = choice(path, content, "accuracy", "fast", tuple(PRESETS))
-    if np.any(np.diff(slopes) <= 0.0):
-        raise InputError("must ascend", file=path, key="table.slopes_deg")
-    for slope in slopes.tolist():
-        allowed(path, "table.slopes_deg", INPUT_COLUMNS["slope_deg"], slope)
     return TableStudy(
         _part(path, content, "block"),
         _part(path, content, "ground"),
         accuracy,
-        DEGREE * slopes,
+        DEGREE * np.array(slopes),
         (ends[0], ends[1]),
         nodes,
         _map_axes(path, content),
@@ -118,19 +114,12 @@ def _part(path: Path, content: dict, name: str) -> Any:
 
 def _map_axes(path: Path, content: dict) -> MapAxes:
     table, default = known_table(path, content, "map", MAP_KEYS), MapAxes()
-    axes = []
-    for key, column, values in zip(
-        MAP_KEYS[:3],
-        ("speed_mps", "angle_deg", "angular_velocity_degps"),
-        default[:3],
-        strict=True,
-    ):
-        given = _list(path, table, "map", key, list(values))
-        for value in given:
-            allowed(path, f"map.{key}", INPUT_COLUMNS[column], value)
-        if np.any(np.diff(given) <= 0.0):
-            raise InputError("must ascend", file=path, key=f"map.{key}")
-        axes.append(tuple(given))
+    axes = [
+        tuple(_ascending(path, table, "map", key, column, list(values)))
+        for key, column, values in zip(
+            MAP_KEYS[:3], DIMENSIONS, default[:3], strict=True
+        )
+    ]
     slope = table.get("slope_deg", default.slope_deg)
     slope = allowed(path, "map.slope_deg", INPUT_COLUMNS["slope_deg"], slope)
     orientations = whole(path, table, "orientations", default.orientations, 2)
@@ -139,9 +128,20 @@ def _map_axes(path: Path, content: dict) -> MapAxes:
 
 
 def _check_size(path: Path, key: str, counts: tuple[int, ...]) -> None:
-    """Raise InputError for more impacts than fit into memory."""
     impacts = math.prod(counts)
     check_memory(impacts * NUMBERS_PER_IMPACT, f"{impacts} impacts", file=path, key=key)
+
+
+def _ascending(
+    path: Path, table: dict, where: str, key: str, column: str, default: list
+) -> list[float]:
+    """A list of values that ascend and that the column may hold."""
+    values = _list(path, table, where, key, default)
+    for value in values:
+        allowed(path, f"{where}.{key}", INPUT_COLUMNS[column], value)
+    if np.any(np.diff(values) <= 0.0):
+        raise InputError("must ascend", file=path, key=f"{where}.{key}")
+    return values
 
 
 def _list(path: Path, table: dict, where: str, key: str, default: list) -> list[float]:

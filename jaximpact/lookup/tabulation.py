@@ -14,9 +14,10 @@ from numpy.typing import ArrayLike
 from .._precision import require_float64
 from .._versions import versions
 from ..accuracy import Accuracy, get_accuracy
+from ..batch import broadcast_scene
 from ..identity import part_names
 from ..impact.termination import Outcome
-from ..impact_response import ImpactResponse, ImpactResponses, respond
+from ..impact_response import COLUMNS, ImpactResponses, respond
 from ..io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..io.journal import Journal
 from ..progress import Progress, ProgressFunction, as_progress
@@ -36,9 +37,6 @@ from .table import (
     look_up_many,
 )
 
-PART = 20_000
-"""Impacts that are computed between two calls of `progress`."""
-
 
 def compute(
     block: Block,
@@ -48,50 +46,15 @@ def compute(
     progress: Progress | None = None,
     journal: Journal | None = None,
 ) -> ImpactResponses:
-    """Compute impacts of one block on one ground by the full model.
+    """Compute impacts of one block on one ground by the full model, as `respond` does.
 
     Args:
         block, soil: scalars.
         impact: arrays `(n,)`.
         accuracy: as for `simulate`.
-        progress: told of the impacts.
-        journal: keeps the columns of `ImpactResponse` and the outcome, by the index of
-            the impact; what it holds is not computed again.
     """
-    accuracy = get_accuracy(accuracy)
-    impact = jax.tree.map(np.asarray, impact)
-    count = len(impact.speed)
-    columns = np.full((count, len(ImpactResponse._fields) + 1), np.nan)
-    done = np.zeros(count, bool)
-    if journal is not None:
-        places, numbers = journal.rows()
-        columns[places], done[places] = numbers, True
-    # Every part has long and short contacts.
-    stride = -(-count // PART)
-    for start in range(stride):
-        chosen = np.arange(start, count, stride)
-        chosen = chosen[~done[chosen]]
-        if len(chosen):
-            columns[chosen] = _part(accuracy, block, soil, impact, chosen)
-            done[chosen] = True
-            if journal is not None:
-                journal.append(chosen, columns[chosen])
-        if progress is not None:
-            progress("impacts", int(np.sum(done)), count)
-    response = ImpactResponse(*columns.T[:-1])
-    return ImpactResponses(response, columns[:, -1].astype(int))
-
-
-def _part(accuracy: Accuracy, block, soil, impact: Impact, chosen) -> np.ndarray:
-    """Compute the columns of some impacts."""
-    some = jax.tree.map(lambda leaf: leaf[chosen], impact)
-
-    def spread(leaf):
-        return np.broadcast_to(np.asarray(leaf), (len(chosen),))
-
-    scene = Scene(jax.tree.map(spread, block), jax.tree.map(spread, soil), some)
-    found = respond(scene, accuracy)
-    return np.stack([*found.response, found.outcome], axis=1)
+    scene, _ = broadcast_scene(Scene(block, soil, impact))
+    return respond(scene, get_accuracy(accuracy), journal, progress)
 
 
 SLOWEST = 1.0
@@ -134,8 +97,8 @@ def measure_error(
             random ones.
         accuracy: of the model; by default that of the table.
     """
-    random = isinstance(impacts, int)
-    sample = random_impacts(table, impacts) if random else impacts
+    given = isinstance(impacts, Impact)
+    sample = impacts if given else random_impacts(table, impacts)
     computed = compute(table.block, table.soil, sample, accuracy or table.accuracy)
     entry = look_up_many(table, sample)
     sample = jax.tree.map(np.asarray, sample)
@@ -237,14 +200,11 @@ def tabulate(
         scale * np.sinh(np.linspace(low, high, nodes.speed)), slopes, nodes[1:]
     )
     shape = tuple(map(len, axes))
-    speed, *rest, orientation, slope = (
-        grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")
-    )
-    impact = impact_from(block, Direction(speed, *rest), orientation, slope)
+    places, impact = impacts_at(block, axes)
     setting = get_accuracy(accuracy)
     with _opened(journal, block, soil, setting, axes) as store:
         computed = compute(block, soil, impact, setting, as_progress(progress), store)
-    size = np.hypot(speed, scale)
+    size = np.hypot(places[0], scale)
     radius = float(block.semi_axes.minor)
     after = computed.response
     entries = np.stack(
@@ -274,7 +234,6 @@ def tabulate(
 
 
 def _opened(journal: Path | None, block, soil, accuracy: Accuracy, axes):
-    """Open the journal of a table, if there is one."""
     if journal is None:
         return contextlib.nullcontext()
     subject = {
@@ -285,7 +244,7 @@ def _opened(journal: Path | None, block, soil, accuracy: Accuracy, axes):
         "versions": versions(),
     }
     count = math.prod(map(len, axes))
-    return Journal(journal, subject, [*ImpactResponse._fields, "outcome"], count)
+    return Journal(journal, subject, [*COLUMNS], count)
 
 
 def axes_of(table: ReboundTable) -> list[np.ndarray]:
@@ -293,6 +252,16 @@ def axes_of(table: ReboundTable) -> list[np.ndarray]:
     return _axes(
         np.asarray(table.speeds), np.asarray(table.slopes), table.outcomes.shape[1:4]
     )
+
+
+def impacts_at(block: Block, axes: list[np.ndarray]) -> tuple[list[np.ndarray], Impact]:
+    """Return the coordinates of all nodes, one after another, and their impacts."""
+    speed, elevation, azimuth, orientation, slope = places = [
+        grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")
+    ]
+    direction = Direction(speed, elevation, azimuth)
+    impact = impact_from(block, direction, orientation, slope)
+    return places, jax.tree.map(np.asarray, impact)
 
 
 def _axes(speeds, slopes, counts) -> list[np.ndarray]:

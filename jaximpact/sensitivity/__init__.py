@@ -4,9 +4,8 @@ Drawings are in `jaximpact.sensitivity.figures`.
 """
 
 from .elasticities import Check, State, elasticities
-from .morris_effects import morris
+from .global_methods import morris, sobol
 from .ranges import Range
-from .sobol_indices import sobol
 from .text import in_words
 
 __all__ = ["Check", "Range", "State", "elasticities", "in_words", "morris", "sobol"]

@@ -1,31 +1,26 @@
 """Elasticities: by how many per cent an output changes when a parameter does by one."""
 
-import dataclasses
 import enum
-import json
 import threading
 from collections.abc import Iterable
-from typing import NamedTuple
 
 import jax
 import numpy as np
 import xarray as xr
+from jaxtyping import Float
 
 from .._precision import require_float64
-from .._versions import versions
 from ..accuracy import Accuracy, get_accuracy
 from ..batch import broadcast_scene
-from ..identity import part_names
 from ..impact.summary import ImpactSummary
 from ..impact.termination import Outcome
 from ..io.checks import check_scene
-from ..io.datasets import SCENE_DIMENSION, scene_coordinates
+from ..io.datasets import SCENE_DIMENSION, provenance, scene_coordinates
 from ..io.result_table import outcomes_in_words
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import OUTCOME_COLUMN, OUTCOME_MEANING, InputColumn, ResultColumn
-from ..scene import GRAVITY, Block, Impact, Scene, as_scene
-from ..scene_quantities import scene_values, value_of
-from ..soil import Soil
+from ..scene import GRAVITY, Scene, SceneLike, as_scene
+from ..scene_quantities import value_of
 from ..sweeping import Axes, check_axes, coordinates_of, spread
 from .derivatives import POINTS, Differences, derivatives, differences, size_of
 from .ranges import (
@@ -92,7 +87,7 @@ class Check(enum.IntEnum):
 
 
 def elasticities(
-    scene: Scene | Block | tuple[Block, Soil, Impact],
+    scene: SceneLike,
     parameters: Iterable[str] | None = None,
     outputs: Iterable[str] = DEFAULT_OUTPUTS,
     *,
@@ -151,52 +146,41 @@ def elasticities(
     base = as_scene(scene)
     if parameters is None:
         parameters = default_parameters(base)
-    results = output_columns(outputs)
-    setting = get_accuracy(accuracy)
+    results, setting = output_columns(outputs), get_accuracy(accuracy)
     scenes, shape, dimensions, coordinates = _laid_out(base, axes)
     inputs = parameter_columns(scenes, parameters)
     scenes, count = broadcast_scene(scenes)
     impacts = count * len(inputs) * (1 + POINTS * bool(check))
     counter = _Counter(as_progress(progress), impacts)
-    found = [
-        _one_parameter(scenes, column, results, setting, check, counter)
-        for column in inputs
-    ]
+    summaries, found = zip(
+        *(_one_parameter(scenes, c, results, setting, check, counter) for c in inputs),
+        strict=True,
+    )
     counter.end()
-    numbers = found[0].numbers
-
-    def variable(name: str, values: list, axis: int, over: tuple[str, ...]) -> tuple:
-        sizes = {"parameter": len(inputs), "output": len(results)}
-        array = np.stack(values, axis).reshape(*shape, *(sizes[d] for d in over))
-        return (*dimensions, *over), array, _ATTRIBUTES[name]
-
-    variables = {
-        name: variable(
-            name, [getattr(entry, name) for entry in found], 1, ("parameter", "output")
-        )
-        for name in _Elasticity._fields[:-1]
+    values = {name: np.stack([one[name] for one in found], axis=1) for name in found[0]}
+    values |= {
+        "parameter_value": np.stack([value_of(scenes, c) for c in inputs], axis=1),
+        "output_value": _outputs(summaries[0], results),
+        OUTCOME_COLUMN: outcomes_in_words(summaries[0].outcome_code),
     }
-    variables["parameter_value"] = variable(
-        "parameter_value", [value_of(scenes, c) for c in inputs], -1, ("parameter",)
-    )
-    variables["output_value"] = variable(
-        "output_value", [getattr(numbers, c.field) for c in results], -1, ("output",)
-    )
-    variables[OUTCOME_COLUMN] = (
-        dimensions,
-        outcomes_in_words(numbers.outcome_code).reshape(shape),
-        {"long_name": OUTCOME_MEANING},
-    )
+    over = {
+        "parameter_value": ("parameter",),
+        "output_value": ("output",),
+        OUTCOME_COLUMN: (),
+    }
     return xr.Dataset(
-        variables,
+        {
+            name: (
+                (*dimensions, *over.get(name, ("parameter", "output"))),
+                values[name].reshape((*shape, *values[name].shape[1:])),
+                attributes,
+            )
+            for name, attributes in _ATTRIBUTES.items()
+        },
         coordinates | axes_of_names(inputs, results),
         attrs={
             "title": "jaximpact: elasticities of impacts",
-            "base": json.dumps(scene_values(base)),
-            "laws": json.dumps(part_names(base.soil, base.block)),
-            "accuracy": json.dumps(dataclasses.asdict(setting)),
-            "agrees_within": AGREES_WITHIN,
-            "versions": json.dumps(versions()),
+            **provenance(base, setting, agrees_within=AGREES_WITHIN),
         },
     )
 
@@ -241,31 +225,13 @@ _ATTRIBUTES = {
     "check": {"long_name": "what differences say"} | _flags(Check),
     "parameter_value": {"long_name": "value, in parameter_unit"},
     "output_value": {"long_name": "value, in output_unit"},
+    OUTCOME_COLUMN: {"long_name": OUTCOME_MEANING},
 }
-
-
-class _Elasticity(NamedTuple):
-    """Variables of one parameter, shape (scenes, outputs), and the results."""
-
-    elasticity: np.ndarray
-    derivative: np.ndarray
-    derivative_by_differences: np.ndarray
-    disagreement: np.ndarray
-    state: np.ndarray
-    check: np.ndarray
-    numbers: ImpactSummary
-
-
-class _Comparison(NamedTuple):
-    """A derivative beside differences, shape (scenes, outputs)."""
-
-    slope: np.ndarray
-    disagreement: np.ndarray
-    check: np.ndarray
+"""Variables of the dataset, in their order."""
 
 
 class _Counter:
-    """Counts the impacts that several threads have done."""
+    """Count of the impacts that several threads have done."""
 
     def __init__(self, progress: Progress, total: int):
         self.progress, self.total, self.done = progress, total, 0
@@ -305,6 +271,12 @@ def natural_size(scene: Scene, column: ResultColumn) -> np.ndarray:
     return sizes[column.unit]
 
 
+def _outputs(
+    summary: ImpactSummary, results: tuple[ResultColumn, ...]
+) -> Float[np.ndarray, "scenes outputs"]:
+    return np.stack([getattr(summary, c.field) for c in results], axis=1)
+
+
 def _one_parameter(
     scene: Scene,
     column: InputColumn,
@@ -312,57 +284,48 @@ def _one_parameter(
     setting: Accuracy,
     check: bool,
     counter: _Counter,
-) -> _Elasticity:
-    """Compute the elasticities with respect to one parameter."""
+) -> tuple[ImpactSummary, dict[str, np.ndarray]]:
+    """Compute the results, and the variables of one parameter, shape (scenes,
+    outputs)."""
     numbers, slopes = derivatives(scene, column, setting, counter)
     parameter = value_of(scene, column)[:, None]
-    values = np.stack([getattr(numbers, c.field) for c in results], axis=1)
-    derivative = column.factor * np.stack(
-        [getattr(slopes, c.field) for c in results], axis=1
-    )
+    values = _outputs(numbers, results)
+    derivative = column.factor * _outputs(slopes, results)
     derivative[np.isnan(values)] = np.nan
     sizes = np.stack([natural_size(scene, c) for c in results], axis=1)
     zero = np.abs(values) <= ZERO_WITHIN * setting.tolerance * sizes
     failed = np.asarray(numbers.outcome_code)[:, None] == Outcome.failed
-    state = np.select(
-        [
-            np.broadcast_to(failed, values.shape),
-            np.isnan(values),
-            ~np.isfinite(derivative),
-            zero,
-            np.broadcast_to(parameter == 0.0, values.shape),
-        ],
-        [
-            State.impact_failed,
-            State.output_has_no_value,
-            State.derivative_is_not_finite,
-            State.output_is_zero,
-            State.parameter_is_zero,
-        ],
-        State.defined,
-    ).astype(np.int8)
+    # The first that holds.
+    reasons = {
+        State.impact_failed: np.broadcast_to(failed, values.shape),
+        State.output_has_no_value: np.isnan(values),
+        State.derivative_is_not_finite: ~np.isfinite(derivative),
+        State.output_is_zero: zero,
+        State.parameter_is_zero: np.broadcast_to(parameter == 0.0, values.shape),
+    }
+    state = np.select([*reasons.values()], [*reasons], State.defined).astype(np.int8)
     defined = state == State.defined
     elasticity = np.where(
         defined, parameter * derivative / np.where(defined, values, 1.0), np.nan
     )
+    found = {"elasticity": elasticity, "derivative": derivative, "state": state}
     if check:
         size = np.where(zero, sizes, np.abs(values))
-        compared = _check(scene, column, results, derivative, size, counter)
-    else:
-        unknown = np.full_like(values, np.nan)
-        unchecked = np.full(values.shape, Check.unchecked, np.int8)
-        compared = _Comparison(unknown, unknown, unchecked)
-    slope, disagreement, checked = compared
-    return _Elasticity(
-        elasticity, derivative, slope, disagreement, state, checked, numbers
-    )
+        return numbers, found | _check(
+            scene, column, results, derivative, size, counter
+        )
+    return numbers, found | {
+        "derivative_by_differences": np.full_like(values, np.nan),
+        "disagreement": np.full_like(values, np.nan),
+        "check": np.full(values.shape, Check.unchecked, np.int8),
+    }
 
 
-def _check(scene, column, results, derivative, size, counter) -> _Comparison:
+def _check(scene, column, results, derivative, size, counter) -> dict[str, np.ndarray]:
     """Compare with differences at the first step, then at the second where the first
     does not confirm."""
     places = np.arange(len(derivative))
-    kept = None
+    kept: dict[str, np.ndarray] = {}
     for step in STEPS:
         part = jax.tree.map(lambda x, places=places: np.asarray(x)[places], scene)
         judged = _judge(
@@ -371,35 +334,37 @@ def _check(scene, column, results, derivative, size, counter) -> _Comparison:
             size[places],
             size_of(column, value_of(part, column))[:, None],
         )
-        if kept is None:
+        if not kept:
             kept = judged
         else:
             # Either step confirms; of those that do not, a smooth one decides.
-            before = kept.check[places]
-            better = (judged.check == Check.agrees) & (before != Check.agrees)
-            better |= (judged.check == Check.differs) & (before == Check.undecided)
-            for whole, new in zip(kept, judged, strict=True):
-                whole[places] = np.where(better, new, whole[places])
-        doubtful = np.isin(kept.check, (Check.differs, Check.undecided))
+            before, now = kept["check"][places], judged["check"]
+            better = (now == Check.agrees) & (before != Check.agrees)
+            better |= (now == Check.differs) & (before == Check.undecided)
+            for name, whole in kept.items():
+                whole[places] = np.where(better, judged[name], whole[places])
+        doubtful = np.isin(kept["check"], (Check.differs, Check.undecided))
         places = np.flatnonzero(doubtful.any(axis=1))
         if not len(places):
             break
-    assert kept is not None
     return kept
 
 
-def _judge(found: Differences, derivative, size, parameter_size) -> _Comparison:
+def _judge(
+    found: Differences, derivative, size, parameter_size
+) -> dict[str, np.ndarray]:
     """Compare, as a fraction of the larger of output and relative derivative."""
     larger = np.maximum(size, np.abs(derivative) * parameter_size)
     disagreement = np.abs(found.slope - derivative) * parameter_size / larger
     rough = found.roughness * parameter_size / larger
-    check = np.select(
-        [
-            np.isnan(disagreement),
-            disagreement <= AGREES_WITHIN,
-            rough > AGREES_WITHIN,
-        ],
-        [Check.unchecked, Check.agrees, Check.undecided],
-        Check.differs,
-    )
-    return _Comparison(found.slope, disagreement, check.astype(np.int8))
+    verdicts = {
+        Check.unchecked: np.isnan(disagreement),
+        Check.agrees: disagreement <= AGREES_WITHIN,
+        Check.undecided: rough > AGREES_WITHIN,
+    }
+    check = np.select([*verdicts.values()], [*verdicts], Check.differs)
+    return {
+        "derivative_by_differences": found.slope,
+        "disagreement": disagreement,
+        "check": check.astype(np.int8),
+    }

@@ -25,11 +25,16 @@ from ..plotting.style import (
     save_figure,
 )
 from .elasticities import Check, State
+from .text import cell_text
 
+ELASTICITIES_TITLE = "Elasticities: % of the output for 1 % of the parameter"
+TOTALS_TITLE = "Total Sobol indices: part of the variance that needs the parameter"
 COLUMNS = 3
 """Most panels side by side."""
 FULL_COLOUR = 1.0
 """Value of the strongest colour, the same in all heat maps: they can be compared."""
+MARKS = {Check.differs: "?", Check.undecided: "?"}
+"""Marks of what differences do not confirm."""
 HALF_BAR = 0.2
 """Half the width of a bar of an index, where parameters are 1 apart."""
 
@@ -54,7 +59,7 @@ def plot_tornado(dataset: xr.Dataset, path: str | Path | None = None) -> Figure:
         dataset,
         _draw_tornado,
         1.3 + 0.28 * dataset.sizes["parameter"],
-        "Elasticities: % of the output for 1 % of the parameter",
+        ELASTICITIES_TITLE,
         path,
     )
 
@@ -82,11 +87,11 @@ def _draw_tornado(axes: Axes, of_output: xr.Dataset) -> None:
                 rank,
                 number,
                 color=BLUE if sign > 0 else VERMILION,
-                hatch="///" if _is_doubtful(entry) else None,
+                hatch="///" if int(entry.check) in MARKS else None,
                 edgecolor="white",
             )
         axes.annotate(
-            _cell_text(entry, ".2g"),
+            cell_text(entry, ".2g", MARKS),
             (np.nan_to_num(number), rank),
             xytext=(3 * sign, 0),
             textcoords="offset points",
@@ -99,18 +104,6 @@ def _draw_tornado(axes: Axes, of_output: xr.Dataset) -> None:
     axes.grid(visible=False, axis="y")
     axes.axvline(0.0, color="black", linewidth=0.8)
     axes.set_xlabel("elasticity [-]")
-
-
-def _is_doubtful(entry: xr.Dataset) -> bool:
-    return int(entry.check) in (Check.differs, Check.undecided)
-
-
-def _cell_text(entry: xr.Dataset, digits: str) -> str:
-    """Write an elasticity, with a question mark if doubtful, or why there is none."""
-    state = State(int(entry.state))
-    if state is not State.defined:
-        return state.short
-    return f"{float(entry.elasticity):{digits}}" + "?" * _is_doubtful(entry)
 
 
 @in_style
@@ -132,11 +125,7 @@ def plot_heat_map(dataset: xr.Dataset, path: str | Path | None = None) -> Figure
     _check_dimensions(dataset, variable)
     values = dataset[variable].transpose("output", "parameter").values
     rows, columns = values.shape
-    title = (
-        "Elasticities: % of the output for 1 % of the parameter"
-        if signed
-        else "Total Sobol indices: part of the variance that needs the parameter"
-    )
+    title = ELASTICITIES_TITLE if signed else TOTALS_TITLE
     width = min(8.0, 4.5 + 0.8 * columns)
     figure, (axes,) = panels(height=1.5 + 0.3 * rows, width=width, title=title)
     image = axes.imshow(
@@ -151,7 +140,7 @@ def plot_heat_map(dataset: xr.Dataset, path: str | Path | None = None) -> Figure
     for (row, column), value in np.ndenumerate(values):
         entry = dataset.isel(output=row, parameter=column)
         if signed:
-            text = _cell_text(entry, ".2g")
+            text = cell_text(entry, ".2g", MARKS)
         else:
             text = f"{value:.2f}" if np.isfinite(value) else "none"
         light = abs(value) > 0.6 * FULL_COLOUR
@@ -398,12 +387,3 @@ def _has_estimate(axes: Axes, of_output: xr.Dataset, groups: str) -> bool:
     if reason := str(of_output.reason.values):
         empty_panel(axes, reason)
     return not reason
-
-
-__all__ = [
-    "plot_elasticity_map",
-    "plot_heat_map",
-    "plot_morris",
-    "plot_sobol",
-    "plot_tornado",
-]

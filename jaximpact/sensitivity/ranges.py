@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import expect, real_number
-from ..errors import InputError, nearest
+from ..errors import InputError, check_choice
 from ..io.checks import checked_names
 from ..io.datasets import OUTPUT_COLUMNS
 from ..quantities import RESULT_COLUMNS, InputColumn, ResultColumn, columns_of
@@ -121,12 +121,7 @@ def check_ranges(
 def check_range(column: InputColumn, given: Range) -> None:
     """Raise InputError unless a range suits a column."""
     name = column.name
-    if given.distribution not in DISTRIBUTIONS:
-        raise InputError(
-            f"the distribution of {name} must be one of {', '.join(DISTRIBUTIONS)}, "
-            f"but is {given.distribution!r}; did you mean "
-            f"{nearest(given.distribution, DISTRIBUTIONS)}?"
-        )
+    check_choice(f"the distribution of {name}", given.distribution, DISTRIBUTIONS)
     for name_of_end in ("lower", "upper"):
         end = real_number(f"{name_of_end} of {name}", getattr(given, name_of_end))
         if not column.is_allowed(end):

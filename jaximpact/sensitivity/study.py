@@ -6,7 +6,6 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 import xarray as xr
 
 from .._precision import require_float64
@@ -14,15 +13,22 @@ from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError, located
 from ..io.files import read_input, write_text
 from ..io.output_files import NewFile, output_directory
-from ..io.scene_file import scene_from
-from ..io.toml import allowed, check_keys, choice, parse_toml, typed, whole
+from ..io.toml import allowed, check_keys, choice, parse_toml, scene_from, typed, whole
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import InputColumn
 from ..scene import Scene
 from . import figures
 from .elasticities import DEFAULT_ACCURACY as ELASTICITIES_ACCURACY
 from .elasticities import Check, State, elasticities
-from .morris_effects import DEFAULT_TRAJECTORIES, check_trajectories, morris
+from .global_methods import (
+    DEFAULT_BLOCKS,
+    DEFAULT_TRAJECTORIES,
+    LARGEST_SEED,
+    check_blocks,
+    check_trajectories,
+    morris,
+    sobol,
+)
 from .ranges import (
     DEFAULT_OUTPUTS,
     DISTRIBUTIONS,
@@ -33,8 +39,6 @@ from .ranges import (
     output_columns,
     parameter_columns,
 )
-from .samples import check_seed
-from .sobol_indices import DEFAULT_BLOCKS, check_blocks, sobol
 from .text import in_words
 
 ELASTICITIES, MORRIS, SOBOL = METHODS = ("elasticities", "morris", "sobol")
@@ -107,14 +111,12 @@ def read_study(path: Path, method: str | None = None) -> SensitivityStudy:
         outputs=outputs,
         blocks=whole(path, content, "blocks", DEFAULT_BLOCKS, 2),
         trajectories=whole(path, content, "trajectories", DEFAULT_TRAJECTORIES, 2),
-        seed=whole(path, content, "seed", 0, 0),
+        seed=whole(path, content, "seed", 0, 0, LARGEST_SEED),
     )
     with located(file=path, key="blocks"):
         check_blocks(study.blocks, len(parameters))
     with located(file=path, key="trajectories"):
         check_trajectories(study.trajectories, len(parameters))
-    with located(file=path, key="seed"):
-        check_seed(study.seed)
     return study
 
 
@@ -145,7 +147,6 @@ def _methods(
 
 
 def _range(path: Path, column: InputColumn, entry) -> Range | None:
-    """Read the range of a parameter, None for an empty table."""
     key = f"parameters.{column.name}"
     if not isinstance(entry, dict):
         raise InputError(
@@ -224,19 +225,18 @@ def manifest(study: SensitivityStudy, datasets: dict[str, xr.Dataset]) -> dict:
     first = next(iter(datasets.values()))
     methods = {}
     for name, dataset in datasets.items():
-        about: dict = {"files": files_of_method(name)}
-        about |= {
+        methods[name] = {"files": files_of_method(name)} | {
             key: json.loads(dataset.attrs[key])
             for key in ATTRIBUTES
             if key in dataset.attrs
         }
-        if "groups_dropped" in dataset:
-            for key in ("groups_kept", "groups_dropped"):
-                counts = np.atleast_1d(dataset[key].values).tolist()
-                about[key] = dict(
-                    zip(dataset.output.values.tolist(), counts, strict=True)
-                )
-        methods[name] = about
+        for key in () if name == ELASTICITIES else ("groups_kept", "groups_dropped"):
+            counts = zip(
+                dataset.output.values.tolist(),
+                dataset[key].values.tolist(),
+                strict=True,
+            )
+            methods[name][key] = dict(counts)
     return {
         "title": study.title,
         "study": {"file": study.path.name, "sha256": study.sha256},
@@ -252,17 +252,6 @@ def manifest(study: SensitivityStudy, datasets: dict[str, xr.Dataset]) -> dict:
     }
 
 
-class StudyResult(NamedTuple):
-    """A study, and a dataset for each of its methods."""
-
-    study: SensitivityStudy
-    datasets: dict[str, xr.Dataset]
-
-    def in_words(self) -> str:
-        """Return the tables, one under the other."""
-        return "\n\n".join(in_words(dataset) for dataset in self.datasets.values())
-
-
 def run_study(
     path: Path,
     out: Path,
@@ -270,9 +259,9 @@ def run_study(
     method: str | None = None,
     accuracy: str | None = None,
     progress: Progress | ProgressFunction | None = None,
-) -> StudyResult:
+) -> str:
     """Compute a study, and write report.txt, manifest.json, and for each method its
-    table in CSV and its drawings.
+    table in CSV and its drawings. Returns the tables as text, one under the other.
 
     Args:
         path: the TOML file.
@@ -299,12 +288,12 @@ def run_study(
         for name, journal in journals.items():
             told = partial(as_progress(progress), f"impacts for {name}")
             datasets[name] = _compute(study, name, accuracy, journal, told)
-        result = StudyResult(study, datasets)
-        write_study(study, datasets, result.in_words(), new)
+        report = "\n\n".join(map(in_words, datasets.values()))
+        write_study(study, datasets, report, new)
         for name in study.methods:
             if name != ELASTICITIES:  # which keeps none
                 journals[name].unlink()
-    return result
+    return report
 
 
 def _compute(study, name, accuracy, journal, progress) -> xr.Dataset:
@@ -316,14 +305,13 @@ def _compute(study, name, accuracy, journal, progress) -> xr.Dataset:
             accuracy=accuracy or ELASTICITIES_ACCURACY,
             progress=progress,
         )
-    how = {
+    how: dict = {
         "seed": study.seed,
         "accuracy": accuracy or DEFAULT_ACCURACY,
         "journal": journal,
         "progress": progress,
     }
+    given = study.base, study.ranges, study.outputs
     if name == MORRIS:
-        how["trajectories"] = study.trajectories
-        return morris(study.base, study.ranges, study.outputs, **how)
-    how["blocks"] = study.blocks
-    return sobol(study.base, study.ranges, study.outputs, **how)
+        return morris(*given, trajectories=study.trajectories, **how)
+    return sobol(*given, blocks=study.blocks, **how)

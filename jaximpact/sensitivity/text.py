@@ -1,6 +1,7 @@
 """The results of a sensitivity study as text."""
 
 import json
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -46,20 +47,29 @@ def in_words(dataset: xr.Dataset) -> str:
     )
 
 
+def _table(
+    dataset: xr.Dataset,
+    before: tuple[str, ...],
+    row: Callable[[xr.Dataset], Sequence[str]],
+    after: tuple[str, ...] = (),
+) -> str:
+    """A row for each output, with a column for each parameter between others."""
+    rows = [("output", *before, *map(str, dataset.parameter.values), *after)]
+    rows += [(str(n), *row(dataset.sel(output=n))) for n in dataset.output.values]
+    return align(rows)
+
+
 def _elasticities(dataset: xr.Dataset) -> str:
-    parameters = [str(name) for name in dataset.parameter.values]
-    rows = [("output", "value", "unit", *parameters)]
-    for name in dataset.output.values:
-        of_output = dataset.sel(output=name)
-        cells = [
-            _cell(of_output.isel(parameter=place)) for place in range(len(parameters))
-        ]
+    def row(of_output: xr.Dataset) -> list[str]:
+        places = range(of_output.sizes["parameter"])
+        cells = [cell_text(of_output.isel(parameter=k), ".3g", MARKS) for k in places]
         value, unit = float(of_output.output_value), str(of_output.output_unit.values)
-        rows.append((str(name), f"{value:.4g}", unit, *cells))
+        return [f"{value:.4g}", unit, *cells]
+
     lines = [
         f"Elasticities ({dataset[OUTCOME_COLUMN].values} impact): "
         "per cent of the output for one per cent of the parameter",
-        align(rows),
+        _table(dataset, ("value", "unit"), row),
     ]
     for state, words in STATE_MEANINGS.items():
         if state in dataset.state:
@@ -71,11 +81,12 @@ def _elasticities(dataset: xr.Dataset) -> str:
     return "\n".join(lines)
 
 
-def _cell(entry: xr.Dataset) -> str:
+def cell_text(entry: xr.Dataset, digits: str, marks: Mapping[Check, str]) -> str:
+    """Write an elasticity, with a mark if it is doubtful, or why there is none."""
     state = State(int(entry.state))
     if state is not State.defined:
         return state.short
-    return f"{float(entry.elasticity):.3g}{MARKS.get(Check(int(entry.check)), '')}"
+    return f"{float(entry.elasticity):{digits}}{marks.get(Check(int(entry.check)), '')}"
 
 
 def _check_in_words(dataset: xr.Dataset) -> str:
@@ -90,82 +101,68 @@ def _check_in_words(dataset: xr.Dataset) -> str:
 
 
 def _many_elasticities(dataset: xr.Dataset) -> str:
-    parameters = [str(name) for name in dataset.parameter.values]
     others = [d for d in dataset.elasticity.dims if d not in ("parameter", "output")]
-    rows = [("output", *parameters)]
-    for name in dataset.output.values:
-        size = np.abs(dataset.elasticity.sel(output=name)).median(others, skipna=True)
-        rows.append((str(name), *(_number(float(x)) for x in size)))
+
+    def row(of_output: xr.Dataset) -> list[str]:
+        size = np.abs(of_output.elasticity).median(others, skipna=True)
+        return [_number(x) for x in size.values]
+
     count = int(np.prod([dataset.sizes[name] for name in others]))
-    total = dataset.state.size
     without = int((dataset.state.values != State.defined).sum())
     lines = [
         f"Median absolute elasticity of {count} impacts",
-        align(rows),
-        f"  {without} of {total} have no elasticity.",
+        _table(dataset, (), row),
+        f"  {without} of {dataset.state.size} have no elasticity.",
         f"  {_check_in_words(dataset)}",
     ]
     return "\n".join(lines)
 
 
-def _number(value: float) -> str:
-    return f"{value:.3g}" if np.isfinite(value) else "none"
+def _number(value: float, digits: str = ".3g", sign: str = "") -> str:
+    return f"{sign}{float(value):{digits}}" if np.isfinite(value) else "none"
+
+
+def _pairs(left: xr.DataArray, right: xr.DataArray, digits: str) -> list[str]:
+    return [
+        f"{a:{digits}} / {b:{digits}}" if np.isfinite(a + b) else "none"
+        for a, b in zip(left.values, right.values, strict=True)
+    ]
 
 
 def _sobol(dataset: xr.Dataset) -> str:
-    parameters = [str(name) for name in dataset.parameter.values]
-    rows = [("output", "mean", "deviation", "unit", *parameters, "largest interval")]
-    for name in dataset.output.values:
-        of_output = dataset.sel(output=name)
-        cells = [
-            f"{first:.2f} / {total:.2f}" if np.isfinite(total) else "none"
-            for first, total in zip(
-                of_output.first_order.values, of_output.total_order.values, strict=True
-            )
+    def row(of_output: xr.Dataset) -> list[str]:
+        intervals = of_output.first_order_interval, of_output.total_order_interval
+        return [
+            _number(float(of_output["mean"])),
+            _number(float(of_output.standard_deviation)),
+            str(of_output.output_unit.values),
+            *_pairs(of_output.first_order, of_output.total_order, ".2f"),
+            _number(max(float(each.max()) for each in intervals), ".2f", "+-"),
         ]
-        interval = max(
-            float(of_output.first_order_interval.max()),
-            float(of_output.total_order_interval.max()),
-        )
-        rows.append(
-            (
-                str(name),
-                _number(float(of_output["mean"])),
-                _number(float(of_output.standard_deviation)),
-                str(of_output.output_unit.values),
-                *cells,
-                f"+-{interval:.2f}" if np.isfinite(interval) else "none",
-            )
-        )
+
+    head = ("mean", "deviation", "unit")
     title = "Sobol indices, first-order / total: part of the output's variance"
-    return "\n".join([title, align(rows), *_left_out(dataset, "block")])
+    table = _table(dataset, head, row, ("largest interval",))
+    return "\n".join([title, table, *_left_out(dataset, "block", "blocks")])
 
 
 def _morris(dataset: xr.Dataset) -> str:
-    parameters = [str(name) for name in dataset.parameter.values]
-    rows = [("output", "unit", *parameters)]
-    for name in dataset.output.values:
-        of_output = dataset.sel(output=name)
-        cells = [
-            f"{strength:.2g} / {deviation:.2g}" if np.isfinite(strength) else "none"
-            for strength, deviation in zip(
-                of_output.mean_absolute_effect.values,
-                of_output.effect_deviation.values,
-                strict=True,
-            )
-        ]
-        rows.append((str(name), str(of_output.output_unit.values), *cells))
+    def row(of_output: xr.Dataset) -> list[str]:
+        strength, deviation = of_output.mean_absolute_effect, of_output.effect_deviation
+        unit = str(of_output.output_unit.values)
+        return [unit, *_pairs(strength, deviation, ".2g")]
+
     title = "Elementary effects of the whole range, mu* / sigma"
-    return "\n".join([title, align(rows), *_left_out(dataset, "trajectory")])
+    table = _table(dataset, ("unit",), row)
+    return "\n".join([title, table, *_left_out(dataset, "trajectory", "trajectories")])
 
 
-def _left_out(dataset: xr.Dataset, group: str) -> list[str]:
+def _left_out(dataset: xr.Dataset, group: str, plural: str) -> list[str]:
     """Outcomes, groups that were dropped, and outputs without an estimate."""
     outcomes = json.loads(dataset.attrs["outcomes"])
     ends = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
     lines = [f"  Impacts: {ends}."]
     dropped, kept = dataset.groups_dropped.values, dataset.groups_kept.values
-    plural = {"block": "blocks", "trajectory": "trajectories"}[group]
     if not dropped.any():
         lines.append(f"  No {group} was left out.")
     for name, out, rest, reason in zip(

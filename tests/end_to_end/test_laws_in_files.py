@@ -28,7 +28,7 @@ from jaximpact import (
 )
 from jaximpact.cli import main
 from jaximpact.errors import InputError
-from jaximpact.io.scene_file import read_scene
+from jaximpact.io.toml import read_scene
 from jaximpact.laws import FluidityRate, HardeningPerMetre
 from jaximpact.quantities import SLOTS, columns_of, shipped_parts
 from jaximpact.scene_quantities import scene_of_values, scene_values

@@ -306,3 +306,8 @@ def test_a_file_without_a_table_is_refused(tmp_path, of_sphere):
 def test_values_out_of_range_are_told(values, message):
     with pytest.raises(ValueError, match=message):
         tabulate(**values)
+
+
+def test_contacts_need_a_table():
+    with pytest.raises(InputError, match="at least one table"):
+        Tabulated([])

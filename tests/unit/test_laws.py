@@ -16,6 +16,7 @@ from jaximpact.laws import (
     AbsoluteOverstress,
     AbstractHardening,
     Coulomb,
+    DeepestPoint,
     FlowRate,
     Forces,
     Load,
@@ -570,3 +571,8 @@ def test_contact_is_finite_with_its_gradients_at_every_singular_state(
     for i, name in enumerate(states):
         lane = jax.tree.map(lambda x, i=i: x[i], (value, slopes))
         assert all_finite(lane), name
+
+
+def test_a_law_without_parameters_refuses_any():
+    with pytest.raises(TypeError, match="DeepestPoint has no field 'x'; it has none"):
+        DeepestPoint(x=1.0)

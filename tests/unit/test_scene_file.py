@@ -9,7 +9,7 @@ from error_messages import assert_one_line
 
 from jaximpact import Block, Impact, Scene, Soil
 from jaximpact.errors import InputError
-from jaximpact.io.scene_file import read_scene, scene_from
+from jaximpact.io.toml import read_scene, scene_from
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ LAYERS = """
     errors _types _safe _checks _jax_internals _precision _gc_pause _versions units
     interruption progress store finding
     parameters identity accuracy
-    shapes laws soil scene indexing
+    shapes laws soil scene
     quantities scene_quantities
     impact restitution
     integrator
@@ -32,7 +32,7 @@ LAYERS = """
     plotting
     result
     simulation
-    batch sweeping sweep_file impact_response
+    batch sweeping impact_response
     rebound
     calibration
     sensitivity

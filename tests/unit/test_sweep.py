@@ -23,7 +23,7 @@ from jaximpact import (
 )
 from jaximpact.errors import InputError
 from jaximpact.paper.sets import GROUNDS, PARAMETRIC_SETS
-from jaximpact.sweep_file import read_sweep_study
+from jaximpact.sweeping import read_sweep_study
 
 BASE = Scene(block=Block(mass=200.0, aspect_ratio=1.5), impact=Impact(speed=11.0))
 AXES = {

@@ -1,0 +1,404 @@
+"""Sobol indices and Morris's elementary effects: which parameters matter over ranges.
+
+An estimator compares impacts that belong together: a block of Saltelli's sample, a
+trajectory of Morris's. A group with an impact that has no value is left out whole, and
+counted. A mean in the place of that value would bias the indices towards zero, and the
+other impacts of the group alone would compare what does not belong together.
+
+The groups that are left sample the region where the model has values. If failures
+gather in a corner of the ranges, the estimates hold for the rest of them.
+"""
+
+import dataclasses
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+
+from .._checks import whole_number
+from .._precision import require_float64
+from .._versions import version_of, versions
+from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
+from ..batch import simulate_batch
+from ..errors import InputError
+from ..io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
+from ..io.datasets import provenance
+from ..io.result_table import count_outcomes
+from ..progress import Progress, ProgressFunction
+from ..scene import SceneLike, as_scene
+from ..scene_quantities import scene_with
+from .ranges import (
+    DEFAULT_OUTPUTS,
+    Range,
+    axes_of_names,
+    check_ranges,
+    output_columns,
+    parameter_columns,
+)
+
+DEFAULT_BLOCKS = 4096
+DEFAULT_TRAJECTORIES = 256
+LEVELS = 4
+"""Levels of the grid on which the trajectories run; the usual number."""
+LARGEST_SEED = 2**32 - 2
+"""SALib's own limit, less the one that is added."""
+BOOTSTRAP = {"num_resamples": 200, "conf_level": 0.95}
+"""Resamples, and probability of the confidence intervals."""
+LEAST_KEPT = 0.5
+"""Fraction of the groups that must be complete."""
+CONSTANT_WITHIN = 1e-12
+"""Range over size of an output below which it counts as constant."""
+
+
+def sobol(
+    base: SceneLike,
+    ranges: Mapping[str, Range | tuple[float, float]],
+    outputs: Iterable[str] = DEFAULT_OUTPUTS,
+    *,
+    blocks: int = DEFAULT_BLOCKS,
+    seed: int = 0,
+    accuracy: str | Accuracy = DEFAULT_ACCURACY,
+    journal: Path | None = None,
+    progress: Progress | ProgressFunction | None = None,
+) -> xr.Dataset:
+    r"""Compute Sobol indices of impacts over ranges of parameters.
+
+    $$ S_i = \frac{V[E(y | x_i)]}{V[y]}, \qquad
+       S_{Ti} = 1 - \frac{V[E(y | x_{\sim i})]}{V[y]} $$
+
+    The first-order index is the fraction of the variance that vanishes if a parameter
+    becomes known, the total index the fraction that remains if all others do. Their
+    difference is the part of interactions with other parameters.
+
+    Args:
+        base: one impact, as for `simulate`; the values of what does not vary.
+        ranges: input column -> `Range`, or a pair (lower, upper), uniform, in the unit
+            of the column; at least two. Parameters are independent.
+        outputs: result columns; by default all of a table of results.
+        blocks: number of blocks of Saltelli's sample, a power of two; each takes an
+            impact for every parameter and two more. Confidence intervals narrow with
+            its square root.
+        seed: of the sample and of the bootstrap.
+        accuracy, journal, progress: as for `simulate_batch`.
+
+    Returns:
+        A dataset over `output` and `parameter`: `first_order`, `total_order`, and
+        `..._interval`, the half width of the 95 % confidence interval (bootstrap). For
+        each output its `mean` and `standard_deviation` over the ranges, and
+        `groups_kept`, `groups_dropped`: a block with an impact that has no value is
+        left out whole; see `sensitivity.global_methods`. Indices are NaN where fewer
+        than half of the blocks are left, or the output does not change; `reason` says
+        so.
+        Outcomes (attribute `outcomes`) that are no failure count as they are: a
+        separating block has an e_n of -1.
+
+    Source: Saltelli et al. (2010), doi 10.1016/j.cpc.2009.09.018, through SALib.
+
+    Raises:
+        InputError: unknown names, ranges that are none, blocks that are no power of
+            two, a journal of something else.
+        ValueError: a base that is no single scene.
+    """
+    return _estimate_over_ranges(
+        _SOBOL, base, ranges, outputs, blocks, seed, accuracy, journal, progress
+    )
+
+
+def morris(
+    base: SceneLike,
+    ranges: Mapping[str, Range | tuple[float, float]],
+    outputs: Iterable[str] = DEFAULT_OUTPUTS,
+    *,
+    trajectories: int = DEFAULT_TRAJECTORIES,
+    seed: int = 0,
+    accuracy: str | Accuracy = DEFAULT_ACCURACY,
+    journal: Path | None = None,
+    progress: Progress | ProgressFunction | None = None,
+) -> xr.Dataset:
+    r"""Compute elementary effects of parameters over their ranges.
+
+    A trajectory changes one parameter after another by two thirds of its range; the
+    change of the output, divided by that fraction, is an elementary effect. The mean
+    absolute effect, mu*, says how much a parameter matters. Their standard deviation,
+    sigma, says how far that depends on the point: nonlinearity and interactions.
+
+    Args:
+        base, ranges, outputs, seed, accuracy, journal, progress: as for `sobol`.
+        trajectories: their number; each takes an impact for every parameter and one
+            more.
+
+    Returns:
+        A dataset over `output` and `parameter`: `mean_effect` (mu),
+        `mean_absolute_effect` (mu*), the half width of its 95 % confidence interval
+        (`mean_absolute_effect_interval`, bootstrap) and `effect_deviation` (sigma), in
+        the unit of the output over the whole range of the parameter. For each output
+        `groups_kept`, `groups_dropped`: a trajectory with an impact that has no value
+        is left out whole; effects are NaN, and `reason` says why, as for `sobol`.
+
+    Source: Morris (1991), doi 10.1080/00401706.1991.10484804, through SALib.
+
+    Raises as `sobol` does.
+    """
+    return _estimate_over_ranges(
+        _MORRIS, base, ranges, outputs, trajectories, seed, accuracy, journal, progress
+    )
+
+
+class _Method(NamedTuple):
+    """A method of global sensitivity analysis."""
+
+    title: str
+    check_size: Callable[[int, int], None]
+    """Raises InputError for a number of groups, and of parameters, that is unfit."""
+    sample: Callable[[dict, int, int], np.ndarray]
+    """Of a problem for SALib, the number of groups and a seed: fractions of the ranges,
+    shape (impacts, parameters)."""
+    estimate: Callable[[np.ndarray, np.ndarray, int], dict[str, Any]]
+    """Of the fractions (groups, impacts, parameters), values of an output (groups,
+    impacts) and a seed: the variables of the dataset, for that output."""
+    attributes: Mapping[str, dict[str, str]]
+    """Variable -> its attributes in the dataset."""
+
+
+def _estimate_over_ranges(
+    method: _Method,
+    base: SceneLike,
+    ranges: Mapping[str, Range | tuple[float, float]],
+    outputs: Iterable[str],
+    size: int,
+    seed: int,
+    accuracy: str | Accuracy,
+    journal: Path | None,
+    progress: Progress | ProgressFunction | None,
+) -> xr.Dataset:
+    """Sample `size` groups, compute their impacts and estimate each output's indices;
+    the other arguments as for `sobol`."""
+    require_float64()
+    base = as_scene(base)
+    check_scene(base)
+    checked, results = check_ranges(base, ranges), output_columns(outputs)
+    whole_number("seed", seed, 0, LARGEST_SEED)
+    method.check_size(size, len(checked))
+    setting = get_accuracy(accuracy)
+    fractions = method.sample(problem_of(checked), size, seed)
+    sampled = {
+        name: given.values(fractions[:, i])
+        for i, (name, given) in enumerate(checked.items())
+    }
+    computed = simulate_batch(
+        scene_with(base, sampled), accuracy=setting, journal=journal, progress=progress
+    )
+    fractions = fractions.reshape(size, -1, len(checked))
+    found = [
+        method.estimate(fractions, getattr(computed, c.field).reshape(size, -1), seed)
+        for c in results
+    ]
+    variables = {}
+    for name in found[0]:
+        values = np.array([of_output[name] for of_output in found])
+        dimensions = ("output", "parameter")[: values.ndim]
+        variables[name] = dimensions, values, method.attributes.get(name, {})
+    return xr.Dataset(
+        variables,
+        axes_of_names(parameter_columns(base, checked), results),
+        attrs={
+            "title": f"jaximpact: {method.title} of impacts",
+            **provenance(base, setting),
+            "ranges": json.dumps(
+                {name: dataclasses.asdict(given) for name, given in checked.items()}
+            ),
+            "seed": seed,
+            "outcomes": json.dumps(count_outcomes(computed)),
+            "versions": json.dumps(versions() | {"SALib": version_of("SALib")}),
+        },
+    )
+
+
+def problem_of(names: Iterable[str]) -> dict:
+    """Describe parameters between 0 and 1 to SALib. SALib writes into the description,
+    so it is made anew each time."""
+    names = list(names)
+    bounds = [[0.0, 1.0]] * len(names)
+    return {"num_vars": len(names), "names": names, "bounds": bounds}
+
+
+def _complete_groups(values: np.ndarray) -> tuple[np.ndarray, dict[str, Any]]:
+    """Select the groups that have all their values, shape (groups, impacts); count
+    them, and say why they do not suffice, if they do not."""
+    complete = np.isfinite(values).all(axis=1)
+    whole = values[complete]
+    reason = ""
+    if len(whole) < max(2, LEAST_KEPT * len(values)):
+        words = "less than half of the groups" if len(whole) else "no group"
+        reason = f"{words} has all its values"
+    elif np.ptp(whole) <= CONSTANT_WITHIN * np.abs(whole).max():
+        reason = "the output does not change"
+    return whole, {
+        "groups_kept": np.int32(len(whole)),
+        "groups_dropped": np.int32(len(values) - len(whole)),
+        "reason": reason,
+    }
+
+
+# --- Sobol indices.
+
+
+def sobol_of(values: Float[np.ndarray, "blocks rows"], seed: int) -> dict[str, Any]:
+    """Estimate first-order and total indices from blocks of Saltelli's sample.
+
+    Args:
+        values: a row for each block, in SALib's order: A, then A with each parameter
+            from B, then B; NaN where there is none.
+        seed: of the bootstrap.
+
+    Returns the variables of `sobol` for one output.
+
+    Source: Saltelli et al. (2010), doi 10.1016/j.cpc.2009.09.018, as SALib computes it.
+    """
+    from SALib.analyze import sobol as salib  # a second, for pandas and SciPy
+
+    parameters = values.shape[1] - 2
+    whole, groups = _complete_groups(values)
+    if groups["reason"]:
+        indices = dict.fromkeys(_INDICES, np.full(parameters, np.nan))
+        return indices | groups | dict.fromkeys(_TOTALS, np.nan)
+    found = salib.analyze(
+        problem_of(map(str, range(parameters))),
+        whole.ravel(),
+        calc_second_order=False,
+        seed=seed + 1,  # SALib takes 0 for none
+        **BOOTSTRAP,
+    )
+    indices = {name: found[of_salib] for name, of_salib in _INDICES.items()}
+    ends = whole[:, [0, -1]]
+    return indices | groups | {"mean": ends.mean(), "standard_deviation": ends.std()}
+
+
+def check_blocks(blocks: int, parameters: int) -> None:
+    """Raise InputError unless the number of blocks is a power of two, which Sobol's
+    sequence needs for its balance, and the sample fits into memory."""
+    blocks = whole_number("blocks", blocks, 2)
+    if blocks & (blocks - 1):
+        raise InputError(
+            f"blocks must be a power of two, but is {blocks}; take "
+            f"{2 ** round(math.log2(blocks))}"
+        )
+    impacts = blocks * (parameters + 2)
+    check_memory(impacts * NUMBERS_PER_IMPACT, f"{blocks} blocks, {impacts} impacts,")
+
+
+def _sample_blocks(problem: dict, blocks: int, seed: int) -> np.ndarray:
+    from SALib.sample import sobol as salib  # a second, for pandas and SciPy
+
+    return salib.sample(problem, blocks, calc_second_order=False, seed=seed)
+
+
+_INDICES = {
+    "first_order": "S1",
+    "first_order_interval": "S1_conf",
+    "total_order": "ST",
+    "total_order_interval": "ST_conf",
+}
+"""Variable -> SALib's name of it."""
+_TOTALS = ("mean", "standard_deviation")
+_INTERVAL = {"units": "-", "long_name": "half width of its 95 % interval"}
+_SOBOL = _Method(
+    title="Sobol indices",
+    check_size=check_blocks,
+    sample=_sample_blocks,
+    estimate=lambda fractions, values, seed: sobol_of(values, seed),
+    attributes={
+        "first_order": {"units": "-", "long_name": "first-order index"},
+        "first_order_interval": _INTERVAL,
+        "total_order": {"units": "-", "long_name": "total index"},
+        "total_order_interval": _INTERVAL,
+    }
+    | {
+        name: {"long_name": f"{name} over the ranges, in output_unit"}
+        for name in _TOTALS
+    },
+)
+
+
+# --- Elementary effects.
+
+
+def morris_of(
+    fractions: Float[np.ndarray, "trajectories rows parameters"],
+    values: Float[np.ndarray, "trajectories rows"],
+    seed: int,
+) -> dict[str, Any]:
+    """Estimate elementary effects from trajectories.
+
+    Args:
+        fractions: of the ranges, 0 to 1, from SALib's sample.
+        values: outputs; NaN where there is none.
+        seed: of the bootstrap.
+
+    Returns the variables of `morris` for one output.
+
+    Source: Morris (1991), doi 10.1080/00401706.1991.10484804, and Campolongo et al.
+    (2007), doi 10.1016/j.envsoft.2006.10.004, as SALib computes it.
+    """
+    from SALib.analyze import morris as salib  # a second, for pandas and SciPy
+
+    parameters = fractions.shape[2]
+    whole, groups = _complete_groups(values)
+    if groups["reason"]:
+        return dict.fromkeys(_EFFECTS, np.full(parameters, np.nan)) | groups
+    found = salib.analyze(
+        problem_of(map(str, range(parameters))),
+        fractions[np.isfinite(values).all(axis=1)].reshape(-1, parameters),
+        whole.ravel(),
+        num_levels=LEVELS,
+        seed=seed,
+        **BOOTSTRAP,
+    )
+    effects = {
+        name: np.asarray(found[of_salib], float)
+        for name, (of_salib, _) in _EFFECTS.items()
+    }
+    return effects | groups
+
+
+def check_trajectories(trajectories: int, parameters: int) -> None:
+    """Raise InputError for too few trajectories to have a standard deviation, and for
+    more than fit into memory."""
+    whole_number("trajectories", trajectories, 2)
+    impacts = trajectories * (parameters + 1)
+    check_memory(
+        impacts * NUMBERS_PER_IMPACT, f"{trajectories} trajectories, {impacts} impacts,"
+    )
+
+
+def _sample_trajectories(problem: dict, trajectories: int, seed: int) -> np.ndarray:
+    from SALib.sample import morris as salib  # a second, for pandas and SciPy
+
+    return salib.sample(problem, trajectories, num_levels=LEVELS, seed=seed)
+
+
+_EFFECTS = {
+    "mean_effect": ("mu", "mu, mean effect of the whole range"),
+    "mean_absolute_effect": ("mu_star", "mu*, mean absolute effect of the whole range"),
+    "mean_absolute_effect_interval": (
+        "mu_star_conf",
+        "half width of its 95 % interval",
+    ),
+    "effect_deviation": ("sigma", "sigma, standard deviation of the effect"),
+}
+"""Variable -> SALib's name of it, and its meaning."""
+_MORRIS = _Method(
+    title="Morris's elementary effects",
+    check_size=check_trajectories,
+    sample=_sample_trajectories,
+    estimate=morris_of,
+    attributes={
+        name: {"units": "output_unit", "long_name": meaning}
+        for name, (_, meaning) in _EFFECTS.items()
+    },
+)
