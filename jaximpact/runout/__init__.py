@@ -5,8 +5,9 @@ from .analysis import Maxima, Passages, first_passages, maxima_along, passages
 from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
 from .derivatives.gradients import Standing, differentiate_runout, runout_gradients
+from .distributions import Lognormal, Normal, PowerLaw, Uniform
 from .dual import Dual
-from .random_inputs import Normal, Uniform, draw
+from .random_inputs import draw
 from .scheduler import simulate_runout
 from .study.run_study import run_slope_study
 from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
@@ -23,11 +24,13 @@ __all__ = [
     "Ground",
     "ImpactResponse",
     "ImpactResponses",
+    "Lognormal",
     "Maxima",
     "MotionMode",
     "Normal",
     "Passages",
     "Pieces",
+    "PowerLaw",
     "Profile",
     "Release",
     "Runs",

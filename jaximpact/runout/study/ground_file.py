@@ -14,7 +14,7 @@ from ...io.toml import known_table, typed, unknown, with_named_parts
 from ...parameters import parts_of
 from ...quantities import columns_of_part
 from ...soil import Soil
-from ..random_inputs import Quantity, read_quantity
+from ..random_inputs import Quantity
 from ..terrain import (
     ROLLING_FRICTION_ANGLE,
     Ground,
@@ -23,6 +23,7 @@ from ..terrain import (
     read_profile,
 )
 from .calibrated import Calibrated, read_calibrated
+from .quantity import read_quantity
 
 LAWS = tuple(parts_of(Soil))
 """Keys of the ground that name laws."""

@@ -28,7 +28,7 @@ from ...units import DEGREE
 from ..blocks import Release
 from ..contacts.contact_models import Contacts
 from ..flight.placement import check_release, lying_height
-from ..random_inputs import Quantity, combinations, draw, is_random, read_quantity
+from ..random_inputs import Quantity, combinations, draw, is_random
 from ..scheduler import EVENT_LIMIT, TIME_LIMIT
 from ..terrain import (
     ANGLE_COLUMNS,
@@ -39,6 +39,7 @@ from ..terrain import (
 )
 from .contact_laws import check_law, read_laws
 from .ground_file import GroundInput, read_ground_profile
+from .quantity import read_quantity
 
 TABLES = ("profile", "ground", "block", "release", "contacts")
 NUMBERS = (
@@ -365,7 +366,7 @@ def _check_sample(
         i = int(np.argmax(bad))
         raise InputError(
             f"must be {needed}, but is {values[i]:g} for block {i}; least and most "
-            "cut a normal distribution off",
+            "truncate a distribution",
             file=path,
             key=key,
         )
