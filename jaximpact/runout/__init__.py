@@ -7,11 +7,12 @@ from .contacts.contact_models import ClosedForm, Contacts, FullModel
 from .derivatives.gradients import Standing, differentiate_runout, runout_gradients
 from .distributions import Lognormal, Normal, PowerLaw, Uniform
 from .dual import Dual
+from .profile_csv import read_profile
 from .random_inputs import draw
 from .scheduler import simulate_runout
 from .study.run_study import run_slope_study
 from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
-from .terrain import Ground, Profile, read_profile
+from .terrain import Ground, Profile
 from .trajectory import ContactRecord, Ending, MotionMode, Pieces, Runs
 
 __all__ = [

@@ -7,6 +7,7 @@ from ...errors import InputError
 from ...io.toml import check_keys, number, quantity
 from ...quantities import InputColumn
 from ..distributions import Distribution, Lognormal, Normal, PowerLaw, Uniform
+from ..random_fields import RandomField
 from ..random_inputs import Quantity
 
 BOUNDS = ("least", "most")
@@ -17,6 +18,8 @@ KINDS = {
     PowerLaw: ("exponent",),
 }
 """Keys of each distribution; all but the uniform one take `BOUNDS` too."""
+LENGTH = "correlation_length_m"
+"""Key of a quantity of the ground that varies along the slope."""
 KEYS = tuple(name for names in KINDS.values() for name in names) + BOUNDS
 
 
@@ -40,7 +43,9 @@ def read_quantity(path: Path, key: str, value, column: InputColumn | None) -> Qu
         return tuple(one(v) for v in value)
     if not isinstance(value, dict):
         return one(value)
-    check_keys(path, key, value, KEYS)
+    if LENGTH in value:
+        _refuse(path, f"{key}.{LENGTH}", "is for quantities of the ground only")
+    check_keys(path, key, value, (*KEYS, LENGTH))
     if set(value) == set(KINDS[Uniform]):
         start, stop = (one(value[n], f"{key}.{n}") for n in KINDS[Uniform])
         if not start < stop:
@@ -63,6 +68,22 @@ def read_quantity(path: Path, key: str, value, column: InputColumn | None) -> Qu
         "} or { exponent, least, most }; least and most may stand in all but the "
         f"first; but is {value!r}",
     )
+
+
+def read_ground_quantity(
+    path: Path, key: str, value, column: InputColumn
+) -> Quantity | RandomField:
+    """Read a quantity of the ground, which may vary along the slope; see
+    `read_quantity`."""
+    if not isinstance(value, dict) or LENGTH not in value:
+        return read_quantity(path, key, value, column)
+    length = number(path, f"{key}.{LENGTH}", value[LENGTH])
+    if not length > 0.0:
+        _refuse(path, f"{key}.{LENGTH}", f"must be above 0 m, but is {length:g}")
+    rest = {name: of for name, of in value.items() if name != LENGTH}
+    distribution = read_quantity(path, key, rest, column)
+    assert isinstance(distribution, Distribution)
+    return RandomField(distribution, length)
 
 
 def _check(path: Path, key: str, given: Distribution) -> None:
