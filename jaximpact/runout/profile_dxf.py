@@ -11,7 +11,8 @@ from ..io.files import read_input
 KINDS = ("LINE", "LWPOLYLINE", "POLYLINE")
 """Entities that a profile is read from."""
 SAGITTA = 0.01
-"""Largest distance of an arc from the chords that stand for it [m]."""
+"""Largest distance of the chords from an arc [m], which ezdxf takes for cubic curves
+within 3e-4 of its radius."""
 TOUCHING = 1e-6
 """Distance of ends of lines that are joined, as a fraction of the drawing's size."""
 
@@ -89,7 +90,7 @@ def _lines_by_layer(path: Path) -> dict[str, list[np.ndarray]]:
             for entity in entities:
                 vertices = ezdxf.path.make_path(entity).flattening(SAGITTA)
                 points = np.array([tuple(v) for v in vertices], float)
-                if len(points) > 1:
+                if len(points) and np.any(points != points[0]):
                     found.setdefault(entity.dxf.layer, []).append(points)
         except Exception as error:  # of many kinds, for damaged files
             told = str(error) or type(error).__name__
@@ -114,7 +115,7 @@ def _flat(path: Path, layer: str, points: np.ndarray) -> np.ndarray:
 def _joined(lines: list[np.ndarray]) -> list[np.ndarray]:
     """Join lines whose ends touch, until none do."""
     size = np.max(np.ptp(np.concatenate(lines), axis=0))
-    waiting = [line for line in lines if len(line) > 1]
+    waiting = list(lines)
     chains = []
     while waiting:
         chain = waiting.pop(0)

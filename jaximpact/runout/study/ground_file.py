@@ -175,11 +175,11 @@ def _materials(path: Path, table: dict, soil: Soil) -> dict[str, Part]:
             for end in ENDS
             if end in values
         ]
+        quantities = _quantities(path, values, key, soil, ENDS)
         if len(ends) == 1 or (ends and not ends[0] < ends[1]):
             raise InputError(
                 "needs from_x_m and to_x_m, the larger one", file=path, key=key
             )
-        quantities = _quantities(path, values, key, soil, ENDS)
         parts[f"materials.{name}"] = Part(
             f"materials.{name}", quantities, ends=tuple(ends) or None
         )

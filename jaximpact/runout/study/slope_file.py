@@ -194,7 +194,8 @@ def _count(
     is_rough = np.any(profile.roughness > 0.0) or any(
         key.endswith(ROUGHNESS_COLUMN) for key in quantities
     )
-    by_chance = is_random(quantities) or is_rough or jointly
+    has_fields = any(isinstance(q, RandomField) for q in quantities.values())
+    by_chance = is_random(quantities) or has_fields or is_rough or jointly
     count = DEFAULT_COUNT if by_chance else combinations(quantities)
     return whole(path, content, "count", count, 1)
 
