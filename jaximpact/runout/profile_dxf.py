@@ -75,20 +75,22 @@ def _lines_by_layer(path: Path) -> dict[str, list[np.ndarray]]:
     """Read the lines of the model space, points `(points, 2)` each."""
     read_input(path)
     try:
-        import ezdxf  # pyright: ignore[reportMissingImports]
-        import ezdxf.path  # pyright: ignore[reportMissingImports]
+        from ezdxf.filemanagement import (  # pyright: ignore[reportMissingImports]
+            readfile,
+        )
+        from ezdxf.path import make_path  # pyright: ignore[reportMissingImports]
     except ImportError:
         raise InputError(
-            "needs the package ezdxf to be read; install it with pip install ezdxf",
+            "needs the package ezdxf to be read: pip install ezdxf",
             file=path,
         ) from None
     found: dict[str, list[np.ndarray]] = {}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            entities = ezdxf.readfile(path).modelspace().query(" ".join(KINDS))
+            entities = readfile(path).modelspace().query(" ".join(KINDS))
             for entity in entities:
-                vertices = ezdxf.path.make_path(entity).flattening(SAGITTA)
+                vertices = make_path(entity).flattening(SAGITTA)
                 points = np.array([tuple(v) for v in vertices], float)
                 if len(points) and np.any(points != points[0]):
                     found.setdefault(entity.dxf.layer, []).append(points)

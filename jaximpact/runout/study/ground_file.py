@@ -82,8 +82,9 @@ class GroundInput(NamedTuple):
         """
         if self.calibrated is None or not self.sampled_jointly():
             return {}
+        # A number, where there are no samples: a field is refused beside a calibration.
         given = {
-            name: np.broadcast_to(samples.get(f"ground.{name}", value), (count,))
+            name: samples.get(f"ground.{name}", np.full(count, value))
             for name, value in self.everywhere.items()
             if name in self.calibrated.names
         }
@@ -98,8 +99,8 @@ class GroundInput(NamedTuple):
 
     def varied(self) -> dict[str, Quantity]:
         """List the quantities that differ from block to block by themselves, by key."""
-        alike = float | RandomField
-        return {k: q for k, q in self._by_key().items() if not isinstance(q, alike)}
+        keys = self._by_key().items()
+        return {k: q for k, q in keys if not isinstance(q, float | RandomField)}
 
     def fields(self) -> dict[str, RandomField]:
         """List the quantities that vary along the slope, by key."""

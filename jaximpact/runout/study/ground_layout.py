@@ -17,8 +17,9 @@ LEAST_PIECE = 0.1
 """Least width of a piece between a boundary of a field's cells and another point, as a
 fraction of a cell; a boundary that is nearer cuts nothing."""
 
-MOST_CELLS = 10_000
-"""Largest number of cells of a field."""
+MOST_CELLS = 5_000
+"""Largest number of cells of a field: a block that rolls takes an event for each, and
+has 10 000 unless the study says otherwise."""
 
 
 class Part(NamedTuple):

@@ -86,7 +86,7 @@ def read_ground_quantity(
     return RandomField(distribution, length)
 
 
-def _check(path: Path, key: str, given: Distribution) -> None:
+def _check(path: Path, key: str, given: Normal | Lognormal | PowerLaw) -> None:
     """Raise InputError for parameters out of range, and bounds that leave nothing."""
     above = {"sd": 0.0, "median": 0.0, "geometric_sd": 1.0, "exponent": 0.0}
     if isinstance(given, PowerLaw):

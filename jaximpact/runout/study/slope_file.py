@@ -13,7 +13,6 @@ from ...io.files import read_input
 from ...io.toml import check_keys, number, parse_toml, typed, whole
 from ..blocks import Release
 from ..contacts.contact_models import Contacts
-from ..random_fields import RandomField
 from ..random_inputs import Quantity, combinations, draw, is_random
 from ..scheduler import EVENT_LIMIT, TIME_LIMIT
 from ..terrain import (
@@ -128,7 +127,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     start = read_release(path, content, profile)
     quantities = ground_input.varied() | blocks.quantities | start
     jointly, fields = ground_input.sampled_jointly(), ground_input.fields()
-    count = _count(path, content, quantities | fields, profile, bool(jointly))
+    count = _count(path, content, quantities, profile, bool(jointly or fields))
     bins = whole(path, content, "bins", DEFAULT_BINS, 1)
     check_memory(
         count * (bins + NUMBERS_PER_IMPACT),
@@ -185,17 +184,16 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
 def _count(
     path: Path,
     content: dict,
-    quantities: dict[str, Quantity | RandomField],
+    quantities: dict[str, Quantity],
     profile: Profile,
-    jointly: bool,
+    by_chance: bool,
 ) -> int:
     """Read the number of blocks; without one, take all combinations of lists, or the
     default number where something is random."""
     is_rough = np.any(profile.roughness > 0.0) or any(
         key.endswith(ROUGHNESS_COLUMN) for key in quantities
     )
-    has_fields = any(isinstance(q, RandomField) for q in quantities.values())
-    by_chance = is_random(quantities) or has_fields or is_rough or jointly
+    by_chance |= is_random(quantities) or bool(is_rough)
     count = DEFAULT_COUNT if by_chance else combinations(quantities)
     return whole(path, content, "count", count, 1)
 
