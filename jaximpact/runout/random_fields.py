@@ -17,8 +17,9 @@ which needs no matrix and is exact for any number of places.
 **Cells.** The profile is cut to cells of $h = \ell/4$, counted from its left end, and
 the ground of a cell is that of its middle. Between two places anywhere at a distance d
 the correlation then is $e^{-|d|/\ell}$ interpolated between multiples of h: above it by
-no more than $h^2/(8 \ell^2)$ = 0.008. Ten cells to a length would bring that to 0.001
-at more than twice the time for blocks that roll.
+no more than $h^2/(8 \ell^2)$ = 0.008. More cells are not better: run-outs do not differ
+by them, but blocks that travel during an impact are held up at each cut, and blocks
+that roll take an event for each.
 
 Source: Vanmarcke (1983), Random fields: analysis and synthesis; Grigoriu (1984),
 Crossings of non-Gaussian translation processes.
