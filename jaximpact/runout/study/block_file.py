@@ -56,9 +56,9 @@ class BlockInput(NamedTuple):
             if name in samples
         }
         if VOLUME in samples:
-            fields["mass"] = (
-                fields.get("density", float(base.density)) * samples[VOLUME]
-            )
+            density = fields.get("density", float(base.density))
+            with np.errstate(over="ignore"):  # a mass of inf is refused
+                fields["mass"] = density * samples[VOLUME]
         fields.setdefault("mass", np.full(count, float(base.mass)))
         return dataclasses.replace(base, **fields)
 

@@ -196,7 +196,8 @@ def _check_cover(
         i = int(np.argmax(times > 1))
         first, second, *_ = (p.name for p in ours if layout.places[p.key][i])
         raise InputError(
-            f"overlap: {first} and {second} are both at x = {x[i]:g} to {x[i + 1]:g} m",
+            f"overlap: {first} and {second} are both at x = {x[i]:.10g} to "
+            f"{x[i + 1]:.10g} m",
             file=path,
             key="ground.materials",
         )
@@ -220,7 +221,7 @@ def _stretches(x: np.ndarray, chosen: np.ndarray) -> str:
     """Name the stretches that chosen segments make, as text."""
     steps = np.diff(np.concatenate([[0], chosen.astype(int), [0]]))
     ends = zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True)
-    return ", ".join(f"{x[left]:g} to {x[right]:g} m" for left, right in ends)
+    return ", ".join(f"{x[left]:.10g} to {x[right]:.10g} m" for left, right in ends)
 
 
 def _check_cells(

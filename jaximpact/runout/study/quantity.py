@@ -64,9 +64,9 @@ def read_quantity(path: Path, key: str, value, column: InputColumn | None) -> Qu
     _refuse(
         path,
         key,
-        "must be a number, a list, { from, to }, { mean, sd }, { median, geometric_sd "
-        "} or { exponent, least, most }; least and most may stand in all but the "
-        f"first; but is {value!r}",
+        "must be a number, a list, { from, to }, { exponent, least, most }, "
+        "{ mean, sd } or { median, geometric_sd }, the last two with least and most if "
+        f"wanted, but is {value!r}",
     )
 
 
