@@ -82,12 +82,12 @@ class GroundInput(NamedTuple):
         """
         if self.calibrated is None or not self.sampled_jointly():
             return {}
-        # A number, where there are no samples: a field is refused beside a calibration.
-        given = {
-            name: samples.get(f"ground.{name}", np.full(count, value))
-            for name, value in self.everywhere.items()
-            if name in self.calibrated.names
-        }
+        given = {}
+        for name, value in self.everywhere.items():
+            if name in self.calibrated.names:
+                sampled = samples.get(f"ground.{name}")
+                # Without samples a number: fields are refused beside a calibration.
+                given[name] = np.full(count, value) if sampled is None else sampled
         found = self.calibrated.draw(given, count, seed)
         return {f"ground.{name}": values for name, values in found.items()}
 
