@@ -167,6 +167,7 @@ def test_a_vertical_wall_is_refused(slope, capsys):
 
 
 def test_without_the_package_it_is_named(slope, capsys, monkeypatch):
-    monkeypatch.setitem(sys.modules, "ezdxf", None)
+    for name in ("ezdxf", "ezdxf.filemanagement", "ezdxf.path"):
+        monkeypatch.setitem(sys.modules, name, None)
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
     assert_one_line_error(capsys, "slope.dxf", "pip install ezdxf")
