@@ -16,23 +16,25 @@ The study is a TOML file. Lengths in m, angles in degrees; x to the right, y up.
 
     collectors_m = [380, 450]      # places at which passages are recorded
 
-    [profile]                      # from left to right; or csv = "profile.csv"
-    points_m = [[0, 230], [400, 0], [1000, 0]]
+    [profile]                      # from left to right; or csv = "profile.csv"; or
+    points_m = [[0, 230], [400, 0], [1000, 0]]      # dxf = "slope.dxf", layer = "..."
 
-    [ground]                       # quantities of the soil, for all segments
+    [ground]                       # quantities of the soil, for the whole slope
     gamma_v = { mean = 8.7, sd = 2, least = 1 }
     rolling_friction_angle_deg = 20
     roughness_deg = 3              # standard deviation of the local slope
-    [ground.segment.2]             # what is different on the second
-    c_v = 0.5
+    [ground.materials.meadow]      # what is different from one x to another; or
+    from_x_m = 380                 # [ground.segment.2], on the second segment
+    to_x_m = 1000
+    c_v = { from = 0.4, to = 0.6, correlation_length_m = 20 }
 
     [block]
-    mass_kg = { mean = 100, sd = 30, least = 20 }
+    mass_kg = { mean = 100, sd = 30, least = 20 }   # or volume_m3
     shape = "RectangularPrism"     # default: "Ellipsoid"; or a list of shapes
     corner_radius_ratio = [0.1, 0.5]
 
     [release]
-    x_m = 2
+    x_m = 2                        # or along_x_m = [2, 40], a line; see below
     clearance_m = 1                # vertical gap below the block; or y_m, its centre
     speed_mps = 20                 # with direction_deg; or v_x_mps and v_y_mps
     direction_deg = { from = 0, to = 20 }
@@ -49,15 +51,36 @@ The study is a TOML file. Lengths in m, angles in degrees; x to the right, y up.
     height_m = 4                   # of its top above the ground, vertically
     capacity_kJ = 1000             # kinetic energy that it stops
 
-A quantity of ground, block or release is a number; { mean, sd }, a normal distribution,
-cut off at least and most if they are given; { from, to }, a uniform one; or a list. It
-is sampled once per block, and so is the ground: a block finds one c_v wherever it goes,
-or one on each segment that has its own. Lists make every combination, those of
-the ground slowest, the last one fastest, and over again until there are enough blocks.
+A quantity of ground, block or release is a number, a list or a distribution:
+  { mean, sd }                  normal
+  { from, to }                  uniform
+  { median, geometric_sd }      lognormal: two thirds lie between median / geometric_sd
+                                and median x geometric_sd
+  { exponent, least, most }     power law: the number of blocks larger than x goes with
+                                x^-exponent; some 0.5 for volumes of rockfalls
+The normal and the lognormal one take least and most too, which truncate them. A
+distribution is sampled once per block, and so is the ground: a block finds one c_v
+wherever it goes, or one on each segment or material that has its own. Lists make every
+combination, those of the ground slowest, the last one fastest, and over again until
+there are enough blocks.
+A quantity of the ground with correlation_length_m beside its distribution varies along
+the slope: a random field for each block, of that distribution at each place, with the
+correlation exp(-distance along x / length).
+volume_m3 stands in place of mass_kg: the mass is density_kgm3 times the volume.
+along_x_m = [from, to] stands in place of x_m: blocks are released anywhere between two
+x, uniformly by length along the ground, or with spacing_m at this distance along the
+ground from one place to the next. x_m = { from, to } is uniform in x.
+
+A profile's CSV has the columns x_m and y_m; any quantity of the soil,
+rolling_friction_angle_deg and roughness_deg, which hold from their point to the next;
+and material, which names a table [ground.materials.NAME] without from_x_m and to_x_m. A
+DXF drawing (AutoCAD; needs the package ezdxf) has the profile as one polyline, or lines
+that join, x and y in metres; layer says on which layer, where there are several lines.
+Materials must not overlap. Where none is, [ground] holds.
 What [ground] does not give has its default below; rolling_friction_angle_deg is 20,
 an assumption, and roughness_deg 0.
 [ground] may name laws of the soil, flow = "my_laws.py:MyFlow", and [block] a shape;
-their parameters are then quantities like the others. All segments have the same laws.
+their parameters are then quantities like the others. The whole slope has the same laws.
 [ground] may name a calibration, from = "out/wyllie", the directory that `jaximpact
 calibrate` wrote, with variant = "..." where the study has several. Each block then gets
 parameters of its own, sampled from the posterior with their correlations, and what the

@@ -5,14 +5,16 @@ from .analysis import Maxima, Passages, first_passages, maxima_along, passages
 from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
 from .derivatives.gradients import Standing, differentiate_runout, runout_gradients
+from .distributions import Lognormal, Normal, PowerLaw, Uniform
 from .dual import Dual
-from .random_inputs import Normal, Uniform, draw
+from .profile_csv import read_profile
+from .random_inputs import draw
 from .scheduler import simulate_runout
 from .study.barriers import Barrier
 from .study.map_placement import MapPlacement
 from .study.run_study import run_slope_study
 from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
-from .terrain import Ground, Profile, read_profile
+from .terrain import Ground, Profile
 from .trajectory import ContactRecord, Ending, MotionMode, Pieces, Runs
 
 __all__ = [
@@ -26,12 +28,14 @@ __all__ = [
     "Ground",
     "ImpactResponse",
     "ImpactResponses",
+    "Lognormal",
     "MapPlacement",
     "Maxima",
     "MotionMode",
     "Normal",
     "Passages",
     "Pieces",
+    "PowerLaw",
     "Profile",
     "Release",
     "Runs",

@@ -1,21 +1,16 @@
 """Slope profiles, and the ground that each block finds on them."""
 
 import dataclasses
-import io
 import math
-from pathlib import Path
 
 import jax
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import expect, real_numbers, whole_number
-from ..errors import InputError, nearest
+from ..errors import InputError
 from ..io.display import Rows, ShownAsTable, range_of
-from ..io.files import read_text
-from ..io.scene_table import reads_as_number, records_of
 from ..quantities import InputColumn, columns_of_part
-from ..scene_quantities import SLOTS
 from ..soil import Soil
 from ..units import DEGREE
 
@@ -25,7 +20,6 @@ ROLLING_COLUMN = "rolling_friction_angle_deg"
 ROUGHNESS_COLUMN = "roughness_deg"
 ROUGHEST = math.radians(30.0)
 """Largest roughness [rad]."""
-POINT_COLUMNS = ("x_m", "y_m")
 
 
 def _angle(
@@ -194,104 +188,6 @@ def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
             f"{x[i + 1]:g} at point {i + 2}{wall}"
         )
     return None
-
-
-def read_profile(
-    path: Path,
-    soil: Soil | None = None,
-    rolling_friction_angle: float = ROLLING_FRICTION_ANGLE,
-    roughness: float = 0.0,
-) -> Profile:
-    """Read a profile from a CSV file.
-
-    The first row names the columns: `x_m` and `y_m`, and if wanted any quantity of the
-    soil or of its laws, `rolling_friction_angle_deg` and `roughness_deg`. A row is a
-    point; its ground holds from there to the next point, so that the last row's ground
-    is not used.
-
-    Args:
-        path: the file, UTF-8, separated by commas.
-        soil: gives the laws, and the quantities without a column, scalars.
-        rolling_friction_angle, roughness: angles without a column [rad].
-
-    Raises InputError, naming file and row, for whatever cannot be used.
-    """
-    path = Path(path)
-    file = io.StringIO(read_text(path), newline="")
-    rows = [
-        (line, cells)
-        for line, _, cells in records_of(path, file)
-        if any(map(str.strip, cells))
-    ]
-    if not rows:
-        raise InputError("is empty; a header and points are needed", file=path)
-    (line, header), *rows = rows
-    names = [name.strip() for name in header]
-    soil = soil or Soil()
-    of_soil = columns_of_part("soil", soil)
-    known = of_soil | ANGLE_COLUMNS
-    _check_header(path, line, names, (*POINT_COLUMNS, *known))
-    columns = {name: np.empty(len(rows)) for name in names}
-    for i, (line, cells) in enumerate(rows):
-        if len(cells) != len(names):
-            raise InputError(
-                f"has {len(cells)} cells, but the header has {len(names)}",
-                file=path,
-                row=line,
-            )
-        for name, cell in zip(names, cells, strict=True):
-            if not reads_as_number(cell):
-                raise InputError(
-                    f"must be a number, but is {cell.strip()!r}",
-                    file=path,
-                    row=line,
-                    column=name,
-                )
-            columns[name][i] = float(cell)
-    x, y = (columns.pop(name) for name in POINT_COLUMNS)
-    fields: dict[str, ArrayLike] = {}
-    angles: dict[str, ArrayLike] = {
-        "rolling_friction_angle": rolling_friction_angle,
-        "roughness": roughness,
-    }
-    for name, values in columns.items():
-        target = fields if name in of_soil else angles
-        target[known[name].field] = known[name].factor * values[:-1]
-    try:
-        return Profile(x, y, dataclasses.replace(soil, **fields), **angles)
-    except ValueError as error:
-        raise InputError(str(error), file=path) from None
-
-
-def _check_header(path: Path, line: int, names: list[str], known: tuple) -> None:
-    for mark, marks in ((";", "semicolons"), ("\t", "tabs")):
-        if len(names) == 1 and mark in names[0]:
-            raise InputError(
-                f"needs commas between columns, but has {marks}", file=path, row=line
-            )
-    for place, name in enumerate(names):
-        if name in SLOTS:
-            raise InputError(
-                f"names a law, but a profile has one {name} for all its segments; name "
-                "it under [ground] or in the soil",
-                file=path,
-                row=line,
-                column=name,
-            )
-        if name not in known:
-            raise InputError(
-                f"is unknown; did you mean {nearest(name, known)}?",
-                file=path,
-                row=line,
-                column=name or str(place + 1),
-            )
-        if name in names[:place]:
-            raise InputError(
-                "stands twice in the header", file=path, row=line, column=name
-            )
-    for name in POINT_COLUMNS:
-        if name not in names:
-            raise InputError(f"needs a column {name}", file=path, row=line)
 
 
 @dataclasses.dataclass(frozen=True, init=False)

@@ -207,6 +207,11 @@ def test_undetermined_parameters_must_be_said(here, capsys):
         ('variant = "a"', {}, ("ground.variant", "needs from too")),
         ('from = "fit"\nvariant = "a"', {}, ("no variant 'a'", "'as given'?")),
         ('from = "fit"\nc_v = 20', {}, ("c_v between 0.01 and 10", "it is 20")),
+        (
+            'from = "fit"\nc_v = { from = 1, to = 2, correlation_length_m = 3 }',
+            {},
+            ("ground.c_v", "leave out correlation_length_m"),
+        ),
         ('from = "fit"', {"unknowns": ["c_v"]}, ("holds no calibration",)),
         (
             'from = "fit"',

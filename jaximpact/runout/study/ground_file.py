@@ -1,7 +1,6 @@
 """Ground of a study, from its file."""
 
 import dataclasses
-import hashlib
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,25 +9,24 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from ...errors import InputError
-from ...io.toml import known_table, typed, unknown, with_named_parts
+from ...io.toml import number, typed, unknown, with_named_parts
 from ...parameters import parts_of
-from ...quantities import columns_of_part
 from ...soil import Soil
-from ..random_inputs import Quantity, read_quantity
-from ..terrain import (
-    ROLLING_FRICTION_ANGLE,
-    Ground,
-    Profile,
-    ground_columns,
-    read_profile,
-)
+from ..random_fields import RandomField
+from ..random_inputs import Quantity
+from ..terrain import Ground, ground_columns
 from .calibrated import Calibrated, read_calibrated
-from .map_placement import KEYS as MAP_KEYS
+from .ground_layout import GroundLayout, Part
+from .quantity import read_ground_quantity
 
 LAWS = tuple(parts_of(Soil))
 """Keys of the ground that name laws."""
-NO_QUANTITIES = ("segment", "from", "variant", *LAWS)
+PARTS = ("segment", "materials")
+NO_QUANTITIES = (*PARTS, "from", "variant", *LAWS)
 """Keys of the ground that are no quantities."""
+ENDS = ("from_x_m", "to_x_m")
+"""Keys of a material that are no quantities."""
+SEGMENT_NAME, MATERIAL_NAME = "[1-9][0-9]*|0", r"[A-Za-z0-9_-]+"
 
 
 class GroundInput(NamedTuple):
@@ -37,10 +35,10 @@ class GroundInput(NamedTuple):
     path: Path
     soil: Soil
     """Soil with the laws; the values of parameters are in the other fields."""
-    everywhere: dict[str, Quantity]
-    """Quantities of all segments, by name."""
-    segments: dict[int, dict[str, Quantity]]
-    """Quantities of single segments, by the segment's number from 0."""
+    everywhere: dict[str, Quantity | RandomField]
+    """Quantities of the whole slope, by name."""
+    parts: dict[str, Part]
+    """Segments and materials with quantities of their own, by key."""
     calibrated: Calibrated | None
     """Calibration to sample parameters from, other than those in `everywhere`."""
 
@@ -51,19 +49,20 @@ class GroundInput(NamedTuple):
         calibrated = _calibrated(path, table)
         soil = calibrated.soil if calibrated else Soil()
         soil = cast(Soil, with_named_parts(path, "ground", table, soil))
-        segments = {}
-        for name, values in typed(path, table, "segment", dict, {}).items():
-            key = f"ground.segment.{name}"
-            if not re.fullmatch("[1-9][0-9]*|0", name):
-                raise InputError("must be the number of a segment", file=path, key=key)
-            values = typed(path, table["segment"], name, dict)
-            segments[int(name) - 1] = _ground_quantities(path, values, key, soil)
+        if all(kind in table for kind in PARTS):
+            raise InputError(
+                "has segments and materials; say what differs along the slope by one "
+                "of them",
+                file=path,
+                key="ground",
+            )
+        parts = _segments(path, table, soil) | _materials(path, table, soil)
         everywhere = {k: v for k, v in table.items() if k not in NO_QUANTITIES}
-        everywhere = _ground_quantities(path, everywhere, "ground", soil)
+        everywhere = _quantities(path, everywhere, "ground", soil)
         if calibrated is not None:
             _check_calibrated(path, table, calibrated, everywhere)
             everywhere = calibrated.fixed | everywhere
-        return cls(path, soil, everywhere, segments, calibrated)
+        return cls(path, soil, everywhere, parts, calibrated)
 
     def sampled_jointly(self) -> dict[str, str]:
         """List the parameters that are sampled from a calibration, by key."""
@@ -83,29 +82,49 @@ class GroundInput(NamedTuple):
         """
         if self.calibrated is None or not self.sampled_jointly():
             return {}
-        given = {
-            name: np.broadcast_to(samples.get(f"ground.{name}", value), (count,))
-            for name, value in self.everywhere.items()
-            if name in self.calibrated.names
-        }
+        given = {}
+        for name, value in self.everywhere.items():
+            if name in self.calibrated.names:
+                sampled = samples.get(f"ground.{name}")
+                # Without samples a number: fields are refused beside a calibration.
+                given[name] = np.full(count, value) if sampled is None else sampled
         found = self.calibrated.draw(given, count, seed)
         return {f"ground.{name}": values for name, values in found.items()}
 
+    def _by_key(self) -> dict[str, Quantity | RandomField]:
+        keys = {f"ground.{name}": q for name, q in self.everywhere.items()}
+        for part in self.parts.values():
+            keys |= {f"ground.{part.key}.{n}": q for n, q in part.quantities.items()}
+        return keys
+
     def varied(self) -> dict[str, Quantity]:
         """List the quantities that differ from block to block by themselves, by key."""
-        keys = {f"ground.{name}": q for name, q in self.everywhere.items()}
-        for segment, quantities in self.segments.items():
-            where = f"ground.segment.{segment + 1}"
-            keys |= {f"{where}.{name}": q for name, q in quantities.items()}
-        return {key: q for key, q in keys.items() if not isinstance(q, float)}
+        keys = self._by_key().items()
+        return {k: q for k, q in keys if not isinstance(q, float | RandomField)}
 
-    def of_blocks(self, profile: Profile, samples: Mapping, seed: int) -> Ground:
+    def fields(self) -> dict[str, RandomField]:
+        """List the quantities that vary along the slope, by key."""
+        return {k: q for k, q in self._by_key().items() if isinstance(q, RandomField)}
+
+    def sample_fields(
+        self, layout: GroundLayout, count: int, seed: int
+    ) -> dict[str, np.ndarray]:
+        """Sample these, `(count, segments where they hold)` by key."""
+        start = layout.profile.x[0]
+        return {
+            key: field.values(
+                key, field.cells(layout.middles[layout.where(key)], start), count, seed
+            )
+            for key, field in self.fields().items()
+        }
+
+    def of_blocks(self, layout: GroundLayout, samples: Mapping, seed: int) -> Ground:
         """Make the ground as each block finds it.
 
         Args:
-            samples: samples by the keys of `varied` and `sampled_jointly`.
+            samples: samples by the keys of `varied`, `fields` and `sampled_jointly`.
         """
-        ground = Ground.of_profile(profile, seed)
+        ground = Ground.of_profile(layout.profile, seed)
         columns = ground_columns(ground.soil)
         soil = {
             column.field: getattr(ground.soil, column.field)
@@ -116,44 +135,81 @@ class GroundInput(NamedTuple):
             name: getattr(ground, name)
             for name in ("rolling_friction_angle", "roughness")
         }
-        for key in (*self.sampled_jointly(), *self.varied()):
-            _, *where, name = key.split(".")
-            column = columns[name]
+        for key in (*self.sampled_jointly(), *self.varied(), *self.fields()):
+            column = columns[key.split(".")[-1]]
             fields = soil if column.part == "soil" else angles
-            values = column.factor * samples[key][:, None]
-            if where:
-                segment = int(where[1]) - 1
-                shape = (len(values), profile.segments)
+            values = column.factor * samples[key].reshape(len(samples[key]), -1)
+            where = layout.where(key)
+            if not np.all(where):
+                shape = (len(values), layout.profile.segments)
                 whole = np.array(np.broadcast_to(fields[column.field], shape))
-                whole[:, segment] = values[:, 0]
+                whole[:, where] = values
                 values = whole
-            elif any(name in quantities for quantities in self.segments.values()):
-                shape = (len(values), profile.segments)
-                given = [s for s, q in self.segments.items() if name in q]
-                values = np.array(np.broadcast_to(values, shape))
-                values[:, given] = fields[column.field][given]
             fields[column.field] = values
         soil = dataclasses.replace(ground.soil, **soil)
         return Ground(soil, **angles, seed=seed)
 
 
-def _ground_quantities(
-    path: Path, values: dict, where: str, soil: Soil
-) -> dict[str, Quantity]:
+def _segments(path: Path, table: dict, soil: Soil) -> dict[str, Part]:
+    parts = {}
+    for name in typed(path, table, "segment", dict, {}):
+        key = f"ground.segment.{name}"
+        if not re.fullmatch(SEGMENT_NAME, name):
+            raise InputError("must be the number of a segment", file=path, key=key)
+        values = typed(path, table["segment"], name, dict)
+        quantities = _quantities(path, values, key, soil)
+        parts[f"segment.{name}"] = Part(f"segment.{name}", quantities, int(name) - 1)
+    return parts
+
+
+def _materials(path: Path, table: dict, soil: Soil) -> dict[str, Part]:
+    parts = {}
+    for name in typed(path, table, "materials", dict, {}):
+        key = f"ground.materials.{name}"
+        if not re.fullmatch(MATERIAL_NAME, name):
+            raise InputError(
+                "must be a name of letters, digits, _ and -", file=path, key=key
+            )
+        values = dict(typed(path, table["materials"], name, dict))
+        ends = [
+            number(path, f"{key}.{end}", values.pop(end))
+            for end in ENDS
+            if end in values
+        ]
+        quantities = _quantities(path, values, key, soil, ENDS)
+        if len(ends) == 1 or (ends and not ends[0] < ends[1]):
+            raise InputError(
+                "needs from_x_m and to_x_m, the larger one", file=path, key=key
+            )
+        parts[f"materials.{name}"] = Part(
+            f"materials.{name}", quantities, ends=tuple(ends) or None
+        )
+    return parts
+
+
+def _quantities(
+    path: Path, values: dict, where: str, soil: Soil, others: tuple = ()
+) -> dict[str, Quantity | RandomField]:
+    """Read quantities of the ground.
+
+    Args:
+        others: further keys that the table may hold.
+    """
     columns = ground_columns(soil)
     for name in values:
         key = f"{where}.{name}"
         if name in LAWS:
             raise InputError(
-                f"names a law of one segment, but a slope has one {name} for all; name "
-                "it under [ground]",
+                f"names a law of one part of the slope, but a slope has one {name} for "
+                "all; name it under [ground]",
                 file=path,
                 key=key,
             )
         if name not in columns:
-            unknown(path, key, name, (*columns, *NO_QUANTITIES))
+            known = others or (NO_QUANTITIES if where == "ground" else ())
+            unknown(path, key, name, (*columns, *known))
     return {
-        name: read_quantity(path, f"{where}.{name}", value, columns[name])
+        name: read_ground_quantity(path, f"{where}.{name}", value, columns[name])
         for name, value in values.items()
     }
 
@@ -171,8 +227,8 @@ def _calibrated(path: Path, table: dict) -> Calibrated | None:
 def _check_calibrated(
     path: Path, table: dict, calibrated: Calibrated, said: dict
 ) -> None:
-    """Raise InputError for a law beside a calibration, and for a parameter that is
-    neither in the table nor identifiable.
+    """Raise InputError for a law beside a calibration, for a parameter that is neither
+    in the table nor identifiable, and for a fitted one that varies along the slope.
 
     Args:
         said: quantities in the table.
@@ -191,88 +247,11 @@ def _check_calibrated(
                 file=path,
                 key="ground",
             )
-
-
-def read_ground_profile(
-    path: Path, content: dict, ground: GroundInput, checksums: dict[Path, str]
-) -> Profile:
-    """Read the profile, with the ground that is alike for all blocks; add the checksums
-    of files that are read."""
-    if ground.calibrated is not None:
-        checksums[ground.calibrated.file] = ground.calibrated.checksum
-    table = known_table(path, content, "profile", ("points_m", "csv", *MAP_KEYS))
-    if ("points_m" in table) == ("csv" in table):
-        raise InputError(
-            "needs points_m or csv, and not both", file=path, key="profile"
-        )
-    fields, angles = _alike(ground.everywhere, ground.soil)
-    soil = dataclasses.replace(ground.soil, **fields)
-    angles.setdefault("rolling_friction_angle", ROLLING_FRICTION_ANGLE)
-    if "csv" in table:
-        csv = path.parent / typed(path, table, "csv", str)
-        profile = read_profile(csv, soil, **angles)
-        checksums[csv] = hashlib.sha256(csv.read_bytes()).hexdigest()
-        _check_said_once(ground, csv)
-    else:
-        points = typed(path, table, "points_m", list)
-        try:
-            if not all(type(c) in (int, float) for point in points for c in point):
-                raise TypeError
-            x, y = np.array(points, float).reshape(len(points), 2).T
-            profile = Profile(x, y, soil, **angles)
-        except (TypeError, ValueError) as error:
-            told = str(error)
-            if not told.startswith("a profile"):
-                told = f"must be a list of [x, y], but is {points!r}"
-            raise InputError(told, file=path, key="profile.points_m") from None
-    return _with_segments(path, profile, ground.segments)
-
-
-def _alike(quantities: dict[str, Quantity], soil: Soil) -> tuple[dict, dict]:
-    """Select quantities that are one number: fields of the soil, and angles of the
-    ground, in SI units."""
-    of_soil, angles, columns = {}, {}, ground_columns(soil)
-    for name, value in quantities.items():
-        if isinstance(value, float):
-            column = columns[name]
-            fields = of_soil if column.part == "soil" else angles
-            fields[column.field] = column.factor * value
-    return of_soil, angles
-
-
-def _check_said_once(ground: GroundInput, csv: Path) -> None:
-    """Raise InputError for a distribution that a column of the profile would hide."""
-    header = csv.read_bytes().decode("utf-8-sig").lstrip().splitlines()[0]
-    columns = {name.strip() for name in header.split(",")}
-    varied = [*ground.varied(), *ground.sampled_jointly()]
-    for name in columns:
-        if f"ground.{name}" in varied:
+    for name in calibrated.names:
+        if isinstance(said.get(name), RandomField):
             raise InputError(
-                f"differs from block to block, but {csv.name} has a column of it",
-                file=ground.path,
+                "varies along the slope, but the calibration samples other parameters "
+                "conditional on it; leave out correlation_length_m",
+                file=path,
                 key=f"ground.{name}",
             )
-
-
-def _with_segments(path: Path, profile: Profile, segments: dict) -> Profile:
-    fields = {
-        column.field: np.array(getattr(profile.soil, column.field))
-        for column in columns_of_part("soil", profile.soil).values()
-    }
-    angles = {
-        name: getattr(profile, name).copy()
-        for name in ("rolling_friction_angle", "roughness")
-    }
-    for segment, quantities in segments.items():
-        if not 0 <= segment < profile.segments:
-            raise InputError(
-                f"must be the number of a segment, from 1 to {profile.segments}",
-                file=path,
-                key=f"ground.segment.{segment + 1}",
-            )
-        of_soil, of_angles = _alike(quantities, profile.soil)
-        for values, given in ((fields, of_soil), (angles, of_angles)):
-            for field, value in given.items():
-                values[field][segment] = value
-    soil = dataclasses.replace(profile.soil, **fields)
-    return Profile(profile.x, profile.y, soil, **angles)

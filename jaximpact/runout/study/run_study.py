@@ -7,7 +7,6 @@ each bin of x. Rows go to the journal; the pieces of trajectories are not kept.
 
 import contextlib
 import json
-import re
 import time
 from pathlib import Path
 
@@ -380,9 +379,11 @@ def _ground(study: SlopeStudy) -> dict:
     """List the samples of the ground, in the units of the names."""
     variables, columns = {}, ground_columns(study.ground.soil)
     for name, values in study.ground_samples.items():
-        of_segment = re.fullmatch(r"segment_(\d+)_(.*)", name)
-        where = f"segment {of_segment[1]}" if of_segment else "the ground"
-        column = columns[of_segment[2] if of_segment else name]
+        # Of all columns that a name may end with, the longest.
+        ends = [c for c in columns if f"_{name}".endswith(f"_{c}")]
+        column = columns[max(ends, key=len)]
+        part = name.removesuffix(column.name).removesuffix("_")
+        where = part.replace("_", " ", 1) or "the ground"
         about = _about(column.unit, f"of {where}: {column.meaning}")
         variables[f"ground_{name}"] = ("block", values, about)
     return variables

@@ -1,34 +1,19 @@
 """Run-out study from a TOML file."""
 
-import dataclasses
 import hashlib
 from pathlib import Path
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
-from ...errors import InputError, located
+from ...errors import InputError
 from ...identity import part_names
 from ...io.checks import NUMBERS_PER_IMPACT, check_memory
 from ...io.files import read_input
-from ...io.toml import (
-    check_keys,
-    known_table,
-    number,
-    parse_toml,
-    typed,
-    whole,
-    with_named_parts,
-)
-from ...quantities import INPUT_COLUMNS, InputColumn, columns_of_part
-from ...scene import Block
-from ...scene_quantities import SHAPE, part_named, replaced_parts
-from ...shapes import AbstractShape, shape_of_each
-from ...units import DEGREE
+from ...io.toml import check_keys, number, parse_toml, typed, whole
 from ..blocks import Release
 from ..contacts.contact_models import Contacts
-from ..flight.placement import check_release, lying_height
-from ..random_inputs import Quantity, combinations, draw, is_random, read_quantity
+from ..random_inputs import Quantity, combinations, draw, is_random
 from ..state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits
 from ..terrain import (
     ANGLE_COLUMNS,
@@ -38,23 +23,18 @@ from ..terrain import (
     ground_columns,
 )
 from .barriers import Barrier, read_barriers
+from .block_file import VOLUME, VOLUME_COLUMN, read_blocks
 from .contact_laws import check_law, read_laws
-from .ground_file import GroundInput, read_ground_profile
+from .ground_file import GroundInput
 from .map_placement import MapPlacement, read_map_placement
+from .profile_file import read_ground_profile
+from .release_file import NOT_NEGATIVE, make_release, read_release
 
 TABLES = ("profile", "ground", "block", "release", "contacts", "barriers")
 NUMBERS = (
     *("title", "accuracy", "count", "seed", "collectors_m", "bins"),
     *("time_limit_s", "event_limit", "hop_threshold", "export_trajectories"),
 )
-RELEASE_COLUMNS = {
-    name: INPUT_COLUMNS[name] for name in ("orientation_deg", "angular_velocity_degps")
-}
-RELEASE_KEYS = (
-    *("x_m", "y_m", "clearance_m", "speed_mps", "direction_deg", "v_x_mps", "v_y_mps"),
-    *("orientation_deg", "angular_velocity_degps"),
-)
-NOT_NEGATIVE = ("clearance_m", "speed_mps")
 DEFAULT_COUNT = 1000
 """Default number of blocks where something is random."""
 DEFAULT_BINS = 50
@@ -141,14 +121,16 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     check_keys(path, "", content, (*TABLES, *NUMBERS))
     checksums = {path: hashlib.sha256(data).hexdigest()}
     ground_input = GroundInput.read(path, content)
-    profile = read_ground_profile(path, content, ground_input, checksums)
+    layout = read_ground_profile(path, content, ground_input, checksums)
+    profile = layout.profile
     laws = read_laws(path, content, accuracy)
     seed = whole(path, content, "seed", 0, 0)
     limits = _limits(path, content)
-    blocks = _blocks(path, content)
-    quantities = ground_input.varied() | _quantities(path, content, blocks)
-    jointly = ground_input.sampled_jointly()
-    count = _count(path, content, quantities, profile, bool(jointly))
+    blocks = read_blocks(path, content)
+    start = read_release(path, content, profile)
+    quantities = ground_input.varied() | blocks.quantities | start
+    jointly, fields = ground_input.sampled_jointly(), ground_input.fields()
+    count = _count(path, content, quantities, profile, bool(jointly or fields))
     bins = whole(path, content, "bins", DEFAULT_BINS, 1)
     check_memory(
         count * (bins + NUMBERS_PER_IMPACT),
@@ -158,11 +140,18 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     )
     samples = draw(quantities, count, seed)
     samples |= ground_input.sample_jointly(samples, count, seed)
+    check_memory(
+        count * profile.segments * len(fields),
+        f"{count} blocks with ground of {profile.segments} cells each",
+        file=path,
+        key="ground",
+    )
+    samples |= ground_input.sample_fields(layout, count, seed)
     columns = {"ground": ground_columns(profile.soil), "block": blocks.columns}
     for name, values in samples.items():
         _check_sample(path, name, values, columns)
-    release = _release(path, samples, profile, blocks)
-    ground = ground_input.of_blocks(profile, samples, seed)
+    release = make_release(path, samples, profile, blocks)
+    ground = ground_input.of_blocks(layout, samples, seed)
     for law in laws:
         check_law(path, law, profile, release, ground)
     inputs = [*checksums, *(file for law in laws for file in law.checksums)]
@@ -219,14 +208,14 @@ def _count(
     content: dict,
     quantities: dict[str, Quantity],
     profile: Profile,
-    jointly: bool,
+    by_chance: bool,
 ) -> int:
     """Read the number of blocks; without one, take all combinations of lists, or the
     default number where something is random."""
     is_rough = np.any(profile.roughness > 0.0) or any(
         key.endswith(ROUGHNESS_COLUMN) for key in quantities
     )
-    by_chance = is_random(quantities) or is_rough or jointly
+    by_chance |= is_random(quantities) or bool(is_rough)
     count = DEFAULT_COUNT if by_chance else combinations(quantities)
     return whole(path, content, "count", count, 1)
 
@@ -256,138 +245,30 @@ def _collectors(path: Path, content: dict, profile: Profile) -> np.ndarray:
     return np.array(sorted(places))
 
 
-class _Blocks(NamedTuple):
-    """Shapes of the blocks."""
-
-    kinds: tuple[type[AbstractShape], ...]
-    base: Block
-    """Block with a shape of each kind, all else being the default."""
-
-    @property
-    def columns(self) -> dict[str, InputColumn]:
-        return columns_of_part("block", self.base)
-
-    def of(self, index: np.ndarray) -> Block:
-        """Make blocks of some of the kinds, by their index."""
-        if len(self.kinds) == 1:
-            return self.base
-        shapes = shape_of_each([self.kinds[int(i)] for i in index])
-        return cast(Block, replaced_parts(self.base, {SHAPE: shapes}))
-
-
-def _blocks(path: Path, content: dict) -> _Blocks:
-    """Read the shapes that the file names: one, or a list."""
-    table = typed(path, content, "block", dict, {})
-    key = f"block.{SHAPE}"
-    names = table.get(SHAPE)
-    if not isinstance(names, list):
-        base = cast(Block, with_named_parts(path, "block", table, Block()))
-        return _Blocks((type(base.shape),), base)
-    if not names or not all(isinstance(name, str) for name in names):
-        raise InputError(
-            f"must be a name or a list of names, but is {names!r}", file=path, key=key
-        )
-    with located(path, key):
-        shapes = [part_named(SHAPE, name, path.parent) for name in names]
-        kinds = [type(cast(AbstractShape, shape)) for shape in shapes]
-        one_of_each = {SHAPE: shape_of_each(kinds)}
-        base = cast(Block, replaced_parts(Block(), one_of_each))
-    if len(set(kinds)) < len(kinds):
-        raise InputError("holds a shape twice", file=path, key=key)
-    return _Blocks(tuple(kinds), base)
-
-
-def _quantities(path: Path, content: dict, blocks: _Blocks) -> dict[str, Quantity]:
-    """Read quantities of blocks and releases; a list of shapes as their indices."""
-    quantities, of_block = {}, blocks.columns
-    for where, known in (
-        ("block", (*of_block, SHAPE)),
-        ("release", RELEASE_KEYS),
-    ):
-        for name, value in known_table(path, content, where, known).items():
-            if name == SHAPE:
-                if isinstance(value, list):
-                    quantities[name] = tuple(map(float, range(len(value))))
-                continue
-            column = (of_block | RELEASE_COLUMNS).get(name)
-            quantities[name] = read_quantity(path, f"{where}.{name}", value, column)
-    _check_alternatives(path, quantities)
-    return quantities
-
-
-def _release(
-    path: Path, samples: dict[str, np.ndarray], profile: Profile, blocks: _Blocks
-) -> Release:
-    count = len(next(iter(samples.values())))
-
-    def si(name: str, default: float = 0.0) -> np.ndarray:
-        factor = DEGREE if "_deg" in name else 1.0
-        return factor * samples.get(name, np.full(count, default))
-
-    base = blocks.of(samples.get(SHAPE, np.zeros(count)))
-    fields = {
-        c.field: c.factor * samples[n]
-        for n, c in blocks.columns.items()
-        if n in samples
-    }
-    fields.setdefault("mass", np.full(count, float(base.mass)))
-    block = dataclasses.replace(base, **fields)
-    x, orientation = si("x_m"), si("orientation_deg")
-    speed, direction = si("speed_mps"), si("direction_deg")
-    along, up = si("v_x_mps"), si("v_y_mps")
-    try:
-        high = Release(block, x, 0.0, orientation=orientation)
-        y = si("y_m") if "y_m" in samples else si("clearance_m")
-        if "y_m" not in samples:
-            y = y + lying_height(profile, high.outline, x, orientation)
-        release = Release(
-            block,
-            x,
-            np.where(np.isfinite(y), y, 0.0),  # off the profile, which is told next
-            along + speed * np.cos(direction),
-            up + speed * np.sin(direction),
-            orientation,
-            si("angular_velocity_degps"),
-        )
-        check_release(release, profile)
-    except ValueError as error:
-        raise InputError(str(error), file=path, key="release") from None
-    return release
-
-
-def _check_alternatives(path: Path, quantities: dict[str, Quantity]) -> None:
-    if "x_m" not in quantities:
-        raise InputError("is needed", file=path, key="release.x_m")
-    if ("y_m" in quantities) == ("clearance_m" in quantities):
-        raise InputError("needs y_m or clearance_m, not both", file=path, key="release")
-    polar = [n for n in ("speed_mps", "direction_deg") if n in quantities]
-    cartesian = [n for n in ("v_x_mps", "v_y_mps") if n in quantities]
-    if polar and cartesian:
-        raise InputError(
-            f"takes speed_mps and direction_deg, or v_x_mps and v_y_mps, but has "
-            f"{polar[0]} and {cartesian[0]}",
-            file=path,
-            key="release",
-        )
-
-
 def _check_sample(
     path: Path, name: str, values: np.ndarray, columns: dict[str, dict]
 ) -> None:
-    """Raise InputError for a sample of a distribution that is out of range."""
+    """Raise InputError for a sample of a distribution that is out of range.
+
+    Args:
+        values: samples, blocks along the first axis.
+    """
     where = "ground" if name.startswith("ground.") else "block"
     column = columns[where].get(name.split(".")[-1])
     if column is not None:
         key = name if where == "ground" else f"block.{name}"
         needed, bad = column.requirement, ~column.is_allowed(values)
+    elif name == VOLUME:
+        key, needed = f"block.{name}", VOLUME_COLUMN.requirement
+        bad = ~VOLUME_COLUMN.is_allowed(values)
     else:
         key, needed = f"release.{name}", "at least 0"
         bad = (values < 0.0) & (name in NOT_NEGATIVE)
     if np.any(bad):
-        i = int(np.argmax(bad))
+        place = np.unravel_index(np.argmax(bad), bad.shape)
         raise InputError(
-            f"must be {needed}, but is {values[i]:g} for block {i}; least and most "
-            "cut a normal distribution off",
+            f"must be {needed}, but is {values[place]:g} for block {place[0]}; least "
+            "and most truncate a distribution",
             file=path,
             key=key,
         )

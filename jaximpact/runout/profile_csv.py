@@ -1,0 +1,172 @@
+"""Slope profiles from CSV files."""
+
+import dataclasses
+import io
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import InputError, nearest
+from ..io.files import read_text
+from ..io.scene_table import reads_as_number, records_of
+from ..quantities import columns_of_part
+from ..scene_quantities import SLOTS
+from ..soil import Soil
+from .terrain import ANGLE_COLUMNS, ROLLING_FRICTION_ANGLE, Profile
+
+POINT_COLUMNS = ("x_m", "y_m")
+MATERIAL_COLUMN = "material"
+"""Column that names the material of the ground from a point to the next."""
+
+
+class ProfileTable(NamedTuple):
+    """Profile as its CSV file has it."""
+
+    profile: Profile
+    quantities: tuple[str, ...]
+    """Quantities of the ground that have a column."""
+    materials: tuple[str, ...] | None
+    """Material of each segment; None without a column of materials."""
+
+
+def read_profile(
+    path: Path,
+    soil: Soil | None = None,
+    rolling_friction_angle: float = ROLLING_FRICTION_ANGLE,
+    roughness: float = 0.0,
+) -> Profile:
+    """Read a profile from a CSV file.
+
+    The first row names the columns: `x_m` and `y_m`, and if wanted any quantity of the
+    soil or of its laws, `rolling_friction_angle_deg` and `roughness_deg`. A row is a
+    point; its ground holds from there to the next point, so that the last row's ground
+    is not used.
+
+    Args:
+        path: the file, UTF-8, separated by commas.
+        soil: gives the laws, and the quantities without a column, scalars.
+        rolling_friction_angle, roughness: angles without a column [rad].
+
+    Raises InputError, naming file and row, for whatever cannot be used; also for a
+    column of materials, which only a study defines.
+    """
+    table = read_profile_table(path, soil, rolling_friction_angle, roughness)
+    if table.materials is not None:
+        raise InputError(
+            "names materials, which a study defines under [ground.materials]; read the "
+            "study, or put the quantities of the soil into columns",
+            file=path,
+            column=MATERIAL_COLUMN,
+        )
+    return table.profile
+
+
+def read_profile_table(
+    path: Path,
+    soil: Soil | None = None,
+    rolling_friction_angle: float = ROLLING_FRICTION_ANGLE,
+    roughness: float = 0.0,
+) -> ProfileTable:
+    """Read a profile, and what its columns are; see `read_profile`."""
+    path, soil = Path(path), soil or Soil()
+    of_soil = columns_of_part("soil", soil)
+    known = of_soil | ANGLE_COLUMNS
+    line, header, rows = _records(path)
+    names = [name.strip() for name in header]
+    _check_header(path, line, names, (*POINT_COLUMNS, MATERIAL_COLUMN, *known))
+    cells = {name: [row[i].strip() for _, row in rows] for i, name in enumerate(names)}
+    lines = [line for line, _ in rows]
+    materials = cells.pop(MATERIAL_COLUMN, None)
+    numbers = {name: _numbers(path, name, cells[name], lines) for name in cells}
+    x, y = (numbers.pop(name) for name in POINT_COLUMNS)
+    fields: dict[str, ArrayLike] = {}
+    angles: dict[str, ArrayLike] = {
+        "rolling_friction_angle": rolling_friction_angle,
+        "roughness": roughness,
+    }
+    for name, values in numbers.items():
+        target = fields if name in of_soil else angles
+        target[known[name].field] = known[name].factor * values[:-1]
+    try:
+        profile = Profile(x, y, dataclasses.replace(soil, **fields), **angles)
+    except ValueError as error:
+        raise InputError(str(error), file=path) from None
+    if materials is not None:
+        materials = _materials(path, materials[:-1], lines)
+    return ProfileTable(profile, tuple(numbers), materials)
+
+
+def _records(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
+    """Read the header with its line, and the rows with theirs, of as many cells."""
+    file = io.StringIO(read_text(path), newline="")
+    rows = [
+        (line, cells)
+        for line, _, cells in records_of(path, file)
+        if any(map(str.strip, cells))
+    ]
+    if not rows:
+        raise InputError("is empty; a header and points are needed", file=path)
+    (first, header), *rows = rows
+    for line, cells in rows:
+        if len(cells) != len(header):
+            raise InputError(
+                f"has {len(cells)} cells, but the header has {len(header)}",
+                file=path,
+                row=line,
+            )
+    return first, header, rows
+
+
+def _numbers(path: Path, name: str, cells: list[str], lines: list[int]) -> np.ndarray:
+    for line, cell in zip(lines, cells, strict=True):
+        if not reads_as_number(cell):
+            raise InputError(
+                f"must be a number, but is {cell!r}", file=path, row=line, column=name
+            )
+    return np.array([float(cell) for cell in cells])
+
+
+def _materials(path: Path, cells: list[str], lines: list[int]) -> tuple[str, ...]:
+    """Check that each point but the last, whose ground is not used, has a material."""
+    for line, cell in zip(lines, cells, strict=False):
+        if not cell:
+            raise InputError(
+                "is empty; the name of a material is needed",
+                file=path,
+                row=line,
+                column=MATERIAL_COLUMN,
+            )
+    return tuple(cells)
+
+
+def _check_header(path: Path, line: int, names: list[str], known: tuple) -> None:
+    for mark, marks in ((";", "semicolons"), ("\t", "tabs")):
+        if len(names) == 1 and mark in names[0]:
+            raise InputError(
+                f"needs commas between columns, but has {marks}", file=path, row=line
+            )
+    for place, name in enumerate(names):
+        if name in SLOTS:
+            raise InputError(
+                f"names a law, but a profile has one {name} for all its segments; name "
+                "it under [ground] or in the soil",
+                file=path,
+                row=line,
+                column=name,
+            )
+        if name not in known:
+            raise InputError(
+                f"is unknown; did you mean {nearest(name, known)}?",
+                file=path,
+                row=line,
+                column=name or str(place + 1),
+            )
+        if name in names[:place]:
+            raise InputError(
+                "stands twice in the header", file=path, row=line, column=name
+            )
+    for name in POINT_COLUMNS:
+        if name not in names:
+            raise InputError(f"needs a column {name}", file=path, row=line)

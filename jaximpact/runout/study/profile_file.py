@@ -1,0 +1,135 @@
+"""Profile of a study, from its file and those that it names."""
+
+import dataclasses
+import hashlib
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import InputError
+from ...io.toml import known_table, typed
+from ...quantities import columns_of_part
+from ...soil import Soil
+from ..profile_csv import ProfileTable, read_profile_table
+from ..profile_dxf import read_dxf_points
+from ..terrain import ROLLING_FRICTION_ANGLE, Profile, ground_columns
+from .ground_file import GroundInput
+from .ground_layout import GroundLayout, lay_out
+from .map_placement import KEYS as MAP_KEYS
+
+SOURCES = ("points_m", "csv", "dxf")
+"""Keys of the profile, of which one says its points."""
+
+
+def read_ground_profile(
+    path: Path, content: dict, ground: GroundInput, checksums: dict[Path, str]
+) -> GroundLayout:
+    """Read the profile, with the ground that is alike for all blocks, and find where
+    each ground holds; add the checksums of files that are read."""
+    if ground.calibrated is not None:
+        checksums[ground.calibrated.file] = ground.calibrated.checksum
+    table = known_table(path, content, "profile", (*SOURCES, "layer", *MAP_KEYS))
+    sources = [name for name in SOURCES if name in table]
+    if len(sources) != 1:
+        raise InputError(
+            "needs one of points_m, csv and dxf, and no other", file=path, key="profile"
+        )
+    if "layer" in table and "dxf" not in table:
+        raise InputError("is of a dxf only", file=path, key="profile.layer")
+    fields, angles = _alike(ground.everywhere, ground.soil)
+    soil = dataclasses.replace(ground.soil, **fields)
+    angles.setdefault("rolling_friction_angle", ROLLING_FRICTION_ANGLE)
+    if "points_m" in table:
+        profile = _of_points(path, typed(path, table, "points_m", list), soil, angles)
+        given = ProfileTable(profile, (), None)
+    else:
+        file = path.parent / typed(path, table, sources[0], str)
+        if "csv" in table:
+            given = read_profile_table(file, soil, **angles)
+            _check_said_once(ground, file, given)
+        else:
+            layer = typed(path, table, "layer", str) if "layer" in table else None
+            given = ProfileTable(_of_dxf(file, layer, soil, angles), (), None)
+        checksums[file] = hashlib.sha256(file.read_bytes()).hexdigest()
+    layout = lay_out(
+        path,
+        given.profile,
+        given.materials,
+        ground.parts,
+        ground.fields(),
+        has_base=bool(ground.everywhere or given.quantities or ground.calibrated),
+    )
+    return _with_parts(path, layout, ground)
+
+
+def _of_points(path: Path, points: list, soil: Soil, angles: dict) -> Profile:
+    try:
+        if not all(type(c) in (int, float) for point in points for c in point):
+            raise TypeError
+        x, y = np.array(points, float).reshape(len(points), 2).T
+        return Profile(x, y, soil, **angles)
+    except (TypeError, ValueError) as error:
+        told = str(error)
+        if not told.startswith("a profile"):
+            told = f"must be a list of [x, y], but is {points!r}"
+        raise InputError(told, file=path, key="profile.points_m") from None
+
+
+def _of_dxf(file: Path, layer: str | None, soil: Soil, angles: dict) -> Profile:
+    x, y = read_dxf_points(file, layer)
+    try:
+        return Profile(x, y, soil, **angles)
+    except ValueError as error:
+        raise InputError(str(error), file=file) from None
+
+
+def _alike(quantities: dict, soil: Soil) -> tuple[dict, dict]:
+    """Select quantities that are one number: fields of the soil, and angles of the
+    ground, in SI units."""
+    of_soil, angles, columns = {}, {}, ground_columns(soil)
+    for name, value in quantities.items():
+        if isinstance(value, float):
+            column = columns[name]
+            fields = of_soil if column.part == "soil" else angles
+            fields[column.field] = column.factor * value
+    return of_soil, angles
+
+
+def _check_said_once(ground: GroundInput, csv: Path, given: ProfileTable) -> None:
+    """Raise InputError for a distribution that a column of the profile would hide, and
+    for a material's quantity that would hide a column."""
+    varied = [*ground.varied(), *ground.fields(), *ground.sampled_jointly()]
+    for name in given.quantities:
+        if f"ground.{name}" in varied:
+            raise InputError(
+                f"differs from block to block, but {csv.name} has a column of it",
+                file=ground.path,
+                key=f"ground.{name}",
+            )
+        for part in ground.parts.values():
+            if part.segment is None and name in part.quantities:
+                raise InputError(
+                    f"is also a column of {csv.name}; leave one of them out",
+                    file=ground.path,
+                    key=f"ground.{part.key}.{name}",
+                )
+
+
+def _with_parts(path: Path, layout: GroundLayout, ground: GroundInput) -> GroundLayout:
+    """Give segments and materials the quantities that are numbers."""
+    profile = layout.profile
+    fields = {
+        column.field: np.array(getattr(profile.soil, column.field))
+        for column in columns_of_part("soil", profile.soil).values()
+    }
+    angles = {
+        name: getattr(profile, name).copy()
+        for name in ("rolling_friction_angle", "roughness")
+    }
+    for part in ground.parts.values():
+        of_soil, of_angles = _alike(part.quantities, profile.soil)
+        for values, given in ((fields, of_soil), (angles, of_angles)):
+            for field, value in given.items():
+                values[field][layout.places[part.key]] = value
+    soil = dataclasses.replace(profile.soil, **fields)
+    return layout._replace(profile=Profile(profile.x, profile.y, soil, **angles))

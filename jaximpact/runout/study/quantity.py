@@ -1,0 +1,115 @@
+"""Quantities of a study: numbers, lists and distributions from its file."""
+
+from pathlib import Path
+from typing import NoReturn
+
+from ...errors import InputError
+from ...io.toml import check_keys, number, quantity
+from ...quantities import InputColumn
+from ..distributions import Distribution, Lognormal, Normal, PowerLaw, Uniform
+from ..random_fields import RandomField
+from ..random_inputs import Quantity
+
+BOUNDS = ("least", "most")
+KINDS = {
+    Normal: ("mean", "sd"),
+    Uniform: ("from", "to"),
+    Lognormal: ("median", "geometric_sd"),
+    PowerLaw: ("exponent",),
+}
+"""Keys of each distribution; all but the uniform one take `BOUNDS` too."""
+LENGTH = "correlation_length_m"
+"""Key of a quantity of the ground that varies along the slope."""
+KEYS = tuple(name for names in KINDS.values() for name in names) + BOUNDS
+
+
+def read_quantity(path: Path, key: str, value, column: InputColumn | None) -> Quantity:
+    """Read a number, a list or a distribution from a file's value.
+
+    Args:
+        column: gives the range that numbers must keep, if there is one.
+
+    Raises InputError, naming file and key, for anything else.
+    """
+
+    def one(value, key=key) -> float:
+        if column is None:
+            return number(path, key, value)
+        return quantity(path, key, column, value)
+
+    if isinstance(value, list):
+        if not value:
+            raise InputError("is an empty list", file=path, key=key)
+        return tuple(one(v) for v in value)
+    if not isinstance(value, dict):
+        return one(value)
+    if LENGTH in value:
+        _refuse(path, f"{key}.{LENGTH}", "is for quantities of the ground only")
+    check_keys(path, key, value, (*KEYS, LENGTH))
+    if set(value) == set(KINDS[Uniform]):
+        start, stop = (one(value[n], f"{key}.{n}") for n in KINDS[Uniform])
+        if not start < stop:
+            _refuse(path, key, f"must go up, but goes from {start:g} to {stop:g}")
+        return Uniform(start, stop)
+    given = {n: number(path, f"{key}.{n}", v) for n, v in value.items()}
+    for kind in (Normal, Lognormal, PowerLaw):
+        if set(KINDS[kind]) <= set(given) <= {*KINDS[kind], *BOUNDS}:
+            if kind is PowerLaw and len(given) < 3:
+                _refuse(path, key, "needs least and most beside its exponent")
+            distribution = kind(**given)
+            _check(path, key, distribution)
+            return distribution
+    if {*KINDS[Uniform]} < set(value) <= {*KINDS[Uniform], *BOUNDS}:
+        _refuse(path, key, "takes no least or most beside from and to, which are both")
+    _refuse(
+        path,
+        key,
+        "must be a number, a list, { from, to }, { exponent, least, most }, "
+        "{ mean, sd } or { median, geometric_sd }, the last two with least and most if "
+        f"wanted, but is {value!r}",
+    )
+
+
+def read_ground_quantity(
+    path: Path, key: str, value, column: InputColumn
+) -> Quantity | RandomField:
+    """Read a quantity of the ground, which may vary along the slope; see
+    `read_quantity`."""
+    if not isinstance(value, dict) or LENGTH not in value:
+        return read_quantity(path, key, value, column)
+    length = number(path, f"{key}.{LENGTH}", value[LENGTH])
+    if not length > 0.0:
+        _refuse(path, f"{key}.{LENGTH}", f"must be above 0 m, but is {length:g}")
+    rest = {name: of for name, of in value.items() if name != LENGTH}
+    distribution = read_quantity(path, key, rest, column)
+    assert isinstance(distribution, Distribution)
+    return RandomField(distribution, length)
+
+
+def _check(path: Path, key: str, given: Normal | Lognormal | PowerLaw) -> None:
+    """Raise InputError for parameters out of range, and bounds that leave nothing."""
+    above = {"sd": 0.0, "median": 0.0, "geometric_sd": 1.0, "exponent": 0.0}
+    if isinstance(given, PowerLaw):
+        above["least"] = 0.0
+    values = given._asdict()
+    for name, limit in above.items():
+        if name in values and not values[name] > limit:
+            told = f"must be above {limit:g}, but is {values[name]:g}"
+            _refuse(path, f"{key}.{name}", told)
+    least, most = values["least"], values["most"]
+    if not least < most:
+        told = f"needs least below most, but they are {least:g} and {most:g}"
+        _refuse(path, key, told)
+    if isinstance(given, PowerLaw) or given.probability_inside > 0.0:
+        return
+    centre, spread = (f"{name} {values[name]:g}" for name in KINDS[type(given)])
+    _refuse(
+        path,
+        key,
+        f"holds nothing between least and most, {least:g} and {most:g}, so far from a "
+        f"{centre} with {spread}",
+    )
+
+
+def _refuse(path: Path, key: str, told: str) -> NoReturn:
+    raise InputError(told, file=path, key=key)

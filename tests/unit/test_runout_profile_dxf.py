@@ -1,0 +1,173 @@
+"""Slope profiles from DXF drawings."""
+
+import sys
+
+import numpy as np
+import pytest
+from error_messages import assert_one_line_error
+
+from jaximpact.cli import main
+from jaximpact.errors import InputError
+from jaximpact.runout import read_slope_study
+from jaximpact.runout.profile_dxf import read_dxf_points
+
+X, Y = [0.0, 400.0, 1000.0], [230.0, 0.0, 0.0]
+HEAD = "0\nSECTION\n2\nENTITIES\n"
+TAIL = "0\nENDSEC\n0\nEOF\n"
+
+
+@pytest.fixture
+def drawing():
+    ezdxf = pytest.importorskip("ezdxf")
+    return ezdxf.new("R2010")
+
+
+def read(drawing, path, layer=None):
+    drawing.saveas(path / "slope.dxf")
+    return read_dxf_points(path / "slope.dxf", layer)
+
+
+def line(x_0, y_0, x_1, y_1, layer="0"):
+    """A LINE as the oldest version has it."""
+    return f"0\nLINE\n8\n{layer}\n10\n{x_0}\n20\n{y_0}\n11\n{x_1}\n21\n{y_1}\n"
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize("kind", ["lwpolyline", "polyline2d", "polyline3d"])
+def test_a_polyline_is_a_profile(drawing, tmp_path, kind, backwards):
+    points = list(zip(X, Y, [7.0] * 3, strict=True))
+    if kind == "lwpolyline":
+        points = [(x, y) for x, y, _ in points]
+    space = drawing.modelspace()
+    getattr(space, f"add_{kind}")(points[::-1] if backwards else points)
+    x, y = read(drawing, tmp_path)
+    np.testing.assert_array_equal(x, X)
+    np.testing.assert_array_equal(y, Y)
+
+
+def test_lines_in_any_order_are_joined(tmp_path):
+    pytest.importorskip("ezdxf")
+    text = HEAD + line(1000, 0, 400, 0) + line(0, 230, 100, 172.5)
+    text += line(400, 1e-7, 100, 172.5) + TAIL
+    (tmp_path / "slope.dxf").write_text(text)
+    x, y = read_dxf_points(tmp_path / "slope.dxf")
+    np.testing.assert_array_equal(x, [0.0, 100.0, 400.0, 1000.0])
+    np.testing.assert_allclose(y, [230.0, 172.5, 0.0, 0.0], atol=1e-6)
+
+
+def test_arcs_of_polylines_are_cut_to_chords(drawing, tmp_path):
+    # A quarter of a circle of 100 m.
+    bulge = np.tan(np.pi / 8.0)
+    drawing.modelspace().add_lwpolyline(
+        [(0, 100, bulge), (100, 0, 0), (200, 0, 0)], format="xyb"
+    )
+    x, y = read(drawing, tmp_path)
+    arc = x <= 100.0
+    distance = np.hypot(x[arc] - 100.0, y[arc] - 100.0)
+    # The cubic curves that ezdxf takes for a quarter of a circle.
+    np.testing.assert_allclose(distance, 100.0, rtol=3e-4)
+    middle = np.hypot(0.5 * (x[1:] + x[:-1]) - 100, 0.5 * (y[1:] + y[:-1]) - 100)
+    assert np.max(np.abs(middle[:-1] - 100.0)) <= 0.01 + 0.03
+
+
+def test_points_that_stand_twice_are_dropped(drawing, tmp_path):
+    drawing.modelspace().add_lwpolyline([(0, 5), (0, 5), (9, 1), (9, 1)])
+    np.testing.assert_array_equal(read(drawing, tmp_path)[0], [0.0, 9.0])
+
+
+def test_a_layer_chooses(drawing, tmp_path):
+    space = drawing.modelspace()
+    points = list(zip(X, Y, strict=True))
+    space.add_lwpolyline(points, dxfattribs={"layer": "TERRAIN"})
+    space.add_line((0, 240), (900, 10), dxfattribs={"layer": "ROCK"})
+    np.testing.assert_array_equal(read(drawing, tmp_path, "TERRAIN")[0], X)
+    with pytest.raises(InputError, match="2 layers \\('TERRAIN': 1, 'ROCK': 1\\); lay"):
+        read(drawing, tmp_path)
+    with pytest.raises(InputError, match="'TERAIN'; did you mean 'TERRAIN'"):
+        read(drawing, tmp_path, "TERAIN")
+    space.add_line((0, 250), (900, 20), dxfattribs={"layer": "ROCK"})
+    with pytest.raises(InputError, match="has 2 lines on the layer 'ROCK' that do not"):
+        read(drawing, tmp_path, "ROCK")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "is no DXF drawing that can be read"),
+        ("x_m,y_m\n0,1\n", "is no DXF drawing that can be read"),
+        (HEAD + line(0, 5, 9, 1), "is no DXF drawing that can be read"),
+        (HEAD + line(0, "high", 9, 1) + TAIL, "is no DXF drawing that can be read"),
+        (HEAD + TAIL, "has no LINE, LWPOLYLINE or POLYLINE"),
+        (HEAD + line(3, 3, 3, 3) + TAIL, "has no LINE"),
+        (HEAD + "0\nCIRCLE\n8\n0\n10\n0\n20\n0\n40\n5\n" + TAIL, "has no LINE"),
+        (
+            HEAD + "0\nLINE\n8\nT\n10\n0\n20\n5\n30\n0\n11\n9\n21\n1\n31\n4\n" + TAIL,
+            "layer 'T' whose z changes",
+        ),
+    ],
+)
+def test_what_is_no_profile_is_refused_in_a_line(tmp_path, text, said):
+    pytest.importorskip("ezdxf")
+    path = tmp_path / "slope.dxf"
+    path.write_text(text)
+    with pytest.raises(InputError, match=said) as error:
+        read_dxf_points(path)
+    assert str(path) in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+STUDY = """
+[profile]
+dxf = "slope.dxf"
+layer = "T"
+
+[release]
+x_m = 2
+clearance_m = 1
+"""
+
+
+@pytest.fixture
+def slope(folder):
+    text = HEAD + line(0, 230, 400, 0, "T") + line(400, 0, 1000, 0, "T")
+    (folder / "slope.dxf").write_text(text + line(0, 9, 9, 9) + TAIL)
+    (folder / "slope.toml").write_text(STUDY)
+    return folder / "slope.toml"
+
+
+def test_a_study_takes_a_drawing(slope):
+    pytest.importorskip("ezdxf")
+    study = read_slope_study(slope)
+    np.testing.assert_array_equal(study.profile.x, X)
+    assert set(study.checksums) == {"slope.toml", "slope.dxf"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "parts"),
+    [
+        ('dxf = "slope.dxf"', 'csv = "slope.dxf"', ("profile.layer", "of a dxf only")),
+        ('"T"', '"T"\npoints_m = []', ("key profile", "one of points_m, csv and dxf")),
+        ('dxf = "slope.dxf"\n', "", ("key profile", "one of points_m, csv and dxf")),
+        ('"slope.dxf"', '"slop.dxf"', ("slop.dxf", "cannot be read")),
+        ('"T"', "3", ("layer", "must be a text")),
+    ],
+)
+def test_bad_studies_are_refused_in_one_line(slope, capsys, old, new, parts):
+    slope.write_text(STUDY.replace(old, new))
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, *parts)
+
+
+def test_a_vertical_wall_is_refused(slope, capsys):
+    pytest.importorskip("ezdxf")
+    text = HEAD + line(0, 230, 400, 50, "T") + line(400, 50, 400, 0, "T") + TAIL
+    (slope.parent / "slope.dxf").write_text(text)
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, "slope.dxf", "a wall needs some width")
+
+
+def test_without_the_package_it_is_named(slope, capsys, monkeypatch):
+    for name in ("ezdxf", "ezdxf.filemanagement", "ezdxf.path"):
+        monkeypatch.setitem(sys.modules, name, None)
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, "slope.dxf", "pip install ezdxf")
