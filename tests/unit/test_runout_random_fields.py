@@ -93,12 +93,7 @@ def test_cuts_leave_the_ground_where_it_is():
         np.testing.assert_array_equal(cut.soil.c_v, profile.soil.c_v[piece])
         kept = np.isin(cut.x, profile.x)
         np.testing.assert_array_equal(cut.y[kept], profile.y)
-        # Rounding of coordinates over the shortest piece, 0.1 mm, times the length.
-        sag = 16 * 2.3e-16 * max(largest, 1e3) / 1e-4 * 200.0
-        np.testing.assert_allclose(cut.y, profile.height(cut.x), atol=sag)
-        # Every cut turns the ground upwards.
-        same = piece[1:] == piece[:-1]
-        assert np.all((np.diff(cut.slope) < 0.0)[same])
+        np.testing.assert_array_equal(cut.y, profile.height(cut.x))
     whole, piece = subdivide(profile, [x[0] - 1.0, x[2], x[-1]])
     assert whole is profile
     np.testing.assert_array_equal(piece, np.arange(5))
@@ -106,7 +101,7 @@ def test_cuts_leave_the_ground_where_it_is():
 
 @pytest.mark.parametrize("aspect_ratio", [1.0, 1.5])
 def test_cuts_alone_change_no_run_out(aspect_ratio):
-    """Rounding at the cuts must send no block that rolls into the air."""
+    """Rounding at the cuts must throw no block that rolls into the air, or stop it."""
     profile = Profile([0.0, 400.0, 1000.0], [230.0, 0.0, 0.0])
     block = Block(np.linspace(50.0, 200.0, 20), aspect_ratio=aspect_ratio)
     release = Release(block, 2.0, 232.0, 19.0, np.linspace(0.0, 6.0, 20))
@@ -115,7 +110,7 @@ def test_cuts_alone_change_no_run_out(aspect_ratio):
     cut = simulate_runout(
         subdivide(profile, np.arange(3.0, 1000, 7.0))[0], release, law
     )
-    # The energy of a climb by the turns of 1e-12 rad, over hundreds of metres.
+    # Rounding, magnified by some ten contacts.
     np.testing.assert_allclose(cut.x, plain.x, atol=1e-5)
     np.testing.assert_array_equal(cut.ending, plain.ending)
 
