@@ -526,7 +526,7 @@ def test_runs_down_a_slope_have_readings_of_their_own(monkeypatch, capsys):
 def test_runs_that_fail_are_no_ground_for_a_verdict(monkeypatch):
     usual = study.simulate_runout
 
-    def with_failure(*arguments):
+    def with_failure(*arguments, **options):
         runs = usual(*arguments[:2], ClosedForm(ConstantCoefficients(0.0, 1.0)))
         runs.ending[[3, 7]] = Ending.failed, Ending.time_limit
         return runs

@@ -266,7 +266,7 @@ def draw_14(table: Table) -> Figure:
         words = []
         for hops, who, style in (
             (0, "impacts", IMPACTS),
-            (1, "before hops", BEFORE_HOPS),
+            (1, "hops", BEFORE_HOPS),
         ):
             chosen = inside[inside[HOP] == hops]
             fit = fit_normal(chosen[name])
