@@ -133,10 +133,7 @@ def bind(equation, operands: Sequence) -> list:
     """Results of an equation's operation on other operands."""
     primitive = equation.primitive
     params = primitive.get_bind_params(equation.params)
-    functions = ()
-    if isinstance(params, tuple):  # JAX 0.9
-        functions, params = params
-    results = primitive.bind(*functions, *operands, **params)
+    results = primitive.bind(*operands, **params)
     return results if primitive.multiple_results else [results]
 
 
