@@ -25,7 +25,7 @@ Needs the extra `jaximpact[bayes]`.
 import importlib.util
 import time
 import warnings
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -182,7 +182,8 @@ def _run_chains(
     mass = (apart.T * draws.weights) @ apart
     mass = mass + 1e-9 * np.trace(mass) * np.eye(len(mass))
     key_warmup, key = jax.random.split(jax.random.key(seed))
-    adaptation = blackjax.window_adaptation(
+    # Their types are made at run time, where pyright does not see them.
+    adaptation: Any = blackjax.window_adaptation(
         blackjax.nuts,
         log_density,
         is_mass_matrix_diagonal=False,
@@ -332,7 +333,7 @@ def to_inference_data(
         "acceptance_rate": samples.acceptance,
         "n_steps": samples.steps,
     }
-    data = arviz.from_dict(
+    data: Any = arviz.from_dict(
         posterior={
             name: samples.values[:, :, index]
             for index, name in enumerate(samples.names)
