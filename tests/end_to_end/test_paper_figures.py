@@ -36,7 +36,7 @@ RELATIVE = 2e-3
 
 COURSES = ("4", "6")
 OF_RUNS = ("x_m", "y_m", "height_m", "velocity_mps", "spin_degps")
-OF_RUNS += ("start_x_m", "rise_m")
+OF_RUNS += ("start_x_m", "rise_m", "hop")
 OVER_ORIENTATION = ("8", "13")
 
 

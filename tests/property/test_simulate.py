@@ -324,7 +324,7 @@ def test_history_follows_the_impact_to_its_end():
             },
             r"broadcast, but have shapes \(2,\), \(3,\)",
         ),
-        ({"accuracy": "balancd"}, r"did you mean 'balanced'"),
+        ({"accuracy": "balancd"}, r"did you mean balanced\?"),
     ],
 )
 def test_refusals_say_what_is_needed(wrong, said):

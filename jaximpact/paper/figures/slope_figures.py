@@ -233,6 +233,8 @@ def draw_12(table: Table) -> Figure:
     log_scale(fraction, "y")
     fraction.legend(title="$A_r$")
     axes[0].set_xlim(edges[0], edges[-1])
+    fit = Line2D([], [], label="exponential fit", **IMPACTS)
+    legend_outside(figure, [fit], "upper center")
     say_what_distances_are(figure)
     return figure
 
