@@ -26,9 +26,12 @@ def code_cells(notebook):
 def shown(cell):
     """What a cell shows, without its numbers: the words that it prints, and the kinds
     of its other outputs. Numbers differ in their last digits among processors, and
-    times from run to run."""
+    times from run to run. Of a fit that its tests do not determine the words differ
+    too: where on its ridge it ends, and what is said of that, hangs on rounding."""
     printed = "".join(out.text for out in cell.outputs if out.output_type == "stream")
     kinds = [sorted(out.data) for out in cell.outputs if "data" in out]
+    if "depends-on-rounding" in cell.metadata.get("tags", ()):
+        return bool(printed), kinds
     return re.findall(r"[^\W\d_]{2,}", printed), kinds
 
 
