@@ -59,6 +59,12 @@ class BlockOutline(NamedTuple):
     """Height of the centre of a block lying on its flat side [m]: the smaller
     semi-axis."""
 
+    @property
+    def heave(self) -> Values:
+        """Difference between the greatest and the least height of the centre as the
+        block rolls [m]; 0 for a sphere."""
+        return self.largest - self.smallest
+
 
 def outline_of(block: Block) -> BlockOutline:
     """Compute the outline of a block."""

@@ -62,9 +62,10 @@ def simulate_runout(
             if not given.
         time_limit: longest trajectory [s], above 0.
         event_limit: most contacts and legs along the ground of a trajectory, from 1.
-        hop_threshold: height of a flight after a contact, as a fraction of the heave of
-            the block's centre in a turn, below which the block rolls instead of flying,
-            from 0; see `contacts.impact`. Spheres do not heave: it is not for them.
+        hop_threshold: height of a flight after a contact or at a break of the slope, as
+            a fraction of the heave of the block's centre as it rolls, below which the
+            block rolls instead of flying, from 0; see `contacts.impact`. Spheres do not
+            heave: it is not for them.
         width: number of blocks under way at once, from 1; no result depends on it.
         progress: called as `progress(ended, blocks)`.
 

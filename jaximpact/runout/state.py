@@ -47,8 +47,8 @@ class Limits(NamedTuple):
     events: int = EVENT_LIMIT
     """Most contacts and legs."""
     hop_threshold: float = HOP_THRESHOLD
-    """Height of a flight after a contact, as a fraction of the block's heave, below
-    which it rolls instead."""
+    """Height of a flight after a contact or at a break, as a fraction of the block's
+    heave, below which it rolls instead."""
 
 
 @dataclasses.dataclass

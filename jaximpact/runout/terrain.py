@@ -18,6 +18,8 @@ ROLLING_FRICTION_ANGLE = math.radians(20.0)
 """Default [rad]: an assumption, as the paper gives none."""
 ROLLING_COLUMN = "rolling_friction_angle_deg"
 ROUGHNESS_COLUMN = "roughness_deg"
+SAME_PLANE = 1e-9
+"""Sine of the angle between two planes within which they are the same."""
 ROUGHEST = math.radians(30.0)
 """Largest roughness [rad]."""
 

@@ -23,14 +23,9 @@ from ...impact_response import ImpactResponse
 from ...scene import GRAVITY
 from ..blocks import BlockOutline, Body, select, support_of
 from ..dual import Values, primal
-from ..ground_motion.on_ground import (
-    SAME_PLANE,
-    SMALL_RISE,
-    begin_on_ground,
-    small_speed,
-)
+from ..ground_motion.on_ground import SMALL_RISE, begin_on_ground, small_speed
 from ..state import Phase, State
-from ..terrain import Profile
+from ..terrain import SAME_PLANE, Profile
 from ..trajectory import Ending, MotionMode
 from .contact_models import Contacts
 from .plane_contact import (
@@ -114,10 +109,9 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
 
 def _is_hop(state, lanes, outline, slope, on: Continuation) -> np.ndarray:
     """Tell flights that would lift a block by less than it heaves as it rolls."""
-    heave = outline.largest - outline.smallest
     normal_gravity = GRAVITY * np.cos(slope)
     height = on.over + np.maximum(on.rising, 0.0) ** 2 / (2.0 * normal_gravity)
-    return primal(height) < state.limits.hop_threshold * primal(heave)
+    return primal(height) < state.limits.hop_threshold * primal(outline.heave)
 
 
 def _planes_struck(state, lanes, touched, is_impact, slow) -> PlaneContact:

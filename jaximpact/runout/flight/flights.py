@@ -10,7 +10,7 @@ from ..blocks import BlockOutline, Body, fly, select, support_of
 from ..dual import Dual, Values, as_dual, primal, tangent_count
 from ..lane_programs import closed_form
 from ..state import Phase, State
-from ..terrain import Profile
+from ..terrain import SAME_PLANE, Profile
 from ..trajectory import Ending, MotionMode
 from .broad_phase import count_needed, earliest, nearest_segments
 from .narrow_phase import normal_through
@@ -18,8 +18,6 @@ from .time_of_impact import search
 
 TURNS = 100_000
 """Number of searches, each with other segments, after which a flight is given up."""
-SAME_PLANE = 1e-9
-"""Sine of an angle between planes within which they are the same."""
 IN_THE_GROUND = 1e-8
 """Fraction of the larger semi-axis beyond which a block that touches has started in the
 ground."""

@@ -6,11 +6,10 @@ from ...scene import GRAVITY
 from ..blocks import select, support_of
 from ..dual import Values, primal
 from ..state import Phase, State
+from ..terrain import SAME_PLANE
 from ..trajectory import Ending, MotionMode
 from .rolling import barrier_of, begin_ground_motion, cross_break, follow_segment
 
-SAME_PLANE = 1e-9
-"""Sine of the angle between two planes within which they are the same."""
 SMALL_RISE = 1e-2
 """Fraction of the smaller semi-axis; energies that would lift a block by less count as
 none: hops so low are not followed, and touches so slow are no impacts. They take less
@@ -24,13 +23,12 @@ def small_speed(state: State, lanes: np.ndarray, slope: Values) -> Values:
     return np.sqrt(2.0 * GRAVITY * np.cos(slope) * rise)
 
 
-def hop_height(state: State, lanes: np.ndarray) -> Values:
+def _hop_height(state: State, lanes: np.ndarray) -> Values:
     """Compute the height of a flight up to which it is not followed [m]: one that lifts
     a block by less than it heaves as it rolls, or by next to nothing."""
     outline = select(state.outline, lanes)
-    heave = outline.largest - outline.smallest
     return np.maximum(
-        state.limits.hop_threshold * heave, SMALL_RISE * state.smallest[lanes]
+        state.limits.hop_threshold * outline.heave, SMALL_RISE * state.smallest[lanes]
     )
 
 
@@ -298,7 +296,7 @@ def cross_edges(state: State, lanes: np.ndarray) -> None:
     crossing = cross_break(
         outline, mass_properties, squared, direction * plane, direction * after,
         direction * state.body.orientation[lanes], rolls.astype(float),
-        hop_height(state, lanes),
+        _hop_height(state, lanes),
     )  # fmt: skip
     flies, back = crossing.flies > 0.0, crossing.goes_back > 0.0
     stays = crossing.stays > 0.0
