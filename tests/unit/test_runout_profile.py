@@ -6,6 +6,7 @@ import pytest
 from jaximpact import Soil
 from jaximpact.errors import InputError
 from jaximpact.runout import Profile, read_profile
+from jaximpact.runout.study.drawing import drawn_grounds
 
 
 def test_segments_descend_and_rise():
@@ -94,3 +95,19 @@ def test_a_bad_file_is_refused_in_a_line(tmp_path, text, said):
 def test_a_missing_file_is_refused_in_a_line(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
         read_profile(tmp_path / "none.csv")
+
+
+def test_a_few_grounds_are_drawn_one_by_one_and_many_in_classes():
+    few = drawn_grounds(Profile([0, 1, 2, 3], [3, 2, 1, 0], Soil(c_v=[0.5, 1.0, 0.5])))
+    assert few.number == [0, 1, 0]
+    assert few.words == ["c_v = 0.5", "c_v = 1"]
+    c_v = np.linspace(0.4, 0.9, 24)
+    soil = Soil(c_v=c_v, k_E=np.linspace(900.0, 905.0, 24))
+    many = drawn_grounds(Profile(np.arange(25.0), np.zeros(25), soil))
+    # By c_v, which varies more than k_E, in fifths of its range.
+    assert many.words[0] == "c_v = 0.4 to 0.5"
+    assert many.words[-1] == "c_v = 0.8 to 0.9"
+    assert len(set(many.colours)) == len(many.words) == 5
+    assert many.number == sorted(many.number)
+    expected = np.minimum((c_v - 0.4) / 0.1, 4.0).astype(int)
+    np.testing.assert_array_equal(many.number, expected)

@@ -1,12 +1,16 @@
 """Drawings of a run-out study."""
 
+import itertools
 from collections.abc import Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_hex
 from matplotlib.patches import Patch
 
 from ...plotting.style import (
@@ -44,8 +48,13 @@ ENVELOPES = (
 """Quantities along the profile: variable, label and factor."""
 GROUNDS = (SOIL, "#c9b99a", "#dfe3d3", "#b8c4bb", "#e6cfc3", "#a89f91")
 """Colours of the segments' grounds, in the order in which they come."""
-SHOWN_GROUNDS = 6
-"""Largest number of grounds in a legend."""
+SHOWN_GROUNDS = len(GROUNDS)
+"""Largest number of grounds that are told apart; more are drawn in classes."""
+CLASSES = 5
+"""Number of classes of a quantity of the ground that varies along the profile."""
+PALEST, DARKEST = 0.1, 0.55
+"""Parts of the colour map between which the ground's classes lie: trajectories must be
+seen on them."""
 
 
 @in_style
@@ -240,18 +249,62 @@ def _finish_exceedance(axes: list[Axes]) -> None:
 def _draw_ground(axes: Axes, profile: Profile) -> list[Patch]:
     """Draw the profile, segments of different ground in different colours, and give the
     entries of a legend."""
-    number, told = grounds_of(profile)
+    drawn = drawn_grounds(profile)
     bottom = bottom_of(profile)
-    for segment, ground in enumerate(number):
+    for segment, ground in enumerate(drawn.number):
         ends = slice(segment, segment + 2)
-        colour = GROUNDS[ground % len(GROUNDS)]
-        axes.fill_between(profile.x[ends], profile.y[ends], bottom, color=colour, lw=0)
+        colour = drawn.colours[ground]
+        # An edge, or pale gaps show between the cells of a ground that varies.
+        axes.fill_between(
+            profile.x[ends],
+            profile.y[ends],
+            bottom,
+            facecolor=colour,
+            ec=colour,
+            lw=0.3,
+        )
     axes.plot(profile.x, profile.y, color="black", lw=1.0)
     entries = [
-        Patch(color=GROUNDS[place], label=f"ground: {', '.join(words[:3]) or 'one'}")
-        for place, words in enumerate(told[:SHOWN_GROUNDS])
+        Patch(color=colour, label=f"ground: {words}")
+        for colour, words in zip(drawn.colours, drawn.words, strict=True)
     ]
-    return entries if len(told) > 1 else []
+    return entries if len(entries) > 1 else []
+
+
+class DrawnGrounds(NamedTuple):
+    """Grounds of a profile as they are drawn."""
+
+    number: list[int]
+    """Number of each segment's ground."""
+    colours: list[str]
+    """Colour of each ground."""
+    words: list[str]
+    """What each ground is, in a few words."""
+
+
+def drawn_grounds(profile: Profile) -> DrawnGrounds:
+    """Choose colours and words for the grounds of a profile.
+
+    Where there are more than `SHOWN_GROUNDS`, as on a ground that varies along the way,
+    they are drawn in classes of equal width of the quantity that varies most.
+    """
+    number, told = grounds_of(profile)
+    if len(told) <= SHOWN_GROUNDS:
+        words = [", ".join(words[:3]) or "one ground" for words in told]
+        return DrawnGrounds(number, list(GROUNDS[: len(told)]), words)
+    names, values = _ground_values(profile)
+    spread = np.std(values, axis=0) / np.maximum(np.mean(np.abs(values), axis=0), 1e-12)
+    most = int(np.argmax(spread))
+    edges = np.linspace(values[:, most].min(), values[:, most].max(), CLASSES + 1)
+    place = np.clip(
+        np.searchsorted(edges, values[:, most], "right") - 1, 0, CLASSES - 1
+    )
+    shades = colormaps["YlOrBr"](np.linspace(PALEST, DARKEST, CLASSES))
+    words = [
+        f"{names[most]} = {low:.3g} to {high:.3g}"
+        for low, high in itertools.pairwise(edges)
+    ]
+    return DrawnGrounds(place.tolist(), [to_hex(shade) for shade in shades], words)
 
 
 def grounds_of(profile: Profile) -> tuple[list[int], list[list[str]]]:
@@ -261,6 +314,19 @@ def grounds_of(profile: Profile) -> tuple[list[int], list[list[str]]]:
         The number of each segment's ground, and for each ground the quantities in which
         grounds differ, such as "c_v = 0.5".
     """
+    names, values = _ground_values(profile)
+    grounds, number = np.unique(values, axis=0, return_inverse=True)
+    order = list(dict.fromkeys(number.ravel().tolist()))
+    differing = np.flatnonzero(np.any(grounds != grounds[0], axis=0))
+    told = [
+        [f"{names[i]} = {grounds[ground, i]:g}" for i in differing] for ground in order
+    ]
+    return [order.index(ground) for ground in number.ravel().tolist()], told
+
+
+def _ground_values(profile: Profile) -> tuple[list[str], np.ndarray]:
+    """Give the names of the ground's quantities and their values by segment, in the
+    units of their names, `(segments, quantities)`."""
     columns = list(ground_columns(profile.soil).values())
     values = np.stack(
         [
@@ -269,14 +335,7 @@ def grounds_of(profile: Profile) -> tuple[list[int], list[list[str]]]:
         ],
         axis=1,
     )
-    grounds, number = np.unique(values, axis=0, return_inverse=True)
-    order = list(dict.fromkeys(number.ravel().tolist()))
-    differing = np.flatnonzero(np.any(grounds != grounds[0], axis=0))
-    told = [
-        [f"{columns[i].name} = {grounds[ground, i]:g}" for i in differing]
-        for ground in order
-    ]
-    return [order.index(ground) for ground in number.ravel().tolist()], told
+    return [column.name for column in columns], values
 
 
 def bottom_of(profile: Profile) -> float:

@@ -16,7 +16,7 @@ from matplotlib.colors import to_hex
 from ..blocks import select
 from ..terrain import Profile
 from ..trajectory import Pieces, Runs, state_after
-from .drawing import GROUNDS, bottom_of, grounds_of
+from .drawing import bottom_of, drawn_grounds
 from .slope_file import SlopeStudy
 
 RESOLUTION = 200_000
@@ -53,8 +53,7 @@ def page_profile(study: SlopeStudy, runs: Runs) -> dict:
     finite = runs.pieces.y[np.isfinite(runs.pieces.y)]
     units = Units(study.profile, float(np.max(finite, initial=study.profile.y.max())))
     speeds, shown = _trajectories(runs, units)
-    number, told = grounds_of(study.profile)
-    several = len(told) > 1
+    drawn = drawn_grounds(study.profile)
     known = np.isfinite(runs.x[:shown]) & np.isfinite(runs.y[:shown])
     ends = zip(*units(runs.x[:shown][known], runs.y[:shown][known]), strict=True)
     line = zip(*units(study.profile.x, study.profile.y), strict=True)
@@ -65,11 +64,13 @@ def page_profile(study: SlopeStudy, runs: Runs) -> dict:
         },
         "grounds": [
             {
-                "path": _ground(study.profile, number, ground, units),
-                "colour": GROUNDS[ground % len(GROUNDS)],
-                "words": ", ".join(words) if several else "one ground",
+                "path": _ground(study.profile, drawn.number, ground, units),
+                "colour": colour,
+                "words": words,
             }
-            for ground, words in enumerate(told)
+            for ground, (colour, words) in enumerate(
+                zip(drawn.colours, drawn.words, strict=True)
+            )
         ],
         "surface": "M" + " ".join(f"{x} {y}" for x, y in line),
         "speeds": speeds,

@@ -19,7 +19,7 @@ from .barrier_results import (
     interval_text,
     number_text,
 )
-from .drawing import SHOWN_GROUNDS, grounds_of, valid_blocks
+from .drawing import grounds_of, valid_blocks
 from .intervals import least_blocks, percentile_interval
 from .map_files import NO_MAP
 from .page_curves import QUANTITIES, page_curves
@@ -86,7 +86,6 @@ def report_page(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> str:
         "transform": f"matrix({size:.6g} 0 0 {-size:.6g} {left:.1f} {height - 30})",
         "drawing_words": f"The first {drawing['shown']} trajectories of "
         f"{study.release.count}, coloured by speed; dashed lines are collectors.",
-        "most_grounds": SHOWN_GROUNDS,
         "curve_words": CURVES,
         "curve_names": [words for _, words, _, _ in QUANTITIES],
         "bins": study.bins,
