@@ -11,6 +11,7 @@ from .profile_csv import read_profile
 from .random_inputs import draw
 from .scheduler import simulate_runout
 from .study.barriers import Barrier
+from .study.law_choice import choose_contacts
 from .study.map_placement import MapPlacement
 from .study.run_study import run_slope_study
 from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
@@ -42,6 +43,7 @@ __all__ = [
     "SlopeStudy",
     "Standing",
     "Uniform",
+    "choose_contacts",
     "differentiate_runout",
     "draw",
     "first_passages",

@@ -45,7 +45,8 @@ class NamedLaw(NamedTuple):
 
 
 def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]:
-    """Read one law from `[contacts]`, or as many as there are `[[contacts]]`.
+    """Read one law from `[contacts]`, or as many as there are `[[contacts]]`; with
+    `contact_error` the full model is always one of them.
 
     Args:
         content: content of the file.
@@ -57,6 +58,8 @@ def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]
     if not isinstance(tables, list):
         tables = [typed(path, content, "contacts", dict, tables)]
     laws = [_law(path, content, table, accuracy) for table in tables]
+    if "contact_error" in content:
+        laws += _full_model_if_missing(path, content, laws, accuracy)
     if (accuracy is not None or "accuracy" in content) and not any(
         isinstance(law.contacts, FullModel) for law in laws
     ):
@@ -73,6 +76,20 @@ def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]
                 key="contacts.name",
             )
     return laws
+
+
+def _full_model_if_missing(
+    path: Path, content: dict, laws: list[NamedLaw], accuracy: str | None
+) -> list[NamedLaw]:
+    """Make the full model, by which the errors of the others are measured."""
+    given = [law for law in laws if isinstance(law.contacts, FullModel)]
+    if len(given) > 1:
+        raise InputError(
+            "holds the full model twice; contact_error is measured by one",
+            file=path,
+            key="contacts",
+        )
+    return [] if given else [_law(path, content, {"law": FULL_MODEL}, accuracy)]
 
 
 def _law(path: Path, content: dict, table, accuracy: str | None) -> NamedLaw:

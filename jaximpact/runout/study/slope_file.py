@@ -34,6 +34,7 @@ TABLES = ("profile", "ground", "block", "release", "contacts", "barriers")
 NUMBERS = (
     *("title", "accuracy", "count", "seed", "collectors_m", "bins"),
     *("time_limit_s", "event_limit", "hop_threshold", "export_trajectories"),
+    "contact_error",
 )
 DEFAULT_COUNT = 1000
 """Default number of blocks where something is random."""
@@ -86,6 +87,8 @@ class SlopeStudy(NamedTuple):
     """Place of the profile on the map."""
     export_trajectories: int = DEFAULT_EXPORT
     """Number of trajectories in files: the first ones."""
+    contact_error: float | None = None
+    """Error of impacts up to which a quicker law may stand in for the full model."""
 
 
 def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
@@ -112,8 +115,9 @@ def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
 def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStudy]:
     """Read a study that may compare contact laws.
 
-    There is one study for each law, with the same blocks, releases and ground. See
-    `read_slope_study`.
+    There is one study for each law, with the same blocks, releases and ground; where
+    the file gives `contact_error`, one for the full model too. See `read_slope_study`
+    and `choose_contacts`.
     """
     path = Path(path)
     data = read_input(path)
@@ -183,9 +187,21 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
             export_trajectories=whole(
                 path, content, "export_trajectories", DEFAULT_EXPORT, 1
             ),
+            contact_error=_contact_error(path, content),
         )
         for law in laws
     ]
+
+
+def _contact_error(path: Path, content: dict) -> float | None:
+    if "contact_error" not in content:
+        return None
+    error = number(path, "contact_error", content["contact_error"])
+    if error < 0.0:
+        raise InputError(
+            f"must be at least 0, but is {error:g}", file=path, key="contact_error"
+        )
+    return error
 
 
 def _limits(path: Path, content: dict) -> Limits:
