@@ -1,10 +1,10 @@
-"""Choice of a study's contact law by the error that its file allows.
+r"""Choice of a study's contact law by the error that its file allows.
 
 The error of a law is measured on the impacts of the study's own blocks, the first ones,
 which the full model follows down the slope: the largest of the errors of v_n, v_t and
 Omega R after an impact, divided by the total speed before it,
-$\\sqrt{v^2 + (\\Omega R)^2}$, as tables state theirs. It is the error of single impacts.
-What it does to stopping places and energies a comparison of laws shows.
+$\sqrt{v^2 + (\Omega R)^2}$, as tables state theirs. It is the error of single
+impacts. What it does to stopping places and energies a comparison of laws shows.
 """
 
 import dataclasses
