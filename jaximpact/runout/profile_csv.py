@@ -73,7 +73,7 @@ def read_profile_table(
     path, soil = Path(path), soil or Soil()
     of_soil = columns_of_part("soil", soil)
     known = of_soil | ANGLE_COLUMNS
-    line, header, rows = _records(path)
+    line, header, rows = records_of_file(path)
     names = [name.strip() for name in header]
     _check_header(path, line, names, (*POINT_COLUMNS, MATERIAL_COLUMN, *known))
     cells = {name: [row[i].strip() for _, row in rows] for i, name in enumerate(names)}
@@ -98,8 +98,13 @@ def read_profile_table(
     return ProfileTable(profile, tuple(numbers), materials)
 
 
-def _records(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
-    """Read the header with its line, and the rows with theirs, of as many cells."""
+def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
+    """Read the header with its line, and the rows with theirs, of as many cells; empty
+    lines are passed over.
+
+    Raises InputError, naming file and row, for rows of other lengths and for a file
+    without a header.
+    """
     file = io.StringIO(read_text(path), newline="")
     rows = [
         (line, cells)
@@ -107,7 +112,7 @@ def _records(path: Path) -> tuple[int, list[str], list[tuple[int, list[str]]]]:
         if any(map(str.strip, cells))
     ]
     if not rows:
-        raise InputError("is empty; a header and points are needed", file=path)
+        raise InputError("is empty; a header and rows are needed", file=path)
     (first, header), *rows = rows
     for line, cells in rows:
         if len(cells) != len(header):

@@ -1,6 +1,7 @@
 """Run-out study from a TOML file."""
 
 import hashlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,14 +24,20 @@ from ..terrain import (
     ground_columns,
 )
 from .barriers import Barrier, read_barriers
-from .block_file import VOLUME, VOLUME_COLUMN, read_blocks
-from .contact_laws import check_law, read_laws
+from .block_file import VOLUME, VOLUME_COLUMN, BlockInput, read_blocks
+from .contact_laws import NamedLaw, check_law, read_laws
 from .ground_file import GroundInput
+from .ground_layout import GroundLayout
 from .map_placement import MapPlacement, read_map_placement
 from .profile_file import read_ground_profile
 from .release_file import NOT_NEGATIVE, make_release, read_release
 
-TABLES = ("profile", "ground", "block", "release", "contacts", "barriers")
+TABLES = (
+    *("profile", "ground", "block", "release", "contacts", "barriers"),
+    *("fit", "observed"),
+)
+"""Tables of a study; `fit` and `observed` are for back-analyses, and passed over by
+run-outs."""
 NUMBERS = (
     *("title", "accuracy", "count", "seed", "collectors_m", "bins"),
     *("time_limit_s", "event_limit", "hop_threshold", "export_trajectories"),
@@ -91,6 +98,90 @@ class SlopeStudy(NamedTuple):
     """Error of impacts up to which a quicker law may stand in for the full model."""
 
 
+class SlopeInput(NamedTuple):
+    """Study as its file says it, before any block is sampled."""
+
+    path: Path
+    checksums: dict[Path, str]
+    """SHA-256 of the files that the study names."""
+    ground: GroundInput
+    layout: GroundLayout
+    blocks: BlockInput
+    start: dict[str, Quantity]
+    """Quantities of the releases."""
+    laws: list[NamedLaw]
+    limits: Limits
+    seed: int
+
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """Quantities that are sampled by themselves, by key."""
+        return self.ground.varied() | self.blocks.quantities | self.start
+
+    def sample(
+        self, count: int, seed: int, given: Mapping[str, np.ndarray] | None = None
+    ) -> tuple[dict[str, np.ndarray], Release, Ground]:
+        """Sample blocks with their releases and their ground.
+
+        Args:
+            count: number of blocks.
+            seed: of all random inputs.
+            given: values of quantities that are not sampled, `(count,)` by key.
+
+        Returns:
+            Samples by key, blocks at release, and the ground as each block finds it.
+
+        Raises InputError, naming file and key, for samples out of range.
+        """
+        path, profile, given = self.path, self.layout.profile, given or {}
+        rest = {k: q for k, q in self.quantities.items() if k not in given}
+        samples = draw(rest, count, seed) | dict(given)
+        samples |= self.ground.sample_jointly(samples, count, seed)
+        fields = len(self.ground.fields())
+        check_memory(
+            count * profile.segments * fields,
+            f"{count} blocks with ground of {profile.segments} cells each",
+            file=path,
+            key="ground",
+        )
+        samples |= self.ground.sample_fields(self.layout, count, seed)
+        soil_columns = ground_columns(profile.soil)
+        columns = {"ground": soil_columns, "block": self.blocks.columns}
+        for name, values in samples.items():
+            _check_sample(path, name, values, columns)
+        release = make_release(path, samples, profile, self.blocks)
+        ground = self.ground.of_blocks(self.layout, samples, seed)
+        for law in self.laws:
+            check_law(path, law, profile, release, ground)
+        return samples, release, ground
+
+
+def read_slope_input(path: Path, content: dict, accuracy: str | None) -> SlopeInput:
+    """Read what a study says of ground, blocks, releases and laws.
+
+    Args:
+        content: content of the file.
+        accuracy: accuracy of the full model, in place of the file's.
+
+    Raises InputError, naming file and key, for whatever cannot be used.
+    """
+    check_keys(path, "", content, (*TABLES, *NUMBERS))
+    checksums: dict[Path, str] = {}
+    ground = GroundInput.read(path, content)
+    layout = read_ground_profile(path, content, ground, checksums)
+    return SlopeInput(
+        path=path,
+        checksums=checksums,
+        ground=ground,
+        layout=layout,
+        laws=read_laws(path, content, accuracy),
+        seed=whole(path, content, "seed", 0, 0),
+        limits=_limits(path, content),
+        blocks=read_blocks(path, content),
+        start=read_release(path, content, layout.profile),
+    )
+
+
 def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
     """Read a study of blocks on a slope, with one law of contacts.
 
@@ -122,19 +213,13 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     path = Path(path)
     data = read_input(path)
     content = parse_toml(path, data)
-    check_keys(path, "", content, (*TABLES, *NUMBERS))
-    checksums = {path: hashlib.sha256(data).hexdigest()}
-    ground_input = GroundInput.read(path, content)
-    layout = read_ground_profile(path, content, ground_input, checksums)
-    profile = layout.profile
-    laws = read_laws(path, content, accuracy)
-    seed = whole(path, content, "seed", 0, 0)
-    limits = _limits(path, content)
-    blocks = read_blocks(path, content)
-    start = read_release(path, content, profile)
-    quantities = ground_input.varied() | blocks.quantities | start
+    given = read_slope_input(path, content, accuracy)
+    checksums = {path: hashlib.sha256(data).hexdigest()} | given.checksums
+    ground_input, layout, laws = given.ground, given.layout, given.laws
+    seed, profile = given.seed, layout.profile
     jointly, fields = ground_input.sampled_jointly(), ground_input.fields()
-    count = _count(path, content, quantities, profile, bool(jointly or fields))
+    by_chance = bool(jointly or fields)
+    count = _count(path, content, given.quantities, profile, by_chance)
     bins = whole(path, content, "bins", DEFAULT_BINS, 1)
     check_memory(
         count * (bins + NUMBERS_PER_IMPACT),
@@ -142,22 +227,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         file=path,
         key="count",
     )
-    samples = draw(quantities, count, seed)
-    samples |= ground_input.sample_jointly(samples, count, seed)
-    check_memory(
-        count * profile.segments * len(fields),
-        f"{count} blocks with ground of {profile.segments} cells each",
-        file=path,
-        key="ground",
-    )
-    samples |= ground_input.sample_fields(layout, count, seed)
-    columns = {"ground": ground_columns(profile.soil), "block": blocks.columns}
-    for name, values in samples.items():
-        _check_sample(path, name, values, columns)
-    release = make_release(path, samples, profile, blocks)
-    ground = ground_input.of_blocks(layout, samples, seed)
-    for law in laws:
-        check_law(path, law, profile, release, ground)
+    samples, release, ground = given.sample(count, seed)
     inputs = [*checksums, *(file for law in laws for file in law.checksums)]
     return [
         SlopeStudy(
@@ -181,7 +251,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
             seed=seed,
             collectors=_collectors(path, content, profile),
             bins=bins,
-            limits=limits,
+            limits=given.limits,
             barriers=read_barriers(path, content, profile),
             placement=read_map_placement(path, content),
             export_trajectories=whole(

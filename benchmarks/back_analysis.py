@@ -1,0 +1,193 @@
+"""Coverage of back-analyses: twins of three slopes, whose ground is known.
+
+    python benchmarks/back_analysis.py DIR [REPEATS [SLOPE ...]]
+
+In each repeat blocks are released on the true ground, observed, and fitted anew; counted
+is how often each parameter lies in its stated interval. Data sets are kept in DIR, and
+results in DIR/coverage.csv, from where the same command goes on.
+"""
+
+import os
+
+os.environ["JAX_ENABLE_X64"] = "1"
+
+import csv
+import dataclasses
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from jaximpact.progress import Progress
+from jaximpact.runout.back_analysis.data_sets import simulate_data_sets
+from jaximpact.runout.back_analysis.observed import Count, Passages, Stops
+from jaximpact.runout.back_analysis.posterior import posterior_of
+from jaximpact.runout.back_analysis.problem import SlopeFit, read_slope_fit
+from jaximpact.runout.back_analysis.rounds import search
+from jaximpact.store import Store
+
+SCREE = """
+[profile]
+points_m = [[0, 120], [60, 60], [120, 20], [300, 0]]
+
+[ground.materials.scree]
+from_x_m = 0
+to_x_m = 120
+
+[ground.materials.meadow]
+from_x_m = 120
+to_x_m = 300
+
+[block]
+mass_kg = { median = 500, geometric_sd = 1.8 }
+
+[release]
+x_m = { from = 2, to = 10 }
+clearance_m = 1
+speed_mps = 1
+
+[contacts]
+law = "constant coefficients"
+e_n = 0.35
+e_t = 0.85
+
+[fit]
+data_sets = 1000
+
+[fit.materials.scree]
+rolling_friction_angle_deg = { from = 10, to = 45 }
+roughness_deg = { from = 0, to = 10 }
+
+[fit.materials.meadow]
+rolling_friction_angle_deg = { from = 10, to = 45 }
+
+[observed]
+counts = [{ x_m = 110, passed = 1, of = 60 }]
+"""
+BENCHES = """
+[profile]
+points_m = [[0, 90], [30, 55], [42, 54], [70, 25], [82, 24.5], [110, 3], [260, 0]]
+
+[ground]
+rolling_friction_angle_deg = 25
+
+[block]
+shape = "RectangularPrism"
+mass_kg = { median = 300, geometric_sd = 2, least = 20 }
+aspect_ratio = { from = 1, to = 1.6 }
+
+[release]
+along_x_m = [1, 8]
+clearance_m = 0.5
+speed_mps = 1
+
+[contacts]
+law = "Pfeiffer and Bowen"
+normal_coefficient = 0.35
+tangential_coefficient = 0.85
+
+[fit]
+data_sets = 1000
+roughness_deg = { from = 0, to = 12 }
+
+[fit.segment.6]
+rolling_friction_angle_deg = { median = 25, geometric_sd = 1.4, least = 10, most = 60 }
+
+[observed]
+counts = [{ x_m = 76, passed = 1, of = 40 }, { x_m = 112, passed = 1, of = 40 }]
+"""
+SOIL = """
+[profile]
+points_m = [[0, 60], [90, 5], [250, 0]]
+
+[ground]
+roughness_deg = 2
+
+[block]
+mass_kg = { mean = 200, sd = 60, least = 40 }
+aspect_ratio = 1.5
+
+[release]
+x_m = 2
+clearance_m = 2
+speed_mps = 4
+direction_deg = { from = 0, to = 20 }
+orientation_deg = { from = 0, to = 180 }
+
+[fit]
+data_sets = 600
+gamma_v = { median = 5, geometric_sd = 2, least = 0.5, most = 50 }
+rolling_friction_angle_deg = { from = 10, to = 40 }
+
+[observed]
+counts = [{ x_m = 88, passed = 1, of = 30 }]
+"""
+SLOPES = {
+    "scree and meadow": (SCREE, 60, ("speed_mps",), 30, (0.5, 0.4, 0.45)),
+    "benches": (BENCHES, 40, ("energy_kJ", "height_m"), 20, (0.45, 0.5)),
+    "full model": (SOIL, 30, ("speed_mps", "height_m"), 30, (0.45, 0.4)),
+}
+"""Study, blocks released, quantities at the collectors, blocks measured there, and true
+parameters as probabilities under the priors."""
+TRUTH_STREAM = 1000
+COLUMNS = ("slope", "repeat", "parameter", "low", "median", "high", "true", "in_68")
+
+
+def observe(fit: SlopeFit, blocks: np.ndarray, quantities, most: int) -> SlopeFit:
+    """Observe a data set: all stopping points, values at the first line of the counts,
+    and the counts themselves."""
+    stops = blocks[np.isfinite(blocks[:, 0]), 0]
+    channels: list = [Stops(stops)] if len(stops) else []
+    columns = {"speed_mps": 1, "height_m": 2, "energy_kJ": 3}
+    lines = [c for c in fit.observed.channels if isinstance(c, Count)]
+    for quantity in quantities:
+        values = blocks[:, columns[quantity] + 3 * fit.places.index(lines[0].place)]
+        values = values[np.isfinite(values)][:most]
+        if len(values):
+            channels.append(Passages(lines[0].place, quantity, values, False))
+    for line in lines:
+        passing = blocks[:, 1 + 3 * fit.places.index(line.place)]
+        passed = int(np.sum(np.isfinite(passing)))
+        channels.append(Count(line.place, passed, len(blocks)))
+    observed = fit.observed._replace(channels=tuple(channels))
+    return dataclasses.replace(fit, observed=observed)
+
+
+def main(folder: Path, repeats: int, names: list[str]) -> None:
+    """Repeat the twins of each slope."""
+    folder.mkdir(parents=True, exist_ok=True)
+    results = folder / "coverage.csv"
+    if not results.exists():
+        results.write_text(",".join(COLUMNS) + "\n")
+    with open(results) as file:
+        done = {(row["slope"], int(row["repeat"])) for row in csv.DictReader(file)}
+    for name in names:
+        text, released, quantities, most, truth = SLOPES[name]
+        path = folder / "slope.toml"
+        path.write_text(text)
+        fit, store = read_slope_fit(path), Store(folder)
+        true = fit.values(np.array(truth))
+        u = np.tile(truth, (repeats, 1))
+        twins = simulate_data_sets(
+            fit, u, released, TRUTH_STREAM, store, Progress()
+        )
+        for repeat in range(repeats):
+            if (name, repeat) in done:
+                continue
+            begin = time.process_time()
+            twin = observe(fit, twins[repeat], quantities, most)
+            searched = search(twin, store, Progress())
+            found = posterior_of(twin, searched)
+            inside = np.abs(np.mean(found.values < true, axis=0) - 0.5) < 0.34
+            with open(results, "a") as file:
+                for i, p in enumerate(found.fitted):
+                    cells = (name, repeat, p.parameter.name, p.low, p.median, p.high)
+                    print(*cells, true[i], int(inside[i]), sep=",", file=file)
+            seconds = time.process_time() - begin
+            print(name, repeat, f"{seconds:.0f} s of processor time", flush=True)
+
+
+if __name__ == "__main__":
+    _, place, *rest = sys.argv
+    main(Path(place), int(rest[0]) if rest else 100, rest[1:] or [*SLOPES])

@@ -1,0 +1,101 @@
+"""Data sets simulated for candidates of the ground, kept in a store.
+
+A data set is as many released blocks as were observed, each with a release, a block and
+facets of its own. Random numbers come from the study's seed and the number of the data
+set, so that the same candidates meet the same blocks in every fit of the same slope.
+"""
+
+import hashlib
+import io
+import json
+
+import numpy as np
+
+from ..._versions import versions
+from ...progress import Progress
+from ...store import Store
+from ..analysis import first_passages, passages
+from ..scheduler import WIDTH, follow
+from ..state import State
+from ..trajectory import Ending, stretches_of
+from .problem import SlopeFit
+
+CHUNK = 4096
+"""Number of blocks that are simulated, and kept, at once."""
+PER_PLACE = 3
+"""Numbers at a place: speed [m/s], height of the centre [m], kinetic energy [kJ]."""
+
+
+def simulate_data_sets(
+    fit: SlopeFit,
+    u: np.ndarray,
+    blocks: int,
+    stream: int,
+    store: Store | None,
+    progress: Progress,
+) -> np.ndarray:
+    """Simulate a data set for each candidate.
+
+    Args:
+        u: candidates, as probabilities under the priors, `(data sets, parameters)`.
+        blocks: blocks released in each.
+        stream: number that tells apart random numbers of several calls.
+        store: keeps chunks that are done.
+
+    Returns:
+        `(data sets, blocks, 1 + 3 * places)`: x where a block stopped [m], and at each
+        place speed [m/s], height of the centre [m] and kinetic energy [kJ] at the first
+        passage; NaN for a block that does not stop, or does not come there.
+    """
+    size = max(1, CHUNK // blocks)
+    starts = range(0, len(u), size)
+    found = []
+    for number, start in enumerate(starts):
+        progress("data sets", start, len(u))
+        part = u[start : start + size]
+        kept = None if store is None else store.get("dataset", key := _key(
+            fit, part, blocks, stream, number
+        ))
+        if kept is not None:
+            found.append(np.load(io.BytesIO(kept)))
+            continue
+        found.append(_simulate(fit, part, blocks, _seed(fit, stream, number)))
+        if store is not None:
+            buffer = io.BytesIO()
+            np.save(buffer, found[-1])
+            store.put("dataset", key, buffer.getvalue())
+    progress("data sets", len(u), len(u))
+    return np.concatenate(found)
+
+
+def _simulate(fit: SlopeFit, u: np.ndarray, blocks: int, seed: int) -> np.ndarray:
+    values = np.repeat(fit.values(u), blocks, axis=0)
+    given = {p.key: values[:, i] for i, p in enumerate(fit.parameters)}
+    _, release, ground = fit.slope.sample(len(values), seed, given)
+    profile, law = fit.slope.layout.profile, fit.slope.laws[0]
+    state = State.at_release(profile, release, ground, fit.slope.limits)
+    runs = follow(state, law.contacts, WIDTH, Progress())
+    columns = [np.where(runs.ending == Ending.stopped, runs.x, np.nan)]
+    stretches = stretches_of(runs)
+    for x in fit.places:
+        _, first = first_passages(passages(runs, x, stretches), len(values))
+        columns += [first.speed, first.centre_height, 1e-3 * first.energy]
+    return np.stack(columns, axis=1).reshape(len(u), blocks, -1)
+
+
+def _seed(fit: SlopeFit, stream: int, number: int) -> int:
+    sequence = np.random.SeedSequence((fit.slope.seed, stream, number))
+    return int(sequence.generate_state(1, np.uint32)[0])
+
+
+def _key(
+    fit: SlopeFit, u: np.ndarray, blocks: int, stream: int, number: int
+) -> str:
+    digest = hashlib.sha256(fit.identity.encode())
+    digest.update(repr((versions(), np.__version__)).encode())
+    about = [fit.slope.seed, stream, number, blocks, fit.places]
+    digest.update(json.dumps(about).encode())
+    for parameter in fit.parameters:
+        digest.update(parameter.key.encode())
+    digest.update(np.ascontiguousarray(fit.values(u)).tobytes())
+    return digest.hexdigest()

@@ -1,0 +1,304 @@
+"""Observations on a slope, from the table [observed] of a study and the files that it
+names."""
+
+import warnings
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ...errors import InputError
+from ...io.scene_table import reads_as_number
+from ...io.toml import check_keys, known_table, number, typed, whole
+from ..profile_csv import records_of_file
+from ..terrain import Profile
+
+TABLE = "observed"
+KEYS = ("blocks", "stops", "passages", "counts", "held_out_m", "sigma")
+COUNT_KEYS = ("x_m", "passed", "of")
+STOP_COLUMN, COLLECTOR_COLUMN = "x_m", "collector_m"
+PASSAGE_COLUMNS = ("speed_mps", "height_m", "energy_kJ")
+"""Speed, height of the centre above the ground, and kinetic energy of translation and
+rotation, at the first passage."""
+MOST_BLOCKS = 400
+"""Number of blocks of a data set from which on a random part of them is used."""
+FARTHEST = 1e9
+
+
+class Stops(NamedTuple):
+    """Places where blocks stopped."""
+
+    values: np.ndarray
+    """x of the centres [m], `(blocks,)`."""
+
+    @property
+    def blocks(self) -> int:
+        """Number of blocks."""
+        return len(self.values)
+
+    @property
+    def words(self) -> str:
+        """Name in reports."""
+        return "stopping points"
+
+
+class Passages(NamedTuple):
+    """Values of one quantity at a collector, of blocks that pass."""
+
+    place: float
+    """x of the collector [m]."""
+    quantity: str
+    """Name with unit, one of `PASSAGE_COLUMNS`."""
+    values: np.ndarray
+    """Values in that unit, `(blocks,)`."""
+    held_out: bool
+    """True for values that are predicted, and not fitted."""
+
+    @property
+    def blocks(self) -> int:
+        """Number of blocks."""
+        return len(self.values)
+
+    @property
+    def words(self) -> str:
+        """Name in reports."""
+        return f"{self.quantity} at x = {self.place:g} m"
+
+
+class Count(NamedTuple):
+    """Number of blocks that pass a line."""
+
+    place: float
+    """x of the line [m]."""
+    passed: int
+    blocks: int
+    """Number of blocks released."""
+
+    @property
+    def words(self) -> str:
+        """Name in reports."""
+        return f"share past x = {self.place:g} m"
+
+
+class Observed(NamedTuple):
+    """All that was observed on a slope."""
+
+    channels: tuple[Stops | Passages | Count, ...]
+    sigma: dict[str, float]
+    """Standard deviations of the errors of measurement, by column."""
+    released: int
+    """Number of blocks that a data set begins with."""
+    inputs: tuple[Path, ...]
+    """Files that were read."""
+    remarks: tuple[str, ...]
+    """What was not used as it stands."""
+
+    @property
+    def fitted(self) -> tuple[Stops | Passages | Count, ...]:
+        """Channels that are fitted."""
+        return tuple(c for c in self.channels if not is_held_out(c))
+
+    @property
+    def held_out(self) -> tuple[Passages, ...]:
+        """Channels that are predicted only."""
+        return tuple(c for c in self.channels if isinstance(c, Passages) and c.held_out)
+
+
+def is_held_out(channel: Stops | Passages | Count) -> bool:
+    """Tell whether a channel is predicted and not fitted."""
+    return isinstance(channel, Passages) and channel.held_out
+
+
+def read_observed(path: Path, content: dict, profile: Profile, seed: int) -> Observed:
+    """Read the table [observed] of a study, and the files that it names.
+
+    Args:
+        content: content of the study's file.
+        seed: of the choice of blocks where there are more than `MOST_BLOCKS`.
+
+    Raises InputError, naming file, row and key, for whatever cannot be used. Warns of
+    columns that are not used.
+    """
+    if TABLE not in content:
+        raise InputError("needs a table [observed]", file=path, key=TABLE)
+    table = known_table(path, content, TABLE, KEYS)
+    channels: list[Stops | Passages | Count] = []
+    inputs: list[Path] = []
+    remarks: list[str] = []
+    key = f"{TABLE}.held_out_m"
+    places = typed(path, {key: table.get("held_out_m", [])}, key, list)
+    held_out = [number(path, key, x) for x in places]
+    for name, read in (("stops", _stops), ("passages", _passages)):
+        if name in table:
+            inputs.append(path.parent / typed(path, table, name, str))
+            channels += read(inputs[-1], profile, held_out, remarks)
+    known = {c.place for c in channels if isinstance(c, Passages)}
+    for x in held_out:
+        if x not in known:
+            raise InputError(f"holds {x:g}, where no passage is", file=path, key=key)
+    channels += _counts(path, table, profile)
+    if all(map(is_held_out, channels)):
+        raise InputError(
+            "needs stops, passages or counts that are fitted", file=path, key=TABLE
+        )
+    least = max(channel.blocks for channel in channels)
+    released = whole(path, table, "blocks", least, 1)
+    if released < least:
+        raise InputError(
+            f"must be at least {least}, the blocks observed, but is {released}",
+            file=path,
+            key=f"{TABLE}.blocks",
+        )
+    if released > MOST_BLOCKS:
+        share = MOST_BLOCKS / released
+        rng = np.random.default_rng((seed, released))
+        channels = [_thinned(channel, share, rng) for channel in channels]
+        remarks.append(
+            f"{released} blocks were observed; {MOST_BLOCKS} of them, chosen at "
+            "random, are used, so that intervals are those of so many"
+        )
+        released = max(MOST_BLOCKS, *(channel.blocks for channel in channels))
+    sigma = _sigma(path, table)
+    for remark in remarks:
+        warnings.warn(f"{path}: {remark}", stacklevel=2)
+    return Observed(tuple(channels), sigma, released, tuple(inputs), tuple(remarks))
+
+
+def _thinned(
+    channel: Stops | Passages | Count, share: float, rng: np.random.Generator
+) -> Stops | Passages | Count:
+    """Choose a share of the blocks of a channel at random, one at least."""
+    size = max(1, round(share * channel.blocks))
+    if isinstance(channel, Count):
+        rest = channel.blocks - channel.passed
+        passed = int(rng.hypergeometric(channel.passed, rest, size))
+        return channel._replace(passed=passed, blocks=size)
+    return channel._replace(values=rng.choice(channel.values, size, replace=False))
+
+
+def _stops(
+    file: Path, profile: Profile, held_out: list[float], remarks: list[str]
+) -> list[Stops | Passages | Count]:
+    columns, lines = _columns(file, (STOP_COLUMN,), (), remarks)
+    x = columns[STOP_COLUMN]
+    bad = ~((x >= profile.x[0]) & (x <= profile.x[-1]))
+    if np.any(bad):
+        i = int(np.argmax(bad))
+        raise InputError(
+            f"must lie on the profile, x = {profile.x[0]:g} to {profile.x[-1]:g} m, "
+            + (f"but is {x[i]:g}" if np.isfinite(x[i]) else "but is empty"),
+            file=file,
+            row=lines[i],
+            column=STOP_COLUMN,
+        )
+    return [Stops(x)]
+
+
+def _passages(
+    file: Path, profile: Profile, held_out: list[float], remarks: list[str]
+) -> list[Stops | Passages | Count]:
+    columns, lines = _columns(file, (COLLECTOR_COLUMN,), PASSAGE_COLUMNS, remarks)
+    places = columns.pop(COLLECTOR_COLUMN)
+    if not columns:
+        raise InputError(
+            f"needs one of the columns {', '.join(PASSAGE_COLUMNS)}", file=file
+        )
+    for line, x in zip(lines, places, strict=True):
+        if not profile.x[0] < x < profile.x[-1]:
+            raise InputError(
+                f"must lie between the ends of the profile, {profile.x[0]:g} and "
+                f"{profile.x[-1]:g}, but is {x:g}",
+                file=file,
+                row=line,
+                column=COLLECTOR_COLUMN,
+            )
+    found: list[Stops | Passages | Count] = []
+    for name, values in columns.items():
+        for line, value in zip(lines, values, strict=True):
+            if value <= 0.0:
+                raise InputError(
+                    f"must be above 0, but is {value:g}",
+                    file=file,
+                    row=line,
+                    column=name,
+                )
+        for x in np.unique(places):
+            here = values[(places == x) & np.isfinite(values)]
+            if len(here):
+                found.append(Passages(float(x), name, here, float(x) in held_out))
+    if not found:
+        raise InputError("holds no measured value", file=file)
+    return found
+
+
+def _columns(
+    file: Path, needed: tuple[str, ...], others: tuple[str, ...], remarks: list[str]
+) -> tuple[dict[str, np.ndarray], list[int]]:
+    """Read columns of numbers, NaN for an empty cell, and the line of each row."""
+    first, header, rows = records_of_file(file)
+    names = [name.strip() for name in header]
+    for name in needed:
+        if names.count(name) != 1:
+            raise InputError(f"needs one column {name}", file=file, row=first)
+    if not rows:
+        raise InputError("has a header, but no row", file=file)
+    unused = [name for name in names if name not in (*needed, *others)]
+    if unused:
+        remarks.append(f"{file.name}: not used are the columns {', '.join(unused)}")
+    columns = {}
+    for place, name in enumerate(names):
+        if name in unused:
+            continue
+        if name in columns:
+            raise InputError("stands twice in the header", file=file, column=name)
+        cells = [cells[place].strip() for _, cells in rows]
+        for (line, _), cell in zip(rows, cells, strict=True):
+            is_number = reads_as_number(cell) and abs(float(cell)) < FARTHEST
+            if not is_number and (cell or name in needed):
+                raise InputError(
+                    f"must be a number, but is {cell!r}",
+                    file=file,
+                    row=line,
+                    column=name,
+                )
+        columns[name] = np.array([float(cell) if cell else np.nan for cell in cells])
+    return columns, [line for line, _ in rows]
+
+
+def _counts(path: Path, table: dict, profile: Profile) -> list[Count]:
+    key = f"{TABLE}.counts"
+    found = []
+    for place, entry in enumerate(
+        typed(path, {key: table.get("counts", [])}, key, list), 1
+    ):
+        where = f"{key}.{place}"
+        if not isinstance(entry, dict):
+            raise InputError(f"must be a table, but is {entry!r}", file=path, key=where)
+        check_keys(path, where, entry, COUNT_KEYS)
+        for name in COUNT_KEYS:
+            if name not in entry:
+                raise InputError("is needed", file=path, key=f"{where}.{name}")
+        x = number(path, f"{where}.x_m", entry["x_m"])
+        if not profile.x[0] < x < profile.x[-1]:
+            raise InputError(
+                f"must lie between the ends of the profile, {profile.x[0]:g} and "
+                f"{profile.x[-1]:g}, but is {x:g}",
+                file=path,
+                key=f"{where}.x_m",
+            )
+        blocks = whole(path, entry, "of", 1, 1)
+        found.append(Count(x, whole(path, entry, "passed", 0, 0, blocks), blocks))
+    return found
+
+
+def _sigma(path: Path, table: dict) -> dict[str, float]:
+    key, known = f"{TABLE}.sigma", (STOP_COLUMN, *PASSAGE_COLUMNS)
+    sigma = typed(path, {key: table.get("sigma", {})}, key, dict)
+    check_keys(path, key, sigma, known)
+    found = {n: number(path, f"{key}.{n}", value) for n, value in sigma.items()}
+    for name, value in found.items():
+        if value < 0.0:
+            raise InputError(
+                f"must be at least 0, but is {value:g}", file=path, key=f"{key}.{name}"
+            )
+    return found

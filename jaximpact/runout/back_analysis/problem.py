@@ -1,0 +1,198 @@
+"""Back-analysis as a study's file states it: parameters with priors, and
+observations."""
+
+import copy
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import InputError, nearest
+from ...io.files import read_input
+from ...io.toml import parse_toml, typed, unknown, whole
+from ...quantities import InputColumn
+from ...soil import Soil
+from ..distributions import Distribution
+from ..study.barriers import Barrier, read_barriers
+from ..study.ground_file import PARTS, GroundInput
+from ..study.slope_file import SlopeInput, read_slope_input
+from ..terrain import ground_columns
+from .observed import TABLE, Observed, Passages, Stops, read_observed
+
+FIT = "fit"
+DATA_SETS_KEY = "data_sets"
+DATA_SETS = 1500
+"""Default number of data sets behind the posterior."""
+LEAST_DATA_SETS = 200
+ENDS = np.array([1e-9, 0.5, 1.0 - 1e-9])
+
+
+@dataclasses.dataclass(frozen=True)
+class Parameter:
+    """Parameter of the ground that is fitted."""
+
+    key: str
+    """Key in the study: ground.materials.scree.gamma_v."""
+    prior: Distribution
+    """Prior, in the unit of the name."""
+    column: InputColumn
+
+    @property
+    def name(self) -> str:
+        """Name in reports, without the table [ground]."""
+        return self.key.removeprefix("ground.")
+
+
+@dataclasses.dataclass(frozen=True)
+class SlopeFit:
+    """Back-analysis of a slope."""
+
+    path: Path
+    title: str
+    slope: SlopeInput
+    """Ground, blocks, releases and law, with priors in place of what is fitted."""
+    parameters: tuple[Parameter, ...]
+    observed: Observed
+    barriers: tuple[Barrier, ...]
+    data_sets: int
+    """Number of data sets behind the posterior."""
+    identity: str
+    """Text that names all that simulated data sets depend on, but for the candidates."""
+
+    @property
+    def places(self) -> list[float]:
+        """List the places at which passages are found [m], increasing."""
+        lines = [c.place for c in self.observed.channels if not isinstance(c, Stops)]
+        return sorted({*lines, *(barrier.x for barrier in self.barriers)})
+
+    @property
+    def inputs(self) -> list[Path]:
+        """List the files that were read."""
+        law = self.slope.laws[0]
+        files = self.path, *self.slope.checksums, *law.checksums
+        return [*files, *self.observed.inputs]
+
+    def values(self, u: np.ndarray) -> np.ndarray:
+        """Turn probabilities under the priors into parameters, `(..., parameters)`."""
+        columns = [p.prior.values(u[..., i]) for i, p in enumerate(self.parameters)]
+        return np.stack(columns, axis=-1)
+
+
+def is_slope_fit(path: Path) -> bool:
+    """Tell whether a file is a slope with observations: a TOML file with [profile] or
+    [observed]. Raises InputError for a file that cannot be read."""
+    if path.suffix.lower() != ".toml":
+        return False
+    content = parse_toml(path, read_input(path))
+    return "profile" in content or TABLE in content
+
+
+def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
+    """Read a back-analysis; `jaximpact calibrate --help` describes the file.
+
+    Args:
+        accuracy: accuracy of the full model, in place of the file's.
+
+    Raises InputError, naming file and key, for whatever cannot be used.
+    """
+    path = Path(path)
+    content = parse_toml(path, read_input(path))
+    if FIT not in content:
+        raise InputError("needs a table [fit]", file=path, key=FIT)
+    fit = dict(typed(path, content, FIT, dict))
+    data_sets = whole(path, fit, DATA_SETS_KEY, DATA_SETS, LEAST_DATA_SETS)
+    fit.pop(DATA_SETS_KEY, None)
+    soil = GroundInput.read(path, content).soil
+    keys = _check_names(path, fit, content.get("ground", {}), soil)
+    merged = copy.deepcopy(content)
+    _merge(merged.setdefault("ground", {}), fit)
+    slope = read_slope_input(path, merged, accuracy)
+    if len(slope.laws) > 1:
+        raise InputError(
+            f"names {len(slope.laws)} laws; a fit takes one", file=path, key="contacts"
+        )
+    parameters = _parameters(path, slope, keys)
+    profile = slope.layout.profile
+    # What was observed and what the priors are changes no simulated block.
+    rest = {k: v for k, v in content.items() if k not in (TABLE, FIT, "title")}
+    files = {f.name: c for f, c in (slope.checksums | slope.laws[0].checksums).items()}
+    return SlopeFit(
+        path=path,
+        title=typed(path, content, "title", str, path.stem),
+        slope=slope,
+        parameters=parameters,
+        observed=read_observed(path, content, profile, slope.seed),
+        barriers=read_barriers(path, content, profile),
+        data_sets=data_sets,
+        identity=json.dumps([rest, files, slope.laws[0].told], default=str),
+    )
+
+
+def _check_names(path: Path, fit: dict, ground: dict, soil: Soil) -> list[str]:
+    """List the keys of what is fitted; InputError for names that are unknown."""
+    columns, keys = ground_columns(soil), []
+    for name, value in fit.items():
+        if name not in PARTS:
+            if name not in columns:
+                known = (*columns, *PARTS, DATA_SETS_KEY)
+                unknown(path, f"{FIT}.{name}", name, known)
+            keys.append(f"ground.{name}")
+            continue
+        for part, quantities in typed(path, fit, name, dict).items():
+            where = f"{FIT}.{name}.{part}"
+            known = ground.get(name, {})
+            if name == "materials" and part not in known:
+                hint = f"; did you mean {nearest(part, known)}?" if known else ""
+                raise InputError(
+                    f"is no material of [ground.materials]{hint}", file=path, key=where
+                )
+            for inner in typed(path, {where: quantities}, where, dict):
+                if inner not in columns:
+                    unknown(path, f"{where}.{inner}", inner, columns)
+                keys.append(f"ground.{name}.{part}.{inner}")
+    if not keys:
+        raise InputError("names no parameter to fit", file=path, key=FIT)
+    return keys
+
+
+def _merge(into: dict, table: dict) -> None:
+    """Put the priors in place of what [ground] says."""
+    for name, value in table.items():
+        if name in PARTS:
+            for part, quantities in value.items():
+                into.setdefault(name, {}).setdefault(part, {}).update(quantities)
+        else:
+            into[name] = value
+
+
+def _parameters(
+    path: Path, slope: SlopeInput, keys: list[str]
+) -> tuple[Parameter, ...]:
+    varied, columns = slope.ground.varied(), ground_columns(slope.ground.soil)
+    found = []
+    for key in keys:
+        where = f"{FIT}.{key.removeprefix('ground.')}"
+        prior, column = varied.get(key), columns[key.split(".")[-1]]
+        if not isinstance(prior, Distribution):
+            raise InputError(
+                "must be a prior: { from, to }, { mean, sd } or { median, "
+                "geometric_sd }, the last two with least and most if wanted",
+                file=path,
+                key=where,
+            )
+        ends = prior.values(ENDS)
+        if not np.all(column.is_allowed(ends)):
+            raise InputError(
+                f"must be {column.requirement}, but the prior reaches from "
+                f"{ends[0]:g} to {ends[-1]:g}",
+                file=path,
+                key=where,
+            )
+        found.append(Parameter(key, prior, column))
+    return tuple(found)
+
+
+def passages_of(fit: SlopeFit) -> list[Passages]:
+    """List what was measured at collectors."""
+    return [c for c in fit.observed.channels if isinstance(c, Passages)]

@@ -1,0 +1,118 @@
+"""Rounds of simulation, each in the part of the prior that is plausible still."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import expit, logit
+
+from ...errors import InputError
+from ...progress import Progress
+from ...store import Store
+from .data_sets import simulate_data_sets
+from .problem import SlopeFit
+from .regression import Pool, make_pool, posterior_at, weighted_quantiles
+from .summaries import observed_summary, simulated_summaries
+
+MOST_ROUNDS = 6
+OUTSIDE = 0.0005
+"""Probability beyond each end of a box."""
+MARGIN = 1.25
+"""Factor by which a box is wider than that, about the median, in z."""
+ENOUGH = 0.5
+"""A box of at least this fraction of the one before ends the rounds."""
+LEAST_POOL = 100
+"""Number of data sets below which no posterior is found."""
+ROUNDING = 1e-9
+
+
+class Region(NamedTuple):
+    """Box of candidates, as probabilities under the priors."""
+
+    low: np.ndarray
+    high: np.ndarray
+
+    def z(self, u: np.ndarray) -> np.ndarray:
+        """Map candidates in the box to all numbers."""
+        inside = (u - self.low) / (self.high - self.low)
+        return logit(np.clip(inside, ROUNDING, 1.0 - ROUNDING))
+
+    def u(self, z: np.ndarray) -> np.ndarray:
+        """Map numbers to candidates in the box."""
+        return self.low + (self.high - self.low) * expit(z)
+
+    def holds(self, u: np.ndarray) -> np.ndarray:
+        """Tell which candidates are in the box."""
+        return np.all((u >= self.low) & (u <= self.high), axis=1)
+
+    @property
+    def volume(self) -> float:
+        """Prior probability of the box."""
+        return float(np.prod(self.high - self.low))
+
+
+class Searched(NamedTuple):
+    """Result of all rounds."""
+
+    pool: Pool
+    """Data sets in the last box."""
+    region: Region
+    volumes: list[float]
+    """Prior probability of the box of each round."""
+    simulated: int
+    """Number of data sets simulated in all."""
+    without: int
+    """Number of them that lack a channel of what was observed."""
+
+
+def search(fit: SlopeFit, store: Store | None, progress: Progress) -> Searched:
+    """Simulate data sets in boxes that shrink to where the posterior is.
+
+    A box holds all but 0.1 % of each parameter's posterior as the round before found
+    it, with a margin. Data sets of earlier rounds that lie in a box count in it: they
+    are samples of the prior there too.
+
+    Raises InputError where too few candidates give data sets like the observed one.
+    """
+    count, dimension = fit.data_sets, len(fit.parameters)
+    region = Region(np.zeros(dimension), np.ones(dimension))
+    target = observed_summary(fit.observed)
+    u, summaries = np.empty((0, dimension)), np.empty((0, len(target)))
+    volumes, pool = [], None
+    for number in range(MOST_ROUNDS):
+        volumes.append(region.volume)
+        inside = region.holds(u) & np.all(np.isfinite(summaries), axis=1)
+        missing = count - int(np.sum(inside))
+        if missing > 0:
+            rng = np.random.default_rng((fit.slope.seed, number))
+            new = rng.uniform(region.low, region.high, (missing, dimension))
+            step = progress.within(f"round {number + 1}, ")
+            outcomes = simulate_data_sets(
+                fit, new, fit.observed.released, number, store, step
+            )
+            found = simulated_summaries(fit.observed, outcomes, fit.places, number)
+            u, summaries = np.vstack([u, new]), np.vstack([summaries, found])
+        valid = np.all(np.isfinite(summaries), axis=1)
+        inside = region.holds(u) & valid
+        if np.sum(inside) < LEAST_POOL:
+            raise InputError(
+                f"only {int(np.sum(inside))} of {len(u)} simulated data sets have what "
+                "was observed, a block that stops or one at each collector; check the "
+                "observations and the releases, or widen the priors",
+                file=fit.path,
+                key="fit",
+            )
+        pool = make_pool(region.z(u[inside]), summaries[inside], target)
+        smaller = _shrunk(pool, region)
+        if smaller.volume > ENOUGH * region.volume or number == MOST_ROUNDS - 1:
+            break
+        region = smaller
+    return Searched(pool, region, volumes, len(u), int(np.sum(~valid)))
+
+
+def _shrunk(pool: Pool, region: Region) -> Region:
+    samples, weights = posterior_at(pool, pool.t_observed)
+    low, middle, high = weighted_quantiles(
+        samples, weights, (OUTSIDE, 0.5, 1.0 - OUTSIDE)
+    )
+    ends = (middle + MARGIN * (end - middle) for end in (low, high))
+    return Region(*(region.u(end) for end in ends))
