@@ -1,5 +1,5 @@
-"""`jaximpact calibrate` and `jaximpact predict`: soil parameters from measured impacts,
-and predictions with them."""
+"""`jaximpact calibrate` and `jaximpact predict`: soil parameters from measured impacts, or
+from where blocks stopped on a slope, and predictions with them."""
 
 import argparse
 import contextlib
@@ -61,7 +61,31 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
 Written to DIR: report.html, one page with all that was found, and the same as report.md
 with pictures in report/; report.txt (also printed), fit.json with a manifest,
 fitted.csv and fit.png. Finished fits are kept in DIR/unfinished until then: after
-Ctrl-C the same command goes on there."""
+Ctrl-C the same command goes on there.
+
+A slope to fit, slope.toml, is a study of `jaximpact runout` with two tables more:
+  [fit]                 quantities of the ground to fit, each with its prior as a
+                        distribution, for example
+                        rolling_friction_angle_deg = { from = 15, to = 40 }
+                        gamma_v = { median = 5, geometric_sd = 2 }
+                        for the whole slope; [fit.materials.NAME] or [fit.segment.N]
+                        for a part of it
+    data_sets           simulated data sets behind the posterior (default: 1500)
+  [observed]            what was observed, any of:
+    stops               CSV with the column x_m, where blocks stopped
+    passages            CSV with collector_m and any of speed_mps, height_m (of the
+                        centre above the ground) and energy_kJ, at first passage; a
+                        cell may be empty
+    counts              list of { x_m = 400, passed = 12, of = 60 }: blocks that passed
+                        a line, of those released
+    held_out_m          list of collectors that are predicted, and not fitted
+    sigma               standard deviations of the errors of measurement, by column
+    blocks              number released, if more than were observed
+All blocks are taken as independent samples of the releases and blocks of the study. Of
+more than 400 a random part is used. Written are report.html, report.txt (also printed),
+fit.json with a manifest, samples.csv (the posterior) and exceedance.csv (curves at
+collectors, lines and barriers). Simulated data sets are kept in DIR/unfinished until
+then."""
 PREDICT = """\
 Predict tests with the ground that `jaximpact calibrate` fitted, and score what was
 measured of them.
@@ -86,15 +110,15 @@ def add_parser(commands) -> None:
         commands,
         "calibrate",
         run,
-        help="fit soil parameters to measured impacts",
+        help="fit soil parameters to measured impacts, or to stopping points on a slope",
         description=DESCRIPTION,
     )
     parser.add_argument(
         "study",
         type=Path,
         metavar="STUDY",
-        help="study.toml, what to fit to which data and how; or tests.csv, the tests "
-        "alone",
+        help="study.toml, what to fit to which data and how; tests.csv, the tests "
+        "alone; or slope.toml, a slope with what was observed there",
     )
     options.add_directory(parser, "report, fitted values and plot")
     parser.add_argument(
@@ -130,11 +154,15 @@ def add_parser(commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Fit."""
+    """Fit to impacts, or to a slope."""
     from ..calibration.api import UNFINISHED, fit_and_examine
     from ..calibration.problem.config import read_study
     from ..calibration.report.files import as_text
+    from ..runout.back_analysis.problem import is_slope_fit
 
+    if is_slope_fit(arguments.study):
+        _run_slope(arguments)
+        return
     kept = arguments.out / UNFINISHED
 
     def prospect() -> str:
@@ -153,6 +181,23 @@ def run(arguments: argparse.Namespace) -> None:
     print(as_text(result, examined), end="")
     seconds = time.monotonic() - begin
     say(f"{result.seconds:.0f} s for the fits, {seconds:.0f} s in all")
+    say(f"the report is {arguments.out / 'report.html'}")
+
+
+def _run_slope(arguments: argparse.Namespace) -> None:
+    from ..errors import InputError
+    from ..runout import calibrate_slope
+    from ..runout.back_analysis.report import in_words
+
+    if arguments.posterior:
+        raise InputError(
+            "--posterior is for impacts; of a slope samples.csv has the posterior"
+        )
+    begin = time.monotonic()
+    with resumable(), ProgressLines() as progress:
+        found = calibrate_slope(arguments.study, arguments.out, progress=progress)
+    print(in_words(found), end="")
+    say(f"{time.monotonic() - begin:.0f} s in all")
     say(f"the report is {arguments.out / 'report.html'}")
 
 

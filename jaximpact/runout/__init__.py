@@ -2,6 +2,8 @@
 
 from ..impact_response import ImpactResponse, ImpactResponses
 from .analysis import Maxima, Passages, first_passages, maxima_along, passages
+from .back_analysis.calibrate import calibrate_slope
+from .back_analysis.result import SlopeCalibration
 from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
 from .derivatives.gradients import Standing, differentiate_runout, runout_gradients
@@ -40,9 +42,11 @@ __all__ = [
     "Profile",
     "Release",
     "Runs",
+    "SlopeCalibration",
     "SlopeStudy",
     "Standing",
     "Uniform",
+    "calibrate_slope",
     "choose_contacts",
     "differentiate_runout",
     "draw",

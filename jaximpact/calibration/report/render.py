@@ -10,27 +10,30 @@ if TYPE_CHECKING:
     import jinja2
 
 WIDTH = 88
+PACKAGE = "jaximpact.calibration.report"
+"""Module whose templates hold the macros."""
 
 
-def render(layout: str, kind: str, contents: dict) -> str:
+def render(layout: str, kind: str, contents: dict, package: str = PACKAGE) -> str:
     """Render a layout, the name of a template.
 
     Args:
         kind: "html", "md" or "txt": the macros with which the layout is written.
         contents: variables of the layout, as plain values.
+        package: module whose folder of templates has the layout.
     """
-    template = _environment(kind).get_template(f"{layout}.jinja")
+    template = _environment(kind, package).get_template(f"{layout}.jinja")
     text = template.render(contents, macros=f"{kind}.jinja")
     # Blank lines of the macros add up.
     return re.sub(r"\n{3,}", "\n\n", re.sub(r" +\n", "\n", text)).strip("\n") + "\n"
 
 
-def _environment(kind: str) -> "jinja2.Environment":
+def _environment(kind: str, package: str) -> "jinja2.Environment":
     # Imported with the first text: fits need none.
     import jinja2
 
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("jaximpact.calibration.report"),
+        loader=jinja2.ChoiceLoader([*map(jinja2.PackageLoader, {package, PACKAGE})]),
         autoescape=kind == "html",
         trim_blocks=True,
         lstrip_blocks=True,

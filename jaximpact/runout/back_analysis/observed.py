@@ -39,7 +39,7 @@ class Stops(NamedTuple):
     @property
     def words(self) -> str:
         """Name in reports."""
-        return "stopping points"
+        return "x_m of stopping points"
 
 
 class Passages(NamedTuple):

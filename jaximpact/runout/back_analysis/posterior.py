@@ -3,7 +3,6 @@
 import dataclasses
 
 import numpy as np
-from scipy.stats import rankdata
 
 from .problem import Parameter, SlopeFit
 from .regression import posterior_at, ranks_of_left_out, weighted_quantiles
@@ -16,6 +15,9 @@ SAMPLES = 2000
 WIDE = 0.8
 """Width of an interval, as a fraction of the prior's, from which on a parameter is not
 determined."""
+AT_BOUND = 0.005
+"""Probability under the prior between an end of an interval and the prior's bound below
+which the two are one."""
 TOGETHER = 0.9
 """Correlation of ranks above which two parameters act together."""
 LEFT_OUT = 200
@@ -33,15 +35,28 @@ class FittedParameter:
     low: float
     """Lower end of the 95 % interval."""
     high: float
+    """Upper end of it."""
     prior_low: float
     """Lower end of the prior's 95 % interval."""
     prior_high: float
-    ratio: float
-    """Width of the interval as a fraction of the prior's, both as probabilities under
-    the prior."""
+    """Upper end of it."""
+    ends: tuple[float, float]
+    """Ends of the 95 % interval as probabilities under the prior."""
     coverage_68: float
     """Fraction of left-out data sets whose parameter lies in its 68 % interval."""
     coverage_95: float
+    """The same for its 95 % interval."""
+
+    @property
+    def ratio(self) -> float:
+        """Compute the width of the interval as a fraction of the prior's, both as
+        probabilities under the prior."""
+        return (self.ends[1] - self.ends[0]) / LEVEL
+
+    @property
+    def at_bound(self) -> bool:
+        """Tell whether the interval ends where the prior does."""
+        return self.ends[0] < AT_BOUND or self.ends[1] > 1.0 - AT_BOUND
 
     @property
     def determined(self) -> bool:
@@ -73,6 +88,9 @@ class Posterior:
 
 def posterior_of(fit: SlopeFit, searched: Searched) -> Posterior:
     """Find the posterior from the data sets of the last box, and test its intervals."""
+    # A late import, of half a second.
+    from scipy.stats import rankdata
+
     pool, region = searched.pool, searched.region
     z, weights = posterior_at(pool, pool.t_observed)
     quantiles = region.u(weighted_quantiles(z, weights, TAILS))
@@ -91,7 +109,7 @@ def posterior_of(fit: SlopeFit, searched: Searched) -> Posterior:
             high=float(values[2, i]),
             prior_low=float(prior[0, i]),
             prior_high=float(prior[2, i]),
-            ratio=float((quantiles[2, i] - quantiles[0, i]) / LEVEL),
+            ends=(float(quantiles[0, i]), float(quantiles[2, i])),
             coverage_68=float(np.mean(apart[:, i] <= 0.34)),
             coverage_95=float(np.mean(apart[:, i] <= 0.5 * LEVEL)),
         )

@@ -16,9 +16,10 @@ from ...soil import Soil
 from ..distributions import Distribution
 from ..study.barriers import Barrier, read_barriers
 from ..study.ground_file import PARTS, GroundInput
+from ..study.quantity import read_ground_quantity
 from ..study.slope_file import SlopeInput, read_slope_input
 from ..terrain import ground_columns
-from .observed import TABLE, Observed, Passages, Stops, read_observed
+from .observed import TABLE, Observed, Stops, read_observed
 
 FIT = "fit"
 DATA_SETS_KEY = "data_sets"
@@ -104,7 +105,8 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     data_sets = whole(path, fit, DATA_SETS_KEY, DATA_SETS, LEAST_DATA_SETS)
     fit.pop(DATA_SETS_KEY, None)
     soil = GroundInput.read(path, content).soil
-    keys = _check_names(path, fit, content.get("ground", {}), soil)
+    ground = typed(path, content, "ground", dict, {})
+    parameters = _read_parameters(path, fit, ground, soil)
     merged = copy.deepcopy(content)
     _merge(merged.setdefault("ground", {}), fit)
     slope = read_slope_input(path, merged, accuracy)
@@ -112,7 +114,6 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
         raise InputError(
             f"names {len(slope.laws)} laws; a fit takes one", file=path, key="contacts"
         )
-    parameters = _parameters(path, slope, keys)
     profile = slope.layout.profile
     # What was observed and what the priors are changes no simulated block.
     rest = {k: v for k, v in content.items() if k not in (TABLE, FIT, "title")}
@@ -129,15 +130,18 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     )
 
 
-def _check_names(path: Path, fit: dict, ground: dict, soil: Soil) -> list[str]:
-    """List the keys of what is fitted; InputError for names that are unknown."""
-    columns, keys = ground_columns(soil), []
+def _read_parameters(
+    path: Path, fit: dict, ground: dict, soil: Soil
+) -> tuple[Parameter, ...]:
+    """Read the priors; InputError for names that are unknown and for what is no
+    prior."""
+    columns, found = ground_columns(soil), []
     for name, value in fit.items():
         if name not in PARTS:
             if name not in columns:
                 known = (*columns, *PARTS, DATA_SETS_KEY)
                 unknown(path, f"{FIT}.{name}", name, known)
-            keys.append(f"ground.{name}")
+            found.append(_parameter(path, name, value, columns[name]))
             continue
         for part, quantities in typed(path, fit, name, dict).items():
             where = f"{FIT}.{name}.{part}"
@@ -147,13 +151,35 @@ def _check_names(path: Path, fit: dict, ground: dict, soil: Soil) -> list[str]:
                 raise InputError(
                     f"is no material of [ground.materials]{hint}", file=path, key=where
                 )
-            for inner in typed(path, {where: quantities}, where, dict):
+            for inner, prior in typed(path, {where: quantities}, where, dict).items():
                 if inner not in columns:
                     unknown(path, f"{where}.{inner}", inner, columns)
-                keys.append(f"ground.{name}.{part}.{inner}")
-    if not keys:
+                key = f"{name}.{part}.{inner}"
+                found.append(_parameter(path, key, prior, columns[inner]))
+    if not found:
         raise InputError("names no parameter to fit", file=path, key=FIT)
-    return keys
+    return tuple(found)
+
+
+def _parameter(path: Path, name: str, value, column: InputColumn) -> Parameter:
+    where = f"{FIT}.{name}"
+    prior = read_ground_quantity(path, where, value, column)
+    if not isinstance(prior, Distribution):
+        raise InputError(
+            "must be a prior: { from, to }, { mean, sd } or { median, geometric_sd }, "
+            "the last two with least and most if wanted",
+            file=path,
+            key=where,
+        )
+    ends = prior.values(ENDS)
+    if not np.all(column.is_allowed(ends)):
+        raise InputError(
+            f"must be {column.requirement}, but the prior reaches from {ends[0]:g} to "
+            f"{ends[-1]:g}; least and most truncate it",
+            file=path,
+            key=where,
+        )
+    return Parameter(f"ground.{name}", prior, column)
 
 
 def _merge(into: dict, table: dict) -> None:
@@ -164,35 +190,3 @@ def _merge(into: dict, table: dict) -> None:
                 into.setdefault(name, {}).setdefault(part, {}).update(quantities)
         else:
             into[name] = value
-
-
-def _parameters(
-    path: Path, slope: SlopeInput, keys: list[str]
-) -> tuple[Parameter, ...]:
-    varied, columns = slope.ground.varied(), ground_columns(slope.ground.soil)
-    found = []
-    for key in keys:
-        where = f"{FIT}.{key.removeprefix('ground.')}"
-        prior, column = varied.get(key), columns[key.split(".")[-1]]
-        if not isinstance(prior, Distribution):
-            raise InputError(
-                "must be a prior: { from, to }, { mean, sd } or { median, "
-                "geometric_sd }, the last two with least and most if wanted",
-                file=path,
-                key=where,
-            )
-        ends = prior.values(ENDS)
-        if not np.all(column.is_allowed(ends)):
-            raise InputError(
-                f"must be {column.requirement}, but the prior reaches from "
-                f"{ends[0]:g} to {ends[-1]:g}",
-                file=path,
-                key=where,
-            )
-        found.append(Parameter(key, prior, column))
-    return tuple(found)
-
-
-def passages_of(fit: SlopeFit) -> list[Passages]:
-    """List what was measured at collectors."""
-    return [c for c in fit.observed.channels if isinstance(c, Passages)]

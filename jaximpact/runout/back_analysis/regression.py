@@ -92,6 +92,8 @@ def _features(
     chosen = np.argsort(-values)[:MOST_LINEAR]
     chosen = chosen[values[chosen] > LEAST_VARIANCE * np.max(values, initial=0.0)]
     both = both @ vectors[:, chosen] / np.sqrt(values[chosen])
+    # Beyond all data sets a quadratic means nothing: take the outermost.
+    both[-1] = np.clip(both[-1], np.min(both[:-1], axis=0), np.max(both[:-1], axis=0))
     first = both[:, :MOST_QUADRATIC]
     i, j = np.triu_indices(first.shape[1])
     products = first[:, i] * first[:, j]

@@ -18,6 +18,8 @@ OUTSIDE = 0.0005
 """Probability beyond each end of a box."""
 MARGIN = 1.25
 """Factor by which a box is wider than that, about the median, in z."""
+LEAST_WIDTH = 0.02
+"""Least width of a box as a fraction of that of the one before."""
 ENOUGH = 0.5
 """A box of at least this fraction of the one before ends the rounds."""
 LEAST_POOL = 100
@@ -110,9 +112,20 @@ def search(fit: SlopeFit, store: Store | None, progress: Progress) -> Searched:
 
 
 def _shrunk(pool: Pool, region: Region) -> Region:
+    """Find the box of the next round."""
     samples, weights = posterior_at(pool, pool.t_observed)
     low, middle, high = weighted_quantiles(
         samples, weights, (OUTSIDE, 0.5, 1.0 - OUTSIDE)
     )
-    ends = (middle + MARGIN * (end - middle) for end in (low, high))
-    return Region(*(region.u(end) for end in ends))
+    # No farther than there are candidates: data that the model does not explain can
+    # lead anywhere.
+    ends = np.min(pool.z, axis=0), np.max(pool.z, axis=0)
+    low, high = (
+        region.u(np.clip(middle + MARGIN * (end - middle), *ends))
+        for end in (low, high)
+    )
+    centre, width = 0.5 * (low + high), region.high - region.low
+    half = np.maximum(0.5 * (high - low), 0.5 * LEAST_WIDTH * width)
+    return Region(
+        np.maximum(centre - half, region.low), np.minimum(centre + half, region.high)
+    )

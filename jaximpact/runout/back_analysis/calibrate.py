@@ -1,0 +1,75 @@
+"""Back-analysis of a slope in one call."""
+
+import os
+from pathlib import Path
+
+from ..._checks import expect
+from ..._precision import require_float64
+from ...io.files import make_directory
+from ...io.output_files import output_directory
+from ...progress import Progress, ProgressFunction, as_progress
+from ...store import Store
+from .posterior import posterior_of
+from .predictive import predict
+from .problem import SlopeFit, read_slope_fit
+from .result import SlopeCalibration
+from .rounds import search
+
+UNFINISHED = "unfinished"
+"""Directory of simulated data sets, until the report is written."""
+
+
+def calibrate_slope(
+    study: str | os.PathLike,
+    out: str | os.PathLike | None = None,
+    *,
+    progress: Progress | ProgressFunction | None = None,
+) -> SlopeCalibration:
+    """Fit ground parameters of a slope to stopping points, passages and counts.
+
+    Data sets of as many blocks as were observed are simulated for candidates from the
+    priors, in rounds that narrow down to what is plausible, and the posterior is found
+    by regression on their summaries; see `regression`. Every data set is computed by
+    the study's own law of contacts. Equal files give equal numbers on one machine.
+
+    Args:
+        study: file of a slope with the tables [fit] and [observed], as
+            `jaximpact calibrate --help` describes it.
+        out: directory for report.html, report.txt, fit.json, samples.csv and
+            exceedance.csv; an interrupted call continues there.
+        progress: called with lines of text, or as `progress(done, data sets)`.
+
+    Returns:
+        Posterior, predictions, and what they rest on.
+
+    Raises InputError, naming file and key, for input that cannot be used, and where
+    hardly any candidate gives what was observed; RuntimeError if JAX is set to float32.
+    """
+    require_float64()
+    expect("study", study, str, os.PathLike)
+    expect("out", out, str, os.PathLike, type(None))
+    told = as_progress(progress)
+    fit = read_slope_fit(Path(study))
+    if out is None:
+        return _calibrate(fit, None, told)
+    # Late imports: Matplotlib and Jinja are for the report alone.
+    from .report import FILES, write_report
+
+    directory = Path(out)
+    with output_directory(directory, "calibrate", FILES, inputs=fit.inputs) as new:
+        folder = directory / UNFINISHED
+        make_directory(folder, option="the directory")
+        store = Store(folder)
+        found = _calibrate(fit, store, told)
+        write_report(found, new)
+        store.clear()
+    return found
+
+
+def _calibrate(
+    fit: SlopeFit, store: Store | None, progress: Progress
+) -> SlopeCalibration:
+    searched = search(fit, store, progress)
+    posterior = posterior_of(fit, searched)
+    predicted = predict(fit, posterior, store, progress)
+    return SlopeCalibration(fit, searched, posterior, predicted)

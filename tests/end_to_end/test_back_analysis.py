@@ -1,0 +1,189 @@
+"""Back-analyses of a slope whose ground is known, on the command line and in Python."""
+
+import json
+
+import numpy as np
+import pytest
+from text_files import rows_of
+
+from jaximpact.cli import main
+from jaximpact.errors import InputError
+from jaximpact.runout import calibrate_slope, read_slope_study, run_slope_study
+from jaximpact.runout.back_analysis import predictive, rounds
+from jaximpact.runout.back_analysis.report import warnings_of
+
+pytestmark = pytest.mark.slow
+
+SLOPE = """
+seed = 3
+
+[profile]
+points_m = [[0, 40], [50, 10], [150, 5]]
+
+[ground]
+roughness_deg = 3
+
+[block]
+mass_kg = { median = 300, geometric_sd = 1.6 }
+
+[release]
+x_m = { from = 2, to = 6 }
+clearance_m = 1
+speed_mps = 3
+
+[contacts]
+law = "constant coefficients"
+e_n = 0.35
+e_t = 0.85
+
+[[barriers]]
+name = "fence"
+x_m = 60
+height_m = 2
+capacity_kJ = 100
+"""
+FIT = """
+[fit]
+data_sets = 200
+rolling_friction_angle_deg = { from = 10, to = 45 }
+
+[observed]
+stops = "stops.csv"
+passages = "passages.csv"
+counts = [{ x_m = 58, passed = %d, of = 15 }]
+held_out_m = [55]
+"""
+TRUE = 27.0
+
+
+@pytest.fixture(scope="module")
+def observed(tmp_path_factory):
+    """A folder with a study and what was observed of 15 blocks."""
+    folder = tmp_path_factory.mktemp("slope")
+    extra = f"roughness_deg = 3\nrolling_friction_angle_deg = {TRUE}"
+    text = SLOPE.replace("roughness_deg = 3", extra).replace("seed = 3", "seed = 9")
+    truth = folder / "truth.toml"
+    truth.write_text("count = 15\ncollectors_m = [50, 55, 58]\n" + text)
+    found = run_slope_study(read_slope_study(truth))
+    speed, rows = found.passage_speed_mps.values, ["collector_m,speed_mps"]
+    for place, x in enumerate((50, 55)):
+        passing = speed[np.isfinite(speed[:, place]), place]
+        rows += [f"{x},{value}" for value in passing]
+    (folder / "passages.csv").write_text("\n".join(rows) + "\n")
+    (folder / "stops.csv").write_text("x_m\n" + "\n".join(map(str, found.x_m.values)))
+    passed = int(np.sum(np.isfinite(speed[:, 2])))
+    (folder / "slope.toml").write_text(SLOPE + FIT % passed)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def fitted(observed):
+    return calibrate_slope(observed / "slope.toml")
+
+
+def test_the_truth_is_found_again(fitted):
+    (parameter,) = fitted.posterior.fitted
+    assert parameter.low < TRUE < parameter.high
+    assert parameter.determined
+    assert not parameter.at_bound
+    assert fitted.predicted.check.explained
+    assert warnings_of(fitted) == []
+    assert "rolling_friction_angle_deg" in repr(fitted)
+
+
+def test_held_out_collectors_are_predicted(fitted):
+    held_out = [c for c in fitted.predicted.channels if c.channel in fitted.fit.observed.held_out]
+    assert [c.channel.place for c in held_out] == [55.0]
+    for _, ours, low, middle, high in held_out[0].percentiles():
+        assert low <= middle <= high
+        assert low <= ours <= high
+
+
+def test_curves_fall_and_lie_in_their_bands(fitted):
+    assert {curve.place for curve in fitted.predicted.curves} == {50.0, 55.0, 58.0, 60.0}
+    for curve in fitted.predicted.curves:
+        assert np.all(np.diff(curve.share) <= 0.0)
+        assert np.all(curve.low <= curve.high)
+        assert np.all((curve.share >= 0.0) & (curve.share <= 1.0))
+    assert curve.names == ("fence",)
+
+
+def test_the_command_writes_a_report_and_goes_on_where_it_was(
+    observed, fitted, tmp_path, monkeypatch, capsys
+):
+    out = tmp_path / "out"
+    command = ["calibrate", str(observed / "slope.toml"), "--out", str(out)]
+    simulate, calls = rounds.simulate_data_sets, []
+
+    def interrupted(*arguments):
+        if calls:
+            raise KeyboardInterrupt
+        calls.append(1)
+        return simulate(*arguments)
+
+    monkeypatch.setattr(rounds, "simulate_data_sets", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        calibrate_slope(observed / "slope.toml", out)
+    monkeypatch.setattr(rounds, "simulate_data_sets", simulate)
+    assert any((out / "unfinished").iterdir())
+    assert main(command) == 0
+    printed = capsys.readouterr().out
+    assert "1 of 1 parameters are determined" in printed
+    assert printed == (out / "report.txt").read_text()
+    assert not (out / "unfinished").exists()
+    page = (out / "report.html").read_text()
+    assert "fence" in page
+    assert "http" not in page
+    # What was interrupted ends like what was not.
+    tree = json.loads((out / "fit.json").read_text())
+    (parameter,) = fitted.posterior.fitted
+    told = tree["parameters"]["rolling_friction_angle_deg"]
+    assert told["interval_95"] == [parameter.low, parameter.high]
+    assert set(tree["manifest"]["files"]) == {"slope.toml", "stops.csv", "passages.csv"}
+    assert len(rows_of(out / "samples.csv")) == len(fitted.posterior.values)
+    assert rows_of(out / "exceedance.csv")
+
+
+def test_data_of_another_mechanism_are_not_explained(observed, tmp_path, monkeypatch):
+    """Blocks at the toe and far out, none between, which no single friction gives."""
+    monkeypatch.setattr(predictive, "LEAST_BLOCKS", 20)
+    for name in ("slope.toml", "passages.csv"):
+        text = (observed / name).read_text()
+        text = text.replace('passages = "passages.csv"\n', "")
+        (tmp_path / name).write_text(text.replace("held_out_m = [55]\n", ""))
+    (tmp_path / "stops.csv").write_text("x_m\n" + "48\n" * 8 + "140\n" * 7)
+    found = calibrate_slope(tmp_path / "slope.toml")
+    assert not found.predicted.check.explained
+    assert "does not explain" in warnings_of(found)[0]
+
+
+def test_one_block_and_what_it_does_not_determine(observed, tmp_path, monkeypatch):
+    """One block's place says nothing of the elasticity, which the law has not."""
+    monkeypatch.setattr(predictive, "LEAST_BLOCKS", 20)
+    text = (observed / "slope.toml").read_text().partition("[observed]")[0]
+    text += 'k_E = { from = 100, to = 1000 }\n[observed]\nstops = "stops.csv"\n'
+    (tmp_path / "slope.toml").write_text(text)
+    (tmp_path / "stops.csv").write_text("x_m\n60\n")
+    found = calibrate_slope(tmp_path / "slope.toml")
+    friction, elasticity = found.posterior.fitted
+    assert friction.determined
+    assert not elasticity.determined
+    assert any("k_E is not determined" in line for line in warnings_of(found))
+
+
+def test_stops_that_no_candidate_gives_are_refused(observed, tmp_path):
+    """Collectors where no block comes."""
+    text = (observed / "slope.toml").read_text().replace("held_out_m = [55]\n", "")
+    (tmp_path / "slope.toml").write_text(text)
+    (tmp_path / "stops.csv").write_text("x_m\n60\n")
+    (tmp_path / "passages.csv").write_text("collector_m,speed_mps\n149.5,5\n")
+    with pytest.raises(InputError, match="simulated data sets have what was observed"):
+        calibrate_slope(tmp_path / "slope.toml")
+
+
+def test_a_fit_of_a_slope_predicts_no_impacts(observed, tmp_path, capsys):
+    (tmp_path / "fit.json").write_text('{"title": "slope", "parameters": {}}')
+    (tmp_path / "tests.csv").write_text("speed_mps\n10\n")
+    command = ["predict", str(tmp_path), str(tmp_path / "tests.csv")]
+    assert main(command) == 2
+    assert capsys.readouterr().err.count("\n") == 1
