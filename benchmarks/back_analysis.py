@@ -1,10 +1,10 @@
 """Coverage of back-analyses: twins of three slopes, whose ground is known.
 
-    python benchmarks/back_analysis.py DIR [REPEATS [SLOPE ...]]
+    python -m benchmarks.back_analysis DIR [REPEATS [SLOPE ...]]
 
-In each repeat blocks are released on the true ground, observed, and fitted anew; counted
-is how often each parameter lies in its stated interval. Data sets are kept in DIR, and
-results in DIR/coverage.csv, from where the same command goes on.
+In each repeat blocks are released on the true ground, observed, and fitted anew;
+counted is how often each parameter lies in its stated interval. Data sets are kept in
+DIR, and results in DIR/coverage.csv, from where the same command goes on.
 """
 
 import os
@@ -183,9 +183,7 @@ def main(folder: Path, repeats: int, names: list[str]) -> None:
         print(name, repeat, f"{seconds:.0f} s of processor time", flush=True)
 
 
-def _make_twins(
-    folder: Path, name: str, repeats: int
-) -> tuple[SlopeFit, np.ndarray]:
+def _make_twins(folder: Path, name: str, repeats: int) -> tuple[SlopeFit, np.ndarray]:
     """Read a slope, and release blocks on its true ground as often as asked."""
     text, released, _, _, truth = SLOPES[name]
     path = folder / f"{name.replace(' ', '-')}.toml"

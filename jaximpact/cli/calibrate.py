@@ -1,5 +1,5 @@
-"""`jaximpact calibrate` and `jaximpact predict`: soil parameters from measured impacts, or
-from where blocks stopped on a slope, and predictions with them."""
+"""`jaximpact calibrate` and `jaximpact predict`: soil parameters from measured impacts,
+or from where blocks stopped on a slope, and predictions with them."""
 
 import argparse
 import contextlib
@@ -110,7 +110,7 @@ def add_parser(commands) -> None:
         commands,
         "calibrate",
         run,
-        help="fit soil parameters to measured impacts, or to stopping points on a slope",
+        help="fit soil parameters to measured impacts, or to a slope",
         description=DESCRIPTION,
     )
     parser.add_argument(

@@ -117,7 +117,11 @@ def test_of_many_blocks_a_random_part_is_used(slope):
         ("[observed]", "[observe]", "observe: is unknown.*observed"),
         ("roughness_deg = { f", "roughnes_deg = { f", "fit.roughnes_deg: .*roughness"),
         ("{ from = 0, to = 8 }", "3", "fit.roughness_deg: must be a prior"),
-        ("{ from = 0, to = 8 }", "{ from = 0, to = 80 }", "fit.roughness_deg.to: must be in"),
+        (
+            "{ from = 0, to = 8 }",
+            "{ from = 0, to = 80 }",
+            "roughness_deg.to: must be in",
+        ),
         ("[fit.materials.meadow]", "[fit.materials.meadw]", "mean meadow"),
         ("{ from = 0, to = 8 }", "{ mean = 2, sd = 1 }", "roughness_deg.*reaches from"),
         ("[fit]", "[fit]\ndata_sets = 10", "data_sets: must be at least 200"),
@@ -130,8 +134,11 @@ def test_of_many_blocks_a_random_part_is_used(slope):
         ("sigma = { x_m = 1 }", "sigma = { x = 1 }", "sigma.x: is unknown"),
         ("sigma = { x_m = 1 }", "sigma = { x_m = -1 }", "x_m: must be at least 0"),
         ("sigma =", "blocks = 2\nsigma =", "blocks: must be at least 3"),
-        ('[contacts]\nlaw = "constant', '[[contacts]]\n[[contacts]]\nlaw = "constant',
-         "names 2 laws"),
+        (
+            '[contacts]\nlaw = "constant',
+            '[[contacts]]\n[[contacts]]\nlaw = "constant',
+            "names 2 laws",
+        ),
     ],
 )
 def test_bad_studies_are_refused(slope, old, new, told):

@@ -22,8 +22,6 @@ from .problem import SlopeFit
 
 CHUNK = 4096
 """Number of blocks that are simulated, and kept, at once."""
-PER_PLACE = 3
-"""Numbers at a place: speed [m/s], height of the centre [m], kinetic energy [kJ]."""
 
 
 def simulate_data_sets(
@@ -53,9 +51,11 @@ def simulate_data_sets(
     for number, start in enumerate(starts):
         progress("data sets", start, len(u))
         part = u[start : start + size]
-        kept = None if store is None else store.get("dataset", key := _key(
-            fit, part, blocks, stream, number
-        ))
+        kept = (
+            None
+            if store is None
+            else store.get("dataset", key := _key(fit, part, blocks, stream, number))
+        )
         if kept is not None:
             found.append(np.load(io.BytesIO(kept)))
             continue
@@ -88,9 +88,7 @@ def _seed(fit: SlopeFit, stream: int, number: int) -> int:
     return int(sequence.generate_state(1, np.uint32)[0])
 
 
-def _key(
-    fit: SlopeFit, u: np.ndarray, blocks: int, stream: int, number: int
-) -> str:
+def _key(fit: SlopeFit, u: np.ndarray, blocks: int, stream: int, number: int) -> str:
     digest = hashlib.sha256(fit.identity.encode())
     digest.update(repr((versions(), np.__version__)).encode())
     about = [fit.slope.seed, stream, number, blocks, fit.places]

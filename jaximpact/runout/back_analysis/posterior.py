@@ -94,8 +94,9 @@ def posterior_of(fit: SlopeFit, searched: Searched) -> Posterior:
     pool, region = searched.pool, searched.region
     z, weights = posterior_at(pool, pool.t_observed)
     quantiles = region.u(weighted_quantiles(z, weights, TAILS))
-    values, prior = fit.values(quantiles), fit.values(
-        np.tile(np.array(TAILS)[:, None], len(fit.parameters))
+    values, prior = (
+        fit.values(quantiles),
+        fit.values(np.tile(np.array(TAILS)[:, None], len(fit.parameters))),
     )
     count = min(LEFT_OUT, len(pool.z) // 4)
     apart = np.abs(ranks_of_left_out(pool, count) - 0.5)

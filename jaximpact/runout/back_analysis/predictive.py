@@ -7,8 +7,8 @@ import numpy as np
 
 from ...progress import Progress
 from ...store import Store
-from .data_sets import PER_PLACE, simulate_data_sets
-from .observed import PASSAGE_COLUMNS, STOP_COLUMN, Count, Passages, Stops
+from .data_sets import simulate_data_sets
+from .observed import PASSAGE_COLUMNS, PER_PLACE, STOP_COLUMN, Count, Passages, Stops
 from .posterior import TAILS, Posterior
 from .problem import SlopeFit
 from .summaries import observed_summary, simulated_summaries, summary_names

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError, nearest
+from ...io.checks import check_memory
 from ...io.files import read_input
 from ...io.toml import parse_toml, typed, unknown, whole
 from ...quantities import InputColumn
@@ -19,7 +20,7 @@ from ..study.ground_file import PARTS, GroundInput
 from ..study.quantity import read_ground_quantity
 from ..study.slope_file import SlopeInput, read_slope_input
 from ..terrain import ground_columns
-from .observed import TABLE, Observed, Stops, read_observed
+from .observed import PER_PLACE, TABLE, Observed, Stops, read_observed
 
 FIT = "fit"
 DATA_SETS_KEY = "data_sets"
@@ -59,7 +60,7 @@ class SlopeFit:
     data_sets: int
     """Number of data sets behind the posterior."""
     identity: str
-    """Text that names all that simulated data sets depend on, but for the candidates."""
+    """Text that names what simulated data sets depend on beside the candidates."""
 
     @property
     def places(self) -> list[float]:
@@ -118,16 +119,25 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     # What was observed and what the priors are changes no simulated block.
     rest = {k: v for k, v in content.items() if k not in (TABLE, FIT, "title")}
     files = {f.name: c for f, c in (slope.checksums | slope.laws[0].checksums).items()}
-    return SlopeFit(
+    observed = read_observed(path, content, profile, slope.seed)
+    fitted = SlopeFit(
         path=path,
         title=typed(path, content, "title", str, path.stem),
         slope=slope,
         parameters=parameters,
-        observed=read_observed(path, content, profile, slope.seed),
+        observed=observed,
         barriers=read_barriers(path, content, profile),
         data_sets=data_sets,
         identity=json.dumps([rest, files, slope.laws[0].told], default=str),
     )
+    columns = 1 + PER_PLACE * len(fitted.places)
+    check_memory(
+        data_sets * observed.released * columns,
+        f"{data_sets} data sets of {observed.released} blocks",
+        file=path,
+        key=f"{FIT}.{DATA_SETS_KEY}",
+    )
+    return fitted
 
 
 def _read_parameters(

@@ -56,9 +56,7 @@ class Pool(NamedTuple):
         return np.sqrt(np.sum(((self.t - t) / self.scale) ** 2, axis=1))
 
 
-def make_pool(
-    z: np.ndarray, summaries: np.ndarray, observed: np.ndarray
-) -> Pool:
+def make_pool(z: np.ndarray, summaries: np.ndarray, observed: np.ndarray) -> Pool:
     """Predict the parameters of each data set from its summaries.
 
     Args:

@@ -200,8 +200,8 @@ def _how(found: SlopeCalibration) -> list[str]:
         f"{len(searched.volumes)} rounds, in parts of the prior of probability "
         f"{volumes}. The posterior is a regression of the parameters on summaries of "
         f"the {len(searched.pool.z)} data sets in the last part.",
-        f"{searched.without} data sets lacked a block that stops or one at a collector, "
-        "and were left out, as the observations have them.",
+        f"{searched.without} data sets lacked a block that stops or one at a "
+        "collector, and were left out, as the observations have them.",
         f"Errors of measurement, standard deviations: {errors or 'none'}.",
         "Blocks are independent samples of the releases, blocks and grounds that the "
         "study states. What was observed is no choice of blocks by their size or "

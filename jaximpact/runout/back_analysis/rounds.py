@@ -79,11 +79,12 @@ def search(fit: SlopeFit, store: Store | None, progress: Progress) -> Searched:
     region = Region(np.zeros(dimension), np.ones(dimension))
     target = observed_summary(fit.observed)
     u, summaries = np.empty((0, dimension)), np.empty((0, len(target)))
-    volumes, pool = [], None
-    for number in range(MOST_ROUNDS):
+    volumes: list[float] = []
+    while True:
+        number = len(volumes)
         volumes.append(region.volume)
-        inside = region.holds(u) & np.all(np.isfinite(summaries), axis=1)
-        missing = count - int(np.sum(inside))
+        valid = np.all(np.isfinite(summaries), axis=1)
+        missing = count - int(np.sum(region.holds(u) & valid))
         if missing > 0:
             rng = np.random.default_rng((fit.slope.seed, number))
             new = rng.uniform(region.low, region.high, (missing, dimension))
@@ -95,20 +96,25 @@ def search(fit: SlopeFit, store: Store | None, progress: Progress) -> Searched:
             u, summaries = np.vstack([u, new]), np.vstack([summaries, found])
         valid = np.all(np.isfinite(summaries), axis=1)
         inside = region.holds(u) & valid
-        if np.sum(inside) < LEAST_POOL:
-            raise InputError(
-                f"only {int(np.sum(inside))} of {len(u)} simulated data sets have what "
-                "was observed, a block that stops or one at each collector; check the "
-                "observations and the releases, or widen the priors",
-                file=fit.path,
-                key="fit",
-            )
+        _check_enough(fit, inside)
         pool = make_pool(region.z(u[inside]), summaries[inside], target)
         smaller = _shrunk(pool, region)
-        if smaller.volume > ENOUGH * region.volume or number == MOST_ROUNDS - 1:
-            break
+        if smaller.volume > ENOUGH * region.volume or len(volumes) == MOST_ROUNDS:
+            without = int(np.sum(~valid))
+            return Searched(pool, region, volumes, len(u), without)
         region = smaller
-    return Searched(pool, region, volumes, len(u), int(np.sum(~valid)))
+
+
+def _check_enough(fit: SlopeFit, inside: np.ndarray) -> None:
+    enough = int(np.sum(inside))
+    if enough < LEAST_POOL:
+        raise InputError(
+            f"only {enough} of {len(inside)} simulated data sets have what was "
+            "observed, a block that stops or one at each collector; check the "
+            "observations and the releases, or widen the priors",
+            file=fit.path,
+            key="fit",
+        )
 
 
 def _shrunk(pool: Pool, region: Region) -> Region:

@@ -7,8 +7,7 @@ Of a count past a line: the logit of the share.
 
 import numpy as np
 
-from .data_sets import PER_PLACE
-from .observed import PASSAGE_COLUMNS, STOP_COLUMN, Count, Observed, Stops
+from .observed import PASSAGE_COLUMNS, PER_PLACE, STOP_COLUMN, Count, Observed, Stops
 
 PROBABILITIES = np.array([0.05, 0.25, 0.5, 0.75, 0.95])
 STATISTICS = (*(f"{p:.0%} quantile" for p in PROBABILITIES), "mean", "spread", "number")
