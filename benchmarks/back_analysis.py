@@ -190,9 +190,7 @@ def _make_twins(folder: Path, name: str, repeats: int) -> tuple[SlopeFit, np.nda
     path.write_text(text)
     fit = read_slope_fit(path)
     u = np.tile(truth, (repeats, 1))
-    blocks = simulate_data_sets(
-        fit, u, released, TRUTH_STREAM, Store(folder), Progress()
-    )
+    blocks = simulate_data_sets(fit, u, released, TRUTH_STREAM, Store(folder))
     return fit, blocks
 
 

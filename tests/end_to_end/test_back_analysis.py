@@ -117,11 +117,11 @@ def test_the_command_writes_a_report_and_goes_on_where_it_was(
     command = ["calibrate", str(observed / "slope.toml"), "--out", str(out)]
     simulate, calls = rounds.simulate_data_sets, []
 
-    def interrupted(*arguments):
+    def interrupted(*arguments, **named):
         if calls:
             raise KeyboardInterrupt
         calls.append(1)
-        return simulate(*arguments)
+        return simulate(*arguments, **named)
 
     monkeypatch.setattr(rounds, "simulate_data_sets", interrupted)
     with pytest.raises(KeyboardInterrupt):

@@ -29,42 +29,41 @@ def simulate_data_sets(
     u: np.ndarray,
     blocks: int,
     stream: int,
-    store: Store | None,
-    progress: Progress,
+    store: Store | None = None,
+    progress: Progress | None = None,
+    what: str = "data sets",
 ) -> np.ndarray:
     """Simulate a data set for each candidate.
 
     Args:
         u: candidates, as probabilities under the priors, `(data sets, parameters)`.
         blocks: blocks released in each.
-        stream: number that tells apart random numbers of several calls.
+        stream: number that tells apart the random numbers of several calls.
         store: keeps chunks that are done.
+        progress: told how many are done.
+        what: name of the data sets in progress.
 
     Returns:
         `(data sets, blocks, 1 + 3 * places)`: x where a block stopped [m], and at each
         place speed [m/s], height of the centre [m] and kinetic energy [kJ] at the first
         passage; NaN for a block that does not stop, or does not come there.
     """
-    size = max(1, CHUNK // blocks)
-    starts = range(0, len(u), size)
+    size, progress = max(1, CHUNK // blocks), progress or Progress()
     found = []
-    for number, start in enumerate(starts):
-        progress("data sets", start, len(u))
+    for number, start in enumerate(range(0, len(u), size)):
+        progress(what, start, len(u))
         part = u[start : start + size]
-        kept = (
-            None
-            if store is None
-            else store.get("dataset", key := _key(fit, part, blocks, stream, number))
-        )
-        if kept is not None:
-            found.append(np.load(io.BytesIO(kept)))
+        key = _key(fit, part, blocks, stream, number)
+        stored = None if store is None else store.get("dataset", key)
+        if stored is not None:
+            found.append(np.load(io.BytesIO(stored)))
             continue
         found.append(_simulate(fit, part, blocks, _seed(fit, stream, number)))
         if store is not None:
             buffer = io.BytesIO()
             np.save(buffer, found[-1])
             store.put("dataset", key, buffer.getvalue())
-    progress("data sets", len(u), len(u))
+    progress(what, len(u), len(u))
     return np.concatenate(found)
 
 

@@ -104,8 +104,8 @@ def predict(
     released = fit.observed.released
     blocks = max(released, LEAST_BLOCKS)
     outcomes = simulate_data_sets(
-        *(fit, posterior.u[:DRAWS], blocks, STREAM, store),
-        progress.within("prediction, "),
+        *(fit, posterior.u[:DRAWS], blocks, STREAM, store, progress),
+        what="predicted data sets",
     )
     names = {x: tuple(b.name for b in fit.barriers if b.x == x) for x in fit.places}
     return Predicted(

@@ -88,9 +88,9 @@ def search(fit: SlopeFit, store: Store | None, progress: Progress) -> Searched:
         if missing > 0:
             rng = np.random.default_rng((fit.slope.seed, number))
             new = rng.uniform(region.low, region.high, (missing, dimension))
-            step = progress.within(f"round {number + 1}, ")
             outcomes = simulate_data_sets(
-                fit, new, fit.observed.released, number, store, step
+                *(fit, new, fit.observed.released, number, store, progress),
+                what=f"data sets of round {number + 1}",
             )
             found = simulated_summaries(fit.observed, outcomes, fit.places, number)
             u, summaries = np.vstack([u, new]), np.vstack([summaries, found])
