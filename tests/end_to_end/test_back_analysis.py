@@ -1,5 +1,6 @@
 """Back-analyses of a slope whose ground is known, on the command line and in Python."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -108,6 +109,16 @@ def test_curves_fall_and_lie_in_their_bands(fitted):
         assert np.all(curve.low <= curve.high)
         assert np.all((curve.share >= 0.0) & (curve.share <= 1.0))
     assert curve.names == ("fence",)
+
+
+def test_parameters_that_act_together_are_named(fitted):
+    correlation = np.array([[1.0, -0.95], [-0.95, 1.0]])
+    twice = dataclasses.replace(
+        fitted.posterior, fitted=fitted.posterior.fitted * 2, correlation=correlation
+    )
+    lines = warnings_of(dataclasses.replace(fitted, posterior=twice))
+    assert len(lines) == 1
+    assert "act together (correlation -0.95)" in lines[0]
 
 
 def test_the_command_writes_a_report_and_goes_on_where_it_was(
