@@ -4,7 +4,8 @@
 
 In each repeat blocks are released on the true ground, observed, and fitted anew;
 counted is how often each parameter lies in its stated interval. Data sets are kept in
-DIR, and results in DIR/coverage.csv, from where the same command goes on.
+DIR, and results in DIR/coverage.csv, from where the same command goes on. Printed at
+last is a table of the coverage; with 0 repeats that of what is there.
 """
 
 import os
@@ -19,6 +20,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from jaximpact.progress import Progress
 from jaximpact.runout.back_analysis.data_sets import simulate_data_sets
@@ -163,7 +165,7 @@ def main(folder: Path, repeats: int, names: list[str]) -> None:
         results.write_text(",".join(COLUMNS) + "\n")
     with open(results) as file:
         done = {(row["slope"], int(row["repeat"])) for row in csv.DictReader(file)}
-    twins = {name: _make_twins(folder, name, repeats) for name in names}
+    twins = {name: _make_twins(folder, name, repeats) for name in names if repeats}
     store = Store(folder)
     # In turn, so that all slopes are as far when it is cut short.
     for repeat, name in itertools.product(range(repeats), names):
@@ -181,6 +183,27 @@ def main(folder: Path, repeats: int, names: list[str]) -> None:
                 print(*cells, true[i], int(inside[i]), sep=",", file=file)
         seconds = time.process_time() - begin
         print(name, repeat, f"{seconds:.0f} s of processor time", flush=True)
+    print(table_of(results))
+
+
+def table_of(results: Path) -> str:
+    """Write how often the true parameters lie in their intervals, as Markdown."""
+    found = pd.read_csv(results)
+    found["in_95"] = (found.low <= found.true) & (found.true <= found.high)
+    found["width"] = found.high - found.low
+    lines = [
+        "| slope | parameter | true | width of the 95 % interval, median | repeats "
+        "| in the 68 % interval | in the 95 % interval |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for (slope, parameter), rows in found.groupby(["slope", "parameter"], sort=False):
+        cells = (
+            *(slope, f"`{parameter}`", f"{rows.true.iloc[0]:.3g}"),
+            *(f"{rows.width.median():.2g}", len(rows)),
+            *(f"{rows.in_68.mean():.0%}", f"{rows.in_95.mean():.0%}"),
+        )
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+    return "\n".join(lines)
 
 
 def _make_twins(folder: Path, name: str, repeats: int) -> tuple[SlopeFit, np.ndarray]:
