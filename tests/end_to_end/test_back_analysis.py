@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from text_files import rows_of
 
+from jaximpact import calibrate
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.runout import calibrate_slope, read_slope_study, run_slope_study
@@ -111,6 +112,15 @@ def test_curves_fall_and_lie_in_their_bands(fitted):
     assert curve.names == ("fence",)
 
 
+def test_intervals_that_are_too_narrow_are_told(fitted):
+    """Of 50 data sets left out 40 lie inside, which is no chance."""
+    (parameter,) = fitted.posterior.fitted
+    narrow = (dataclasses.replace(parameter, coverage_95=0.8),)
+    posterior = dataclasses.replace(fitted.posterior, fitted=narrow, left_out=50)
+    (line,) = warnings_of(dataclasses.replace(fitted, posterior=posterior))
+    assert line.startswith("Only 80% of left-out data sets")
+
+
 def test_parameters_that_act_together_are_named(fitted):
     correlation = np.array([[1.0, -0.95], [-0.95, 1.0]])
     twice = dataclasses.replace(
@@ -192,6 +202,11 @@ def test_stops_that_no_candidate_gives_are_refused(observed, tmp_path):
     (tmp_path / "passages.csv").write_text("collector_m,speed_mps\n149.5,5\n")
     with pytest.raises(InputError, match="simulated data sets have what was observed"):
         calibrate_slope(tmp_path / "slope.toml")
+
+
+def test_calibrations_of_impacts_point_to_that_of_slopes(observed):
+    with pytest.raises(InputError, match=r"is a slope.*calibrate_slope"):
+        calibrate(observed / "slope.toml")
 
 
 def test_a_fit_of_a_slope_predicts_no_impacts(observed, tmp_path, capsys):

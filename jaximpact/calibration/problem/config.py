@@ -264,6 +264,13 @@ def _merged(grounds: list[dict[str, InputColumn]]) -> dict[str, InputColumn]:
 
 def _data(path: Path, content: dict) -> list[Path]:
     """List the tables that a study names."""
+    if "data" not in content and "profile" in content:
+        raise InputError(
+            "is a slope, and no table of tests; jaximpact.runout.calibrate_slope fits "
+            "it",
+            file=path,
+            key="profile",
+        )
     if "data" not in content:
         raise InputError(
             "is missing; it names the table of tests", file=path, key="data"

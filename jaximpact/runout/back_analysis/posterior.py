@@ -3,6 +3,7 @@
 import dataclasses
 
 import numpy as np
+from scipy.special import bdtr
 
 from .problem import Parameter, SlopeFit
 from .regression import posterior_at, ranks_of_left_out, weighted_quantiles
@@ -22,8 +23,8 @@ TOGETHER = 0.9
 """Correlation of ranks above which two parameters act together."""
 LEFT_OUT = 200
 """Number of data sets left out, in turn, to test the intervals."""
-LEAST_COVERAGE = 0.9
-"""Fraction of these within their 95 % intervals below which the report warns."""
+RARE = 0.01
+"""Chance of as few of these within right intervals, below which the report warns."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -77,6 +78,12 @@ class Posterior:
     """Correlations of ranks, `(parameters, parameters)`."""
     left_out: int
     """Number of data sets left out, in turn."""
+
+    def is_too_narrow(self, fitted: FittedParameter) -> bool:
+        """Tell whether left-out data sets lie outside the 95 % interval of a parameter
+        more often than by chance."""
+        inside = round(fitted.coverage_95 * self.left_out)
+        return float(bdtr(inside, self.left_out, LEVEL)) < RARE
 
     @property
     def pairs_together(self) -> list[tuple[int, int]]:

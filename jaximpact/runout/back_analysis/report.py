@@ -12,7 +12,7 @@ from ...io.files import write_text
 from ...io.output_files import NewFile
 from .drawings import draw_report
 from .observed import Count, Passages
-from .posterior import LEAST_COVERAGE, WIDE, FittedParameter
+from .posterior import WIDE, FittedParameter
 from .predictive import RARE
 from .result import SlopeCalibration
 
@@ -107,7 +107,7 @@ def warnings_of(found: SlopeCalibration) -> list[str]:
                 f"The interval of {name} ends at a bound of its prior; a wider prior "
                 "may move it."
             )
-        if p.coverage_95 < LEAST_COVERAGE:
+        if found.posterior.is_too_narrow(p):
             lines.append(
                 f"Only {p.coverage_95:.0%} of left-out data sets have {name} in its "
                 "95 % interval: it is too narrow; more data_sets may help."

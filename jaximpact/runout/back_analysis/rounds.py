@@ -58,6 +58,7 @@ class Searched(NamedTuple):
     pool: Pool
     """Data sets in the last box."""
     region: Region
+    """The last box."""
     volumes: list[float]
     """Prior probability of the box of each round."""
     simulated: int
