@@ -13,14 +13,14 @@ from .problem import SlopeFit
 from .regression import Pool, make_pool, posterior_at, weighted_quantiles
 from .summaries import observed_summary, simulated_summaries
 
-MOST_ROUNDS = 6
+MOST_ROUNDS = 8
 OUTSIDE = 0.0005
 """Probability beyond each end of a box."""
 MARGIN = 1.25
 """Factor by which a box is wider than that, about the median, in z."""
 LEAST_WIDTH = 0.02
 """Least width of a box as a fraction of that of the one before."""
-ENOUGH = 0.5
+ENOUGH = 0.75
 """A box of at least this fraction of the one before ends the rounds."""
 LEAST_POOL = 100
 """Number of data sets below which no posterior is found."""
