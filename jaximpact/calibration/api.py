@@ -17,14 +17,14 @@ from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import columns_of_part
 from ..scene import Block
 from ..soil import Soil
-from .arguments import study_given, table_given
+from .arguments import study_of_arguments, table_given
 from .diagnostics.examination import Examination, examine
 from .diagnostics.nuts import check_extra
 from .diagnostics.results import StudyResult, VariantResult
 from .estimation.fit_cache import FitCache
 from .fitted_ground import FittedGround, files_of_fit, fitted_of, read_fitted
 from .prediction import PredictedTests, predict_tests
-from .problem.config import TOML, Study, read_study
+from .problem.config import Study, read_study
 from .problem.dataset import joined_tables
 from .problem.laws import scene_of
 from .report.contents import contents_of
@@ -232,13 +232,7 @@ def calibrate(
     require_float64()
     options = dict(fit=fit, ground=ground, block=block, targets=targets)
     options |= dict(sigma=sigma, scatter=scatter, seed=seed)
-    if isinstance(tests, str | os.PathLike) and Path(tests).suffix.lower() == TOML:
-        for name, value in options.items():
-            if value is not None:
-                raise InputError(f"{name} is for the study itself to say", file=tests)
-        study = read_study(Path(tests))
-    else:
-        study = study_given(tests, **options)
+    study = study_of_arguments(tests, options)
     expect("out", out, str, os.PathLike, type(None))
     directory = None if out is None else Path(out)
     return Calibration(*fit_and_examine(study, directory, progress=progress))

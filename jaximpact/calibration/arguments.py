@@ -24,7 +24,7 @@ from ..quantities import (
 )
 from ..scene import Block, Scene
 from ..soil import Soil
-from .problem.config import DEFAULT_BOUNDS, Study, study_of
+from .problem.config import DEFAULT_BOUNDS, TOML, Study, read_study, study_of
 from .problem.dataset import joined_tables
 from .problem.laws import parts_and_values, scene_of
 
@@ -125,6 +125,23 @@ def _cell(value) -> str:
     """Write a value as in a CSV, with all digits of a number."""
     text = str(value)
     return "" if text in MISSING else text
+
+
+def study_of_arguments(tests, options: Mapping) -> Study:
+    """Make the study of a path or of columns of tests.
+
+    Args:
+        tests: tests as for `calibrate`, or the path of a study.
+        options: the other arguments of `study_given`, None where not given.
+
+    Raises InputError for an option that a study file states itself.
+    """
+    if isinstance(tests, str | os.PathLike) and Path(tests).suffix.lower() == TOML:
+        for name, value in options.items():
+            if value is not None:
+                raise InputError(f"{name} is for the study itself to say", file=tests)
+        return read_study(Path(tests))
+    return study_given(tests, **options)
 
 
 def study_given(tests, fit, ground, block, targets, sigma, scatter, seed) -> Study:

@@ -29,7 +29,7 @@ from .problem.config import METHODS, Study
 from .problem.dataset import Measurements
 from .problem.forward_model import Engine, engines_of
 from .problem.noise import LOSSES
-from .problem.nuisance import EACH_TEST, Nuisance, read_nuisances
+from .problem.nuisance import EACH_TEST, open_nuisances
 from .problem.objective import Objective, names_of
 
 BESIDE = 1e-6
@@ -167,7 +167,11 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
         notes="",
         tests=tests,
         parameters=ground.parameters,
-        nuisances=_nuisances(ground, tests, path),
+        nuisances=open_nuisances(
+            ground.nuisances,
+            tests.with_laws(ground.variants[0].variant.laws),
+            ground.soil,
+        ),
         soil=ground.soil,
         targets=targets,
         measured=np.stack(measured, axis=1),
@@ -199,25 +203,6 @@ def _check_laws(ground: FittedGround, tests: Measurements, path: Path) -> None:
                 file=path,
                 column=slot,
             )
-
-
-def _nuisances(
-    ground: FittedGround, tests: Measurements, path: Path
-) -> tuple[Nuisance, ...]:
-    """Select nuisance parameters of the fit that the new tests leave open."""
-    entries = {}
-    for name, entry in ground.nuisances.items():
-        in_table = name in tests.inputs
-        if entry["added"] and not in_table:
-            raise InputError(
-                f"has no column {name}, to which the fit added what it found",
-                file=path,
-            )
-        if in_table and not entry["added"]:
-            continue  # unknown in the fitted tests, known here
-        entries[name] = {key: entry[key] for key in entry if key != "added"}
-    of_first = tests.with_laws(ground.variants[0].variant.laws)
-    return read_nuisances(path, {"nuisance": entries}, of_first, ground.soil)
 
 
 def unknowns(

@@ -8,6 +8,7 @@ down-slope, rotation clockwise: a block that rolls down-slope without slip has
 $v_t = \Omega R$.
 """
 
+from .angle_power_law import AnglePowerLaw
 from .base import AbstractRebound, Rebound
 from .bozzolo_pamini import BozzoloPamini
 from .constant_coefficients import ConstantCoefficients
@@ -17,6 +18,7 @@ from .rigid_ellipsoid import RigidEllipsoid
 
 __all__ = [
     "AbstractRebound",
+    "AnglePowerLaw",
     "BozzoloPamini",
     "ConstantCoefficients",
     "FrictionalEllipsoid",

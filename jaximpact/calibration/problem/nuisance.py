@@ -7,6 +7,7 @@ whose trajectory in space is known (`slope_correction`).
 """
 
 import dataclasses
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -97,6 +98,47 @@ def read_nuisances(
             key=f"nuisance.{SLOPE}.turns_ground",
         )
     return found
+
+
+def open_nuisances(
+    entries: Mapping[str, Mapping], tests: Measurements, soil: dict[str, float]
+) -> tuple[Nuisance, ...]:
+    """Select the nuisance parameters of a fit that new tests leave open.
+
+    Args:
+        entries: `by`, `prior` and so on of each, and `added`: whether it was added to
+            a column of the fitted tests.
+        tests: the new tests.
+        soil: values of fixed parameters.
+
+    Raises InputError for new tests without a column to which the fit has added.
+    """
+    path, chosen = tests.files[0].path, {}
+    for name, entry in entries.items():
+        in_table = name in tests.inputs
+        if entry["added"] and not in_table:
+            raise InputError(
+                f"has no column {name}, to which the fit added what it found",
+                file=path,
+            )
+        if in_table and not entry["added"]:
+            continue  # unknown in the fitted tests, known here
+        chosen[name] = {key: entry[key] for key in entry if key != "added"}
+    return read_nuisances(path, {"nuisance": chosen}, tests, soil)
+
+
+def entries_of(nuisances: Iterable[Nuisance], tests: Measurements) -> dict[str, dict]:
+    """Write nuisance parameters for fit.json, as `open_nuisances` takes them.
+
+    Args:
+        tests: the tests that they were fitted to.
+    """
+    return {
+        n.name: {"by": n.by, "prior": dataclasses.asdict(n.prior)}
+        | {"added": n.name in tests.inputs}
+        | ({"turns_ground": True} if n.turns_ground else {})
+        for n in nuisances
+    }
 
 
 def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisance:

@@ -29,6 +29,7 @@ from ..fitted_ground import FILES
 from ..problem.config import Study
 from ..problem.laws import as_entries, unusual
 from ..problem.noise import SCATTERS, least_size
+from ..problem.nuisance import entries_of
 from .contents import contents_of
 from .render import render
 
@@ -177,12 +178,7 @@ def _manifest(result: StudyResult) -> dict:
             | ({"prior": dataclasses.asdict(p.prior)} if p.prior else {})
             for p in study.parameters
         },
-        "nuisances": {
-            n.name: {"by": n.by, "prior": dataclasses.asdict(n.prior)}
-            | {"added": n.name in study.tests.inputs}
-            | ({"turns_ground": True} if n.turns_ground else {})
-            for n in study.nuisances
-        },
+        "nuisances": entries_of(study.nuisances, study.tests),
         "targets": list(study.targets),
         "weights": dict(zip(study.targets, _plain(study.weights), strict=True)),
         "scatter": {

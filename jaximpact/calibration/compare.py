@@ -1,0 +1,220 @@
+"""Comparison of laws in one call: tests in, which law they prefer out."""
+
+import base64
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .._checks import expect
+from .._precision import require_float64
+from ..io.files import write_text
+from ..io.output_files import output_directory
+from ..parameters import Part
+from ..plotting.style import png_bytes, save_figure
+from ..progress import Progress, ProgressFunction
+from ..scene import Block
+from ..soil import Soil
+from .arguments import study_of_arguments, table_given
+from .comparison.comparison import Compared, ScoredLaw, compare_study
+from .comparison.contenders import Law
+from .comparison.stacked import StackedPrediction, predict_stacked
+from .comparison.verdict import ranking, verdict
+from .problem.dataset import joined_tables
+from .problem.laws import scene_of
+from .report.comparison import (
+    comparison_contents,
+    comparison_csv,
+    comparison_json,
+    draw_comparison,
+)
+from .report.files import in_lines
+from .report.render import render
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+FILES = (
+    *("comparison.html", "comparison.txt", "comparison.csv", "comparison.json"),
+    "comparison.png",
+)
+
+
+class Comparison:
+    """Result of `compare`; `print` it.
+
+    Args:
+        compared: fits and scores of the laws.
+    """
+
+    def __init__(self, compared: Compared):
+        self.compared = compared
+
+    def __repr__(self) -> str:
+        return f"<Comparison: {' '.join(verdict(self.compared))}>"
+
+    def __str__(self) -> str:
+        return render("comparison", "txt", self._contents())
+
+    def _repr_html_(self) -> str:
+        return render("comparison", "html", self._contents())
+
+    def _contents(self) -> dict:
+        return {"comparison": comparison_contents(self.compared)}
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Names of the laws, the best predictor first."""
+        return tuple(law.name for law in self.compared.laws)
+
+    @property
+    def best(self) -> str:
+        """Name of the law that predicts best, whether or not others tie with it."""
+        return self.laws[ranking(self.compared, self.compared.by_test).best]
+
+    @property
+    def ties(self) -> tuple[str, ...]:
+        """Names of the laws that predict as well as the best, the best among them."""
+        found = ranking(self.compared, self.compared.by_test)
+        return tuple(self.laws[place] for place in found.ties)
+
+    @property
+    def preferred(self) -> str:
+        """Name of the law with the fewest parameters among the ties."""
+        return self.laws[ranking(self.compared, self.compared.by_test).preferred]
+
+    @property
+    def weights(self) -> dict[str, float]:
+        """Stacking weights by law; their sum is 1."""
+        return dict(zip(self.laws, self.compared.weights.tolist(), strict=True))
+
+    def law(self, name: str) -> ScoredLaw:
+        """Return a law with its fit and its predictions of tests left out.
+
+        Raises KeyError for a name that is not among `laws`.
+        """
+        if name not in self.laws:
+            raise KeyError(f"{name!r} is none of {', '.join(self.laws)}")
+        return self.compared.laws[self.laws.index(name)]
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Make a table with one row a law: its number of `parameters`, `score` (the
+        log predictive density of all tests), `difference` to the best and its
+        `standard_error`, stacking `weight`, and `rms` and `rms_left_out` of each
+        target. Needs pandas."""
+        import pandas as pd
+
+        found = ranking(self.compared, self.compared.by_test)
+        columns = {
+            "parameters": [law.fitted.parameters for law in self.compared.laws],
+            "score": self.compared.by_test.totals,
+            "difference": found.apart,
+            "standard_error": found.error,
+            "weight": self.compared.weights,
+        }
+        for place, target in enumerate(self.compared.study.targets):
+            for kind in ("rms", "rms_left_out"):
+                columns[f"{kind}_{target}"] = [
+                    getattr(law, kind)[place] for law in self.compared.laws
+                ]
+        return pd.DataFrame(columns, index=pd.Index(self.laws, name="law"))
+
+    def plot(self, path: str | os.PathLike | None = None) -> "Figure":
+        """Draw the difference of each law to the best, with two standard errors.
+
+        Args:
+            path: file to save the figure in too; replaced once the new one is whole.
+        """
+        return save_figure(draw_comparison(self.compared), _path(path))
+
+    def predict(self, tests: str | os.PathLike | Mapping) -> StackedPrediction:
+        """Predict tests with every law, and with all of them by their stacking
+        weights.
+
+        Args:
+            tests: tests as for `predict`.
+
+        Raises InputError for input that cannot be used.
+        """
+        study = self.compared.study
+        table = table_given(tests, scene_of(study.parts))
+        return predict_stacked(self.compared, joined_tables((table,)))
+
+    def write(self, out: str | os.PathLike) -> None:
+        """Write comparison.html, .txt, .csv, .json and .png into a directory.
+
+        Raises InputError for a directory that cannot be used.
+        """
+        inputs = self.compared.study.inputs
+        with output_directory(Path(out), "compare", FILES, inputs=inputs) as new:
+            png = png_bytes(draw_comparison(self.compared))
+            new("comparison.png").write_bytes(png)
+            picture = {
+                "base64": base64.b64encode(png).decode(),
+                "description": "Differences to the best law",
+                "caption": "Differences to the best law, with two standard errors.",
+            }
+            contents = self._contents() | {"pictures": [picture]}
+            write_text(new(FILES[0]), render("comparison_page", "html", contents))
+            write_text(new(FILES[1]), str(self))
+            write_text(new(FILES[2]), comparison_csv(self.compared))
+            write_text(new(FILES[3]), in_lines(comparison_json(self.compared)) + "\n")
+
+
+def _path(path: str | os.PathLike | None) -> Path | None:
+    return None if path is None else Path(path)
+
+
+def compare(
+    tests: str | os.PathLike | Mapping,
+    laws: Iterable[Law] | None = None,
+    *,
+    by: str | Sequence[str] | None = None,
+    exact: bool = False,
+    fit: Iterable[str] | Mapping[str, dict] | None = None,
+    ground: Soil | Mapping[str, float | str | Part] | None = None,
+    block: Block | Mapping[str, float | str | Part] | None = None,
+    targets: Iterable[str] | None = None,
+    sigma: Mapping[str, float] | None = None,
+    scatter: str | Mapping[str, str] | None = None,
+    seed: int | None = None,
+    progress: Progress | ProgressFunction | None = None,
+) -> Comparison:
+    """Find out which law predicts measured impacts best.
+
+    Every law is fitted to the same tests with the same errors of measurement, and
+    scored by the log predictive density of each test by the fit to the others.
+
+    Args:
+        tests: as for `calibrate`: a table of tests or a study (`.toml`).
+        laws: laws that are compared: "model", the ground as it is given; a law of the
+            ground by name or as an object, in place of the ground's ("FluidityRate",
+            "my_laws.py:MyFlow"); a `Soil` with laws of its own; a law of rebound by its
+            words or its class ("constant coefficients", `PfeifferBowen`,
+            "my_laws.py:MyRebound"). Default: the model, each named alternative to its
+            laws, constant coefficients, Pfeiffer and Bowen, a power law in the angle,
+            and a rigid ellipsoid (Vijayakumar).
+        by: columns whose groups are left out too: of text, "shape", or of numbers.
+            Default: campaign and shape, where there are several.
+        exact: whether each fit without a test is made to the end; otherwise one step
+            from the fit to all stands for it where it is short.
+        fit, ground, block, targets, sigma, scatter, seed: as for `calibrate`.
+        progress: called with lines of text.
+
+    Only targets that all laws predict are compared; the others are named. The default
+    takes some minutes, a few named laws some seconds each.
+
+    Raises InputError for input that cannot be used; RuntimeError if JAX is set to
+    float32.
+    """
+    require_float64()
+    expect("exact", exact, bool, np.bool_)
+    options = dict(fit=fit, ground=ground, block=block, targets=targets)
+    options |= dict(sigma=sigma, scatter=scatter, seed=seed)
+    study = study_of_arguments(tests, options)
+    return Comparison(
+        compare_study(study, laws, by=by, exact=bool(exact), progress=progress)
+    )

@@ -1,0 +1,177 @@
+"""Laws that are compared: grounds of the model, and laws of rebound."""
+
+import dataclasses
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+from ..._checks import expect
+from ...errors import InputError, nearest
+from ...finding import find_class, shipped
+from ...parameters import Part, parts_of
+from ...quantities import BASES, SLOTS, USUAL, shipped_parts
+from ...rebound import (
+    AbstractRebound,
+    AnglePowerLaw,
+    ConstantCoefficients,
+    PfeifferBowen,
+    RigidEllipsoid,
+)
+from ...scene_quantities import part_named
+from ...soil import Soil
+from ..problem.config import Study, Variant
+from ..problem.laws import unusual
+
+MODEL = "model"
+SIMPLE = (ConstantCoefficients, PfeifferBowen)
+"""Laws of rebound that stand beside every prediction."""
+REBOUND = (*SIMPLE, AnglePowerLaw, RigidEllipsoid)
+"""Laws of rebound that are compared unless others are named."""
+
+Law = str | type[AbstractRebound] | AbstractRebound | Soil | Part
+
+
+class Contender(NamedTuple):
+    """One of the laws that are compared."""
+
+    name: str
+    law: type[AbstractRebound] | Variant
+    """Class of a law of rebound, or the ground of the model."""
+
+    @property
+    def is_rebound(self) -> bool:
+        """Whether it is a law of rebound, without time and soil."""
+        return not isinstance(self.law, Variant)
+
+
+def default_contenders(study: Study) -> list[Contender]:
+    """List the model as the study has it, its named alternatives, and laws of
+    rebound."""
+    first = study.variants[0]
+    found = [_of_variant(v, study) for v in study.variants]
+    for slot in (slot for slot, whole in SLOTS.items() if whole == "soil"):
+        used = first.laws.get(slot, study.parts.get(slot))
+        for kind in shipped_parts(slot):
+            if type(used) is not kind:
+                found.append(_replacing(first, slot, kind()))
+    return found + [Contender(law.words, law) for law in REBOUND]
+
+
+def contenders_of(laws: Iterable[Law] | None, study: Study) -> list[Contender]:
+    """Resolve the laws that a user names.
+
+    Args:
+        laws: each "model"; a law of the ground by its name ("ContactPressureModulus",
+            "my_laws.py:MyFlow", relative to the study) or as an object, which takes the
+            place of the study's; a `Soil`, whose laws do; a law of rebound by its words
+            ("constant coefficients"), its class or "my_laws.py:MyRebound". None for
+            `default_contenders`.
+
+    Raises InputError for a law that is unknown or stands twice.
+    """
+    if laws is None:
+        return default_contenders(study)
+    if isinstance(laws, str):
+        laws = (laws,)
+    expect("laws", laws, Iterable)
+    found = []
+    for law in laws:
+        found += _named(law, study) if isinstance(law, str) else [_given(law, study)]
+    names = [contender.name for contender in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"laws names {name!r} twice; leave one out")
+    if not found:
+        raise InputError("laws is empty; name at least one, such as 'model'")
+    return found
+
+
+def _given(law, study: Study) -> Contender:
+    """Make a contender of an object."""
+    if isinstance(law, type) and issubclass(law, AbstractRebound):
+        return Contender(law.words or law.__name__, law)
+    if isinstance(law, AbstractRebound):
+        return Contender(law.words or type(law).__name__, type(law))
+    first = study.variants[0]
+    if isinstance(law, Soil):
+        laws = {slot: getattr(law, slot) for slot in parts_of(Soil)}
+        told = unusual(laws)
+        name = ", ".join(f"{s} {type(p).__name__}" for s, p in told.items())
+        return Contender(name or "usual laws", Variant(name, dict(first.soil), laws))
+    for slot, base in BASES.items():
+        if isinstance(law, base) and SLOTS[slot] == "soil":
+            return _replacing(first, slot, law)
+    raise InputError(
+        "laws must hold names, Soils, laws of the soil or laws of rebound, but holds "
+        f"{law!r}"
+    )
+
+
+def _named(text: str, study: Study) -> list[Contender]:
+    """Find what a text names; several contenders where it is "model" and the study has
+    several variants."""
+    if _folded(text) == MODEL:
+        return [_of_variant(variant, study) for variant in study.variants]
+    for law in shipped(AbstractRebound):
+        if _folded(text) in (_folded(law.words), _folded(law.__name__)):
+            return [Contender(law.words, law)]
+    directory = study.path.parent
+    if ":" in text:
+        return [_from_file(text, study, directory)]
+    for slot in (slot for slot, whole in SLOTS.items() if whole == "soil"):
+        for kind in shipped_parts(slot):
+            if _folded(text) == _folded(kind.__name__):
+                return [_replacing(study.variants[0], slot, kind())]
+    raise InputError(
+        f"law {text!r} is unknown; did you mean {nearest(text, known_names())!r}?"
+    )
+
+
+def known_names() -> list[str]:
+    """List the names by which the package's own laws can be compared."""
+    names = [MODEL, *(law.words for law in shipped(AbstractRebound))]
+    for slot in (slot for slot, whole in SLOTS.items() if whole == "soil"):
+        names += [kind.__name__ for kind in shipped_parts(slot)]
+    return names
+
+
+def _from_file(text: str, study: Study, directory: Path) -> Contender:
+    """Find a class of a user's file among laws of rebound and of every slot."""
+    refused: InputError | None = None
+    try:
+        law = find_class("law of rebound", AbstractRebound, text, directory)
+        return Contender(law.__name__, law)
+    except InputError as error:
+        if "must derive" not in str(error):
+            raise
+        refused = error
+    for slot in (slot for slot, whole in SLOTS.items() if whole == "soil"):
+        try:
+            part = part_named(slot, text, directory)
+        except InputError as error:
+            if "must derive" not in str(error):
+                raise
+            continue
+        return _replacing(study.variants[0], slot, part)
+    raise InputError(
+        f"law {text!r} derives from no law of the ground and from no law of rebound"
+    ) from refused
+
+
+def _of_variant(variant: Variant, study: Study) -> Contender:
+    name = MODEL if len(study.variants) == 1 else f"{MODEL}, {variant.name}"
+    return Contender(name, variant)
+
+
+def _replacing(variant: Variant, slot: str, part: Part) -> Contender:
+    """Make the ground of a variant with one law replaced."""
+    words = slot.replace("_", " ")
+    name = f"{words} {type(part).__name__}"
+    if type(part) is USUAL[slot]:
+        name += " (usual)"
+    laws = {**variant.laws, slot: part}
+    return Contender(name, dataclasses.replace(variant, name=name, laws=laws))
+
+
+def _folded(name: str) -> str:
+    return "".join(c for c in name.lower() if c.isalnum())

@@ -1,0 +1,247 @@
+"""One law fitted to the tests of a study, and its predictions of others."""
+
+import dataclasses
+from typing import NamedTuple
+
+import numpy as np
+
+from ...progress import Progress
+from ..diagnostics.importance_sampling import freedom_of_targets
+from ..diagnostics.predictive import Predictive, predictive
+from ..diagnostics.uncertainty import (
+    CONFIDENCE,
+    Uncertainty,
+    estimate,
+    regular_covariance,
+)
+from ..estimation.sigma import relative_sigma
+from ..estimation.starts import SILENT
+from ..problem.config import Study
+from ..problem.forward_model import engine_of
+from ..problem.noise import least_size
+from ..problem.nuisance import EACH_TEST
+from ..problem.objective import Objective, Points, names_of
+from ..study import best_fit
+from .contenders import Contender
+from .rebound_objective import PREDICTED, ReboundObjective
+
+STARTS = 16
+"""Starts of a law of rebound, whose cost has few minima."""
+
+
+class FittedLaw(NamedTuple):
+    """Fit of one law; parameters in the units of their columns."""
+
+    name: str
+    unknowns: tuple[str, ...]
+    """Names of the law's parameters, then of the nuisance parameters."""
+    parameters: int
+    """Number of the law's parameters."""
+    values: np.ndarray
+    """Best fit, shape (unknowns,)."""
+    covariance: np.ndarray
+    """Covariance of the unknowns, shape (unknowns, unknowns)."""
+    targets: tuple[str, ...]
+    sigma: np.ndarray
+    """Standard deviation of measurements of each target, shape (targets,), the
+    inflation included; a fraction of the value where scatter is proportional."""
+    least_size: np.ndarray
+    """Value below which sigma is constant, shape (targets,), where scatter is
+    proportional; infinite where sigma is constant."""
+    freedom: np.ndarray
+    """Degrees of freedom of each sigma, shape (targets,); infinite where it is
+    given."""
+
+    def sigma_of(self, predicted: np.ndarray) -> np.ndarray:
+        """Compute the standard deviation of measurements about predictions."""
+        sizes = np.maximum(np.abs(predicted), self.least_size)
+        return self.sigma * np.where(np.isinf(self.least_size), 1.0, sizes)
+
+    def as_json(self) -> dict:
+        """Collect the numbers as plain values; None for what is not finite."""
+        return {
+            "law": self.name,
+            "unknowns": list(self.unknowns),
+            "parameters": self.parameters,
+            "values": self.values.tolist(),
+            "covariance": self.covariance.tolist(),
+            "targets": list(self.targets),
+            "sigma": self.sigma.tolist(),
+            "least_size": _finite(self.least_size),
+            "degrees_of_freedom": _finite(self.freedom),
+        }
+
+
+def _finite(values: np.ndarray) -> list[float | None]:
+    return [float(value) if np.isfinite(value) else None for value in values]
+
+
+def _infinite(values: list[float | None]) -> np.ndarray:
+    return np.array([np.inf if value is None else value for value in values])
+
+
+def law_of_json(entry: dict) -> FittedLaw:
+    """Read what `FittedLaw.as_json` wrote."""
+    return FittedLaw(
+        name=entry["law"],
+        unknowns=tuple(entry["unknowns"]),
+        parameters=int(entry["parameters"]),
+        values=np.array(entry["values"], float),
+        covariance=np.array(entry["covariance"], float),
+        targets=tuple(entry["targets"]),
+        sigma=np.array(entry["sigma"], float),
+        least_size=_infinite(entry["least_size"]),
+        freedom=_infinite(entry["degrees_of_freedom"]),
+    )
+
+
+class LawFit(NamedTuple):
+    """Fit of a law with all that cross-validation needs."""
+
+    objective: Objective
+    """Objective with the sigmas of the fit."""
+    points: Points
+    """Best fit, one lane."""
+    uncertainty: Uncertainty
+    fitted: FittedLaw
+
+
+def of_targets(study: Study, targets: tuple[str, ...]) -> Study:
+    """Return a study of some of its targets."""
+    places = [study.targets.index(name) for name in targets]
+    return dataclasses.replace(
+        study,
+        targets=targets,
+        measured=study.measured[:, places],
+        censored=study.censored[:, places],
+        sigma=study.sigma[:, places],
+        sigma_given=study.sigma_given[places],
+        proportional=study.proportional[places],
+        weights=study.weights[places],
+    )
+
+
+def predicted_by_rebound(study: Study) -> tuple[str, ...]:
+    """List the targets that every law of rebound predicts."""
+    return tuple(name for name in study.targets if name in PREDICTED)
+
+
+def objective_of(study: Study, contender: Contender) -> Objective:
+    """Make the objective function of a law for the tests of a study."""
+    law = contender.law
+    if isinstance(law, type):
+        few = dataclasses.replace(study, starts=min(study.starts, STARTS))
+        return ReboundObjective(few, law)
+    alone = dataclasses.replace(study, variants=(law,))
+    return Objective(alone, law, engine_of(alone))
+
+
+def fit_law(study: Study, contender: Contender, progress: Progress = SILENT) -> LawFit:
+    """Fit a law to the tests of a study.
+
+    Raises InputError where no start gives a prediction.
+    """
+    objective, _, best = best_fit(objective_of(study, contender), progress)
+    points = best.points
+    uncertainty = estimate(objective, points)
+    covariance = regular_covariance(objective, points, uncertainty.inflation)
+    slope = objective.bounds.slope(points.x[0])
+    study = objective.study
+    relative = relative_sigma(study, objective.sigma, points.predicted[0])
+    constant = np.median(objective.sigma, axis=0)
+    sigma = np.where(study.proportional, relative, constant)
+    fitted = FittedLaw(
+        name=contender.name,
+        unknowns=tuple(names_of(study)),
+        parameters=len(study.parameters),
+        values=objective.bounds.parameter(points.x[0]),
+        covariance=covariance * np.outer(slope, slope),
+        targets=study.targets,
+        sigma=sigma * np.sqrt(uncertainty.inflation),
+        least_size=np.where(study.proportional, least_size(study.measured), np.inf),
+        freedom=np.where(
+            study.sigma_given,
+            np.inf,
+            np.maximum(freedom_of_targets(objective, points), 1.0),
+        ),
+    )
+    return LawFit(objective, points, uncertainty, fitted)
+
+
+class LawPrediction(NamedTuple):
+    """Predictions of one law, shape (tests, targets); NaN where there is none."""
+
+    name: str
+    targets: tuple[str, ...]
+    best: np.ndarray
+    """Value of the law at its best fit."""
+    deviation: np.ndarray
+    """Standard deviation of a measurement about it."""
+    freedom: np.ndarray
+    """Degrees of freedom of the deviation, shape (targets,)."""
+
+    def distribution(self, test: int, target: int) -> Predictive | None:
+        """Make the distribution of one measurement; None where there is none."""
+        cell = test, target
+        values, one = np.array([self.best[cell]]), np.ones(1)
+        return predictive(
+            values, one, float(self.deviation[cell]), float(self.freedom[target])
+        )
+
+    def interval(self, test: int, target: int) -> tuple[float, float]:
+        """Compute the 95 % interval of one measurement; NaN where there is none."""
+        found = self.distribution(test, target)
+        if found is None:
+            return float("nan"), float("nan")
+        tail = (1.0 - CONFIDENCE) / 2.0
+        return found.quantile(tail), found.quantile(1.0 - tail)
+
+
+def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPrediction:
+    """Predict the tests of a study, which is not fitted.
+
+    A nuisance parameter of a group that the fit knows has the fit's value; that of
+    another group the mean and the standard deviation of its prior.
+
+    Args:
+        contender: the law that was fitted.
+        study: tests; its targets beyond the fitted ones are left out.
+    """
+    study = of_targets(study, fitted.targets)
+    objective = objective_of(study, contender)
+    values, covariance = _unknowns(fitted, objective.study)
+    bounds = objective.bounds
+    x = np.clip(bounds.coordinate(values), bounds.low, bounds.high)
+    points = objective(x[None])
+    slope = bounds.slope(x)
+    rows = points.jacobian[0] / slope
+    variance = np.einsum("rtp,pq,rtq->rt", rows, covariance, rows)
+    predicted = points.predicted[0]
+    deviation = np.sqrt(fitted.sigma_of(predicted) ** 2 + variance)
+    return LawPrediction(
+        fitted.name, fitted.targets, predicted, deviation, fitted.freedom
+    )
+
+
+def _unknowns(fitted: FittedLaw, study: Study) -> tuple[np.ndarray, np.ndarray]:
+    """Find values and covariance of the unknowns of new tests."""
+    places: list[int | None] = list(range(fitted.parameters))
+    values = [*fitted.values[: fitted.parameters]]
+    variances = [0.0] * fitted.parameters
+    for nuisance in study.nuisances:
+        named = nuisance.by != EACH_TEST
+        for group in range(len(nuisance.groups)):
+            label = nuisance.label(group)
+            known = named and label in fitted.unknowns
+            place = fitted.unknowns.index(label) if known else None
+            places.append(place)
+            values.append(
+                nuisance.prior.mean if place is None else fitted.values[place]
+            )
+            variances.append(nuisance.prior.sd**2 if place is None else 0.0)
+    covariance = np.diag(variances)
+    for row, first in enumerate(places):
+        for column, second in enumerate(places):
+            if first is not None and second is not None:
+                covariance[row, column] = fitted.covariance[first, second]
+    return np.array(values), covariance

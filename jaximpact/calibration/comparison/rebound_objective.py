@@ -1,0 +1,212 @@
+"""The objective function of a law of rebound, so that it is fitted as a ground is.
+
+The parameters of the law take the place of the ground's: the leaves of the law follow
+those of the scene, and everything else of `Objective` holds, nuisance parameters,
+turned ground and errors of measurement among them.
+"""
+
+import copy
+import dataclasses
+import math
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..._safe import safe_sqrt
+from ...accuracy import PRESETS, Accuracy
+from ...backend.xla_compilation import unfused_jit
+from ...errors import InputError
+from ...impact.termination import Outcome
+from ...quantities import own_columns
+from ...rebound import AbstractRebound, Rebound
+from ...restitution import defined_ratio
+from ...scene import Block, Impact
+from ..problem.config import Parameter, Study
+from ..problem.forward_model import Engine, UnknownColumn, bounds_of
+from ..problem.objective import Objective
+from ..problem.slope_correction import needed
+
+AT_ONCE = 256
+"""Impacts in a program of XLA."""
+NARROWER = {"friction_coefficient": (0.0, 2.0)}
+"""Ranges of fits where a law allows much more than is found in the field."""
+
+
+class ReboundResults(NamedTuple):
+    """Results of an impact that follow from its velocities before and after."""
+
+    e_n: Any
+    e_t: Any
+    e_bar: Any
+    R_r: Any
+    v_n_mps: Any
+    v_t_mps: Any
+    omega_radps: Any
+
+
+PREDICTED = ReboundResults._fields
+"""Result columns that every law of rebound predicts."""
+
+
+def results_of(block: Block, impact: Impact, after: Rebound) -> ReboundResults:
+    """Compute the results of one impact from its velocities after it, in SI."""
+    v_n, v_t, spin = after
+    translational = block.mass * (v_n**2 + v_t**2)
+    rotational = block.inertia * spin**2
+    before = block.mass * impact.speed**2 + block.inertia * impact.angular_velocity**2
+    total = translational + rotational
+    return ReboundResults(
+        e_n=after.e_n(impact),
+        e_t=after.e_t(impact),
+        e_bar=safe_sqrt(total / before),
+        R_r=defined_ratio(rotational, total),
+        v_n_mps=v_n,
+        v_t_mps=v_t,
+        omega_radps=spin,
+    )
+
+
+def parameters_of_law(law: type[AbstractRebound]) -> tuple[Parameter, ...]:
+    """List the parameters of a law with the ranges in which they are fitted.
+
+    Raises InputError for a law without parameters, and for one whose parameter has
+    neither a finite range nor finite usual values.
+    """
+    columns = own_columns(law)
+    if not columns:
+        raise InputError(
+            f"the law {law.__name__} has no parameter to fit; leave it out"
+        )
+    found = []
+    for column in columns:
+        lower, upper = NARROWER.get(
+            column.name,
+            (max(column.lower, column.usual[0]), min(column.upper, column.usual[1])),
+        )
+        if not (math.isfinite(lower) and math.isfinite(upper)):
+            raise InputError(
+                f"the parameter {column.name} of {law.__name__} is "
+                f"{column.range_text}; declare usual=(low, high) to have it fitted"
+            )
+        found.append(Parameter(column.name, (lower + upper) / 2.0, lower, upper))
+    return tuple(found)
+
+
+class ReboundEngine(Engine):
+    """Law of rebound that computes impacts and their directional derivatives.
+
+    Args:
+        structure: tree structure of the scene and the law.
+        targets: result columns that are wanted.
+    """
+
+    kernel = None
+    name = "closed form"
+
+    def __init__(self, structure, targets: tuple[str, ...]):
+        self.structure, self.targets = structure, targets
+
+    def for_targets(self, targets: tuple[str, ...]) -> "ReboundEngine":
+        """Return the same law for other result columns."""
+        other = copy.copy(self)
+        other.targets = targets
+        return other
+
+    def run(
+        self, leaves: np.ndarray, directions: np.ndarray, accuracy: Accuracy
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Compute results and derivatives as `Engine.run` does; exact, so that the
+        accuracy has no meaning."""
+        del accuracy
+        count, parts = leaves.shape[1], []
+        for first in range(0, count, AT_ONCE):
+            places = np.arange(first, min(first + AT_ONCE, count))
+            filled = np.resize(places, AT_ONCE)  # repeats impacts to fill the program
+            values, along = _along(
+                self.structure, leaves[:, filled], directions[:, filled]
+            )
+            parts.append((values[:, : len(places)], along[:, : len(places)]))
+        values, along = (np.concatenate(p, axis=1) for p in zip(*parts, strict=True))
+        rows = [PREDICTED.index(name) for name in self.targets]
+        return values[rows].T, along[rows].T, np.full(count, float(Outcome.detached))
+
+    def run_values(
+        self, leaves: np.ndarray, accuracy: Accuracy
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Compute results without derivatives."""
+        values, _, outcomes = self.run(leaves, np.zeros_like(leaves), accuracy)
+        return values, outcomes
+
+
+def _results(structure, leaves):
+    def of_one(rows):
+        scene, law = jax.tree.unflatten(structure, list(rows))
+        return jnp.stack(
+            results_of(scene.block, scene.impact, law(scene.block, scene.impact))
+        )
+
+    return jax.vmap(of_one, in_axes=1, out_axes=1)(leaves)
+
+
+def _with_derivatives(structure, leaves, directions):
+    return jax.jvp(lambda rows: _results(structure, rows), (leaves,), (directions,))
+
+
+_compiled = unfused_jit(_with_derivatives, static_argnums=(0,))
+
+
+def _along(structure, leaves, directions) -> tuple[np.ndarray, np.ndarray]:
+    values, along = _compiled(structure, jnp.asarray(leaves), jnp.asarray(directions))
+    return np.asarray(values), np.asarray(along)
+
+
+class ReboundObjective(Objective):
+    """Objective function of a law of rebound.
+
+    Args:
+        study: tests and targets, all of which the law predicts; its own parameters are
+            not fitted.
+        law: class of the law.
+    """
+
+    def __init__(self, study: Study, law: type[AbstractRebound]):
+        parameters, columns = parameters_of_law(law), own_columns(law)
+        variant = study.variants[0]
+        without = dataclasses.replace(study, parameters=(), variants=(variant,))
+        scene = without.scene_of(variant)
+        starts = {
+            column.field: column.factor * parameter.start
+            for column, parameter in zip(columns, parameters, strict=True)
+        }
+        template = law(**starts)
+        structure = jax.tree.structure((scene, template))
+        turned = any(nuisance.turns_ground for nuisance in study.nuisances)
+        targets = needed(study.targets) if turned else study.targets
+        engine = ReboundEngine(structure, targets)
+        super().__init__(without, variant, engine, PRESETS["balanced"])
+        count, first = len(parameters), len(self._leaves)
+        self.study = dataclasses.replace(without, parameters=parameters)
+        self.bounds = bounds_of(self.study)
+        self.prior_mean = np.concatenate([np.zeros(count), self.prior_mean])
+        self.prior_sd = np.concatenate([np.full(count, np.inf), self.prior_sd])
+        inner = jax.tree.structure(template)
+        places = jax.tree.unflatten(inner, range(inner.num_leaves))
+        of_law = np.stack([np.asarray(x, float) for x in jax.tree.leaves(template)])
+        tests = len(study.tests)
+        self._leaves = np.concatenate(
+            [self._leaves, np.broadcast_to(of_law[:, None], (len(of_law), tests))]
+        )
+        own = [
+            UnknownColumn(
+                first + getattr(places, column.field),
+                column.factor,
+                np.zeros(tests),
+                np.full(tests, index),
+            )
+            for index, column in enumerate(columns)
+        ]
+        self._columns = own + [
+            column._replace(unknown=column.unknown + count) for column in self._columns
+        ]

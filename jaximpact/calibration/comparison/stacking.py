@@ -1,0 +1,76 @@
+r"""Scores of several laws: differences with their standard errors, and stacking.
+
+With $l_{ik}$ the log predictive density of unit i by law k (a test, or a group of
+tests), the expected log predictive density is $\sum_i l_{ik}$, and the difference of
+two laws has the standard error $\sqrt{n}$ times the standard deviation of
+$l_{ik} - l_{ij}$ over the units. Stacking weights solve
+
+$$ \max_w \sum_i \ln \sum_k w_k \exp l_{ik}, \qquad w_k \ge 0, \ \sum_k w_k = 1 $$
+
+(Yao, Vehtari, Simpson and Gelman 2018, Bayesian Analysis 13, 917-1007).
+"""
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.special import logsumexp, softmax
+
+SMALL_DIFFERENCE = 4.0
+"""Difference of log predictive densities below which its standard error is no measure
+of it (Sivula, Magnusson and Vehtari 2020), so that it is a tie."""
+ERRORS = 2.0
+"""Standard errors within which two laws tie."""
+FEWEST_UNITS = 5
+"""Number of units below which no standard error of a difference is estimated."""
+
+
+def difference(scores: np.ndarray, law: int, other: int) -> tuple[float, float]:
+    """Compute the difference of the score of a law to another, and its standard error.
+
+    Args:
+        scores: log predictive densities, shape (units, laws).
+
+    Returns:
+        Sum over the units of law less other, and its standard error; NaN with fewer
+        than `FEWEST_UNITS` units.
+    """
+    apart = scores[:, law] - scores[:, other]
+    count = len(apart)
+    if law == other:
+        return 0.0, 0.0
+    if count < FEWEST_UNITS:
+        return float(np.sum(apart)), float("nan")
+    return float(np.sum(apart)), float(np.sqrt(count) * np.std(apart, ddof=1))
+
+
+def is_tie(apart: float, error: float) -> bool:
+    """Test whether a difference of scores leaves open which law predicts better."""
+    if abs(apart) < SMALL_DIFFERENCE:
+        return True
+    return bool(abs(apart) < ERRORS * error) or not np.isfinite(error)
+
+
+def stacking_weights(scores: np.ndarray) -> np.ndarray:
+    """Compute the weights with which the mixture of all laws predicts best.
+
+    Args:
+        scores: log predictive densities, shape (units, laws).
+
+    Returns:
+        Weights, shape (laws,); none is negative, their sum is 1.
+    """
+    laws = scores.shape[1]
+    if laws == 1:
+        return np.ones(1)
+    relative = scores - np.max(scores, axis=1, keepdims=True)
+
+    def cost(z: np.ndarray) -> tuple[float, np.ndarray]:
+        """Negative mean score of the mixture with weights softmax(z), with gradient."""
+        weights = softmax(z)
+        log_parts = relative + np.log(np.maximum(weights, 1e-300))
+        total = logsumexp(log_parts, axis=1)
+        # Share of each law in the mixture's density of each unit.
+        share = np.exp(log_parts - total[:, None])
+        return -float(np.mean(total)), weights - np.mean(share, axis=0)
+
+    found = minimize(cost, np.zeros(laws), jac=True, method="L-BFGS-B")
+    return softmax(found.x)

@@ -1,0 +1,190 @@
+"""The comparison of laws as contents of the report, as a table and as numbers."""
+
+import csv
+import io
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ...plotting.style import BLUE, GREY, VERMILION, in_style, panels, plain
+from ..comparison.comparison import Compared, GroupScores
+from ..comparison.verdict import RULE, ranking, verdict
+
+Rows = list[tuple[str, ...]]
+CSV_COLUMNS = (
+    *("law", "row", "test", "log_density", "target", "measured", "left_out"),
+    "left_out_deviation",
+)
+
+
+def comparison_contents(compared: Compared) -> dict[str, Any]:
+    """Collect the sentences and tables of a comparison."""
+    study = compared.study
+    about = (
+        f"{len(compared.laws)} laws fitted to {', '.join(study.targets)} of "
+        f"{len(compared.by_test.groups)} tests, with the same errors of measurement."
+    )
+    notes = [about]
+    if compared.targets_left_out:
+        notes.append(
+            f"Left out: {', '.join(compared.targets_left_out)}, which laws of rebound "
+            "do not predict."
+        )
+    notes += [f"Not compared: {n}: {why}." for n, why in compared.refused.items()]
+    notes.append(
+        "Score: the log predictive density of each test by the fit to the others, "
+        f"summed; larger is better. {RULE}"
+    )
+    return {
+        "notes": notes,
+        "verdict": verdict(compared),
+        "rows": score_rows(compared),
+        "group_tables": [
+            (f"Scores by {scores.by}", group_rows(compared, scores))
+            for scores in compared.by_group
+        ],
+        "parameters": parameter_rows(compared),
+    }
+
+
+def score_rows(compared: Compared) -> Rows:
+    """Write the laws with their scores, the best first."""
+    found, targets = ranking(compared, compared.by_test), compared.study.targets
+    head = ("law", "parameters", "score", "less than the best", "weight")
+    rows: Rows = [(*head, *(f"rms left out {name}" for name in targets))]
+    for place, law in enumerate(compared.laws):
+        rows.append(
+            (
+                law.name + (" (tie)" if _tied(found, place) else ""),
+                str(law.fitted.parameters),
+                f"{compared.by_test.totals[place]:.1f}",
+                _difference(found, place),
+                f"{compared.weights[place]:.2f}",
+                *(f"{value:.3g}" for value in law.rms_left_out),
+            )
+        )
+    return rows
+
+
+def group_rows(compared: Compared, scores: GroupScores) -> Rows:
+    """Write the scores of one way of leaving groups out."""
+    found = ranking(compared, scores)
+    rows: Rows = [("law", "score", "less than the best", "worst predicted")]
+    for place in np.argsort(-scores.totals, kind="stable"):
+        worst = scores.groups[int(np.argmin(scores.scores[:, place]))]
+        rows.append(
+            (
+                compared.laws[place].name + (" (tie)" if _tied(found, place) else ""),
+                f"{scores.totals[place]:.1f}",
+                _difference(found, int(place)),
+                worst,
+            )
+        )
+    return rows
+
+
+def _tied(found, place: int | np.integer) -> bool:
+    return len(found.ties) > 1 and place in found.ties
+
+
+def _difference(found, place: int) -> str:
+    if place == found.best:
+        return "0"
+    error = found.error[place]
+    more = f" ± {error:.1f}" if np.isfinite(error) else ""
+    return f"{-found.apart[place]:.1f}{more}"
+
+
+def parameter_rows(compared: Compared) -> Rows:
+    """Write the fitted parameters of every law."""
+    rows: Rows = [("law", "fitted")]
+    for law in compared.laws:
+        values = (f"{name} = {value:.4g}" for name, value in law.parameters.items())
+        rows.append((law.name, ", ".join(values)))
+    return rows
+
+
+def comparison_json(compared: Compared) -> dict:
+    """Collect the numbers of a comparison as plain values."""
+    found = ranking(compared, compared.by_test)
+    return {
+        "targets": list(compared.study.targets),
+        "targets_left_out": list(compared.targets_left_out),
+        "verdict": verdict(compared),
+        "preferred": compared.laws[found.preferred].name,
+        "ties": [compared.laws[place].name for place in found.ties],
+        "laws": [
+            law.fitted.as_json()
+            | {
+                "score": float(compared.by_test.totals[place]),
+                "difference": float(found.apart[place]),
+                "standard_error": _finite(found.error[place]),
+                "weight": float(compared.weights[place]),
+                "rms": law.rms.tolist(),
+                "rms_left_out": law.rms_left_out.tolist(),
+            }
+            for place, law in enumerate(compared.laws)
+        ],
+        "groups": {
+            scores.by: {
+                "names": list(scores.groups),
+                "scores": scores.scores.T.tolist(),
+            }
+            for scores in compared.by_group
+        },
+        "refused": compared.refused,
+    }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def comparison_csv(compared: Compared) -> str:
+    """Write a line for each law and each measurement.
+
+    `log_density` is that of the whole test, and stands in every line of it.
+    """
+    study, text = compared.study, io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(CSV_COLUMNS)
+    for law in compared.laws:
+        left = law.left_out
+        for test, target in zip(*np.nonzero(study.known), strict=True):
+            numbers = study.measured, left.predicted, left.deviation
+            writer.writerow(
+                (
+                    law.name,
+                    test + 1,
+                    study.tests.name(int(test)),
+                    f"{left.density[test]:.9g}",
+                    study.targets[target],
+                    *(f"{column[test, target]:.9g}" for column in numbers),
+                )
+            )
+    return text.getvalue()
+
+
+@in_style
+def draw_comparison(compared: Compared) -> Figure:
+    """Draw the difference of each law to the best, with two standard errors."""
+    found = ranking(compared, compared.by_test)
+    count = len(compared.laws)
+    figure, (axes,) = panels(1, 1, height=0.9 + 0.28 * count)
+    places = np.arange(count)
+    apart, error = found.apart, np.nan_to_num(2.0 * found.error)
+    for place in places:
+        tied = place in found.ties
+        colour = VERMILION if place == found.preferred else BLUE if tied else GREY
+        axes.errorbar(
+            apart[place], place, xerr=error[place], marker="o", color=colour, capsize=3
+        )
+    axes.axvline(0.0, color="black", lw=0.8)
+    names = [plain(law.name) for law in compared.laws]
+    axes.set_yticks(places, names)
+    axes.invert_yaxis()
+    axes.set_xlabel(
+        "log predictive density less that of the best, with two standard errors"
+    )
+    return figure
