@@ -7,8 +7,9 @@ Six laws each make campaigns of impacts of ellipsoids (50 to 500 kg, aspect rati
 any orientation, 5 to 70 degrees, 3 to 20 m/s), e_n and e_t with noise of 0.03.
 Parameters of the truth differ from campaign to campaign by a factor of up to 1.3. All
 six are fitted to each campaign, sigmas estimated, and compared by single tests. Told
-are, of each truth, how often it was best alone, how often it was preferred in a tie, how
-often it tied with another that was preferred, and how often another was called better.
+are, of each truth, how often it was best alone, how often it was preferred in a tie,
+how often it tied with another that was preferred, and how often another was called
+better.
 """
 
 import argparse
@@ -58,7 +59,7 @@ def _compared(truth: str, seed: int, tests: int, starts: int):
     import dataclasses
 
     from jaximpact.calibration.arguments import study_given
-    from jaximpact.calibration.compare import Comparison
+    from jaximpact.calibration.compare_laws import Comparison
     from jaximpact.calibration.comparison.comparison import compare_study
 
     columns = _campaign(truth, np.random.default_rng((seed, *truth.encode())), tests)

@@ -5,12 +5,13 @@ import importlib
 _MODULES = {
     "accuracy": ("PRESETS", "Accuracy"),
     "batch": ("simulate_batch",),
-    "calibration": ("calibrate", "predict"),
+    "calibration": ("calibrate", "compare", "predict"),
     "io.datasets": ("read_netcdf", "write_netcdf"),
     "impact.reduced_models": ("select_model",),
     "impact.termination": ("Outcome",),
     "paper.sets": ("parametric_set",),
     "rebound": (
+        "AnglePowerLaw",
         "BozzoloPamini",
         "ConstantCoefficients",
         "FrictionalEllipsoid",

@@ -3,13 +3,14 @@ asked for."""
 
 from .accuracy import PRESETS, Accuracy
 from .batch import simulate_batch
-from .calibration import calibrate, predict
+from .calibration import calibrate, compare, predict
 from .impact.reduced_models import select_model
 from .impact.summary import EnergyLedger
 from .impact.termination import Outcome
 from .io.datasets import read_netcdf, write_netcdf
 from .paper.sets import parametric_set
 from .rebound import (
+    AnglePowerLaw,
     BozzoloPamini,
     ConstantCoefficients,
     FrictionalEllipsoid,
@@ -28,6 +29,7 @@ from .sweeping import repeat_sweep, sweep
 __all__ = [
     "PRESETS",
     "Accuracy",
+    "AnglePowerLaw",
     "Block",
     "BozzoloPamini",
     "ConstantCoefficients",
@@ -43,6 +45,7 @@ __all__ = [
     "Scene",
     "Soil",
     "calibrate",
+    "compare",
     "elasticities",
     "energetic_coefficient",
     "morris",

@@ -1,6 +1,7 @@
 """Soil parameters from measured impacts, and which of them are identifiable."""
 
 from .api import Calibration, Prediction, calibrate, predict, run_study
+from .compare_laws import Comparison, compare
 from .diagnostics.examination import Examination, examine
 from .diagnostics.further_tests import suggest_tests
 from .diagnostics.nuts import sample_posterior, to_inference_data
@@ -11,6 +12,7 @@ from .study import fit_study
 
 __all__ = [
     "Calibration",
+    "Comparison",
     "Examination",
     "Prediction",
     "Sigma",
@@ -18,6 +20,7 @@ __all__ = [
     "StudyResult",
     "VariantResult",
     "calibrate",
+    "compare",
     "examine",
     "fit_study",
     "predict",

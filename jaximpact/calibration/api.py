@@ -18,16 +18,18 @@ from ..quantities import columns_of_part
 from ..scene import Block
 from ..soil import Soil
 from .arguments import study_of_arguments, table_given
+from .comparison.comparison import compare_study
+from .comparison.other_laws import OtherLaws, fit_simple
 from .diagnostics.examination import Examination, examine
 from .diagnostics.nuts import check_extra
 from .diagnostics.results import StudyResult, VariantResult
 from .estimation.fit_cache import FitCache
 from .fitted_ground import FittedGround, files_of_fit, fitted_of, read_fitted
 from .prediction import PredictedTests, predict_tests
-from .problem.config import Study, read_study
+from .problem.config import CompareTable, Study, read_study
 from .problem.dataset import joined_tables
 from .problem.laws import scene_of
-from .report.contents import contents_of
+from .report.contents import NO_OTHERS, contents_of
 from .report.files import as_json, study_directory, write_all
 from .report.prediction import prediction_contents, write_prediction
 from .report.render import render
@@ -46,10 +48,16 @@ class Calibration:
     Args:
         result: fits of the study.
         examined: diagnostics of every variant.
+        others: laws beside those of the study.
     """
 
-    def __init__(self, result: StudyResult, examined: list[Examination]):
-        self.result, self.examined = result, examined
+    def __init__(
+        self,
+        result: StudyResult,
+        examined: list[Examination],
+        others: OtherLaws = NO_OTHERS,
+    ):
+        self.result, self.examined, self.others = result, examined, others
 
     def __repr__(self) -> str:
         study, contents = self.result.study, self._contents()
@@ -76,7 +84,7 @@ class Calibration:
         return render("summary", "txt", self._contents())
 
     def _contents(self) -> dict:
-        return contents_of(self.result, self.examined)
+        return contents_of(self.result, self.examined, self.others)
 
     @property
     def variants(self) -> tuple[str, ...]:
@@ -125,7 +133,7 @@ class Calibration:
 
     def as_json(self) -> dict:
         """Return every number, as in fit.json."""
-        return as_json(self.result, self.examined)
+        return as_json(self.result, self.examined, self.others)
 
     def plot(self, path: str | os.PathLike | None = None) -> "Figure":
         """Draw the fit of every target, and the costs of the starts.
@@ -145,8 +153,12 @@ class Calibration:
     def write(self, out: str | os.PathLike) -> None:
         """Write the report and its numbers, as `jaximpact calibrate` does."""
         sampled = any(found.samples is not None for found in self.examined)
-        with study_directory(self.result.study, Path(out), posterior=sampled) as new:
-            write_all(self.result, self.examined, new)
+        study, compared = self.result.study, self.others.compared is not None
+        directory = study_directory(
+            study, Path(out), posterior=sampled, compared=compared
+        )
+        with directory as new:
+            write_all(self.result, self.examined, new, self.others)
 
     def _chosen(self, name: str | None) -> VariantResult:
         if name is None and len(self.variants) > 1:
@@ -281,6 +293,7 @@ def run_study(
     out_dir: Path,
     *,
     posterior: bool = False,
+    compare: bool = False,
     progress: Progress | ProgressFunction | None = None,
 ) -> StudyResult:
     """Fit a study, compute its diagnostics, and write the report.
@@ -298,6 +311,8 @@ def run_study(
             study there are replaced or removed, each new one once it is whole.
         posterior: whether to sample the posterior by NUTS too, and write posterior.nc
             for ArviZ, one for each variant; needs the extra `jaximpact[bayes]`.
+        compare: whether to compare laws too, as `[compare]` in the study says, or all
+            that `compare` compares by default, and write comparison.csv.
         progress: called with lines of text.
 
     Raises InputError for a study or a directory that cannot be used, BlockingIOError
@@ -305,8 +320,8 @@ def run_study(
     """
     require_float64()
     study = read_study(study_path)
-    result, _ = fit_and_examine(
-        study, Path(out_dir), posterior=posterior, progress=progress
+    result, *_ = fit_and_examine(
+        study, Path(out_dir), posterior=posterior, compare=compare, progress=progress
     )
     return result
 
@@ -316,22 +331,37 @@ def fit_and_examine(
     out_dir: Path | None,
     *,
     posterior: bool = False,
+    compare: bool = False,
     progress: Progress | ProgressFunction | None = None,
-) -> tuple[StudyResult, list[Examination]]:
-    """Fit a study and compute its diagnostics; write the files of `run_study` if there
-    is a directory for them."""
+) -> tuple[StudyResult, list[Examination], OtherLaws]:
+    """Fit a study and compute its diagnostics, fit other laws beside it, and write the
+    files of `run_study` if there is a directory for them."""
     require_float64()
     if posterior:
         check_extra()
     progress = as_progress(progress)
+    compare = compare or study.compare is not None
     if out_dir is None:
         result = fit_study(study, progress=progress)
-        return result, examine(result, posterior=posterior, progress=progress)
-    with study_directory(study, out_dir, posterior=posterior) as new:
+        examined = examine(result, posterior=posterior, progress=progress)
+        return result, examined, _other_laws(study, compare, progress)
+    directory = study_directory(study, out_dir, posterior=posterior, compared=compare)
+    with directory as new:
         cache = FitCache(out_dir / UNFINISHED)
         result = fit_study(study, cache=cache, progress=progress)
         examined = examine(result, posterior=posterior, progress=progress)
+        others = _other_laws(study, compare, progress)
         progress("drawing")
-        write_all(result, examined, new)
+        write_all(result, examined, new, others)
         cache.forget()
-    return result, examined
+    return result, examined, others
+
+
+def _other_laws(study: Study, compare: bool, progress: Progress) -> OtherLaws:
+    """Fit the simple laws, and compare many where wanted."""
+    simple = fit_simple(study, progress.within("simple laws: "))
+    if not compare:
+        return OtherLaws(simple)
+    stated = study.compare or CompareTable()
+    compared = compare_study(study, stated.laws, by=stated.by, progress=progress)
+    return OtherLaws(simple, compared)

@@ -11,6 +11,8 @@ from ..accuracy import Accuracy
 from ..errors import InputError
 from ..io.files import read_text
 from ..parameters import Part
+from .comparison.fitted_law import FittedLaw, law_of_json
+from .comparison.other_laws import SIMPLE_LAWS
 from .diagnostics.importance_sampling import FEWEST
 from .problem.config import Parameter, Variant
 from .problem.laws import parts_of_entries
@@ -81,6 +83,8 @@ class FittedGround(NamedTuple):
     """Values of the block that all fitted tests share."""
     shapes: tuple[str, ...] = ()
     """Shapes of the fitted blocks, if known."""
+    simple: tuple[FittedLaw, ...] = ()
+    """Simple laws fitted to the same tests."""
 
 
 DAMAGED = (LookupError, TypeError, AttributeError, ValueError, ArithmeticError)
@@ -159,6 +163,11 @@ def fitted_of(
         parts=parts,
         block=manifest.get("block", {}),
         shapes=tuple(tree["fitted_tests"].get("shapes", ())),
+        simple=tuple(
+            law_of_json(entry)
+            for entry in tree.get("simple_laws", ())
+            if entry["law"] in SIMPLE_LAWS
+        ),
     )
 
 

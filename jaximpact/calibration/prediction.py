@@ -21,6 +21,8 @@ from ..identity import name_of
 from ..impact.termination import Outcome
 from ..progress import Progress
 from ..scene_quantities import SHAPE
+from .comparison.fitted_law import LawPrediction
+from .comparison.other_laws import predict_simple
 from .diagnostics.predictive import CONFIDENCES, Predictive, predictive
 from .estimation.starts import SILENT
 from .fitted_ground import FittedGround, FittedVariant
@@ -96,6 +98,8 @@ class PredictedTests(NamedTuple):
     variants: list[VariantPrediction]
     inputs: list[Path]
     """Files from which the predictions were made."""
+    simple: tuple[LawPrediction, ...] = ()
+    """Predictions of simple laws fitted to the same tests."""
 
     @property
     def new_shapes(self) -> list[str]:
@@ -139,6 +143,7 @@ def predict_tests(
         outside=_outside(ground, study.tests),
         variants=variants,
         inputs=[*inputs, *(table.path for table in measurements.files)],
+        simple=predict_simple(ground.simple, study),
     )
 
 

@@ -52,6 +52,10 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
                         (default: constant)
   [weights]             for each target, on its losses (default: 1)
   [[variants]]          soil values or laws to be changed; each is fitted by itself
+  [compare]             laws to compare with: laws = ["model", "constant coefficients",
+                        "ContactPressureModulus", "my_laws.py:MyRebound"], and
+                        by = ["shape"], columns whose groups are left out (default: see
+                        --compare)
   [further_tests]       what could be measured next (default: usual impacts, and the
                         targets, depth and force), for example
                         candidates = { angle_deg = [0, 30, 60], speed_mps = [10, 20] }
@@ -60,8 +64,8 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
 
 Written to DIR: report.html, one page with all that was found, and the same as report.md
 with pictures in report/; report.txt (also printed), fit.json with a manifest,
-fitted.csv and fit.png. Finished fits are kept in DIR/unfinished until then: after
-Ctrl-C the same command goes on there.
+fitted.csv and fit.png, and of a comparison comparison.csv. Finished fits are kept in
+DIR/unfinished until then: after Ctrl-C the same command goes on there.
 
 A slope to fit, slope.toml, is a study of `jaximpact runout` with two tables more:
   [fit]                 quantities of the ground to fit, each with its prior as a
@@ -95,7 +99,8 @@ measurements lie in their intervals of 50 and 95 %, the mean continuous ranked
 probability score (CRPS), and the same for the mean of the fitted tests as a plain
 forecast; which tests lie outside the range of the fitted ones; what was not
 identifiable; and, of up to 30 tests, each prediction. Intervals hold what the fit
-leaves open and the scatter of a measurement as the fit states it.
+leaves open and the scatter of a measurement as the fit states it. Beside the model
+stand constant coefficients, and Pfeiffer and Bowen, fitted to the same tests.
 
 The ground has the laws of the fit, and blocks its shape where the tests do not say
 theirs; a law that was edited since is refused.
@@ -126,6 +131,15 @@ def add_parser(commands) -> None:
         action="store_true",
         help="sample the posterior too, by NUTS, some minutes for each variant, and "
         "write posterior.nc for ArviZ; needs pip install 'jaximpact[bayes]'",
+    )
+
+    parser.add_argument(
+        "--compare",
+        action="store_true",
+        help="find out too which law predicts the tests best, some minutes: the "
+        "model, the alternatives to its laws, constant coefficients, Pfeiffer and "
+        "Bowen, a power law in the angle, and a rigid ellipsoid; or the laws that "
+        "[compare] in the study names",
     )
 
     parser = options.add_command(
@@ -172,13 +186,14 @@ def run(arguments: argparse.Namespace) -> None:
 
     begin = time.monotonic()
     with resumable(prospect), ProgressLines() as progress:
-        result, examined = fit_and_examine(
+        result, examined, others = fit_and_examine(
             read_study(arguments.study),
             arguments.out,
             posterior=arguments.posterior,
+            compare=arguments.compare,
             progress=progress,
         )
-    print(as_text(result, examined), end="")
+    print(as_text(result, examined, others), end="")
     seconds = time.monotonic() - begin
     say(f"{result.seconds:.0f} s for the fits, {seconds:.0f} s in all")
     say(f"the report is {arguments.out / 'report.html'}")

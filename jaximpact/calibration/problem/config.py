@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from ...io.toml import (
     allowed,
     check_keys,
     choice,
+    known_table,
     load_toml,
     number,
     typed,
@@ -54,6 +56,7 @@ KEYS = (
     "weights",
     "variants",
     "further_tests",
+    "compare",
 )
 TOML = ".toml"
 METHODS = ("levenberg-marquardt", "adam", "l-bfgs")
@@ -98,6 +101,15 @@ class Variant:
     """Laws by slot; the others are the study's."""
 
 
+class CompareTable(NamedTuple):
+    """Laws that a study compares, and the groups that it leaves out."""
+
+    laws: tuple[str, ...] | None = None
+    """Names of the laws; None for the default."""
+    by: tuple[str, ...] | None = None
+    """Columns whose groups are left out; None for the default."""
+
+
 @dataclasses.dataclass(frozen=True)
 class Study:
     """Checked study."""
@@ -138,6 +150,8 @@ class Study:
     block: dict[str, float] = dataclasses.field(default_factory=dict)
     """Values of the block that all tests share and no table states; `tests` has them
     too."""
+    compare: CompareTable | None = None
+    """Comparison of laws, where the study asks for one."""
 
     @property
     def inputs(self) -> list[Path]:
@@ -245,7 +259,26 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
         ),
         parts=tests.parts,
         block=block,
+        compare=_compare(path, content),
     )
+
+
+def _compare(path: Path, content: dict) -> CompareTable | None:
+    """Read the table `compare` of a study; None where there is none."""
+    if "compare" not in content:
+        return None
+    entries = known_table(path, content, "compare", CompareTable._fields)
+    names = {}
+    for key, given in entries.items():
+        given = [given] if isinstance(given, str) else given
+        if not isinstance(given, list) or not all(isinstance(n, str) for n in given):
+            raise InputError(
+                f"must be a name or a list of names, but is {given!r}",
+                file=path,
+                key=f"compare.{key}",
+            )
+        names[key] = tuple(given)
+    return CompareTable(**names)
 
 
 def _held(

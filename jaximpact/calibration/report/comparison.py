@@ -1,5 +1,6 @@
 """The comparison of laws as contents of the report, as a table and as numbers."""
 
+import base64
 import csv
 import io
 from typing import Any
@@ -7,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...plotting.style import BLUE, GREY, VERMILION, in_style, panels, plain
+from ...plotting.style import BLUE, GREY, VERMILION, in_style, panels, plain, png_bytes
 from ..comparison.comparison import Compared, GroupScores
 from ..comparison.verdict import RULE, ranking, verdict
 
@@ -164,6 +165,18 @@ def comparison_csv(compared: Compared) -> str:
                 )
             )
     return text.getvalue()
+
+
+def comparison_picture(compared: Compared) -> dict[str, str]:
+    """Draw the picture of the report, with `path`, `base64` (the PNG), `description`
+    and `caption`."""
+    return {
+        "path": "report/comparison.png",
+        "base64": base64.b64encode(png_bytes(draw_comparison(compared))).decode(),
+        "description": "Scores of the laws, less that of the best",
+        "caption": "Score of each law less that of the best, with two standard errors; "
+        "red: preferred, blue: ties, grey: worse.",
+    }
 
 
 @in_style

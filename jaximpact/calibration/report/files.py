@@ -18,6 +18,7 @@ from ...accuracy import PRESETS
 from ...identity import part_names
 from ...io.files import replacing, write_text
 from ...io.output_files import NewFile, output_directory
+from ..comparison.other_laws import OtherLaws
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import Examination, fit_of_target
 from ..diagnostics.further_tests import Suggestions
@@ -30,10 +31,13 @@ from ..problem.config import Study
 from ..problem.laws import as_entries, unusual
 from ..problem.noise import SCATTERS, least_size
 from ..problem.nuisance import entries_of
-from .contents import contents_of
+from .comparison import comparison_csv, comparison_json, comparison_picture
+from .contents import NO_OTHERS, contents_of
 from .render import render
 
 NUMBERS = re.compile(r"\[\n\s*([^\[\]{}\"]+?)\n\s*\]")
+COMPARISON = "comparison.csv"
+"""Name of the table of a comparison of laws."""
 CSV_COLUMNS = (
     *("variant", "row", "file", "target", "limit", "measured", "sigma", "fitted"),
     *("residual", "standardised", "model_low", "model_high", "low", "high"),
@@ -42,10 +46,11 @@ CSV_COLUMNS = (
 
 
 def study_directory(
-    study: Study, out: Path, *, posterior: bool
+    study: Study, out: Path, *, posterior: bool, compared: bool = False
 ) -> contextlib.AbstractContextManager[NewFile]:
     """Open the directory of a study's files; see `output_directory`."""
     names, count = [*FILES], len(study.variants)
+    names += [COMPARISON] if compared else []
     for number in range(1, count + 1):
         # Names of other pictures depend on the fit.
         prefix = f"{number}-" if count > 1 else ""
@@ -55,21 +60,32 @@ def study_directory(
     return output_directory(out, "calibrate", names, inputs=study.inputs)
 
 
-def write_all(result: StudyResult, examined: list[Examination], new: NewFile) -> None:
+def write_all(
+    result: StudyResult,
+    examined: list[Examination],
+    new: NewFile,
+    others: OtherLaws = NO_OTHERS,
+) -> None:
     """Write the files, each whole or not at all.
 
     Args:
         examined: diagnostics of every variant.
         new: returns the path of a file.
+        others: laws beside those of the study.
 
     Raises OSError where the file system refuses.
     """
     # Matplotlib takes half a second to import, which a fit alone need not wait for.
     from .drawings import draw_report, plot_study
 
-    contents, pictures = contents_of(result, examined), draw_report(result, examined)
+    contents = contents_of(result, examined, others)
+    pictures = draw_report(result, examined)
+    if others.compared is not None:
+        contents["comparison_pictures"] = [comparison_picture(others.compared)]
+        write_text(new(COMPARISON), comparison_csv(others.compared))
     # First, since their names, which depend on the fit, are not checked beforehand.
-    for picture in (p for one in pictures for group in one.values() for p in group):
+    drawn = [p for one in pictures for group in one.values() for p in group]
+    for picture in drawn + contents["comparison_pictures"]:
         with replacing(new(picture["path"])) as temporary:
             temporary.write_bytes(base64.b64decode(picture["base64"]))
     for variant, of_variant in zip(contents["variants"], pictures, strict=True):
@@ -83,16 +99,18 @@ def write_all(result: StudyResult, examined: list[Examination], new: NewFile) ->
         if samples is not None:
             with replacing(new(_posterior_name(number, len(examined)))) as temporary:
                 to_inference_data(variant, samples).to_netcdf(str(temporary))
-    write_text(new("fit.json"), in_lines(as_json(result, examined)) + "\n")
+    write_text(new("fit.json"), in_lines(as_json(result, examined, others)) + "\n")
     write_text(new("fitted.csv"), as_csv(result, examined))
     figure = plot_study(result)
     with replacing(new("fit.png")) as temporary:
         figure.savefig(temporary, dpi=120)
 
 
-def as_text(result: StudyResult, examined: list[Examination]) -> str:
+def as_text(
+    result: StudyResult, examined: list[Examination], others: OtherLaws = NO_OTHERS
+) -> str:
     """Render report.txt."""
-    contents = contents_of(result, examined)
+    contents = contents_of(result, examined, others)
     for variant in contents["variants"]:
         variant["pictures"] = collections.defaultdict(list)
     return render("report", "txt", contents)
@@ -143,9 +161,11 @@ def _quoted(text: str) -> str:
     return '"' + text.replace('"', '""') + '"'
 
 
-def as_json(result: StudyResult, examined: list[Examination]) -> dict:
+def as_json(
+    result: StudyResult, examined: list[Examination], others: OtherLaws = NO_OTHERS
+) -> dict:
     """Collect every number, as a tree of plain values; None for what is not finite."""
-    study = result.study
+    study, compared = result.study, others.compared
     given = dict(zip(study.targets, map(bool, study.sigma_given), strict=True))
     return {
         "title": study.title,
@@ -157,6 +177,8 @@ def as_json(result: StudyResult, examined: list[Examination]) -> dict:
             _variant(result, variant) | _examination(result, variant, diagnostics)
             for variant, diagnostics in zip(result.variants, examined, strict=True)
         ],
+        "simple_laws": [law.as_json() for law in others.simple],
+        **_if_any("comparison", {} if compared is None else comparison_json(compared)),
         "manifest": _manifest(result),
     }
 

@@ -15,6 +15,12 @@ from ..diagnostics.cross_validation import too_few
 from ..diagnostics.predictive import CONFIDENCES, predictive
 from ..fitted_ground import FittedVariant
 from ..prediction import Outside, PredictedTests, Scores, VariantPrediction, score
+from .simple_laws import (
+    simple_remarks,
+    simple_rows,
+    simple_score_rows,
+    simple_scores,
+)
 
 MOST_TESTS = 30
 """Number of tests up to which they are listed one by one."""
@@ -32,6 +38,7 @@ CSV_COLUMNS = (
 def prediction_contents(prediction: PredictedTests) -> dict:
     """Collect scores, remarks, and the tests one by one where they are few."""
     files = ", ".join(table.path.name for table in prediction.tests.files)
+    few = len(prediction.tests) <= MOST_TESTS
     return {
         "about": [
             f"{len(prediction.tests)} tests of {files}, predicted by the fit of "
@@ -44,6 +51,9 @@ def prediction_contents(prediction: PredictedTests) -> dict:
         ],
         "several": len(prediction.variants) > 1,
         "variants": [_of_variant(prediction, v) for v in prediction.variants],
+        "simple": simple_remarks(prediction),
+        "simple_scores": simple_score_rows(prediction),
+        "simple_tests": simple_rows(prediction) if few else [],
     }
 
 
@@ -267,6 +277,13 @@ def as_json(prediction: PredictedTests) -> dict:
             }
             for variant in prediction.variants
         ],
+        "simple_laws": {
+            law.name: {
+                name: {"rms": rms, "crps": crps}
+                for name, (rms, crps) in simple_scores(prediction, law).items()
+            }
+            for law in prediction.simple
+        },
         "outside": {
             one.column: {
                 "fitted": [one.low, one.high],

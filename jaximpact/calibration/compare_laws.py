@@ -10,10 +10,10 @@ import numpy as np
 
 from .._checks import expect
 from .._precision import require_float64
-from ..io.files import write_text
+from ..io.files import replacing, write_text
 from ..io.output_files import output_directory
 from ..parameters import Part
-from ..plotting.style import png_bytes, save_figure
+from ..plotting.style import save_figure
 from ..progress import Progress, ProgressFunction
 from ..scene import Block
 from ..soil import Soil
@@ -28,6 +28,7 @@ from .report.comparison import (
     comparison_contents,
     comparison_csv,
     comparison_json,
+    comparison_picture,
     draw_comparison,
 )
 from .report.files import in_lines
@@ -150,13 +151,9 @@ class Comparison:
         """
         inputs = self.compared.study.inputs
         with output_directory(Path(out), "compare", FILES, inputs=inputs) as new:
-            png = png_bytes(draw_comparison(self.compared))
-            new("comparison.png").write_bytes(png)
-            picture = {
-                "base64": base64.b64encode(png).decode(),
-                "description": "Differences to the best law",
-                "caption": "Differences to the best law, with two standard errors.",
-            }
+            picture = comparison_picture(self.compared)
+            with replacing(new(FILES[4])) as temporary:
+                temporary.write_bytes(base64.b64decode(picture["base64"]))
             contents = self._contents() | {"pictures": [picture]}
             write_text(new(FILES[0]), render("comparison_page", "html", contents))
             write_text(new(FILES[1]), str(self))

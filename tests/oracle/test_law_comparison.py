@@ -1,0 +1,360 @@
+"""Comparison of laws: densities of what was left out against exact refits and closed
+forms, ties, stacking, and laws that are found in data that they made."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from calibration_studies import Linear
+from error_messages import assert_one_line
+from scipy import stats
+from scipy.optimize import minimize_scalar
+
+from jaximpact import (
+    AnglePowerLaw,
+    Block,
+    ConstantCoefficients,
+    FrictionalEllipsoid,
+    Impact,
+    PfeifferBowen,
+)
+from jaximpact.calibration import compare
+from jaximpact.calibration.arguments import study_given
+from jaximpact.calibration.comparison.comparison import compare_study
+from jaximpact.calibration.comparison.contenders import Contender
+from jaximpact.calibration.comparison.fitted_law import (
+    fit_law,
+    law_of_json,
+    objective_of,
+    predict_law,
+)
+from jaximpact.calibration.comparison.held_out import held_out, log_densities
+from jaximpact.calibration.comparison.rebound_objective import ReboundObjective
+from jaximpact.calibration.comparison.stacking import (
+    difference,
+    is_tie,
+    stacking_weights,
+)
+from jaximpact.calibration.diagnostics.uncertainty import estimate
+from jaximpact.errors import InputError
+from jaximpact.parameters import parameter
+from jaximpact.rebound import AbstractRebound, Rebound
+
+REBOUND = ["constant coefficients", "Pfeiffer and Bowen", "power law in the angle"]
+NOISE = 0.02
+
+
+class Fading(AbstractRebound):
+    """A law of a user's own: both coefficients fall with the speed."""
+
+    half_speed: jax.Array = parameter(
+        10.0, "m/s", "(0, inf)", "speed of half the rebound", usual=(0.5, 100.0)
+    )
+
+    def __call__(self, block, impact):
+        part = 1.0 / (1.0 + impact.speed / self.half_speed)
+        return Rebound(
+            -part * impact.normal_velocity,
+            part * impact.tangential_velocity,
+            impact.angular_velocity,
+        )
+
+
+def columns(count=24, seed=0):
+    random = np.random.default_rng(seed)
+    return {
+        "mass_kg": random.uniform(20.0, 200.0, count),
+        "aspect_ratio": random.uniform(0.6, 1.8, count),
+        "orientation_deg": random.uniform(0.0, 180.0, count),
+        "angular_velocity_degps": random.uniform(-300.0, 300.0, count),
+        "angle_deg": random.uniform(5.0, 70.0, count),
+        "speed_mps": random.uniform(3.0, 20.0, count),
+    }
+
+
+def made_by(law, count=24, seed=0, targets=("e_n", "e_t")):
+    """Tests that a law of rebound made, with noise."""
+    tests = columns(count, seed)
+    impact = Impact.from_degrees(
+        tests["speed_mps"],
+        tests["angle_deg"],
+        tests["orientation_deg"],
+        tests["angular_velocity_degps"],
+    )
+    block = Block(mass=tests["mass_kg"], aspect_ratio=tests["aspect_ratio"])
+    after = law(block, impact)
+    exact = {"e_n": after.e_n(impact), "e_t": after.e_t(impact)}
+    random = np.random.default_rng(seed + 1)
+    noisy = {n: np.asarray(exact[n]) + NOISE * random.normal(size=count) for n in exact}
+    return tests | {name: noisy[name] for name in targets}
+
+
+def study_of(tests, **given):
+    names = ("fit", "ground", "block", "targets", "sigma", "scatter", "seed")
+    return study_given(tests, *(given.get(name) for name in names))
+
+
+@pytest.mark.parametrize("law", [PfeifferBowen, FrictionalEllipsoid])
+def test_derivatives_of_a_rebound_law(law):
+    """By central differences, whose error at a step of 1e-6 is about 1e-9; kinks of the
+    frictional ellipsoid are missed by these tests."""
+    tests = made_by(ConstantCoefficients(0.4, 0.8), count=8)
+    objective = ReboundObjective(study_of(tests), law)
+    bounds, step = objective.bounds, 1e-6
+    x = bounds.at_fraction(0.37)[None]
+    jacobian = objective(x).jacobian[0]
+    for unknown in range(x.shape[1]):
+        ahead, back = x.copy(), x.copy()
+        ahead[0, unknown] += step
+        back[0, unknown] -= step
+        change = objective.values(ahead).predicted - objective.values(back).predicted
+        assert jacobian[..., unknown] == pytest.approx(
+            change[0] / (2.0 * step), abs=1e-7
+        )
+
+
+def test_energies_of_a_rebound_law_are_those_of_its_velocities():
+    tests = columns(5)
+    names = "e_bar", "R_r", "v_n_mps", "omega_radps"
+    study = study_of(tests | {name: np.ones(5) for name in names})
+    objective = ReboundObjective(study, PfeifferBowen)
+    x = objective.bounds.coordinate(np.array([0.5, 0.7]))[None]
+    found = dict(zip(names, objective.values(x).predicted[0].T, strict=True))
+    impact = Impact.from_degrees(
+        tests["speed_mps"],
+        tests["angle_deg"],
+        tests["orientation_deg"],
+        tests["angular_velocity_degps"],
+    )
+    block = Block(mass=tests["mass_kg"], aspect_ratio=tests["aspect_ratio"])
+    v_n, v_t, spin = PfeifferBowen(0.5, 0.7)(block, impact)
+    rotation = 0.5 * block.inertia * spin**2
+    after = 0.5 * block.mass * (v_n**2 + v_t**2) + rotation
+    before = 0.5 * block.mass * impact.speed**2
+    before += 0.5 * block.inertia * impact.angular_velocity**2
+    # Rounding alone.
+    assert found["e_bar"] == pytest.approx(np.sqrt(after / before), rel=1e-12)
+    assert found["R_r"] == pytest.approx(np.asarray(rotation / after), rel=1e-12)
+    assert found["v_n_mps"] == pytest.approx(np.asarray(v_n), rel=1e-12)
+    assert found["omega_radps"] == pytest.approx(np.asarray(spin), rel=1e-12)
+
+
+def test_a_constant_coefficient_is_the_mean():
+    """And a new measurement of it has Student's distribution about the mean, with the
+    classical standard deviation."""
+    tests = made_by(ConstantCoefficients(0.4, 0.8), targets=("e_n",))
+    study = study_of(tests)
+    contender = Contender("constant", ConstantCoefficients)
+    found = fit_law(study, contender)
+    mean, count = np.mean(tests["e_n"]), len(tests["e_n"])
+    spread = np.std(tests["e_n"], ddof=1)
+    # The fit stops at a thousandth of a standard error.
+    assert found.fitted.values[0] == pytest.approx(mean, abs=1e-3 * spread)
+    assert found.fitted.sigma[0] == pytest.approx(spread, rel=1e-3)
+    again = law_of_json(found.fitted.as_json())
+    prediction = predict_law(again, contender, study)
+    # e_t has no influence: e_n alone has the variance of a mean.
+    expected = spread * np.sqrt(1.0 + 1.0 / count)
+    assert prediction.deviation[:, 0] == pytest.approx(expected, rel=2e-3)
+    assert prediction.freedom[0] == pytest.approx(count - 1, abs=0.01)
+    low, high = prediction.interval(3, 0)
+    half = expected * stats.t(count - 1).ppf(0.975)
+    # Atoms of the scatter are a hundredth apart in probability.
+    assert (high - low) / 2.0 == pytest.approx(half, rel=0.02)
+
+
+def test_densities_are_those_of_scipy():
+    u, deviation = (
+        np.array([[0.3, -1.2], [2.0, 0.1]]),
+        np.array([[0.1, 2.0], [1.0, 3.0]]),
+    )
+    censored = np.array([[0, 0], [1, -1]])
+    found = log_densities(u, deviation, censored, np.array([7.0, np.inf]))
+    student, normal = stats.t(7.0), stats.norm()
+    expected = [
+        [student.logpdf(0.3) - np.log(0.1), normal.logpdf(-1.2) - np.log(2.0)],
+        # Of a limit the probability that the value is above or below it.
+        [student.logsf(2.0), normal.logcdf(0.1)],
+    ]
+    assert found == pytest.approx(np.array(expected), rel=1e-10)
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_densities_of_a_linear_model_are_exact(exact, tmp_path):
+    """With sigma given, each left-out density is that of Bayesian linear regression."""
+    random = np.random.default_rng(3)
+    count, sigma = 14, 0.1
+    matrix = random.normal(size=(count, 2))
+    measured = matrix @ [0.5, -0.4] + sigma * random.normal(size=count)
+    tests = {"speed_mps": np.linspace(5, 12, count), "e_n": measured}
+    study = study_of(
+        tests,
+        sigma={"e_n": sigma},
+        fit={"alpha_s": {"lower": 0.01, "upper": 100.0, "start": 1.0}, "c_v": {}},
+    )
+    objective = objective_of(study, Contender("constant", ConstantCoefficients))
+    linear = Linear.__new__(Linear)
+    vars(linear).update(vars(objective))
+    linear.study = study
+    linear.bounds = linear.bounds._replace(
+        lower=np.full(2, -1e3), upper=np.full(2, 1e3), logarithmic=np.zeros(2, bool)
+    )
+    # Half the range is the unit of x.
+    linear.matrix = matrix * linear.bounds.half
+    solution = np.linalg.lstsq(matrix, measured, rcond=None)[0]
+    points = linear((solution / linear.bounds.half)[None])
+    found = held_out(
+        linear, points, estimate(linear, points), np.arange(count), exact=exact
+    )
+    for left in range(count):
+        rest = np.arange(count) != left
+        inverse = np.linalg.inv(matrix[rest].T @ matrix[rest])
+        fitted = inverse @ matrix[rest].T @ measured[rest]
+        variance = sigma**2 * (1.0 + matrix[left] @ inverse @ matrix[left])
+        normal = stats.norm(matrix[left] @ fitted, np.sqrt(variance))
+        # The bounds are a weak prior, of 1e3 against 0.1.
+        assert found.density[left] == pytest.approx(
+            normal.logpdf(measured[left]), abs=1e-3
+        )
+
+
+@pytest.mark.parametrize(
+    "truth", [PfeifferBowen(0.4, 0.8), AnglePowerLaw(0.4, 0.5, 0.8)]
+)
+def test_the_short_way_agrees_with_exact_refits(truth):
+    """One step stands for a refit where it is short: scores agree to a tenth of the
+    4 below which a difference is no difference."""
+    truth = law(
+        *{PfeifferBowen: (0.4, 0.8), AnglePowerLaw: (0.4, 0.5, 0.8)}.get(law, (0.4,))
+    )
+    study = study_of(made_by(truth, count=12, seed=5))
+    found = fit_law(study, Contender("law", type(truth)))
+    arguments = found.objective, found.points, found.uncertainty, np.arange(12)
+    short, exact = (held_out(*arguments, exact=exact) for exact in (False, True))
+    assert exact.refitted == 12
+    assert short.refitted < 12
+    assert np.sum(short.density) == pytest.approx(np.sum(exact.density), abs=0.4)
+
+
+def test_stacking_weights_are_the_best_mixture():
+    random = np.random.default_rng(0)
+    scores = random.normal(size=(40, 2)) * [1.0, 1.5]
+    weights = stacking_weights(scores)
+
+    def score(weight):
+        return -np.sum(
+            np.log(
+                weight * np.exp(scores[:, 0]) + (1.0 - weight) * np.exp(scores[:, 1])
+            )
+        )
+
+    best = minimize_scalar(score, bounds=(0.0, 1.0), method="bounded")
+    # The objective is flat at its maximum: 1e-3 of a weight moves it by 1e-5.
+    assert weights[0] == pytest.approx(best.x, abs=5e-3)
+    assert np.sum(weights) == pytest.approx(1.0, rel=1e-12)
+    worse = np.stack([scores[:, 0], scores[:, 0] - 30.0], axis=1)
+    assert stacking_weights(worse)[0] > 0.999
+
+
+def test_differences_and_ties():
+    scores = np.stack([np.zeros(10), np.linspace(-2.0, 0.0, 10)], axis=1)
+    apart, error = difference(scores, 1, 0)
+    assert apart == pytest.approx(-10.0)
+    expected = np.sqrt(10) * np.std(scores[:, 1], ddof=1)
+    assert error == pytest.approx(expected, rel=1e-12)
+    assert not is_tie(apart, error)
+    assert is_tie(-3.9, 0.1)
+    assert is_tie(-10.0, 5.1)
+    assert is_tie(-100.0, float("nan"))
+    assert np.isnan(difference(scores[:4], 1, 0)[1])
+
+
+@pytest.mark.parametrize(
+    "truth",
+    [
+        ConstantCoefficients(0.4, 0.8),
+        PfeifferBowen(0.4, 0.8),
+        AnglePowerLaw(0.4, 0.6, 0.8),
+    ],
+    ids=lambda law: type(law).__name__,
+)
+def test_the_law_that_made_the_tests_is_preferred(truth):
+    found = compare(made_by(truth), REBOUND)
+    assert found.preferred == truth.words
+    assert found.ties[0] == found.best
+    assert sum(found.weights.values()) == pytest.approx(1.0)
+    nested = isinstance(truth, ConstantCoefficients)
+    # A power law of exponent 0 is a constant: it ties, and has a parameter more.
+    assert (set(found.ties) == {REBOUND[0], REBOUND[2]}) == nested
+    assert ("A tie" in str(found)) == nested
+    assert "0.02" in str(found.to_dataframe().loc[truth.words].round(2).to_list())
+
+
+def test_groups_targets_and_refusals_are_named(tmp_path):
+    tests = made_by(ConstantCoefficients(0.4, 0.8))
+    tests["test"] = [f"shot {number}" for number in range(24)]
+    tests["campaign"] = ["north"] * 12 + ["south"] * 12
+    tests["max_penetration_m"] = np.full(24, 0.1)
+    found = compare(tests, REBOUND[:2], by=["campaign", "speed_mps"])
+    assert found.compared.targets_left_out == ("max_penetration_m",)
+    text = " ".join(str(found).split())
+    for words in (
+        "Left out: max_penetration_m",
+        "By campaign (2 groups left out one by one)",
+        "with fewer than 5 groups the differences have no standard error",
+        "By speed_mps (5 groups",
+    ):
+        assert words in text
+    found.write(tmp_path / "out")
+    written = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"comparison.html", "comparison.csv", "comparison.png"} <= written
+    lines = (tmp_path / "out" / "comparison.csv").read_text().splitlines()
+    assert len(lines) == 1 + 2 * 24 * 2
+
+
+def test_a_law_of_ones_own_is_compared(tmp_path):
+    tests = made_by(Fading(half_speed=jnp.asarray(8.0)))
+    found = compare(tests, ["constant coefficients", Fading])
+    assert found.best == "Fading"
+    assert found.ties == ("Fading",)
+    fitted = found.law("Fading").parameters["half_speed"]
+    # Ten standard errors: noise of 0.02 in 48 values of about 0.4.
+    assert fitted == pytest.approx(8.0, rel=0.05)
+    new = {"mass_kg": [50.0], "speed_mps": [8.0], "angle_deg": [30.0]}
+    stacked = found.predict(new)
+    assert stacked.middle[0] == pytest.approx([0.5, 0.5], abs=0.02)
+    assert np.all((stacked.low < stacked.middle) & (stacked.middle < stacked.high))
+
+
+class Boundless(AbstractRebound):
+    """A law whose parameter may be anything."""
+
+    size: jax.Array = parameter(1.0, "-", "(0, inf)", "a size")
+
+    def __call__(self, block, impact):
+        return Rebound(-self.size, self.size, impact.angular_velocity)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"laws": ["constant"]}, "did you mean 'constant coefficients'"),
+        ({"laws": []}, "laws is empty"),
+        ({"laws": [3]}, "laws must hold names"),
+        ({"laws": [ConstantCoefficients, "constant coefficients"]}, "twice"),
+        ({"laws": [Boundless]}, "declare usual=(low, high)"),
+        ({"laws": REBOUND, "by": "speed"}, "did you mean 'speed_mps'"),
+        ({"laws": REBOUND, "by": "campaign"}, "one value in all tests"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused(given, words):
+    tests = made_by(ConstantCoefficients(0.4, 0.8), count=6)
+    with pytest.raises(InputError) as error:
+        compare(tests, **given)
+    assert_one_line(error.value, words)
+
+
+def test_laws_of_rebound_need_a_target_that_they_predict():
+    tests = {"speed_mps": [5.0, 8.0], "max_penetration_m": [0.1, 0.2]}
+    with pytest.raises(InputError, match="predict none of max_penetration_m"):
+        compare_study(study_of(tests), REBOUND)
