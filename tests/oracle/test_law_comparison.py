@@ -224,9 +224,6 @@ def test_densities_of_a_linear_model_are_exact(exact, tmp_path):
 def test_the_short_way_agrees_with_exact_refits(truth):
     """One step stands for a refit where it is short: scores agree to a tenth of the
     4 below which a difference is no difference."""
-    truth = law(
-        *{PfeifferBowen: (0.4, 0.8), AnglePowerLaw: (0.4, 0.5, 0.8)}.get(law, (0.4,))
-    )
     study = study_of(made_by(truth, count=12, seed=5))
     found = fit_law(study, Contender("law", type(truth)))
     arguments = found.objective, found.points, found.uncertainty, np.arange(12)
