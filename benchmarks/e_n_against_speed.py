@@ -27,6 +27,7 @@ LAWS = (
 def main() -> None:
     jax.config.update("jax_enable_x64", True)
     from jaximpact.calibration import compare
+    from jaximpact.plotting.style import in_style
 
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path)
@@ -41,7 +42,7 @@ def main() -> None:
     for name in GROUNDS:
         _explain(name, found.law(name).parameters, block)
     if arguments.out:
-        _draw(found, measured, arguments.out)
+        in_style(_draw)(found, measured, arguments.out)
 
 
 def _explain(name: str, parameters: dict[str, float], block: dict) -> None:
@@ -73,15 +74,16 @@ def _explain(name: str, parameters: dict[str, float], block: dict) -> None:
 
 
 def _draw(found, measured: np.ndarray, path: Path) -> None:
-    from jaximpact.plotting.style import curve, in_style, panels, save_figure
+    from jaximpact.plotting.style import curve, panels, save_figure
 
-    with_style = in_style(panels)
-    figure, (axes,) = with_style(1, 1, height=3.6)
+    figure, (axes,) = panels(1, 1, height=3.6)
     axes.plot(SPEEDS, measured, "ko", ms=4, label="turf, after Penner (2002)")
     for place, law in enumerate(found.compared.laws):
         label = f"{law.name}, rms {law.rms_left_out[0]:.3f}"
         axes.plot(SPEEDS, law.left_out.predicted[:, 0], label=label, **curve(place))
-    axes.set(xlabel="impact speed [m/s]", ylabel="e_n, each left out [-]", ylim=(0, 0.6))
+    axes.set(
+        xlabel="impact speed [m/s]", ylabel="e_n, each left out [-]", ylim=(0, 0.6)
+    )
     axes.legend()
     save_figure(figure, path)
 

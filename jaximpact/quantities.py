@@ -170,6 +170,7 @@ def _columns_of(*parts: tuple) -> dict[str, InputColumn]:
 def _taken() -> dict[str, str]:
     """Names that tables and files have for something else, and for what."""
     results = (*RESULT_COLUMNS, *FURTHER_COLUMNS, *ENERGY_COLUMNS, OUTCOME_COLUMN)
+    results += (*DERIVED_COLUMNS,)
     return {
         **dict.fromkeys(
             (*results, *(SIGMA_PREFIX + n for n in results)), "that of a result"
@@ -313,6 +314,32 @@ FURTHER_COLUMNS = _results(
     ("steps", "-", "steps of the integration"),
 )
 """Results that a table of results does not hold."""
+DERIVED_COLUMNS = {
+    name: ResultColumn(name, "", unit, meaning)
+    for name, unit, meaning in (
+        ("translational_ratio", "-", "translational energy after over before"),
+        ("rebound_angle_deg", "deg", "angle of the velocity after from the normal"),
+        ("normal_impulse_Ns", "N s", "change of momentum along the normal"),
+        ("tangential_impulse_Ns", "N s", "change of momentum down-slope"),
+    )
+}
+"""Results that follow from velocities, mass and angle; they are fitted, no more."""
+TARGET_COLUMNS = {
+    **RESULT_COLUMNS,
+    **{
+        n: c
+        for n, c in FURTHER_COLUMNS.items()
+        if n not in ("e_n_vijayakumar", "steps")
+    },
+    **DERIVED_COLUMNS,
+}
+"""Results that a table of tests may hold, measured."""
+NEVER_NEGATIVE = (
+    *("e_bar", "R_r", "translational_ratio", "duration_s"),
+    *(n for n, column in TARGET_COLUMNS.items() if column.field.startswith("max_")),
+    *(n for n, column in TARGET_COLUMNS.items() if column.field.startswith("time_")),
+)
+"""Results whose measurements cannot be below 0."""
 ENERGY_COLUMNS = {
     f"energy_{item}_J": ResultColumn(f"energy_{item}_J", item, "J", meaning)
     for item, meaning in {

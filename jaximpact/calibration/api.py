@@ -19,17 +19,18 @@ from ..scene import Block
 from ..soil import Soil
 from .arguments import study_of_arguments, table_given
 from .comparison.comparison import compare_study
-from .comparison.other_laws import OtherLaws, fit_simple
+from .comparison.other_laws import NO_OTHERS, OtherLaws, fit_simple
 from .diagnostics.examination import Examination, examine
 from .diagnostics.nuts import check_extra
 from .diagnostics.results import StudyResult, VariantResult
 from .estimation.fit_cache import FitCache
 from .fitted_ground import FittedGround, files_of_fit, fitted_of, read_fitted
 from .prediction import PredictedTests, predict_tests
-from .problem.config import CompareTable, Study, read_study
+from .problem.compare_table import CompareTable
+from .problem.config import Study, read_study
 from .problem.dataset import joined_tables
 from .problem.laws import scene_of
-from .report.contents import NO_OTHERS, contents_of
+from .report.contents import contents_of
 from .report.files import as_json, study_directory, write_all
 from .report.prediction import prediction_contents, write_prediction
 from .report.render import render
@@ -84,7 +85,7 @@ class Calibration:
         return render("summary", "txt", self._contents())
 
     def _contents(self) -> dict:
-        return contents_of(self.result, self.examined, self.others)
+        return contents_of(self.result, self.examined)
 
     @property
     def variants(self) -> tuple[str, ...]:

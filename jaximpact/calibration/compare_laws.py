@@ -102,15 +102,16 @@ class Comparison:
         return self.compared.laws[self.laws.index(name)]
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Make a table with one row a law: its number of `parameters`, `score` (the
-        log predictive density of all tests), `difference` to the best and its
+        """Make a table with one row a law: its number of `parameters` that have
+        an influence, `score` (the log predictive density of all tests), `difference`
+        to the best and its
         `standard_error`, stacking `weight`, and `rms` and `rms_left_out` of each
         target. Needs pandas."""
         import pandas as pd
 
         found = ranking(self.compared, self.compared.by_test)
         columns = {
-            "parameters": [law.fitted.parameters for law in self.compared.laws],
+            "parameters": [law.count for law in self.compared.laws],
             "score": self.compared.by_test.totals,
             "difference": found.apart,
             "standard_error": found.error,

@@ -4,7 +4,8 @@ A measurement of such a test is the model's value for each draw of the unknowns,
 scatter: the sigma of the fit, times the root of its inflation. Where sigmas were given
 to the fit, a sigma in the table of the new tests replaces it; where the scatter was
 estimated it follows Student's distribution with the degrees of freedom left. Scatter
-estimated as a fraction of the value is that fraction of the draws' median.
+estimated as a fraction of the value is that fraction of the draws' median. Results
+that are never negative (`NEVER_NEGATIVE`) scatter on the scale of their logarithm.
 
 A nuisance parameter of a group that the fit knows has the fit's values; that of another
 group is sampled from its prior, once for each group and draw.
@@ -20,6 +21,7 @@ from ..errors import InputError
 from ..identity import name_of
 from ..impact.termination import Outcome
 from ..progress import Progress
+from ..quantities import NEVER_NEGATIVE
 from ..scene_quantities import SHAPE
 from .comparison.fitted_law import LawPrediction
 from .comparison.other_laws import predict_simple
@@ -327,7 +329,7 @@ def _of_cells(
     names += ("high_95", "crps", "mean_crps", "limit_chance")
     found = {name: np.full(shape, np.nan) for name in names}
     tails = [(1.0 - confidence) / 2.0 for confidence in CONFIDENCES]
-    plain = [plain_forecast(ground.results.get(name)) for name in study.targets]
+    plain = [plain_forecast(ground.results, name) for name in study.targets]
     for cell in np.ndindex(*shape):
         if not cell[1]:
             progress(f"intervals of {cell[0]} of {shape[0]} tests")
@@ -335,7 +337,10 @@ def _of_cells(
         model = predictive(values, weights, 0.0)
         if model is None:
             continue
-        of_one = predictive(values, weights, sigma[cell], freedom[cell[1]])
+        of_one = predictive(
+            *(values, weights, sigma[cell], freedom[cell[1]]),
+            positive=study.targets[cell[1]] in NEVER_NEGATIVE,
+        )
         assert of_one is not None  # the model has a value
         found["model_low"][cell] = model.quantile(tails[1])
         found["model_high"][cell] = model.quantile(1.0 - tails[1])
@@ -356,15 +361,17 @@ def _of_cells(
     return found
 
 
-def plain_forecast(results: dict | None) -> Predictive | None:
+def plain_forecast(all_results: dict[str, dict], name: str) -> Predictive | None:
     """Forecast a target without a model: Student's distribution about the mean of the
     fitted tests. None of fewer than two."""
+    results = all_results.get(name)
     if results is None or results["count"] < 2:
         return None
     count = results["count"]
     spread = results["standard_deviation"] * np.sqrt(1.0 + 1.0 / count)
     mean = np.array([results["mean"]])
-    return predictive(mean, np.ones(1), spread, count - 1.0)
+    positive = name in NEVER_NEGATIVE
+    return predictive(mean, np.ones(1), spread, count - 1.0, positive=positive)
 
 
 def _outside(ground: FittedGround, tests: Measurements) -> list[Outside]:

@@ -23,9 +23,9 @@ from ..parameters import Part
 from ..quantities import (
     LABEL_COLUMNS,
     OUTCOME_COLUMN,
-    RESULT_COLUMNS,
     SIGMA_PREFIX,
     SLOTS,
+    TARGET_COLUMNS,
     InputColumn,
     columns_of,
     columns_of_class,
@@ -45,7 +45,7 @@ from .files import check_text, read_input
 
 SLICE_ROWS = 2_000
 """Rows converted at once: bounds the memory that cells take as Python strings."""
-SIGMA_COLUMNS = tuple(SIGMA_PREFIX + name for name in RESULT_COLUMNS)
+SIGMA_COLUMNS = tuple(SIGMA_PREFIX + name for name in TARGET_COLUMNS)
 LIMITS = {">": 1, "<": -1}
 """Signs of a measured value of which only a limit is known -> where the true value
 lies."""
@@ -145,7 +145,7 @@ def table_of(
     readers = _readers(names, columns, base)
     labels = {name: [] for name in names if name in LABEL_COLUMNS and measured}
     parts: dict[str, list[np.ndarray]] = {name: [] for name in readers}
-    signs = {name: [] for name in names if name in RESULT_COLUMNS}
+    signs = {name: [] for name in names if name in TARGET_COLUMNS}
     rows: list[str] = []
     starts: list[np.ndarray] = []
     while piece := list(itertools.islice(records, SLICE_ROWS)):
@@ -225,7 +225,7 @@ def _check_header(
     measured: bool,
 ) -> None:
     """Raise InputError for the first name that cannot stand in the header."""
-    results = (*RESULT_COLUMNS, OUTCOME_COLUMN, *SIGMA_COLUMNS)
+    results = (*TARGET_COLUMNS, OUTCOME_COLUMN, *SIGMA_COLUMNS)
     known = (*columns, *SLOTS, *LABEL_COLUMNS, *(results if measured else ()))
     for index, name in enumerate(names):
         if not name:
@@ -322,7 +322,7 @@ def _readers(
         if name in columns:
             read = functools.partial(_numbers, column=columns[name])
             readers[name] = _reader_of_shapes(name, base) or read
-        elif name in RESULT_COLUMNS or name in SIGMA_COLUMNS:
+        elif name in TARGET_COLUMNS or name in SIGMA_COLUMNS:
             readers[name] = _present
     return readers
 

@@ -90,11 +90,11 @@ def test_crps_of_a_point_is_the_absolute_error():
 
 def test_plain_forecast_is_that_of_a_normal_sample():
     results = {"count": 5, "mean": 2.0, "standard_deviation": 0.3}
-    found = plain_forecast(results)
+    found = plain_forecast({"e_n": results}, "e_n")
     expected = 2.0 + 0.3 * np.sqrt(1.2) * t.ppf(0.975, 4.0)
     assert found.quantile(0.975) == pytest.approx(expected, abs=6e-3)
-    assert plain_forecast(results | {"count": 1}) is None
-    assert plain_forecast(None) is None
+    assert plain_forecast({"e_n": results | {"count": 1}}, "e_n") is None
+    assert plain_forecast({}, "e_n") is None
 
 
 def test_too_few_is_beyond_chance():
@@ -336,3 +336,30 @@ def test_lists_of_numbers_are_lines_of_the_same_json():
     text = in_lines(tree)
     assert json.loads(text) == tree
     assert "[1.5, null]" in text
+
+
+@pytest.mark.parametrize("mean", [0.3, 1.0, 5.0])
+def test_what_is_never_negative_is_predicted_so(mean):
+    """A lognormal distribution with the mean and the standard deviation asked for; far
+    from 0 it is the normal one."""
+    sigma = 0.2
+    found = predictive(np.array([mean]), np.ones(1), sigma, positive=True)
+    assert np.min(found.atoms) > 0.0
+    centre = np.sum(found.weights * found.atoms)
+    # Half a per cent beyond the outermost atoms of a heavy tail is missing.
+    assert centre == pytest.approx(mean, rel=0.02)
+    spread = np.sqrt(np.sum(found.weights * (found.atoms - centre) ** 2))
+    assert spread == pytest.approx(sigma, rel=0.12)
+    if mean == 5.0:
+        normal = predictive(np.array([mean]), np.ones(1), sigma)
+        for part in (0.025, 0.5, 0.975):
+            assert found.quantile(part) == pytest.approx(
+                normal.quantile(part), abs=0.1 * sigma
+            )
+
+
+def test_a_model_that_says_nothing_still_has_an_interval():
+    found = predictive(np.zeros(1), np.ones(1), 0.1, positive=True)
+    assert found.quantile(0.025) > 0.0
+    # Mean half a sigma, standard deviation sigma: about two sigma from 0.
+    assert 0.15 < found.quantile(0.975) < 0.4

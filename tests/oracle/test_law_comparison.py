@@ -355,3 +355,12 @@ def test_laws_of_rebound_need_a_target_that_they_predict():
     tests = {"speed_mps": [5.0, 8.0], "max_penetration_m": [0.1, 0.2]}
     with pytest.raises(InputError, match="predict none of max_penetration_m"):
         compare_study(study_of(tests), REBOUND)
+
+
+def test_parameters_without_influence_do_not_count():
+    """e_t changes nothing that was measured, so that the law has one parameter."""
+    tests = made_by(ConstantCoefficients(0.4, 0.8), targets=("e_n",))
+    found = compare(tests, REBOUND)
+    assert found.law("constant coefficients").count == 1
+    assert found.preferred == "constant coefficients"
+    assert "e_t without influence" in str(found)

@@ -32,6 +32,15 @@ class ScoredLaw(NamedTuple):
     """Root mean square error of predictions without the test, shape (targets,)."""
     left_out: HeldOut
     """Predictions of each test by the fit to the others."""
+    acts: tuple[bool, ...]
+    """Whether each parameter of the law changes any of the measured values."""
+    bounds_reached: tuple[str | None, ...]
+    """The bound that each parameter has reached: "lower", "upper" or None."""
+
+    @property
+    def count(self) -> int:
+        """Number of parameters that the tests can tell anything of."""
+        return sum(self.acts)
 
     @property
     def name(self) -> str:
@@ -166,8 +175,17 @@ def _scored(contender: Contender, found: LawFit, left: HeldOut) -> ScoredLaw:
         squares = np.where(there, (predicted - study.measured) ** 2, 0.0)
         return np.sqrt(np.sum(squares, axis=0) / np.maximum(np.sum(there, axis=0), 1))
 
-    predicted = found.points.predicted[0]
-    return ScoredLaw(contender, found.fitted, rms(predicted), rms(left.predicted), left)
+    points, count = found.points, found.fitted.parameters
+    acts = np.any(points.jacobian[0][study.known] != 0.0, axis=0)[:count]
+    return ScoredLaw(
+        contender=contender,
+        fitted=found.fitted,
+        rms=rms(points.predicted[0]),
+        rms_left_out=rms(left.predicted),
+        left_out=left,
+        acts=tuple(bool(one) for one in acts),
+        bounds_reached=tuple(found.objective.bounds.bound_reached(points.x[0])[:count]),
+    )
 
 
 def _summed(held: HeldOut, group: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...progress import Progress
+from ...quantities import NEVER_NEGATIVE
 from ..diagnostics.importance_sampling import freedom_of_targets
 from ..diagnostics.predictive import Predictive, predictive
 from ..diagnostics.uncertainty import (
@@ -185,7 +186,8 @@ class LawPrediction(NamedTuple):
         cell = test, target
         values, one = np.array([self.best[cell]]), np.ones(1)
         return predictive(
-            values, one, float(self.deviation[cell]), float(self.freedom[target])
+            *(values, one, float(self.deviation[cell]), float(self.freedom[target])),
+            positive=self.targets[target] in NEVER_NEGATIVE,
         )
 
     def interval(self, test: int, target: int) -> tuple[float, float]:

@@ -31,6 +31,9 @@ class OtherLaws(NamedTuple):
     """Comparison of many laws, where one was asked for."""
 
 
+NO_OTHERS = OtherLaws()
+
+
 def fit_simple(study: Study, progress: Progress = SILENT) -> tuple[FittedLaw, ...]:
     """Fit constant coefficients, and Pfeiffer and Bowen, to the targets that they
     predict."""

@@ -19,11 +19,12 @@ from ...accuracy import PRESETS, Accuracy
 from ...backend.xla_compilation import unfused_jit
 from ...errors import InputError
 from ...impact.termination import Outcome
-from ...quantities import own_columns
+from ...quantities import leaf_places, own_columns
 from ...rebound import AbstractRebound, Rebound
 from ...restitution import defined_ratio
 from ...scene import Block, Impact
 from ..problem.config import Parameter, Study
+from ..problem.derived_targets import DERIVED, base_columns
 from ..problem.forward_model import Engine, UnknownColumn, bounds_of
 from ..problem.objective import Objective
 from ..problem.slope_correction import needed
@@ -46,8 +47,8 @@ class ReboundResults(NamedTuple):
     omega_radps: Any
 
 
-PREDICTED = ReboundResults._fields
-"""Result columns that every law of rebound predicts."""
+PREDICTED = (*ReboundResults._fields, *DERIVED)
+"""Targets that every law of rebound predicts."""
 
 
 def results_of(block: Block, impact: Impact, after: Rebound) -> ReboundResults:
@@ -100,13 +101,12 @@ class ReboundEngine(Engine):
     Args:
         structure: tree structure of the scene and the law.
         targets: result columns that are wanted.
+        places: index of the leaf of each column of the scene, whose leaves come first.
     """
 
-    kernel = None
-    name = "closed form"
-
-    def __init__(self, structure, targets: tuple[str, ...]):
-        self.structure, self.targets = structure, targets
+    def __init__(self, structure, targets: tuple[str, ...], places: dict[str, int]):
+        self.structure, self.targets, self.places = structure, targets, places
+        self.kernel, self.name = None, "closed form"
 
     def for_targets(self, targets: tuple[str, ...]) -> "ReboundEngine":
         """Return the same law for other result columns."""
@@ -129,8 +129,10 @@ class ReboundEngine(Engine):
             )
             parts.append((values[:, : len(places)], along[:, : len(places)]))
         values, along = (np.concatenate(p, axis=1) for p in zip(*parts, strict=True))
-        rows = [PREDICTED.index(name) for name in self.targets]
-        return values[rows].T, along[rows].T, np.full(count, float(Outcome.detached))
+        names = base_columns(self.targets)
+        rows = [ReboundResults._fields.index(name) for name in names]
+        found = self._derived(values[rows].T, along[rows].T, leaves, directions)
+        return *found, np.full(count, float(Outcome.detached))
 
     def run_values(
         self, leaves: np.ndarray, accuracy: Accuracy
@@ -184,7 +186,7 @@ class ReboundObjective(Objective):
         structure = jax.tree.structure((scene, template))
         turned = any(nuisance.turns_ground for nuisance in study.nuisances)
         targets = needed(study.targets) if turned else study.targets
-        engine = ReboundEngine(structure, targets)
+        engine = ReboundEngine(structure, targets, leaf_places(scene))
         super().__init__(without, variant, engine, PRESETS["balanced"])
         count, first = len(parameters), len(self._leaves)
         self.study = dataclasses.replace(without, parameters=parameters)

@@ -67,7 +67,7 @@ def stacking_weights(scores: np.ndarray) -> np.ndarray:
         """Negative mean score of the mixture with weights softmax(z), with gradient."""
         weights = softmax(z)
         log_parts = relative + np.log(np.maximum(weights, 1e-300))
-        total = logsumexp(log_parts, axis=1)
+        total = np.asarray(logsumexp(log_parts, axis=1))
         # Share of each law in the mixture's density of each unit.
         share = np.exp(log_parts - total[:, None])
         return -float(np.mean(total)), weights - np.mean(share, axis=0)

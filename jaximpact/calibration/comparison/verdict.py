@@ -29,7 +29,7 @@ def ranking(compared: Compared, scores: GroupScores) -> Ranking:
     pairs = [difference(scores.scores, i, best) for i in range(len(compared.laws))]
     apart, error = (np.array(part) for part in zip(*pairs, strict=True))
     ties = tuple(i for i, pair in enumerate(pairs) if i == best or is_tie(*pair))
-    counts = [law.fitted.parameters for law in compared.laws]
+    counts = [law.count for law in compared.laws]
     preferred = min(ties, key=lambda i: (counts[i], -scores.totals[i]))
     return Ranking(best, apart, error, ties, preferred)
 
@@ -50,7 +50,7 @@ def verdict(compared: Compared) -> list[str]:
 
 def _in_words(compared: Compared, found: Ranking) -> str:
     names = [law.name for law in compared.laws]
-    counts = [law.fitted.parameters for law in compared.laws]
+    counts = [law.count for law in compared.laws]
     best, preferred = names[found.best], found.preferred
     if len(names) == 1:
         return f"{best} was compared with no other law."

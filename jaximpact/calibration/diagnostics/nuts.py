@@ -36,7 +36,7 @@ from ..._versions import version_of, versions
 from ...accuracy import Accuracy
 from ...errors import InputError
 from ...progress import Progress, ProgressFunction, as_progress
-from ...quantities import RESULT_COLUMNS, columns_of
+from ...quantities import TARGET_COLUMNS, columns_of
 from ..problem.noise import losses
 from ..problem.objective import Objective
 from .importance_sampling import CHECKED, ROUGH, Draws, draw, error_of_costs
@@ -359,7 +359,7 @@ def to_inference_data(
         columns += [nuisance.name] * len(nuisance.groups)
     for name, column in zip(samples.names, columns, strict=True):
         data.posterior[name].attrs["units"] = known[column].unit
-    units = [RESULT_COLUMNS[study.targets[target]].unit for target in targets]
+    units = [TARGET_COLUMNS[study.targets[target]].unit for target in targets]
     data.assign_coords(
         unit=("measurement", units),
         groups=["posterior_predictive", "log_likelihood", "observed_data"],

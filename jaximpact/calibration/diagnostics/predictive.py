@@ -26,6 +26,9 @@ CONFIDENCES = (0.5, 0.95)
 PLACES = 101
 """Values of the scatter about each draw: half a per cent lies beyond the outermost."""
 HALVINGS = 50
+LEAST_MEAN = 0.5
+"""Least mean of a positive measurement over its sigma: a model that says 0 must not
+have intervals of no width."""
 NORMAL_FROM = 200.0
 """Degrees of freedom above which Student's distribution is taken as normal."""
 
@@ -55,7 +58,12 @@ class Predictive(NamedTuple):
 
 
 def predictive(
-    values: np.ndarray, weights: np.ndarray, sigma: float, freedom: float = np.inf
+    values: np.ndarray,
+    weights: np.ndarray,
+    sigma: float,
+    freedom: float = np.inf,
+    *,
+    positive: bool = False,
 ) -> Predictive | None:
     """Make the distribution of a measurement; None where no draw has a value.
 
@@ -65,6 +73,9 @@ def predictive(
         sigma: standard deviation of the scatter; 0 for the value of the model itself.
         freedom: degrees of freedom from which sigma was estimated; the scatter then
             follows Student's distribution.
+        positive: whether a measurement is never negative; its logarithm scatters then,
+            and the value of the model and sigma are mean and standard deviation of the
+            lognormal distribution.
     """
     there = np.isfinite(values) & (weights > 0.0)
     if not np.any(there):
@@ -73,7 +84,13 @@ def predictive(
     if sigma > 0.0:
         parts = (np.arange(PLACES) + 0.5) / PLACES
         scatter = ndtri(parts) if freedom >= NORMAL_FROM else stdtrit(freedom, parts)
-        atoms = (atoms[:, None] + sigma * scatter).ravel()
+        if positive:
+            mean = np.maximum(atoms, LEAST_MEAN * sigma)
+            square = np.log1p((sigma / mean) ** 2)[:, None]
+            logarithm = np.log(mean)[:, None] - 0.5 * square
+            atoms = np.exp(logarithm + np.sqrt(square) * scatter).ravel()
+        else:
+            atoms = (atoms[:, None] + sigma * scatter).ravel()
         weights = np.repeat(weights, PLACES)
     order = np.argsort(atoms, kind="stable")
     return Predictive(atoms[order], weights[order] / np.sum(weights))

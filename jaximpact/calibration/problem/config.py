@@ -3,7 +3,6 @@
 import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +13,6 @@ from ...io.toml import (
     allowed,
     check_keys,
     choice,
-    known_table,
     load_toml,
     number,
     typed,
@@ -22,9 +20,16 @@ from ...io.toml import (
     whole,
 )
 from ...parameters import Part
-from ...quantities import RESULT_COLUMNS, SLOTS, InputColumn, columns_of
+from ...quantities import (
+    RESULT_COLUMNS,
+    SLOTS,
+    TARGET_COLUMNS,
+    InputColumn,
+    columns_of,
+)
 from ...scene import Scene
 from .candidates import Candidates, read_candidates
+from .compare_table import CompareTable, read_compare_table
 from .dataset import Measurements, read_tests
 from .laws import KINDS, checked_values, parts_and_values, scene_of
 from .noise import (
@@ -99,15 +104,6 @@ class Variant:
     soil: dict[str, float]
     laws: dict[str, Part] = dataclasses.field(default_factory=dict)
     """Laws by slot; the others are the study's."""
-
-
-class CompareTable(NamedTuple):
-    """Laws that a study compares, and the groups that it leaves out."""
-
-    laws: tuple[str, ...] | None = None
-    """Names of the laws; None for the default."""
-    by: tuple[str, ...] | None = None
-    """Columns whose groups are left out; None for the default."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -259,26 +255,8 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
         ),
         parts=tests.parts,
         block=block,
-        compare=_compare(path, content),
+        compare=read_compare_table(path, content),
     )
-
-
-def _compare(path: Path, content: dict) -> CompareTable | None:
-    """Read the table `compare` of a study; None where there is none."""
-    if "compare" not in content:
-        return None
-    entries = known_table(path, content, "compare", CompareTable._fields)
-    names = {}
-    for key, given in entries.items():
-        given = [given] if isinstance(given, str) else given
-        if not isinstance(given, list) or not all(isinstance(n, str) for n in given):
-            raise InputError(
-                f"must be a name or a list of names, but is {given!r}",
-                file=path,
-                key=f"compare.{key}",
-            )
-        names[key] = tuple(given)
-    return CompareTable(**names)
 
 
 def _held(
@@ -496,9 +474,9 @@ def _targets(path: Path, content: dict, tests: Measurements, nuisances):
     if not targets:
         raise InputError("names no result to fit", file=path, key="targets")
     for name in targets:
-        if name not in tuple(RESULT_COLUMNS):
+        if name not in tuple(TARGET_COLUMNS):
             raise InputError(
-                f"{name!r} is unknown; did you mean {nearest(name, RESULT_COLUMNS)}?",
+                f"{name!r} is unknown; did you mean {nearest(name, TARGET_COLUMNS)}?",
                 file=path,
                 key="targets",
             )
@@ -530,8 +508,8 @@ def _of_targets(path: Path, content: dict, key: str) -> dict[str, float]:
     values = typed(path, content, key, dict, {})
     for name, value in values.items():
         where = f"{key}.{name}"
-        if name not in RESULT_COLUMNS:
-            unknown(path, where, name, RESULT_COLUMNS)
+        if name not in TARGET_COLUMNS:
+            unknown(path, where, name, TARGET_COLUMNS)
         if not number(path, where, value) > 0.0:
             raise InputError(f"must be above 0, but is {value}", file=path, key=where)
     return values
@@ -593,8 +571,8 @@ def _proportional(path, content, targets, sigma_given) -> np.ndarray:
         )
     for name, word in stated.items():
         where = f"{key}.{name}"
-        if name not in RESULT_COLUMNS:
-            unknown(path, where, name, RESULT_COLUMNS)
+        if name not in TARGET_COLUMNS:
+            unknown(path, where, name, TARGET_COLUMNS)
         choice(path, {where: word}, where, word, SCATTERS)
         if name in targets and sigma_given[targets.index(name)]:
             raise InputError(

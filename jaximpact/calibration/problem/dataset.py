@@ -15,9 +15,9 @@ from ...io.scene_table import Table, read_table
 from ...parameters import Part, parameters_of
 from ...quantities import (
     LABEL_COLUMNS,
-    RESULT_COLUMNS,
     SIGMA_PREFIX,
     SLOTS,
+    TARGET_COLUMNS,
     InputColumn,
     columns_of,
 )
@@ -184,7 +184,7 @@ def joined_tables(files: tuple[Table, ...]) -> Measurements:
         for label, stem in zip(labels.get(CAMPAIGN, stems), stems, strict=True)
     ]
     sigmas = joined(
-        (SIGMA_PREFIX + name for name in RESULT_COLUMNS), lambda _: np.nan, numbers
+        (SIGMA_PREFIX + name for name in TARGET_COLUMNS), lambda _: np.nan, numbers
     )
     return Measurements(
         files=files,
@@ -193,8 +193,8 @@ def joined_tables(files: tuple[Table, ...]) -> Measurements:
             name: _filled(base, known[name], values)
             for name, values in joined(known, lambda _: np.nan, numbers).items()
         },
-        measured=joined(RESULT_COLUMNS, lambda _: np.nan, numbers),
-        censored=joined(RESULT_COLUMNS, lambda _: 0, lambda table: table.censored),
+        measured=joined(TARGET_COLUMNS, lambda _: np.nan, numbers),
+        censored=joined(TARGET_COLUMNS, lambda _: 0, lambda table: table.censored),
         sigmas={name.removeprefix(SIGMA_PREFIX): v for name, v in sigmas.items()},
         labels=labels,
     )

@@ -31,10 +31,11 @@ from ...impact.problem import Assembly
 from ...impact.reduced_models import PLANAR, PLANAR_DAMPED
 from ...parameters import parameters_of
 from ...progress import Progress
-from ...quantities import RESULT_COLUMNS, columns_of, leaf_places
+from ...quantities import TARGET_COLUMNS, columns_of, leaf_places
 from ...scene import Scene
 from .bounds import Bounds
 from .config import Study, Variant
+from .derived_targets import WithRate, base_columns, derive
 from .nuisance import SLOPE
 from .slope_correction import ANGLE, SIGN, as_stated, needed
 
@@ -63,7 +64,7 @@ class Engine:
 
     def __init__(self, assembly: Assembly, targets: tuple[str, ...]):
         self.assembly = assembly
-        self.fields = _fields_of(targets)
+        self.targets, self.fields = targets, _fields_of(targets)
         self.name = "XLA" if self.kernel is None else "machine code"
 
     @functools.cached_property
@@ -90,7 +91,7 @@ class Engine:
     def for_targets(self, targets: tuple[str, ...]) -> "Engine":
         """Return the same code for other result columns."""
         other = copy.copy(self)
-        other.fields = _fields_of(targets)
+        other.targets, other.fields = targets, _fields_of(targets)
         return other
 
     def run(
@@ -119,7 +120,23 @@ class Engine:
         values, derivatives = (
             np.concatenate(rows, axis=1) for rows in zip(*found, strict=True)
         )
-        return values[:-1].T, derivatives[:-1].T, values[-1]
+        outcomes, base = values[-1], (values[:-1].T, derivatives[:-1].T)
+        return *self._derived(*base, leaves, directions), outcomes
+
+    @functools.cached_property
+    def places(self) -> dict[str, int]:
+        """Index of the leaf of each column of the scene."""
+        structure = self.assembly.structure
+        template = [0.0] * structure.num_leaves
+        return leaf_places(jax.tree.unflatten(structure, template))
+
+    def _derived(self, values, derivatives, leaves, directions):
+        """Compute the targets from the results that `base_columns` names."""
+        inputs = {
+            name: WithRate(leaves[self.places[name]], directions[self.places[name]])
+            for name in ("speed_mps", ANGLE, "mass_kg")
+        }
+        return derive(self.targets, values, derivatives, inputs)
 
     def _with_derivatives(self, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         assert self.kernel is not None
@@ -146,7 +163,9 @@ class Engine:
             with_setting(leaves, accuracy),
         )
         values = np.concatenate(found, axis=1)
-        return values[:-1].T, values[-1]
+        outcomes, values = values[-1], values[:-1].T
+        nothing, still = np.zeros_like(values), np.zeros_like(leaves)
+        return self._derived(values, nothing, leaves, still)[0], outcomes
 
     def _in_xla(self, leaves, directions, places, accuracy):
         filled = np.resize(places, XLA_AT_ONCE)  # repeats impacts to fill the program
@@ -178,7 +197,8 @@ def _on_all_cores(work: Callable, rows: np.ndarray) -> list:
 
 
 def _fields_of(targets: tuple[str, ...]) -> tuple[str, ...]:
-    return (*(RESULT_COLUMNS[name].field for name in targets), OUTCOME)
+    base = base_columns(targets)
+    return (*(TARGET_COLUMNS[name].field for name in base), OUTCOME)
 
 
 def _along(assembly, leaves, directions, tolerance, floor):

@@ -49,6 +49,12 @@ def comparison_contents(compared: Compared) -> dict[str, Any]:
     }
 
 
+def comparison_part(compared: Compared | None) -> dict[str, Any]:
+    """Collect what the report of a study says of a comparison, if there is one."""
+    contents = None if compared is None else comparison_contents(compared)
+    return {"comparison": contents, "comparison_pictures": []}
+
+
 def score_rows(compared: Compared) -> Rows:
     """Write the laws with their scores, the best first."""
     found, targets = ranking(compared, compared.by_test), compared.study.targets
@@ -58,7 +64,7 @@ def score_rows(compared: Compared) -> Rows:
         rows.append(
             (
                 law.name + (" (tie)" if _tied(found, place) else ""),
-                str(law.fitted.parameters),
+                str(law.count),
                 f"{compared.by_test.totals[place]:.1f}",
                 _difference(found, place),
                 f"{compared.weights[place]:.2f}",
@@ -101,8 +107,16 @@ def parameter_rows(compared: Compared) -> Rows:
     """Write the fitted parameters of every law."""
     rows: Rows = [("law", "fitted")]
     for law in compared.laws:
-        values = (f"{name} = {value:.4g}" for name, value in law.parameters.items())
-        rows.append((law.name, ", ".join(values)))
+        cells = [
+            f"{name} = {value:.4g}" + (f" (at its {bound} bound)" if bound else "")
+            for (name, value), bound in zip(
+                law.parameters.items(), law.bounds_reached, strict=True
+            )
+        ]
+        acting = [cell for cell, acts in zip(cells, law.acts, strict=True) if acts]
+        idle = [n for n, acts in zip(law.parameters, law.acts, strict=True) if not acts]
+        acting += [f"{', '.join(idle)} without influence"] if idle else []
+        rows.append((law.name, ", ".join(acting)))
     return rows
 
 

@@ -10,7 +10,6 @@ from ..._versions import versions
 from ...accuracy import PRESETS
 from ...identity import name_of
 from ...quantities import INPUT_COLUMNS, columns_of
-from ..comparison.other_laws import OtherLaws
 from ..diagnostics import cross_validation, further_tests, residuals
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import (
@@ -29,7 +28,6 @@ from ..estimation.least_squares import Reason
 from ..estimation.sigma import LEAST_FREEDOM, relative_sigma
 from ..problem.config import Study
 from ..problem.laws import in_words, unusual
-from .comparison import comparison_contents
 
 Rows = list[tuple[str, ...]]
 
@@ -43,17 +41,12 @@ ONE_ROW = 1e-3
 """Relative difference of costs within which starts share a row."""
 LEAST_CORRELATION = 0.1
 """Correlations below are left out of the summary."""
-NO_OTHERS = OtherLaws()
 NOT_IDENTIFIABLE = "not identifiable"
 
 
-def contents_of(
-    result: StudyResult,
-    examined: list[Examination],
-    others: OtherLaws = NO_OTHERS,
-) -> dict:
+def contents_of(result: StudyResult, examined: list[Examination]) -> dict:
     """Collect everything that the report says, without its pictures."""
-    study, compared = result.study, others.compared
+    study = result.study
     return {
         "title": study.title,
         "several": len(result.variants) > 1,
@@ -64,8 +57,6 @@ def contents_of(
             _variant(result, variant, diagnostics)
             for variant, diagnostics in zip(result.variants, examined, strict=True)
         ],
-        "comparison": None if compared is None else comparison_contents(compared),
-        "comparison_pictures": [],
         "origin": _origin(result),
     }
 

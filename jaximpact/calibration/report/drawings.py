@@ -21,7 +21,7 @@ from ...plotting.style import (
     png_bytes,
     points,
 )
-from ...quantities import RESULT_COLUMNS, InputColumn, columns_of
+from ...quantities import TARGET_COLUMNS, InputColumn, columns_of
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import Examination
 from ..diagnostics.further_tests import Suggestions
@@ -103,7 +103,7 @@ def _fit_pictures(
         yield (
             *("fit", f"fit-{name}", figure),
             f"{name}, fitted over {only_varying(result) or 'measured'}",
-            f"{name}: {RESULT_COLUMNS[name].meaning}. Bands hold 95 % of the model's "
+            f"{name}: {TARGET_COLUMNS[name].meaning}. Bands hold 95 % of the model's "
             "values at the draws of the posterior, and of measurements.",
         )
     yield (
@@ -164,7 +164,7 @@ def label_of(name: str, inputs: dict[str, InputColumn] | None = None) -> str:
     Args:
         inputs: columns of the scene, where the quantity may be one of them.
     """
-    column = (inputs or {}).get(name) or RESULT_COLUMNS.get(name)
+    column = (inputs or {}).get(name) or TARGET_COLUMNS.get(name)
     if column is None or column.unit == "-":
         return plain(name)
     unit = column.unit.replace("/", "p").replace(" ", "")

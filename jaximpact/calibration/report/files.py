@@ -18,7 +18,7 @@ from ...accuracy import PRESETS
 from ...identity import part_names
 from ...io.files import replacing, write_text
 from ...io.output_files import NewFile, output_directory
-from ..comparison.other_laws import OtherLaws
+from ..comparison.other_laws import NO_OTHERS, OtherLaws
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import Examination, fit_of_target
 from ..diagnostics.further_tests import Suggestions
@@ -31,8 +31,13 @@ from ..problem.config import Study
 from ..problem.laws import as_entries, unusual
 from ..problem.noise import SCATTERS, least_size
 from ..problem.nuisance import entries_of
-from .comparison import comparison_csv, comparison_json, comparison_picture
-from .contents import NO_OTHERS, contents_of
+from .comparison import (
+    comparison_csv,
+    comparison_json,
+    comparison_part,
+    comparison_picture,
+)
+from .contents import contents_of
 from .render import render
 
 NUMBERS = re.compile(r"\[\n\s*([^\[\]{}\"]+?)\n\s*\]")
@@ -78,7 +83,7 @@ def write_all(
     # Matplotlib takes half a second to import, which a fit alone need not wait for.
     from .drawings import draw_report, plot_study
 
-    contents = contents_of(result, examined, others)
+    contents = contents_of(result, examined) | comparison_part(others.compared)
     pictures = draw_report(result, examined)
     if others.compared is not None:
         contents["comparison_pictures"] = [comparison_picture(others.compared)]
@@ -110,7 +115,7 @@ def as_text(
     result: StudyResult, examined: list[Examination], others: OtherLaws = NO_OTHERS
 ) -> str:
     """Render report.txt."""
-    contents = contents_of(result, examined, others)
+    contents = contents_of(result, examined) | comparison_part(others.compared)
     for variant in contents["variants"]:
         variant["pictures"] = collections.defaultdict(list)
     return render("report", "txt", contents)
