@@ -118,6 +118,11 @@ class Calibration:
         for index, parameter in enumerate(study.parameters):
             column = columns[parameter.name]
             fields[column.field] = column.factor * float(fitted.parameters[index])
+        names = tuple(parameter.name for parameter in study.parameters)
+        for tied in study.tied:
+            value, _ = tied.evaluate(names, fitted.parameters[None, : len(names)])
+            column = columns[tied.name]
+            fields[column.field] = column.factor * float(value[0])
         return dataclasses.replace(soil, **fields)
 
     @property

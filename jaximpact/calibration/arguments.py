@@ -24,8 +24,9 @@ from ..quantities import (
 )
 from ..scene import Block, Scene
 from ..soil import Soil
-from .problem.config import DEFAULT_BOUNDS, TOML, Study, read_study, study_of
+from .problem.config import TOML, Study, read_study, study_of
 from .problem.dataset import joined_tables
+from .problem.fitted_parameters import DEFAULT_BOUNDS
 from .problem.laws import parts_and_values, scene_of
 
 COLUMNS = Path("columns given")

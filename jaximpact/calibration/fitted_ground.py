@@ -14,7 +14,9 @@ from ..parameters import Part
 from .comparison.fitted_law import FittedLaw, law_of_json
 from .comparison.other_laws import SIMPLE_LAWS
 from .diagnostics.importance_sampling import FEWEST
-from .problem.config import Parameter, Variant
+from .problem.config import Variant
+from .problem.expressions import Tied
+from .problem.fitted_parameters import Parameter
 from .problem.laws import parts_of_entries
 from .problem.noise import ProportionalScatter
 from .problem.nuisance import Prior
@@ -83,6 +85,8 @@ class FittedGround(NamedTuple):
     """Values of the block that all fitted tests share."""
     shapes: tuple[str, ...] = ()
     """Shapes of the fitted blocks, if known."""
+    tied: tuple[Tied, ...] = ()
+    """Soil parameters that are expressions of others."""
     simple: tuple[FittedLaw, ...] = ()
     """Simple laws fitted to the same tests."""
 
@@ -163,6 +167,10 @@ def fitted_of(
         parts=parts,
         block=manifest.get("block", {}),
         shapes=tuple(tree["fitted_tests"].get("shapes", ())),
+        tied=tuple(
+            Tied(name, entry["expression"], entry["constants"])
+            for name, entry in manifest.get("tied", {}).items()
+        ),
         simple=tuple(
             law_of_json(entry)
             for entry in tree.get("simple_laws", ())

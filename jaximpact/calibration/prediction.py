@@ -156,7 +156,7 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
     tests = tests.with_inputs(
         {n: value for n, value in ground.block.items() if n not in tests.inputs}
     )
-    for parameter in ground.parameters:
+    for parameter in (*ground.parameters, *ground.tied):
         if parameter.name in tests.inputs:
             raise InputError(
                 "was fitted, and cannot be given with the tests; remove it",
@@ -174,6 +174,7 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
         notes="",
         tests=tests,
         parameters=ground.parameters,
+        tied=ground.tied,
         nuisances=open_nuisances(
             ground.nuisances,
             tests.with_laws(ground.variants[0].variant.laws),

@@ -29,8 +29,9 @@ from jaximpact.calibration.prediction import (
     scatter,
     unknowns,
 )
-from jaximpact.calibration.problem.config import Parameter, Variant, study_of
+from jaximpact.calibration.problem.config import Variant, study_of
 from jaximpact.calibration.problem.dataset import joined_tables
+from jaximpact.calibration.problem.fitted_parameters import Parameter
 from jaximpact.calibration.problem.forward_model import engine_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.calibration.report.files import in_lines

@@ -23,8 +23,9 @@ from ...quantities import leaf_places, own_columns
 from ...rebound import AbstractRebound, Rebound
 from ...restitution import defined_ratio
 from ...scene import Block, Impact
-from ..problem.config import Parameter, Study
+from ..problem.config import Study
 from ..problem.derived_targets import DERIVED, base_columns
+from ..problem.fitted_parameters import Parameter
 from ..problem.forward_model import Engine, UnknownColumn, bounds_of
 from ..problem.objective import Objective
 from ..problem.slope_correction import needed
@@ -176,7 +177,13 @@ class ReboundObjective(Objective):
     def __init__(self, study: Study, law: type[AbstractRebound]):
         parameters, columns = parameters_of_law(law), own_columns(law)
         variant = study.variants[0]
-        without = dataclasses.replace(study, parameters=(), variants=(variant,))
+        without = dataclasses.replace(
+            study,
+            parameters=(),
+            tied=(),
+            variants=(variant,),
+            nuisances=tuple(n for n in study.nuisances if not n.pooled),
+        )
         scene = without.scene_of(variant)
         starts = {
             column.field: column.factor * parameter.start

@@ -348,12 +348,19 @@ def _derivatives(fitted: VariantResult, common, scenes, targets):
     columns, leaf_of = columns_of(objective.scene), leaf_places(objective.scene)
     values = {n: c.default for n, c in columns.items()} | common
     values |= dict(zip(names, fitted.parameters, strict=False)) | scenes
+    ties = {
+        tied.name: tied.evaluate(tuple(names), fitted.parameters[None, : len(names)])
+        for tied in study.tied
+    }
+    values |= {name: value[0] for name, (value, _) in ties.items()}
     leaves = np.repeat(_most_frequent(objective.scene)[:, None], count, axis=1)
     for name, column in columns.items():
         leaves[leaf_of[name]] = column.factor * np.asarray(values[name], float)
     directions = np.zeros((len(leaves), len(names), count))
     for index, name in enumerate(names):
         directions[leaf_of[name], index] = columns[name].factor
+        for tied, (_, slopes) in ties.items():
+            directions[leaf_of[tied], index] = columns[tied].factor * slopes[0, index]
     predicted, derivatives, _ = engine.run(
         np.tile(leaves, (1, len(names))),
         directions.reshape(len(leaves), -1),

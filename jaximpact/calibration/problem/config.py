@@ -10,7 +10,6 @@ from ...accuracy import PRESETS
 from ...errors import InputError, nearest
 from ...io.checks import check_memory
 from ...io.toml import (
-    allowed,
     check_keys,
     choice,
     load_toml,
@@ -31,6 +30,12 @@ from ...scene import Scene
 from .candidates import Candidates, read_candidates
 from .compare_table import CompareTable, read_compare_table
 from .dataset import Measurements, read_tests
+from .expressions import Tied
+from .fitted_parameters import (
+    Parameter,
+    check_constants,
+    read_parameters,
+)
 from .laws import KINDS, checked_values, parts_and_values, scene_of
 from .noise import (
     LOSSES,
@@ -39,7 +44,10 @@ from .noise import (
     least_size,
     root_mean_square,
 )
-from .nuisance import Nuisance, Prior, read_nuisances, read_prior
+from .nuisance import (
+    Nuisance,
+    read_nuisances,
+)
 
 KEYS = (
     "title",
@@ -69,31 +77,9 @@ STARTS = 64
 ACCURACY = "reference"
 """Derivatives of coarser impacts are sometimes wrong by a tenth, so that a fit stops
 beside its minimum. They only rank starts, whatever a study says."""
-DEFAULT_BOUNDS = {
-    "c_v": (0.01, 10.0),
-    "gamma_v": (0.05, 500.0),
-    "k_E": (10.0, 1e5),
-}
-"""Bounds of the parameters that are fitted by default [units of the columns]."""
 NOMINAL_SIGMA = 0.05
 """Nominal sigma, where none is given, over a target's root mean square, or over each
 value where scatter is proportional."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Parameter:
-    """Soil parameter to be fitted, in the unit of its column."""
-
-    name: str
-    start: float
-    lower: float
-    upper: float
-    prior: Prior | None = None
-
-    @property
-    def logarithmic(self) -> bool:
-        """Whether its logarithm is fitted, as where it is always positive."""
-        return self.lower > 0.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -146,6 +132,8 @@ class Study:
     block: dict[str, float] = dataclasses.field(default_factory=dict)
     """Values of the block that all tests share and no table states; `tests` has them
     too."""
+    tied: tuple[Tied, ...] = ()
+    """Soil parameters that are expressions of others."""
     compare: CompareTable | None = None
     """Comparison of laws, where the study asks for one."""
 
@@ -216,10 +204,12 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
     for name in block:
         _check_in_study_alone(path, tests, f"block.{name}", name)
     tests = tests.with_inputs(block)
-    parameters = _parameters(path, content, grounds[0])
+    parameters, tied, pooled = read_parameters(path, content, grounds[0], fixed, tests)
     nuisances = read_nuisances(path, content, tests.with_laws(variants[0].laws), fixed)
-    _check_in_all(path, parameters, nuisances, variants, grounds)
-    _check_fitted_once(path, tests, parameters, nuisances, fixed, variants)
+    _check_in_all(path, (*parameters, *tied), nuisances, variants, grounds)
+    _check_fitted_once(path, tests, (*parameters, *tied), nuisances, fixed, variants)
+    nuisances += pooled
+    check_constants(path, tied, [variant.soil for variant in variants])
     targets = _targets(path, content, tests, nuisances)
     sigma, sigma_given = _sigma(path, content, tests, targets)
     proportional = _proportional(path, content, targets, sigma_given)
@@ -235,6 +225,7 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
         notes=typed(path, content, "notes", str, ""),
         tests=tests,
         parameters=parameters,
+        tied=tied,
         nuisances=nuisances,
         soil=fixed,
         targets=targets,
@@ -312,65 +303,6 @@ def _is_same(first: Path, second: Path) -> bool:
         return first == second or first.samefile(second)
     except (OSError, ValueError):  # reported where it is read
         return False
-
-
-def _parameters(
-    path: Path, content: dict, columns: Mapping[str, InputColumn]
-) -> tuple[Parameter, ...]:
-    columns = {name: c for name, c in columns.items() if c.part == "soil"}
-    usual = {name: {} for name in DEFAULT_BOUNDS if name in columns}
-    chosen = typed(path, content, "parameters", dict, usual)
-    if not chosen:
-        raise InputError("names no parameter to fit", file=path, key="parameters")
-    return tuple(
-        _parameter(path, name, entry, columns) for name, entry in chosen.items()
-    )
-
-
-def _parameter(
-    path: Path, name: str, entry, columns: Mapping[str, InputColumn]
-) -> Parameter:
-    key = f"parameters.{name}"
-    if name not in columns:
-        unknown(path, key, name, columns)
-    if not isinstance(entry, dict):
-        raise InputError(
-            "must be a table like { start = 1.0, lower = 0.1, upper = 10.0 }, but is "
-            f"{entry!r}",
-            file=path,
-            key=key,
-        )
-    check_keys(path, key, entry, ("start", "lower", "upper", "prior"))
-    column = columns[name]
-    lower, upper = DEFAULT_BOUNDS.get(name, (None, None))
-    prior = (
-        read_prior(path, f"{key}.prior", entry["prior"]) if "prior" in entry else None
-    )
-    values = {"start": column.default, "lower": lower, "upper": upper} | entry
-    values.pop("prior", None)
-    for inner, value in values.items():
-        if value is None:
-            raise InputError(
-                f"is missing; {name} has no default bounds: say lower and upper",
-                file=path,
-                key=f"{key}.{inner}",
-            )
-        values[inner] = allowed(path, f"{key}.{inner}", column, value)
-    if not values["lower"] < values["upper"]:
-        raise InputError(
-            f"must be above lower, {values['lower']:g}, but is {values['upper']:g}",
-            file=path,
-            key=f"{key}.upper",
-        )
-    if not values["lower"] < values["start"] < values["upper"]:
-        stated = "is" if "start" in entry else "is not given, and the usual value is"
-        raise InputError(
-            f"must lie between {values['lower']:g} and {values['upper']:g}, but "
-            f"{stated} {values['start']:g}",
-            file=path,
-            key=f"{key}.start",
-        )
-    return Parameter(name, **values, prior=prior)
 
 
 def _variants(path: Path, content: dict, tests: Measurements) -> tuple[Variant, ...]:

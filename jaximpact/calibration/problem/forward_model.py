@@ -36,6 +36,7 @@ from ...scene import Scene
 from .bounds import Bounds
 from .config import Study, Variant
 from .derived_targets import WithRate, base_columns, derive
+from .expressions import Tied
 from .nuisance import SLOPE
 from .slope_correction import ANGLE, SIGN, as_stated, needed
 
@@ -239,6 +240,8 @@ class UnknownColumn(NamedTuple):
     """Index of the unknown of each test, shape (tests,)."""
     turns_ground: bool = False
     """Whether angle and orientation change with it."""
+    pooled: bool = False
+    """Whether it is the logarithm of a factor on the fitted parameter of its leaf."""
 
 
 def unknown_columns(study: Study, scene: Scene) -> list[UnknownColumn]:
@@ -257,9 +260,30 @@ def unknown_columns(study: Study, scene: Scene) -> list[UnknownColumn]:
     for nuisance in study.nuisances:
         factor, leaf = columns[nuisance.name].factor, leaves[nuisance.name]
         unknown, turns = first + nuisance.group, nuisance.turns_ground
-        found.append(UnknownColumn(leaf, factor, nuisance.base, unknown, turns))
+        found.append(
+            UnknownColumn(leaf, factor, nuisance.base, unknown, turns, nuisance.pooled)
+        )
         first += len(nuisance.groups)
     return found
+
+
+class TiedColumn(NamedTuple):
+    """Column of the scene that follows from the fitted parameters."""
+
+    leaf: int
+    """Index of the column's leaf in the scene."""
+    factor: float
+    """SI value of one unit of the column."""
+    tied: Tied
+
+
+def tied_columns(study: Study, scene: Scene) -> list[TiedColumn]:
+    """List the columns of the scene that are tied to fitted parameters."""
+    columns, leaves = columns_of(scene), leaf_places(scene)
+    return [
+        TiedColumn(leaves[tied.name], columns[tied.name].factor, tied)
+        for tied in study.tied
+    ]
 
 
 class ForwardModel:
@@ -280,6 +304,7 @@ class ForwardModel:
         self._leaf_of = leaf_places(self.scene)
         self._leaves = np.stack([np.asarray(x) for x in jax.tree.leaves(self.scene)])
         self._columns = unknown_columns(study, self.scene)
+        self._tied = tied_columns(study, self.scene)
 
     def _impacts(self, x) -> tuple[np.ndarray, np.ndarray]:
         """Build the leaves of the scenes, shape (leaves, lanes, tests), and the turn of
@@ -288,12 +313,25 @@ class ForwardModel:
         leaves = np.repeat(self._leaves[:, None], len(x), axis=1)
         turn = np.zeros(leaves.shape[1:])
         for column in self._columns:
-            leaves[column.leaf] = column.factor * (column.base + p[:, column.unknown])
+            own = p[:, column.unknown]
+            if column.pooled:
+                leaves[column.leaf] *= np.exp(own)
+                continue
+            leaves[column.leaf] = column.factor * (column.base + own)
             if column.turns_ground:
                 turn += column.factor * p[:, column.unknown]
         for name, sign in SIGN.items():
             leaves[self._leaf_of[name]] += sign * turn
+        for column, value, _ in self._tied_values(p):
+            leaves[column.leaf] = column.factor * value[:, None]
         return leaves, turn
+
+    def _tied_values(self, p):
+        """Compute the tied columns and their derivatives with respect to the
+        parameters p."""
+        names = tuple(parameter.name for parameter in self.study.parameters)
+        for column in self._tied:
+            yield column, *column.tied.evaluate(names, p[:, : len(names)])
 
     def _predict(self, x, wanted):
         """Compute predictions, outcomes and the Jacobian.
@@ -309,10 +347,23 @@ class ForwardModel:
         runs, of_lane = np.nonzero(wanted)
         impacts = leaves[:, of_lane].reshape(len(leaves), -1)
         directions = np.zeros((len(leaves), len(runs), tests))
+        p = self.bounds.parameter(x)
         for run, column in enumerate(self._columns):
-            directions[column.leaf, runs == run] = column.factor
+            here = of_lane[runs == run]
+            factor = column.factor
+            if column.pooled:
+                factor = leaves[column.leaf, here]
+            for other in self._columns:
+                if other.pooled and other.leaf == column.leaf and not column.pooled:
+                    factor = factor * np.exp(p[here][:, other.unknown])
+            directions[column.leaf, runs == run] = factor
             for name, sign in SIGN.items() if column.turns_ground else ():
                 directions[self._leaf_of[name], runs == run] = sign * column.factor
+        for column, _, slopes in self._tied_values(p):
+            for index in range(slopes.shape[1]):
+                here = runs == index
+                slope = column.factor * slopes[of_lane[here], index]
+                directions[column.leaf, here] = slope[:, None]
         directions = directions.reshape(len(leaves), -1)
         values, derivatives, outcomes = self.engine.run(
             impacts, directions, self.accuracy

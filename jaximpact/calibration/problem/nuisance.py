@@ -54,6 +54,8 @@ class Nuisance:
     upper: np.ndarray
     turns_ground: bool = False
     """Whether angle and orientation change with the slope."""
+    pooled: bool = False
+    """Whether it is the logarithm of a group's factor on a fitted parameter."""
 
     def label(self, group: int) -> str:
         """Return the name of a group's value."""
@@ -114,8 +116,13 @@ def open_nuisances(
     Raises InputError for new tests without a column to which the fit has added.
     """
     path, chosen = tests.files[0].path, {}
+    pooled = []
     for name, entry in entries.items():
         in_table = name in tests.inputs
+        if entry.get("pooled"):
+            sd = entry["prior"]["sd"]
+            pooled.append(pooled_nuisance(path, name, entry["by"], sd, tests))
+            continue
         if entry["added"] and not in_table:
             raise InputError(
                 f"has no column {name}, to which the fit added what it found",
@@ -124,7 +131,24 @@ def open_nuisances(
         if in_table and not entry["added"]:
             continue  # unknown in the fitted tests, known here
         chosen[name] = {key: entry[key] for key in entry if key != "added"}
-    return read_nuisances(path, {"nuisance": chosen}, tests, soil)
+    return (*read_nuisances(path, {"nuisance": chosen}, tests, soil), *pooled)
+
+
+def pooled_nuisance(
+    path: Path, name: str, by: str, sd: float, tests: Measurements
+) -> Nuisance:
+    """Make the groups' deviations from a fitted parameter: logarithms of factors, with
+    a normal prior of mean 0.
+
+    Args:
+        name: the fitted parameter, which is positive.
+        by: column of text whose values are the groups, or "row".
+        sd: standard deviation of the prior.
+    """
+    groups, group = _groups(path, f"parameters.{name}", by, tests)
+    reach = np.full(len(groups), REACH * sd)
+    prior, base = Prior(0.0, sd), np.zeros(len(tests))
+    return Nuisance(name, by, groups, group, prior, base, -reach, reach, pooled=True)
 
 
 def entries_of(nuisances: Iterable[Nuisance], tests: Measurements) -> dict[str, dict]:
@@ -137,6 +161,7 @@ def entries_of(nuisances: Iterable[Nuisance], tests: Measurements) -> dict[str, 
         n.name: {"by": n.by, "prior": dataclasses.asdict(n.prior)}
         | {"added": n.name in tests.inputs}
         | ({"turns_ground": True} if n.turns_ground else {})
+        | ({"pooled": True} if n.pooled else {})
         for n in nuisances
     }
 

@@ -96,7 +96,8 @@ class Objective(ForwardModel):
         arrays = self._leaves, self.sigma, study.measured, study.censored
         arrays += study.weights, self.prior_mean, self.prior_sd, *self.bounds
         arrays += tuple(part for column in self._columns for part in column)
-        return *arrays, study.targets, self.loss, self.accuracy, self.laws
+        ties = tuple(f"{t.name} = {t.text}, {dict(t.constants)}" for t in study.tied)
+        return *arrays, ties, study.targets, self.loss, self.accuracy, self.laws
 
     def at(self, accuracy: Accuracy) -> "Objective":
         """Return the objective with impacts of another accuracy."""

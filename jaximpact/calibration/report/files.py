@@ -205,6 +205,13 @@ def _manifest(result: StudyResult) -> dict:
             | ({"prior": dataclasses.asdict(p.prior)} if p.prior else {})
             for p in study.parameters
         },
+        **_if_any(
+            "tied",
+            {
+                tied.name: {"expression": tied.text, "constants": dict(tied.constants)}
+                for tied in study.tied
+            },
+        ),
         "nuisances": entries_of(study.nuisances, study.tests),
         "targets": list(study.targets),
         "weights": dict(zip(study.targets, _plain(study.weights), strict=True)),

@@ -162,6 +162,12 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
         )
         best = [found["parameters"][name]["value"] for name in names]
         fixed = content["manifest"]["soil"] | found["soil"]
+        if tied := content["manifest"].get("tied"):
+            raise InputError(
+                f"has {', '.join(tied)} tied to other parameters by an expression, "
+                "which a run-out does not take; say the values under [ground]",
+                file=file,
+            )
         calibrated = Calibrated(
             file=file,
             checksum=hashlib.sha256(data).hexdigest(),
