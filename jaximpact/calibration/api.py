@@ -18,7 +18,7 @@ from ..quantities import columns_of_part
 from ..scene import Block
 from ..soil import Soil
 from .arguments import study_of_arguments, table_given
-from .comparison.comparison import compare_study
+from .comparison.comparison import check_comparison, compare_study
 from .comparison.other_laws import NO_OTHERS, OtherLaws, fit_simple
 from .diagnostics.examination import Examination, examine
 from .diagnostics.nuts import check_extra
@@ -347,6 +347,10 @@ def fit_and_examine(
         check_extra()
     progress = as_progress(progress)
     compare = compare or study.compare is not None
+    if compare:
+        # Before the fit, which takes its time.
+        stated = study.compare or CompareTable()
+        check_comparison(study, stated.laws, stated.by)
     if out_dir is None:
         result = fit_study(study, progress=progress)
         examined = examine(result, posterior=posterior, progress=progress)

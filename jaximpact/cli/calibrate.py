@@ -208,6 +208,8 @@ def _run_slope(arguments: argparse.Namespace) -> None:
         raise InputError(
             "--posterior is for impacts; of a slope samples.csv has the posterior"
         )
+    if arguments.compare:
+        raise InputError("--compare is for impacts; a slope has the laws of its study")
     begin = time.monotonic()
     with resumable(), ProgressLines() as progress:
         found = calibrate_slope(arguments.study, arguments.out, progress=progress)

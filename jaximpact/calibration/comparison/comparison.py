@@ -86,6 +86,15 @@ class Compared(NamedTuple):
     """Laws that could not be fitted, with the reason."""
 
 
+def check_comparison(
+    study: Study, laws: Iterable[Law] | None, by: str | Sequence[str] | None
+) -> None:
+    """Raise InputError for laws or columns that `compare_study` would refuse."""
+    contenders_of(laws, study)
+    for name in _columns(study, by):
+        _groups(study, name)
+
+
 def compare_study(
     study: Study,
     laws: Iterable[Law] | None = None,

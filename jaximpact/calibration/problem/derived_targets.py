@@ -36,8 +36,9 @@ def base_columns(targets: tuple[str, ...]) -> tuple[str, ...]:
     """List the results from which targets are computed: those that are not derived,
     and the velocities where one is."""
     plain = [name for name in targets if name not in DERIVED]
-    derived = len(plain) < len(targets)
-    return tuple(dict.fromkeys([*plain, *(VELOCITIES if derived else ())]))
+    if len(plain) == len(targets):
+        return targets
+    return tuple(dict.fromkeys([*plain, *VELOCITIES]))
 
 
 def rebound_angle(v_n: WithRate, v_t: WithRate) -> WithRate:

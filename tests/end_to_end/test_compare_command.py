@@ -1,0 +1,104 @@
+"""`jaximpact calibrate` with a comparison of laws, and its files."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from calibration_studies import write_study_of
+from error_messages import assert_one_line_error
+
+from jaximpact.calibration import read_study
+from jaximpact.cli import main
+from jaximpact.errors import InputError
+
+STUDY = """
+data = "tests.csv"
+starts = 4
+[compare]
+laws = ["model", "constant coefficients", "Pfeiffer and Bowen", "my_laws.py:Halving"]
+by = "speed_mps"
+"""
+LAW = '''
+from jaximpact.parameters import parameter
+from jaximpact.rebound import AbstractRebound, Rebound
+
+class Halving(AbstractRebound):
+    """e_n of half its value at a speed."""
+
+    half_speed: float = parameter(
+        8.0, "m/s", "(0, inf)", "speed of half the rebound", usual=(1.0, 100.0)
+    )
+
+    def __call__(self, block, impact):
+        part = 1.0 / (1.0 + impact.speed / self.half_speed)
+        return Rebound(
+            -part * impact.normal_velocity,
+            0.8 * impact.tangential_velocity,
+            impact.angular_velocity,
+        )
+'''
+COLUMNS = ("mass_kg", "speed_mps", "angle_deg", "e_n", "max_penetration_m")
+
+
+def rows(count=10):
+    random = np.random.default_rng(0)
+    speeds = np.repeat([4.0, 7.0, 10.0, 14.0, 20.0], count // 5)
+    e_n = 1.0 / (1.0 + speeds / 6.0) + 0.01 * random.normal(size=count)
+    angles = np.tile([10.0, 40.0], count // 2)
+    depth = 0.02 * speeds
+    return [[100.0, *values] for values in zip(speeds, angles, e_n, depth, strict=True)]
+
+
+@pytest.mark.slow
+def test_a_study_compares_laws(tmp_path, capsys):
+    path = write_study_of(tmp_path, STUDY, COLUMNS, rows())
+    (tmp_path / "my_laws.py").write_text(LAW)
+    out = tmp_path / "out"
+    assert main(["calibrate", str(path), "--out", str(out)]) == 0
+    text = capsys.readouterr().out
+    assert "Laws compared" in text
+    assert "Left out: max_penetration_m" in text
+    assert "Halving predicts a test that it has not seen better" in text
+    page = (out / "report.html").read_text()
+    assert "Which law the tests prefer" in page
+    assert (out / "report" / "comparison.png").exists()
+    tree = json.loads((out / "fit.json").read_text())
+    assert tree["comparison"]["preferred"] == "Halving"
+    # Six standard errors of a tenth.
+    (own,) = (law for law in tree["comparison"]["laws"] if law["law"] == "Halving")
+    assert own["values"] == pytest.approx([6.0], abs=0.6)
+    assert [law["law"] for law in tree["simple_laws"]] == [
+        "constant coefficients",
+        "Pfeiffer and Bowen",
+    ]
+    lines = list(csv.DictReader((out / "comparison.csv").read_text().splitlines()))
+    assert {line["law"] for line in lines} >= {"model", "Halving"}
+    assert len(lines) == 4 * len(rows())
+    # Predictions stand beside those of the simple laws, of the file too.
+    assert main(["predict", str(out), str(tmp_path / "tests.csv")]) == 0
+    text = capsys.readouterr().out
+    assert "Simple laws fitted to the same tests" in text
+    assert "constant coefficients" in text
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("laws = 3", "must be a name or a list of names, but is 3"),
+        ("law = ['model']", "did you mean laws"),
+    ],
+)
+def test_a_table_that_cannot_be_read_is_refused(table, words, tmp_path):
+    text = f'data = "tests.csv"\n[compare]\n{table}\n'
+    path = write_study_of(tmp_path, text, COLUMNS, rows())
+    with pytest.raises(InputError) as error:
+        read_study(path)
+    assert words in str(error.value)
+
+
+def test_an_unknown_law_is_refused_in_one_line(tmp_path, capsys):
+    text = STUDY.replace("Pfeiffer and Bowen", "Pfeifer")
+    path = write_study_of(tmp_path, text, COLUMNS, rows())
+    assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) != 0
+    assert_one_line_error(capsys, "did you mean")
