@@ -136,9 +136,11 @@ class ReboundEngine(Engine):
         return *found, np.full(count, float(Outcome.detached))
 
     def run_values(
-        self, leaves: np.ndarray, accuracy: Accuracy
+        self, leaves: np.ndarray, accuracy: Accuracy, of: int = 0
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Compute results without derivatives."""
+        """Compute results without derivatives; the number of impacts to come, `of`, has
+        no meaning."""
+        del of
         values, _, outcomes = self.run(leaves, np.zeros_like(leaves), accuracy)
         return values, outcomes
 
