@@ -30,9 +30,13 @@ def outcomes_in_words(codes) -> np.ndarray:
 def count_outcomes(summary: ImpactSummary) -> dict[str, int]:
     """Count the impacts that ended in each way; ways that did not occur are left
     out."""
-    codes = np.asarray(summary.outcome_code).astype(int)
-    counts = {str(outcome): int(np.sum(codes == outcome)) for outcome in Outcome}
-    return {words: count for words, count in counts.items() if count}
+    return count_words(outcomes_in_words(summary.outcome_code))
+
+
+def count_words(words: np.ndarray) -> dict[str, int]:
+    """Count the outcomes of each kind; those that do not occur are left out."""
+    counts = {str(outcome): int(np.sum(words == str(outcome))) for outcome in Outcome}
+    return {word: count for word, count in counts.items() if count}
 
 
 @collector_paused()

@@ -31,8 +31,9 @@ LAYERS = """
     io
     plotting
     result
+    tasks
     simulation
-    batch sweeping impact_response
+    batch lazy sweeping impact_response
     rebound
     calibration
     sensitivity
