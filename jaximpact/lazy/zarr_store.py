@@ -11,7 +11,7 @@ import json
 import math
 import os
 import shutil
-from collections.abc import Hashable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -49,22 +49,33 @@ class _Layout(NamedTuple):
     """Regions of a dataset."""
 
     dims: tuple[str, ...]
+    """Dimensions that have several chunks."""
+    lengths: tuple[tuple[int, ...], ...]
+    """Lengths of the regions along each of them."""
     names: tuple[str, ...]
     """Variables over all of these dimensions, which are written by region."""
-    lengths: tuple[tuple[int, ...], ...]
-    """Lengths of the regions along each dimension."""
 
     @property
     def shape(self) -> tuple[int, ...]:
         return tuple(map(len, self.lengths))
 
-    def region(self, block: tuple[int, ...]) -> dict[str, slice]:
+    def region(self, number: int) -> dict[str, slice]:
         """Slices of a region, by dimension."""
-        ends = [np.concatenate([[0], np.cumsum(of)]) for of in self.lengths]
-        return {
-            dim: slice(int(end[place]), int(end[place + 1]))
-            for dim, end, place in zip(self.dims, ends, block, strict=True)
-        }
+        found = {}
+        for dim, lengths, place in zip(
+            self.dims, self.lengths, np.unravel_index(number, self.shape), strict=True
+        ):
+            start = sum(lengths[:place])
+            found[dim] = slice(start, start + lengths[place])
+        return found
+
+    def chunks(self, variable: xr.DataArray) -> tuple[int, ...]:
+        """Lengths of the chunks of a variable in the store: those of its regions."""
+        lengths = dict(zip(self.dims, self.lengths, strict=True))
+        return tuple(
+            max(1, *lengths.get(str(dim), (size,)))
+            for dim, size in zip(variable.dims, variable.shape, strict=True)
+        )
 
 
 def write_zarr(
@@ -125,35 +136,38 @@ def write_zarr(
 
 def _layout_of(dataset: xr.Dataset) -> _Layout:
     """Find the regions; InputError where chunks do not make any."""
-    largest = max((v for v in dataset.data_vars.values()), key=lambda v: v.ndim)
-    names = [
-        str(n) for n, v in dataset.data_vars.items() if set(v.dims) == {*largest.dims}
-    ]
-    lengths: dict[Hashable, tuple[int, ...]] = dict(dataset[names].chunksizes)
-    found = []
-    for dim in largest.dims:
-        parts = lengths.get(dim, (dataset.sizes[dim],))
+    several = {dim: of for dim, of in dataset.chunksizes.items() if len(of) > 1}
+    for dim, parts in several.items():
         sizes = [length for length in parts if length]
         if len({*sizes[:-1]}) > 1 or (sizes and sizes[-1] > sizes[0]):
             raise InputError(
                 f"chunks along {dim} must have one length, but for a last one that may "
                 f"be shorter, but have lengths {parts[:8]}; use dataset.chunk"
             )
-        found.append(tuple(parts))
-    return _Layout(tuple(map(str, largest.dims)), tuple(names), tuple(found))
+    dims = tuple(str(dim) for dim in dataset.sizes if dim in several)
+    names = [
+        str(name)
+        for name, variable in dataset.data_vars.items()
+        if variable.chunks is not None and {*dims} <= {*variable.dims}
+    ]
+    if not names:
+        raise InputError(
+            "the dataset holds no lazy variable over all dimensions that have several "
+            "chunks; use dataset.chunk, or to_zarr of xarray for what is computed"
+        )
+    return _Layout(dims, tuple(several[dim] for dim in dims), tuple(names))
 
 
 def _begin(path: Path, dataset: xr.Dataset, layout: _Layout) -> None:
     """Make the store without its regions; it appears whole or not at all."""
     array = needed("dask.array", "a store of Zarr")
     zarr = needed("zarr", "a store of Zarr")
-    lengths = tuple(max(1, *of) for of in layout.lengths)
-    shape = tuple(map(sum, layout.lengths))
     template, encoding = dataset.drop_vars(layout.names).compute(), {}
     for name in layout.names:
         held = dataset[name]
-        empty = array.empty(shape, dtype=held.dtype, chunks=lengths)
-        template[name] = (layout.dims, empty, held.attrs)
+        lengths = layout.chunks(held)
+        empty = array.empty(held.shape, dtype=held.dtype, chunks=lengths)
+        template[name] = (held.dims, empty, held.attrs)
         encoding[name] = {"chunks": lengths}
     for variable in template.variables.values():
         variable.encoding = {}
@@ -195,12 +209,11 @@ def _check_same(path: Path, dataset: xr.Dataset, layout: _Layout) -> None:
                 f"{asked.get(key)}; move it, or choose another name",
                 file=path,
             )
-    lengths = tuple(max(1, *of) for of in layout.lengths)
     for name in {*map(str, there.variables), *map(str, dataset.variables)}:
         if name in layout.names and name in there:
             held, asked_for = there[name], dataset[name]
             same = (held.sizes, held.dtype) == (asked_for.sizes, asked_for.dtype)
-            same &= held.encoding["chunks"] == lengths
+            same &= held.encoding["chunks"] == layout.chunks(asked_for)
         else:
             same = name in there.variables and name in dataset.variables
             same = same and there[name].variable.identical(
@@ -228,30 +241,26 @@ def _read_marks(path: Path) -> np.ndarray:
 class _Writer:
     """Function that writes a block to its region, and marks it."""
 
-    def __init__(self, path: Path, layout: _Layout):
-        self.path, self.layout = path, layout
+    def __init__(self, path: Path, layout: _Layout, dims: tuple[tuple, ...]):
+        self.path, self.layout, self.dims = path, layout, dims
 
-    def __call__(self, *values: np.ndarray, block_id: tuple[int, ...]) -> np.ndarray:
-        dims, names, _ = self.layout
+    def __call__(self, number: np.ndarray, *values: np.ndarray) -> np.ndarray:
+        names, place = self.layout.names, int(number.item())
+        region = self.layout.region(place)
         counts = np.zeros(len(Outcome), int)
-        if values[0].size:
-            # Zarr takes strided arrays apart slowly.
-            held = {
-                name: (dims, np.ascontiguousarray(of))
-                for name, of in zip(names, values, strict=True)
-            }
+        if all(of.stop > of.start for of in region.values()):
+            held = dict(zip(names, zip(self.dims, values, strict=True), strict=True))
             xr.Dataset(held).to_zarr(
                 self.path,
-                region=self.layout.region(block_id),
+                region=region,
                 consolidated=False,
                 zarr_format=FORMAT,
             )
             if OUTCOME_COLUMN in names:
                 words = values[names.index(OUTCOME_COLUMN)]
                 counts[:] = [np.sum(words == str(outcome)) for outcome in Outcome]
-        place = np.ravel_multi_index(block_id, self.layout.shape)
-        _marks(self.path, "r+")[int(place)] = counts
-        return np.ones((1,) * len(dims), bool)
+        _marks(self.path, "r+")[place] = counts
+        return np.ones_like(number, bool)
 
 
 def _compute(
@@ -265,21 +274,29 @@ def _compute(
     """Compute and write the regions that are missing."""
     array = needed("dask.array", "a store of Zarr")
     base = needed("dask.base", "a store of Zarr")
-    values = []
+    total, rank = math.prod(layout.shape), len(layout.dims)
+    numbers = array.from_array(np.arange(total).reshape(layout.shape), chunks=1)
+    operands: list = [numbers, layout.dims]
+    dims = []
     for name in layout.names:
-        data = dataset[name].transpose(*layout.dims).data
-        values.append(array.asarray(data).rechunk(layout.lengths))
-    written = array.map_blocks(
-        _Writer(path, layout),
-        *values,
+        ordered = dataset[name].transpose(*layout.dims, ...)
+        # Other dimensions, which have one chunk, are taken whole.
+        further = tuple(f"{name} {dim}" for dim in ordered.dims[rank:])
+        operands += [ordered.data, (*layout.dims, *further)]
+        dims.append(ordered.dims)
+    written = array.blockwise(
+        _Writer(path, layout, tuple(dims)),
+        layout.dims,
+        *operands,
         dtype=bool,
-        chunks=tuple((1,) * len(of) for of in layout.lengths),
-        meta=np.empty((0,) * len(layout.dims), bool),
+        align_arrays=False,
+        concatenate=True,
+        adjust_chunks=dict.fromkeys(layout.dims, 1),
+        meta=np.empty((0,) * rank, bool),
     )
     regions = written.to_delayed().ravel()[missing].tolist()
     engine = base.get_scheduler(collections=[written])
     client = getattr(engine, "__self__", None)
-    total = math.prod(layout.shape)
     tell = functools.partial(_tell, told, found, total)
     if client is not None and hasattr(client, "scheduler_info"):
         _on_client(client, regions, tell)
@@ -291,7 +308,7 @@ def _tell(told: Progress, found: int, total: int, done: int) -> None:
     told("regions", found + done, total)
 
 
-def _on_client(client: Any, regions: list, tell) -> None:
+def _on_client(client: Any, regions: list, tell: Callable[[int], None]) -> None:
     """Have a client compute regions. What a killed worker had is computed by another;
     where Dask gives a region up since too many workers died over it, the others go
     on."""
@@ -317,7 +334,7 @@ def _on_client(client: Any, regions: list, tell) -> None:
         )
 
 
-def _on_this_machine(regions: list, tell) -> None:
+def _on_this_machine(regions: list, tell: Callable[[int], None]) -> None:
     """Compute regions by the scheduler of Dask that is set, threads by default."""
     dask, callbacks = needed("dask", "a store"), needed("dask.callbacks", "a store")
     keys, done = {region.key for region in regions}, []

@@ -5,6 +5,7 @@ ended, its first passage of each collector, and its largest height, speed and en
 each bin of x. Rows go to the journal; the pieces of trajectories are not kept.
 """
 
+import concurrent.futures
 import contextlib
 import json
 import time
@@ -19,6 +20,7 @@ from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import columns_of_part
 from ...scene_quantities import SHAPE, text_of
 from ...shapes import MixedShapes
+from ...tasks import Task, check_executor, run_tasks
 from ...units import DEGREE
 from ..analysis import Maxima, first_passages, maxima_along, passages
 from ..blocks import Release, select
@@ -63,6 +65,10 @@ ENVELOPES = {
 PERCENTILES = (50, 90, 95, 99)
 FIRST_PORTION = 64
 """Number of blocks of the first portion."""
+PORTIONS = 64
+"""Number of portions that an executor gets, if they are neither small nor large."""
+LARGEST_PORTION = 1024
+"""Largest number of blocks of such a portion, which a worker may lose."""
 QUICK = 2.0
 """Time of a portion [s] below which the next has twice the size."""
 
@@ -72,6 +78,7 @@ def run_slope_study(
     *,
     journal: Path | None = None,
     progress: Progress | ProgressFunction | None = None,
+    executor: concurrent.futures.Executor | None = None,
 ) -> xr.Dataset:
     """Compute all blocks of a study.
 
@@ -80,6 +87,8 @@ def run_slope_study(
         journal: file that keeps finished blocks: those in it already are not computed
             again. The caller has to remove it.
         progress: called as `progress(done, blocks)`.
+        executor: computes portions of the blocks in other processes, as for
+            `simulate_batch`. No result depends on it.
 
     Returns:
         A dataset over blocks, collectors if there are any, and bins along the profile;
@@ -100,24 +109,77 @@ def run_slope_study(
         if store is not None:
             places, numbers = store.rows()
             rows[places], done[places] = numbers, True
-        size, waiting = FIRST_PORTION, np.flatnonzero(~done)
-        while len(waiting):
-            portion, waiting = waiting[:size], waiting[size:]
-            before = len(rows) - len(waiting) - len(portion)
-            start = time.monotonic()
-            runs = simulate(
-                study,
-                portion,
-                lambda done, _, before=before: progress(
-                    "blocks", before + done, len(rows)
-                ),
-            )
-            rows[portion] = summarise(study, runs)
-            if store is not None:
-                store.append(portion, rows[portion])
-            if time.monotonic() - start < QUICK:
-                size = min(2 * size, WIDTH)
+        if executor is None:
+            _run_here(study, rows, done, store, progress)
+        else:
+            _run_elsewhere(executor, study, rows, done, store, progress)
     return _dataset(study, rows)
+
+
+def _run_here(
+    study: SlopeStudy,
+    rows: np.ndarray,
+    done: np.ndarray,
+    store: Journal | None,
+    progress: Progress,
+) -> None:
+    """Compute the blocks that are not done, portion by portion."""
+    size, waiting = FIRST_PORTION, np.flatnonzero(~done)
+    while len(waiting):
+        portion, waiting = waiting[:size], waiting[size:]
+        before = len(rows) - len(waiting) - len(portion)
+        start = time.monotonic()
+        runs = simulate(
+            study,
+            portion,
+            lambda done, _, before=before: progress("blocks", before + done, len(rows)),
+        )
+        rows[portion] = summarise(study, runs)
+        if store is not None:
+            store.append(portion, rows[portion])
+        if time.monotonic() - start < QUICK:
+            size = min(2 * size, WIDTH)
+
+
+def _run_elsewhere(
+    executor: concurrent.futures.Executor,
+    study: SlopeStudy,
+    rows: np.ndarray,
+    done: np.ndarray,
+    store: Journal | None,
+    progress: Progress,
+) -> None:
+    """Compute the blocks that are not done by the workers of an executor."""
+    check_executor(executor)
+    waiting = np.flatnonzero(~done)
+    size = int(np.clip(-(-len(waiting) // PORTIONS), FIRST_PORTION, LARGEST_PORTION))
+    portions = [waiting[i : i + size] for i in range(0, len(waiting), size)]
+    finished = len(rows) - len(waiting)
+
+    def take(number: int, found: np.ndarray) -> None:
+        nonlocal finished
+        portion = portions[number]
+        rows[portion] = found
+        if store is not None:
+            store.append(portion, found)
+        finished += len(portion)
+        progress("blocks", finished, len(rows))
+
+    run_tasks(executor, (task_of(study, portion) for portion in portions), take)
+
+
+def task_of(study: SlopeStudy, chosen: np.ndarray) -> Task:
+    """Make the task that computes the rows of some blocks, and holds no others."""
+    release = study.release
+    some = Release(select(release.block, chosen), *select(release.body, chosen))
+    part = study._replace(
+        release=some, ground=study.ground.of_blocks(chosen), ground_samples={}
+    )
+    return Task(_rows_of, part)
+
+
+def _rows_of(study: SlopeStudy) -> np.ndarray:
+    return summarise(study, simulate(study, np.arange(study.release.count)))
 
 
 def simulate(
