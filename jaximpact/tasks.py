@@ -53,6 +53,7 @@ class Task:
                 "module or a file, not inside a function"
             ) from error
         self.payload = stream.getvalue()
+        self.__name__ = function.__name__  # by which engines show it
         self.cache = os.environ.get(CACHE_VARIABLE)
 
     def __call__(self, *further) -> Any:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from .._packages import needed
 from ..accuracy import Accuracy
 from ..errors import InputError
 from ..io.checks import check_scene
@@ -13,7 +14,6 @@ from ..io.datasets import impact_attributes, shapes_attribute
 from ..scene import Scene
 from ..scene_quantities import SHAPE, scene_values, scene_with, with_shapes
 from .impacts import result_variables
-from .packages import needed
 
 BLOCK_BYTES = 8 * 2**17
 """Bytes of one number of all impacts of a block where chunks are "auto": 131 072

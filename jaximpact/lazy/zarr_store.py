@@ -19,6 +19,7 @@ import numpy as np
 import xarray as xr
 
 from .._checks import expect
+from .._packages import needed
 from ..errors import IncompleteError, InputError
 from ..impact.termination import Outcome
 from ..interruption import unfinished
@@ -27,7 +28,6 @@ from ..io.files import check_writable, locked
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import OUTCOME_COLUMN
 from ..tasks import is_loss
-from .packages import needed
 
 FORMAT = 2
 """Format of the stores: the one in which texts of a fixed length are specified."""

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from ..._checks import whole_number
-from ...lazy.packages import needed
+from ..._packages import needed
 from .block_rows import (
     BLOCK_NUMBERS,
     ENVELOPES,

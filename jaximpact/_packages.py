@@ -3,7 +3,7 @@
 import importlib
 from typing import Any
 
-from ..errors import InputError
+from .errors import InputError
 
 
 def needed(package: str, what: str) -> Any:
@@ -14,12 +14,14 @@ def needed(package: str, what: str) -> Any:
 
     Raises InputError, with the cure, where it is not installed.
     """
+    top = package.partition(".")[0]
     try:
-        return importlib.import_module(package)
+        importlib.import_module(top)
     except ModuleNotFoundError as error:
-        if error.name != package.partition(".")[0]:
+        if error.name != top:
             raise
         raise InputError(
-            f"{what} needs the package {error.name}, which is not installed: pip "
-            "install 'jaximpact[cluster]'"
+            f"{what} needs the package {top}, which is not installed: pip install "
+            "'jaximpact[cluster]'"
         ) from None
+    return importlib.import_module(package)
