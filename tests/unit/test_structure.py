@@ -20,8 +20,8 @@ import jaximpact
 from jaximpact.cli import main
 
 LAYERS = """
-    errors _types _safe _checks _jax_internals _precision _gc_pause _packages _versions units
-    interruption progress store finding
+    errors _types _safe _checks _jax_internals _precision _gc_pause _versions units
+    _packages interruption progress store finding
     parameters identity accuracy
     shapes laws soil scene
     quantities scene_quantities
