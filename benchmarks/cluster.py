@@ -119,9 +119,11 @@ def main() -> None:
             told |= measure(lambda: sweep(Scene(), axes, accuracy=asked.accuracy))
         print(json.dumps(told), flush=True)
         return
+    import dask
     from distributed import Client, LocalCluster
 
     with (
+        dask.config.set({"distributed.deploy.lost-worker-timeout": "10 minutes"}),
         LocalCluster(
             n_workers=asked.workers, threads_per_worker=1, dashboard_address=":0"
         ) as cluster,

@@ -10,6 +10,9 @@ from ..errors import InputError
 
 LOST = 10
 """Workers that may die over a part before Dask gives it up."""
+STARTING = "10 minutes"
+"""How long a worker that died may take to start again before it is given up; a busy
+machine takes longer than the 15 s of Dask, and then nobody computes."""
 PATIENCE = "20s"
 """How long a scheduler that does not answer is waited for."""
 
@@ -56,6 +59,7 @@ def engine_of(arguments: argparse.Namespace) -> Iterator[Executor | None]:
     option = "--workers" if arguments.scheduler is None else "--scheduler"
     dask, distributed = needed("dask", option), needed("distributed", option)
     settings = {
+        "distributed.deploy.lost-worker-timeout": STARTING,
         "distributed.scheduler.allowed-failures": LOST,
         "distributed.comm.timeouts.connect": PATIENCE,
         "distributed.admin.large-graph-warning-threshold": "1GB",

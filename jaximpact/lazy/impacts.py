@@ -179,7 +179,9 @@ def result_variables(
             output_dtypes=[float],
             dask="parallelized",
             dask_gufunc_kwargs={"output_sizes": {NUMBER: width}},
-        ).transpose(*dimensions, NUMBER)
+        )
+        if stack.dims[:-1] != tuple(dimensions):
+            stack = stack.transpose(*dimensions, NUMBER)
 
     def one(field: str) -> xr.Variable:
         return _apply(_entry, stack, float, place=places[field])
@@ -197,6 +199,13 @@ def result_variables(
 
 
 def _apply(function, stack: xr.Variable, dtype, **how) -> xr.Variable:
+    """Take something out of the numbers of impacts, block by block."""
+    data = stack.data
+    if hasattr(data, "map_blocks"):
+        # One task a block; apply_ufunc makes two.
+        last = data.ndim - 1
+        taken = data.map_blocks(function, dtype=dtype, drop_axis=last, **how)
+        return xr.Variable(stack.dims[:-1], taken)
     return xr.apply_ufunc(
         function,
         stack,

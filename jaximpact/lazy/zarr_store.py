@@ -241,6 +241,8 @@ def _read_marks(path: Path) -> np.ndarray:
 class _Writer:
     """Function that writes a block to its region, and marks it."""
 
+    __name__ = "write_region"  # by which Dask shows it
+
     def __init__(self, path: Path, layout: _Layout, dims: tuple[tuple, ...]):
         self.path, self.layout, self.dims = path, layout, dims
 
@@ -279,7 +281,9 @@ def _compute(
     operands: list = [numbers, layout.dims]
     dims = []
     for name in layout.names:
-        ordered = dataset[name].transpose(*layout.dims, ...)
+        ordered = dataset[name]
+        if ordered.dims[:rank] != layout.dims:  # else it would cost a task a region
+            ordered = ordered.transpose(*layout.dims, ...)
         # Other dimensions, which have one chunk, are taken whole.
         further = tuple(f"{name} {dim}" for dim in ordered.dims[rank:])
         operands += [ordered.data, (*layout.dims, *further)]

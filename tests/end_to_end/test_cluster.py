@@ -8,6 +8,7 @@ import signal
 import threading
 from concurrent.futures import Executor, ProcessPoolExecutor
 
+import dask
 import distributed
 import joblib
 import numpy as np
@@ -43,7 +44,10 @@ IMPACT = Impact.from_degrees(angle=30.0, orientation=20.0)
 
 @pytest.fixture(scope="module")
 def client():
+    # A busy machine takes longer than 15 s to start a worker that was killed again.
+    patience = {"distributed.deploy.lost-worker-timeout": "10 minutes"}
     with (
+        dask.config.set(patience),
         distributed.LocalCluster(
             n_workers=2,
             threads_per_worker=1,
