@@ -4,7 +4,7 @@ import functools
 import json
 import warnings
 from collections.abc import Hashable, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -200,7 +200,7 @@ def result_variables(
 
 def _apply(function, stack: xr.Variable, dtype, **how) -> xr.Variable:
     """Take something out of the numbers of impacts, block by block."""
-    data = stack.data
+    data: Any = stack.data
     if hasattr(data, "map_blocks"):
         # One task a block; apply_ufunc makes two.
         last = data.ndim - 1

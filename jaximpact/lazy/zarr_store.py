@@ -59,14 +59,19 @@ class _Layout(NamedTuple):
     def shape(self) -> tuple[int, ...]:
         return tuple(map(len, self.lengths))
 
-    def region(self, number: int) -> dict[str, slice]:
-        """Slices of a region, by dimension."""
-        found = {}
-        for dim, lengths, place in zip(
-            self.dims, self.lengths, np.unravel_index(number, self.shape), strict=True
-        ):
-            start = sum(lengths[:place])
-            found[dim] = slice(start, start + lengths[place])
+    def regions(self) -> np.ndarray:
+        """Number, first index and end of each region, as an array of the regions'
+        shape: a block is given its own, whatever the number of all."""
+        rank = len(self.dims)
+        kind = [("number", int), ("start", int, (rank,)), ("stop", int, (rank,))]
+        found = np.empty(self.shape, kind)
+        found["number"] = np.arange(found.size).reshape(self.shape)
+        for axis, lengths in enumerate(self.lengths):
+            along = [1] * rank
+            along[axis] = -1
+            stops = np.cumsum(lengths)
+            found["stop"][..., axis] = stops.reshape(along)
+            found["start"][..., axis] = (stops - lengths).reshape(along)
         return found
 
     def chunks(self, variable: xr.DataArray) -> tuple[int, ...]:
@@ -243,26 +248,30 @@ class _Writer:
 
     __name__ = "write_region"  # by which Dask shows it
 
-    def __init__(self, path: Path, layout: _Layout, dims: tuple[tuple, ...]):
-        self.path, self.layout, self.dims = path, layout, dims
+    def __init__(self, path: Path, layout: _Layout, of_each: tuple[tuple, ...]):
+        self.path, self.of_each = path, of_each
+        self.dims, self.names = layout.dims, layout.names
 
-    def __call__(self, number: np.ndarray, *values: np.ndarray) -> np.ndarray:
-        names, place = self.layout.names, int(number.item())
-        region = self.layout.region(place)
+    def __call__(self, place: np.ndarray, *values: np.ndarray) -> np.ndarray:
+        number, start, stop = place.item()
+        region = {
+            dim: slice(int(first), int(end))
+            for dim, first, end in zip(self.dims, start, stop, strict=True)
+        }
         counts = np.zeros(len(Outcome), int)
         if all(of.stop > of.start for of in region.values()):
-            held = dict(zip(names, zip(self.dims, values, strict=True), strict=True))
-            xr.Dataset(held).to_zarr(
+            pairs = zip(self.of_each, values, strict=True)
+            xr.Dataset(dict(zip(self.names, pairs, strict=True))).to_zarr(
                 self.path,
                 region=region,
                 consolidated=False,
                 zarr_format=FORMAT,
             )
-            if OUTCOME_COLUMN in names:
-                words = values[names.index(OUTCOME_COLUMN)]
+            if OUTCOME_COLUMN in self.names:
+                words = values[self.names.index(OUTCOME_COLUMN)]
                 counts[:] = [np.sum(words == str(outcome)) for outcome in Outcome]
-        _marks(self.path, "r+")[place] = counts
-        return np.ones_like(number, bool)
+        _marks(self.path, "r+")[number] = counts
+        return np.ones(place.shape, bool)
 
 
 def _compute(
@@ -277,8 +286,8 @@ def _compute(
     array = needed("dask.array", "a store of Zarr")
     base = needed("dask.base", "a store of Zarr")
     total, rank = math.prod(layout.shape), len(layout.dims)
-    numbers = array.from_array(np.arange(total).reshape(layout.shape), chunks=1)
-    operands: list = [numbers, layout.dims]
+    places = array.from_array(layout.regions(), chunks=1)
+    operands: list = [places, layout.dims]
     dims = []
     for name in layout.names:
         ordered = dataset[name]
