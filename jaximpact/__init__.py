@@ -9,6 +9,7 @@ _MODULES = {
     "io.datasets": ("read_netcdf", "write_netcdf"),
     "impact.reduced_models": ("select_model",),
     "impact.termination": ("Outcome",),
+    "lazy": ("simulate_dataset", "write_zarr"),
     "paper.sets": ("parametric_set",),
     "rebound": (
         "AnglePowerLaw",

@@ -8,6 +8,7 @@ from .impact.reduced_models import select_model
 from .impact.summary import EnergyLedger
 from .impact.termination import Outcome
 from .io.datasets import read_netcdf, write_netcdf
+from .lazy import simulate_dataset, write_zarr
 from .paper.sets import parametric_set
 from .rebound import (
     AnglePowerLaw,
@@ -56,8 +57,10 @@ __all__ = [
     "select_model",
     "simulate",
     "simulate_batch",
+    "simulate_dataset",
     "sobol",
     "sweep",
     "vijayakumar_coefficient",
     "write_netcdf",
+    "write_zarr",
 ]

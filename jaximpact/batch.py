@@ -8,6 +8,7 @@ programs (`backend.xla_backend`).
 
 import concurrent.futures
 import contextlib
+import contextvars
 import dataclasses
 import hashlib
 import threading
@@ -42,6 +43,14 @@ from .scene import Block, Impact, Scene, as_scene, shape_of
 from .shapes import MixedShapes
 from .simulation import ImpactResult
 from .soil import Soil
+from .tasks import Task, check_executor, run_tasks
+
+PARTS = 32
+"""Parts that an executor gets of a batch, if they are neither small nor large."""
+LEAST_PART = 256
+"""Impacts of a part that are worth sending: some 20 ms of work."""
+LARGEST_PART = 16_384
+"""Impacts of a part that a worker may lose: about a second of work."""
 
 
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
@@ -100,6 +109,7 @@ def simulate_batch(
     journal: Path | None = None,
     progress: Progress | ProgressFunction | None = None,
     timing: dict | None = None,
+    executor: concurrent.futures.Executor | None = None,
 ) -> ImpactResult:
     """Simulate many impacts.
 
@@ -117,7 +127,11 @@ def simulate_batch(
             remove it once the results are safe.
         progress: called as `progress(done, n)` as results come in.
         timing: a dictionary that receives `compile_s`, `run_s`, `impacts` (the number
-            computed) and `engine` ("machine code" or "XLA").
+            computed) and `engine` ("machine code", "XLA" or "executor").
+        executor: computes parts of the scenes in other processes, each on one thread:
+            a pool of processes that are no forks, `client.get_executor()` of a client
+            of Dask, or another with the interface of `concurrent.futures.Executor`.
+            No result depends on it.
 
     Returns:
         `ImpactResult` with arrays `(n,)` in the order given. A scene that cannot be
@@ -130,8 +144,11 @@ def simulate_batch(
     Raises:
         ValueError: a value out of its range, naming the scene.
         InputError: a journal of other scenes, settings, laws, shapes or versions.
+        IncompleteError: workers of the executor were lost for good.
     """
     require_float64()
+    if executor is not None:
+        check_executor(executor)
     setting = get_accuracy(accuracy)
     real_number("model_tolerance", model_tolerance, least=0.0)
     scene = as_scene(scene, soil, impact)
@@ -148,23 +165,96 @@ def simulate_batch(
         opened = Journal(journal, subject, names, count)
     with opened as kept:
         collector = Collector(len(names), count, kept, as_progress(progress))
-        compute_scenes(
-            scene,
-            setting,
-            lambda places, of_places: collector.take(
-                places, np.stack(jax.tree.leaves(of_places), axis=-1)
-            ),
-            places=np.flatnonzero(collector.missing),
-            model_tolerance=model_tolerance,
-            ledger=ledger,
-            timing=timing,
-        )
+        missing = np.flatnonzero(collector.missing)
+        if executor is None:
+            compute_scenes(
+                scene,
+                setting,
+                lambda places, of_places: collector.take(places, _rows(of_places)),
+                places=missing,
+                model_tolerance=model_tolerance,
+                ledger=ledger,
+                timing=timing,
+            )
+        else:
+            how = setting, model_tolerance, ledger
+            _compute_elsewhere(executor, scene, missing, collector.take, how, timing)
     return ImpactResult(
         **vars(jax.tree.unflatten(structure, list(collector.numbers))),
         scene=scene,
         accuracy=setting,
         model_tolerance=model_tolerance,
     )
+
+
+def _rows(numbers: ImpactSummary) -> np.ndarray:
+    """Numbers of impacts as rows `(impacts, numbers)`."""
+    return np.stack(jax.tree.leaves(numbers), axis=-1)
+
+
+def compute_part(
+    scene: Scene,
+    count: int,
+    accuracy: Accuracy,
+    model_tolerance: float,
+    ledger: bool = False,
+) -> np.ndarray:
+    """Compute scenes that were checked, and return their numbers.
+
+    Args:
+        scene: fields that broadcast to `(count,)`.
+        count: from 1.
+        accuracy, model_tolerance, ledger: as for `simulate_batch`.
+
+    Returns:
+        Rows `(count, numbers)`, in the order of the leaves of `ImpactSummary`.
+    """
+    rows = np.empty((count, len(jax.tree.leaves(empty_summary(ledger)))))
+
+    def keep(places: np.ndarray, numbers: ImpactSummary) -> None:
+        rows[places] = _rows(numbers)
+
+    every = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count,)), scene)
+    compute_scenes(
+        every, accuracy, keep, model_tolerance=model_tolerance, ledger=ledger
+    )
+    return rows
+
+
+def _compute_elsewhere(
+    executor: concurrent.futures.Executor,
+    scene: Scene,
+    places: np.ndarray,
+    take: Callable[[np.ndarray, np.ndarray], None],
+    how: tuple,
+    timing: dict | None,
+) -> None:
+    """Compute the scenes of some places by the workers of an executor."""
+    size = int(np.clip(-(-len(places) // PARTS), LEAST_PART, LARGEST_PART))
+    parts = [places[i : i + size] for i in range(0, len(places), size)]
+
+    def chosen(leaf: np.ndarray, part: np.ndarray) -> np.ndarray:
+        # What is the same for all is sent once.
+        return leaf[0] if leaf.strides == (0,) else leaf[part]
+
+    begin = time.perf_counter()
+    run_tasks(
+        executor,
+        (
+            Task(
+                compute_part,
+                jax.tree.map(lambda leaf, part=part: chosen(leaf, part), scene),
+                len(part),
+                *how,
+            )
+            for part in parts
+        ),
+        lambda number, rows: take(parts[number], rows),
+    )
+    if timing is not None:
+        seconds = time.perf_counter() - begin
+        timing |= {"engine": "executor", "impacts": len(places)}
+        timing |= {"compile_s": 0.0, "run_s": seconds}
 
 
 class Collector:
@@ -249,7 +339,11 @@ def compute_scenes(
     groups = _groups(scene, order, model_tolerance, ledger)
     begin = time.perf_counter()
     with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
-        starting = [pool.submit(_workers, *group, accuracy) for group in groups]
+        # In a context of their own, which says how many threads there are.
+        starting = [
+            pool.submit(contextvars.copy_context().run, _workers, *group, accuracy)
+            for group in groups
+        ]
         prepared = [future.result() for future in starting]
     started = time.perf_counter()
     for (*_, chosen), workers in zip(groups, prepared, strict=True):

@@ -105,6 +105,11 @@ def file_of(kind: type) -> Path | None:
     return _file(module) if is_program or hasattr(module, READ_BY_NAME) else None
 
 
+def class_of_file(path: str, name: str) -> type:
+    """The class of a file that `file_of` gave, in another process."""
+    return getattr(_module_of_file("class", Path(path)), name)
+
+
 READ_BY_NAME = "__jaximpact_read_by_name__"
 """Set in modules that were read from files that users named."""
 

@@ -20,16 +20,22 @@ import re
 import secrets
 import stat
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from .interruption import unfinished
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None
 
 VARIABLE = "JAXIMPACT_CACHE_DIR"
 LIMIT = 512 * 2**20
 """Bytes of all files of compiled code together; beyond it those go that were not used
 for longest."""
-FILE_NAME = re.compile(r"[a-z]+-[0-9a-f]{64}(\.[0-9a-f]{16}\.partial)?")
+LOCK = ".lock"
+FILE_NAME = re.compile(r"[a-z]+-[0-9a-f]{64}(\.[0-9a-f]{16}\.partial|\.lock)?")
 KEY = "key"
 KEY_BYTES = 32
 CODE_BYTES = hashlib.sha256().digest_size
@@ -149,6 +155,30 @@ class PrivateStore(Store):
             self._write(name, self._code(name, content) + content, 0o600)
             self._remove_oldest()
 
+    @contextlib.contextmanager
+    def making(self, kind: str, key: str) -> Iterator[None]:
+        """Have other processes that make the same content wait inside this until it is
+        there, so that workers that start together compile once.
+
+        A process that is killed holds nobody up. Where the file system has no locks,
+        processes do not wait for each other.
+        """
+        name = f"{_file_name(kind, key)}{LOCK}"
+        flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW
+        with contextlib.ExitStack() as stack:
+            # A directory may be for reading only.
+            with contextlib.suppress(OSError):
+                descriptor = os.open(name, flags, 0o600, dir_fd=self._directory)
+                stack.callback(os.close, descriptor)
+                if fcntl is not None:
+                    fcntl.flock(descriptor, fcntl.LOCK_EX)
+            try:
+                yield
+            finally:
+                # Who waits for a file that is removed finds the content by then.
+                with contextlib.suppress(OSError):
+                    os.unlink(name, dir_fd=self._directory)
+
     def _check_owner(self, status: os.stat_result) -> None:
         if stat.S_ISLNK(status.st_mode):
             raise Refused(f"{self.path} is a link")
@@ -237,8 +267,12 @@ def kept(key: str, make: Callable[[], bytes]) -> bytes:
         return make()
     stored = cache.get("machine", key)
     if stored is None:
-        stored = make()
-        cache.put("machine", key, stored)
+        with cache.making("machine", key):
+            # Another process may have made it meanwhile.
+            stored = cache.get("machine", key)
+            if stored is None:
+                stored = make()
+                cache.put("machine", key, stored)
     return stored
 
 

@@ -1,5 +1,6 @@
 """Parametric sweeps: impacts over any quantities of the scene, with names and units."""
 
+import concurrent.futures
 import json
 import math
 from collections.abc import Iterable, Mapping
@@ -10,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from ._checks import expect, real_numbers
+from ._checks import expect, real_number, real_numbers
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
 from .errors import InputError, located
@@ -24,6 +25,7 @@ from .io.datasets import (
     shape_coordinate,
 )
 from .io.toml import check_keys, choice, load_toml, number, scene_from, typed, whole
+from .lazy.grids import lazy_grid
 from .progress import Progress, ProgressFunction
 from .quantities import OUTCOME_COLUMN, SLOTS, InputColumn, columns_of, why_unknown
 from .scene import Scene, SceneLike, as_scene
@@ -64,6 +66,8 @@ def sweep(
     model_tolerance: float = 0.0,
     journal: Path | None = None,
     progress: Progress | ProgressFunction | None = None,
+    chunks: int | str | tuple | Mapping[str, Any] | None = None,
+    executor: concurrent.futures.Executor | None = None,
 ) -> xr.Dataset:
     """Compute impacts at every combination of the values along the axes.
 
@@ -76,7 +80,12 @@ def sweep(
             does; a parameter that a shape does not have changes nothing for it. Any
             other name stands for quantities that vary together: a mapping from input
             columns to lists of one length, and optionally from `"name"` to labels.
-        accuracy, model_tolerance, journal, progress: as for `simulate_batch`.
+        accuracy, model_tolerance, journal, progress, executor: as for `simulate_batch`.
+        chunks: lengths of blocks along all axes or each, or `"auto"`: nothing is
+            computed until results are asked for, block by block, one thread each, by
+            whatever scheduler or client of Dask there is. Needs `jaximpact[cluster]`.
+            Such a sweep may be larger than memory (`write_zarr`), has the same numbers
+            to the last bit, and no attribute `outcomes`, as nobody has counted yet.
 
     Returns:
         A dataset with a variable for each number of an impact, with names and units as
@@ -92,7 +101,14 @@ def sweep(
     base = as_scene(base)
     check_scene(base)
     setting = get_accuracy(accuracy)
-    grid = check_axes(axes, base)
+    grid = check_axes(axes, base, in_memory=chunks is None)
+    if chunks is not None:
+        if not (journal is None and progress is None and executor is None):
+            raise InputError(
+                "a sweep in chunks is computed later: give it no journal, progress or "
+                "executor, but write_zarr, which has progress and can be interrupted"
+            )
+        return _in_chunks(base, grid, setting, model_tolerance, chunks)
     shape = tuple(axis.length for axis in grid)
     scene = spread(base, grid, shape)
     result = simulate_batch(
@@ -101,6 +117,7 @@ def sweep(
         model_tolerance=model_tolerance,
         journal=journal,
         progress=progress,
+        executor=executor,
     )
     return dataset_of(
         result,
@@ -112,6 +129,21 @@ def sweep(
         base,
         scene_values(base),
         [kind for axis in grid for kind in axis.values.get(SHAPE, ())],
+    )
+
+
+def _in_chunks(
+    base: Scene, grid: list[_Axis], accuracy: Accuracy, model_tolerance: float, chunks
+) -> xr.Dataset:
+    kinds = [kind for axis in grid for kind in axis.values.get(SHAPE, ())]
+    scene = with_shapes(base, kinds) if kinds else base
+    return lazy_grid(
+        base,
+        {axis.name: axis.values for axis in grid},
+        coordinates_of(grid, scene),
+        accuracy,
+        real_number("model_tolerance", model_tolerance, least=0.0),
+        chunks,
     )
 
 
@@ -188,8 +220,9 @@ def axes_of(dataset: xr.Dataset) -> dict[str, Any]:
     return axes
 
 
-def check_axes(axes: Axes, base: Scene) -> list[_Axis]:
-    """Check axes and their values. Raises InputError as `sweep` does."""
+def check_axes(axes: Axes, base: Scene, *, in_memory: bool = True) -> list[_Axis]:
+    """Check axes and their values. Raises InputError as `sweep` does, and where the
+    points would not fit into memory if they have to."""
     expect("axes", axes, Mapping)
     if not axes:
         raise InputError("a sweep needs at least one axis, but got none")
@@ -205,7 +238,8 @@ def check_axes(axes: Axes, base: Scene) -> list[_Axis]:
             seen[quantity] = name
         grid.append(axis)
     points = math.prod(axis.length for axis in grid)
-    check_memory(points * NUMBERS_PER_IMPACT, f"{points} points")
+    if in_memory:
+        check_memory(points * NUMBERS_PER_IMPACT, f"{points} points")
     return grid
 
 
@@ -333,7 +367,7 @@ def coordinates_of(grid: list[_Axis], scene: Scene) -> dict:
     """Return the quantities of the axes as coordinates of a dataset.
 
     Args:
-        scene: of all points.
+        scene: with the laws and shapes of all points.
     """
     columns, coordinates = columns_of(scene), {}
     for axis in grid:

@@ -1,7 +1,10 @@
 """Number of threads that compute at once."""
 
+import contextlib
+import contextvars
 import functools
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import InputError
@@ -10,6 +13,7 @@ VARIABLE = "JAXIMPACT_THREADS"
 """Environment variable: how many threads compute. Without it as many as there are cores
 that this process may use."""
 GROUPS = Path("/sys/fs/cgroup")
+_is_alone = contextvars.ContextVar("_is_alone", default=False)
 
 
 def thread_count() -> int:
@@ -18,7 +22,18 @@ def thread_count() -> int:
     Raises InputError unless `JAXIMPACT_THREADS`, where it is set, is a whole number
     above 0.
     """
-    return _count(os.environ.get(VARIABLE))
+    return 1 if _is_alone.get() else _count(os.environ.get(VARIABLE))
+
+
+@contextlib.contextmanager
+def one_thread() -> Iterator[None]:
+    """Compute what is inside, and called from this thread, on one thread: beside others
+    that an engine runs on the other cores."""
+    token = _is_alone.set(True)
+    try:
+        yield
+    finally:
+        _is_alone.reset(token)
 
 
 @functools.cache

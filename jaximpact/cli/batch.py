@@ -7,11 +7,13 @@ from pathlib import Path
 from ..accuracy import DEFAULT_ACCURACY
 from ..interruption import resumable
 from ..io.output_files import journal_path, manifest_path, output_files
-from . import options
+from . import engine, options
 from .progress import ProgressLines, say
 
 DESCRIPTION = """\
-Compute every impact of a CSV of scenes and append the results to its rows.
+Compute every impact of a table of scenes and append the results to its rows. Tables are
+CSV; or Parquet, in and out, where their names end in .parquet (needs
+jaximpact[cluster]).
 
 A column that is missing takes its value in the scene of --base, or its default. Text
 columns `flow`, `hardening` and so on name laws, one for the whole table; a column
@@ -72,6 +74,7 @@ def add_parser(commands) -> None:
         action="store_true",
         help="print seconds of compilation and of running, and impacts per second",
     )
+    engine.add_engine(parser)
 
 
 def _tolerance(text: str) -> float:
@@ -103,7 +106,7 @@ def run(arguments: argparse.Namespace) -> None:
             base, of_file = read_scene(base)
             accuracy = accuracy or of_file
         table = read_table(scenes, base=base)
-        with ProgressLines() as progress:
+        with engine.engine_of(arguments) as executor, ProgressLines() as progress:
             progress("impacts", 0, len(table.rows))
             result = simulate_batch(
                 table.scene(),
@@ -112,6 +115,7 @@ def run(arguments: argparse.Namespace) -> None:
                 journal=journal,
                 progress=progress,
                 timing=timing,
+                executor=executor,
             )
         write_results(out, table, result, result.accuracy, result.model_tolerance)
     if arguments.timing:

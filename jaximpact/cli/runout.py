@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from ..interruption import resumable
-from . import options
+from . import engine, options
 from .progress import ProgressLines, say
 
 STUDY = """\
@@ -168,6 +168,7 @@ def add_parser(commands) -> None:
     )
     options.add_directory(parser, "report, tables and drawings")
     options.add_accuracy(parser, otherwise="the study's, else balanced")
+    engine.add_engine(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -193,7 +194,7 @@ def run(arguments: argparse.Namespace) -> None:
     directory = output_directory(
         arguments.out, "runout", names, inputs=studies[0].inputs
     )
-    with resumable(), directory as new:
+    with resumable(), directory as new, engine.engine_of(arguments) as executor:
         for study, folder in zip(studies, folders, strict=True):
             make_directory(arguments.out / folder, option="--out")
             journals.append(arguments.out / folder / "blocks.journal")
@@ -201,7 +202,10 @@ def run(arguments: argparse.Namespace) -> None:
                 say(f"contacts by {study.law_name}")
             with ProgressLines() as progress:
                 dataset = run_slope_study(
-                    study, journal=journals[-1], progress=partial(progress, "blocks")
+                    study,
+                    journal=journals[-1],
+                    progress=partial(progress, "blocks"),
+                    executor=executor,
                 )
             datasets[study.law_name] = dataset
         for study, folder in zip(studies, folders, strict=True):

@@ -8,13 +8,14 @@ from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
 from ..interruption import resumable
 from ..io.output_files import journal_path, output_files
-from . import options
+from . import engine, options
 from .progress import ProgressLines, say
 
 if TYPE_CHECKING:
     import xarray as xr
 
 SUFFIX = ".nc"
+ZARR = ".zarr"
 DESCRIPTION = """\
 Compute impacts over a grid of quantities and write them to a NetCDF file.
 
@@ -36,7 +37,10 @@ of the scene's own laws and shapes can vary too, and `shape` takes names of shap
     gamma_v = [8.7, 1.7]
 
 Points that fail are nan with the outcome `failed`, and are counted. After a run that
-was cut short the same command goes on where it stopped."""
+was cut short the same command goes on where it stopped.
+
+With --out file.zarr points are computed and written region by region, to a store that
+may be larger than memory (needs jaximpact[cluster])."""
 
 
 def add_parser(commands) -> None:
@@ -62,10 +66,12 @@ def add_parser(commands) -> None:
         "--out",
         type=Path,
         metavar="file.nc",
-        help="NetCDF file (default: named as the study or set, in this directory); an "
-        "existing one is replaced once the new one is whole",
+        help="NetCDF file, or a directory file.zarr (default: a NetCDF file named as "
+        "the study or set, in this directory); an existing file is replaced once the "
+        "new one is whole, a directory is taken up",
     )
     options.add_accuracy(parser, otherwise=f"the study's, else {DEFAULT_ACCURACY}")
+    engine.add_engine(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -81,23 +87,48 @@ def run(arguments: argparse.Namespace) -> None:
         base, axes, accuracy = read_sweep_study(arguments.study)
         name = arguments.study.stem
     out = arguments.out or Path(name + SUFFIX)
+    accuracy = arguments.accuracy or accuracy or DEFAULT_ACCURACY
+    if out.suffix == ZARR:
+        _write_store(
+            arguments, out, sweep(base, axes, accuracy=accuracy, chunks="auto")
+        )
+        return
     if out.suffix != SUFFIX:
-        raise InputError(f"--out must end in {SUFFIX}, but is {out}")
+        raise InputError(f"--out must end in {SUFFIX} or {ZARR}, but is {out}")
     journal = journal_path(out)
     inputs = [arguments.study] if arguments.set is None else []
     files = output_files({"--out": out}, inputs=inputs, journals=[journal])
     with files, resumable():
-        with ProgressLines() as progress:
+        with engine.engine_of(arguments) as executor, ProgressLines() as progress:
             dataset = sweep(
                 base,
                 axes,
-                accuracy=arguments.accuracy or accuracy or DEFAULT_ACCURACY,
+                accuracy=accuracy,
                 journal=journal,
                 progress=progress,
+                executor=executor,
             )
         write_netcdf(out, dataset)
     print(in_words(dataset))
     say(f"{dataset.e_n.size} impacts written to {out}")
+
+
+def _write_store(
+    arguments: argparse.Namespace, out: Path, dataset: "xr.Dataset"
+) -> None:
+    """Compute a sweep into a store of Zarr, and say how much of it was there."""
+    from ..lazy import write_zarr
+
+    with (
+        resumable(),
+        engine.engine_of(arguments),
+        ProgressLines() as progress,
+    ):
+        regions = write_zarr(out, dataset, progress=progress)
+    say(
+        f"{dataset.e_n.size} impacts in {out}: {regions.computed} of {regions.total} "
+        f"regions computed, {regions.found} were there"
+    )
 
 
 def in_words(dataset: "xr.Dataset") -> str:

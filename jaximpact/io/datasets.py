@@ -39,6 +39,8 @@ OUTPUT_COLUMNS = RESULT_COLUMNS | FURTHER_COLUMNS
 SHAPES = "shapes"
 """Attribute of a dataset over shapes: label -> the name by which each is found, and
 what it was."""
+OUTCOMES = "outcomes"
+"""Attribute of a dataset: words of outcomes -> how many impacts ended so."""
 NETCDF_ENGINE = "scipy"
 """NetCDF 3 with 64-bit offsets, which every program reads and JAX's own dependencies
 write."""
@@ -202,14 +204,25 @@ def dataset_of(
         {"long_name": OUTCOME_MEANING},
     )
     attributes = {
-        "title": "jaximpact: impacts of rock blocks on deformable ground",
-        **provenance(base, accuracy, values, model_tolerance=model_tolerance),
-        "outcomes": json.dumps(count_outcomes(summary)),
+        **impact_attributes(base, accuracy, model_tolerance, values),
+        OUTCOMES: json.dumps(count_outcomes(summary)),
+        **shapes_attribute(kinds),
     }
-    shapes = {_label_of(kind, kinds): [text_of(kind), name_of(kind)] for kind in kinds}
-    if shapes:
-        attributes[SHAPES] = json.dumps(shapes)
     return xr.Dataset(variables, coordinates, attributes)
+
+
+def impact_attributes(
+    base: Scene, accuracy: Accuracy, model_tolerance: float, values: Mapping
+) -> dict[str, Any]:
+    """Title and provenance of a dataset of impacts."""
+    told = provenance(base, accuracy, values, model_tolerance=model_tolerance)
+    return {"title": "jaximpact: impacts of rock blocks on deformable ground", **told}
+
+
+def shapes_attribute(kinds: Iterable[type[AbstractShape]]) -> dict[str, str]:
+    """What the labels of shapes mean, as an attribute; none without shapes."""
+    shapes = {_label_of(kind, kinds): [text_of(kind), name_of(kind)] for kind in kinds}
+    return {SHAPES: json.dumps(shapes)} if shapes else {}
 
 
 def provenance(

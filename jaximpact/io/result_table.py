@@ -1,5 +1,6 @@
 """The table of results: the rows that came in, with the results appended."""
 
+import csv
 import dataclasses
 import itertools
 import os
@@ -18,6 +19,7 @@ from ..quantities import OUTCOME_COLUMN, RESULT_COLUMNS
 from ..scene_quantities import scene_values
 from .files import refuse_inputs
 from .output_files import manifest_path, replacing_with_manifest
+from .parquet import is_parquet, write_columns
 from .scene_table import SLICE_ROWS, Table
 
 
@@ -30,9 +32,13 @@ def outcomes_in_words(codes) -> np.ndarray:
 def count_outcomes(summary: ImpactSummary) -> dict[str, int]:
     """Count the impacts that ended in each way; ways that did not occur are left
     out."""
-    codes = np.asarray(summary.outcome_code).astype(int)
-    counts = {str(outcome): int(np.sum(codes == outcome)) for outcome in Outcome}
-    return {words: count for words, count in counts.items() if count}
+    return count_words(outcomes_in_words(summary.outcome_code))
+
+
+def count_words(words: np.ndarray) -> dict[str, int]:
+    """Count the outcomes of each kind; those that do not occur are left out."""
+    counts = {str(outcome): int(np.sum(words == str(outcome))) for outcome in Outcome}
+    return {word: count for word, count in counts.items() if count}
 
 
 @collector_paused()
@@ -47,8 +53,8 @@ def write_results(
 
     Header and rows stand as they came; `RESULT_COLUMNS` and the outcome follow, every
     number with the digits that it takes to read the same number back, `nan` where there
-    is none. Both files appear whole or not at all; files of the same names are
-    replaced.
+    is none. A name that ends in .parquet gets a file of Parquet. Both files appear
+    whole or not at all; files of the same names are replaced.
 
     Raises InputError for a path that would replace the table of scenes, OSError where
     the file system refuses.
@@ -67,6 +73,10 @@ def write_results(
         "outcomes": count_outcomes(summary),
         "versions": versions(),
     }
+    if is_parquet(path):
+        with replacing_with_manifest(path, manifest) as temporary:
+            write_columns(temporary, _columns(table, summary))
+        return
     with (
         replacing_with_manifest(path, manifest) as temporary,
         open(temporary, "w", encoding="utf-8", newline="") as file,
@@ -78,6 +88,19 @@ def write_results(
         file.flush()
         # The name must not outlive the content in a power cut.
         os.fsync(file.fileno())
+
+
+def _columns(table: Table, summary: ImpactSummary) -> dict[str, np.ndarray]:
+    """Columns of the table with its results: numbers, and texts."""
+    names = next(csv.reader([table.header]))
+    cells = zip(*csv.reader(table.rows), strict=True)
+    columns = {
+        name.strip(): table.numbers.get(name.strip(), np.array(texts))
+        for name, texts in zip(names, cells, strict=True)
+    }
+    for name, column in RESULT_COLUMNS.items():
+        columns[name] = np.asarray(getattr(summary, column.field))
+    return columns | {OUTCOME_COLUMN: outcomes_in_words(summary.outcome_code)}
 
 
 def _lines(table: Table, summary: ImpactSummary) -> Iterator[Iterator[str]]:

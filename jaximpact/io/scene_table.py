@@ -42,6 +42,7 @@ from ..scene_quantities import (
 )
 from ..shapes import MixedShapes
 from .files import check_text, read_input
+from .parquet import csv_of_parquet, is_parquet
 
 SLICE_ROWS = 2_000
 """Rows converted at once: bounds the memory that cells take as Python strings."""
@@ -95,9 +96,9 @@ class Table:
 def read_table(
     path: Path, *, measured: bool = False, base: Scene | None = None
 ) -> Table:
-    """Read a CSV of scenes.
+    """Read a table of scenes: a CSV, or a file of Parquet by its name.
 
-    The file is UTF-8, with or without a byte order mark, separated by commas, and its
+    A CSV is UTF-8, with or without a byte order mark, separated by commas, and its
     first row names the columns: parameters of the scene, those of its laws and shapes
     among them, `LABEL_COLUMNS` and `SLOTS`. The columns of the latter hold names of
     laws and shapes, as `finding.find_part` takes them, which is told the file's
@@ -117,7 +118,12 @@ def read_table(
     several bad cells the one in the leftmost column is named.
     """
     path = Path(path)
-    return table_of(read_input(path), path, measured=measured, base=base)
+    data = read_input(path)
+    if not is_parquet(path):
+        return table_of(data, path, measured=measured, base=base)
+    text = csv_of_parquet(path, data)
+    table = table_of(text, path, measured=measured, base=base)
+    return dataclasses.replace(table, sha256=hashlib.sha256(data).hexdigest())
 
 
 @collector_paused()

@@ -14,6 +14,7 @@ from .random_inputs import draw
 from .scheduler import simulate_runout
 from .study.barriers import Barrier
 from .study.law_choice import choose_contacts
+from .study.lazy_study import lazy_slope_study
 from .study.map_placement import MapPlacement
 from .study.run_study import run_slope_study
 from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
@@ -51,6 +52,7 @@ __all__ = [
     "differentiate_runout",
     "draw",
     "first_passages",
+    "lazy_slope_study",
     "maxima_along",
     "passages",
     "read_profile",

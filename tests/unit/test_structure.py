@@ -21,7 +21,7 @@ from jaximpact.cli import main
 
 LAYERS = """
     errors _types _safe _checks _jax_internals _precision _gc_pause _versions units
-    interruption progress store finding
+    _packages interruption progress store finding
     parameters identity accuracy
     shapes laws soil scene
     quantities scene_quantities
@@ -31,8 +31,9 @@ LAYERS = """
     io
     plotting
     result
+    tasks
     simulation
-    batch sweeping impact_response
+    batch lazy sweeping impact_response
     rebound
     calibration
     sensitivity

@@ -5,6 +5,7 @@ ended, its first passage of each collector, and its largest height, speed and en
 each bin of x. Rows go to the journal; the pieces of trajectories are not kept.
 """
 
+import concurrent.futures
 import contextlib
 import json
 import time
@@ -19,50 +20,35 @@ from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import columns_of_part
 from ...scene_quantities import SHAPE, text_of
 from ...shapes import MixedShapes
+from ...tasks import check_executor, run_tasks
 from ...units import DEGREE
-from ..analysis import Maxima, first_passages, maxima_along, passages
-from ..blocks import Release, select
-from ..scheduler import WIDTH, follow
-from ..state import State
+from ..analysis import Maxima
+from ..blocks import Release
+from ..scheduler import WIDTH
 from ..terrain import ground_columns
-from ..trajectory import Ending, Runs, state_after, stretches_of
+from ..trajectory import Ending
 from .barrier_results import barrier_variables
+from .block_rows import (
+    BLOCK_NUMBERS,
+    ENVELOPES,
+    PASSAGE_NUMBERS,
+    columns_of_rows,
+    edges_of,
+    places_of,
+    simulate,
+    summarise,
+    task_of,
+)
 from .slope_file import SlopeStudy
 
-BLOCK_NUMBERS = {
-    "x_m": ("m", "where it ended: the centre; nan where a contact failed"),
-    "y_m": ("m", "where it ended: the centre; nan where a contact failed"),
-    "time_s": ("s", "when it ended, since release"),
-    "impacts": ("-", "impacts, without touches too slow to be one"),
-    "hops": ("-", "contacts after which it rolled in place of a low flight"),
-    "events": ("-", "contacts and legs along the ground"),
-    "energy_at_release_J": ("J", "kinetic energy at release"),
-    "energy_at_end_J": ("J", "kinetic energy at its end; 0 for a block that stopped"),
-}
-PASSAGE_NUMBERS = {
-    "passages": ("-", "how often the centre passes the collector"),
-    "passage_time_s": ("s", "first passage, since release"),
-    "passage_v_x_mps": ("m/s", "velocity at first passage, to the right"),
-    "passage_v_y_mps": ("m/s", "velocity at first passage, upwards"),
-    "passage_speed_mps": ("m/s", "speed at first passage"),
-    "passage_spin_radps": ("rad/s", "angular velocity at first passage, clockwise"),
-    "passage_translational_energy_J": ("J", "at first passage"),
-    "passage_rotational_energy_J": ("J", "at first passage"),
-    "passage_energy_J": ("J", "kinetic energy at first passage"),
-    "passage_centre_height_m": ("m", "of the centre above the ground, first passage"),
-    "passage_lowest_height_m": (
-        "m",
-        "of the lowest point above the ground below the centre, first passage",
-    ),
-}
-ENVELOPES = {
-    "height_m": ("m", "largest height of the centre above the ground"),
-    "speed_mps": ("m/s", "largest speed"),
-    "energy_J": ("J", "largest kinetic energy"),
-}
 PERCENTILES = (50, 90, 95, 99)
 FIRST_PORTION = 64
 """Number of blocks of the first portion."""
+PORTIONS = 64
+"""Number of portions that an executor gets, if they are neither small nor large."""
+LARGEST_PORTION = 1024
+"""Largest number of blocks of such a portion, which a worker may lose."""
+ABOUT_ENDING = {"long_name": "why it ended"}
 QUICK = 2.0
 """Time of a portion [s] below which the next has twice the size."""
 
@@ -72,6 +58,7 @@ def run_slope_study(
     *,
     journal: Path | None = None,
     progress: Progress | ProgressFunction | None = None,
+    executor: concurrent.futures.Executor | None = None,
 ) -> xr.Dataset:
     """Compute all blocks of a study.
 
@@ -80,6 +67,8 @@ def run_slope_study(
         journal: file that keeps finished blocks: those in it already are not computed
             again. The caller has to remove it.
         progress: called as `progress(done, blocks)`.
+        executor: computes portions of the blocks in other processes, as for
+            `simulate_batch`. No result depends on it.
 
     Returns:
         A dataset over blocks, collectors if there are any, and bins along the profile;
@@ -91,121 +80,72 @@ def run_slope_study(
     Raises InputError for a journal of something else.
     """
     progress = as_progress(progress)
-    rows = np.full((study.release.count, len(_columns(study))), np.nan)
+    rows = np.full((study.release.count, len(columns_of_rows(study))), np.nan)
     done = np.zeros(len(rows), bool)
     kept = contextlib.nullcontext()
     if journal is not None:
-        kept = Journal(journal, _subject(study), _columns(study), len(rows))
+        kept = Journal(journal, _subject(study), columns_of_rows(study), len(rows))
     with kept as store:
         if store is not None:
             places, numbers = store.rows()
             rows[places], done[places] = numbers, True
-        size, waiting = FIRST_PORTION, np.flatnonzero(~done)
-        while len(waiting):
-            portion, waiting = waiting[:size], waiting[size:]
-            before = len(rows) - len(waiting) - len(portion)
-            start = time.monotonic()
-            runs = simulate(
-                study,
-                portion,
-                lambda done, _, before=before: progress(
-                    "blocks", before + done, len(rows)
-                ),
-            )
-            rows[portion] = summarise(study, runs)
-            if store is not None:
-                store.append(portion, rows[portion])
-            if time.monotonic() - start < QUICK:
-                size = min(2 * size, WIDTH)
+        if executor is None:
+            _run_here(study, rows, done, store, progress)
+        else:
+            _run_elsewhere(executor, study, rows, done, store, progress)
     return _dataset(study, rows)
 
 
-def simulate(
+def _run_here(
     study: SlopeStudy,
-    chosen: np.ndarray,
-    progress: Progress | ProgressFunction | None = None,
-) -> Runs:
-    """Simulate the trajectories of some blocks of a study."""
-    release = study.release
-    some = Release(select(release.block, chosen), *select(release.body, chosen))
-    # All that `simulate_runout` checks was checked as the study was read.
-    ground = study.ground.of_blocks(chosen)
-    state = State.at_release(study.profile, some, ground, study.limits)
-    return follow(state, study.contacts, WIDTH, as_progress(progress))
+    rows: np.ndarray,
+    done: np.ndarray,
+    store: Journal | None,
+    progress: Progress,
+) -> None:
+    """Compute the blocks that are not done, portion by portion."""
+    size, waiting = FIRST_PORTION, np.flatnonzero(~done)
+    while len(waiting):
+        portion, waiting = waiting[:size], waiting[size:]
+        before = len(rows) - len(waiting) - len(portion)
+        start = time.monotonic()
+        runs = simulate(
+            study,
+            portion,
+            lambda done, _, before=before: progress("blocks", before + done, len(rows)),
+        )
+        rows[portion] = summarise(study, runs)
+        if store is not None:
+            store.append(portion, rows[portion])
+        if time.monotonic() - start < QUICK:
+            size = min(2 * size, WIDTH)
 
 
-def edges_of(study: SlopeStudy) -> np.ndarray:
-    """Give the edges of the bins of x [m], `(bins + 1,)`."""
-    return np.linspace(study.profile.x[0], study.profile.x[-1], study.bins + 1)
+def _run_elsewhere(
+    executor: concurrent.futures.Executor,
+    study: SlopeStudy,
+    rows: np.ndarray,
+    done: np.ndarray,
+    store: Journal | None,
+    progress: Progress,
+) -> None:
+    """Compute the blocks that are not done by the workers of an executor."""
+    check_executor(executor)
+    waiting = np.flatnonzero(~done)
+    size = int(np.clip(-(-len(waiting) // PORTIONS), FIRST_PORTION, LARGEST_PORTION))
+    portions = [waiting[i : i + size] for i in range(0, len(waiting), size)]
+    finished = len(rows) - len(waiting)
 
+    def take(number: int, found: np.ndarray) -> None:
+        nonlocal finished
+        portion = portions[number]
+        rows[portion] = found
+        if store is not None:
+            store.append(portion, found)
+        finished += len(portion)
+        progress("blocks", finished, len(rows))
 
-def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
-    """Summarise each block in a row of numbers, in the order of `_columns`."""
-    blocks, stretches = runs.release.count, stretches_of(runs)
-    contacts = runs.contacts
-    impacts = contacts.trajectory[contacts.outcome >= 0].astype(int)
-    hops = contacts.trajectory[contacts.hop.astype(bool)].astype(int)
-    start, end = _energies(runs)
-    numbers = {
-        "ending": runs.ending,
-        "x_m": runs.x,
-        "y_m": runs.y,
-        "time_s": runs.time,
-        "impacts": np.bincount(impacts, minlength=blocks),
-        "hops": np.bincount(hops, minlength=blocks),
-        "events": runs.events,
-        "energy_at_release_J": start,
-        "energy_at_end_J": end,
-    }
-    for x in _places(study):
-        count, first = first_passages(passages(runs, x, stretches), blocks)
-        of_passage = {
-            "passages": count,
-            "passage_time_s": first.time,
-            "passage_v_x_mps": first.v_x,
-            "passage_v_y_mps": first.v_y,
-            "passage_speed_mps": first.speed,
-            "passage_spin_radps": first.angular_velocity,
-            "passage_translational_energy_J": first.translational_energy,
-            "passage_rotational_energy_J": first.rotational_energy,
-            "passage_energy_J": first.energy,
-            "passage_centre_height_m": first.centre_height,
-            "passage_lowest_height_m": first.lowest_height,
-        }
-        numbers |= {f"{name} at {x!r}": of_passage[name] for name in PASSAGE_NUMBERS}
-    maxima = maxima_along(runs, edges_of(study), stretches)
-    for name, values in zip(ENVELOPES, maxima, strict=True):
-        numbers |= {f"{name} in bin {i}": column for i, column in enumerate(values.T)}
-    return np.stack([numbers[name] for name in _columns(study)], axis=1)
-
-
-def _energies(runs: Runs) -> tuple[np.ndarray, np.ndarray]:
-    """Compute the kinetic energy of each block at release, and at its end [J]."""
-    mass, inertia = runs.release.mass_properties
-    body = runs.release.body
-    speeds = body.v_x**2 + body.v_y**2
-    start = 0.5 * (mass * speeds + inertia * body.angular_velocity**2)
-    p = runs.pieces
-    last = np.searchsorted(p.trajectory, np.arange(len(mass)), "right") - 1
-    final = state_after(select(p, last), p.duration[last])
-    speeds = final.v_x**2 + final.v_y**2
-    end = 0.5 * (mass * speeds + inertia * final.angular_velocity**2)
-    return start, np.where(runs.ending == Ending.stopped, 0.0, end)
-
-
-def _places(study: SlopeStudy) -> list[float]:
-    """List the places at which passages are found: collectors and barriers [m]."""
-    return sorted({*study.collectors.tolist(), *(b.x for b in study.barriers)})
-
-
-def _columns(study: SlopeStudy) -> list[str]:
-    """List the names of the numbers of a row."""
-    return [
-        "ending",
-        *BLOCK_NUMBERS,
-        *(f"{n} at {x!r}" for x in _places(study) for n in PASSAGE_NUMBERS),
-        *(f"{n} in bin {i}" for n in ENVELOPES for i in range(study.bins)),
-    ]
+    run_tasks(executor, (task_of(study, portion) for portion in portions), take)
 
 
 def _subject(study: SlopeStudy) -> dict:
@@ -218,47 +158,60 @@ def _subject(study: SlopeStudy) -> dict:
 
 
 def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
-    blocks, places = len(rows), len(_places(study))
+    blocks, places = len(rows), len(places_of(study))
     codes, rest = rows[:, 0].astype(int), rows[:, 1:]
     sizes = [len(BLOCK_NUMBERS), places * len(PASSAGE_NUMBERS)]
     of_block, of_passage, of_bins = np.split(rest, np.cumsum(sizes), axis=1)
     of_passage = of_passage.reshape(blocks, places, len(PASSAGE_NUMBERS))
     maxima = Maxima(*np.split(of_bins, len(ENVELOPES), axis=1))
     valid = codes != Ending.failed
-    words = np.array([str(ending) for ending in Ending])
     variables: dict[str, tuple] = {
-        "ending": ("block", words[codes], {"long_name": "why it ended"})
+        "ending": ("block", endings_in_words(codes), ABOUT_ENDING)
     }
-    variables |= _inputs(study.release) | _ground(study)
+    variables |= inputs_of(study.release) | ground_of(study)
     for values, (name, words_of) in zip(of_block.T, BLOCK_NUMBERS.items(), strict=True):
-        variables[name] = ("block", values, _about(*words_of))
+        variables[name] = ("block", values, about(*words_of))
     # NetCDF 3 takes a dimension of no length for one that grows.
     if len(study.collectors):
-        here = np.searchsorted(_places(study), study.collectors)
+        here = np.searchsorted(places_of(study), study.collectors)
         variables |= _passages(of_passage[:, here], valid)
-    here = [_places(study).index(barrier.x) for barrier in study.barriers]
+    here = [places_of(study).index(barrier.x) for barrier in study.barriers]
     at_barriers = np.moveaxis(of_passage[:, here], 2, 0)
     of_barriers, barriers = barrier_variables(
         study.barriers, dict(zip(PASSAGE_NUMBERS, at_barriers, strict=True))
     )
     variables |= of_barriers
     variables |= _envelopes(maxima, valid)
-    edges = edges_of(study)
-    at = {"collector": ("collector", study.collectors, _about("m", "x"))}
     return xr.Dataset(
         variables,
-        (at if len(study.collectors) else {})
+        coordinates_of(study)
         | barriers
-        | {
-            "block": np.arange(blocks),
-            "percentile": ("percentile", np.array(PERCENTILES), _about("%", "")),
-            "bin": ("bin", 0.5 * (edges[1:] + edges[:-1]), _about("m", "x, middle")),
-            "bin_left_m": ("bin", edges[:-1], _about("m", "x, left end of the bin")),
-            "bin_right_m": ("bin", edges[1:], _about("m", "x, right end of the bin")),
-        },
-        {"title": study.title}
-        | {k: json.dumps(v) for k, v in provenance_of(study, codes).items()},
+        | {"percentile": ("percentile", np.array(PERCENTILES), about("%", ""))},
+        attributes_of(study, codes),
     )
+
+
+def endings_in_words(codes: np.ndarray) -> np.ndarray:
+    """Give the words of endings, as an array of the shape of their codes."""
+    return np.array([str(ending) for ending in Ending])[codes.astype(int)]
+
+
+def coordinates_of(study: SlopeStudy) -> dict:
+    """Describe blocks, collectors if there are any, and bins, as coordinates."""
+    edges = edges_of(study)
+    at = {"collector": ("collector", study.collectors, about("m", "x"))}
+    return (at if len(study.collectors) else {}) | {
+        "block": np.arange(study.release.count),
+        "bin": ("bin", 0.5 * (edges[1:] + edges[:-1]), about("m", "x, middle")),
+        "bin_left_m": ("bin", edges[:-1], about("m", "x, left end of the bin")),
+        "bin_right_m": ("bin", edges[1:], about("m", "x, right end of the bin")),
+    }
+
+
+def attributes_of(study: SlopeStudy, codes: np.ndarray) -> dict[str, str]:
+    """Describe title, inputs and endings as attributes of a dataset."""
+    told = provenance_of(study, codes)
+    return {"title": study.title, **{k: json.dumps(v) for k, v in told.items()}}
 
 
 def _envelopes(maxima: Maxima, valid: np.ndarray) -> dict:
@@ -268,29 +221,29 @@ def _envelopes(maxima: Maxima, valid: np.ndarray) -> dict:
     variables["blocks_in_bin"] = (
         "bin",
         np.sum(np.isfinite(maxima.speed[valid]), axis=0),
-        _about("-", "blocks that come into the bin, without those that failed"),
+        about("-", "blocks that come into the bin, without those that failed"),
     )
     for values, (name, (unit, meaning)) in zip(maxima, ENVELOPES.items(), strict=True):
         variables[f"envelope_{name}_percentiles"] = (
             ("percentile", "bin"),
             _percentiles(values[valid]),
-            _about(unit, f"{meaning} in the bin: percentiles of the blocks in it"),
+            about(unit, f"{meaning} in the bin: percentiles of the blocks in it"),
         )
         variables[f"envelope_{name}_max"] = (
             "bin",
             _percentiles(values[valid], (100,))[0],
-            _about(unit, f"{meaning} in the bin, of all blocks"),
+            about(unit, f"{meaning} in the bin, of all blocks"),
         )
         variables[f"max_{name}"] = (
             "block",
             _largest(values),
-            _about(unit, f"{meaning} on its way"),
+            about(unit, f"{meaning} on its way"),
         )
         # Of half the size, and precise enough for curves.
         variables[f"{name}_in_bin"] = (
             ("block", "bin"),
             values.astype(np.float32),
-            _about(unit, f"{meaning} in the bin; nan for a block that is never there"),
+            about(unit, f"{meaning} in the bin; nan for a block that is never there"),
         )
     return variables
 
@@ -302,17 +255,17 @@ def _passages(of_passage: np.ndarray, valid: np.ndarray) -> dict:
     for values, (name, (unit, meaning)) in zip(
         np.moveaxis(of_passage, 2, 0), PASSAGE_NUMBERS.items(), strict=True
     ):
-        variables[name] = (("block", "collector"), values, _about(unit, meaning))
+        variables[name] = (("block", "collector"), values, about(unit, meaning))
         if name not in ("passages", "passage_time_s"):
             variables[f"{name}_percentiles"] = (
                 ("percentile", "collector"),
                 _percentiles(values[valid]),
-                _about(unit, f"{meaning}: percentiles of the blocks that pass"),
+                about(unit, f"{meaning}: percentiles of the blocks that pass"),
             )
     variables["blocks_passing"] = (
         "collector",
         np.sum(of_passage[valid, :, 0] > 0, axis=0),
-        _about("-", "blocks that pass the collector, without those that failed"),
+        about("-", "blocks that pass the collector, without those that failed"),
     )
     return variables
 
@@ -338,7 +291,7 @@ def provenance_of(study: SlopeStudy, codes: np.ndarray) -> dict:
     }
 
 
-def _inputs(release: Release) -> dict:
+def inputs_of(release: Release) -> dict:
     """List the samples of blocks and releases, in the units of their names."""
     variables = {}
     shape = release.block.shape
@@ -352,7 +305,7 @@ def _inputs(release: Release) -> dict:
     )
     for column in columns_of_part("block", release.block).values():
         values = np.asarray(getattr(release.block, column.field)) / column.factor
-        variables[column.name] = ("block", values, _about(column.unit, column.meaning))
+        variables[column.name] = ("block", values, about(column.unit, column.meaning))
     for name, values, unit, meaning in (
         ("release_x_m", release.x, "m", "of the centre"),
         ("release_y_m", release.y, "m", "of the centre"),
@@ -371,11 +324,11 @@ def _inputs(release: Release) -> dict:
             "clockwise",
         ),
     ):
-        variables[name] = ("block", values, _about(unit, f"at release, {meaning}"))
+        variables[name] = ("block", values, about(unit, f"at release, {meaning}"))
     return variables
 
 
-def _ground(study: SlopeStudy) -> dict:
+def ground_of(study: SlopeStudy) -> dict:
     """List the samples of the ground, in the units of the names."""
     variables, columns = {}, ground_columns(study.ground.soil)
     for name, values in study.ground_samples.items():
@@ -384,8 +337,8 @@ def _ground(study: SlopeStudy) -> dict:
         column = columns[max(ends, key=len)]
         part = name.removesuffix(column.name).removesuffix("_")
         where = part.replace("_", " ", 1) or "the ground"
-        about = _about(column.unit, f"of {where}: {column.meaning}")
-        variables[f"ground_{name}"] = ("block", values, about)
+        attributes = about(column.unit, f"of {where}: {column.meaning}")
+        variables[f"ground_{name}"] = ("block", values, attributes)
     return variables
 
 
@@ -405,5 +358,5 @@ def _largest(values: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(largest), largest, np.nan)
 
 
-def _about(unit: str, meaning: str) -> dict[str, str]:
+def about(unit: str, meaning: str) -> dict[str, str]:
     return {"units": unit, "long_name": meaning}

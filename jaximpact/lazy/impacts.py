@@ -1,0 +1,259 @@
+"""Impacts over datasets of xarray: at once, or lazily, block by block."""
+
+import functools
+import json
+import warnings
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+import xarray as xr
+
+from .._checks import expect, real_number
+from .._precision import require_float64
+from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
+from ..batch import compute_part
+from ..errors import InputError
+from ..impact.summary import empty_summary
+from ..io.checks import check_scene
+from ..io.datasets import (
+    OUTCOMES,
+    OUTPUT_COLUMNS,
+    attributes_of,
+    impact_attributes,
+    shapes_attribute,
+)
+from ..io.result_table import count_words, outcomes_in_words
+from ..quantities import (
+    LABEL_COLUMNS,
+    OUTCOME_COLUMN,
+    OUTCOME_MEANING,
+    columns_of,
+    why_unknown,
+)
+from ..scene import Scene, SceneLike, as_scene
+from ..scene_quantities import (
+    SHAPE,
+    scene_values,
+    scene_with,
+    shape_named,
+    with_shapes,
+)
+from ..shapes import AbstractShape
+from ..tasks import Task
+
+NUMBER = "number of an impact"
+"""Dimension of the numbers of an impact, before each is a variable."""
+
+
+class Block(NamedTuple):
+    """What is the same for all blocks of a dataset."""
+
+    base: Scene
+    names: tuple[str, ...]
+    """Quantities of the arrays; the shape is an index."""
+    kinds: tuple[type[AbstractShape], ...]
+    """Shapes that the index means."""
+    accuracy: Accuracy
+    model_tolerance: float
+
+
+def simulate_dataset(
+    dataset: xr.Dataset,
+    base: SceneLike | None = None,
+    *,
+    accuracy: str | Accuracy = DEFAULT_ACCURACY,
+    model_tolerance: float = 0.0,
+) -> xr.Dataset:
+    """Simulate the impacts of a dataset.
+
+    Args:
+        dataset: quantities of scenes as variables or coordinates, under their names in
+            the tables and in the units of these names, along any dimensions; every
+            combination along different dimensions is an impact. `shape` holds names of
+            shapes. Coordinates that are no quantities are carried along. Arrays are
+            NumPy's or in chunks.
+        base: scene of what the dataset does not hold, scalars only; the defaults if not
+            given.
+        accuracy, model_tolerance: as for `simulate_batch`.
+
+    Returns:
+        The dataset with a variable for each number of an impact, with units, and
+        `outcome` in words. Where a quantity is in chunks the results are too, block by
+        block: nothing is computed until it is asked for, then by whatever scheduler or
+        client of Dask there is, one thread a block. Else they are computed at once, on
+        all cores. Numbers are the same to the last bit, whatever the chunks.
+
+        Attributes say base, accuracy, laws and versions; `outcomes`, the counts, only
+        where they were computed. An impact that cannot be integrated is NaN with the
+        outcome `failed`.
+
+    Raises:
+        InputError: an unknown quantity, with what may have been meant; a value out of
+            its range, which of lazy arrays is known only as they are computed; a base
+            that is no single scene.
+    """
+    require_float64()
+    expect("dataset", dataset, xr.Dataset)
+    scene = Scene() if base is None else as_scene(base)
+    check_scene(scene)
+    arrays, kinds = _quantities(dataset, scene)
+    setting = get_accuracy(accuracy)
+    tolerance = real_number("model_tolerance", model_tolerance, least=0.0)
+    varied = {dim for array in arrays.values() for dim in array.dims}
+    dimensions = tuple(dim for dim in dataset.sizes if dim in varied)
+    variables = result_variables(scene, arrays, kinds, setting, tolerance, dimensions)
+    attributes = impact_attributes(scene, setting, tolerance, scene_values(scene))
+    attributes |= shapes_attribute(kinds)
+    outcomes = variables[OUTCOME_COLUMN]
+    if not is_chunked(outcomes):
+        attributes[OUTCOMES] = json.dumps(count_words(outcomes.values))
+    return dataset.assign(variables).assign_attrs(attributes)
+
+
+def _quantities(
+    dataset: xr.Dataset, base: Scene
+) -> tuple[dict[str, xr.Variable], tuple[type[AbstractShape], ...]]:
+    """Quantities of a dataset, and the shapes that its index of shapes means."""
+    kinds: tuple[type[AbstractShape], ...] = ()
+    found: dict[str, xr.Variable] = {}
+    if SHAPE in dataset.variables:
+        given = dataset.variables[SHAPE]
+        names, index = np.unique(np.asarray(given.values, str), return_inverse=True)
+        kinds = tuple(shape_named(str(name)) for name in names)
+        found[SHAPE] = xr.Variable(given.dims, index.reshape(given.shape))
+        base = with_shapes(base, kinds)
+    columns = columns_of(base)
+    for name, variable in dataset.variables.items():
+        if name in (*OUTPUT_COLUMNS, OUTCOME_COLUMN):
+            raise InputError(
+                f"{name} is a result, which the dataset must not hold already"
+            )
+        if name in columns:
+            found[str(name)] = variable.to_base_variable()
+        elif name not in (SHAPE, *LABEL_COLUMNS) and name not in dataset.coords:
+            raise InputError(f"{name} is unknown; {why_unknown(str(name), columns)}")
+    if not found:
+        raise InputError(
+            "the dataset holds no quantity of a scene; name one as the tables do, such "
+            "as angle_deg"
+        )
+    return found, kinds
+
+
+def is_chunked(variable: xr.Variable) -> bool:
+    """Whether an array is computed lazily."""
+    return variable.chunks is not None
+
+
+def result_variables(
+    base: Scene,
+    arrays: Mapping[str, xr.Variable],
+    kinds: Sequence[type[AbstractShape]],
+    accuracy: Accuracy,
+    model_tolerance: float,
+    dimensions: Sequence[Hashable],
+) -> dict[str, xr.Variable]:
+    """Numbers and outcomes of impacts, lazily if an array is.
+
+    Args:
+        base: scene of what the arrays do not hold.
+        arrays: quantities in the units of their columns; the shape is an index among
+            `kinds`.
+        dimensions: order of the dimensions of the results.
+    """
+    plain = jax.tree.map(np.asarray, base)
+    block = Block(plain, (*arrays,), tuple(kinds), accuracy, model_tolerance)
+    lazy = any(map(is_chunked, arrays.values()))
+    places, width = _places()
+    with warnings.catch_warnings():
+        # A grid has many times the blocks of any of its axes: no mistake.
+        warnings.filterwarnings("ignore", "Increasing number of chunks")
+        stack = xr.apply_ufunc(
+            Task(numbers_of_block, block)
+            if lazy
+            else functools.partial(numbers_of_block, block),
+            *arrays.values(),
+            output_core_dims=[[NUMBER]],
+            output_dtypes=[float],
+            dask="parallelized",
+            dask_gufunc_kwargs={"output_sizes": {NUMBER: width}},
+        )
+        if stack.dims[:-1] != tuple(dimensions):
+            stack = stack.transpose(*dimensions, NUMBER)
+
+    def one(field: str) -> xr.Variable:
+        return _apply(_entry, stack, float, place=places[field])
+
+    variables = {}
+    for name, column in OUTPUT_COLUMNS.items():
+        variables[name] = one(column.field)
+        variables[name].attrs = attributes_of(column)
+    words = outcomes_in_words([0]).dtype
+    variables[OUTCOME_COLUMN] = _apply(
+        _words, stack, words, place=places["outcome_code"]
+    )
+    variables[OUTCOME_COLUMN].attrs = {"long_name": OUTCOME_MEANING}
+    return variables
+
+
+def _apply(function, stack: xr.Variable, dtype, **how) -> xr.Variable:
+    """Take something out of the numbers of impacts, block by block."""
+    data: Any = stack.data
+    if hasattr(data, "map_blocks"):
+        # One task a block; apply_ufunc makes two.
+        last = data.ndim - 1
+        taken = data.map_blocks(function, dtype=dtype, drop_axis=last, **how)
+        return xr.Variable(stack.dims[:-1], taken)
+    return xr.apply_ufunc(
+        function,
+        stack,
+        input_core_dims=[[NUMBER]],
+        output_dtypes=[dtype],
+        dask="parallelized",
+        kwargs=how,
+    )
+
+
+def _entry(stack: np.ndarray, place: int) -> np.ndarray:
+    # A copy, that the block of all numbers can be let go.
+    return stack[..., place].copy()
+
+
+def _words(stack: np.ndarray, place: int) -> np.ndarray:
+    return outcomes_in_words(stack[..., place])
+
+
+def _places() -> tuple[dict[str, int], int]:
+    """Place of each number among those of an impact, and their count."""
+    structure = jax.tree.structure(empty_summary(False))
+    places = jax.tree.unflatten(structure, range(structure.num_leaves))
+    return vars(places), structure.num_leaves
+
+
+def numbers_of_block(block: Block, *values: np.ndarray) -> np.ndarray:
+    """Numbers of the impacts of a block, shape `(..., numbers)`.
+
+    Args:
+        values: the block's quantities, of shapes that broadcast.
+
+    Raises InputError for a value out of its range.
+    """
+    shape = np.broadcast_shapes(*map(np.shape, values))
+    count = int(np.prod(shape))
+    if count == 0:
+        return np.empty((*shape, _places()[1]))
+    flat = {
+        name: np.broadcast_to(given, shape).ravel()
+        for name, given in zip(block.names, values, strict=True)
+    }
+    base, index = block.base, flat.pop(SHAPE, None)
+    if index is not None:
+        base = with_shapes(base, [block.kinds[place] for place in index.tolist()])
+    scene = scene_with(base, flat)
+    check_scene(scene, batched=True)
+    rows = compute_part(
+        jax.tree.map(np.asarray, scene), count, block.accuracy, block.model_tolerance
+    )
+    return rows.reshape(*shape, -1)

@@ -1,0 +1,101 @@
+"""Tasks for other processes: what can be sent, what runs them, and workers that die."""
+
+import concurrent.futures
+import multiprocessing
+import os
+import signal
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from jaximpact import Block, Impact, Soil, simulate_batch
+from jaximpact.backend.threads import thread_count
+from jaximpact.errors import IncompleteError, InputError
+from jaximpact.tasks import WAITING, Task, check_executor, run_tasks
+
+BLOCK = Block(mass=np.linspace(50.0, 500.0, 300))
+
+
+def test_a_task_computes_on_one_thread(monkeypatch):
+    monkeypatch.setenv("JAXIMPACT_THREADS", "3")
+    assert thread_count() == 3
+    assert Task(thread_count)() == 1
+    assert thread_count() == 3
+
+
+def test_what_stands_in_a_function_cannot_be_sent():
+    with pytest.raises(InputError, match=r"cannot be sent to another process.*module"):
+        Task(lambda: 1)
+
+
+def test_results_come_with_their_places_and_few_tasks_wait():
+    made, most, found = [], [], {}
+
+    def tasks():
+        for number in range(3 * WAITING):
+            made.append(number)
+            yield lambda number=number: number**2
+
+    def take(place, result):
+        found[place] = result
+        most.append(len(made) - len(found))
+
+    with ThreadPoolExecutor(2) as pool:
+        run_tasks(pool, tasks(), take)
+    assert found == {number: number**2 for number in range(3 * WAITING)}
+    assert max(most) <= WAITING
+
+
+def test_an_error_of_a_task_ends_the_work():
+    with ThreadPoolExecutor(1) as pool, pytest.raises(ZeroDivisionError):
+        run_tasks(pool, [lambda: 1, lambda: 1 // 0], lambda *_: None)
+
+
+def die():
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_a_pool_that_breaks_is_told_after_what_it_gave():
+    found = []
+    spawn = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(1, mp_context=spawn) as pool:
+        pool.submit(int).result()
+        with pytest.raises(IncompleteError, match="lost their workers"):
+            run_tasks(pool, [int, die], lambda place, _: found.append(place))
+    assert found in ([0], [])
+
+
+@pytest.mark.parametrize(
+    ("executor", "message"),
+    [("dask", "must have the interface"), (4, "must have the interface")],
+)
+def test_what_is_no_executor_is_refused(executor, message):
+    with pytest.raises(InputError, match=message):
+        simulate_batch(BLOCK, Soil(), Impact(), executor=executor)
+
+
+@pytest.mark.skipif(
+    "fork" not in multiprocessing.get_all_start_methods(), reason="no forks here"
+)
+def test_forks_are_refused():
+    fork = multiprocessing.get_context("fork")
+    with (
+        concurrent.futures.ProcessPoolExecutor(1, mp_context=fork) as pool,
+        pytest.raises(InputError, match="by fork, in which JAX hangs"),
+    ):
+        check_executor(pool)
+
+
+def test_a_batch_on_an_executor_has_the_same_bits_and_timing():
+    timing = {}
+    expected = simulate_batch(BLOCK, Soil(), Impact(), ledger=True)
+    with ThreadPoolExecutor(2) as pool:
+        received = simulate_batch(
+            BLOCK, Soil(), Impact(), ledger=True, executor=pool, timing=timing
+        )
+    assert received.e_n.tobytes() == expected.e_n.tobytes()
+    assert received.energy.residual.tobytes() == expected.energy.residual.tobytes()
+    assert timing["engine"] == "executor"
+    assert timing["impacts"] == 300

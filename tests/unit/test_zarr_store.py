@@ -1,0 +1,123 @@
+"""Stores of Zarr written by region: whole, taken up where they stopped, and of one
+study alone."""
+
+import json
+
+import dask
+import numpy as np
+import pytest
+import xarray as xr
+
+from jaximpact import Block, Scene, sweep, write_zarr
+from jaximpact.errors import InputError
+from jaximpact.lazy import WrittenRegions, impacts
+
+BASE = Scene(block=Block(mass=200.0))
+AXES = {
+    "angle_deg": np.linspace(0.0, 60.0, 5),
+    "ground": {"name": ["dense", "loose"], "c_v": [1.0, 0.5]},
+}
+CHUNKS = {"angle_deg": 2}
+
+
+@pytest.fixture
+def computed(monkeypatch):
+    """Counts of the impacts of each block that was computed."""
+    counts, compute = [], impacts.compute_part
+
+    def counted(scene, count, *how):
+        counts.append(count)
+        return compute(scene, count, *how)
+
+    monkeypatch.setattr(impacts, "compute_part", counted)
+    return counts
+
+
+def test_a_store_is_the_sweep(tmp_path):
+    told = []
+    lazy = sweep(BASE, AXES, chunks=CHUNKS)
+    regions = write_zarr(
+        tmp_path / "a.zarr", lazy, progress=lambda *done: told.append(done)
+    )
+    assert regions == WrittenRegions(total=3, found=0, computed=3)
+    assert told == [(0, 3), (1, 3), (2, 3), (3, 3)]
+    there = xr.open_zarr(tmp_path / "a.zarr").load()
+    xr.testing.assert_identical(there, sweep(BASE, AXES))
+    assert {path.name for path in tmp_path.iterdir()} == {"a.zarr"}
+
+
+def test_a_store_is_taken_up_where_it_stopped(tmp_path, computed):
+    path, lazy = tmp_path / "a.zarr", sweep(BASE, AXES, chunks=CHUNKS)
+
+    def stopped(done, total):
+        if done == 1:
+            raise KeyboardInterrupt
+
+    with dask.config.set(scheduler="synchronous"):
+        with pytest.raises(KeyboardInterrupt):
+            write_zarr(path, lazy, progress=stopped)
+        assert len(computed) == 1
+        assert write_zarr(path, lazy) == WrittenRegions(total=3, found=1, computed=2)
+        assert sorted(computed) == [2, 4, 4]
+        assert write_zarr(path, lazy) == WrittenRegions(total=3, found=3, computed=0)
+    assert sorted(computed) == [2, 4, 4]
+    xr.testing.assert_identical(xr.open_zarr(path).load(), sweep(BASE, AXES))
+
+
+def test_a_region_that_was_cut_short_is_computed_again(tmp_path):
+    """A kill between a region's numbers and its mark leaves the mark out."""
+    path, lazy = tmp_path / "a.zarr", sweep(BASE, AXES, chunks=CHUNKS)
+    write_zarr(path, lazy)
+    (path / "_regions" / "outcomes" / "1.0").unlink()
+    (path / "e_n" / "1.0").write_bytes(b"cut")
+    assert write_zarr(path, lazy).computed == 1
+    xr.testing.assert_identical(xr.open_zarr(path).load(), sweep(BASE, AXES))
+
+
+@pytest.mark.parametrize(
+    ("how", "message"),
+    [
+        ({"base": Scene(block=Block(mass=201.0))}, 'begun with base {"mass_kg": 200.0'),
+        ({"accuracy": "fast"}, "begun with accuracy"),
+        (
+            {"axes": AXES | {"angle_deg": np.linspace(0.0, 61.0, 5)}},
+            "another angle_deg",
+        ),
+        ({"axes": AXES | {"angle_deg": [0.0, 1.0, 2.0]}}, "another "),
+        ({"chunks": {"angle_deg": 3}}, "other chunks of it"),
+    ],
+)
+def test_a_store_of_another_study_is_refused(tmp_path, how, message):
+    usual = {"base": BASE, "axes": AXES, "chunks": CHUNKS}
+    write_zarr(tmp_path / "a.zarr", sweep(**usual))
+    with pytest.raises(InputError, match=message):
+        write_zarr(tmp_path / "a.zarr", sweep(**usual | how))
+
+
+def test_a_directory_of_something_else_is_refused(tmp_path):
+    (tmp_path / "a.zarr").mkdir()
+    (tmp_path / "a.zarr" / "letter.txt").write_text("mine")
+    with pytest.raises(InputError, match="no store that was written by region"):
+        write_zarr(tmp_path / "a.zarr", sweep(BASE, AXES, chunks=CHUNKS))
+    assert (tmp_path / "a.zarr" / "letter.txt").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("chunks", "message"),
+    [
+        ((1, 3, 1), r"chunks along angle_deg must have one length.*\(1, 3, 1\)"),
+        (None, "no lazy variable"),
+    ],
+)
+def test_datasets_without_regions_are_refused(tmp_path, chunks, message):
+    how = {} if chunks is None else {"chunks": {"angle_deg": chunks}}
+    with pytest.raises(InputError, match=message):
+        write_zarr(tmp_path / "a.zarr", sweep(BASE, AXES, **how))
+
+
+def test_chunks_of_no_size_are_regions_too(tmp_path):
+    lazy = sweep(BASE, AXES, chunks={"angle_deg": (2, 0, 2, 1)})
+    assert write_zarr(tmp_path / "a.zarr", lazy).total == 4
+    there = xr.open_zarr(tmp_path / "a.zarr").load()
+    assert json.loads(there.attrs["outcomes"]) == {"detached": 10}
+    xr.testing.assert_identical(there, sweep(BASE, AXES))
