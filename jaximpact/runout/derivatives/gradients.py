@@ -17,16 +17,15 @@ from ...errors import InputError
 from ...identity import part_names
 from ...parameters import Composite, parts_of
 from ...progress import Progress, ProgressFunction, as_progress
-from ..blocks import Body, Release, select
+from ..blocks import Release, select
 from ..contacts.contact_models import ClosedForm, Contacts, FullModel
-from ..dual import Dual, as_dual, primal, tangent_of
 from ..flight.placement import check_release
-from ..scheduler import WIDTH, checked_limits, follow
+from ..scheduler import WIDTH, advance, checked_limits, result_of
 from ..state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, State
 from ..terrain import Ground, Profile
-from ..trajectory import Ending, Runs
-from .outputs import chosen_outputs, outputs_of
-from .parameters import Case, Parameter, chosen_parameters, replaced
+from ..trajectory import Ending, Runs, RunTangents
+from .outputs import Ends, Result, chosen_outputs, outputs_of
+from .parameters import Case, Parameter, chosen_parameters, directions_of, replaced
 
 DEFAULT_PARAMETERS = ("c_v", "gamma_v", "k_E")
 DEFAULT_OUTPUTS = ("x_m", "time_s", "max_height_m")
@@ -135,15 +134,15 @@ def runout_gradients(
     chosen = chosen_parameters(case, parameters)
     units = chosen_outputs(outputs, collectors)
     runs_to_do = 1 + 2 * len(chosen) * bool(check)
-    carried = _differentiate(case, chosen, limits)
-    columns, when = outputs_of(carried, units)
+    result = _follow(case, limits, chosen)
+    found_outputs = outputs_of(result, units)
     whole = _Whole(
-        base=Runs(**{name: primal(value) for name, value in vars(carried).items()}),
+        base=result.runs,
         units=units,
-        values=np.stack([primal(column) for column in columns], axis=1),
-        when=np.stack(when, axis=1),
+        values=np.stack([output.value.value for output in found_outputs], axis=1),
+        when=np.stack([output.when for output in found_outputs], axis=1),
     )
-    slopes = np.stack([tangent_of(column, len(chosen)) for column in columns], axis=2)
+    slopes = np.stack([output.value.tangent for output in found_outputs], axis=2)
     found = []
     for number, (slope, parameter) in enumerate(zip(slopes, chosen, strict=True)):
         progress("runs", 1 + 2 * number * bool(check), runs_to_do)
@@ -162,14 +161,14 @@ def differentiate_runout(
     event_limit: int = EVENT_LIMIT,
     hop_threshold: float = HOP_THRESHOLD,
     ground: Ground | None = None,
-) -> Runs:
-    """Simulate trajectories whose numbers all carry derivatives, unchecked.
+) -> tuple[Runs, RunTangents]:
+    """Simulate trajectories, with unchecked derivatives of all their numbers.
 
     Args: as for `runout_gradients`.
 
     Returns:
-        `Runs` with arrays of type `Dual`, in contacts and pieces too: `value`, and
-        `tangent`, `(parameters, ...)`, in SI units and radians.
+        The trajectories, and their derivatives, `(parameters, ...)`, in SI units and
+        radians.
 
     Raises, beside what `runout_gradients` raises, InputError for blocks with flat
     faces: one in seven of their derivatives is not that of the differences.
@@ -177,8 +176,10 @@ def differentiate_runout(
     case = _checked_case(profile, release, contacts, ground)
     limits = checked_limits(time_limit, event_limit, hop_threshold)
     _refuse_flat_faces(release, "runout_gradients compares them with differences")
-    chosen = chosen_parameters(case, parameters)
-    return _differentiate(case, chosen, limits)
+    result = _follow(case, limits, chosen_parameters(case, parameters))
+    x, y, time = result.ends.tangent
+    found = RunTangents(x, y, time, result.contacts.tangent, result.pieces.tangent)
+    return result.runs, found
 
 
 def _refuse_flat_faces(release: Release, cure: str) -> None:
@@ -207,23 +208,23 @@ def _checked_case(
     return Case(profile, release, contacts, ground or Ground.of_profile(profile))
 
 
-def _differentiate(
-    case: Case, parameters: tuple[Parameter, ...], limits: Limits
-) -> Runs:
-    count = len(parameters)
-    for parameter, direction in zip(parameters, np.eye(count), strict=True):
-        case = parameter.shift(case, Dual(0.0, direction))
-    return _follow(case, count, limits)
-
-
-def _follow(case: Case, count: int, limits: Limits) -> Runs:
-    state = State.at_release(case.profile, case.release, case.ground, limits)
-    if count:
-        changing = ("time", "direction", "speed_squared", "plane", "normal", "gap")
-        fields = {name: as_dual(getattr(state, name), count) for name in changing}
-        body = Body(*(as_dual(value, count) for value in state.body))
-        state = dataclasses.replace(state, body=body, **fields)
-    return follow(state, case.contacts, WIDTH, Progress())
+def _follow(
+    case: Case, limits: Limits, parameters: tuple[Parameter, ...] = ()
+) -> Result:
+    """Follow all blocks, with derivatives with respect to some parameters."""
+    directions = directions_of(case, parameters) if parameters else None
+    state = State.at_release(
+        case.profile, case.release, case.ground, limits, directions
+    )
+    advance(state, case.contacts, WIDTH, Progress())
+    blocks = state.blocks
+    return Result(
+        runs=result_of(state),
+        ends=blocks.map(lambda block: Ends(block.body.x, block.body.y, block.time)),
+        contacts=state.contacts.whole(),
+        pieces=state.pieces.whole(),
+        constants=state.constants,
+    )
 
 
 class _Whole(NamedTuple):
@@ -320,9 +321,10 @@ def _differences(
     if above is None or below is None:
         return None
     own = _only(whole.base, some)
-    until = np.minimum(same_until(own, above), same_until(own, below))
+    until = np.minimum(same_until(own, above.runs), same_until(own, below.runs))
     more, less = (
-        np.stack(outputs_of(runs, whole.units)[0], axis=1) for runs in (above, below)
+        np.stack([o.value.value for o in outputs_of(result, whole.units)], axis=1)
+        for result in (above, below)
     )
     return (more - less) / (2.0 * step * size[:, None]), until
 
@@ -343,7 +345,7 @@ def _neighbour(
     some: np.ndarray,
     amount: np.ndarray,
     limits: Limits,
-) -> Runs | None:
+) -> Result | None:
     """Simulate some blocks with a parameter shifted; None where it leaves its range."""
     release = replaced(
         case.release,
@@ -353,14 +355,14 @@ def _neighbour(
     amount = amount if np.ndim(parameter.size(case)) else amount[0]
     ground = case.ground.of_blocks(some)
     shifted = parameter.shift(case._replace(release=release, ground=ground), amount)
-    return _follow(shifted, 0, limits) if parameter.allows(shifted) else None
+    return _follow(shifted, limits) if parameter.allows(shifted) else None
 
 
 def _dataset(case: Case, parameters, whole: _Whole, found: list[dict]) -> xr.Dataset:
     base, units, values, _ = whole
     by_output = ("block", "output", "parameter")
     judged = {name: np.stack([f[name] for f in found], axis=-1) for name in found[0]}
-    trajectory = base.contacts.trajectory.astype(int)
+    trajectory = base.contacts.trajectory
     standing = {
         "flag_values": [int(member) for member in Standing],
         "flag_meanings": " ".join(member.name for member in Standing),
@@ -443,7 +445,7 @@ def same_until(first: Runs, second: Runs) -> np.ndarray:
         ("pieces", ("motion",)),
     ):
         one, other = getattr(first, name), getattr(second, name)
-        owner = one.trajectory.astype(int)
+        owner = one.trajectory
         starts, counts = _spans(one, len(until))
         starts_of_other, counts_of_other = _spans(other, len(until))
         until = np.where(
@@ -461,7 +463,7 @@ def same_until(first: Runs, second: Runs) -> np.ndarray:
 
 def _spans(record, blocks: int) -> tuple[np.ndarray, np.ndarray]:
     """Find the first row of each block, and the number of its rows."""
-    counts = np.bincount(record.trajectory.astype(int), minlength=blocks)
+    counts = np.bincount(record.trajectory, minlength=blocks)
     return np.cumsum(counts) - counts, counts
 
 
@@ -472,8 +474,8 @@ def _only(runs: Runs, some: np.ndarray) -> Runs:
     records = {}
     for name in ("contacts", "pieces"):
         record = getattr(runs, name)
-        kept = select(record, place[record.trajectory.astype(int)] >= 0)
-        records[name] = kept._replace(trajectory=place[kept.trajectory.astype(int)])
+        kept = select(record, place[record.trajectory] >= 0)
+        records[name] = kept._replace(trajectory=place[kept.trajectory])
     release = replaced(runs.release, x=runs.release.x[some])
     ends = {"ending": runs.ending[some], "time": runs.time[some]}
     return replaced(runs, release=release, **ends, **records)
