@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
+from ...backend.derivative_rules import MOST_DIRECTIONS
 from ...backend.native_backend import (
     compile_native_along,
     computes_on_cpu,
@@ -40,7 +41,7 @@ FIELDS = (
 )
 """Fields of an impact's summary, in the order of `ImpactResponse`."""
 PART = 256
-"""Number of impacts, times parameters, that a core takes at a time."""
+"""Number of impacts that a core takes at a time."""
 
 
 class Contacts(Protocol):
@@ -170,7 +171,8 @@ def differentiate_impacts(
 ) -> tuple[Carried, np.ndarray]:
     """Integrate impacts together with the derivatives that their scenes carry.
 
-    Each derivative is one more run of the impact, along its direction.
+    Some derivatives at a time share the steps of the impact and all that its values
+    need.
 
     Args:
         scenes: `Scene`, fields `(lanes,)`.
@@ -187,27 +189,32 @@ def differentiate_impacts(
     # A derivative breaks the symmetry that a cheaper model rests on.
     known = np.where(np.any(slopes != 0.0, axis=0), np.nan, values)
     places = model_places(jax.tree.unflatten(structure, list(known)))
+    together = 1 if count == 1 else MOST_DIRECTIONS
     jobs = []
     for place in np.unique(places):
         assembly = Assembly(structure, MODELS[place], ledger=False)
-        kernel = compile_native_along(assembly) if computes_on_cpu() else None
+        kernel = compile_native_along(assembly, together) if computes_on_cpu() else None
         if kernel is None:
             raise NotImplementedError(
                 "derivatives of a run-out need machine code, which is for laws of "
                 "known operations on a CPU"
             )
-        pairs = np.argwhere(np.broadcast_to(places == place, (count, lanes)))
-        jobs += [(kernel, pairs[i : i + PART].T) for i in range(0, len(pairs), PART)]
+        alike = np.flatnonzero(np.broadcast_to(places == place, (lanes,)))
+        parts = [alike[i : i + PART] for i in range(0, len(alike), PART)]
+        firsts = range(0, count, together)
+        jobs += [(kernel, first, part) for first in firsts for part in parts]
     found = np.full((len(FIELDS) + 1, lanes), np.nan)
     tangents = np.full((len(FIELDS), count, lanes), np.nan)
 
     def solve(job) -> None:
-        kernel, (parameter, lane) = job
+        kernel, first, lane = job
+        along = slopes[first : first + together, :, lane]
+        unused = np.zeros((together - len(along), *along.shape[1:]))
         inputs = with_setting(values[:, lane], accuracy)
-        rows = np.concatenate([inputs, slopes[parameter, :, lane].T])
-        numbers, (along,) = solve_rows(kernel, rows)
+        numbers, changes = solve_rows(kernel, np.concatenate([inputs, *along, *unused]))
         found[:, lane] = [getattr(numbers, n) for n in (*FIELDS, "outcome_code")]
-        tangents[:, parameter, lane] = [getattr(along, name) for name in FIELDS]
+        for parameter, change in enumerate(changes[: len(along)], first):
+            tangents[:, parameter, lane] = [getattr(change, name) for name in FIELDS]
 
     with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
         list(pool.map(solve, jobs))

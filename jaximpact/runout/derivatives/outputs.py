@@ -14,7 +14,8 @@ from ..extremes import extremes, values_at
 from ..lane_programs import Values, closed_form
 from ..moments import Moment
 from ..tangents import Carried, call
-from ..trajectory import Pieces, Runs, Stretches, stretches_of
+from ..trajectory import Pieces, Stretches, stretches_of
+from .results import Result
 
 OF_ENDS = {"x_m": ("m", "x"), "y_m": ("m", "y"), "time_s": ("s", "time")}
 """Place and time of the end of a trajectory."""
@@ -48,28 +49,6 @@ def chosen_outputs(names: Iterable[str], collectors: Iterable[float]) -> dict[st
         else:
             units[name] = LARGEST[name] if name in LARGEST else OF_ENDS[name][0]
     return units
-
-
-class Ends(NamedTuple):
-    """Ends of trajectories, arrays `(blocks,)`."""
-
-    x: Values
-    y: Values
-    time: Values
-
-
-class Result(NamedTuple):
-    """Trajectories, with the derivatives that they carry."""
-
-    runs: Runs
-    ends: Carried
-    """`Ends`."""
-    contacts: Carried
-    """`ContactRecord`."""
-    pieces: Carried
-    """`Pieces`."""
-    constants: Carried
-    """`BlockConstants`."""
 
 
 class Output(NamedTuple):
