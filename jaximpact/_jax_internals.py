@@ -23,6 +23,7 @@ __all__ = [
     "bind",
     "called",
     "is_inside_jit",
+    "is_variable",
     "keep_programs_by",
     "namespace_of",
     "number_in",
@@ -92,6 +93,11 @@ def called(equation) -> ClosedJaxpr | None:
     """The function that an equation calls as it stands; None if it calls none."""
     name = _CALLS.get(equation.primitive.name)
     return None if name is None else equation.params[name]
+
+
+def is_variable(atom) -> bool:
+    """Tell whether an operand or result in a jaxpr is a variable, not a number."""
+    return not isinstance(atom, Literal)
 
 
 def walk(

@@ -14,7 +14,7 @@ from .progress import Progress, as_progress
 from .scene import Scene
 
 if TYPE_CHECKING:
-    # `Array`, `np.ndarray`, or the dual numbers of the run-out; no union says so.
+    # Arrays of NumPy or of JAX: the same formulas run on both, and no union says so.
     Values = Any
 else:
     Values = Array | np.ndarray

@@ -8,7 +8,6 @@ from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
 from .derivatives.gradients import Standing, differentiate_runout, runout_gradients
 from .distributions import Lognormal, Normal, PowerLaw, Uniform
-from .dual import Dual
 from .profile_csv import read_profile
 from .random_inputs import draw
 from .scheduler import simulate_runout
@@ -19,14 +18,13 @@ from .study.map_placement import MapPlacement
 from .study.run_study import run_slope_study
 from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
 from .terrain import Ground, Profile
-from .trajectory import ContactRecord, Ending, MotionMode, Pieces, Runs
+from .trajectory import ContactRecord, Ending, MotionMode, Pieces, Runs, RunTangents
 
 __all__ = [
     "Barrier",
     "ClosedForm",
     "ContactRecord",
     "Contacts",
-    "Dual",
     "Ending",
     "FullModel",
     "Ground",
@@ -42,6 +40,7 @@ __all__ = [
     "PowerLaw",
     "Profile",
     "Release",
+    "RunTangents",
     "Runs",
     "SlopeCalibration",
     "SlopeStudy",

@@ -3,13 +3,17 @@ along the slope, jumps, and coefficients of restitution."""
 
 from typing import NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
 
 from ..scene import GRAVITY
-from .blocks import select, support_of
-from .dual import Values, primal
+from .blocks import BlockOutline, MassProperties, select, support
+from .extremes import extremes
+from .lane_programs import Values, closed_form
+from .moments import Follows, Moment, moving_time, stops_of
 from .trajectory import (
     MotionMode,
+    Pieces,
     Runs,
     Stretches,
     state_after,
@@ -24,7 +28,7 @@ class Passages(NamedTuple):
     Arrays `(passages,)`, trajectory after trajectory, in time.
     """
 
-    trajectory: np.ndarray
+    trajectory: Values
     """Number of the block, from 0."""
     time: Values
     """Time since release [s]."""
@@ -67,6 +71,22 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
         x: place of the collector [m].
         stretches: result of `stretches_of(runs)`, computed if not given.
     """
+    piece, moment = find_passages(runs, x, stretches)
+    trajectory = runs.pieces.trajectory[piece].astype(int)
+    found = passage(
+        select(runs.pieces, piece),
+        moment,
+        select(runs.release.outline, trajectory),
+        select(runs.release.mass_properties, trajectory),
+        runs.profile.height(x),
+    )
+    return found._replace(trajectory=trajectory)
+
+
+def find_passages(
+    runs: Runs, x: float, stretches: Stretches | None = None
+) -> tuple[np.ndarray, Moment]:
+    """Find the pieces on which blocks pass a collector, and when; see `passages`."""
     all_of = stretches_of(runs) if stretches is None else stretches
     trajectory = runs.pieces.trajectory[all_of.piece].astype(int)
     # The next stretch begins where this one ends: no passage is missed or counted
@@ -77,19 +97,35 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     ends = np.where(np.isfinite(ends), ends, all_of.x_stop)
     passes = np.flatnonzero((all_of.x_start >= x) != (ends >= x))
     chosen = select(all_of, passes)
-    time = time_at(runs, chosen, x)
     jumps = (chosen.x_start >= x) == (chosen.x_stop >= x)
-    time = np.where(jumps, chosen.stop, time)
-    pieces = select(runs.pieces, chosen.piece)
-    body = state_after(pieces, time)
-    trajectory = trajectory[passes]
-    mass, inertia = select(runs.release.mass_properties, trajectory)
-    outline = select(runs.release.outline, trajectory)
-    height = body.y - runs.profile.height(x)
-    reach = support_of(outline, body.orientation).radius
+    at_stop = stops_of(runs, chosen)
+    return chosen.piece, Moment(
+        np.where(jumps, at_stop.time, time_at(runs, chosen, x)),
+        np.where(jumps, at_stop.follows, Follows.place),
+    )
+
+
+@closed_form
+def passage(
+    piece: Pieces,
+    moment: Moment,
+    outline: BlockOutline,
+    mass_properties: MassProperties,
+    ground: Values,
+) -> Passages:
+    """Describe a passage; whose it is stays open.
+
+    Args:
+        ground: height of the ground there [m].
+    """
+    time, (mass, inertia) = moving_time(piece, moment), mass_properties
+    body = state_after(piece, time)
+    height = body.y - ground
+    sin, cos = jnp.sin(body.orientation), jnp.cos(body.orientation)
+    reach, _ = support(outline, sin, cos)
     return Passages(
-        trajectory=trajectory,
-        time=pieces.time + time,
+        trajectory=jnp.zeros_like(time),
+        time=piece.time + time,
         v_x=body.v_x,
         v_y=body.v_y,
         angular_velocity=body.angular_velocity,
@@ -147,75 +183,17 @@ def maxima_along(
             outer edges counts to the outer bins.
         stretches: result of `stretches_of(runs)`, computed if not given.
     """
-    trajectory, place, _, heights, speeds, energies = extremes(runs, edges, stretches)
+    found = extremes(runs, edges, stretches)
     largest = (
-        np.maximum.reduce(heights),
-        np.sqrt(np.maximum(*speeds)),
-        np.maximum(*energies),
+        np.maximum.reduce(found.heights),
+        np.sqrt(np.maximum(*found.squared_speeds)),
+        np.maximum(*found.energies),
     )
     shape = (runs.release.count, len(edges) - 1)
-    found = Maxima(*(np.full(shape, -np.inf) for _ in Maxima._fields))
-    for values, new in zip(found, largest, strict=True):
-        np.maximum.at(values, (trajectory, place), new)
-    return Maxima(*(np.where(np.isfinite(v), v, np.nan) for v in found))
-
-
-def extremes(
-    runs: Runs, edges: np.ndarray, stretches: Stretches | None = None
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, list, list, list]:
-    r"""Compute the values among which the largest are, for each part of a trajectory
-    over one bin and segment.
-
-    Over such a part the height of the centre above the ground is a quadratic in time,
-    and its largest value stands at an end or where its derivative vanishes; squared
-    speeds are convex, and largest at an end. So these are exact, and no samples.
-
-    Returns:
-        Trajectory and bin of each part, and the time at which its piece starts; its
-        heights at both ends and the summit; squared speeds and energies at both ends.
-    """
-    whole = stretches_of(runs) if stretches is None else stretches
-    inner = runs.profile.x[(runs.profile.x > edges[0]) & (runs.profile.x < edges[-1])]
-    cells = np.union1d(edges, inner)
-    bin_of = np.searchsorted(edges, 0.5 * (cells[1:] + cells[:-1])) - 1
-    low = primal(np.minimum(whole.x_start, whole.x_stop))
-    high = primal(np.maximum(whole.x_start, whole.x_stop))
-    last_cell = len(cells) - 2
-    first = np.clip(np.searchsorted(cells, low, "right") - 1, 0, last_cell)
-    last = np.clip(np.searchsorted(cells, high, "left") - 1, first, last_cell)
-    # One part for each cell that a stretch lies over.
-    counts = last - first + 1
-    of = np.repeat(np.arange(len(counts)), counts)
-    cell = np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts - first, counts)
-    part = select(whole, of)
-    back = part.sign < 0.0
-    at_low = np.where(back, part.stop, part.start)
-    at_high = np.where(back, part.start, part.stop)
-    begin = np.where(cell == first[of], at_low, time_at(runs, part, cells[cell]))
-    end = np.where(cell == last[of], at_high, time_at(runs, part, cells[cell + 1]))
-    # Where the height above the segment is stationary.
-    middle = 0.5 * (cells[cell] + cells[cell + 1])
-    segment = np.clip(
-        np.searchsorted(runs.profile.x, middle) - 1, 0, runs.profile.segments - 1
-    )
-    slope = (np.diff(runs.profile.y) / np.diff(runs.profile.x))[segment]
-    p = select(runs.pieces, part.piece)
-    rising, bending = p.v_y - slope * p.v_x, p.a_y - slope * p.a_x
-    summit = np.where(bending < 0.0, -rising / np.where(bending < 0.0, bending, 1.0), 0)
-    summit = np.clip(summit, np.minimum(begin, end), np.maximum(begin, end))
-
-    trajectory = p.trajectory.astype(int)
-    mass, inertia = select(runs.release.mass_properties, trajectory)
-    ends = [state_after(p, time) for time in (begin, end)]
-    speeds = [body.v_x**2 + body.v_y**2 for body in ends]
-    energies = [
-        0.5 * (mass * squared + inertia * body.angular_velocity**2)
-        for squared, body in zip(speeds, ends, strict=True)
-    ]
-    heights = [
-        body.y - runs.profile.height(body.x) for body in (*ends, state_after(p, summit))
-    ]
-    return trajectory, bin_of[cell], primal(p.time), heights, speeds, energies
+    maxima = Maxima(*(np.full(shape, -np.inf) for _ in Maxima._fields))
+    for values, new in zip(maxima, largest, strict=True):
+        np.maximum.at(values, (found.trajectory, found.bin), new)
+    return Maxima(*(np.where(np.isfinite(v), v, np.nan) for v in maxima))
 
 
 class Jumps(NamedTuple):

@@ -20,8 +20,7 @@ from ..io.display import Rows, ShownAsTable, range_of
 from ..scene import GRAVITY, Block, Scene
 from ..shapes import AbstractShape, SemiAxes
 from ..units import DEGREE
-from .dual import Values
-from .lane_programs import closed_form
+from .lane_programs import Values, closed_form
 
 
 class Body(NamedTuple):
@@ -115,12 +114,6 @@ support_of = closed_form(
 """`support` from the angle Theta itself, for arrays."""
 
 
-def mean_radius(outline: BlockOutline) -> Values:
-    """Compute the radius of the circle of equal perimeter [m]."""
-    return outline.shape.round_block(outline.axes).radius
-
-
-mean_radius_of = closed_form(mean_radius)
 _outline = closed_form(outline_of)
 _mass_properties = closed_form(lambda block: MassProperties(block.mass, block.inertia))
 

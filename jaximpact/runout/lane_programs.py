@@ -8,17 +8,25 @@ differentiated. Users' shapes and laws that have no machine code are run by XLA.
 
 import concurrent.futures
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from .._gc_pause import collector_paused
+from .._jax_internals import is_variable
 from ..backend.native_backend import without_machine_code
 from ..backend.simd import Kernel, NoMachineCode, compile_kernel
 from ..backend.threads import thread_count
-from .dual import Dual, as_dual, tangent_count
+
+if TYPE_CHECKING:
+    # The same formulas run on both; no union of them says so.
+    Values = Any
+else:
+    Values = jax.Array | np.ndarray
+"""Numbers of many blocks, `(lanes,)`: NumPy arrays between programs, JAX scalars inside
+them."""
 
 LANES_PER_THREAD = 512
 """Lanes of a program of many steps that are worth a thread."""
@@ -69,35 +77,46 @@ class Program:
         if isinstance(kernel, _ByXla):
             return kernel.run(rows)
         lanes = rows.shape[1]
-        results = np.empty((kernel.code.result_rows, lanes))
-
-        def work(places: np.ndarray) -> None:
-            ended, found = kernel.workspace().run(places, rows[:, places], wait=False)
-            results[:, ended] = found
-
         threads = max(1, min(thread_count(), lanes // self.lanes_per_thread))
         if threads == 1:
-            work(np.arange(lanes))
+            results = _in_order(*kernel.workspace().run(np.arange(lanes), rows, False))
         else:
+            results = np.empty((kernel.code.result_rows, lanes))
+
+            def work(places: np.ndarray) -> None:
+                ended, found = kernel.workspace().run(places, rows[:, places], False)
+                results[:, ended] = found
+
             parts = [np.arange(i, lanes, threads) for i in range(threads)]
             with concurrent.futures.ThreadPoolExecutor(threads) as pool:
                 list(pool.map(work, parts))
         return jax.tree.unflatten(kernel.structure, list(results))
 
-    def _compile(self, inputs) -> "Kernel | _ByXla":
+    def _lane_functions(self) -> tuple[Callable, Callable, Callable]:
+        """Give functions for `compile_kernel`, of arrays with one lane."""
         begin, step, finish = map(jax.vmap, self.functions)
+        return lambda inputs: begin(*inputs), step, lambda _, state: finish(state)
+
+    def _compile(self, inputs) -> "Kernel | _ByXla":
         one = jax.ShapeDtypeStruct((1,), float)
         try:
             with collector_paused():
                 return compile_kernel(
-                    lambda inputs: begin(*inputs),
-                    step,
-                    lambda _, state: finish(state),
-                    jax.tree.map(lambda _: one, inputs),
+                    *self._lane_functions(), jax.tree.map(lambda _: one, inputs)
                 )
         except NoMachineCode as problem:
             without_machine_code(problem)
             return _ByXla(self.functions, jax.tree.structure(inputs))
+
+
+def _in_order(ended: np.ndarray, found: np.ndarray) -> np.ndarray:
+    """Bring results into the order of the lanes' numbers, from 0; lanes of one step end
+    in order."""
+    if np.array_equal(ended, np.arange(len(ended))):
+        return found
+    results = np.empty(found.shape)
+    results[:, ended] = found
+    return results
 
 
 class _ByXla:
@@ -129,48 +148,118 @@ class _ByXla:
         return jax.tree.map(lambda *x: np.concatenate(x), *parts)
 
 
-class ClosedProgram(Program):
-    """Program of a function without steps.
-
-    Inputs that carry derivatives (`Dual`) give results that carry them too.
-    """
+class _OneStep(Program):
+    """Program of a function without steps: all is done as a lane ends, so that nothing
+    is kept of it before."""
 
     def __init__(self, function: Callable):
         super().__init__(function, _stop, _as_it_is, LANES_PER_THREAD_OF_ONE_STEP)
-        self._jvp = Program(
-            lambda inputs, directions: jax.jvp(function, inputs, directions),
-            _stop,
-            _as_it_is,
-            LANES_PER_THREAD_OF_ONE_STEP,
+
+    def _lane_functions(self) -> tuple[Callable, Callable, Callable]:
+        function = jax.vmap(self.functions[0])
+        ended = np.zeros(1, bool)
+        return (
+            lambda inputs: (),
+            lambda state: (state, ended),
+            lambda inputs, _: function(*inputs),
         )
+
+
+class _Plan(NamedTuple):
+    """What of a function has to be computed, for inputs of one structure."""
+
+    program: _OneStep
+    """Gives the results that are not inputs, from the inputs that matter."""
+    used: list[int]
+    """Places of those inputs among the leaves."""
+    passed: list[int | None]
+    """For each result the place of the input that it is, or None."""
+    structure: Any
+    """Of the results."""
+
+
+class ClosedProgram:
+    """Program of a function without steps, which can be differentiated.
+
+    Called as a `Program` is. Results may be numbers of any type; all become floats. An
+    input that is also a result is not copied, and one that is not used costs nothing.
+    """
+
+    def __init__(self, function: Callable):
+        def in_floats(*inputs):
+            return jax.tree.map(lambda x: jnp.asarray(x, float), function(*inputs))
+
+        self.function = in_floats
+        self._plans: dict = {}
 
     def __call__(self, *inputs) -> Any:
-        count = tangent_count(inputs)
-        if not count:
-            return super().__call__(*inputs)
+        return self._run(self.function, inputs)
+
+    def along(self, inputs: tuple, tangents: tuple) -> Any:
+        """Compute the derivatives of the results along some directions.
+
+        Args:
+            inputs: as for a call, arrays `(lanes,)`.
+            tangents: directions, for each input a tree like it, of arrays
+                `(parameters, lanes)`; None for an input that does not change.
+
+        Returns:
+            Results, a tree of arrays `(parameters, lanes)`: one lane of machine code
+            for each pair of a lane and a parameter.
+        """
+        return self._run(self._derivative, (inputs, tangents))
+
+    def _derivative(self, inputs: tuple, tangents: tuple) -> Any:
+        def of_changing(changing: list) -> Any:
+            rest = iter(changing)
+            return self.function(
+                *(
+                    x if tangent is None else next(rest)
+                    for x, tangent in zip(inputs, tangents, strict=True)
+                )
+            )
+
+        pairs = zip(inputs, tangents, strict=True)
+        changing = [(x, tangent) for x, tangent in pairs if tangent is not None]
+        numbers, directions = map(list, zip(*changing, strict=True))
+        return jax.jvp(of_changing, (numbers,), (directions,))[1]
+
+    def _run(self, function: Callable, inputs: tuple) -> Any:
         leaves, structure = jax.tree.flatten(inputs)
-        shape = np.broadcast_shapes(*(np.shape(leaf) for leaf in leaves))
-        rows = [as_dual(leaf, count) for leaf in leaves]
+        if structure not in self._plans:
+            self._plans[structure] = _plan_of(function, structure)
+        plan = self._plans[structure]
+        shape = np.broadcast_shapes((1,), *map(np.shape, leaves))
+        computed = iter(())
+        if None in plan.passed:
+            computed = iter(plan.program(*(leaves[place] for place in plan.used)))
+        results = [
+            np.asarray(next(computed) if place is None else leaves[place], float)
+            for place in plan.passed
+        ]
+        spread = (x if x.shape == shape else np.broadcast_to(x, shape) for x in results)
+        return jax.tree.unflatten(plan.structure, list(spread))
 
-        # One lane for each lane and parameter.
-        def unfolded(arrays):
-            spread = (np.broadcast_to(a, (count, *shape)).ravel() for a in arrays)
-            return jax.tree.unflatten(structure, list(spread))
 
-        values, slopes = self._jvp(
-            unfolded(row.value for row in rows),
-            unfolded(
-                row.tangent.reshape(count, *(row.tangent.shape[1:] or (1,)))
-                for row in rows
-            ),
-        )
-        return jax.tree.map(
-            lambda value, slope: Dual(
-                value.reshape(count, *shape)[0], slope.reshape(count, *shape)
-            ),
-            values,
-            slopes,
-        )
+def _plan_of(function: Callable, structure) -> _Plan:
+    def flat(*leaves):
+        return function(*jax.tree.unflatten(structure, leaves))
+
+    one = [jax.ShapeDtypeStruct((), float)] * structure.num_leaves
+    traced, results = jax.make_jaxpr(flat, return_shape=True)(*one)
+    places = {variable: place for place, variable in enumerate(traced.jaxpr.invars)}
+    # Literals among the operands have no place, and cannot be looked up.
+    atoms = [x for equation in traced.jaxpr.eqns for x in equation.invars]
+    used = sorted({places[x] for x in atoms if is_variable(x) and x in places})
+    used = used or [0]  # A program needs some input.
+    passed = [places.get(x) if is_variable(x) else None for x in traced.jaxpr.outvars]
+
+    def reduced(*own):
+        given = dict(zip(used, own, strict=True))
+        found = jax.tree.leaves(flat(*(given.get(i, 0.0) for i in range(len(one)))))
+        return [x for x, place in zip(found, passed, strict=True) if place is None]
+
+    return _Plan(_OneStep(reduced), used, passed, jax.tree.structure(results))
 
 
 def closed_form(function: Callable) -> ClosedProgram:

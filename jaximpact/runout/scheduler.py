@@ -20,10 +20,11 @@ from .contacts.contact_models import Contacts, FullModel
 from .contacts.impact import strike
 from .flight.flights import fly_on
 from .flight.placement import check_release, release_at_touch
-from .ground_motion.on_ground import cross_edges, move_along
+from .ground_motion.crossings import cross_edges
+from .ground_motion.legs import move_along
 from .state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, Phase, State
 from .terrain import Ground, Profile
-from .trajectory import Ending, Runs
+from .trajectory import Runs
 
 WIDTH = 8192
 """Number of blocks under way at once: enough for full cores, few enough for the
@@ -118,9 +119,32 @@ def checked_limits(time_limit: float, event_limit: int, hop_threshold: float) ->
 
 def follow(state: State, contacts: Contacts, width: int, progress: Progress) -> Runs:
     """Follow blocks from their release to their ends; see `simulate_runout`."""
+    advance(state, contacts, width, progress)
+    return result_of(state)
+
+
+def result_of(state: State) -> Runs:
+    """Give the trajectories of blocks that have all ended."""
+    blocks = state.blocks.value
+    return Runs(
+        profile=state.profile,
+        release=state.release,
+        ending=blocks.ending.astype(int),
+        x=blocks.body.x,
+        y=blocks.body.y,
+        time=blocks.time,
+        events=blocks.events.astype(int),
+        contacts=state.contacts.whole().value,
+        pieces=state.pieces.whole().value,
+    )
+
+
+def advance(state: State, contacts: Contacts, width: int, progress: Progress) -> None:
+    """Advance all blocks to the ends of their trajectories; see `simulate_runout`."""
+    phase = state.blocks.value.phase
     active, waiting, blocks = np.zeros(0, int), 0, state.release.count
     while True:
-        active = active[state.phase[active] != Phase.ended]
+        active = active[phase[active] != Phase.ended]
         count = min(width - len(active), blocks - waiting)
         active = np.concatenate([active, np.arange(waiting, waiting + count)])
         waiting += count
@@ -128,44 +152,23 @@ def follow(state: State, contacts: Contacts, width: int, progress: Progress) -> 
         if not len(active):
             break
         _move_to_contacts(state, active)
-        touching = active[state.phase[active] == Phase.touching]
+        touching = active[phase[active] == Phase.touching]
         if len(touching):
             strike(state, touching, contacts)
-            _count_events(state, touching)
-    return Runs(
-        profile=state.profile,
-        release=state.release,
-        ending=state.ending,
-        x=state.body.x,
-        y=state.body.y,
-        time=state.time,
-        events=state.events,
-        contacts=state.contacts.whole(),
-        pieces=state.pieces.whole(),
-    )
 
 
 def _move_to_contacts(state: State, active: np.ndarray) -> None:
     """Move blocks until each touches the ground or has ended."""
+    transitions = {
+        Phase.airborne: fly_on,
+        Phase.grounded: move_along,
+        Phase.at_edge: cross_edges,
+    }
     while True:
-        phase = state.phase[active]
-        airborne = active[phase == Phase.airborne]
-        grounded = active[phase == Phase.grounded]
-        at_edge = active[phase == Phase.at_edge]
-        if not (len(airborne) or len(grounded) or len(at_edge)):
+        phase = state.blocks.value.phase[active]
+        lanes = {of: active[phase == of] for of in transitions}
+        if not any(map(len, lanes.values())):
             return
-        if len(airborne):
-            fly_on(state, airborne)
-        if len(grounded):
-            move_along(state, grounded)
-        if len(at_edge):
-            cross_edges(state, at_edge)
-        _count_events(state, np.concatenate([grounded, at_edge]))
-
-
-def _count_events(state: State, lanes: np.ndarray) -> None:
-    """Count an event of each block, and end those that have had too many."""
-    state.events[lanes] += 1
-    many = state.events[lanes] >= state.limits.events
-    many &= state.phase[lanes] != Phase.ended
-    state.end(lanes[many], Ending.event_limit)
+        for of, transition in transitions.items():
+            if len(lanes[of]):
+                transition(state, lanes[of])

@@ -2,18 +2,20 @@
 
 import dataclasses
 import enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
-from ..laws import Coulomb
+from ..scene import Block
+from ..shapes import RoundBlock
 from ..soil import Soil
-from .blocks import BlockOutline, Body, MassProperties, Release, mean_radius_of
-from .dual import Values
-from .lane_programs import closed_form
+from .blocks import BlockOutline, Body, MassProperties, Release, outline_of
+from .lane_programs import Values, closed_form
+from .tangents import Carried, call
 from .terrain import Ground, Profile, spread
-from .trajectory import ContactRecord, Pieces, Recorder
+from .trajectory import ContactRecord, Ending, Pieces, Recorder
 
 TIME_LIMIT = 600.0
 """Default of the longest trajectory [s]."""
@@ -22,7 +24,8 @@ EVENT_LIMIT = 10_000
 HOP_THRESHOLD = 1.0
 """Default of the height of a flight, as a fraction of the block's heave, below which
 it rolls."""
-_friction_of = closed_form(lambda slider, angle: slider.friction(angle))
+UNDER_WAY = -1.0
+"""Code of the ending of a block that has not ended."""
 
 
 class Phase(enum.IntEnum):
@@ -51,65 +54,161 @@ class Limits(NamedTuple):
     heave, below which it rolls instead."""
 
 
-@dataclasses.dataclass
-class State:
-    """State of all blocks of a run; arrays `(blocks,)` that change as it goes on."""
+class BlockState(NamedTuple):
+    """State of one block, or of many, arrays `(blocks,)`; codes and numbers are
+    floats."""
 
-    profile: Profile
-    release: Release
-    outline: BlockOutline
-    mass_properties: MassProperties
-    radius: np.ndarray
-    """Radius of the round block that rolls [m]."""
-    smallest: np.ndarray
-    """Height of the centre of a block lying on its flat side [m]."""
-    slope: np.ndarray
-    """Slope angles of the segments [rad], `(segments,)`."""
-    length: np.ndarray
-    """Lengths of the segments [m], `(segments,)`."""
-    soil: Soil
-    """Soil of each block and segment, fields `(blocks, segments)`."""
-    rolling_friction: Values
-    """Tangents of the angles of rolling friction, `(blocks, segments)`."""
-    sliding_friction: Values
-    """Tangents of the angles of friction between block and ground, `(blocks,
-    segments)`."""
-    roughness: Values
-    """Standard deviations of the angles of facets [rad], `(blocks, segments)`."""
-    seed: int
-    """Seed of the facets."""
-    limits: Limits
-    numbers: np.ndarray
-    """Block numbers that select the random facets."""
-    impacts: np.ndarray
-    """Number of impacts so far."""
-    phase: np.ndarray
-    """Codes of `Phase`."""
-    ending: np.ndarray
-    """Codes of `Ending`; -1 for a block under way."""
     time: Values
     """Time since release [s]."""
-    events: np.ndarray
-    """Number of contacts and legs so far."""
     body: Body
     """Position and motion at `time`; on the ground the velocities are those of the
     last flight."""
-    segment: np.ndarray
+    phase: Values
+    """Code of `Phase`."""
+    ending: Values
+    """Code of `Ending`; -1 for a block under way."""
+    events: Values
+    """Number of contacts and legs so far."""
+    impacts: Values
+    """Number of impacts so far."""
+    segment: Values
     """Segment that the block is on, or touches; -1 in the air."""
-    rolls: np.ndarray
-    """True for a block that rolls, False for one that slides."""
+    edge: Values
+    """Profile point that the block is about to cross; -1 for none."""
+    rolls: Values
+    """1 for a block that rolls, 0 for one that slides."""
     direction: Values
     """Direction of motion along the ground: 1 to the right, -1 to the left."""
     speed_squared: Values
     """Squared speed along the ground [m2/s2]."""
-    edge: np.ndarray
-    """Profile point that the block is about to cross."""
     plane: Values
     """Angle of the plane on which the block rests at the edge [rad]."""
-    normal: Values
-    """Normal of the plane that the block touches, x and y, `(2, blocks)`."""
+    normal_x: Values
+    """Normal of the plane that the block touches."""
+    normal_y: Values
     gap: Values
     """Distance to that plane [m]; negative in the ground."""
+
+    @property
+    def is_rolling(self) -> Values:
+        """True for a block that rolls."""
+        return self.rolls > 0.0
+
+    def moved(self, **fields: Values) -> "BlockState":
+        """Copy the state with other fields of the body."""
+        return self._replace(body=self.body._replace(**fields))
+
+    def ended(self, ending: Ending, where: Values = True) -> "BlockState":
+        """End the trajectory, where a condition holds."""
+        return self._replace(
+            phase=jnp.where(where, float(Phase.ended), self.phase),
+            ending=jnp.where(where, float(ending), self.ending),
+        )
+
+    def counted(self, limits: Limits) -> "BlockState":
+        """Count an event; end a block that has had too many."""
+        events = self.events + 1.0
+        many = (events >= limits.events) & (self.phase != Phase.ended)
+        return self._replace(events=events).ended(Ending.event_limit, many)
+
+
+def choose(condition: Values, yes: Any, no: Any) -> Any:
+    """Choose between two trees of one structure; what they have in common is left as it
+    is."""
+    return jax.tree.map(
+        lambda a, b: a if a is b else jnp.where(condition, a, b), yes, no
+    )
+
+
+class BlockConstants(NamedTuple):
+    """What stays of a block, or of many, arrays `(blocks,)`."""
+
+    outline: BlockOutline
+    mass_properties: MassProperties
+    round: RoundBlock
+    """Round block that rolls in its place."""
+
+    def centre_height(self, rolls: Values) -> Values:
+        """Give the height of the centre over the ground [m]: the round block's radius
+        for a block that rolls, that of its flat side for one that slides."""
+        return jnp.where(rolls > 0.0, self.round.radius, self.outline.smallest)
+
+    def inertia_ratio(self, rolls: Values) -> Values:
+        """Give k = I / (m r^2) of a block that rolls; 0 for one that slides."""
+        mass, inertia = self.mass_properties
+        return jnp.where(rolls > 0.0, inertia / (mass * self.round.radius**2), 0.0)
+
+
+class GroundOfBlocks(NamedTuple):
+    """Ground of each block and segment, arrays `(blocks, segments)`."""
+
+    soil: Soil
+    rolling_friction: Values
+    """Tangents of the angles of rolling friction."""
+    sliding_friction: Values
+    """Tangents of the angles of friction between block and ground."""
+
+
+@closed_form
+def _constants_of(block: Block) -> BlockConstants:
+    outline = outline_of(block)
+    return BlockConstants(
+        outline,
+        MassProperties(block.mass, block.inertia),
+        outline.shape.round_block(outline.axes),
+    )
+
+
+@closed_form
+def _frictions_of(slider, friction_angle: Values, rolling_angle: Values) -> tuple:
+    return jnp.tan(rolling_angle), slider.friction(friction_angle)
+
+
+class Directions(NamedTuple):
+    """Derivatives of what a run begins with, with respect to some parameters: trees of
+    arrays with an axis of the parameters in front."""
+
+    body: Body
+    """Position and motion at release, `(parameters, blocks)`."""
+    block: Block
+    """Blocks, `(parameters, blocks)`."""
+    soil: Soil
+    """Ground, `(parameters, 1 or blocks, 1 or segments)`."""
+    rolling_friction_angle: Values
+    """Angle of rolling friction, `(parameters, 1 or blocks, 1 or segments)`."""
+    law: Any = None
+    """Parameters of a contact model in closed form, `(parameters,)`; None for the full
+    model."""
+
+
+@dataclasses.dataclass
+class State:
+    """State of all blocks of a run, which changes as it goes on."""
+
+    profile: Profile
+    release: Release
+    slope: np.ndarray
+    """Slope angles of the segments [rad], `(segments,)`."""
+    length: np.ndarray
+    """Lengths of the segments [m], `(segments,)`."""
+    limits: Limits
+    seed: int
+    """Seed of the facets."""
+    numbers: np.ndarray
+    """Block numbers that select the random facets."""
+    roughness: np.ndarray
+    """Standard deviations of the angles of facets [rad], `(blocks, segments)`."""
+    blocks: Carried
+    """`BlockState`, arrays `(blocks,)`."""
+    constants: Carried
+    """`BlockConstants`, arrays `(blocks,)`."""
+    block: Carried
+    """`Block` for the contact model, arrays `(blocks,)`."""
+    ground: Carried
+    """`GroundOfBlocks`."""
+    law_tangent: Any
+    """Derivatives of the parameters of a contact model in closed form,
+    `(parameters,)`; None where none are carried."""
     contacts: Recorder
     pieces: Recorder
 
@@ -120,64 +219,72 @@ class State:
         release: Release,
         ground: Ground | None = None,
         limits: Limits = Limits(),  # noqa: B008, which is immutable
+        directions: Directions | None = None,
     ) -> "State":
         """Start all blocks; on the profile's own ground if no other is given."""
         n, surface = release.count, ground or profile
-        soil = surface.soil
-
-        def of_all(values):
-            return spread(values, n, profile.segments)
-
-        outline = release.outline
+        numbers = None if ground is None else ground.numbers
+        parameters = None if directions is None else len(directions.body.x)
+        block = Carried(release.block, directions and directions.block)
         return cls(
             profile=profile,
             release=release,
-            outline=outline,
-            mass_properties=release.mass_properties,
-            radius=mean_radius_of(outline),
-            smallest=outline.smallest,
             slope=profile.slope,
             length=profile.length,
-            soil=jax.tree.map(of_all, soil),
-            rolling_friction=of_all(np.tan(surface.rolling_friction_angle)),
-            sliding_friction=of_all(_sliding_friction(soil)),
-            roughness=of_all(surface.roughness),
-            seed=0 if ground is None else ground.seed,
             limits=limits,
-            numbers=np.arange(n)
-            if ground is None or ground.numbers is None
-            else ground.numbers,
-            impacts=np.zeros(n, int),
-            phase=np.full(n, Phase.airborne),
-            ending=np.full(n, -1),
-            time=np.zeros(n),
-            events=np.zeros(n, int),
-            body=Body(*(value.copy() for value in release.body)),
-            segment=np.full(n, -1),
-            rolls=np.zeros(n, bool),
-            direction=np.ones(n),
-            speed_squared=np.zeros(n),
-            edge=np.full(n, -1),
-            plane=np.zeros(n),
-            normal=np.zeros((2, n)),
-            gap=np.zeros(n),
-            contacts=Recorder(ContactRecord),
-            pieces=Recorder(Pieces),
+            seed=0 if ground is None else ground.seed,
+            numbers=np.arange(n) if numbers is None else numbers,
+            roughness=spread(surface.roughness, n, profile.segments),
+            blocks=_at_release(release.body, directions),
+            constants=call(_constants_of, block),
+            block=block,
+            ground=_ground_of_blocks(surface, n, profile.segments, directions),
+            law_tangent=directions and directions.law,
+            contacts=Recorder(ContactRecord, parameters),
+            pieces=Recorder(Pieces, parameters),
         )
 
-    def end(self, lanes: np.ndarray, ending: int) -> None:
-        """End trajectories, for the reason given."""
-        self.phase[lanes] = Phase.ended
-        self.ending[lanes] = ending
 
-    def set_body(self, lanes: np.ndarray, **values) -> None:
-        """Set fields of the body."""
-        for name, value in values.items():
-            getattr(self.body, name)[lanes] = value
+def _at_release(body: Body, directions: Directions | None) -> Carried:
+    zero = np.zeros(np.shape(body.x))
+    state = BlockState(
+        *(zero, body, zero + Phase.airborne, zero + UNDER_WAY),
+        *(zero, zero, zero - 1.0, zero - 1.0, zero, zero + 1.0),
+        *(zero, zero, zero, zero, zero),
+    )
+    # Each field is written to.
+    value = jax.tree.map(lambda leaf: np.array(leaf, float), state)
+    if directions is None:
+        return Carried(value)
+    count = len(directions.body.x)
+    tangent = jax.tree.map(lambda leaf: np.zeros((count, *leaf.shape)), value)
+    moving = Body(*(np.array(column, float) for column in directions.body))
+    return Carried(value, tangent._replace(body=moving))
 
 
-def _sliding_friction(soil: Soil):
-    """Compute tan phi_b between block and ground, of the shape of the soil's fields."""
-    if type(soil.slider) is Coulomb:
-        return soil.alpha_s * np.tan(soil.friction_angle)
-    return _friction_of(soil.slider, soil.friction_angle)
+def _ground_of_blocks(
+    surface: Ground | Profile, blocks: int, segments: int, directions: Directions | None
+) -> Carried:
+    soil, angle = jax.tree.map(
+        np.atleast_2d, (surface.soil, surface.rolling_friction_angle)
+    )
+    soil = Carried(soil, directions and directions.soil)
+    angle = Carried(angle, directions and directions.rolling_friction_angle)
+    frictions = call(
+        _frictions_of, soil.part("slider"), soil.part("friction_angle"), angle
+    )
+
+    def of_all(values):
+        return spread(values, blocks, segments)
+
+    def of_tangent(values):
+        return np.broadcast_to(values, (len(values), blocks, segments))
+
+    together = Carried(
+        GroundOfBlocks(soil.value, *frictions.value),
+        directions and GroundOfBlocks(soil.tangent, *frictions.tangent),
+    )
+    return together.map(
+        lambda tree: jax.tree.map(of_all, tree),
+        lambda tree: jax.tree.map(of_tangent, tree),
+    )

@@ -9,7 +9,8 @@ import numpy as np
 from ..io.display import Rows, ShownAsTable, range_of
 from ..scene import GRAVITY
 from .blocks import Body, Release, select
-from .dual import Values, primal
+from .lane_programs import Values
+from .tangents import Carried
 from .terrain import Profile
 
 
@@ -105,27 +106,54 @@ class ContactRecord(NamedTuple):
     rolls, and went on along the ground instead; see `contacts.impact`."""
 
 
+COLUMN_TYPES: dict[str, type] = {
+    **dict.fromkeys(("trajectory", "motion", "segment", "outcome"), int),
+    "hop": bool,
+}
+"""Types of the columns that are not floats."""
+
+
 class Recorder:
     """Collector of rows of pieces or contacts, which come in any order of blocks.
 
     Args:
         kind: `Pieces` or `ContactRecord`.
+        parameters: number of parameters whose derivatives the rows carry; None for
+            rows without derivatives.
     """
 
-    def __init__(self, kind: type):
-        self.kind, self.parts = kind, []
+    def __init__(self, kind: type, parameters: int | None = None):
+        def empty(shape):
+            return kind(*(np.zeros(shape) for _ in kind._fields))
 
-    def add(self, *columns) -> None:
-        """Append a row per lane; columns broadcast."""
-        if len(columns[0]):
-            self.parts.append(np.broadcast_arrays(*columns))
+        tangent = None if parameters is None else empty((parameters, 0))
+        self.kind = kind
+        self.parts = [(np.zeros(0, int), Carried(empty(0), tangent))]
 
-    def whole(self) -> Any:
+    def add(self, lanes: np.ndarray, rows: Carried) -> None:
+        """Append a row for each of some blocks; whose it is gets written here."""
+        if len(lanes):
+            self.parts.append((lanes, rows))
+
+    def whole(self) -> Carried:
         """Sort all rows by trajectory, and within each by time."""
-        parts = self.parts or [[np.zeros(0)] * len(self.kind._fields)]
-        columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
-        order = np.argsort(columns[0], kind="stable")
-        return self.kind(*(column[order] for column in columns))
+        trajectory = np.concatenate([lanes for lanes, _ in self.parts])
+        order = np.argsort(trajectory, kind="stable")
+
+        def joined(parts: tuple) -> Any:
+            columns = (np.concatenate(c, axis=-1) for c in zip(*parts, strict=True))
+            return self.kind(*(column[..., order] for column in columns))
+
+        rows = [rows for _, rows in self.parts]
+        values = joined(tuple(row.value for row in rows))
+        values = values._replace(trajectory=trajectory[order])
+        types = COLUMN_TYPES.items()
+        values = values._replace(
+            **{n: getattr(values, n).astype(t) for n, t in types if hasattr(values, n)}
+        )
+        if rows[0].tangent is None:
+            return Carried(values)
+        return Carried(values, joined(tuple(row.tangent for row in rows)))
 
 
 class Ending(enum.IntEnum):
@@ -211,12 +239,29 @@ class Runs(ShownAsTable):
         """Give the number of blocks and how they ended, and ranges of results."""
         endings = ", ".join(f"{n} {name}" for name, n in self.count_endings().items())
         rows = [
-            ("x at the end", range_of(primal(self.x)), "m"),
-            ("y at the end", range_of(primal(self.y)), "m"),
-            ("time", range_of(primal(self.time)), "s"),
+            ("x at the end", range_of(self.x), "m"),
+            ("y at the end", range_of(self.y), "m"),
+            ("time", range_of(self.time), "s"),
             ("events", range_of(self.events), "-"),
         ]
         return f"Runs: {len(self.ending)} blocks; {endings}", rows
+
+
+class RunTangents(NamedTuple):
+    """Derivatives of the numbers of `Runs` with respect to some parameters.
+
+    Arrays with an axis of the parameters in front, in SI units and radians.
+    """
+
+    x: np.ndarray
+    """Centre at the end, `(parameters, blocks)`."""
+    y: np.ndarray
+    time: np.ndarray
+    """Time of the end, `(parameters, blocks)`."""
+    contacts: ContactRecord
+    """Contacts, `(parameters, contacts)`; 0 for numbers and codes."""
+    pieces: Pieces
+    """Pieces, `(parameters, pieces)`; 0 for numbers and codes."""
 
 
 class Stretches(NamedTuple):

@@ -20,7 +20,6 @@ from jaximpact import (
 from jaximpact.errors import InputError
 from jaximpact.runout import (
     ClosedForm,
-    Dual,
     FullModel,
     Ground,
     Profile,
@@ -32,7 +31,9 @@ from jaximpact.runout import (
     runout_gradients,
     simulate_runout,
 )
+from jaximpact.runout.derivative_rules import root
 from jaximpact.runout.lane_programs import closed_form
+from jaximpact.runout.tangents import Carried, call
 
 pytestmark = pytest.mark.slow
 
@@ -57,78 +58,63 @@ def blocks_on_short_slope(count, aspect_ratio, seed=0):
     )
 
 
-@pytest.mark.parametrize(
-    ("function", "arguments"),
-    [
-        (np.add, (1.3, -0.4)),
-        (np.subtract, (1.3, -0.4)),
-        (np.multiply, (1.3, -0.4)),
-        (np.true_divide, (1.3, -0.4)),
-        (np.arctan2, (1.3, -0.4)),
-        (np.hypot, (1.3, -0.4)),
-        (np.maximum, (1.3, -0.4)),
-        (np.minimum, (1.3, -0.4)),
-        (np.negative, (1.3,)),
-        (np.sqrt, (1.3,)),
-        (np.sin, (1.3,)),
-        (np.cos, (1.3,)),
-        (np.tan, (1.3,)),
-        (np.absolute, (-1.3,)),
-    ],
-)
-def test_functions_of_numpy_carry_derivatives(function, arguments):
-    """As JAX has them, to rounding."""
-    directions = np.eye(len(arguments))
-    result = function(*(Dual(a, d) for a, d in zip(arguments, directions, strict=True)))
-    of_jax = getattr(jnp, function.__name__)
-    expected = jax.grad(of_jax, tuple(range(len(arguments))))(*arguments)
-    np.testing.assert_allclose(result.value, function(*arguments), rtol=1e-15)
-    np.testing.assert_allclose(result.tangent, np.stack(expected), rtol=1e-14)
+def test_programs_are_differentiated():
+    """With respect to every input that changes, as JAX differentiates the function; an
+    input that is a result, and one that does not matter, too."""
 
-
-def test_arrays_that_carry_derivatives_never_lose_them():
-    x = Dual([1.0, 4.0, 9.0], [[1.0, 0.0, 2.0], [0.0, 3.0, 0.0]])
-    with pytest.raises(TypeError, match="would be lost"):
-        np.zeros(3)[:] = x
-    with pytest.raises(TypeError, match="would be lost"):
-        np.asarray(x)
-    with pytest.raises(TypeError, match="NotImplemented"):
-        np.arctanh(x)
-    with pytest.raises(TypeError, match="no implementation"):
-        np.median(x)
-    both = np.concatenate([x, np.array([7.0])])
-    np.testing.assert_array_equal(both.tangent, [[1, 0, 2, 0], [0, 3, 0, 0]])
-    picked = np.where([True, False, True], x, 5.0)
-    np.testing.assert_array_equal(picked.value, [1.0, 5.0, 9.0])
-    np.testing.assert_array_equal(picked.tangent, [[1, 0, 2], [0, 0, 0]])
-    y = x.copy()
-    y[np.array([0, 2])] = x[1:]
-    y[1] += x[0]
-    np.testing.assert_array_equal(y.value, [4.0, 5.0, 9.0])
-    np.testing.assert_array_equal(y.tangent, [[0, 1, 2], [3, 3, 0]])
-    np.testing.assert_array_equal(x.value, [1.0, 4.0, 9.0])
-    ground = np.interp(x, [0.0, 2.0, 10.0], [0.0, 4.0, 0.0])
-    np.testing.assert_array_equal(ground.tangent, [[2, 0, -1], [0, -1.5, 0]])
-    # The rate of a root at zero is infinite, which does not matter where nothing moves.
-    roots = np.sqrt(Dual([0.0, 4.0], [[0.0, 1.0]]))
-    np.testing.assert_array_equal(roots.tangent, [[0.0, 0.25]])
-
-
-def test_programs_carry_derivatives():
-    """Of every input and to every output, as the same formulas in NumPy do."""
-
-    def function(pair, scale):
+    def function(pair, scale, unused):
         a, b = pair
-        return {"product": scale * jnp.sin(a) * b, "larger": jnp.maximum(a, b)}
+        return {"product": scale * jnp.sin(a) * b, "larger": jnp.maximum(a, b), "a": a}
 
-    a = Dual([0.3, 1.1, 2.0], [[1.0, 0.0, 2.0], [0.5, 0.5, 0.5]])
-    b = Dual(1.5, [0.0, 1.0])
-    found = closed_form(function)((a, b), 3.0)
-    # Sine of the compiled code and NumPy's: to rounding.
-    product, larger = 3.0 * np.sin(a) * b, np.maximum(a, b)
-    for one, other in ((found["product"], product), (found["larger"], larger)):
-        np.testing.assert_allclose(one.value, other.value, rtol=1e-14)
-        np.testing.assert_allclose(one.tangent, other.tangent, rtol=1e-14, atol=1e-15)
+    program = closed_form(function)
+    a, b, scale = np.array([0.3, 1.1, 2.0]), np.array([1.5, 1.5, 1.5]), 3.0
+    along_a = np.array([[1.0, 0.0, 2.0], [0.5, 0.5, 0.5]])
+    along_b = np.array([[0.0], [1.0]])
+    found = program.along(((a, b), scale, 7.0), ((along_a, along_b), None, None))
+    inputs = (a, b), np.full(3, scale), np.full(3, 7.0)
+    for place in range(2):
+        directions = (along_a[place], np.full(3, along_b[place])), *np.zeros((2, 3))
+        values, expected = jax.jvp(jax.vmap(function), inputs, directions)
+        for name, values_of_all in program((a, b), scale, 7.0).items():
+            # Sine of the compiled code and XLA's: to rounding.
+            np.testing.assert_allclose(values_of_all, values[name], rtol=1e-14)
+            np.testing.assert_allclose(
+                found[name][place], expected[name], rtol=1e-14, atol=1e-15
+            )
+
+
+def test_what_passes_through_programs_alone():
+    """Nothing to compute, and nothing to compute it from."""
+    same, one = closed_form(lambda x, y: (x, 1.0))(np.array([1.0, 2.0]), 3.0)
+    np.testing.assert_array_equal(same, [1.0, 2.0])
+    np.testing.assert_array_equal(one, [1.0, 1.0])
+    np.testing.assert_array_equal(closed_form(lambda x: x)(np.arange(3)), [0, 1, 2])
+
+
+def test_numbers_of_blocks_keep_their_derivatives():
+    """Through gathering, computing and scattering, along two directions."""
+    blocks = Carried(
+        {"x": np.array([1.0, 4.0, 9.0])},
+        {"x": np.array([[1.0, 0.0, 2.0], [0.0, 3.0, 0.0]])},
+    )
+    half = closed_form(lambda block: {"x": 0.5 * block["x"]})
+    some = np.array([2, 0])
+    blocks.put(some, call(half, blocks.at(some)))
+    np.testing.assert_array_equal(blocks.value["x"], [0.5, 4.0, 4.5])
+    np.testing.assert_array_equal(
+        blocks.tangent["x"], [[0.5, 0.0, 1.0], [0.0, 3.0, 0.0]]
+    )
+
+
+@pytest.mark.parametrize(
+    ("x", "slope"), [(4.0, 0.25), (0.0, np.inf), (-1.0, 0.0)], ids=str
+)
+def test_roots_of_what_does_not_change(x, slope):
+    """The rate of a root at zero is infinite, which does not matter where nothing
+    moves."""
+    value, change = jax.jvp(root, (x,), (1.0,))
+    assert (float(value), float(change)) == (np.sqrt(max(x, 0.0)), slope)
+    assert float(jax.jvp(root, (x,), (0.0,))[1]) == 0.0
 
 
 def test_where_a_projectile_comes_down():
@@ -136,19 +122,19 @@ def test_where_a_projectile_comes_down():
     the block's size on."""
     v, angle = 20.0, np.radians(30.0)
     release = Release(SPHERE, 0.0, R, v * np.cos(angle), v * np.sin(angle))
-    runs = differentiate_runout(
+    _, tangents = differentiate_runout(
         FLAT, release, DEAD, ["speed_mps", "direction_deg", "angular_velocity_degps"]
     )
     expected = [2 * v * np.sin(2 * angle) / G, 2 * v**2 * np.cos(2 * angle) / G, 0.0]
-    np.testing.assert_allclose(runs.contacts.x.tangent[:, 0], expected, rtol=1e-8)
+    np.testing.assert_allclose(tangents.contacts.x[:, 0], expected, rtol=1e-8)
     times = [2 * np.sin(angle) / G, 2 * v * np.cos(angle) / G, 0.0]
-    np.testing.assert_allclose(runs.contacts.time.tangent[:, 0], times, rtol=1e-8)
+    np.testing.assert_allclose(tangents.contacts.time[:, 0], times, rtol=1e-8)
 
 
 def test_a_bouncing_sphere_by_its_coefficient():
     """t_n = f (1 + 2 e + ... + 2 e^(n-1)), f the time of the first fall."""
     e, fall = 0.7, np.sqrt(2.0 / G)
-    runs = differentiate_runout(
+    runs, tangents = differentiate_runout(
         FLAT,
         Release(SPHERE, 500.0, 1.0 + R),
         ClosedForm(ConstantCoefficients(e, 1.0)),
@@ -158,10 +144,10 @@ def test_a_bouncing_sphere_by_its_coefficient():
     powers = np.where(n > 0, n * e ** np.maximum(n - 1, 0), 0.0)
     expected = 2.0 * fall * np.cumsum(powers)
     # Each touch is early by up to 1e-9 of the block, at speeds down to 0.2 m/s.
-    np.testing.assert_allclose(runs.contacts.time.tangent[0], expected, atol=1e-7)
-    by_height = runs.contacts.time.value / 2.0
-    np.testing.assert_allclose(runs.contacts.time.tangent[1], by_height, atol=1e-7)
-    assert runs.x.tangent[0, 0] == 0.0
+    np.testing.assert_allclose(tangents.contacts.time[0], expected, atol=1e-7)
+    by_height = runs.contacts.time / 2.0
+    np.testing.assert_allclose(tangents.contacts.time[1], by_height, atol=1e-7)
+    assert tangents.x[0, 0] == 0.0
 
 
 def test_how_far_a_sphere_rolls_on_the_flat():
@@ -184,15 +170,15 @@ def test_how_far_a_sphere_rolls_on_the_flat():
 def test_blocks_that_leave_the_profile_or_run_out_of_time():
     profile = Profile([0.0, 50.0], [0.0, 0.0])
     release = Release(SPHERE, 10.0, 100.0, [20.0, 2.0], 0.0)
-    runs = differentiate_runout(
+    runs, tangents = differentiate_runout(
         profile, release, DEAD, ["speed_mps", "x_m"], time_limit=3.0
     )
-    assert [float(x) for x in runs.x.value] == pytest.approx([50.0, 16.0])
+    assert [float(x) for x in runs.x] == pytest.approx([50.0, 16.0])
     # To the border in 2 s, by 2 s / v less for each m/s more; at the limit of 3 s.
-    np.testing.assert_allclose(runs.time.tangent, [[-0.1, 0.0], [-0.05, 0.0]])
-    np.testing.assert_allclose(runs.x.tangent, [[0.0, 3.0], [0.0, 1.0]], atol=1e-14)
+    np.testing.assert_allclose(tangents.time, [[-0.1, 0.0], [-0.05, 0.0]])
+    np.testing.assert_allclose(tangents.x, [[0.0, 3.0], [0.0, 1.0]], atol=1e-14)
     by_speed = 0.1 * 2.0 * G  # less time to fall
-    np.testing.assert_allclose(runs.y.tangent[0], [by_speed, 0.0], atol=1e-13)
+    np.testing.assert_allclose(tangents.y[0], [by_speed, 0.0], atol=1e-13)
 
 
 def test_values_are_those_of_the_plain_run():
@@ -201,15 +187,15 @@ def test_values_are_those_of_the_plain_run():
     release = blocks_on_short_slope(20, 1.5)
     law = ClosedForm(PfeifferBowen(0.35, 0.85))
     plain = simulate_runout(BIPLANAR, dataclasses.replace(release, y=240.0), law)
-    carried = differentiate_runout(
+    carried, _ = differentiate_runout(
         BIPLANAR, dataclasses.replace(release, y=240.0), law, ["y_m"]
     )
-    np.testing.assert_array_equal(carried.x.value, plain.x)
-    np.testing.assert_array_equal(carried.contacts.time.value, plain.contacts.time)
+    np.testing.assert_array_equal(carried.x, plain.x)
+    np.testing.assert_array_equal(carried.contacts.time, plain.contacts.time)
     release = blocks_on_short_slope(5, 1.0)
     plain = simulate_runout(short_slope(), release)
-    carried = differentiate_runout(short_slope(), release, FullModel(), ["gamma_v"])
-    np.testing.assert_allclose(carried.x.value, plain.x, rtol=1e-9)
+    carried, _ = differentiate_runout(short_slope(), release, FullModel(), ["gamma_v"])
+    np.testing.assert_allclose(carried.x, plain.x, rtol=1e-9)
 
 
 def differences(change, step):

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
+from ...backend.derivative_rules import MOST_DIRECTIONS
 from ...backend.native_backend import (
     compile_native_along,
     computes_on_cpu,
@@ -26,8 +27,8 @@ from ...impact_response import ImpactResponse, ImpactResponses, respond
 from ...rebound import Rebound
 from ...scene import Block, Impact, Scene
 from ...soil import Soil
-from ..dual import Dual, primal, tangent_count, tangent_of
 from ..lane_programs import closed_form
+from ..tangents import Carried, call
 
 NOT_TRACED = (
     *(jax.errors.TracerArrayConversionError, jax.errors.ConcretizationTypeError),
@@ -40,7 +41,7 @@ FIELDS = (
 )
 """Fields of an impact's summary, in the order of `ImpactResponse`."""
 PART = 256
-"""Number of impacts, times parameters, that a core takes at a time."""
+"""Number of impacts that a core takes at a time."""
 
 
 class Contacts(Protocol):
@@ -65,10 +66,18 @@ class FullModel:
         get_accuracy(self.accuracy)
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> ImpactResponses:
-        scene, accuracy = Scene(block, soil, impact), get_accuracy(self.accuracy)
-        if tangent_count(scene):
-            return differentiate_impacts(scene, accuracy)
-        return respond(scene, accuracy)
+        return respond(Scene(block, soil, impact), get_accuracy(self.accuracy))
+
+    def differentiate(
+        self, block: Carried, soil: Carried, impact: Carried, law_tangent=None
+    ) -> tuple[Carried, np.ndarray]:
+        """Compute impacts with the derivatives that their scenes carry; see
+        `differentiate_impacts`."""
+        scenes = Carried(
+            Scene(block.value, soil.value, impact.value),
+            Scene(block.tangent, soil.tangent, impact.tangent),
+        )
+        return differentiate_impacts(scenes, get_accuracy(self.accuracy))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,13 +104,45 @@ class ClosedForm:
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> ImpactResponses:
         after = _rebound(self.law, block, impact)
-        nothing = np.zeros_like(after.normal_velocity)
-        response = ImpactResponse(
-            *after, duration=nothing, rotation=nothing, sinking=nothing
-        )
-        finite = np.logical_and.reduce([np.isfinite(values) for values in after])
-        outcome = np.where(finite, int(Outcome.detached), int(Outcome.failed))
-        return ImpactResponses(response, outcome)
+        return ImpactResponses(_without_duration(after), _outcome_of(after))
+
+    def differentiate(
+        self, block: Carried, soil: Carried, impact: Carried, law_tangent
+    ) -> tuple[Carried, np.ndarray]:
+        """Compute impacts with derivatives, also with respect to the law's parameters.
+
+        Args:
+            block, soil, impact: as for a call, with derivatives.
+            law_tangent: derivatives of the law's parameters, `(parameters,)`.
+
+        Returns:
+            Responses with derivatives, and outcomes.
+        """
+        columns = jax.tree.map(lambda leaf: np.reshape(leaf, (-1, 1)), law_tangent)
+        after = call(_rebound, Carried(self.law, columns), block, impact)
+        return after.map(_without_duration), _outcome_of(after.value)
+
+
+def _without_duration(after: Rebound) -> ImpactResponse:
+    nothing = np.zeros_like(after.normal_velocity)
+    return ImpactResponse(*after, duration=nothing, rotation=nothing, sinking=nothing)
+
+
+def _outcome_of(after: Rebound) -> np.ndarray:
+    finite = np.logical_and.reduce([np.isfinite(values) for values in after])
+    return np.where(finite, int(Outcome.detached), int(Outcome.failed))
+
+
+def ask(
+    contacts: Contacts, block: Carried, soil: Carried, impact: Carried, law_tangent
+) -> tuple[Carried, np.ndarray]:
+    """Ask a contact model for responses and outcomes, with derivatives where the scenes
+    carry them, which only `FullModel` and `ClosedForm` can give."""
+    if impact.tangent is None:
+        found = contacts(block.value, soil.value, impact.value)
+        return Carried(found.response), found.outcome
+    assert isinstance(contacts, FullModel | ClosedForm)
+    return contacts.differentiate(block, soil, impact, law_tangent)
 
 
 @closed_form
@@ -125,56 +166,57 @@ def _rebound(law, block: Block, impact: Impact) -> Rebound:
     return Rebound(*(jnp.asarray(value, float) for value in after))
 
 
-def differentiate_impacts(scene: Scene, accuracy: Accuracy) -> ImpactResponses:
+def differentiate_impacts(
+    scenes: Carried, accuracy: Accuracy
+) -> tuple[Carried, np.ndarray]:
     """Integrate impacts together with the derivatives that their scenes carry.
 
-    Each derivative is one more run of the impact, along its direction.
+    Some derivatives at a time share the steps of the impact and all that its values
+    need.
 
     Args:
-        scene: fields `(lanes,)`, some of which carry derivatives.
+        scenes: `Scene`, fields `(lanes,)`.
 
     Returns:
-        Responses that carry derivatives; NaN where an impact failed.
+        `ImpactResponse` with derivatives, NaN where an impact failed; and outcomes.
 
     Raises NotImplementedError for laws without machine code, and off a CPU.
     """
-    count, lanes = tangent_count(scene), len(scene.impact.speed)
-    leaves, structure = jax.tree.flatten(scene)
-    values = np.stack([np.broadcast_to(primal(leaf), (lanes,)) for leaf in leaves])
-    slopes = np.stack(
-        [np.broadcast_to(_rows(leaf, count), (count, lanes)) for leaf in leaves], axis=1
-    )
+    leaves, structure = jax.tree.flatten(scenes.value)
+    values = np.stack(leaves)
+    slopes = np.stack(jax.tree.leaves(scenes.tangent), axis=1)
+    count, _, lanes = slopes.shape
     # A derivative breaks the symmetry that a cheaper model rests on.
     known = np.where(np.any(slopes != 0.0, axis=0), np.nan, values)
     places = model_places(jax.tree.unflatten(structure, list(known)))
+    together = 1 if count == 1 else MOST_DIRECTIONS
     jobs = []
     for place in np.unique(places):
-        assembly = Assembly(jax.tree.structure(scene), MODELS[place], ledger=False)
-        kernel = compile_native_along(assembly) if computes_on_cpu() else None
+        assembly = Assembly(structure, MODELS[place], ledger=False)
+        kernel = compile_native_along(assembly, together) if computes_on_cpu() else None
         if kernel is None:
             raise NotImplementedError(
                 "derivatives of a run-out need machine code, which is for laws of "
                 "known operations on a CPU"
             )
-        pairs = np.argwhere(np.broadcast_to(places == place, (count, lanes)))
-        jobs += [(kernel, pairs[i : i + PART].T) for i in range(0, len(pairs), PART)]
+        alike = np.flatnonzero(np.broadcast_to(places == place, (lanes,)))
+        parts = [alike[i : i + PART] for i in range(0, len(alike), PART)]
+        firsts = range(0, count, together)
+        jobs += [(kernel, first, part) for first in firsts for part in parts]
     found = np.full((len(FIELDS) + 1, lanes), np.nan)
     tangents = np.full((len(FIELDS), count, lanes), np.nan)
 
     def solve(job) -> None:
-        kernel, (parameter, lane) = job
+        kernel, first, lane = job
+        along = slopes[first : first + together, :, lane]
+        unused = np.zeros((together - len(along), *along.shape[1:]))
         inputs = with_setting(values[:, lane], accuracy)
-        rows = np.concatenate([inputs, slopes[parameter, :, lane].T])
-        numbers, (along,) = solve_rows(kernel, rows)
+        numbers, changes = solve_rows(kernel, np.concatenate([inputs, *along, *unused]))
         found[:, lane] = [getattr(numbers, n) for n in (*FIELDS, "outcome_code")]
-        tangents[:, parameter, lane] = [getattr(along, name) for name in FIELDS]
+        for parameter, change in enumerate(changes[: len(along)], first):
+            tangents[:, parameter, lane] = [getattr(change, name) for name in FIELDS]
 
     with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
         list(pool.map(solve, jobs))
-    duals = [Dual(v, t) for v, t in zip(found[:-1], tangents, strict=True)]
-    return ImpactResponses(ImpactResponse(*duals), found[-1].astype(int))
-
-
-def _rows(leaf, count: int) -> np.ndarray:
-    tangent = tangent_of(leaf, count)
-    return tangent if tangent.ndim > 1 else tangent[:, None]
+    responses = Carried(ImpactResponse(*found[:-1]), ImpactResponse(*tangents))
+    return responses, found[-1].astype(int)

@@ -7,9 +7,10 @@ import jax.numpy as jnp
 from ..._safe import safe_sqrt
 from ...impact_response import ImpactResponse
 from ...scene import GRAVITY, Impact
-from ..blocks import BlockOutline, Body, MassProperties, support
-from ..dual import Values
-from ..lane_programs import closed_form
+from ..blocks import BlockOutline, Body, support
+from ..ground_motion.on_ground import small_speed
+from ..lane_programs import Values, closed_form
+from ..state import BlockConstants, BlockState
 
 STEEPEST = 1e-4
 """Least N_y of a plane that is struck: a wall is taken to lean by that much."""
@@ -43,7 +44,6 @@ def _orientation_at_touch(outline: BlockOutline, theta: Values, spin: Values) ->
     return theta + LITTLE_LATER * jnp.sign(spin)
 
 
-@closed_form
 def contact_with_plane(
     body: Body, outline: BlockOutline, normal_x: Values, normal_y: Values
 ) -> PlaneContact:
@@ -59,6 +59,39 @@ def contact_with_plane(
     v_t = body.v_x * cos - body.v_y * sin
     closing = v_n + arm * body.angular_velocity
     return PlaneContact(slope, theta, v_n, v_t, body.angular_velocity, closing)
+
+
+class Touch(NamedTuple):
+    """Block that touches the ground."""
+
+    contact: PlaneContact
+    """In the frame of the plane that it touches."""
+    slow: Values
+    """Least closing speed of an impact [m/s]."""
+
+
+@closed_form
+def touch(block: BlockState, constants: BlockConstants) -> Touch:
+    """Transform a block that touches the ground to the frame of the plane there."""
+    outline = constants.outline
+    contact = contact_with_plane(block.body, outline, block.normal_x, block.normal_y)
+    return Touch(contact, small_speed(outline.smallest, contact.slope))
+
+
+@closed_form
+def touch_facet(
+    block: BlockState, constants: BlockConstants, slope: Values, turn: Values
+) -> PlaneContact:
+    """Transform a block that touches the ground to the frame of a facet there.
+
+    Args:
+        slope: angle of the segment [rad].
+        turn: angle of the facet from the segment [rad].
+    """
+    facet = slope + turn
+    return contact_with_plane(
+        block.body, constants.outline, jnp.sin(facet), jnp.cos(facet)
+    )
 
 
 @closed_form
@@ -111,14 +144,25 @@ class PostImpact(NamedTuple):
         )
 
 
+class Settled(NamedTuple):
+    """Block after a contact, before it travels along the plane."""
+
+    after: PostImpact
+    x: Values
+    """Centre, without the travel [m]."""
+    y: Values
+    along_x: Values
+    """Travel along the plane, x and y [m]."""
+    along_y: Values
+
+
 @closed_form
 def settle(
-    outline: BlockOutline,
-    mass_properties: MassProperties,
+    block: BlockState,
+    constants: BlockConstants,
     contact: PlaneContact,
-    gap: Values,
     response: ImpactResponse,
-) -> PostImpact:
+) -> Settled:
     """Set a block back on the plane after its contact.
 
     It ends its contact some depth in the ground and has to climb out: m g cos w times
@@ -126,25 +170,33 @@ def settle(
     depth, or height above the plane, at contact. The model does not follow the travel
     along the plane during contact: it is the duration times the mean of v_t before and
     after.
-
-    Args:
-        gap: gap between block and plane at touch [m]; negative in the ground.
     """
+    after = _after(constants, contact, block.gap, response)
+    sin, cos = jnp.sin(contact.slope), jnp.cos(contact.slope)
+    return Settled(
+        after,
+        x=block.body.x + after.rise * sin,
+        y=block.body.y + after.rise * cos,
+        along_x=after.travel * cos,
+        along_y=-after.travel * sin,
+    )
+
+
+def _after(
+    constants: BlockConstants,
+    contact: PlaneContact,
+    gap: Values,
+    response: ImpactResponse,
+) -> PostImpact:
+    outline, (mass, inertia) = constants.outline, constants.mass_properties
     theta = contact.orientation + response.rotation
     before, _ = support(
         outline, jnp.sin(contact.orientation), jnp.cos(contact.orientation)
     )
     radius, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
     v_n, v_t, spin = response[:3]
-    kinetic = 0.5 * (
-        mass_properties.mass * (v_n**2 + v_t**2) + mass_properties.inertia * spin**2
-    )
-    climb = (
-        mass_properties.mass
-        * GRAVITY
-        * jnp.cos(contact.slope)
-        * (response.sinking - gap)
-    )
+    kinetic = 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
+    climb = mass * GRAVITY * jnp.cos(contact.slope) * (response.sinking - gap)
     left = kinetic - climb
     fraction = safe_sqrt(left / jnp.where(kinetic > 0.0, kinetic, 1.0))
     v_n, v_t, spin = fraction * v_n, fraction * v_t, fraction * spin

@@ -25,12 +25,13 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from ...scene import GRAVITY
-from ..blocks import BlockOutline, MassProperties, select, support
-from ..dual import Values
-from ..lane_programs import closed_form
+from ..blocks import support
+from ..derivative_rules import root
+from ..lane_programs import Values
 from ..random_inputs import key_of, uniforms_at
-from ..state import State
-from .plane_contact import PlaneContact, PostImpact, contact_with_plane
+from ..state import BlockConstants, State
+from ..tangents import Carried, call
+from .plane_contact import PlaneContact, PostImpact, touch_facet
 
 CUT = 3.0
 """Number of standard deviations at which the distribution is truncated."""
@@ -42,19 +43,29 @@ all facets face even a block that grazes the ground."""
 STREAM = "roughness"
 
 
-def facets_struck(
-    state: State, lanes: np.ndarray, touched: PlaneContact, slow: Values
-) -> PlaneContact:
-    """Sample the facets that impacts strike, in the frames of the facets.
+def strike_facets(
+    state: State,
+    lanes: np.ndarray,
+    touched: Carried,
+    struck: Carried,
+    rough: np.ndarray,
+) -> np.ndarray:
+    """Sample the facets that impacts strike.
 
     Args:
-        lanes: blocks that strike rough ground.
-        touched: the planes of the segments that they touch.
-        slow: least closing speeds of impacts [m/s].
+        touched: `Touch` of the segments that the blocks touch.
+        struck: `PlaneContact` with what they strike, written to.
+        rough: which of the blocks strike rough ground.
+
+    Returns:
+        Angles of the facets from the segments [rad], `(lanes,)`; 0 for a block that
+        strikes the segment.
     """
-    deviation = state.roughness[lanes, state.segment[lanes]]
-    struck = PlaneContact(*(column.copy() for column in touched))
-    open_yet = np.arange(len(lanes))
+    block = state.blocks.value
+    deviation = state.roughness[lanes, block.segment[lanes].astype(int)]
+    slope, slow = touched.value.contact.slope, touched.value.slow
+    turned = np.zeros(len(lanes))
+    open_yet = np.flatnonzero(rough)
     key = key_of(state.seed, STREAM)
     for attempt in range(ATTEMPTS):
         if not len(open_yet):
@@ -62,22 +73,21 @@ def facets_struck(
         some = lanes[open_yet]
         number = state.numbers[some]
         uniform = uniforms_at(
-            [state.impacts[some], attempt, number & 0xFFFFFFFF, number >> 32], key
+            [block.impacts[some], attempt, number & 0xFFFFFFFF, number >> 32], key
         )
-        facet_turn = _truncated_normal(uniform)
-        slope = touched.slope[open_yet] + deviation[open_yet] * facet_turn
-        facet = contact_with_plane(
-            select(state.body, some),
-            select(state.outline, some),
-            np.sin(slope),
-            np.cos(slope),
+        turn = deviation[open_yet] * _truncated_normal(uniform)
+        facet = call(
+            touch_facet,
+            *(state.blocks.at(some), state.constants.at(some)),
+            *(touched.part("contact").part("slope").at(open_yet), turn),
         )
-        steepest = np.maximum(STEEPEST_FACET, np.abs(touched.slope[open_yet]))
-        good = (np.abs(slope) <= steepest) & (facet.closing >= slow[open_yet])
-        for column, values in zip(struck, facet, strict=True):
-            column[open_yet[good]] = values[good]
+        steepest = np.maximum(STEEPEST_FACET, np.abs(slope[open_yet]))
+        good = np.abs(slope[open_yet] + turn) <= steepest
+        good &= facet.value.closing >= slow[open_yet]
+        struck.put(open_yet[good], facet.at(good))
+        turned[open_yet[good]] = turn[good]
         open_yet = open_yet[~good]
-    return struck
+    return turned
 
 
 def _truncated_normal(uniform: np.ndarray) -> np.ndarray:
@@ -104,13 +114,11 @@ class Lifted(NamedTuple):
     leaving: Values
     """Velocity at which its lowest point leaves the segment [m/s]."""
     climbs: Values
-    """1 where the energy suffices for the lift."""
+    """True where the energy suffices for the lift."""
 
 
-@closed_form
 def lift(
-    outline: BlockOutline,
-    mass_properties: MassProperties,
+    constants: BlockConstants,
     touched: PlaneContact,
     struck: PlaneContact,
     gap: Values,
@@ -121,8 +129,9 @@ def lift(
     Args:
         touched: contact with the segment at touch.
         struck, after: contact with the facet at touch, and the block on it after.
-        gap: gap at touch, as for `settle`.
+        gap: gap at touch [m].
     """
+    outline, (mass, inertia) = constants.outline, constants.mass_properties
     turn = struck.slope - touched.slope
     sin, cos = jnp.sin(turn), jnp.cos(turn)
     theta = after.orientation + turn
@@ -134,11 +143,9 @@ def lift(
     depth = jnp.maximum(-over, 0.0)
     v_n, v_t = after.normal_velocity, after.tangential_velocity
     spin = after.angular_velocity
-    kinetic = 0.5 * (
-        mass_properties.mass * (v_n**2 + v_t**2) + mass_properties.inertia * spin**2
-    )
-    left = kinetic - mass_properties.mass * GRAVITY * jnp.cos(touched.slope) * depth
-    fraction = jnp.sqrt(jnp.maximum(left, 0.0) / jnp.where(kinetic > 0.0, kinetic, 1.0))
+    kinetic = 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
+    left = kinetic - mass * GRAVITY * jnp.cos(touched.slope) * depth
+    fraction = root(left / jnp.where(kinetic > 0.0, kinetic, 1.0))
     climbs = (left > 0.0) | (depth == 0.0)
     rising = -v_n * cos - v_t * sin
     return Lifted(
@@ -149,5 +156,5 @@ def lift(
         tangential_velocity=fraction * (v_t * cos - v_n * sin),
         rising=fraction * rising,
         leaving=fraction * (rising - arm * spin),
-        climbs=climbs.astype(float),
+        climbs=climbs,
     )

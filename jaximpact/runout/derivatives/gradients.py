@@ -1,10 +1,8 @@
 """Derivatives of trajectories with respect to blocks, ground and releases."""
 
 import dataclasses
-import enum
 import json
 from collections.abc import Iterable
-from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -17,51 +15,20 @@ from ...errors import InputError
 from ...identity import part_names
 from ...parameters import Composite, parts_of
 from ...progress import Progress, ProgressFunction, as_progress
-from ..blocks import Body, Release, select
+from ..blocks import Release
 from ..contacts.contact_models import ClosedForm, Contacts, FullModel
-from ..dual import Dual, as_dual, primal, tangent_of
 from ..flight.placement import check_release
-from ..scheduler import WIDTH, checked_limits, follow
-from ..state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, State
+from ..scheduler import checked_limits
+from ..state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT
 from ..terrain import Ground, Profile
-from ..trajectory import Ending, Runs
+from ..trajectory import Ending, Runs, RunTangents
+from .comparison import AGREES_WITHIN, STEPS, Standing, Whole, judge
 from .outputs import chosen_outputs, outputs_of
-from .parameters import Case, Parameter, chosen_parameters, replaced
+from .parameters import Case, chosen_parameters
+from .results import follow_case
 
 DEFAULT_PARAMETERS = ("c_v", "gamma_v", "k_E")
 DEFAULT_OUTPUTS = ("x_m", "time_s", "max_height_m")
-STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
-"""Relative steps of the differences: each next one is for derivatives that the one
-before does not confirm. Below, integration errors are too large a part of a
-difference."""
-AGREES_WITHIN = 1e-3
-"""Relative difference between derivatives and differences that confirms them."""
-SMALL = 1e-4
-"""Floor of the scale of comparison: relative change of an output per relative change of
-a parameter that counts as next to none."""
-
-
-class Standing(enum.IntEnum):
-    """Reliability of a derivative."""
-
-    confirmed = 0
-    """Blocks on both sides make the same contacts, and the differences agree."""
-    unchecked = 1
-    """No check was requested, or the parameter has no neighbour in its range."""
-    sequence_changes = 2
-    """Refused: with a relative change of 1e-6 the block makes other contacts, or moves
-    in another mode between them."""
-    differs = 3
-    """Refused: differences of blocks that make the same contacts disagree. The output
-    has a kink there, or bends too sharply for any step."""
-    no_value = 4
-    """The output has no value: the block did not pass, or its contact failed."""
-    lost = 5
-    """The output has a value, but its derivative was lost: a block started its flight
-    in the ground, or something turned by an infinite rate."""
-
-    def __str__(self) -> str:
-        return self.name.replace("_", " ")
 
 
 def runout_gradients(
@@ -117,8 +84,8 @@ def runout_gradients(
         `same_sequence_within`, the largest of `STEPS` within which the block makes the
         same contacts; `output_value`, `ending` and `contacts`.
 
-    The first use compiles for some 15 s. Afterwards a derivative of an impact takes
-    about as long as two impacts.
+    The first use compiles for some 15 s. Afterwards three derivatives of a trajectory
+    take about as long as five trajectories, without the comparison.
 
     Raises:
         InputError: an unknown name, with the nearest known; check=False for blocks with
@@ -135,19 +102,19 @@ def runout_gradients(
     chosen = chosen_parameters(case, parameters)
     units = chosen_outputs(outputs, collectors)
     runs_to_do = 1 + 2 * len(chosen) * bool(check)
-    carried = _differentiate(case, chosen, limits)
-    columns, when = outputs_of(carried, units)
-    whole = _Whole(
-        base=Runs(**{name: primal(value) for name, value in vars(carried).items()}),
+    result = follow_case(case, limits, chosen)
+    found_outputs = outputs_of(result, units)
+    whole = Whole(
+        base=result.runs,
         units=units,
-        values=np.stack([primal(column) for column in columns], axis=1),
-        when=np.stack(when, axis=1),
+        values=np.stack([output.value.value for output in found_outputs], axis=1),
+        when=np.stack([output.when for output in found_outputs], axis=1),
     )
-    slopes = np.stack([tangent_of(column, len(chosen)) for column in columns], axis=2)
+    slopes = np.stack([output.value.tangent for output in found_outputs], axis=2)
     found = []
     for number, (slope, parameter) in enumerate(zip(slopes, chosen, strict=True)):
         progress("runs", 1 + 2 * number * bool(check), runs_to_do)
-        found.append(_judge(case, parameter, whole, slope, check, limits))
+        found.append(judge(case, parameter, whole, slope, check, limits))
     progress("runs", runs_to_do, runs_to_do)
     return _dataset(case, chosen, whole, found)
 
@@ -162,14 +129,14 @@ def differentiate_runout(
     event_limit: int = EVENT_LIMIT,
     hop_threshold: float = HOP_THRESHOLD,
     ground: Ground | None = None,
-) -> Runs:
-    """Simulate trajectories whose numbers all carry derivatives, unchecked.
+) -> tuple[Runs, RunTangents]:
+    """Simulate trajectories, with unchecked derivatives of all their numbers.
 
     Args: as for `runout_gradients`.
 
     Returns:
-        `Runs` with arrays of type `Dual`, in contacts and pieces too: `value`, and
-        `tangent`, `(parameters, ...)`, in SI units and radians.
+        The trajectories, and their derivatives, `(parameters, ...)`, in SI units and
+        radians.
 
     Raises, beside what `runout_gradients` raises, InputError for blocks with flat
     faces: one in seven of their derivatives is not that of the differences.
@@ -177,8 +144,10 @@ def differentiate_runout(
     case = _checked_case(profile, release, contacts, ground)
     limits = checked_limits(time_limit, event_limit, hop_threshold)
     _refuse_flat_faces(release, "runout_gradients compares them with differences")
-    chosen = chosen_parameters(case, parameters)
-    return _differentiate(case, chosen, limits)
+    result = follow_case(case, limits, chosen_parameters(case, parameters))
+    x, y, time = result.ends.tangent
+    found = RunTangents(x, y, time, result.contacts.tangent, result.pieces.tangent)
+    return result.runs, found
 
 
 def _refuse_flat_faces(release: Release, cure: str) -> None:
@@ -207,160 +176,11 @@ def _checked_case(
     return Case(profile, release, contacts, ground or Ground.of_profile(profile))
 
 
-def _differentiate(
-    case: Case, parameters: tuple[Parameter, ...], limits: Limits
-) -> Runs:
-    count = len(parameters)
-    for parameter, direction in zip(parameters, np.eye(count), strict=True):
-        case = parameter.shift(case, Dual(0.0, direction))
-    return _follow(case, count, limits)
-
-
-def _follow(case: Case, count: int, limits: Limits) -> Runs:
-    state = State.at_release(case.profile, case.release, case.ground, limits)
-    if count:
-        changing = ("time", "direction", "speed_squared", "plane", "normal", "gap")
-        fields = {name: as_dual(getattr(state, name), count) for name in changing}
-        body = Body(*(as_dual(value, count) for value in state.body))
-        state = dataclasses.replace(state, body=body, **fields)
-    return follow(state, case.contacts, WIDTH, Progress())
-
-
-class _Whole(NamedTuple):
-    """Trajectories and their outputs."""
-
-    base: Runs
-    units: dict[str, str]
-    """Units of the outputs by name."""
-    values: np.ndarray
-    """Outputs, `(blocks, outputs)`."""
-    when: np.ndarray
-    """Times by which the outputs are settled [s], `(blocks, outputs)`."""
-
-
-def _judge(
-    case: Case,
-    parameter: Parameter,
-    whole: _Whole,
-    slopes: np.ndarray,
-    check: bool,
-    limits: Limits,
-) -> dict[str, np.ndarray]:
-    """Compare the derivatives with respect to one parameter with differences.
-
-    Args:
-        slopes: derivatives of the outputs, `(blocks, outputs)`, in SI units of the
-            parameter.
-    """
-    _, _, values, when = whole
-    blocks = len(values)
-    size = np.broadcast_to(parameter.size(case), (blocks,))
-    by_differences = np.full(values.shape, np.nan)
-    disagreement = np.full(values.shape, np.nan)
-    standing = np.full(values.shape, Standing.unchecked)
-    same_within, compared = np.zeros(blocks), np.zeros(blocks, bool)
-    exists = np.isfinite(values)
-    known = exists & np.isfinite(slopes)
-    undecided = np.any(known, axis=1) if check else np.zeros(blocks, bool)
-    for step in STEPS:
-        some = np.flatnonzero(undecided)
-        if not len(some):
-            break
-        found = _differences(case, parameter, whole, some, step, size[some], limits)
-        if found is None:
-            continue
-        compared[some] = True
-        difference, until = found
-        relative = _disagreement(difference, slopes[some], values[some], size[some])
-        confirmed = standing[some] == Standing.confirmed
-        new = (until[:, None] >= when[some]) & known[some] & ~confirmed
-        by_differences[some] = np.where(new, difference, by_differences[some])
-        disagreement[some] = np.where(new, relative, disagreement[some])
-        agrees = new & (relative <= AGREES_WITHIN)
-        verdict = np.where(agrees, Standing.confirmed, Standing.differs)
-        standing[some] = np.where(new, verdict, standing[some])
-        reached = np.where(np.isinf(until), step, 0.0)
-        same_within[some] = np.maximum(same_within[some], reached)
-        decided = (standing == Standing.confirmed) | ~known
-        undecided = undecided & ~np.all(decided, axis=1)
-    unchecked = standing == Standing.unchecked
-    standing[unchecked & compared[:, None]] = Standing.sequence_changes
-    standing[exists & ~known] = Standing.lost
-    standing[~exists] = Standing.no_value
-    given = (standing == Standing.confirmed) | (standing == Standing.unchecked)
-    return {
-        "derivative": np.where(given, slopes, np.nan) * parameter.factor,
-        "derivative_by_differences": by_differences * parameter.factor,
-        "disagreement": disagreement,
-        "standing": standing,
-        "same_sequence_within": np.where(compared, same_within, np.nan),
-    }
-
-
-def _differences(
-    case: Case,
-    parameter: Parameter,
-    whole: _Whole,
-    some: np.ndarray,
-    step: float,
-    size: np.ndarray,
-    limits: Limits,
-) -> tuple[np.ndarray, np.ndarray] | None:
-    """Differentiate the outputs of some blocks by central differences.
-
-    Args:
-        step, size: relative step, and the sizes that it is relative to.
-
-    Returns:
-        Differences, `(some, outputs)`, and the times until which neighbours make the
-        same contacts [s]; None where a neighbour is out of range.
-    """
-    above = _neighbour(case, parameter, some, 1.0 * step * size, limits)
-    below = _neighbour(case, parameter, some, -1.0 * step * size, limits)
-    if above is None or below is None:
-        return None
-    own = _only(whole.base, some)
-    until = np.minimum(same_until(own, above), same_until(own, below))
-    more, less = (
-        np.stack(outputs_of(runs, whole.units)[0], axis=1) for runs in (above, below)
-    )
-    return (more - less) / (2.0 * step * size[:, None]), until
-
-
-def _disagreement(
-    differences: np.ndarray, slopes: np.ndarray, values: np.ndarray, size: np.ndarray
-) -> np.ndarray:
-    """Compute the relative disagreement of derivatives and differences."""
-    floor = SMALL * np.abs(values) / size[:, None]
-    scale = np.maximum(np.maximum(np.abs(differences), np.abs(slopes)), floor)
-    with np.errstate(invalid="ignore"):
-        return np.abs(differences - slopes) / np.where(scale > 0.0, scale, 1.0)
-
-
-def _neighbour(
-    case: Case,
-    parameter: Parameter,
-    some: np.ndarray,
-    amount: np.ndarray,
-    limits: Limits,
-) -> Runs | None:
-    """Simulate some blocks with a parameter shifted; None where it leaves its range."""
-    release = replaced(
-        case.release,
-        block=select(case.release.block, some),
-        **select(case.release.body, some)._asdict(),
-    )
-    amount = amount if np.ndim(parameter.size(case)) else amount[0]
-    ground = case.ground.of_blocks(some)
-    shifted = parameter.shift(case._replace(release=release, ground=ground), amount)
-    return _follow(shifted, 0, limits) if parameter.allows(shifted) else None
-
-
-def _dataset(case: Case, parameters, whole: _Whole, found: list[dict]) -> xr.Dataset:
+def _dataset(case: Case, parameters, whole: Whole, found: list[dict]) -> xr.Dataset:
     base, units, values, _ = whole
     by_output = ("block", "output", "parameter")
     judged = {name: np.stack([f[name] for f in found], axis=-1) for name in found[0]}
-    trajectory = base.contacts.trajectory.astype(int)
+    trajectory = base.contacts.trajectory
     standing = {
         "flag_values": [int(member) for member in Standing],
         "flag_meanings": " ".join(member.name for member in Standing),
@@ -432,48 +252,3 @@ def _in_words(case: Case) -> dict:
         "release": fields(release) | {"block": of_whole(release.block)},
         "contacts": how,
     }
-
-
-def same_until(first: Runs, second: Runs) -> np.ndarray:
-    """Find until when blocks make the same contacts, with the same outcomes, and move
-    in the same modes between them [s]; inf where they do so to the same end."""
-    until = np.where(first.ending == second.ending, np.inf, first.time)
-    for name, columns in (
-        ("contacts", ("segment", "outcome", "hop")),
-        ("pieces", ("motion",)),
-    ):
-        one, other = getattr(first, name), getattr(second, name)
-        owner = one.trajectory.astype(int)
-        starts, counts = _spans(one, len(until))
-        starts_of_other, counts_of_other = _spans(other, len(until))
-        until = np.where(
-            counts == counts_of_other, until, np.minimum(until, first.time)
-        )
-        rank = np.arange(len(owner)) - starts[owner]
-        there = rank < counts_of_other[owner]
-        place = np.where(there, starts_of_other[owner] + rank, 0)
-        differs = ~there
-        for column in columns if len(other.time) else ():
-            differs = differs | (getattr(one, column) != getattr(other, column)[place])
-        np.minimum.at(until, owner[differs], one.time[differs])
-    return until
-
-
-def _spans(record, blocks: int) -> tuple[np.ndarray, np.ndarray]:
-    """Find the first row of each block, and the number of its rows."""
-    counts = np.bincount(record.trajectory.astype(int), minlength=blocks)
-    return np.cumsum(counts) - counts, counts
-
-
-def _only(runs: Runs, some: np.ndarray) -> Runs:
-    """Select the trajectories of some blocks, for `same_until`."""
-    place = np.full(runs.release.count, -1)
-    place[some] = np.arange(len(some))
-    records = {}
-    for name in ("contacts", "pieces"):
-        record = getattr(runs, name)
-        kept = select(record, place[record.trajectory.astype(int)] >= 0)
-        records[name] = kept._replace(trajectory=place[kept.trajectory.astype(int)])
-    release = replaced(runs.release, x=runs.release.x[some])
-    ends = {"ending": runs.ending[some], "time": runs.time[some]}
-    return replaced(runs, release=release, **ends, **records)

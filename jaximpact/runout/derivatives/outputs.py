@@ -1,31 +1,34 @@
 """Outputs of a run-out that can be differentiated, by name."""
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 
 from ...errors import InputError
 from ...io.checks import checked_names
-from ..analysis import Passages, extremes, passages
-from ..dual import primal
-from ..trajectory import Runs, stretches_of
+from ..analysis import find_passages, passage
+from ..blocks import BlockOutline, MassProperties, select
+from ..derivative_rules import root
+from ..extremes import extremes, values_at
+from ..lane_programs import Values, closed_form
+from ..moments import Moment
+from ..tangents import Carried, call
+from ..trajectory import Pieces, Stretches, stretches_of
+from .results import Result
 
-OF_ENDS = {
-    "x_m": ("m", lambda runs: runs.x),
-    "y_m": ("m", lambda runs: runs.y),
-    "time_s": ("s", lambda runs: runs.time),
-}
+OF_ENDS = {"x_m": ("m", "x"), "y_m": ("m", "y"), "time_s": ("s", "time")}
 """Place and time of the end of a trajectory."""
 LARGEST = {"max_height_m": "m", "max_speed_mps": "m/s", "max_energy_J": "J"}
 """Largest values on the whole trajectory: height of the centre above the ground, speed,
 kinetic energy."""
 OF_PASSAGES = {
-    "passage_time_s": ("s", lambda found: found.time),
-    "passage_speed_mps": ("m/s", lambda found: found.speed),
-    "passage_energy_J": ("J", lambda found: found.energy),
-    "passage_spin_radps": ("rad/s", lambda found: found.angular_velocity),
-    "passage_centre_height_m": ("m", lambda found: found.centre_height),
-    "passage_lowest_height_m": ("m", lambda found: found.lowest_height),
+    "passage_time_s": "s",
+    "passage_speed_mps": "m/s",
+    "passage_energy_J": "J",
+    "passage_spin_radps": "rad/s",
+    "passage_centre_height_m": "m",
+    "passage_lowest_height_m": "m",
 }
 """Quantities of the first passage of each collector; see `Passages`."""
 KNOWN = (*OF_ENDS, *LARGEST, *OF_PASSAGES)
@@ -42,70 +45,115 @@ def chosen_outputs(names: Iterable[str], collectors: Iterable[float]) -> dict[st
         if name in OF_PASSAGES:
             if not collectors:
                 raise InputError(f"output {name} needs a collector, but there is none")
-            units |= {f"{name} at {x!r}": OF_PASSAGES[name][0] for x in collectors}
+            units |= {f"{name} at {x!r}": OF_PASSAGES[name] for x in collectors}
         else:
             units[name] = LARGEST[name] if name in LARGEST else OF_ENDS[name][0]
     return units
 
 
-def outputs_of(runs: Runs, names: Iterable[str]) -> tuple[list, list]:
-    """Compute outputs, and the times by which they are settled.
+class Output(NamedTuple):
+    """Output of each block."""
+
+    value: Carried
+    """`(blocks,)`; NaN where there is no value."""
+    when: np.ndarray
+    """Time by which it is settled [s], `(blocks,)`; inf for outputs of the end."""
+
+
+def outputs_of(result: Result, names: Iterable[str]) -> list[Output]:
+    """Compute outputs, with the derivatives that the trajectories carry.
 
     Args:
         names: full names, from `chosen_outputs`.
-
-    Returns:
-        Outputs, `(blocks,)` each, NaN where there is no value, with the derivatives
-        that the runs carry; and times [s], inf for outputs of the end, without
-        derivatives.
     """
-    found, times, stretches, largest = [], [], stretches_of(runs), None
-    never = np.full(runs.release.count, np.inf)
-    passed = {}
+    runs = result.runs
+    stretches, never = stretches_of(runs), np.full(runs.release.count, np.inf)
+    found, largest, passed = [], {}, {}
     for name in names:
         kind, _, place = name.partition(" at ")
         if kind in OF_ENDS:
-            found.append(OF_ENDS[kind][1](runs))
-            times.append(never)
+            found.append(Output(result.ends.part(OF_ENDS[kind][1]), never))
         elif kind in LARGEST:
-            largest = largest or _largest(runs, stretches)
-            value, time = largest[kind]
-            found.append(value)
-            times.append(time)
+            largest = largest or _largest(result, stretches)
+            found.append(largest[kind])
         else:
             if place not in passed:
-                passed[place] = passages(runs, float(place), stretches)
-            value, time = _of_first(runs, passed[place], OF_PASSAGES[kind][1])
-            found.append(value)
-            times.append(time)
-    return found, times
+                passed[place] = _of_first_passages(result, float(place), stretches)
+            found.append(passed[place][kind])
+    return found
 
 
-def _of_first(runs: Runs, found: Passages, quantity):
-    blocks = runs.release.count
-    passing, first = np.unique(found.trajectory, return_index=True)
-    if not len(first):
-        return np.full(blocks, np.nan), np.full(blocks, np.nan)
-    place = np.zeros(blocks, int)
-    place[passing] = first
-    has_passed = np.isin(np.arange(blocks), passing)
-    return (
-        np.where(has_passed, quantity(found)[place], np.nan),
-        np.where(has_passed, primal(found.time)[place], np.nan),
+def _of_first_passages(
+    result: Result, x: float, stretches: Stretches
+) -> dict[str, Output]:
+    """Compute the quantities of the first passages of a collector."""
+    runs = result.runs
+    piece, moment = find_passages(runs, x, stretches)
+    passing, first = np.unique(runs.pieces.trajectory[piece], return_index=True)
+    found = call(
+        _of_passage,
+        result.pieces.at(piece[first]),
+        select(moment, first),
+        result.constants.part("outline").at(passing),
+        result.constants.part("mass_properties").at(passing),
+        runs.profile.height(x),
     )
 
+    def of_all(values: np.ndarray) -> np.ndarray:
+        spread = np.full((*values.shape[:-1], runs.release.count), np.nan)
+        spread[..., passing] = values
+        return spread
 
-def _largest(runs: Runs, stretches) -> dict:
-    edges = runs.profile.x[[0, -1]]
-    trajectory, _, start, *kinds = extremes(runs, edges, stretches)
+    when = of_all(found.value["passage_time_s"])
+    return {
+        name: Output(found.map(lambda tree, n=name: of_all(tree[n])), when)
+        for name in OF_PASSAGES
+    }
+
+
+@closed_form
+def _of_passage(
+    piece: Pieces,
+    moment: Moment,
+    outline: BlockOutline,
+    mass_properties: MassProperties,
+    ground: Values,
+) -> dict[str, Values]:
+    found = passage.function(piece, moment, outline, mass_properties, ground)
+    return {
+        "passage_time_s": found.time,
+        "passage_speed_mps": root(found.v_x**2 + found.v_y**2),
+        "passage_energy_J": found.energy,
+        "passage_spin_radps": found.angular_velocity,
+        "passage_centre_height_m": found.centre_height,
+        "passage_lowest_height_m": found.lowest_height,
+    }
+
+
+def _largest(result: Result, stretches: Stretches) -> dict[str, Output]:
+    """Compute the largest values on whole trajectories."""
+    runs = result.runs
+    parts = extremes(runs, runs.profile.x[[0, -1]], stretches)
+    speeds = [np.sqrt(squared) for squared in parts.squared_speeds]
     found = {}
-    for name, columns in zip(LARGEST, kinds, strict=True):
+    for place, (name, columns) in enumerate(
+        zip(LARGEST, (parts.heights, speeds, parts.energies), strict=True)
+    ):
         values = np.concatenate(columns)
-        owner, time = (np.tile(column, len(columns)) for column in (trajectory, start))
+        owner = np.tile(parts.trajectory, len(columns))
         # The last of each block when sorted; a failed contact leaves NaN.
-        order = np.lexsort((np.nan_to_num(primal(values), nan=-np.inf), owner))
-        last = np.searchsorted(owner[order], np.arange(runs.release.count), "right") - 1
-        found[name] = values[order[last]], time[order[last]]
-    speed, time = found["max_speed_mps"]
-    found["max_speed_mps"] = np.sqrt(speed), time
+        order = np.lexsort((np.nan_to_num(values, nan=-np.inf), owner))
+        blocks = np.arange(runs.release.count)
+        last = order[np.searchsorted(owner[order], blocks, "right") - 1]
+        part = last % len(parts.piece)
+        piece = parts.piece[part]
+        moments = parts.moments[: len(columns)]
+        moment = Moment(*(np.concatenate(c)[last] for c in zip(*moments, strict=True)))
+        at_moment = call(
+            values_at,
+            *(result.pieces.at(piece), moment, parts.gradient[part]),
+            result.constants.part("mass_properties").at(blocks),
+        )
+        value = Carried(values[last], at_moment.tangent and at_moment.tangent[place])
+        found[name] = Output(value, runs.pieces.time[piece])
     return found

@@ -1,8 +1,5 @@
-"""Parameters with respect to which a run-out can be differentiated.
-
-A parameter shifts a run-out: by a number, for a difference, or by zero with a
-derivative of one (`Dual`), to carry derivatives.
-"""
+"""Parameters with respect to which a run-out can be differentiated: what a change of
+each changes, for differences, and at what rates, for derivatives."""
 
 import copy
 import dataclasses
@@ -10,15 +7,16 @@ import operator
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
+import jax
 import numpy as np
 
 from ...io.checks import checked_names
 from ...parameters import Composite, Part
 from ...quantities import InputColumn, columns_of_part, own_columns
 from ...units import DEGREE
-from ..blocks import Release
+from ..blocks import Body, Release
 from ..contacts.contact_models import ClosedForm, FullModel
-from ..dual import Dual, primal
+from ..state import Directions
 from ..terrain import ROLLING_COLUMN, Ground, Profile
 
 
@@ -31,7 +29,7 @@ class Case(NamedTuple):
     ground: Ground
 
 
-Amount = np.ndarray | float | Dual
+Amount = np.ndarray | float
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,6 +45,9 @@ class Parameter:
     both."""
     shift: Callable[[Case, Amount], Case]
     """Adds an amount, in SI units, to the parameter of a case; unchecked."""
+    rates: Callable[[Case], dict[str, np.ndarray]]
+    """Gives the derivatives of the numbers of a case that change with the parameter, by
+    their path, such as `release.v_x`; arrays that broadcast to theirs."""
     column: InputColumn | None = None
     """Gives the range of allowed values, where there is one."""
     of_blocks: bool = False
@@ -76,8 +77,38 @@ def chosen_parameters(case: Case, names: Iterable[str]) -> tuple[Parameter, ...]
     return tuple(known[name] for name in checked_names("parameter", names, known))
 
 
+def directions_of(case: Case, parameters: tuple[Parameter, ...]) -> Directions:
+    """Compute the derivatives of what a run begins with."""
+    rates = [parameter.rates(case) for parameter in parameters]
+
+    def along(path: str, values) -> np.ndarray:
+        """Give the derivatives of some values of the case, with as many axes."""
+        return np.stack(
+            [np.broadcast_to(of.get(path, 0.0), np.shape(values)) for of in rates]
+        ).astype(float)
+
+    def of_tree(path: str, tree, least_axes: int = 0):
+        def of_leaf(place, leaf):
+            found = along(path + jax.tree_util.keystr(place), leaf)
+            missing = max(least_axes - np.ndim(leaf), 0)
+            return found.reshape(len(rates), *(1,) * missing, *np.shape(leaf))
+
+        return jax.tree_util.tree_map_with_path(of_leaf, tree)
+
+    release, ground = case.release, case.ground
+    body = release.body._asdict()
+    angle = ground.rolling_friction_angle
+    return Directions(
+        body=Body(**{n: along(f"release.{n}", v) for n, v in body.items()}),
+        block=of_tree("release.block", release.block),
+        soil=of_tree("ground.soil", ground.soil, 2),
+        rolling_friction_angle=of_tree("ground.rolling_friction_angle", angle, 2),
+        law=of_tree("contacts.law", getattr(case.contacts, "law", None)),
+    )
+
+
 def replaced(instance: Any, **fields) -> Any:
-    """Copy an instance with other fields, unchecked: they may carry derivatives."""
+    """Copy an instance with other fields, unchecked."""
     other = copy.copy(instance)
     for name, value in fields.items():
         object.__setattr__(other, name, value)
@@ -120,7 +151,10 @@ def _field(
         shifted = _with(getattr(case, part), inner, value(case) + amount)
         return case._replace(**{part: shifted})
 
-    return Parameter(name, unit, factor, value, shift, column, of_blocks)
+    def rates(case: Case) -> dict[str, np.ndarray]:
+        return {path: np.ones(())}
+
+    return Parameter(name, unit, factor, value, shift, rates, column, of_blocks)
 
 
 def _with(owner, path: list[str], value):
@@ -145,42 +179,49 @@ def _fields(
 
 
 def _speed(case: Case) -> np.ndarray:
-    return np.hypot(primal(case.release.v_x), primal(case.release.v_y))
+    return np.hypot(case.release.v_x, case.release.v_y)
 
 
 def _direction(case: Case) -> np.ndarray:
-    return np.arctan2(primal(case.release.v_y), primal(case.release.v_x))
+    return np.arctan2(case.release.v_y, case.release.v_x)
+
+
+def _rates_by_speed(case: Case) -> dict[str, np.ndarray]:
+    direction = _direction(case)
+    return {"release.v_x": np.cos(direction), "release.v_y": np.sin(direction)}
 
 
 def _shift_speed(case: Case, amount: Amount) -> Case:
-    release, direction = case.release, _direction(case)
-    return case._replace(
-        release=replaced(
-            release,
-            v_x=release.v_x + np.cos(direction) * amount,
-            v_y=release.v_y + np.sin(direction) * amount,
-        )
-    )
+    rates, release = _rates_by_speed(case), case.release
+    v_x = release.v_x + rates["release.v_x"] * amount
+    v_y = release.v_y + rates["release.v_y"] * amount
+    return case._replace(release=replaced(release, v_x=v_x, v_y=v_y))
+
+
+def _rates_by_direction(case: Case) -> dict[str, np.ndarray]:
+    return {"release.v_x": -case.release.v_y, "release.v_y": case.release.v_x}
 
 
 def _shift_direction(case: Case, amount: Amount) -> Case:
     release, cos, sin = case.release, np.cos(amount), np.sin(amount)
-    return case._replace(
-        release=replaced(
-            release,
-            v_x=release.v_x * cos - release.v_y * sin,
-            v_y=release.v_x * sin + release.v_y * cos,
-        )
-    )
+    v_x = release.v_x * cos - release.v_y * sin
+    v_y = release.v_x * sin + release.v_y * cos
+    return case._replace(release=replaced(release, v_x=v_x, v_y=v_y))
 
 
 _ROLLING = _field("ground.rolling_friction_angle", ROLLING_COLUMN, "deg", DEGREE)
 _OF_RELEASE = [
     _field("release.x", "x_m", "m", of_blocks=True),
     _field("release.y", "y_m", "m", of_blocks=True),
-    Parameter("speed_mps", "m/s", 1.0, _speed, _shift_speed, of_blocks=True),
     Parameter(
-        "direction_deg", "deg", DEGREE, _direction, _shift_direction, of_blocks=True
+        *("speed_mps", "m/s", 1.0),
+        *(_speed, _shift_speed, _rates_by_speed),
+        of_blocks=True,
+    ),
+    Parameter(
+        *("direction_deg", "deg", DEGREE),
+        *(_direction, _shift_direction, _rates_by_direction),
+        of_blocks=True,
     ),
     _field("release.orientation", "orientation_deg", "deg", DEGREE, of_blocks=True),
     _field(

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...scene import GRAVITY
 from ..blocks import Body
-from ..dual import Values
+from ..lane_programs import Values
 from ..terrain import Profile
 from .narrow_phase import NEVER, Piece
 

@@ -40,7 +40,7 @@ import jax.numpy as jnp
 
 from ...scene import GRAVITY
 from ..blocks import BlockOutline, Body, support
-from ..dual import Values
+from ..lane_programs import Values
 
 NEVER = 1e30
 """Time that does not come [s]."""

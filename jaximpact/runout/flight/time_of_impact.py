@@ -11,8 +11,7 @@ import jax.numpy as jnp
 
 from ...scene import GRAVITY
 from ..blocks import BlockOutline, Body, fly
-from ..dual import Values
-from ..lane_programs import Program
+from ..lane_programs import Program, Values
 from .narrow_phase import (
     NEVER,
     Gap,

@@ -34,26 +34,18 @@ import jax.numpy as jnp
 
 from ..._safe import safe_sqrt
 from ...scene import GRAVITY
-from ...shapes import RoundBlock
-from ..blocks import BlockOutline, MassProperties, mean_radius, support
-from ..dual import Values
+from ..blocks import support
 from ..flight.narrow_phase import NEVER
-from ..lane_programs import closed_form
+from ..lane_programs import Values
+from ..state import BlockConstants
 
 PAST_THE_EDGE = 1e-3
 """Turn beyond the one at which a block leaves the edge, at which its flight begins
 [rad]; at the very one it would leave too slowly to be told from staying."""
 
 
-def _round(outline: BlockOutline) -> RoundBlock:
-    return outline.shape.round_block(outline.axes)
-
-
 def barrier(
-    outline: BlockOutline,
-    mass_properties: MassProperties,
-    slope: Values,
-    rolling_friction: Values,
+    constants: BlockConstants, slope: Values, rolling_friction: Values
 ) -> Values:
     """Compute the least kinetic energy for rolling [J]; 0 on a slope that tips the
     block.
@@ -62,10 +54,10 @@ def barrier(
         slope: angle w [rad], of either sign.
         rolling_friction: tangent of phi_r.
     """
-    whole = _round(outline)
+    whole = constants.round
     steep = jnp.abs(jnp.tan(slope)) > whole.turning_slope + rolling_friction
     height = whole.tallest - whole.radius
-    energy = mass_properties.mass * GRAVITY * jnp.cos(slope) * height
+    energy = constants.mass_properties.mass * GRAVITY * jnp.cos(slope) * height
     return jnp.where(steep, 0.0, energy)
 
 
@@ -83,10 +75,8 @@ class GroundMotion(NamedTuple):
     """1 where the block lies too deep to come up."""
 
 
-@closed_form
 def begin_ground_motion(
-    outline: BlockOutline,
-    mass_properties: MassProperties,
+    constants: BlockConstants,
     slope: Values,
     rolling_friction: Values,
     height: Values,
@@ -104,19 +94,20 @@ def begin_ground_motion(
     Args:
         height: height of the centre over the plane [m].
     """
-    mass, inertia = mass_properties
-    radius = mean_radius(outline)
+    mass, inertia = constants.mass_properties
+    radius = constants.round.radius
     whole = mass * radius**2 + inertia
     spin = (mass * radius * tangential_velocity + inertia * angular_velocity) / whole
     lift = mass * GRAVITY * jnp.cos(slope) * (radius - height)
     energy = 0.5 * whole * spin**2 - lift
-    needed = barrier(outline, mass_properties, slope, rolling_friction)
+    needed = barrier(constants, slope, rolling_friction)
     rolls = (needed <= 0.0) | (energy >= needed)
-    steep = jnp.abs(jnp.tan(slope)) > _round(outline).turning_slope + rolling_friction
+    turning_slope = constants.round.turning_slope
+    steep = jnp.abs(jnp.tan(slope)) > turning_slope + rolling_friction
     rounding = 1e-9 * mass * GRAVITY * radius
     energy = jnp.where(jnp.abs(energy) < rounding, jnp.maximum(energy, 0.0), energy)
     # A block that lies down loses its height; any height that it gains costs energy.
-    rise = jnp.maximum(outline.smallest - height, 0.0)
+    rise = jnp.maximum(constants.outline.smallest - height, 0.0)
     sliding = tangential_velocity**2 - 2.0 * GRAVITY * jnp.cos(slope) * rise
     along = jnp.where(rolls, spin, tangential_velocity)
     # A block at rest starts down-slope.
@@ -149,7 +140,6 @@ class Leg(NamedTuple):
     of motion."""
 
 
-@closed_form
 def follow_segment(
     speed: Values,
     descent: Values,
@@ -186,9 +176,6 @@ def follow_segment(
         acceleration=acceleration,
         arrives=arrives.astype(float),
     )
-
-
-barrier_of = closed_form(barrier)
 
 
 class Crossing(NamedTuple):
@@ -229,8 +216,7 @@ class TakeOff(NamedTuple):
 
 
 def _take_off(
-    outline: BlockOutline,
-    mass_properties: MassProperties,
+    constants: BlockConstants,
     radius: Values,
     whole: Values,
     speed_squared: Values,
@@ -245,7 +231,7 @@ def _take_off(
         whole: total kinetic energy over that of translation, 1 + k.
         speed_squared, before, orientation: as for `cross_break`.
     """
-    mass, inertia = mass_properties
+    mass, inertia = constants.mass_properties
     gain = 2.0 * GRAVITY * radius / whole
     # v^2 / (g r) at the edge, as it was before the turn.
     froude = speed_squared / (GRAVITY * radius)
@@ -257,7 +243,7 @@ def _take_off(
     at_angle = safe_sqrt(speed_squared + gain * (jnp.cos(before) - jnp.cos(angle)))
     # The ellipse in the round block's place.
     theta = orientation - angle
-    height, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
+    height, arm = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
     lift = (height - radius) * jnp.cos(angle) + arm * jnp.sin(angle)
     kinetic = 0.5 * mass * whole * at_angle**2 - mass * GRAVITY * lift
     about_edge = mass * (height**2 + arm**2) + inertia
@@ -266,10 +252,8 @@ def _take_off(
     return TakeOff(angle, arm, height, spin, loose)
 
 
-@closed_form
 def cross_break(
-    outline: BlockOutline,
-    mass_properties: MassProperties,
+    constants: BlockConstants,
     speed_squared: Values,
     before: Values,
     after: Values,
@@ -294,11 +278,9 @@ def cross_break(
         rolls: 1 if it rolls, 0 if it slides.
         hop: height up to which a flight is not followed [m].
     """
-    mass, inertia = mass_properties
-    rolling = rolls > 0.0
-    radius = jnp.where(rolling, mean_radius(outline), outline.smallest)
-    ratio = jnp.where(rolling, inertia / (mass * radius**2), 0.0)
-    whole = 1.0 + ratio
+    outline, rolling = constants.outline, rolls > 0.0
+    radius = constants.centre_height(rolls)
+    whole = 1.0 + constants.inertia_ratio(rolls)
     least, most = jnp.minimum(before, after), jnp.maximum(before, after)
     top = jnp.clip(0.0, least, most)
     gain = 2.0 * GRAVITY * radius / whole
@@ -307,9 +289,7 @@ def cross_break(
     short = (crest > 0.0) & (speed_squared < crest)
     goes_back = short & (speed_squared >= 0.0)
     stays = (short & (speed_squared < 0.0)) | (end_squared < 0.0)
-    leaving = _take_off(
-        outline, mass_properties, radius, whole, speed_squared, before, orientation
-    )
+    leaving = _take_off(constants, radius, whole, speed_squared, before, orientation)
     curvature = outline.largest**2 / outline.smallest
     slips = speed_squared > GRAVITY * curvature * jnp.cos(before)
     slips &= before + PAST_THE_EDGE < after

@@ -1,0 +1,148 @@
+"""Values of trajectories among which the largest are, exactly."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .blocks import MassProperties, select
+from .derivative_rules import root
+from .lane_programs import Values, closed_form
+from .moments import Follows, Moment, moving_time, starts_of, stops_of
+from .trajectory import (
+    Pieces,
+    Runs,
+    Stretches,
+    state_after,
+    stretches_of,
+    time_at,
+)
+
+
+class Extremes(NamedTuple):
+    """Values among which the largest are, for each part of a trajectory over one bin
+    and segment; arrays `(parts,)`."""
+
+    trajectory: np.ndarray
+    """Number of the block, from 0."""
+    bin: np.ndarray
+    """Number of the bin, from 0."""
+    piece: np.ndarray
+    """Number of the piece that the part is of."""
+    gradient: np.ndarray
+    """dy/dx of the segment [-]."""
+    moments: tuple[Moment, Moment, Moment]
+    """Both ends of the part, and the summit over its segment."""
+    heights: list[np.ndarray]
+    """Heights of the centre above the ground at these moments [m]."""
+    squared_speeds: list[np.ndarray]
+    """Squared speeds at both ends [m2/s2]."""
+    energies: list[np.ndarray]
+    """Kinetic energies at both ends [J]."""
+
+
+def extremes(
+    runs: Runs, edges: np.ndarray, stretches: Stretches | None = None
+) -> Extremes:
+    r"""Compute the values among which the largest are.
+
+    Over a part of a trajectory over one bin and segment the height of the centre above
+    the ground is a quadratic in time, and its largest value stands at an end or where
+    its derivative vanishes; squared speeds are convex, and largest at an end. So these
+    are exact, and no samples.
+    """
+    whole = stretches_of(runs) if stretches is None else stretches
+    inner = runs.profile.x[(runs.profile.x > edges[0]) & (runs.profile.x < edges[-1])]
+    cells = np.union1d(edges, inner)
+    of, cell, at_low, at_high = _over_cells(whole, cells)
+    part = select(whole, of)
+    begin, end = _ends_of_parts(runs, part, cells, cell, at_low, at_high)
+    middle = 0.5 * (cells[cell] + cells[cell + 1])
+    segment = np.clip(
+        np.searchsorted(runs.profile.x, middle) - 1, 0, runs.profile.segments - 1
+    )
+    gradient = (np.diff(runs.profile.y) / np.diff(runs.profile.x))[segment]
+    p = select(runs.pieces, part.piece)
+    moments = begin, end, _summit(p, gradient, begin, end)
+    bodies = [state_after(p, moment.time) for moment in moments]
+    trajectory = p.trajectory.astype(int)
+    mass, inertia = select(runs.release.mass_properties, trajectory)
+    speeds = [body.v_x**2 + body.v_y**2 for body in bodies[:2]]
+    bin_of = np.searchsorted(edges, 0.5 * (cells[1:] + cells[:-1])) - 1
+    return Extremes(
+        trajectory=trajectory,
+        bin=bin_of[cell],
+        piece=part.piece,
+        gradient=gradient,
+        moments=moments,
+        heights=[body.y - runs.profile.height(body.x) for body in bodies],
+        squared_speeds=speeds,
+        energies=[
+            0.5 * (mass * squared + inertia * body.angular_velocity**2)
+            for squared, body in zip(speeds, bodies[:2], strict=True)
+        ],
+    )
+
+
+def _over_cells(whole: Stretches, cells: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Divide stretches at the borders of cells.
+
+    Returns:
+        For each part its stretch and its cell, and whether it has the lower and the
+        upper end of the stretch.
+    """
+    low = np.minimum(whole.x_start, whole.x_stop)
+    high = np.maximum(whole.x_start, whole.x_stop)
+    last_cell = len(cells) - 2
+    first = np.clip(np.searchsorted(cells, low, "right") - 1, 0, last_cell)
+    last = np.clip(np.searchsorted(cells, high, "left") - 1, first, last_cell)
+    counts = last - first + 1
+    of = np.repeat(np.arange(len(counts)), counts)
+    cell = np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts - first, counts)
+    return of, cell, cell == first[of], cell == last[of]
+
+
+def _ends_of_parts(
+    runs: Runs,
+    part: Stretches,
+    cells: np.ndarray,
+    cell: np.ndarray,
+    at_low: np.ndarray,
+    at_high: np.ndarray,
+) -> tuple[Moment, Moment]:
+    """Find when parts are at the lower and the upper end of their cells."""
+    back = part.sign < 0.0
+    start, stop = starts_of(part), stops_of(runs, part)
+
+    def end(of_stretch: np.ndarray, is_stop: np.ndarray, border: np.ndarray) -> Moment:
+        own_time = np.where(is_stop, stop.time, start.time)
+        own_follows = np.where(is_stop, stop.follows, start.follows)
+        return Moment(
+            np.where(of_stretch, own_time, time_at(runs, part, cells[border])),
+            np.where(of_stretch, own_follows, Follows.place),
+        )
+
+    return end(at_low, back, cell), end(at_high, ~back, cell + 1)
+
+
+def _summit(p: Pieces, gradient: np.ndarray, begin: Moment, end: Moment) -> Moment:
+    """Find when the height above the segment is stationary, or the nearest end. There
+    it does not change with time, so that the time need not follow anything."""
+    rising, bending = p.v_y - gradient * p.v_x, p.a_y - gradient * p.a_x
+    summit = np.where(bending < 0.0, -rising / np.where(bending < 0.0, bending, 1.0), 0)
+    low, high = np.minimum(begin.time, end.time), np.maximum(begin.time, end.time)
+    summit = np.clip(summit, low, high)
+    follows = np.where(summit == end.time, end.follows, Follows.nothing)
+    return Moment(summit, np.where(summit == begin.time, begin.follows, follows))
+
+
+@closed_form
+def values_at(
+    piece: Pieces, moment: Moment, gradient: Values, mass_properties: MassProperties
+) -> tuple[Values, Values, Values]:
+    """Compute the height of the centre above the ground's line, less that of the line
+    at x = 0 [m], speed [m/s] and kinetic energy [J] at a moment."""
+    mass, inertia = mass_properties
+    body = state_after(piece, moving_time(piece, moment))
+    squared = body.v_x**2 + body.v_y**2
+    energy = 0.5 * (mass * squared + inertia * body.angular_velocity**2)
+    return body.y - gradient * body.x, root(squared), energy

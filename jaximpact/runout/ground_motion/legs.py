@@ -1,0 +1,338 @@
+"""Transition of blocks that move along a segment, to its end or as far as they get."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from ...scene import GRAVITY
+from ..blocks import support
+from ..derivative_rules import root
+from ..lane_programs import Values, closed_form
+from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
+from ..tangents import call
+from ..terrain import SAME_PLANE
+from ..trajectory import Ending, MotionMode, Pieces
+from .on_ground import begin_on_ground, lying_orientation, small_speed
+from .rolling import Leg, barrier, follow_segment
+
+
+class LocalGround(NamedTuple):
+    """Segment that a block is on, and the slopes of those beside it."""
+
+    left_x: Values
+    """Left end of the segment [m]."""
+    left_y: Values
+    right_x: Values
+    """Right end of the segment [m]."""
+    right_y: Values
+    length: Values
+    """Length of the segment [m]."""
+    slope: Values
+    """Angle w of the segment [rad]."""
+    has_left: Values
+    """1 where there is a segment to the left."""
+    slope_left: Values
+    """Its angle [rad]."""
+    has_right: Values
+    """1 where there is a segment to the right."""
+    slope_right: Values
+    """Its angle [rad]."""
+
+
+class Frictions(NamedTuple):
+    """Tangents of angles of friction on a segment and those beside it."""
+
+    rolling: Values
+    sliding: Values
+    rolling_left: Values
+    rolling_right: Values
+
+
+class _Break(NamedTuple):
+    """End of the segment towards which a block moves."""
+
+    point: Values
+    """Number of the profile's point."""
+    segment: Values
+    """Number of the segment beyond it."""
+    x: Values
+    """The point [m]."""
+    y: Values
+    slope: Values
+    """Angle of the segment beyond it [rad]."""
+    rolling_friction: Values
+    """Tangent of the angle of rolling friction there."""
+    turn: Values
+    """Angle by which the ground turns up there [rad]; 0 at the profile's ends."""
+
+
+def move_along(state: State, lanes: np.ndarray) -> None:
+    """Move blocks along their segments, to the end or as far as they get."""
+    _find_segments(state, lanes)
+    blocks, place = (
+        state.blocks.at(lanes),
+        state.blocks.value.segment[lanes].astype(int),
+    )
+    last = state.profile.segments - 1
+    left, right = np.maximum(place - 1, 0), np.minimum(place + 1, last)
+
+    def frictions(ground) -> Frictions:
+        rolling = ground.rolling_friction
+        return Frictions(
+            rolling[..., lanes, place],
+            ground.sliding_friction[..., lanes, place],
+            rolling[..., lanes, left],
+            rolling[..., lanes, right],
+        )
+
+    x, y = state.profile.x, state.profile.y
+    ground = LocalGround(
+        left_x=x[place],
+        left_y=y[place],
+        right_x=x[place + 1],
+        right_y=y[place + 1],
+        length=state.length[place],
+        slope=state.slope[place],
+        has_left=place > 0,
+        slope_left=state.slope[left],
+        has_right=place < last,
+        slope_right=state.slope[right],
+    )
+    moved = call(
+        _move,
+        blocks,
+        state.constants.at(lanes),
+        ground,
+        state.ground.map(frictions),
+        state.limits,
+    )
+    after, leg = moved.split()
+    state.blocks.put(lanes, after)
+    state.pieces.add(lanes, leg)
+
+
+def _find_segments(state: State, lanes: np.ndarray) -> None:
+    """Assign blocks that a contact took past the end of their segment to the next ones,
+    as long as these go straight on."""
+    block = state.blocks.value
+    while len(lanes):
+        place = block.segment[lanes].astype(int)
+        x, y = block.body.x[lanes], block.body.y[lanes]
+        slope, profile = state.slope[place], state.profile
+        foot = np.cos(slope) * (x - profile.x[place])
+        foot -= np.sin(slope) * (y - profile.y[place])
+        right = block.direction[lanes] > 0.0
+        past = np.where(right, foot > state.length[place], foot < 0.0)
+        beyond = np.where(right, place + 1, place - 1)
+        exists = (beyond >= 0) & (beyond < state.profile.segments)
+        beyond = np.where(exists, beyond, place)
+        turn = np.sin(state.slope[beyond] - state.slope[place])
+        goes = past & exists & (np.abs(turn) <= SAME_PLANE)
+        block.segment[lanes[goes]] = beyond[goes]
+        lanes = lanes[goes]
+
+
+@closed_form
+def _move(
+    block: BlockState,
+    constants: BlockConstants,
+    ground: LocalGround,
+    frictions: Frictions,
+    limits: Limits,
+) -> tuple[BlockState, Pieces]:
+    """Move a block along its segment, and decide how it goes on.
+
+    Returns:
+        The block, and its motion along the segment.
+    """
+    slope, rolls = ground.slope, block.rolls
+    block, foot = _roll_down_to_mean_height(block, constants, ground)
+    ahead = _break_ahead(block, ground, frictions)
+    corner = ahead.turn > 0.0
+    direction, height = block.direction, constants.centre_height(rolls)
+    distance = jnp.where(direction > 0.0, ground.length - foot, foot)
+    distance -= jnp.where(corner, height * jnp.tan(0.5 * ahead.turn), 0.0)
+    ratio = constants.inertia_ratio(rolls)
+    needed = barrier(constants, slope, frictions.rolling)
+    needed = jnp.where(block.is_rolling, needed, 0.0)
+    leg = follow_segment(
+        speed=root(block.speed_squared),
+        descent=direction * slope,
+        distance=distance,
+        friction=jnp.where(block.is_rolling, frictions.rolling, frictions.sliding),
+        inertia_ratio=ratio,
+        least_speed=root(
+            2.0 * needed / (constants.mass_properties.mass * (1.0 + ratio))
+        ),
+    )
+    block, piece = _advanced(block, leg, slope, height)
+    at_edge = block._replace(
+        phase=jnp.full_like(block.phase, float(Phase.at_edge)),
+        edge=ahead.point,
+        plane=slope,
+    )
+    corner_struck = _strike_corner(block, constants, ahead, slope, frictions)
+    slow = _slow_down(block, constants, slope, frictions, needed)
+    arrived = choose(corner, corner_struck, at_edge)
+    moved = choose(leg.arrives > 0.0, arrived, slow)
+    moved = moved.ended(Ending.time_limit, block.time > limits.time)
+    return moved.counted(limits), piece
+
+
+def _roll_down_to_mean_height(
+    block: BlockState, constants: BlockConstants, ground: LocalGround
+) -> tuple[BlockState, Values]:
+    """Roll a block down that lacks the energy to roll.
+
+    Returns:
+        The block, and the distance of its centre along the segment from the left end
+        [m].
+    """
+    body, slope = block.body, ground.slope
+    sin, cos = jnp.sin(slope), jnp.cos(slope)
+    foot = cos * (body.x - ground.left_x) - sin * (body.y - ground.left_y)
+    short = block.is_rolling & (block.speed_squared < 0.0)
+    whole = 1.0 + constants.inertia_ratio(block.rolls)
+    missing = jnp.where(short, -block.speed_squared, 0.0) * whole
+    steep = jnp.where(short, jnp.abs(sin), 1.0)
+    down = jnp.where(slope >= 0.0, 1.0, -1.0)
+    shift = down * missing / (2.0 * GRAVITY * steep)
+    rolled = block._replace(
+        speed_squared=jnp.where(short, 0.0, block.speed_squared),
+        direction=jnp.where(short, down, block.direction),
+    ).moved(x=body.x + shift * cos, y=body.y - shift * sin)
+    return rolled, foot + shift
+
+
+def _break_ahead(
+    block: BlockState, ground: LocalGround, frictions: Frictions
+) -> _Break:
+    """Describe the end of the segment towards which a block moves."""
+    right = block.direction > 0.0
+    exists = jnp.where(right, ground.has_right, ground.has_left) > 0.0
+    after = jnp.where(right, ground.slope_right, ground.slope_left)
+    turn = block.direction * (ground.slope - after)
+    return _Break(
+        point=jnp.where(right, block.segment + 1.0, block.segment),
+        segment=jnp.where(right, block.segment + 1.0, block.segment - 1.0),
+        x=jnp.where(right, ground.right_x, ground.left_x),
+        y=jnp.where(right, ground.right_y, ground.left_y),
+        slope=after,
+        rolling_friction=jnp.where(
+            right, frictions.rolling_right, frictions.rolling_left
+        ),
+        turn=jnp.where(exists, turn, 0.0),
+    )
+
+
+def _advanced(
+    block: BlockState, leg: Leg, slope: Values, height: Values
+) -> tuple[BlockState, Pieces]:
+    """Move a block to the end of a leg, and describe that motion."""
+    body, speed = block.body, root(block.speed_squared)
+    t_x, t_y = block.direction * jnp.cos(slope), -block.direction * jnp.sin(slope)
+    turn = jnp.where(block.is_rolling, block.direction / height, 0.0)
+    rolling, sliding = float(MotionMode.rolling), float(MotionMode.sliding)
+    piece = Pieces(
+        trajectory=0.0,
+        motion=jnp.where(block.is_rolling, rolling, sliding),
+        time=block.time,
+        duration=leg.time,
+        x=body.x,
+        y=body.y,
+        v_x=speed * t_x,
+        v_y=speed * t_y,
+        a_x=leg.acceleration * t_x,
+        a_y=leg.acceleration * t_y,
+        orientation=body.orientation,
+        angular_velocity=turn * speed,
+        angular_acceleration=turn * leg.acceleration,
+    )
+    moved = block._replace(
+        time=block.time + leg.time, speed_squared=leg.speed**2
+    ).moved(
+        x=body.x + leg.distance * t_x,
+        y=body.y + leg.distance * t_y,
+        orientation=body.orientation + turn * leg.distance,
+    )
+    return moved, piece
+
+
+def _slow_down(
+    block: BlockState,
+    constants: BlockConstants,
+    slope: Values,
+    frictions: Frictions,
+    needed: Values,
+) -> BlockState:
+    """Let a slow block lie down if it rolled, else start down-slope or stop.
+
+    Args:
+        needed: least kinetic energy for rolling [J].
+    """
+    body = block.body
+    lies_down = block.is_rolling & (needed > 0.0)
+    drop = constants.round.radius - constants.outline.smallest
+    flat = block._replace(rolls=jnp.zeros_like(block.rolls)).moved(
+        x=body.x - drop * jnp.sin(slope),
+        y=body.y - drop * jnp.cos(slope),
+        orientation=lying_orientation(body.orientation, constants, slope),
+    )
+    friction = jnp.where(block.is_rolling, frictions.rolling, frictions.sliding)
+    starts = jnp.abs(jnp.tan(slope)) > friction
+    started = block._replace(
+        direction=jnp.where(slope >= 0.0, 1.0, -1.0),
+        speed_squared=jnp.zeros_like(block.speed_squared),
+    )
+    stands = choose(starts, started, block.ended(Ending.stopped))
+    return choose(lies_down, flat, stands)
+
+
+def _strike_corner(
+    block: BlockState,
+    constants: BlockConstants,
+    ahead: _Break,
+    here: Values,
+    frictions: Frictions,
+) -> BlockState:
+    """Let a block at a concave break strike the next segment; one too slow for an
+    impact continues along it or stops."""
+    body, direction, after = block.body, block.direction, ahead.slope
+    speed = root(block.speed_squared)
+    spin = direction * speed / constants.centre_height(block.rolls)
+    spin = jnp.where(block.is_rolling, spin, 0.0)
+    sin, cos = jnp.sin(after), jnp.cos(after)
+    over = sin * (body.x - ahead.x) + cos * (body.y - ahead.y)
+    closing = speed * jnp.sin(ahead.turn)
+    small = small_speed(constants.outline.smallest, after)
+    slow = closing < small
+    theta = body.orientation - after
+    _, arm = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
+    # The round block strikes; where the ellipse in its place would turn away from the
+    # plane, it does so along its nearest axis.
+    turns_away = closing + arm * spin < small
+    upright = jnp.floor(theta / (0.5 * jnp.pi) + 0.5) * (0.5 * jnp.pi)
+    theta = jnp.where(turns_away & ~slow, upright, theta)
+    reach, _ = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
+    strikes = block._replace(
+        segment=ahead.segment,
+        phase=jnp.full_like(block.phase, float(Phase.touching)),
+        normal_x=sin,
+        normal_y=cos,
+        gap=over - reach,
+    ).moved(
+        v_x=direction * speed * jnp.cos(here),
+        v_y=-direction * speed * jnp.sin(here),
+        angular_velocity=spin,
+        orientation=theta + after,
+    )
+    goes_on = begin_on_ground(
+        strikes._replace(phase=jnp.full_like(block.phase, float(Phase.grounded))),
+        *(constants, after, ahead.rolling_friction, over),
+        *(direction * speed * jnp.cos(ahead.turn), spin),
+    )
+    rises = jnp.sin(direction * after) < frictions.rolling * cos
+    stops = (speed < small) & rises
+    slowly = choose(stops, strikes.ended(Ending.stopped), goes_on)
+    return choose(slow, slowly, strikes)
