@@ -226,9 +226,10 @@ class ClosedProgram:
 
     def _run(self, function: Callable, inputs: tuple) -> Any:
         leaves, structure = jax.tree.flatten(inputs)
-        if structure not in self._plans:
-            self._plans[structure] = _plan_of(function, structure)
-        plan = self._plans[structure]
+        key = function == self.function, structure
+        if key not in self._plans:
+            self._plans[key] = _plan_of(function, structure)
+        plan = self._plans[key]
         shape = np.broadcast_shapes((1,), *map(np.shape, leaves))
         computed = iter(())
         if None in plan.passed:
