@@ -176,6 +176,9 @@ def _begin(path: Path, dataset: xr.Dataset, layout: _Layout) -> None:
         encoding[name] = {"chunks": lengths}
     for variable in template.variables.values():
         variable.encoding = {}
+        if variable.chunks is None and variable.size:
+            # xarray 2025.1 says None to Zarr 3.1 otherwise, which refuses it.
+            variable.encoding["chunks"] = variable.shape
     new = path.with_name(f".{path.name}.{os.getpid()}.partial")
     shutil.rmtree(new, ignore_errors=True)
     with unfinished(new / ".zgroup"):

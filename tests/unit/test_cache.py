@@ -3,9 +3,12 @@
 import os
 import shutil
 import stat
+import subprocess
+import sys
 import threading
 
 import pytest
+from paths import ROOT
 
 from jaximpact import store as module
 from jaximpact.cli import main
@@ -279,3 +282,31 @@ def test_what_is_kept_beside_a_study_is_whole_or_not_there(tmp_path, damage):
     assert store.get("draw", "one") is None
     DAMAGES[damage](path)
     assert store.get("fit", "one") is None
+
+
+def test_processes_that_need_the_same_code_make_it_once(tmp_path):
+    """The first waits, as it makes the code, until the second asks for it too."""
+    made, places = tmp_path / "made", [tmp_path / str(number) for number in range(2)]
+    program = f"""
+import pathlib, sys, time
+from jaximpact.store import kept
+def make():
+    with open({str(made)!r}, "a") as file:
+        file.write("x")
+    time.sleep(0.5)
+    return b"code"
+own, other = map(pathlib.Path, sys.argv[1:])
+own.touch()
+while not other.exists():
+    time.sleep(0.01)
+assert kept("key", make) == b"code"
+"""
+    environment = os.environ | {"JAXIMPACT_CACHE_DIR": str(tmp_path / "cache")}
+    environment["PYTHONPATH"] = str(ROOT)
+    running = [
+        subprocess.Popen([sys.executable, "-c", program, *pair], env=environment)
+        for pair in (places, places[::-1])
+    ]
+    assert [process.wait(60) for process in running] == [0, 0]
+    assert made.read_text() == "x"
+    assert not [*(tmp_path / "cache").glob("*.lock")]
