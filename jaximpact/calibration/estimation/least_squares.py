@@ -36,6 +36,8 @@ class Reason(enum.Enum):
     noise = "converged: steps below the integration error of the impacts", True
     flat = "converged: the cost no longer falls", True
     joined = "converged: at the minimum of another start", True
+    searched = "converged: found with other starts by differential evolution", True
+    edge = "converged: at a jump of a prediction, on the branches of its impacts", True
     jump = "stuck at a discontinuity: the outcome of an impact changes", False
     stuck = "stuck: no step lowers the cost", False
     above = "in a local minimum above the best fit", False
@@ -104,7 +106,8 @@ class Fits(NamedTuple):
     @property
     def best(self) -> int:
         """Lane of the least cost; of equals the first that converged by itself."""
-        joined = [reason is Reason.joined for reason in self.reasons]
+        followed = Reason.joined, Reason.searched
+        joined = [reason in followed for reason in self.reasons]
         return int(np.lexsort((np.array(joined), self.points.cost))[0])
 
 
