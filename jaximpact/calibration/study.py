@@ -21,6 +21,7 @@ from .estimation.sigma import settle
 from .estimation.starts import (
     SILENT,
     fit,
+    fit_on,
     fit_starts,
     label_minima,
     one_of,
@@ -83,13 +84,15 @@ def best_fit(
     ends = fit_starts(objective, starts, study.method, progress)
     if not np.any(np.isfinite(ends.points.predicted[:, study.known])):
         raise InputError("no start gives a prediction", file=study.path)
-    objective, best = settle(objective, one_of(ends, ends.best), fit, progress)
+    objective, best = settle(objective, one_of(ends, ends.best), fit_on, progress)
     if not np.all(study.sigma_given):
         # Which end is the best depends on the sigmas.
         ends = ends._replace(points=objective.reevaluate(ends.points))
         ends = polish(objective, ends, progress)
         if ends.points.cost[ends.best] < best.points.cost[0]:
-            objective, best = settle(objective, one_of(ends, ends.best), fit, progress)
+            objective, best = settle(
+                objective, one_of(ends, ends.best), fit_on, progress
+            )
     return objective, ends, best
 
 
@@ -163,7 +166,7 @@ def _profiled(
     )
     if again.points.cost[0] >= best.points.cost[0]:
         return objective, best, uncertainty, profiles, jumps
-    objective, best = settle(objective, again, fit, progress)
+    objective, best = settle(objective, again, fit_on, progress)
     return objective, best, *_uncertainty(objective, best, progress)
 
 

@@ -24,9 +24,9 @@ DRAWS = 64
 """Points about a fit at which jumps are looked for."""
 NEAR = 0.02
 """Fraction of these points beyond a jump from which a test is near it."""
-STEPS, ROUNDS = 256, 8
+STEPS, ROUNDS = 256, 12
 """Steps that are tried side by side along a jump, and how often."""
-LEAST, MOST = 0.03, 1.5
+LEAST, MOST = 0.005, 1.5
 """Distances, in standard errors, of steps from the way to the linear minimum."""
 SHARES_AGAIN = 3
 """How often tests near a jump are looked for."""
@@ -112,38 +112,39 @@ def jump_shares(objective: Objective, fit: Points) -> np.ndarray:
 def descend_on_branches(objective: Objective, fits: Fits, progress: Progress) -> Fits:
     """Descend from where a jump has stopped a fit: beyond it, or along it.
 
-    Where a point about the fit has a lower cost, a fit starts there. Then steps about
-    the minimum of the linearised cost are tried for the tests near a jump alone, many
-    side by side; the best one on which none jumps is taken.
+    Where one of many points about the fit, near and far, has a lower cost, a fit starts
+    there. Else, unless the fit is at a minimum, steps about the minimum of the
+    linearised cost are tried for the tests near a jump alone, many side by side; the
+    best one on which none jumps is taken.
 
     Args:
-        fits: one lane. It is returned as it is unless it stopped away from a minimum.
+        fits: one lane.
 
     Equal arguments give equal numbers on one machine.
     """
+    random = np.random.default_rng(objective.study.seed)
     for number in range(1, LEAPS + 1):
-        failed = np.any(objective.failed(fits.points.predicted))
-        if fits.reasons[0].at_minimum or failed:
-            break
         fit, steps = fits.points, fits.steps
-        draws = _draws(objective, fit)
-        near = np.mean(jumped(objective, fit, draws), axis=0) > NEAR
+        if np.any(objective.failed(fit.predicted)):
+            break
+        draws = objective.values(fit.x + _sampled_steps(objective, fit, DRAWS, random))
+        near = np.any(jumped(objective, fit, draws), axis=0)
         begin = draws.take([int(np.argmin(draws.cost))])
         least = PROMISE * unit_without_jumps(objective, fit)
         if begin.cost[0] >= fit.cost[0] - least:
-            if not np.any(near):
+            if fits.reasons[0].at_minimum or not np.any(near):
                 break
             along = _descend_along(objective, fits, near, progress)
             if along.points.cost[0] >= fit.cost[0] - least:
                 return along
-            fits = along._replace(reasons=fits.reasons)
+            fits = along
             begin, steps = along.points, along.steps
         say = progress.within(f"beyond a jump, {number}, ")
         again = levenberg_marquardt(objective, begin.x, None, BEYOND, say)
         if again.points.cost[0] < fits.points.cost[0]:
             fits = again._replace(steps=again.steps + steps)
-        elif fits.points.cost[0] < fit.cost[0]:
-            return fits._replace(reasons=[Reason.edge])
+        elif fits.reasons[0].at_minimum:
+            break
     return fits
 
 
@@ -182,18 +183,25 @@ def _descend_along(
 
 
 def _steps(objective: Objective, fit: Points, random) -> np.ndarray:
-    """Sample steps about the way to the linear minimum, that of the largest predicted
-    fall first, shape (steps, unknowns)."""
-    bounds, gradient, hessian = objective.bounds, fit.gradient[0], fit.hessian[0]
-    root, unit = error_root(objective, fit), unit_without_jumps(objective, fit)
-    way = -root @ (root.T @ gradient) / unit
-    part = random.random((STEPS, 1))
-    size = np.exp(random.uniform(np.log(LEAST), np.log(MOST), (STEPS, 1)))
-    aside = random.standard_normal((STEPS, len(way))) @ root.T
-    x = np.clip(fit.x[0] + part * way + size * aside, bounds.low, bounds.high)
-    steps = x - fit.x[0]
-    linear = steps @ gradient
-    fall = -(linear + 0.5 * np.einsum("lp,pq,lq->l", steps, hessian, steps))
+    """Sample steps that are predicted to lower the cost, that of the largest fall
+    first, shape (steps, unknowns)."""
+    steps = _sampled_steps(objective, fit, STEPS, random)
+    square = np.einsum("lp,pq,lq->l", steps, fit.hessian[0], steps)
+    fall = -(steps @ fit.gradient[0] + 0.5 * square)
     order = np.argsort(-fall, kind="stable")
-    good = fall[order] > PROMISE * unit
+    good = fall[order] > PROMISE * unit_without_jumps(objective, fit)
     return steps[order][good]
+
+
+def _sampled_steps(objective: Objective, fit: Points, count: int, random) -> np.ndarray:
+    """Sample steps within the bounds about the way to the linear minimum, some close to
+    it and some far, shape (count, unknowns)."""
+    bounds = objective.bounds
+    root, unit = error_root(objective, fit), unit_without_jumps(objective, fit)
+    way = -root @ (root.T @ fit.gradient[0]) / unit
+    # Beside a jump the way may lead across it at once: half of the steps keep off it.
+    part = random.random((count, 1)) * (random.random((count, 1)) < 0.5)
+    size = np.exp(random.uniform(np.log(LEAST), np.log(MOST), (count, 1)))
+    aside = random.standard_normal((count, len(way))) @ root.T
+    x = np.clip(fit.x[0] + part * way + size * aside, bounds.low, bounds.high)
+    return x - fit.x[0]

@@ -56,8 +56,9 @@ def members_for(unknowns: int) -> int:
 
 def evolve(
     objective: Objective, x: np.ndarray, candidates: np.ndarray, progress: Progress
-) -> Population:
-    """Search between the bounds.
+) -> np.ndarray:
+    """Search between the bounds for the last population, (members, unknowns) in x, the
+    best member first.
 
     Args:
         objective: objective function whose robust cost is minimised.
@@ -106,7 +107,7 @@ def evolve(
         callback=is_together,
         seed=objective.study.seed,
     )
-    return _population(ended)
+    return _population(ended).x
 
 
 def _population(state) -> Population:

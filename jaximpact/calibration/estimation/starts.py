@@ -1,15 +1,15 @@
-"""Multistart: starting points spread over the ranges, fits from all, and restarts."""
+"""Multistart: fits from all starts, and a search by those that are left behind."""
+
+from collections.abc import Callable
 
 import numpy as np
-from scipy.special import ndtri
 
 from ...accuracy import PRESETS
 from ...progress import Progress
-from ..problem.bounds import Bounds
 from ..problem.config import Study
 from ..problem.objective import Objective
 from .branches import descend_on_branches, jumped
-from .evolution import Population, evolve, members_for
+from .evolution import Population, evolve, members_for, robust_of
 from .least_squares import (
     FINE,
     ROUGH,
@@ -19,9 +19,8 @@ from .least_squares import (
     is_near,
     levenberg_marquardt,
 )
+from .spread import spread_starts
 
-SPREAD = 0.02
-"""Distance of starts from the bounds, as a fraction of the range."""
 RUNNING = 1.02, 0.5
 """Starts whose rough cost is below a times the lowest plus b s^2 are fitted to the
 end."""
@@ -36,8 +35,13 @@ ENOUGH = 0.9
 together."""
 SCREENED = 8
 """Candidates for each member of the population of a search."""
+AGREED = 0.5
+"""Fraction of the population at the place of the best member from which the others are
+on their way there."""
 MEMBERS_FITTED = 4
 """Members of the last population from which a fit starts."""
+LAST = FINE._replace(steps=20)
+"""Stopping rule of fits that go on at a finer accuracy: few steps are left."""
 POLISHED = 3
 """Places from which fits go on to the end."""
 SILENT = Progress()
@@ -47,27 +51,6 @@ ONE_PLACE = 0.3
 SAME = 1e-3
 """Fraction of s^2, and of the cost, by which a fit may end above the best one and still
 count as having found it."""
-
-
-def spread_starts(
-    bounds: Bounds, start: np.ndarray, mean, sd, count: int, seed: int | tuple[int, ...]
-) -> np.ndarray:
-    """Sample starts (count, unknowns) in x: the given one, then a Latin hypercube.
-
-    The hypercube divides the range of each unknown into as many strata as there are
-    points; of an unknown with a prior (`sd` finite), its prior distribution.
-    """
-    random = np.random.default_rng(seed)
-    others, size = count - 1, len(start)
-    strata = np.stack([random.permutation(others) for _ in range(size)], axis=-1)
-    part = (strata + random.random((others, size))) / max(others, 1)
-    spread = bounds.at_fraction(SPREAD + (1.0 - 2.0 * SPREAD) * part)
-    has_prior = np.isfinite(sd)
-    drawn = mean + np.where(has_prior, sd, 0.0) * ndtri(np.clip(part, 1e-3, 1 - 1e-3))
-    drawn = np.clip(drawn, bounds.lower, bounds.upper)
-    drawn = bounds.coordinate(np.where(has_prior, drawn, bounds.lower))
-    spread = np.where(has_prior, drawn, spread)
-    return np.concatenate([np.asarray(start, float)[None], spread])
 
 
 def fit(
@@ -102,10 +85,15 @@ def fit(
         by_gradient = {"adam": first_order.adam, "l-bfgs": first_order.l_bfgs}
         return by_gradient[method](objective, x, progress)
 
+    return _recall(objective, (x, free, method, rule), make)
+
+
+def _recall(objective: Objective, details: tuple, make: Callable[[], Fits]) -> Fits:
+    """Read fits from the cache, if there is one, or make them."""
     # Laws of unknown source cannot be recognised as the same.
     if objective.cache is None or objective.laws is None:
         return make()
-    return objective.cache.recall(objective, (x, free, method, rule), make)
+    return objective.cache.recall(objective, details, make)
 
 
 def rough_of(objective: Objective) -> Objective:
@@ -137,7 +125,7 @@ def fit_starts(
 
     def fitted(objective: Objective, progress: Progress) -> Fits:
         fits = fit(objective, x, method=method, rule=ROUGH, progress=progress)
-        return _search_together(objective, fits, progress)
+        return _search_together(objective, fits, method, progress)
 
     if len(objective.study.measured) <= MANY_TESTS:
         return polish(objective, fitted(rough, progress), progress)
@@ -159,12 +147,14 @@ def some_tests(study: Study) -> np.ndarray:
     return np.unique(np.concatenate(chosen))
 
 
-def _search_together(objective: Objective, fits: Fits, progress: Progress) -> Fits:
+def _search_together(
+    objective: Objective, fits: Fits, method: str, progress: Progress
+) -> Fits:
     """Let the fits that ended above the best one search together, where they are many.
 
-    They are part of a population (`evolution`), whose best members are fitted. A fit
-    joins the lowest of these where its member has come to the same place; else it stays
-    as it is.
+    They are part of a population (`evolution`), whose best members are fitted. All join
+    the lowest of these where most of the population has come to its place; else only
+    those whose members have, and the others stay as they are.
     """
     cost, reasons = fits.points.cost, list(fits.reasons)
     running = _is_running(objective, cost)
@@ -175,9 +165,11 @@ def _search_together(objective: Objective, fits: Fits, progress: Progress) -> Fi
     population = _evolved(objective, fits.points.x, progress)
     members = population.x[population.found][:MEMBERS_FITTED]
     progress = progress.within("best members, ")
-    again = fit(objective, members, rule=ROUGH, progress=progress)
+    again = fit(objective, members, method=method, rule=ROUGH, progress=progress)
     best = again.points.take([again.best])
     found = np.resize(population.found, len(left))
+    if np.mean(population.found) >= AGREED:
+        found[:] = True
     found[0] = True
     left = left[found & (best.cost[0] < cost[left])]
     points, steps = fits.points.put(left, best), fits.steps.copy()
@@ -200,7 +192,14 @@ def _evolved(objective: Objective, x: np.ndarray, progress: Progress) -> Populat
         SCREENED * members_for(x.shape[1]),
         (study.seed, 1),
     )
-    return evolve(objective, x, candidates, progress.within("search, "))
+
+    def make() -> Fits:
+        found = evolve(objective, x, candidates, progress.within("search, "))
+        points = robust_of(objective).values(found)
+        return Fits(points, [Reason.searched] * len(found), np.zeros(len(found), int))
+
+    points = _recall(objective, (x, candidates, "evolution"), make).points
+    return Population(points.x, points.cost)
 
 
 def _fit_to_all(
@@ -244,8 +243,48 @@ def polish(objective: Objective, fits: Fits, progress: Progress) -> Fits:
         fits = _descended(coarse, fits, progress)
         lanes = np.flatnonzero(_at_place(fits, fits.best))
         leader = np.full(len(lanes), fits.best)
-        fits = _continue(objective, fits, lanes, leader, FINE, progress)
-    return _join_on_branches(objective, _descended(objective, fits, progress))
+        fits = _at_accuracy(objective, fits, lanes)
+        if fits.reasons[fits.best] is not Reason.edge:
+            fits = _continue(objective, fits, lanes, leader, LAST, progress)
+    if not fits.reasons[fits.best].at_minimum:
+        fits = _descended(objective, fits, progress)
+    return _join_on_branches(objective, fits)
+
+
+def _at_accuracy(objective: Objective, fits: Fits, lanes: np.ndarray) -> Fits:
+    """Evaluate the best fit, at which some lanes are, at the accuracy of the objective.
+
+    It stays at the edge of its branches only if no test jumps between the accuracies.
+    """
+    best, reasons = fits.best, list(fits.reasons)
+    coarse = fits.points.take([best])
+    point = objective(coarse.x)
+    if reasons[best] is Reason.edge and np.any(jumped(objective, point, coarse)):
+        reasons[best] = Reason.jump
+    points = fits.points.put(lanes, point)
+    return fits._replace(points=points, reasons=reasons)
+
+
+def fit_on(
+    objective: Objective,
+    x: np.ndarray,
+    *,
+    rule: StoppingRule = FINE,
+    progress: Progress = SILENT,
+) -> Fits:
+    """Fit one lane from x, and along a jump where one stops it."""
+    fits = fit(objective, x, rule=rule, progress=progress)
+    if fits.reasons[0].at_minimum:
+        return fits
+    return _descend(objective, fits, progress)
+
+
+def _descend(objective: Objective, fits: Fits, progress: Progress) -> Fits:
+    """Descend along a jump, or read it from the cache."""
+    details = fits.points.x, fits.reasons, "on branches"
+    return _recall(
+        objective, details, lambda: descend_on_branches(objective, fits, progress)
+    )
 
 
 def _at_place(fits: Fits, lane: int) -> np.ndarray:
@@ -256,7 +295,7 @@ def _at_place(fits: Fits, lane: int) -> np.ndarray:
 def _descended(objective: Objective, fits: Fits, progress: Progress) -> Fits:
     """Continue the best fit along a jump that has stopped it."""
     best, reasons, steps = fits.best, list(fits.reasons), fits.steps.copy()
-    one = descend_on_branches(objective, one_of(fits, best), progress)
+    one = _descend(objective, one_of(fits, best), progress)
     same = np.flatnonzero(_at_place(fits, best))
     for lane in same:
         if lane != best and reasons[lane] is not Reason.searched:
