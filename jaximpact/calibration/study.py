@@ -27,6 +27,7 @@ from .estimation.starts import (
     one_of,
     polish,
     spread_starts,
+    with_origin,
 )
 from .problem.config import Study, Variant
 from .problem.forward_model import Engine, engines_of, for_each_variant
@@ -84,16 +85,16 @@ def best_fit(
     ends = fit_starts(objective, starts, study.method, progress)
     if not np.any(np.isfinite(ends.points.predicted[:, study.known])):
         raise InputError("no start gives a prediction", file=study.path)
-    objective, best = settle(objective, one_of(ends, ends.best), fit_on, progress)
+    origin = ends.best
+    objective, best = settle(objective, one_of(ends, origin), fit_on, progress)
     if not np.all(study.sigma_given):
         # Which end is the best depends on the sigmas.
         ends = ends._replace(points=objective.reevaluate(ends.points))
         ends = polish(objective, ends, progress)
         if ends.points.cost[ends.best] < best.points.cost[0]:
-            objective, best = settle(
-                objective, one_of(ends, ends.best), fit_on, progress
-            )
-    return objective, ends, best
+            origin = ends.best
+            objective, best = settle(objective, one_of(ends, origin), fit_on, progress)
+    return objective, with_origin(ends, origin, best), best
 
 
 def starts_of(objective: Objective) -> np.ndarray:

@@ -494,9 +494,10 @@ def test_fits_above_the_best_say_so(tmp_path, engine):
     assert reasons[1 - worse] is Reason.converged
 
 
-def test_starts_left_behind_search_together(tmp_path, monkeypatch):
+@pytest.mark.parametrize("agreed", [False, True])
+def test_starts_left_behind_search_together(tmp_path, monkeypatch, agreed):
     """Those near the best stay; of the others those whose members came to the place of
-    the best one are at the fit from there, where it is lower."""
+    the best one are at the fit from there, or all if most members did."""
     study = linear_study(tmp_path, 3, sigma=0.1)
     objective = Linear(study, study.variants[0], None)
     objective.matrix = np.eye(3)[:, :2]
@@ -524,7 +525,8 @@ def test_starts_left_behind_search_together(tmp_path, monkeypatch):
         assert np.all(within)
         assert len(candidates) > 100
         # The second member is elsewhere, and so does not find the best one.
-        return np.array([[0.3, 0.0], [0.7, 0.0], [0.31, 0.0]])
+        others = [0.32, 0.33] if agreed else [0.7, 0.8]
+        return np.array([[a, 0.0] for a in (0.3, 0.71, 0.31, *others)])
 
     starts = "jaximpact.calibration.estimation.starts"
     monkeypatch.setattr(f"{starts}.fit", made)
@@ -532,11 +534,13 @@ def test_starts_left_behind_search_together(tmp_path, monkeypatch):
     monkeypatch.setattr(f"{starts}.polish", lambda objective, fits, progress: fits)
     monkeypatch.setattr(f"{starts}.rough_of", lambda objective: objective)
     fits = fit_starts(objective, np.zeros((5, 2)), "levenberg-marquardt", Progress())
-    np.testing.assert_array_equal(begun[1], [[0.3, 0.0], [0.31, 0.0]])
-    np.testing.assert_array_equal(fits.points.x[:, 0], [0.2, 0.05, 0.9, 0.05, 0.21])
-    assert fits.reasons == [ended, ended, Reason.jump, Reason.searched, stuck]
-    np.testing.assert_array_equal(fits.restarts, [0, 1, 0, 1, 0])
-    np.testing.assert_array_equal(fits.steps, [5, 10, 5, 10, 5])
+    np.testing.assert_array_equal(begun[1][:2], [[0.3, 0.0], [0.31, 0.0]])
+    third = 0.05 if agreed else 0.9
+    np.testing.assert_array_equal(fits.points.x[:, 0], [0.2, 0.05, third, 0.05, 0.21])
+    of_third = Reason.searched if agreed else Reason.jump
+    assert fits.reasons == [ended, ended, of_third, Reason.searched, stuck]
+    np.testing.assert_array_equal(fits.restarts, [0, 1, int(agreed), 1, 0])
+    np.testing.assert_array_equal(fits.steps, [5, 10, 5 + 5 * agreed, 10, 5])
 
 
 class Jumping(Linear):

@@ -12,6 +12,7 @@ agree with it.
 """
 
 import itertools
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -42,6 +43,8 @@ deviations."""
 ALL_FIXED = -1
 SMALL_EXPONENT = 0.1
 """Exponents below this are left out of a parameter combination."""
+TOGETHER = 1e-3
+"""Component of a combination without information above which a parameter acts in it."""
 ENDLESS_ERROR = 1e6
 """Standard error from which a parameter is said to have no influence."""
 FAR_OFF, FAR_OFF_AT_LEAST = 3.0, 0.05
@@ -243,6 +246,7 @@ def judge(
     others: tuple[float, float] | None = None,
     prior_error: float = np.inf,
     at_minimum: bool = True,
+    partners: Sequence[str] = (),
 ) -> Verdict:
     """Judge whether a parameter is identifiable.
 
@@ -255,6 +259,7 @@ def judge(
             any lies far away.
         prior_error: standard error that the prior alone would give.
         at_minimum: whether the best fit is a minimum.
+        partners: parameters that can compensate it.
     """
     reasons = []
     if bound is not None:
@@ -265,7 +270,7 @@ def judge(
             "the fit could not be finished, so that a standard error has no meaning"
         )
     if error > USELESS_ERROR:
-        reasons.append(_large_error(error))
+        reasons.append(_large_error(error, partners))
     if error > SILENT * prior_error:
         reasons.append("the tests add no information to its prior")
     if profile is not None and (profile.low is None or profile.high is None):
@@ -283,7 +288,11 @@ def judge(
     return Verdict(name, not reasons, "; ".join(reasons))
 
 
-def _large_error(error: float) -> str:
+def _large_error(error: float, partners: Sequence[str]) -> str:
+    if error > ENDLESS_ERROR and partners:
+        return (
+            f"it acts only together with {' and '.join(partners)}, as one combination"
+        )
     if error > ENDLESS_ERROR:
         return (
             "it has no influence on the measured results, or none that the other "
@@ -346,9 +355,23 @@ def judge_all(
                 span,
                 float(1.0 / np.sqrt(known)) if known > 0.0 else np.inf,
                 best.reasons[0].at_minimum,
+                _partners(objective, uncertainty, place),
             )
         )
     return verdicts
+
+
+def _partners(objective: Objective, uncertainty: Uncertainty, place: int) -> list[str]:
+    """Name the parameters that compensate one in combinations without information."""
+    endless = uncertainty.eigenvalues < 1.0 / ENDLESS_ERROR**2
+    vectors = np.abs(uncertainty.eigenvectors[:, endless])
+    shared = vectors[:, vectors[place] > TOGETHER]
+    names = [parameter.name for parameter in objective.study.parameters]
+    return [
+        name
+        for other, name in enumerate(names)
+        if other != place and np.any(shared[other] > TOGETHER)
+    ]
 
 
 def directions(names, bounds: Bounds, uncertainty: Uncertainty) -> list[str]:

@@ -65,7 +65,8 @@ def unit_without_jumps(objective: Objective, fit: Points) -> float:
     the median residual: tests beyond a jump do not count."""
     known = objective.study.known & np.isfinite(fit.predicted[0])
     apart = (fit.predicted[0] - objective.study.measured) / objective.sigma
-    return max(1.0, float(np.median(apart[known] ** 2)) / MEDIAN)
+    squares = apart[known] ** 2
+    return max(1.0, float(np.median(squares)) / MEDIAN) if len(squares) else 1.0
 
 
 def error_root(objective: Objective, fit: Points) -> np.ndarray:
