@@ -43,7 +43,7 @@ MEMBERS_FITTED = 4
 LAST = FINE._replace(steps=20)
 """Stopping rule of fits that go on at a finer accuracy: few steps are left."""
 POLISHED = 3
-"""Places from which fits go on to the end."""
+"""Places from which fits go on to the end that a jump has stopped."""
 SILENT = Progress()
 STUCK = Reason.stuck, Reason.jump, Reason.failed
 ONE_PLACE = 0.3
@@ -223,15 +223,16 @@ def _fit_to_all(
 def polish(objective: Objective, fits: Fits, progress: Progress) -> Fits:
     """Fit those to the end that may be the best; those at one minimum continue as one.
 
-    Of several places the fits of lowest cost go on. A fit that a jump stops goes on
-    along it, on the branches of its impacts; others on these branches continue as it.
+    Of fits that a jump has stopped the lowest go on. The best one goes on along the
+    jump, on the branches of its impacts; others on these branches continue as it.
     """
     lanes = np.flatnonzero(_is_running(objective, fits.points.cost))
     leader = _leaders(objective, fits, lanes)
     leaders = np.unique(leader)
     cost = fits.points.cost[leaders]
     first = leaders[np.argsort(cost, kind="stable")[:POLISHED]]
-    chosen = np.isin(leader, first)
+    ended = np.array([reason.at_minimum for reason in fits.reasons])
+    chosen = np.isin(leader, first) | ended[leader]
     lanes, leader = lanes[chosen], leader[chosen]
     progress = progress.within("refining, ")
     coarse = no_finer_than_sigmas(objective)
@@ -285,6 +286,18 @@ def _descend(objective: Objective, fits: Fits, progress: Progress) -> Fits:
     return _recall(
         objective, details, lambda: descend_on_branches(objective, fits, progress)
     )
+
+
+def with_origin(fits: Fits, origin: int, best: Fits) -> Fits:
+    """Let the fits at the place of one of them end where that one went on to.
+
+    Args:
+        origin: lane of the fit that went on.
+        best: its end, one lane.
+    """
+    same, reasons = _at_place(fits, origin), list(fits.reasons)
+    reasons[origin] = best.reasons[0]
+    return fits._replace(points=fits.points.put(same, best.points), reasons=reasons)
 
 
 def _at_place(fits: Fits, lane: int) -> np.ndarray:
