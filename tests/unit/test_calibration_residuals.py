@@ -60,6 +60,11 @@ def test_a_path_and_a_variant_by_name(study):
 def test_limits_and_unknown_variants_are_refused(study, tmp_path):
     with pytest.raises(InputError, match="variant 'other' is unknown"):
         residuals(study, "other")
+    tied = '"k_E" = { expression = "600 * c_v" }\n[nuisance.slope_deg]'
+    (tmp_path / "study.toml").write_text(STUDY.replace("[nuisance.slope_deg]", tied))
+    with pytest.raises(InputError, match="ties parameters by expressions"):
+        residuals(study.path)
+    (tmp_path / "study.toml").write_text(STUDY)
     (tmp_path / "tests.csv").write_text(TABLE.replace(",0.7\n", ",>0.7\n"))
     with pytest.raises(InputError, match="limits"):
         residuals(study.path)

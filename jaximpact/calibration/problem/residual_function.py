@@ -13,9 +13,10 @@ from jax import Array
 from ..._checks import expect
 from ..._precision import require_float64
 from ...errors import InputError, nearest
-from ...quantities import RESULT_COLUMNS
+from ...quantities import TARGET_COLUMNS
 from ...simulation import simulate
 from .config import Study, Variant, read_study
+from .derived_targets import DERIVED
 from .forward_model import unknown_columns
 
 Tree = dict[str, Array]
@@ -46,9 +47,9 @@ def residuals(
         does not state are nominal: 5 % of the target's root mean square, or of each
         value where scatter is proportional. Bounds are the caller's to keep.
 
-    Raises InputError for a study with limits among its measurements or with a ground
-    that turns, neither of which is a plain residual, for an unknown variant, and as
-    `read_study` does.
+    Raises InputError for a study with limits among its measurements, a ground that
+    turns, tied or grouped parameters, or targets computed from others, which are no
+    plain residuals; for an unknown variant; and as `read_study` does.
     """
     require_float64()
     expect("study", study, Study, str, os.PathLike)
@@ -63,7 +64,7 @@ def residuals(
     tests, targets = np.nonzero(study.known)
     weight = np.sqrt(study.weights[targets]) / study.sigma[tests, targets]
     measured = study.measured[tests, targets]
-    fields = [RESULT_COLUMNS[name].field for name in study.targets]
+    fields = [TARGET_COLUMNS[name].field for name in study.targets]
     priors = _priors(study)
 
     def residual(tree: Tree) -> Array:
@@ -93,12 +94,20 @@ def _check(study: Study) -> None:
             "residuals; leave these cells empty",
             file=study.path,
         )
-    if any(nuisance.turns_ground for nuisance in study.nuisances):
-        raise InputError(
-            "turns the ground (turns_ground), which residuals do not; fit it with "
-            "calibrate",
-            file=study.path,
-        )
+    refused = {
+        "turns the ground (turns_ground)": any(n.turns_ground for n in study.nuisances),
+        "ties parameters by expressions": bool(study.tied),
+        "has parameters that differ by group": any(n.pooled for n in study.nuisances),
+        "has a target that is computed from others": bool(
+            set(study.targets) & set(DERIVED)
+        ),
+    }
+    for what, found in refused.items():
+        if found:
+            raise InputError(
+                f"{what}, which plain residuals do not; fit it with calibrate",
+                file=study.path,
+            )
 
 
 def _variant(study: Study, name: str | None) -> Variant:
