@@ -105,7 +105,8 @@ def evolve(
         updating="deferred",
         vectorized=True,
         callback=is_together,
-        seed=objective.study.seed,
+        # Named rng from SciPy 1.15 on.
+        seed=objective.study.seed,  # pyright: ignore[reportCallIssue]
     )
     return _population(ended).x
 

@@ -16,7 +16,8 @@ def _scaled(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     diagonal = np.einsum("...pp->...p", matrix)
     root = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     scaled = matrix / (root[..., :, None] * root[..., None, :])
-    return root, *np.linalg.eigh(0.5 * (scaled + np.swapaxes(scaled, -1, -2)))
+    values, vectors = np.linalg.eigh(0.5 * (scaled + np.swapaxes(scaled, -1, -2)))
+    return root, values, vectors
 
 
 def inverse_positive(matrix: np.ndarray) -> np.ndarray:
