@@ -8,6 +8,7 @@ from .diagnostics.nuts import sample_posterior, to_inference_data
 from .diagnostics.results import StudyResult, VariantResult
 from .problem.candidates import Sigma
 from .problem.config import Study, read_study
+from .problem.residual_function import residuals
 from .study import fit_study
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "fit_study",
     "predict",
     "read_study",
+    "residuals",
     "run_study",
     "sample_posterior",
     "suggest_tests",

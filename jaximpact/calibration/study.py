@@ -6,12 +6,13 @@ import numpy as np
 
 from ..errors import InputError
 from ..progress import Progress, ProgressFunction, as_progress
+from .diagnostics.combinations import directions
 from .diagnostics.identifiability import (
     LikelihoodProfile,
-    directions,
     judge_all,
     profile_all,
 )
+from .diagnostics.jumps import shares_of, without_jumps
 from .diagnostics.results import StudyResult, VariantResult
 from .diagnostics.uncertainty import Uncertainty, estimate
 from .estimation.fit_cache import FitCache
@@ -20,10 +21,13 @@ from .estimation.sigma import settle
 from .estimation.starts import (
     SILENT,
     fit,
+    fit_on,
     fit_starts,
     label_minima,
+    one_of,
     polish,
     spread_starts,
+    with_origin,
 )
 from .problem.config import Study, Variant
 from .problem.forward_model import Engine, engines_of, for_each_variant
@@ -81,14 +85,16 @@ def best_fit(
     ends = fit_starts(objective, starts, study.method, progress)
     if not np.any(np.isfinite(ends.points.predicted[:, study.known])):
         raise InputError("no start gives a prediction", file=study.path)
-    objective, best = settle(objective, _one(ends, ends.best), fit, progress)
+    origin = ends.best
+    objective, best = settle(objective, one_of(ends, origin), fit_on, progress)
     if not np.all(study.sigma_given):
         # Which end is the best depends on the sigmas.
         ends = ends._replace(points=objective.reevaluate(ends.points))
         ends = polish(objective, ends, progress)
         if ends.points.cost[ends.best] < best.points.cost[0]:
-            objective, best = settle(objective, _one(ends, ends.best), fit, progress)
-    return objective, ends, best
+            origin = ends.best
+            objective, best = settle(objective, one_of(ends, origin), fit_on, progress)
+    return objective, with_origin(ends, origin, best), best
 
 
 def starts_of(objective: Objective) -> np.ndarray:
@@ -109,7 +115,7 @@ def _fit_variant(
 ) -> VariantResult:
     study, starts = objective.study, starts_of(objective)
     objective, ends, best = best_fit(objective, progress)
-    objective, best, uncertainty, profiles = _profiled(objective, best, progress)
+    objective, best, uncertainty, profiles, jumps = _profiled(objective, best, progress)
     # Sigmas may have changed since the starts ended.
     ends = ends._replace(points=objective.reevaluate(ends.points))
     reasons = label_minima(objective, ends, float(best.points.cost[0]))
@@ -140,31 +146,38 @@ def _fit_variant(
         reason=best.reasons[0],
         objective=objective,
         points=point,
+        jumps=jumps,
     )
 
 
 def _profiled(
     objective: Objective, best: Fits, progress: Progress
-) -> tuple[Objective, Fits, Uncertainty, list[LikelihoodProfile]]:
-    """Profile the best fit; where a profile finds a lower cost, fit from there and
-    profile again."""
-    uncertainty = estimate(objective, best.points)
-    profiles = profile_all(objective, best.points, uncertainty, progress)
+) -> tuple[Objective, Fits, Uncertainty, list[LikelihoodProfile], np.ndarray]:
+    """Profile the best fit, without the tests near a jump; where a profile of all tests
+    finds a lower cost, fit from there and profile again. Also the shares of the
+    confidence region beyond jumps."""
+    uncertainty, profiles, jumps = _uncertainty(objective, best, progress)
     lowest = min(profiles, key=lambda found: found.lowest_cost)
     margin = LOWER_BY * (lowest.best_cost + objective.unit(lowest.best_cost))
-    if lowest.lowest_cost >= lowest.best_cost - margin:
-        return objective, best, uncertainty, profiles
+    some = without_jumps(objective, jumps) is not objective
+    if some or lowest.lowest_cost >= lowest.best_cost - margin:
+        return objective, best, uncertainty, profiles, jumps
     again = fit(
         objective, lowest.lowest_x[None], progress=progress.within("refining, ")
     )
     if again.points.cost[0] >= best.points.cost[0]:
-        return objective, best, uncertainty, profiles
-    objective, best = settle(objective, again, fit, progress)
-    uncertainty = estimate(objective, best.points)
-    profiles = profile_all(objective, best.points, uncertainty, progress)
-    return objective, best, uncertainty, profiles
+        return objective, best, uncertainty, profiles, jumps
+    objective, best = settle(objective, again, fit_on, progress)
+    return objective, best, *_uncertainty(objective, best, progress)
 
 
-def _one(fits: Fits, lane: int) -> Fits:
-    """Select one of the fits."""
-    return Fits(fits.points.take([lane]), [fits.reasons[lane]], fits.steps[[lane]])
+def _uncertainty(
+    objective: Objective, best: Fits, progress: Progress
+) -> tuple[Uncertainty, list[LikelihoodProfile], np.ndarray]:
+    """Compute uncertainty and profiles of a fit without the tests near a jump, and the
+    shares of the confidence region beyond jumps."""
+    jumps = shares_of(objective, best)
+    smooth = without_jumps(objective, jumps)
+    points = smooth.reevaluate(best.points)
+    uncertainty = estimate(smooth, points)
+    return uncertainty, profile_all(smooth, points, uncertainty, progress), jumps

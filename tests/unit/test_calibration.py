@@ -1,5 +1,6 @@
 """Calibration: coordinates, steps, known values recovered, verdicts, bad studies."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -9,8 +10,11 @@ from error_messages import assert_one_line_error
 
 from jaximpact import PRESETS, Accuracy, Block, Impact, Soil, simulate
 from jaximpact.calibration import read_study, run_study
-from jaximpact.calibration.diagnostics.identifiability import combination
+from jaximpact.calibration.diagnostics.combinations import combination
+from jaximpact.calibration.diagnostics.jumps import in_words as jumps_in_words
+from jaximpact.calibration.diagnostics.jumps import shares_of, without_jumps
 from jaximpact.calibration.diagnostics.uncertainty import estimate
+from jaximpact.calibration.estimation.branches import descend_on_branches
 from jaximpact.calibration.estimation.least_squares import (
     FINE,
     Fits,
@@ -490,49 +494,100 @@ def test_fits_above_the_best_say_so(tmp_path, engine):
     assert reasons[1 - worse] is Reason.converged
 
 
-def test_stuck_starts_begin_anew(tmp_path, monkeypatch):
-    """Elsewhere, within the bounds, a few times, but not those that are near the best;
-    they end there only if that is lower, and how often is told."""
+@pytest.mark.parametrize("agreed", [False, True])
+def test_starts_left_behind_search_together(tmp_path, monkeypatch, agreed):
+    """Those near the best stay; of the others those whose members came to the place of
+    the best one are at the fit from there, or all if most members did."""
     study = linear_study(tmp_path, 3, sigma=0.1)
     objective = Linear(study, study.variants[0], None)
     objective.matrix = np.eye(3)[:, :2]
     stuck, ended = Reason.stuck, Reason.converged
-    # Of the starts 0 is never stuck, 1 once, 2 always, 3 until it is at its third, and
-    # 4 within a tenth of sigma from the best.
+    # Of the starts 0 is the best, 4 within a tenth of sigma from it.
     rounds = [
         (
-            [[0.1, 0.0], [0.5, 0.0], [0.2, 0.0], [0.6, 0.0], [0.11, 0.0]],
-            [ended, stuck, stuck, stuck, stuck],
+            [[0.2, 0.0], [0.5, 0.0], [0.9, 0.0], [0.6, 0.0], [0.21, 0.0]],
+            [ended, stuck, Reason.jump, ended, stuck],
         ),
-        ([[0.1, 0.0], [0.3, 0.0], [0.7, 0.0]], [ended, stuck, stuck]),
-        ([[0.3, 0.0], [0.4, 0.0]], [stuck, stuck]),
-        ([[0.4, 0.0], [0.1, 0.0]], [Reason.jump, ended]),
+        ([[0.1, 0.0], [0.05, 0.0]], [stuck, ended]),
     ]
     begun = []
 
     def made(objective, x, **how):
+        ends, reasons = rounds[len(begun)]
         begun.append(x)
-        ends, reasons = rounds[len(begun) - 1]
-        points = objective(np.array(ends))
-        return Fits(points, reasons, np.full(len(ends), 5))
+        return Fits(objective(np.array(ends)), reasons, np.full(len(ends), 5))
 
-    monkeypatch.setattr("jaximpact.calibration.estimation.starts.fit", made)
-    monkeypatch.setattr(
-        "jaximpact.calibration.estimation.starts.polish",
-        lambda objective, fits, progress: fits,
-    )
-    monkeypatch.setattr(
-        "jaximpact.calibration.estimation.starts.rough_of", lambda objective: objective
-    )
+    def evolved(objective, x, candidates, progress):
+        np.testing.assert_array_equal(x, rounds[0][0])
+        within = (candidates >= objective.bounds.low) & (
+            candidates <= objective.bounds.high
+        )
+        assert np.all(within)
+        assert len(candidates) > 100
+        # The second member is elsewhere, and so does not find the best one.
+        others = [0.32, 0.33] if agreed else [0.7, 0.8]
+        return np.array([[a, 0.0] for a in (0.3, 0.71, 0.31, *others)])
+
+    starts = "jaximpact.calibration.estimation.starts"
+    monkeypatch.setattr(f"{starts}.fit", made)
+    monkeypatch.setattr(f"{starts}.evolve", evolved)
+    monkeypatch.setattr(f"{starts}.polish", lambda objective, fits, progress: fits)
+    monkeypatch.setattr(f"{starts}.rough_of", lambda objective: objective)
     fits = fit_starts(objective, np.zeros((5, 2)), "levenberg-marquardt", Progress())
-    assert [len(x) for x in begun] == [5, 3, 2, 2]
-    assert len({tuple(row) for x in begun[1:] for row in x}) == 7
-    for x in begun:
-        assert np.all((x >= objective.bounds.low) & (x <= objective.bounds.high))
-    np.testing.assert_array_equal(fits.points.x[:, 0], [0.1, 0.1, 0.2, 0.1, 0.11])
-    assert fits.reasons == [ended, ended, stuck, ended, stuck]
-    np.testing.assert_array_equal(fits.restarts, [0, 1, 3, 3, 0])
-    np.testing.assert_array_equal(fits.steps, [5, 10, 20, 20, 5])
+    np.testing.assert_array_equal(begun[1][:2], [[0.3, 0.0], [0.31, 0.0]])
+    third = 0.05 if agreed else 0.9
+    np.testing.assert_array_equal(fits.points.x[:, 0], [0.2, 0.05, third, 0.05, 0.21])
+    of_third = Reason.searched if agreed else Reason.jump
+    assert fits.reasons == [ended, ended, of_third, Reason.searched, stuck]
+    np.testing.assert_array_equal(fits.restarts, [0, 1, int(agreed), 1, 0])
+    np.testing.assert_array_equal(fits.steps, [5, 10, 5 + 5 * agreed, 10, 5])
+
+
+class Jumping(Linear):
+    """Linear but for the first test, whose prediction jumps where x_0 + x_1 > 1."""
+
+    def _predict(self, x, wanted):
+        predicted, outcomes, jacobian = super()._predict(x, wanted)
+        predicted[:, 0, 0] += np.where(np.sum(x, axis=1) > 1.0, 100.0, 0.0)
+        return predicted, outcomes, jacobian
+
+
+def jumping(tmp_path):
+    study = linear_study(tmp_path, 3, sigma=0.1)
+    objective = Jumping(study, study.variants[0], None)
+    objective.matrix = np.array([[0.1, 0.1], [1.0, 0.0], [0.0, 1.0]])
+    measured = np.array([[0.1], [0.9], [0.4]])
+    study = dataclasses.replace(study, measured=measured)
+    return objective._changed(study=study)
+
+
+def test_the_best_fit_along_a_jump_is_found(tmp_path):
+    """By hand: beside the line x_0 + x_1 = 1, (0.75, 0.25) is nearest to (0.9, 0.4)."""
+    objective = jumping(tmp_path)
+    begin = levenberg_marquardt(objective, np.array([[0.2, 0.2]]), None, FINE, quiet)
+    assert not begin.reasons[0].at_minimum
+    found = descend_on_branches(objective, begin, Progress())
+    assert found.reasons == [Reason.edge]
+    assert np.sum(found.points.x) <= 1.0
+    best = 0.5 * (2.0 * 0.15**2 / 0.1**2)
+    # Sampled steps end within some hundredths of the unit of costs, 1.
+    assert best <= found.points.cost[0] <= best + 0.05
+
+
+def test_a_test_near_a_jump_is_left_out_of_the_errors(tmp_path):
+    objective = jumping(tmp_path)
+    fits = Fits(objective(np.array([[0.75, 0.25]])), [Reason.edge], np.zeros(1, int))
+    share = shares_of(objective, fits)
+    # The line passes through the point: half of the draws are beyond.
+    assert 0.3 < share[0] < 0.7
+    np.testing.assert_array_equal(share[1:], 0.0)
+    words = jumps_in_words(objective, share, None)
+    assert len(words) == 1
+    assert "row 2" in words[0]
+    # Two measurements of two unknowns would be left: all are used, and it is said.
+    assert without_jumps(objective, share) is objective
+    assert "Too few tests" in words[0]
+    assert jumps_in_words(objective, 0.0 * share, None) == []
 
 
 @pytest.mark.parametrize("method", ["adam", "l-bfgs"])

@@ -26,6 +26,7 @@ from .cross_validation import in_words as cross_validation_in_words
 from .further_tests import Suggestions, suggest_tests
 from .importance_sampling import FEWEST as FEWEST_DRAWS
 from .importance_sampling import Draws, draw
+from .jumps import in_words as jumps_in_words
 from .nuts import Samples, sample_posterior
 from .predictive import Bands, bands_of
 from .residuals import Residuals, residuals_of
@@ -193,6 +194,7 @@ def warnings_of(
         if left is not None:
             words = cross_validation_in_words(left, variant.objective, what)
             lines += [line for line in words if "fewer than chance" in line]
+    lines += jumps_in_words(variant.objective, variant.jumps, diagnostics.each)
     lines += _doubtful_draws(diagnostics)
     found, starts = np.sum(variant.reached), len(variant.start_costs)
     if found == 0:

@@ -29,6 +29,7 @@ from ...io.display import align
 from ...quantities import InputColumn, columns_of, leaf_places
 from ...scene import Scene
 from ...shapes import Ellipsoid, EllipticCylinder
+from ..estimation.linear_algebra import inverse_positive
 from ..estimation.sigma import relative_sigma
 from ..problem.candidates import (
     COUNT,
@@ -131,12 +132,12 @@ def choose(
         count: number of measurements.
         criterion: one of `CRITERIA`.
     """
-    covariances, chosen = [np.linalg.inv(information)], []
+    covariances, chosen = [inverse_positive(information)], []
     for _ in range(count):
         best = int(np.argmax(merit(information, gains, criterion)))
         information = information + gains[best]
         chosen.append(best)
-        covariances.append(np.linalg.inv(information))
+        covariances.append(inverse_positive(information))
     return Design(chosen, np.array(covariances))
 
 
@@ -151,8 +152,8 @@ def merit(information: np.ndarray, gains: np.ndarray, criterion: str) -> np.ndar
         size = len(information)
         before = np.linalg.slogdet(information)[1]
         return (np.linalg.slogdet(after)[1] - before) / (2.0 * size)
-    variances = np.trace(np.linalg.inv(after), axis1=1, axis2=2)
-    return 0.5 * np.log(np.trace(np.linalg.inv(information)) / variances)
+    variances = np.trace(inverse_positive(after), axis1=1, axis2=2)
+    return 0.5 * np.log(np.trace(inverse_positive(information)) / variances)
 
 
 def suggest_tests(
@@ -207,7 +208,7 @@ def suggest_tests(
     soil = len(names)
     inflation = fitted.uncertainty.inflation
     covariance = regular_covariance(objective, fitted.points, inflation)[:soil, :soil]
-    information = np.linalg.inv(covariance)
+    information = inverse_positive(covariance)
     flat = gains.reshape(-1, soil, soil)
     design = choose(information, flat, count, criterion)
     now = np.sqrt(np.diag(design.covariances[0]))

@@ -1,4 +1,4 @@
-r"""Identifiability: profile likelihoods, verdicts, and parameter combinations.
+r"""Identifiability: profile likelihoods, and verdicts.
 
 The profile likelihood of a parameter is the lowest cost with the parameter fixed and
 all others fitted again. An interval of it holds the values at which the likelihood
@@ -12,6 +12,7 @@ agree with it.
 """
 
 import itertools
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,8 +20,8 @@ import numpy as np
 from ...progress import Progress
 from ..estimation.least_squares import ROUGH, Fits
 from ..estimation.starts import fit, rough_of
-from ..problem.bounds import Bounds
 from ..problem.objective import Objective, Points
+from .combinations import ENDLESS_ERROR, partners
 from .uncertainty import USELESS_ERROR, Uncertainty
 
 GRID = (0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0)
@@ -40,10 +41,6 @@ MATTERS = 50.0
 """Rise of the cost, in s^2, beyond which no fit starts from a point: ten standard
 deviations."""
 ALL_FIXED = -1
-SMALL_EXPONENT = 0.1
-"""Exponents below this are left out of a parameter combination."""
-ENDLESS_ERROR = 1e6
-"""Standard error from which a parameter is said to have no influence."""
 FAR_OFF, FAR_OFF_AT_LEAST = 3.0, 0.05
 """Standard errors, and difference in x, beyond which a fit of equal cost is another
 one."""
@@ -243,6 +240,7 @@ def judge(
     others: tuple[float, float] | None = None,
     prior_error: float = np.inf,
     at_minimum: bool = True,
+    partners: Sequence[str] = (),
 ) -> Verdict:
     """Judge whether a parameter is identifiable.
 
@@ -255,6 +253,7 @@ def judge(
             any lies far away.
         prior_error: standard error that the prior alone would give.
         at_minimum: whether the best fit is a minimum.
+        partners: parameters that can compensate it.
     """
     reasons = []
     if bound is not None:
@@ -265,7 +264,7 @@ def judge(
             "the fit could not be finished, so that a standard error has no meaning"
         )
     if error > USELESS_ERROR:
-        reasons.append(_large_error(error))
+        reasons.append(_large_error(error, partners))
     if error > SILENT * prior_error:
         reasons.append("the tests add no information to its prior")
     if profile is not None and (profile.low is None or profile.high is None):
@@ -283,7 +282,11 @@ def judge(
     return Verdict(name, not reasons, "; ".join(reasons))
 
 
-def _large_error(error: float) -> str:
+def _large_error(error: float, partners: Sequence[str]) -> str:
+    if error > ENDLESS_ERROR and partners:
+        return (
+            f"it acts only together with {' and '.join(partners)}, as one combination"
+        )
     if error > ENDLESS_ERROR:
         return (
             "it has no influence on the measured results, or none that the other "
@@ -346,43 +349,7 @@ def judge_all(
                 span,
                 float(1.0 / np.sqrt(known)) if known > 0.0 else np.inf,
                 best.reasons[0].at_minimum,
+                partners(objective, uncertainty, place),
             )
         )
     return verdicts
-
-
-def directions(names, bounds: Bounds, uncertainty: Uncertainty) -> list[str]:
-    """Describe the eigenvectors of the Fisher matrix and their errors, best known
-    first."""
-    lines = []
-    for value, vector in zip(
-        uncertainty.eigenvalues[::-1], uncertainty.eigenvectors.T[::-1], strict=True
-    ):
-        error = 1.0 / np.sqrt(max(value, 1e-300))
-        what = combination(names, bounds, vector)
-        if error > USELESS_ERROR:
-            lines.append(f"{what}: not identifiable (eigenvalue {value:.3g})")
-        else:
-            lines.append(
-                f"{what}: known to {100 * error:.3g} % (eigenvalue {value:.4g})"
-            )
-    return lines
-
-
-def combination(names, bounds: Bounds, vector) -> str:
-    """Write an eigenvector as a product of powers, the largest exponent 1.
-
-    A parameter in linear space is written as exp(p / half its range).
-    """
-    vector = np.asarray(vector) / vector[np.argmax(np.abs(vector))]
-    factors = []
-    for place, exponent in enumerate(vector):
-        if abs(exponent) < SMALL_EXPONENT:
-            continue
-        name = names[place]
-        if not bounds.logarithmic[place]:
-            half = float(bounds.upper[place] - bounds.lower[place]) / 2
-            name = f"exp({name}/{half:g})"
-        power = f"^{exponent:.2f}" if abs(exponent - 1.0) > 5e-3 else ""
-        factors.append(name + power)
-    return " ".join(factors)

@@ -56,6 +56,9 @@ class VariantResult(NamedTuple):
     """Objective function with the estimated sigmas."""
     points: Points
     """Best fit, one lane."""
+    jumps: np.ndarray
+    """Share of the confidence region in which the prediction of each test is beyond a
+    jump, shape (tests,)."""
 
     @property
     def reached(self) -> np.ndarray:

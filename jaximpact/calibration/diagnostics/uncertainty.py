@@ -24,6 +24,7 @@ import numpy as np
 # Not scipy.stats, which takes 0.6 s to import.
 from scipy.special import chdtrc, ndtri, stdtrit
 
+from ..estimation.linear_algebra import inverse_positive
 from ..estimation.sigma import (
     LEAST_EIGENVALUE,
     leverages,
@@ -121,7 +122,7 @@ def regular_covariance(
     """
     curvature, variance, _, _ = _parts(objective, points)
     extra = np.diag(bounds_information(objective))
-    half = np.linalg.inv(curvature / inflation + extra)
+    half = inverse_positive(curvature / inflation + extra)
     return half @ (variance / inflation + extra) @ half
 
 
@@ -133,7 +134,7 @@ def laplace_covariance(
     It follows from the curvature alone, with the sigmas taken as true.
     """
     curvature = _parts(objective, points)[0] / inflation
-    return np.linalg.inv(curvature + np.diag(bounds_information(objective)))
+    return inverse_positive(curvature + np.diag(bounds_information(objective)))
 
 
 def bounds_information(objective: Objective) -> np.ndarray:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...progress import Progress
 from ..problem.objective import Objective, Points
+from .linear_algebra import solve_positive
 
 DAMPING = 1e-3
 """Damping of the first step, over the largest diagonal entry of the Hessian."""
@@ -35,6 +36,8 @@ class Reason(enum.Enum):
     noise = "converged: steps below the integration error of the impacts", True
     flat = "converged: the cost no longer falls", True
     joined = "converged: at the minimum of another start", True
+    searched = "converged: found with other starts by differential evolution", True
+    edge = "converged: at a jump of a prediction, on the branches of its impacts", True
     jump = "stuck at a discontinuity: the outcome of an impact changes", False
     stuck = "stuck: no step lowers the cost", False
     above = "in a local minimum above the best fit", False
@@ -103,7 +106,8 @@ class Fits(NamedTuple):
     @property
     def best(self) -> int:
         """Lane of the least cost; of equals the first that converged by itself."""
-        joined = [reason is Reason.joined for reason in self.reasons]
+        followed = Reason.joined, Reason.searched
+        joined = [reason in followed for reason in self.reasons]
         return int(np.lexsort((np.array(joined), self.points.cost))[0])
 
 
@@ -230,7 +234,7 @@ def bounded_step(
     system = np.where(moving[:, :, None] & moving[:, None, :], damped, 0.0)
     system = system + np.where(moving, 0.0, scale[:, None])[..., None] * np.eye(size)
     right = np.where(moving, -gradient, 0.0)
-    step = np.linalg.solve(system, right[..., None])[..., 0]
+    step = solve_positive(system, right)
     beyond = np.any((step < least) | (step > most), axis=1)
     # An unknown fixed at its bound may have to leave it once the others have moved.
     slope = gradient + np.einsum("lpq,lq->lp", damped, step)
@@ -305,7 +309,7 @@ def _least_between(gradient, hessian, least, most) -> np.ndarray:
         places = np.flatnonzero(moving)
         slope = gradient + hessian @ step
         system = hessian[np.ix_(places, places)]
-        move = np.linalg.solve(system, -slope[places])
+        move = solve_positive(system, -slope[places])
         limit = np.where(move > 0.0, most[places], least[places])
         room = limit - step[places]
         beyond = np.abs(move) > np.abs(room)

@@ -1,13 +1,15 @@
-"""Multistart: starting points spread over the ranges, fits from all, and restarts."""
+"""Multistart: fits from all starts, and a search by those that are left behind."""
+
+from collections.abc import Callable
 
 import numpy as np
-from scipy.special import ndtri
 
 from ...accuracy import PRESETS
 from ...progress import Progress
-from ..problem.bounds import Bounds
 from ..problem.config import Study
 from ..problem.objective import Objective
+from .branches import descend_on_branches, jumped
+from .evolution import Population, evolve, members_for, robust_of
 from .least_squares import (
     FINE,
     ROUGH,
@@ -17,9 +19,8 @@ from .least_squares import (
     is_near,
     levenberg_marquardt,
 )
+from .spread import spread_starts
 
-SPREAD = 0.02
-"""Distance of starts from the bounds, as a fraction of the range."""
 RUNNING = 1.02, 0.5
 """Starts whose rough cost is below a times the lowest plus b s^2 are fitted to the
 end."""
@@ -29,8 +30,20 @@ and 5e-4 of their derivatives, change a fit by less than 0.01 standard errors.""
 MANY_TESTS, SOME_TESTS = 200, 100
 """Above the first number of tests, starts are ranked on about the second number of
 them, sampled with the study's seed: enough to locate minima to some standard errors."""
-RESTARTS = 3
-"""Largest number of restarts of a stuck start."""
+ENOUGH = 0.9
+"""Fraction of the starts near the lowest cost from which the others do not search
+together."""
+SCREENED = 8
+"""Candidates for each member of the population of a search."""
+AGREED = 0.5
+"""Fraction of the population at the place of the best member from which the others are
+on their way there."""
+MEMBERS_FITTED = 4
+"""Members of the last population from which a fit starts."""
+LAST = FINE._replace(steps=20)
+"""Stopping rule of fits that go on at a finer accuracy: few steps are left."""
+POLISHED = 3
+"""Places from which fits go on to the end that a jump has stopped."""
 SILENT = Progress()
 STUCK = Reason.stuck, Reason.jump, Reason.failed
 ONE_PLACE = 0.3
@@ -38,27 +51,6 @@ ONE_PLACE = 0.3
 SAME = 1e-3
 """Fraction of s^2, and of the cost, by which a fit may end above the best one and still
 count as having found it."""
-
-
-def spread_starts(
-    bounds: Bounds, start: np.ndarray, mean, sd, count: int, seed: int | tuple[int, ...]
-) -> np.ndarray:
-    """Sample starts (count, unknowns) in x: the given one, then a Latin hypercube.
-
-    The hypercube divides the range of each unknown into as many strata as there are
-    points; of an unknown with a prior (`sd` finite), its prior distribution.
-    """
-    random = np.random.default_rng(seed)
-    others, size = count - 1, len(start)
-    strata = np.stack([random.permutation(others) for _ in range(size)], axis=-1)
-    part = (strata + random.random((others, size))) / max(others, 1)
-    spread = bounds.at_fraction(SPREAD + (1.0 - 2.0 * SPREAD) * part)
-    has_prior = np.isfinite(sd)
-    drawn = mean + np.where(has_prior, sd, 0.0) * ndtri(np.clip(part, 1e-3, 1 - 1e-3))
-    drawn = np.clip(drawn, bounds.lower, bounds.upper)
-    drawn = bounds.coordinate(np.where(has_prior, drawn, bounds.lower))
-    spread = np.where(has_prior, drawn, spread)
-    return np.concatenate([np.asarray(start, float)[None], spread])
 
 
 def fit(
@@ -93,10 +85,15 @@ def fit(
         by_gradient = {"adam": first_order.adam, "l-bfgs": first_order.l_bfgs}
         return by_gradient[method](objective, x, progress)
 
+    return _recall(objective, (x, free, method, rule), make)
+
+
+def _recall(objective: Objective, details: tuple, make: Callable[[], Fits]) -> Fits:
+    """Read fits from the cache, if there is one, or make them."""
     # Laws of unknown source cannot be recognised as the same.
     if objective.cache is None or objective.laws is None:
         return make()
-    return objective.cache.recall(objective, (x, free, method, rule), make)
+    return objective.cache.recall(objective, details, make)
 
 
 def rough_of(objective: Objective) -> Objective:
@@ -128,7 +125,7 @@ def fit_starts(
 
     def fitted(objective: Objective, progress: Progress) -> Fits:
         fits = fit(objective, x, method=method, rule=ROUGH, progress=progress)
-        return _restart_stuck(objective, fits, method, progress)
+        return _search_together(objective, fits, method, progress)
 
     if len(objective.study.measured) <= MANY_TESTS:
         return polish(objective, fitted(rough, progress), progress)
@@ -150,42 +147,59 @@ def some_tests(study: Study) -> np.ndarray:
     return np.unique(np.concatenate(chosen))
 
 
-def _restart_stuck(
+def _search_together(
     objective: Objective, fits: Fits, method: str, progress: Progress
 ) -> Fits:
-    """Restart stuck fits from new points, and keep the lower end of each.
+    """Let the fits that ended above the best one search together, where they are many.
 
-    Fits whose cost lets them be polished anyway are not restarted.
+    They are part of a population (`evolution`), whose best members are fitted. All join
+    the lowest of these where most of the population has come to its place; else only
+    those whose members have, and the others stay as they are.
     """
-    reasons, steps = list(fits.reasons), fits.steps.copy()
-    points, restarts = fits.points, np.zeros(len(reasons), int)
-    for number in range(1, RESTARTS + 1):
-        stuck = np.array([reason in STUCK for reason in reasons])
-        lanes = np.flatnonzero(stuck & ~_is_running(objective, points.cost))
-        if not len(lanes):
-            break
-        x = spread_starts(
-            objective.bounds,
-            points.x[0],
-            objective.prior_mean,
-            objective.prior_sd,
-            len(lanes) + 1,
-            (objective.study.seed, number),
-        )[1:]
-        again = fit(
-            objective,
-            x,
-            method=method,
-            rule=ROUGH,
-            progress=progress.within(f"restart {number}, "),
-        )
-        restarts[lanes] += 1
-        steps[lanes] += again.steps
-        lower = again.points.cost < points.cost[lanes]
-        points = points.put(lanes[lower], again.points.take(lower))
-        for lane, place in zip(lanes[lower], np.flatnonzero(lower), strict=True):
-            reasons[lane] = again.reasons[place]
+    cost, reasons = fits.points.cost, list(fits.reasons)
+    running = _is_running(objective, cost)
+    alone = np.sum(running) == 1 and fits.reasons[fits.best] in STUCK
+    left = np.arange(len(cost)) if alone else np.flatnonzero(~running)
+    if len(left) <= (1.0 - ENOUGH) * len(cost):
+        return fits
+    population = _evolved(objective, fits.points.x, progress)
+    members = population.x[population.found][:MEMBERS_FITTED]
+    progress = progress.within("best members, ")
+    again = fit(objective, members, method=method, rule=ROUGH, progress=progress)
+    best = again.points.take([again.best])
+    found = np.resize(population.found, len(left))
+    if np.mean(population.found) >= AGREED:
+        found[:] = True
+    found[0] = True
+    left = left[found & (best.cost[0] < cost[left])]
+    points, steps = fits.points.put(left, best), fits.steps.copy()
+    restarts = np.zeros(len(reasons), int)
+    steps[left] += again.steps[again.best]
+    restarts[left] += 1
+    for place, lane in enumerate(left):
+        reasons[lane] = Reason.searched if place else again.reasons[again.best]
     return Fits(points, reasons, steps, restarts)
+
+
+def _evolved(objective: Objective, x: np.ndarray, progress: Progress) -> Population:
+    """Search from points x and from candidates spread as starts are."""
+    study = objective.study
+    candidates = spread_starts(
+        objective.bounds,
+        x[0],
+        objective.prior_mean,
+        objective.prior_sd,
+        SCREENED * members_for(x.shape[1]),
+        (study.seed, 1),
+    )
+
+    def make() -> Fits:
+        found = evolve(objective, x, candidates, progress.within("search, "))
+        points = robust_of(objective).values(found)
+        return Fits(points, [Reason.searched] * len(found), np.zeros(len(found), int))
+
+    points = _recall(objective, (x, candidates, "evolution"), make).points
+    return Population(points.x, points.cost)
 
 
 def _fit_to_all(
@@ -207,13 +221,121 @@ def _fit_to_all(
 
 
 def polish(objective: Objective, fits: Fits, progress: Progress) -> Fits:
-    """Fit those to the end that may be the best; those at one minimum continue as
-    one."""
+    """Fit those to the end that may be the best; those at one minimum continue as one.
+
+    Of fits that a jump has stopped the lowest go on. The best one goes on along the
+    jump, on the branches of its impacts; others on these branches continue as it.
+    """
     lanes = np.flatnonzero(_is_running(objective, fits.points.cost))
     leader = _leaders(objective, fits, lanes)
-    return _continue(
-        objective, fits, lanes, leader, FINE, progress.within("refining, ")
+    leaders = np.unique(leader)
+    cost = fits.points.cost[leaders]
+    first = leaders[np.argsort(cost, kind="stable")[:POLISHED]]
+    ended = np.array([reason.at_minimum for reason in fits.reasons])
+    chosen = np.isin(leader, first) | ended[leader]
+    lanes, leader = lanes[chosen], leader[chosen]
+    progress = progress.within("refining, ")
+    coarse = no_finer_than_sigmas(objective)
+    if coarse is objective:
+        fits = _continue(objective, fits, lanes, leader, FINE, progress)
+    else:
+        # Nearly all steps are taken where they cost a fraction.
+        fits = _continue(coarse, fits, lanes, leader, FINE, progress)
+        fits = _descended(coarse, fits, progress)
+        lanes = np.flatnonzero(_at_place(fits, fits.best))
+        leader = np.full(len(lanes), fits.best)
+        fits = _at_accuracy(objective, fits, lanes)
+        if fits.reasons[fits.best] is not Reason.edge:
+            fits = _continue(objective, fits, lanes, leader, LAST, progress)
+    if not fits.reasons[fits.best].at_minimum:
+        fits = _descended(objective, fits, progress)
+    return _join_on_branches(objective, fits)
+
+
+def _at_accuracy(objective: Objective, fits: Fits, lanes: np.ndarray) -> Fits:
+    """Evaluate the best fit, at which some lanes are, at the accuracy of the objective.
+
+    It stays at the edge of its branches only if no test jumps between the accuracies.
+    """
+    best, reasons = fits.best, list(fits.reasons)
+    coarse = fits.points.take([best])
+    point = objective(coarse.x)
+    if reasons[best] is Reason.edge and np.any(jumped(objective, point, coarse)):
+        reasons[best] = Reason.jump
+    points = fits.points.put(lanes, point)
+    return fits._replace(points=points, reasons=reasons)
+
+
+def fit_on(
+    objective: Objective,
+    x: np.ndarray,
+    *,
+    rule: StoppingRule = FINE,
+    progress: Progress = SILENT,
+) -> Fits:
+    """Fit one lane from x, and along a jump where one stops it."""
+    fits = fit(objective, x, rule=rule, progress=progress)
+    if fits.reasons[0].at_minimum:
+        return fits
+    return _descend(objective, fits, progress)
+
+
+def _descend(objective: Objective, fits: Fits, progress: Progress) -> Fits:
+    """Descend along a jump, or read it from the cache."""
+    details = fits.points.x, fits.reasons, "on branches"
+    return _recall(
+        objective, details, lambda: descend_on_branches(objective, fits, progress)
     )
+
+
+def with_origin(fits: Fits, origin: int, best: Fits) -> Fits:
+    """Let the fits at the place of one of them end where that one went on to.
+
+    Args:
+        origin: lane of the fit that went on.
+        best: its end, one lane.
+    """
+    same, reasons = _at_place(fits, origin), list(fits.reasons)
+    reasons[origin] = best.reasons[0]
+    return fits._replace(points=fits.points.put(same, best.points), reasons=reasons)
+
+
+def _at_place(fits: Fits, lane: int) -> np.ndarray:
+    """Find the fits that are at the very place of one of them."""
+    return np.all(fits.points.x == fits.points.x[lane], axis=1)
+
+
+def _descended(objective: Objective, fits: Fits, progress: Progress) -> Fits:
+    """Continue the best fit along a jump that has stopped it."""
+    best, reasons, steps = fits.best, list(fits.reasons), fits.steps.copy()
+    one = _descend(objective, one_of(fits, best), progress)
+    same = np.flatnonzero(_at_place(fits, best))
+    for lane in same:
+        if lane != best and reasons[lane] is not Reason.searched:
+            reasons[lane] = Reason.joined
+    reasons[best], steps[best] = one.reasons[0], one.steps[0]
+    points = fits.points.put(same, one.points)
+    return Fits(points, reasons, steps, fits.restarts)
+
+
+def _join_on_branches(objective: Objective, fits: Fits) -> Fits:
+    """Let fits on the branches of the best one, stopped by its jumps, be that one."""
+    best, reasons = fits.best, list(fits.reasons)
+    if reasons[best] is not Reason.edge:
+        return fits
+    end = fits.points.take([best])
+    near = _is_running(objective, fits.points.cost)
+    near &= ~np.any(jumped(objective, end, fits.points), axis=1)
+    near &= [reason is not Reason.searched for reason in reasons]
+    near[best] = False
+    for lane in np.flatnonzero(near):
+        reasons[lane] = Reason.joined
+    return fits._replace(points=fits.points.put(near, end), reasons=reasons)
+
+
+def one_of(fits: Fits, lane: int) -> Fits:
+    """Select one of the fits."""
+    return Fits(fits.points.take([lane]), [fits.reasons[lane]], fits.steps[[lane]])
 
 
 def _is_running(objective: Objective, cost: np.ndarray) -> np.ndarray:
@@ -242,8 +364,9 @@ def _continue(
     for lane, place in zip(lanes, leader, strict=True):
         if lane != place:
             points = points.put([lane], points.take([place]))
-            alike = reasons[place].at_minimum
-            reasons[lane] = Reason.joined if alike else reasons[place]
+            if reasons[lane] is not Reason.searched:
+                alike = reasons[place].at_minimum
+                reasons[lane] = Reason.joined if alike else reasons[place]
     return Fits(points, reasons, steps, fits.restarts)
 
 
@@ -252,8 +375,14 @@ def _leaders(objective: Objective, fits: Fits, lanes: np.ndarray) -> np.ndarray:
     leaders: list[int] = []
     found = {}
     at_minimum = np.array([reason.at_minimum for reason in fits.reasons])
-    for lane in lanes[np.argsort(fits.points.cost[lanes], kind="stable")]:
-        places = [place for place in leaders if at_minimum[place] and at_minimum[lane]]
+    searched = np.array([reason is Reason.searched for reason in fits.reasons])
+    # A fit that has joined another in a search stands behind it at the same place.
+    for lane in lanes[np.lexsort((searched[lanes], fits.points.cost[lanes]))]:
+        places = [
+            place
+            for place in leaders
+            if searched[lane] or (at_minimum[place] and at_minimum[lane])
+        ]
         near = is_near(objective, fits.points, lane, np.array(places, int), ONE_PLACE)
         found[lane] = places[np.argmax(near)] if np.any(near) else lane
         if found[lane] == lane:

@@ -145,17 +145,20 @@ class Engine:
         return self._chosen(numbers), self._chosen(along)
 
     def run_values(
-        self, leaves: np.ndarray, accuracy: Accuracy
+        self, leaves: np.ndarray, accuracy: Accuracy, of: int = 0
     ) -> tuple[np.ndarray, np.ndarray]:
         """Compute results of impacts without derivatives.
 
         In machine code the numbers are those of `run` bit for bit, and many impacts
         take half the time.
 
+        Args:
+            of: number of impacts of all calls to come, if more than those of this one.
+
         Returns:
             Targets, shape (impacts, targets), and codes of the outcomes (impacts,).
         """
-        if self.kernel is None or leaves.shape[1] < MANY:
+        if self.kernel is None or max(of, leaves.shape[1]) < MANY:
             values, _, outcomes = self.run(leaves, np.zeros_like(leaves), accuracy)
             return values, outcomes
         kernel = compile_native(self.assembly)

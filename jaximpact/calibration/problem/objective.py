@@ -107,6 +107,10 @@ class Objective(ForwardModel):
         """Return the objective with other sigmas, shape (tests, targets)."""
         return self._changed(sigma=sigma)
 
+    def with_loss(self, loss: str) -> "Objective":
+        """Return the objective with another loss, one of `LOSSES`."""
+        return self._changed(loss=loss)
+
     def without(self, tests: np.ndarray) -> "Objective":
         """Return the objective without the measurements of some tests, which are still
         predicted.
@@ -157,12 +161,18 @@ class Objective(ForwardModel):
         x = np.asarray(x, float)
         return self.evaluate(x, *self._predict(x, self._wanted(x, free)))
 
-    def values(self, x: np.ndarray) -> Points:
-        """Evaluate the objective without derivatives: they are set to 0."""
+    def values(self, x: np.ndarray, of: int = 0) -> Points:
+        """Evaluate the objective without derivatives: they are set to 0.
+
+        Args:
+            x: points within the bounds, shape (lanes, unknowns).
+            of: number of impacts of all calls to come, this one among them: code
+                without derivatives is compiled where they are many.
+        """
         x = np.asarray(x, float)
         leaves, turn = self._impacts(x)
         impacts = leaves.reshape(len(leaves), -1)
-        values, outcomes = self.engine.run_values(impacts, self.accuracy)
+        values, outcomes = self.engine.run_values(impacts, self.accuracy, of)
         nothing = np.zeros_like(values)
         directions = np.zeros_like(impacts)
         values, _ = self._as_stated(values, nothing, turn.ravel(), impacts, directions)

@@ -535,10 +535,9 @@ def _further(diagnostics: Examination) -> dict:
 
 def _starts_in_words(variant: VariantResult) -> str:
     found, total = int(np.sum(variant.reached)), len(variant.start_costs)
-    restarted = int(np.sum(variant.start_restarts > 0))
-    verb = "was" if restarted == 1 else "were"
-    also = f"; {restarted} {verb} stuck and restarted from new points"
-    return f"{found} of {total} starts found the best fit{also if restarted else ''}"
+    together = int(np.sum((variant.start_restarts > 0) & variant.reached))
+    also = f"; {together} of them by a common search, since their own fits ended above"
+    return f"{found} of {total} starts found the best fit{also if together else ''}"
 
 
 def _start_rows(variant: VariantResult) -> Rows:

@@ -1,0 +1,119 @@
+"""How many starts find the best fit of realistic twins, and what intervals are worth.
+
+    python -m benchmarks.found_from_any_start [--twins 5] [--starts 16]
+    python -m benchmarks.found_from_any_start --repeats 100 [--twins 5]
+
+The first fits each twin of `realistic_twins` as `jaximpact calibrate` does, from starts
+anywhere between the bounds. A start has found the best fit if its own fit ended there,
+or if it was left behind and searched with others that came to one place: the table
+tells how many did which.
+
+The second repeats the noise of each twin, fits from the true values, and compares the
+95 % intervals with the truth, and the standard errors with the scatter of the
+estimates.
+
+Times are processor times.
+"""
+
+import argparse
+import time
+from collections import Counter
+
+import numpy as np
+
+from jaximpact.calibration.diagnostics.jumps import shares_of, without_jumps
+from jaximpact.calibration.diagnostics.uncertainty import estimate
+from jaximpact.calibration.estimation.branches import NEAR
+from jaximpact.calibration.estimation.least_squares import ROUGH
+from jaximpact.calibration.estimation.starts import fit, one_of, polish, rough_of
+from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.objective import Objective
+from jaximpact.calibration.study import fit_study
+from jaximpact.progress import Progress
+
+from .realistic_twins import BOUNDS, Twin
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--twins", type=int, default=5)
+    parser.add_argument("--starts", type=int, default=16)
+    parser.add_argument("--repeats", type=int, default=0)
+    arguments = parser.parse_args()
+    if arguments.repeats:
+        repeat(arguments.twins, arguments.repeats)
+    else:
+        find(arguments.twins, arguments.starts)
+
+
+def find(twins: int, starts: int) -> None:
+    """Fit each twin once."""
+    print("twin  found  CPU s  cost  cost of truth  largest error  not identifiable")
+    for seed in range(1, twins + 1):
+        twin = Twin(seed)
+        begin = time.process_time()
+        fitted = fit_study(twin.study(seed, starts)).variants[0]
+        seconds = time.process_time() - begin
+        truth = np.array(list(twin.truth.values()))
+        x = fitted.objective.bounds.coordinate(truth)
+        errors = (fitted.objective.bounds.coordinate(fitted.parameters) - x) / (
+            fitted.uncertainty.standard_errors
+        )
+        lost = [v.name for v in fitted.verdicts if not v.determined]
+        print(
+            f"{seed}  {np.sum(fitted.reached)} of {starts}  {seconds:.1f}  "
+            f"{fitted.cost:.2f}  {fitted.objective.values(x[None]).cost[0]:.2f}  "
+            f"{np.max(np.abs(errors)):.1f} s.e.  {', '.join(lost) or 'none'}",
+            flush=True,
+        )
+        reasons = Counter(reason.name for reason in fitted.start_reasons)
+        print(f"    {dict(reasons)}, near a jump {np.sum(fitted.jumps > NEAR)} tests")
+
+
+def repeat(twins: int, repeats: int) -> None:
+    """Fit each twin again and again with other noise."""
+    begin, all_covered = time.process_time(), []
+    made = [Twin(seed) for seed in range(1, twins + 1)]
+    engine = engine_of(made[0].study(0))
+    for seed, twin in enumerate(made, 1):
+        rows = [_repeated(twin, engine, number) for number in range(1, repeats + 1)]
+        x, reach, error = (np.array([row[i] for row in rows]) for i in range(3))
+        true = rows[0][3]
+        covered = np.abs(x - true) <= reach
+        all_covered.append(covered)
+        ratio = np.sqrt(np.mean(error**2, axis=0)) / np.std(x, axis=0, ddof=1)
+        print(
+            f"twin {seed}, {len(rows)} repeats, {time.process_time() - begin:.0f} s, "
+            f"near a jump {np.mean([row[4] for row in rows]):.1f} tests on average, "
+            f"not at a minimum {sum(not row[5] for row in rows)}"
+        )
+        for place, name in enumerate(BOUNDS):
+            print(
+                f"    {name:20} covered {100 * np.mean(covered[:, place]):5.1f} %, "
+                f"standard error over scatter {ratio[place]:.2f}",
+                flush=True,
+            )
+    everything = np.concatenate(all_covered)
+    print(f"all: {100 * np.mean(everything):.1f} % of {everything.size} intervals")
+
+
+def _repeated(twin: Twin, engine, number: int):
+    """Fit one repeat from the truth: estimate, reach and standard errors in x, the
+    truth in x, the number of tests near a jump, whether it is a minimum."""
+    study = twin.study(1000 + number, starts=1)
+    objective = Objective(study, study.variants[0], engine)
+    true = objective.bounds.coordinate(np.array(list(twin.truth.values())))
+    ends = fit(rough_of(objective), true[None], rule=ROUGH)
+    ends = ends._replace(points=objective(ends.points.x))
+    ends = polish(objective, ends, Progress())
+    best = one_of(ends, ends.best)
+    share = shares_of(objective, best)
+    smooth = without_jumps(objective, share)
+    found = estimate(smooth, smooth.reevaluate(best.points))
+    errors = found.standard_errors
+    near, at_minimum = int(np.sum(share > NEAR)), best.reasons[0].at_minimum
+    return best.points.x[0], found.quantile * errors, errors, true, near, at_minimum
+
+
+if __name__ == "__main__":
+    main()

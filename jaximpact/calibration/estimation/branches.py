@@ -1,0 +1,208 @@
+r"""Branches of the impacts: where predictions jump, and the best fit beside a jump.
+
+A contact ends where the normal force comes down to zero. Where it only nearly does, the
+block falls back, and ends later with other velocities: the prediction of that test
+jumps between neighbouring parameters, and between two jumps (on one branch) it is
+smooth. A prediction has left the branch of a fit where it differs by more than three
+sigmas from what the derivatives at the fit predict,
+
+$$ | y(x) - \hat y - J (x - \hat x) | > 3 \sigma . $$
+
+The lowest cost may lie at such a jump. Fits by derivatives stop somewhere along it;
+`descend_on_branches` goes on along it.
+"""
+
+import numpy as np
+
+from ...progress import Progress
+from ..problem.objective import Objective, Points
+from .least_squares import ROUGH, Fits, Reason, levenberg_marquardt
+
+JUMP = 3.0
+"""Sigmas by which a prediction differs from the linear one beyond a jump."""
+DRAWS = 64
+"""Points about a fit at which jumps are looked for."""
+NEAR = 0.02
+"""Fraction of these points beyond a jump from which a test is near it."""
+STEPS, ROUNDS = 256, 12
+"""Steps that are tried side by side along a jump, and how often."""
+LEAST, MOST = 0.005, 1.5
+"""Distances, in standard errors, of steps from the way to the linear minimum."""
+SHARES_AGAIN = 3
+"""How often tests near a jump are looked for."""
+LEAPS = 6
+"""How often a fit starts again from a point of lower cost beyond a jump."""
+BEYOND = ROUGH._replace(promise=1e-3, part=1e-3, steps=12, joins=False)
+"""Stopping rule of these fits."""
+MEDIAN = 0.455
+"""Median of the square of a standard normal number."""
+PROMISE = 5e-3
+"""Predicted fall of the cost, in s^2, that is not worth a step."""
+
+
+def jumped(objective: Objective, fit: Points, points: Points) -> np.ndarray:
+    """Find the tests whose predictions have left their branch at a fit.
+
+    Args:
+        fit: one lane, with derivatives.
+        points: other lanes.
+
+    Returns:
+        Mask, shape (lanes, tests). A prediction that is missing in one of both has left
+        it.
+    """
+    apart = points.x - fit.x[0]
+    linear = fit.predicted[0] + np.einsum("rtp,lp->lrt", fit.jacobian[0], apart)
+    there = np.isfinite(points.predicted), np.isfinite(linear)
+    missing = there[0] != there[1]
+    with np.errstate(invalid="ignore"):
+        far = np.abs(points.predicted - linear) > JUMP * objective.sigma
+    return np.any((far | missing) & objective.study.known, axis=2)
+
+
+def unit_without_jumps(objective: Objective, fit: Points) -> float:
+    """Compute max(1, s^2) at a fit (one lane), the unit for differences of costs, from
+    the median residual: tests beyond a jump do not count."""
+    known = objective.study.known & np.isfinite(fit.predicted[0])
+    apart = (fit.predicted[0] - objective.study.measured) / objective.sigma
+    squares = apart[known] ** 2
+    return max(1.0, float(np.median(squares)) / MEDIAN) if len(squares) else 1.0
+
+
+def error_root(objective: Objective, fit: Points) -> np.ndarray:
+    """Compute a root R of the covariance R R^T at a fit (one lane), with the bounds as
+    a weak prior: always finite."""
+    width = objective.bounds.high - objective.bounds.low
+    weak = np.where(np.isinf(objective.prior_sd), 12.0 / width**2, 0.0)
+    curvature = fit.hessian[0] / unit_without_jumps(objective, fit) + np.diag(weak)
+    values, vectors = np.linalg.eigh(curvature)
+    least = 1e-12 * max(values[-1], 1e-300)
+    return vectors / np.sqrt(np.maximum(values, least))
+
+
+def _draws(objective: Objective, fit: Points) -> Points:
+    """Evaluate points about a fit, normally distributed with its covariance."""
+    random = np.random.default_rng(objective.study.seed)
+    root = error_root(objective, fit)
+    x = fit.x + random.standard_normal((DRAWS, len(root))) @ root.T
+    x = np.clip(x, objective.bounds.low, objective.bounds.high)
+    return objective.values(x)
+
+
+def jump_shares(objective: Objective, fit: Points) -> np.ndarray:
+    """Compute the fraction of points about a fit, normally distributed with its
+    covariance, at which each test has left its branch, shape (tests,).
+
+    Beside a jump a derivative may be very steep, and the covariance too small: it is
+    that of the tests that are not near a jump.
+
+    Args:
+        fit: one lane, with derivatives.
+    """
+    near = np.zeros(len(objective.study.measured), bool)
+    for _ in range(SHARES_AGAIN):
+        rest = objective.without(near)
+        draws = _draws(rest, rest.reevaluate(fit))
+        share = np.mean(jumped(objective, fit, draws), axis=0)
+        if not np.any((share > NEAR) & ~near):
+            break
+        near |= share > NEAR
+    return share
+
+
+def descend_on_branches(objective: Objective, fits: Fits, progress: Progress) -> Fits:
+    """Descend from where a jump has stopped a fit: beyond it, or along it.
+
+    Where one of many points about the fit, near and far, has a lower cost, a fit starts
+    there. Else, unless the fit is at a minimum, steps about the minimum of the
+    linearised cost are tried for the tests near a jump alone, many side by side; the
+    best one on which none jumps is taken.
+
+    Args:
+        fits: one lane.
+
+    Equal arguments give equal numbers on one machine.
+    """
+    random = np.random.default_rng(objective.study.seed)
+    for number in range(1, LEAPS + 1):
+        fit, steps = fits.points, fits.steps
+        if np.any(objective.failed(fit.predicted)):
+            break
+        draws = objective.values(fit.x + _sampled_steps(objective, fit, DRAWS, random))
+        near = np.any(jumped(objective, fit, draws), axis=0)
+        begin = draws.take([int(np.argmin(draws.cost))])
+        least = PROMISE * unit_without_jumps(objective, fit)
+        if begin.cost[0] >= fit.cost[0] - least:
+            if fits.reasons[0].at_minimum or not np.any(near):
+                break
+            along = _descend_along(objective, fits, near, progress)
+            if along.points.cost[0] >= fit.cost[0] - least:
+                return along
+            fits = along
+            begin, steps = along.points, along.steps
+        say = progress.within(f"beyond a jump, {number}, ")
+        again = levenberg_marquardt(objective, begin.x, None, BEYOND, say)
+        if again.points.cost[0] < fits.points.cost[0]:
+            fits = again._replace(steps=again.steps + steps)
+        elif fits.reasons[0].at_minimum:
+            break
+    return fits
+
+
+def _descend_along(
+    objective: Objective, fits: Fits, near: np.ndarray, progress: Progress
+) -> Fits:
+    """Descend along a jump.
+
+    Args:
+        near: mask of the tests near a jump, shape (tests,).
+    """
+    fit, taken = fits.points, 0
+    random = np.random.default_rng(objective.study.seed)
+    for number in range(1, ROUNDS + 1):
+        progress(f"along a jump, step {number}: cost {fit.cost[0]:.6g}")
+        steps = _steps(objective, fit, random)
+        if not len(steps):
+            break
+        part = objective.of_tests(np.flatnonzero(near))
+        fit_of_part = fit._replace(
+            predicted=fit.predicted[:, near], jacobian=fit.jacobian[:, near]
+        )
+        beyond = jumped(part, fit_of_part, part.values(fit.x + steps))
+        allowed = steps[~np.any(beyond, axis=1)]
+        if not len(allowed):
+            break
+        tried = objective(fit.x + allowed[:1])
+        if tried.cost[0] < fit.cost[0]:
+            fit, taken = tried, taken + 1
+            continue
+        more = jumped(objective, fit, tried)[0] & ~near
+        if not np.any(more):
+            break
+        near = near | more
+    return Fits(fit, [Reason.edge], fits.steps + taken)
+
+
+def _steps(objective: Objective, fit: Points, random) -> np.ndarray:
+    """Sample steps that are predicted to lower the cost, that of the largest fall
+    first, shape (steps, unknowns)."""
+    steps = _sampled_steps(objective, fit, STEPS, random)
+    square = np.einsum("lp,pq,lq->l", steps, fit.hessian[0], steps)
+    fall = -(steps @ fit.gradient[0] + 0.5 * square)
+    order = np.argsort(-fall, kind="stable")
+    good = fall[order] > PROMISE * unit_without_jumps(objective, fit)
+    return steps[order][good]
+
+
+def _sampled_steps(objective: Objective, fit: Points, count: int, random) -> np.ndarray:
+    """Sample steps within the bounds about the way to the linear minimum, some close to
+    it and some far, shape (count, unknowns)."""
+    bounds = objective.bounds
+    root, unit = error_root(objective, fit), unit_without_jumps(objective, fit)
+    way = -root @ (root.T @ fit.gradient[0]) / unit
+    # Beside a jump the way may lead across it at once: half of the steps keep off it.
+    part = random.random((count, 1)) * (random.random((count, 1)) < 0.5)
+    size = np.exp(random.uniform(np.log(LEAST), np.log(MOST), (count, 1)))
+    aside = random.standard_normal((count, len(way))) @ root.T
+    x = np.clip(fit.x[0] + part * way + size * aside, bounds.low, bounds.high)
+    return x - fit.x[0]

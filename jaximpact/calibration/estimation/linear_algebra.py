@@ -1,0 +1,51 @@
+"""Linear algebra with positive matrices that may be singular, never an exception.
+
+A matrix is scaled to a unit diagonal first, so that unknowns of very different
+influence keep their digits beside each other.
+"""
+
+import numpy as np
+
+LEAST = 1e-14
+"""Least eigenvalue of a scaled matrix: below is rounding."""
+
+
+def _scaled(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Decompose D^-1 A D^-1 with a unit diagonal: roots D of the diagonal, eigenvalues
+    and eigenvectors."""
+    diagonal = np.einsum("...pp->...p", matrix)
+    root = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    scaled = matrix / (root[..., :, None] * root[..., None, :])
+    values, vectors = np.linalg.eigh(0.5 * (scaled + np.swapaxes(scaled, -1, -2)))
+    return root, values, vectors
+
+
+def inverse_positive(matrix: np.ndarray) -> np.ndarray:
+    """Invert positive matrices, shape (..., n, n): symmetric, positive and finite.
+
+    A direction that is lost to rounding gets the largest variance that double precision
+    can tell from it, not a negative or an infinite one.
+    """
+    root, values, vectors = _scaled(matrix)
+    values = np.maximum(values, LEAST)
+    inverse = (vectors / values[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+    return inverse / (root[..., :, None] * root[..., None, :])
+
+
+def solve_positive(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solve A x = b for positive matrices, shape (..., n, n), and b, shape (..., n).
+
+    Where a matrix is singular, x is the least solution without the lost directions.
+    """
+    try:
+        found = np.linalg.solve(matrix, right[..., None])[..., 0]
+    except np.linalg.LinAlgError:
+        found = np.full(right.shape, np.nan)
+    lost = ~np.all(np.isfinite(found), axis=-1)
+    if not np.any(lost):
+        return found
+    root, values, vectors = _scaled(matrix)
+    inverse = np.where(values > LEAST, 1.0 / np.maximum(values, LEAST), 0.0)
+    along = np.einsum("...pq,...p->...q", vectors, right / root) * inverse
+    least = np.einsum("...pq,...q->...p", vectors, along) / root
+    return np.where(lost[..., None], least, found)

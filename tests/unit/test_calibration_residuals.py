@@ -1,0 +1,70 @@
+"""The problem of a study as a plain function of JAX."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaximpact.calibration import read_study, residuals
+from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.objective import Objective, start_of
+from jaximpact.errors import InputError
+
+TABLE = """campaign,mass_kg,speed_mps,angle_deg,e_n,sigma_e_n,e_t
+a,100,5,10,0.2,0.01,0.7
+a,100,15,40,0.1,0.01,
+b,500,10,30,,,0.8
+b,500,12,20,0.12,0.02,0.75
+"""
+STUDY = """
+title = "four"
+data = "tests.csv"
+weights = { e_t = 2.0 }
+[parameters]
+c_v = { start = 0.5, prior = { mean = 0.8, sd = 0.3 } }
+gamma_v = { start = 6.0 }
+[nuisance.slope_deg]
+by = "campaign"
+prior = { mean = 1.0, sd = 2.0 }
+"""
+
+
+@pytest.fixture
+def study(tmp_path):
+    (tmp_path / "tests.csv").write_text(TABLE)
+    (tmp_path / "study.toml").write_text(STUDY)
+    return read_study(tmp_path / "study.toml")
+
+
+@pytest.mark.slow
+def test_half_the_sum_of_squares_is_the_cost(study):
+    function, start = residuals(study)
+    objective = Objective(study, study.variants[0], engine_of(study))
+    expected = objective(start_of(study)[None])
+    received, slope = jax.jit(
+        jax.value_and_grad(lambda tree: 0.5 * jnp.sum(function(tree) ** 2))
+    )(start)
+    # Both are machine code of the same equations at one tolerance.
+    assert received == pytest.approx(expected.cost[0], rel=1e-9)
+    by_x = objective.bounds.slope(start_of(study))
+    flat = [slope["c_v"], slope["gamma_v"], *slope["slope_deg"]]
+    np.testing.assert_allclose(flat * by_x, expected.gradient[0], rtol=1e-6)
+
+
+@pytest.mark.slow
+def test_a_path_and_a_variant_by_name(study):
+    function, start = residuals(study.path, study.variants[0].name)
+    assert function(start).shape == (3 + 3 + 1 + 2,)
+
+
+def test_limits_and_unknown_variants_are_refused(study, tmp_path):
+    with pytest.raises(InputError, match="variant 'other' is unknown"):
+        residuals(study, "other")
+    tied = '"k_E" = { expression = "600 * c_v" }\n[nuisance.slope_deg]'
+    (tmp_path / "study.toml").write_text(STUDY.replace("[nuisance.slope_deg]", tied))
+    with pytest.raises(InputError, match="ties parameters by expressions"):
+        residuals(study.path)
+    (tmp_path / "study.toml").write_text(STUDY)
+    (tmp_path / "tests.csv").write_text(TABLE.replace(",0.7\n", ",>0.7\n"))
+    with pytest.raises(InputError, match="limits"):
+        residuals(study.path)
