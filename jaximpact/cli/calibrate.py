@@ -6,9 +6,10 @@ import contextlib
 import time
 from pathlib import Path
 
+from ..errors import InputError
 from ..interruption import resumable
 from ..io.output_files import manifest_path, output_files
-from . import options
+from . import engine, options
 from .progress import ProgressLines, say
 
 DESCRIPTION = """\
@@ -142,6 +143,7 @@ def add_parser(commands) -> None:
         "[compare] in the study names",
     )
 
+    engine.add_engine(parser)
     parser = options.add_command(
         commands,
         "predict",
@@ -177,6 +179,11 @@ def run(arguments: argparse.Namespace) -> None:
     if is_slope_fit(arguments.study):
         _run_slope(arguments)
         return
+    if arguments.workers is not None or arguments.scheduler is not None:
+        raise InputError(
+            "--workers and --scheduler are for slopes; fits to impacts take seconds "
+            "on one machine"
+        )
     kept = arguments.out / UNFINISHED
 
     def prospect() -> str:
@@ -200,7 +207,6 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _run_slope(arguments: argparse.Namespace) -> None:
-    from ..errors import InputError
     from ..runout import calibrate_slope
     from ..runout.back_analysis.report import in_words
 
@@ -211,8 +217,14 @@ def _run_slope(arguments: argparse.Namespace) -> None:
     if arguments.compare:
         raise InputError("--compare is for impacts; a slope has the laws of its study")
     begin = time.monotonic()
-    with resumable(), ProgressLines() as progress:
-        found = calibrate_slope(arguments.study, arguments.out, progress=progress)
+    with (
+        resumable(),
+        engine.engine_of(arguments) as executor,
+        ProgressLines() as progress,
+    ):
+        found = calibrate_slope(
+            arguments.study, arguments.out, executor=executor, progress=progress
+        )
     print(in_words(found), end="")
     say(f"{time.monotonic() - begin:.0f} s in all")
     say(f"the report is {arguments.out / 'report.html'}")

@@ -1,7 +1,9 @@
 """Back-analyses of a slope whose ground is known, on the command line and in Python."""
 
+import concurrent.futures
 import dataclasses
 import json
+import multiprocessing
 
 import numpy as np
 import pytest
@@ -91,6 +93,17 @@ def test_the_truth_is_found_again(fitted):
     assert fitted.predicted.check.explained
     assert warnings_of(fitted) == []
     assert "rolling_friction_angle_deg" in repr(fitted)
+
+
+def test_other_processes_give_the_same_numbers(observed, fitted):
+    context = multiprocessing.get_context("forkserver")
+    with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as pool:
+        found = calibrate_slope(observed / "slope.toml", executor=pool)
+    np.testing.assert_array_equal(found.posterior.values, fitted.posterior.values)
+    for curve, same in zip(
+        found.predicted.curves, fitted.predicted.curves, strict=True
+    ):
+        np.testing.assert_array_equal(curve.share, same.share)
 
 
 def test_held_out_collectors_are_predicted(fitted):

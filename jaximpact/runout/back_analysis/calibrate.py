@@ -1,5 +1,6 @@
 """Back-analysis of a slope in one call."""
 
+import concurrent.futures
 import os
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from ...io.files import make_directory
 from ...io.output_files import output_directory
 from ...progress import Progress, ProgressFunction, as_progress
 from ...store import Store
+from ...tasks import check_executor
 from .posterior import posterior_of
 from .predictive import predict
 from .problem import SlopeFit, read_slope_fit
@@ -23,6 +25,7 @@ def calibrate_slope(
     study: str | os.PathLike,
     out: str | os.PathLike | None = None,
     *,
+    executor: concurrent.futures.Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> SlopeCalibration:
     """Fit ground parameters of a slope to stopping points, passages and counts.
@@ -37,6 +40,8 @@ def calibrate_slope(
             `jaximpact calibrate --help` describes it.
         out: directory for report.html, report.txt, fit.json, samples.csv and
             exceedance.csv; an interrupted call continues there.
+        executor: simulates in other processes, as for `simulate_batch`; no number
+            changes by it.
         progress: called with lines of text, or as `progress(done, data sets)`.
 
     Returns:
@@ -48,10 +53,12 @@ def calibrate_slope(
     require_float64()
     expect("study", study, str, os.PathLike)
     expect("out", out, str, os.PathLike, type(None))
+    if executor is not None:
+        check_executor(executor)
     told = as_progress(progress)
     fit = read_slope_fit(Path(study))
     if out is None:
-        return _calibrate(fit, None, told)
+        return _calibrate(fit, None, told, executor)
     # Late imports: Matplotlib and Jinja are for the report alone.
     from .report import FILES, write_report
 
@@ -60,16 +67,19 @@ def calibrate_slope(
         folder = directory / UNFINISHED
         make_directory(folder, option="the directory")
         store = Store(folder)
-        found = _calibrate(fit, store, told)
+        found = _calibrate(fit, store, told, executor)
         write_report(found, new)
         store.clear()
     return found
 
 
 def _calibrate(
-    fit: SlopeFit, store: Store | None, progress: Progress
+    fit: SlopeFit,
+    store: Store | None,
+    progress: Progress,
+    executor: concurrent.futures.Executor | None,
 ) -> SlopeCalibration:
-    searched = search(fit, store, progress)
+    searched = search(fit, store, progress, executor)
     posterior = posterior_of(fit, searched)
-    predicted = predict(fit, posterior, store, progress)
+    predicted = predict(fit, posterior, store, progress, executor)
     return SlopeCalibration(fit, searched, posterior, predicted)

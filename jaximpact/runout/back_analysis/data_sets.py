@@ -5,6 +5,7 @@ facets of its own. Random numbers come from the study's seed and the number of t
 set, so that the same candidates meet the same blocks in every fit of the same slope.
 """
 
+import concurrent.futures
 import hashlib
 import io
 import json
@@ -14,6 +15,7 @@ import numpy as np
 from ..._versions import versions
 from ...progress import Progress
 from ...store import Store
+from ...tasks import Task, run_tasks
 from ..analysis import first_passages, passages
 from ..scheduler import WIDTH, follow
 from ..state import State
@@ -32,6 +34,7 @@ def simulate_data_sets(
     store: Store | None = None,
     progress: Progress | None = None,
     what: str = "data sets",
+    executor: concurrent.futures.Executor | None = None,
 ) -> np.ndarray:
     """Simulate a data set for each candidate.
 
@@ -42,6 +45,7 @@ def simulate_data_sets(
         store: keeps chunks that are done.
         progress: told how many are done.
         what: name of the data sets in progress.
+        executor: computes chunks in other processes; the results are the same.
 
     Returns:
         `(data sets, blocks, 1 + 3 * places)`: x where a block stopped [m], and at each
@@ -49,22 +53,38 @@ def simulate_data_sets(
         passage; NaN for a block that does not stop, or does not come there.
     """
     size, progress = max(1, CHUNK // blocks), progress or Progress()
-    found = []
-    for number, start in enumerate(range(0, len(u), size)):
-        progress(what, start, len(u))
-        part = u[start : start + size]
-        key = _key(fit, part, blocks, stream, number)
-        stored = None if store is None else store.get("dataset", key)
-        if stored is not None:
-            found.append(np.load(io.BytesIO(stored)))
-            continue
-        found.append(_simulate(fit, part, blocks, _seed(fit, stream, number)))
+    parts = [u[start : start + size] for start in range(0, len(u), size)]
+    keys = [_key(fit, part, blocks, stream, i) for i, part in enumerate(parts)]
+    found = [_stored(store, key) for key in keys]
+    missing = [i for i, outcomes in enumerate(found) if outcomes is None]
+    work = ((fit, parts[i], blocks, _seed(fit, stream, i)) for i in missing)
+
+    def take(place: int, outcomes: np.ndarray) -> None:
+        i = missing[place]
+        found[i] = outcomes
         if store is not None:
             buffer = io.BytesIO()
-            np.save(buffer, found[-1])
-            store.put("dataset", key, buffer.getvalue())
-    progress(what, len(u), len(u))
-    return np.concatenate(found)
+            np.save(buffer, outcomes)
+            store.put("dataset", keys[i], buffer.getvalue())
+        progress(what, _count(found), len(u))
+
+    progress(what, _count(found), len(u))
+    if executor is None:
+        for place, arguments in enumerate(work):
+            take(place, _simulate(*arguments))
+    else:
+        run_tasks(executor, (Task(_simulate, *arguments) for arguments in work), take)
+    return np.concatenate([outcomes for outcomes in found if outcomes is not None])
+
+
+def _stored(store: Store | None, key: str) -> np.ndarray | None:
+    stored = None if store is None else store.get("dataset", key)
+    return None if stored is None else np.load(io.BytesIO(stored))
+
+
+def _count(found: list[np.ndarray | None]) -> int:
+    """Count the data sets that are there."""
+    return sum(len(outcomes) for outcomes in found if outcomes is not None)
 
 
 def _simulate(fit: SlopeFit, u: np.ndarray, blocks: int, seed: int) -> np.ndarray:

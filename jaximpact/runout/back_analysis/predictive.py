@@ -1,6 +1,7 @@
 """What the fitted ground predicts: data sets like the observed one, values at
 collectors, and curves of exceedance at barriers, each with its interval."""
 
+import concurrent.futures
 from typing import NamedTuple
 
 import numpy as np
@@ -98,7 +99,11 @@ class Predicted(NamedTuple):
 
 
 def predict(
-    fit: SlopeFit, posterior: Posterior, store: Store | None, progress: Progress
+    fit: SlopeFit,
+    posterior: Posterior,
+    store: Store | None,
+    progress: Progress,
+    executor: concurrent.futures.Executor | None = None,
 ) -> Predicted:
     """Simulate data sets for samples of the posterior, and compare and count."""
     released = fit.observed.released
@@ -106,6 +111,7 @@ def predict(
     outcomes = simulate_data_sets(
         *(fit, posterior.u[:DRAWS], blocks, STREAM, store, progress),
         what="predicted data sets",
+        executor=executor,
     )
     names = {x: tuple(b.name for b in fit.barriers if b.x == x) for x in fit.places}
     return Predicted(

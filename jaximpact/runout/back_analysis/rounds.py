@@ -1,5 +1,6 @@
 """Rounds of simulation, each in the part of the prior that is plausible still."""
 
+import concurrent.futures
 from typing import NamedTuple
 
 import numpy as np
@@ -67,7 +68,12 @@ class Searched(NamedTuple):
     """Number of them that lack a channel of what was observed."""
 
 
-def search(fit: SlopeFit, store: Store | None, progress: Progress) -> Searched:
+def search(
+    fit: SlopeFit,
+    store: Store | None,
+    progress: Progress,
+    executor: concurrent.futures.Executor | None = None,
+) -> Searched:
     """Simulate data sets in boxes that shrink to where the posterior is.
 
     A box holds all but 0.1 % of each parameter's posterior as the round before found
@@ -92,6 +98,7 @@ def search(fit: SlopeFit, store: Store | None, progress: Progress) -> Searched:
             outcomes = simulate_data_sets(
                 *(fit, new, fit.observed.released, number, store, progress),
                 what=f"data sets of round {number + 1}",
+                executor=executor,
             )
             found = simulated_summaries(fit.observed, outcomes, fit.places, number)
             u, summaries = np.vstack([u, new]), np.vstack([summaries, found])
