@@ -38,8 +38,9 @@ def fake_batch(monkeypatch):
 
     def install(change=lambda result: None):
         def simulate_batch(
-            scene, *, accuracy, model_tolerance, journal, progress, timing
+            scene, *, accuracy, model_tolerance, journal, progress, timing, executor
         ):
+            assert executor is None
             used.append(accuracy)
             result = FakeResult(scene, accuracy)
             change(result)

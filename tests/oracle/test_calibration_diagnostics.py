@@ -728,6 +728,7 @@ def test_the_known_combination_of_one_number(tmp_path):
 def test_signs_that_mean_something_elsewhere():
     variant = {"name": "", "scores": [], "remarks": [], "tests": [("a < b",), ("$c$",)]}
     contents = {"several": False, "variants": [variant]}
+    contents |= {"simple": [], "simple_scores": [], "simple_tests": []}
     contents |= {"about": ["a < b", "c_v^2 * [x] | <b> # `d`"]}
     page = render("prediction", "html", contents)
     assert "<p>a &lt; b</p>" in page

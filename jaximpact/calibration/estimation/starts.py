@@ -121,18 +121,30 @@ def fit_starts(
 ) -> Fits:
     """Fit from every start roughly, to some of the tests where they are many; then fit
     to the end those that may be the best."""
-    rough = rough_of(objective)
+    rough, many = rough_of(objective), len(objective.study.measured) > MANY_TESTS
+    part, told = rough, progress
+    if many:
+        some = some_tests(objective.study)
+        part, told = rough.of_tests(some), progress.within(f"{len(some)} tests, ")
+    own = fit(part, x, method=method, rule=ROUGH, progress=told)
+    fits = _search_together(part, own, method, told)
+    if many:
+        ends = _fit_to_all(rough, part, fits, progress)
+        if fits is not own:
+            # What is best for some of the tests need not be for all.
+            ends = _lower(ends, _fit_to_all(rough, part, own, progress))
+        fits = ends
+    return polish(objective, fits, progress)
 
-    def fitted(objective: Objective, progress: Progress) -> Fits:
-        fits = fit(objective, x, method=method, rule=ROUGH, progress=progress)
-        return _search_together(objective, fits, method, progress)
 
-    if len(objective.study.measured) <= MANY_TESTS:
-        return polish(objective, fitted(rough, progress), progress)
-    some = some_tests(objective.study)
-    part = rough.of_tests(some)
-    fits = fitted(part, progress.within(f"{len(some)} tests, "))
-    return polish(objective, _fit_to_all(rough, part, fits, progress), progress)
+def _lower(first: Fits, second: Fits) -> Fits:
+    """Choose of two ends of every start the one of lower cost."""
+    lanes = np.flatnonzero(second.points.cost < first.points.cost)
+    reasons = list(first.reasons)
+    for lane in lanes:
+        reasons[lane] = second.reasons[lane]
+    points = first.points.put(lanes, second.points.take(lanes))
+    return first._replace(points=points, reasons=reasons)
 
 
 def some_tests(study: Study) -> np.ndarray:
