@@ -8,7 +8,13 @@ import jax.numpy as jnp
 
 from .._safe import safe_sqrt
 from .._types import Scalar
-from ..impact.dynamics import elastic_energy, initial_motion, kinetic_energy
+from ..impact.dynamics import (
+    Contact,
+    Motion,
+    elastic_energy,
+    initial_motion,
+    kinetic_energy,
+)
 from ..impact.problem import Problem
 from ..impact.summary import EnergyLedger, ImpactSummary
 from ..impact.termination import OUTCOME_OF_MARGIN, Outcome, closing_velocity
@@ -97,12 +103,11 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
         )
     energy = None
     if problem.ledger:
-        work = end.fold.work._asdict()
         energy = EnergyLedger(
             kinetic_in=kinetic_in,
             kinetic_out=kinetic_out,
             elastic=unless_separating(elastic_energy(final, now.stiffness), 0.0),
-            **{name: unless_separating(item, 0.0) for name, item in work.items()},
+            **_work(end, unless_separating),
         )
     summary = ImpactSummary(
         # A quotient of two equal numbers may be off one by a rounding.
@@ -119,10 +124,7 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
             start.angular_velocity,
         ),
         **_peaks(end, unless_separating),
-        final_penetration=unless_separating(final.penetration, 0.0),
-        final_sinking=unless_separating(now.foundation.sinking, 0.0),
-        duration=unless_separating(end.time, 0.0),
-        rotation=unless_separating(final.rotation, 0.0),
+        **_ends(end, final, now, unless_separating),
         normal_velocity=normal,
         tangential_velocity=tangential,
         angular_velocity=spin,
@@ -131,6 +133,24 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
         steps=jnp.zeros(()),
     )
     return _named(problem, end, now.forces.normal, separating, summary)
+
+
+def _work(end: End, unless_separating: Callable) -> dict[str, Scalar]:
+    """Work done and energy lost, by the names of the ledger."""
+    work = end.fold.work._asdict()
+    return {name: unless_separating(item, 0.0) for name, item in work.items()}
+
+
+def _ends(
+    end: End, final: Motion, now: Contact, unless_separating: Callable
+) -> dict[str, Scalar]:
+    """Where and when the contact ended, by the names of the results."""
+    return {
+        "final_penetration": unless_separating(final.penetration, 0.0),
+        "final_sinking": unless_separating(now.foundation.sinking, 0.0),
+        "duration": unless_separating(end.time, 0.0),
+        "rotation": unless_separating(final.rotation, 0.0),
+    }
 
 
 def _peaks(end: End, unless_separating: Callable) -> dict[str, Scalar]:
