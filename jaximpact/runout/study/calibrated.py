@@ -162,12 +162,7 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
         )
         best = [found["parameters"][name]["value"] for name in names]
         fixed = content["manifest"]["soil"] | found["soil"]
-        if tied := content["manifest"].get("tied"):
-            raise InputError(
-                f"has {', '.join(tied)} tied to other parameters by an expression, "
-                "which a run-out does not take; say the values under [ground]",
-                file=file,
-            )
+        _refuse_ties(file, content["manifest"].get("tied"))
         calibrated = Calibrated(
             file=file,
             checksum=hashlib.sha256(data).hexdigest(),
@@ -184,17 +179,9 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
             lower=lower,
             upper=upper,
         )
-        draws = found.get("draws")
-        if draws and draws["effective_parts"][-1] >= LEAST_EFFECTIVE:
-            mean, covariance = draws["mean"], draws["covariance"]
-            mean = np.array(mean, float)[places]
-        else:
-            mean = calibrated.coordinates(np.array(best, float))
-            covariance = found["covariance_of_logarithms_or_half_ranges"]
-        covariance = np.array(covariance, float)[np.ix_(places, places)]
-        if not np.all(np.isfinite(covariance)) or not np.all(np.isfinite(mean)):
-            raise ValueError("no finite covariance")
-        np.linalg.cholesky(covariance)
+        mean, covariance = _posterior(
+            found, places, calibrated.coordinates(np.array(best, float))
+        )
     except InputError:
         raise
     except (
@@ -211,6 +198,39 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
     if unknown:
         raise InputError(f"holds {unknown[0]}, which no ground has", file=file)
     return calibrated._replace(mean=mean, covariance=covariance)
+
+
+def _refuse_ties(file: Path, tied: list | dict | None) -> None:
+    if tied:
+        raise InputError(
+            f"has {', '.join(tied)} tied to other parameters by an expression, which a "
+            "run-out does not take; say the values under [ground]",
+            file=file,
+        )
+
+
+def _posterior(
+    found: dict, places: list[int], best: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Read mean and covariance of the parameters, in the coordinates of the fit.
+
+    Args:
+        found: what fit.json says of the variant.
+        places: places of the parameters among the unknowns.
+        best: coordinates of the best fit.
+
+    Raises ValueError or LinAlgError for a covariance that cannot be sampled from.
+    """
+    draws = found.get("draws")
+    if draws and draws["effective_parts"][-1] >= LEAST_EFFECTIVE:
+        mean, covariance = np.array(draws["mean"], float)[places], draws["covariance"]
+    else:
+        mean, covariance = best, found["covariance_of_logarithms_or_half_ranges"]
+    covariance = np.array(covariance, float)[np.ix_(places, places)]
+    if not np.all(np.isfinite(covariance)) or not np.all(np.isfinite(mean)):
+        raise ValueError("no finite covariance")
+    np.linalg.cholesky(covariance)
+    return mean, covariance
 
 
 def _soil(file: Path, manifest: dict, variant: dict) -> Soil:
