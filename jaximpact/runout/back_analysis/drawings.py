@@ -22,7 +22,9 @@ from .result import SlopeCalibration
 
 WIDTH, HEIGHT = 4.6, 3.5
 """Size of a panel [inch]: the report shows it 460 px wide."""
-BINS = 40
+BINS = 20
+MOST_SAMPLES, MOST_VALUES = (0.002, 0.998), (0.01, 0.99)
+"""Quantiles of samples and of predicted values between which they are drawn."""
 BAND = 0.25
 """Opacity."""
 
@@ -76,8 +78,9 @@ def draw_marginal(fitted: FittedParameter, samples: np.ndarray) -> Figure:
     """Draw samples of a parameter beside its prior."""
     figure, (axes,) = panels(height=HEIGHT, width=WIDTH)
     prior, name = fitted.parameter.prior, fitted.parameter.name
+    bulk = tuple(np.quantile(samples, MOST_SAMPLES))
     counts, edges, _ = axes.hist(
-        samples, BINS, density=True, color=BLUE, alpha=0.6, label="posterior"
+        *(samples, BINS, bulk), density=True, color=BLUE, alpha=0.6, label="posterior"
     )
     low, high = min(edges[0], fitted.prior_low), max(edges[-1], fitted.prior_high)
     u = np.linspace(ENDS[0], ENDS[-1], 2001)
@@ -99,7 +102,9 @@ def draw_channel(prediction: ChannelPrediction) -> Figure:
     channel, predicted = prediction.channel, prediction.predicted
     finite = predicted[np.isfinite(predicted)]
     observed = np.sort(channel.values)
-    every = np.concatenate([finite, observed])
+    # One block that went far would press all others together.
+    most = np.quantile(finite, MOST_VALUES) if len(finite) else observed
+    every = np.concatenate([most, observed])
     x = np.linspace(np.min(every), np.max(every), 200)
     rows = [row[np.isfinite(row)] for row in predicted]
     shares = [np.searchsorted(row, x, "right") / len(row) for row in rows if len(row)]
