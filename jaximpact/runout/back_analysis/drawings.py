@@ -80,7 +80,13 @@ def draw_marginal(fitted: FittedParameter, samples: np.ndarray) -> Figure:
     prior, name = fitted.parameter.prior, fitted.parameter.name
     bulk = tuple(np.quantile(samples, MOST_SAMPLES))
     counts, edges, _ = axes.hist(
-        *(samples, BINS, bulk), density=True, color=BLUE, alpha=0.6, label="posterior"
+        samples,
+        BINS,
+        range=bulk,
+        density=True,
+        color=BLUE,
+        alpha=0.6,
+        label="posterior",
     )
     low, high = min(edges[0], fitted.prior_low), max(edges[-1], fitted.prior_high)
     u = np.linspace(ENDS[0], ENDS[-1], 2001)
