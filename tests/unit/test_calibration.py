@@ -14,7 +14,11 @@ from jaximpact.calibration.diagnostics.combinations import combination
 from jaximpact.calibration.diagnostics.jumps import in_words as jumps_in_words
 from jaximpact.calibration.diagnostics.jumps import shares_of, without_jumps
 from jaximpact.calibration.diagnostics.uncertainty import estimate
-from jaximpact.calibration.estimation.branches import descend_on_branches
+from jaximpact.calibration.estimation.branches import (
+    descend_on_branches,
+    jump_shares,
+    jumped,
+)
 from jaximpact.calibration.estimation.least_squares import (
     FINE,
     Fits,
@@ -588,6 +592,26 @@ def test_a_test_near_a_jump_is_left_out_of_the_errors(tmp_path):
     assert without_jumps(objective, share) is objective
     assert "Too few tests" in words[0]
     assert jumps_in_words(objective, 0.0 * share, None) == []
+
+
+class Bending(Linear):
+    """Linear but for the first test, whose prediction bends."""
+
+    def _predict(self, x, wanted):
+        predicted, outcomes, jacobian = super()._predict(x, wanted)
+        predicted[:, 0, 0] += 100.0 * np.sum((x - 0.5) ** 2, axis=1)
+        return predicted, outcomes, jacobian
+
+
+def test_a_prediction_that_bends_does_not_jump(tmp_path):
+    """Derivatives are the same, and the draws lie as far from the linear prediction."""
+    straight = jumping(tmp_path)
+    objective = Bending(straight.study, straight.study.variants[0], None)
+    objective.matrix = straight.matrix
+    fit = objective(np.array([[0.5, 0.5]]))
+    draws = objective.values(fit.x + 0.3 * np.eye(2))
+    assert np.all(jumped(objective, fit, draws)[:, 0])
+    np.testing.assert_array_equal(jump_shares(objective, fit), 0.0)
 
 
 @pytest.mark.parametrize("method", ["adam", "l-bfgs"])

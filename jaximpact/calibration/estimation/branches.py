@@ -28,6 +28,8 @@ STEPS, ROUNDS = 256, 12
 """Steps that are tried side by side along a jump, and how often."""
 LEAST, MOST = 0.005, 1.5
 """Distances, in standard errors, of steps from the way to the linear minimum."""
+HALVINGS = 10
+"""How often the way to a point is halved, to tell a jump from curvature."""
 SHARES_AGAIN = 3
 """How often tests near a jump are looked for."""
 LEAPS = 6
@@ -94,7 +96,9 @@ def jump_shares(objective: Objective, fit: Points) -> np.ndarray:
     covariance, at which each test has left its branch, shape (tests,).
 
     Beside a jump a derivative may be very steep, and the covariance too small: it is
-    that of the tests that are not near a jump.
+    that of the tests that are not near a jump. Where parameters are hardly known the
+    region is wide, and predictions leave the linear ones without a jump: these do not
+    count.
 
     Args:
         fit: one lane, with derivatives.
@@ -103,11 +107,53 @@ def jump_shares(objective: Objective, fit: Points) -> np.ndarray:
     for _ in range(SHARES_AGAIN):
         rest = objective.without(near)
         draws = _draws(rest, rest.reevaluate(fit))
-        share = np.mean(jumped(objective, fit, draws), axis=0)
+        beyond = jumped(objective, fit, draws)
+        share = np.mean(_is_abrupt(objective, fit, draws, beyond), axis=0)
         if not np.any((share > NEAR) & ~near):
             break
         near |= share > NEAR
     return share
+
+
+def _is_abrupt(
+    objective: Objective, fit: Points, points: Points, beyond: np.ndarray
+) -> np.ndarray:
+    """Tell predictions that jump on the way from a fit (one lane) from those that bend.
+
+    The way is halved again and again, each time to the half on which the prediction
+    changes more. What is left of the change by then is a jump.
+
+    Args:
+        points: ends of the ways.
+        beyond: mask of the predictions that are looked at, shape (lanes, tests).
+    """
+    found = np.zeros_like(beyond)
+    for test in np.flatnonzero(np.any(beyond, axis=0)):
+        part, lanes = (
+            objective.of_tests(np.array([test])),
+            np.flatnonzero(beyond[:, test]),
+        )
+        known, sigma = objective.study.known[test], objective.sigma[test]
+
+        def apart(one, other, known=known, sigma=sigma):
+            """Compute the largest difference over the targets, in sigmas."""
+            change = np.where(known, np.abs(one - other) / sigma, 0.0)
+            both = np.isnan(one) & np.isnan(other)
+            change = np.where(both, 0.0, np.where(np.isnan(change), np.inf, change))
+            return np.max(change, axis=-1)[:, None]
+
+        near, far = np.repeat(fit.x, len(lanes), axis=0), points.x[lanes]
+        of_near = np.repeat(fit.predicted[:, test], len(lanes), axis=0)
+        of_far = points.predicted[lanes, test]
+        for _ in range(HALVINGS):
+            middle = 0.5 * (near + far)
+            of_middle = part.values(middle).predicted[:, 0]
+            first = apart(of_near, of_middle) >= apart(of_middle, of_far)
+            near, far = np.where(first, near, middle), np.where(first, middle, far)
+            of_near = np.where(first, of_near, of_middle)
+            of_far = np.where(first, of_middle, of_far)
+        found[lanes, test] = apart(of_near, of_far)[:, 0] > 0.5 * JUMP
+    return found
 
 
 def descend_on_branches(objective: Objective, fits: Fits, progress: Progress) -> Fits:
