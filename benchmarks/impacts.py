@@ -8,8 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaximpact.scene import Block, Impact, Scene
-from jaximpact.soil import Soil
+from jaximpact.scene import Block, Impact, Scene, Soil
 
 PARAMETERS = ("k_E", "gamma_v", "c_v")
 """Parameters of the soil with respect to whose logarithms e_n is differentiated."""

@@ -7,8 +7,8 @@ _MODULES = {
     "batch": ("simulate_batch",),
     "calibration": ("calibrate", "compare", "predict"),
     "io.datasets": ("read_netcdf", "write_netcdf"),
+    "impact.events": ("Outcome",),
     "impact.reduced_models": ("select_model",),
-    "impact.termination": ("Outcome",),
     "lazy": ("simulate_dataset", "write_zarr"),
     "paper.sets": ("parametric_set",),
     "rebound": (
@@ -22,10 +22,9 @@ _MODULES = {
     ),
     "result": ("ImpactResult",),
     "restitution": ("energetic_coefficient", "vijayakumar_coefficient"),
-    "scene": ("Block", "Impact", "Scene"),
+    "scene": ("Block", "Impact", "Scene", "Soil"),
     "sensitivity": ("Range", "elasticities", "morris", "sobol"),
     "simulation": ("simulate",),
-    "soil": ("Soil",),
     "impact.summary": ("EnergyLedger",),
     "sweeping": ("repeat_sweep", "sweep"),
 }

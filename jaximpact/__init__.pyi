@@ -4,9 +4,9 @@ asked for."""
 from .accuracy import PRESETS, Accuracy
 from .batch import simulate_batch
 from .calibration import calibrate, compare, predict
+from .impact.events import Outcome
 from .impact.reduced_models import select_model
 from .impact.summary import EnergyLedger
-from .impact.termination import Outcome
 from .io.datasets import read_netcdf, write_netcdf
 from .lazy import simulate_dataset, write_zarr
 from .paper.sets import parametric_set
@@ -21,10 +21,9 @@ from .rebound import (
 )
 from .restitution import energetic_coefficient, vijayakumar_coefficient
 from .result import ImpactResult
-from .scene import Block, Impact, Scene
+from .scene import Block, Impact, Scene, Soil
 from .sensitivity import Range, elasticities, morris, sobol
 from .simulation import simulate
-from .soil import Soil
 from .sweeping import repeat_sweep, sweep
 
 __all__ = [

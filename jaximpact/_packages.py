@@ -1,6 +1,8 @@
-"""Optional packages, imported when they are asked for."""
+"""Packages: the versions of those that results depend on, and optional ones."""
 
 import importlib
+import platform
+from importlib import metadata
 from typing import Any
 
 from .errors import InputError
@@ -25,3 +27,23 @@ def needed(package: str, what: str) -> Any:
             "'jaximpact[cluster]'"
         ) from None
     return importlib.import_module(package)
+
+
+PACKAGES = (
+    *("jaximpact", "jax", "jaxlib", "diffrax", "equinox", "optimistix", "optax"),
+    "llvmlite",
+)
+
+
+def version_of(package: str) -> str:
+    """Version of an installed package, or the words "not installed"."""
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the packages that a result depends on, by name."""
+    found = {"python": platform.python_version()}
+    return found | {package: version_of(package) for package in PACKAGES}

@@ -20,8 +20,8 @@ import jax
 import numpy as np
 
 from ._checks import real_number
+from ._packages import versions
 from ._precision import require_float64
-from ._versions import versions
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .backend.native_backend import NativeWorker, compile_native, computes_on_cpu
 from .backend.threads import thread_count
@@ -39,10 +39,9 @@ from .impact.summary import ImpactSummary, empty_summary
 from .io.checks import check_scene
 from .io.journal import Journal
 from .progress import Progress, ProgressFunction, as_progress
-from .scene import Block, Impact, Scene, as_scene, shape_of
+from .scene import Block, Impact, Scene, Soil, as_scene, shape_of
 from .shapes import MixedShapes
 from .simulation import ImpactResult
-from .soil import Soil
 from .tasks import Task, check_executor, run_tasks
 
 PARTS = 32

@@ -13,13 +13,13 @@ import jax
 import numpy as np
 
 from ._jax_internals import Tracer
-from ._versions import versions
+from ._packages import versions
 from .accuracy import Accuracy
 from .backend import MACHINE_CODE
 from .identity import part_names
+from .impact.events import Outcome
 from .impact.history import History
 from .impact.summary import ImpactSummary
-from .impact.termination import Outcome
 from .quantities import ENERGY_COLUMNS, FURTHER_COLUMNS, RESULT_COLUMNS
 from .scene import Scene, Selection
 from .scene_quantities import scene_values

@@ -15,8 +15,7 @@ from .backend.derivative_rules import solve, solve_at, solve_recorded
 from .errors import InputError
 from .io.checks import check_scene, check_times, usual_values
 from .result import ImpactResult
-from .scene import Block, Impact, Scene, as_scene, shape_of, with_axes
-from .soil import Soil
+from .scene import Block, Impact, Scene, Soil, as_scene, shape_of, with_axes
 
 if TYPE_CHECKING:  # which takes a while to load
     from diffrax import AbstractAdaptiveSolver

@@ -17,9 +17,8 @@ from jaximpact.batch import simulate_batch
 from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import PLANAR
 from jaximpact.plotting.style import BLUE, GREY, in_style, panels
-from jaximpact.scene import Block, Impact, Scene
+from jaximpact.scene import Block, Impact, Scene, Soil
 from jaximpact.simulation import simulate
-from jaximpact.soil import Soil
 
 from ..impacts import PARAMETERS, mixed_scenes, shifted
 from .section import Bench, Row, Section, Table, interleaved_minima

@@ -19,8 +19,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from jaximpact._packages import version_of, versions
 from jaximpact._precision import require_float64
-from jaximpact._versions import version_of, versions
 from jaximpact.errors import InputError
 from jaximpact.io.checks import chosen_values
 from jaximpact.io.display import align

@@ -20,8 +20,7 @@ from jaximpact.plotting.style import (
     legend_outside,
     log_scale,
 )
-from jaximpact.scene import Block, Impact, Scene
-from jaximpact.soil import Soil
+from jaximpact.scene import Block, Impact, Scene, Soil
 
 from ..impacts import spread
 from .methods import Method, Ours, exact_e_n

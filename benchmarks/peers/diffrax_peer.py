@@ -18,9 +18,9 @@ import numpy as np
 import optimistix as optx
 
 from jaximpact.backend.xla_compilation import unfused_jit
+from jaximpact.impact.events import TIME_LIMIT, closing_velocity
 from jaximpact.impact.problem import Assembly, pose
 from jaximpact.impact.reduced_models import PLANAR
-from jaximpact.impact.termination import TIME_LIMIT, closing_velocity
 
 from ..impacts import PARAMETERS, Answer, shifted
 

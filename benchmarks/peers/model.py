@@ -14,8 +14,7 @@ import jax
 import numpy as np
 from numba import njit
 
-from jaximpact.scene import Block, Impact, Scene
-from jaximpact.soil import Soil
+from jaximpact.scene import Block, Impact, Scene, Soil
 
 GRAVITY = 9.81
 ATMOSPHERE = 1e5

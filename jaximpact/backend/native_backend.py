@@ -13,13 +13,13 @@ from typing import Any
 import jax
 import numpy as np
 
-from .._versions import versions
+from .._packages import versions
 from ..accuracy import MAX_STEPS, RETRIES, Accuracy
 from ..errors import IncompleteError, NoMachineCodeWarning
 from ..identity import described
+from ..impact.events import Outcome
 from ..impact.problem import Assembly
 from ..impact.summary import ImpactSummary, empty_summary
-from ..impact.termination import Outcome
 from ..scene import Scene
 from ..store import kept
 from .simd import Code, Kernel, NoMachineCode, Retries, host, keep_driver

@@ -15,8 +15,7 @@ from ..io.files import replacing
 from ..parameters import Part
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import columns_of_part
-from ..scene import Block
-from ..soil import Soil
+from ..scene import Block, Soil
 from .arguments import study_of_arguments, table_given
 from .comparison.comparison import check_comparison, compare_study
 from .comparison.other_laws import NO_OTHERS, OtherLaws, fit_simple

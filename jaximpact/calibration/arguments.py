@@ -22,8 +22,7 @@ from ..quantities import (
     columns_of_part,
     why_unknown,
 )
-from ..scene import Block, Scene
-from ..soil import Soil
+from ..scene import Block, Scene, Soil
 from .problem.config import TOML, Study, read_study, study_of
 from .problem.dataset import joined_tables
 from .problem.fitted_parameters import DEFAULT_BOUNDS

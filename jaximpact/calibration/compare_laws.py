@@ -15,8 +15,7 @@ from ..io.output_files import output_directory
 from ..parameters import Part
 from ..plotting.style import save_figure
 from ..progress import Progress, ProgressFunction
-from ..scene import Block
-from ..soil import Soil
+from ..scene import Block, Soil
 from .arguments import study_of_arguments, table_given
 from .comparison.comparison import Compared, ScoredLaw, compare_study
 from .comparison.contenders import Law

@@ -19,7 +19,7 @@ import numpy as np
 from ..accuracy import PRESETS
 from ..errors import InputError
 from ..identity import name_of
-from ..impact.termination import Outcome
+from ..impact.events import Outcome
 from ..progress import Progress
 from ..quantities import NEVER_NEGATIVE
 from ..scene_quantities import SHAPE

@@ -12,7 +12,7 @@ import sys
 import warnings
 from collections.abc import Callable, Sequence
 
-from .._versions import version_of
+from .._packages import version_of
 from ..errors import IncompleteError, InputError, UnusualValueWarning
 from . import batch, calibrate, paper, runout, sensitivity, simulate, sweep, tabulate
 from .progress import forget, say

@@ -7,7 +7,7 @@ from pathlib import Path
 from ..accuracy import DEFAULT_ACCURACY
 from ..interruption import resumable
 from ..io.output_files import journal_path, manifest_path, output_files
-from . import engine, options
+from . import options
 from .progress import ProgressLines, say
 
 DESCRIPTION = """\
@@ -74,7 +74,7 @@ def add_parser(commands) -> None:
         action="store_true",
         help="print seconds of compilation and of running, and impacts per second",
     )
-    engine.add_engine(parser)
+    options.add_engine(parser)
 
 
 def _tolerance(text: str) -> float:
@@ -106,7 +106,7 @@ def run(arguments: argparse.Namespace) -> None:
             base, of_file = read_scene(base)
             accuracy = accuracy or of_file
         table = read_table(scenes, base=base)
-        with engine.engine_of(arguments) as executor, ProgressLines() as progress:
+        with options.engine_of(arguments) as executor, ProgressLines() as progress:
             progress("impacts", 0, len(table.rows))
             result = simulate_batch(
                 table.scene(),

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..errors import InputError
 from ..interruption import resumable
 from ..io.output_files import manifest_path, output_files
-from . import engine, options
+from . import options
 from .progress import ProgressLines, say
 
 DESCRIPTION = """\
@@ -143,7 +143,7 @@ def add_parser(commands) -> None:
         "[compare] in the study names",
     )
 
-    engine.add_engine(parser)
+    options.add_engine(parser)
     parser = options.add_command(
         commands,
         "predict",
@@ -219,7 +219,7 @@ def _run_slope(arguments: argparse.Namespace) -> None:
     begin = time.monotonic()
     with (
         resumable(),
-        engine.engine_of(arguments) as executor,
+        options.engine_of(arguments) as executor,
         ProgressLines() as progress,
     ):
         found = calibrate_slope(

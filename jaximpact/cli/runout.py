@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from ..interruption import resumable
-from . import engine, options
+from . import options
 from .progress import ProgressLines, say
 
 STUDY = """\
@@ -168,7 +168,7 @@ def add_parser(commands) -> None:
     )
     options.add_directory(parser, "report, tables and drawings")
     options.add_accuracy(parser, otherwise="the study's, else balanced")
-    engine.add_engine(parser)
+    options.add_engine(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -194,7 +194,7 @@ def run(arguments: argparse.Namespace) -> None:
     directory = output_directory(
         arguments.out, "runout", names, inputs=studies[0].inputs
     )
-    with resumable(), directory as new, engine.engine_of(arguments) as executor:
+    with resumable(), directory as new, options.engine_of(arguments) as executor:
         for study, folder in zip(studies, folders, strict=True):
             make_directory(arguments.out / folder, option="--out")
             journals.append(arguments.out / folder / "blocks.journal")

@@ -8,7 +8,7 @@ from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError
 from ..interruption import resumable
 from ..io.output_files import journal_path, output_files
-from . import engine, options
+from . import options
 from .progress import ProgressLines, say
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def add_parser(commands) -> None:
         "new one is whole, a directory is taken up",
     )
     options.add_accuracy(parser, otherwise=f"the study's, else {DEFAULT_ACCURACY}")
-    engine.add_engine(parser)
+    options.add_engine(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -99,7 +99,7 @@ def run(arguments: argparse.Namespace) -> None:
     inputs = [arguments.study] if arguments.set is None else []
     files = output_files({"--out": out}, inputs=inputs, journals=[journal])
     with files, resumable():
-        with engine.engine_of(arguments) as executor, ProgressLines() as progress:
+        with options.engine_of(arguments) as executor, ProgressLines() as progress:
             dataset = sweep(
                 base,
                 axes,
@@ -121,7 +121,7 @@ def _write_store(
 
     with (
         resumable(),
-        engine.engine_of(arguments),
+        options.engine_of(arguments),
         ProgressLines() as progress,
     ):
         regions = write_zarr(out, dataset, progress=progress)

@@ -28,9 +28,8 @@ import jax.numpy as jnp
 
 from .._types import Flag, Scalar
 from ..laws import Branch, FlowRate, Forces, Load, Stiffness
-from ..scene import GRAVITY, Scene
+from ..scene import GRAVITY, Scene, Soil
 from ..shapes import AbstractShape, Foundation, SemiAxes, foundation
-from ..soil import Soil
 
 INITIAL_SINKING = 1e-6
 """Penetration at the start of the integration, as a fraction of the semi-axis R."""

@@ -13,8 +13,8 @@ from ..errors import InputError
 from ..laws import Branch
 from ..parameters import with_unit
 from .dynamics import Work, elastic_energy, kinetic_energy
+from .events import Outcome
 from .problem import Problem
-from .termination import Outcome
 
 if TYPE_CHECKING:  # which takes a while to load
     import xarray as xr

@@ -32,10 +32,9 @@ from .dynamics import (
     prepare,
     work_rate,
 )
+from .events import Margins, Switches, branch_of, end_margins, switches
 from .reduced_models import FORCES, PLANAR, PLANAR_DAMPED, Model, select_model
 from .specialize import depends, leave_out_known
-from .switches import Switches, branch_of, switches
-from .termination import Margins, end_margins
 
 
 class Assembly(NamedTuple):

@@ -25,8 +25,7 @@ from jax.errors import (
 
 from .._jax_internals import Tracer, namespace_of
 from ..quantities import columns_of
-from ..scene import Block, Impact, Scene
-from ..soil import Soil
+from ..scene import Block, Impact, Scene, Soil
 from .dynamics import Motion
 
 FORCES = ("normal_force", "tangential_force", "moment")

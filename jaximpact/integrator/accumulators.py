@@ -13,9 +13,8 @@ from jaxtyping import Array, Float
 from .._safe import safe_sqrt
 from .._types import Scalar
 from ..impact.dynamics import Work
+from ..impact.events import SWITCHED_OFF, Margins, at_start, branch_of
 from ..impact.problem import Observed, Problem, Watched
-from ..impact.switches import SWITCHED_OFF, at_start, branch_of
-from ..impact.termination import Margins
 from ..laws import Branch
 from .diffrax_solvers import SolverStep
 from .rosenbrock import DenseOutput, per_width

@@ -17,8 +17,8 @@ from jaxtyping import Array
 from .._safe import TINY
 from .._types import Flag, Scalar
 from ..impact.dynamics import INITIAL_SINKING
+from ..impact.events import SWITCHED_OFF, in_force
 from ..impact.problem import Problem, Watched
-from ..impact.switches import SWITCHED_OFF, in_force
 from .accumulators import Fold, hermite_cubic, peak_of_cubic
 
 LANDING = 1e-10

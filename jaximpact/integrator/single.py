@@ -19,9 +19,8 @@ import optimistix as optx
 from jaxtyping import Array, Float
 
 from .._types import Scalar
+from ..impact.events import TIME_LIMIT, Margins, branch_of
 from ..impact.problem import Observed, Problem, jacobian_pattern
-from ..impact.switches import branch_of
-from ..impact.termination import TIME_LIMIT, Margins
 from ..laws import Branch
 from .accumulators import Fold, LastStep, fold_step, start_fold
 from .diffrax_solvers import solver_step

@@ -15,9 +15,9 @@ from ..impact.dynamics import (
     initial_motion,
     kinetic_energy,
 )
+from ..impact.events import OUTCOME_OF_MARGIN, Outcome, closing_velocity
 from ..impact.problem import Problem
 from ..impact.summary import EnergyLedger, ImpactSummary
-from ..impact.termination import OUTCOME_OF_MARGIN, Outcome, closing_velocity
 from ..restitution import defined_ratio, vijayakumar_coefficient
 from ..scene import Scene
 from .batched import Lanes, end_lanes

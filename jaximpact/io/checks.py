@@ -25,9 +25,8 @@ from ..quantities import (
     leaf_places,
     why_unknown,
 )
-from ..scene import Block, Impact, Scene
+from ..scene import Block, Impact, Scene, Soil
 from ..shapes.check import check_shape
-from ..soil import Soil
 
 Chosen = TypeVar("Chosen")
 KINDS = {"block": Block, "soil": Soil, "impact": Impact}

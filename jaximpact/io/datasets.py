@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from .._versions import versions
+from .._packages import versions
 from ..accuracy import Accuracy
 from ..errors import InputError
 from ..identity import name_of, part_names

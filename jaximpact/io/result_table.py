@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from .._gc_pause import collector_paused
-from .._versions import versions
+from .._packages import versions
 from ..accuracy import Accuracy
 from ..identity import part_names
+from ..impact.events import Outcome
 from ..impact.summary import ImpactSummary
-from ..impact.termination import Outcome
 from ..quantities import OUTCOME_COLUMN, RESULT_COLUMNS
 from ..scene_quantities import scene_values
 from .files import refuse_inputs

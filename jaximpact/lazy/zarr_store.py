@@ -21,7 +21,7 @@ import xarray as xr
 from .._checks import expect
 from .._packages import needed
 from ..errors import IncompleteError, InputError
-from ..impact.termination import Outcome
+from ..impact.events import Outcome
 from ..interruption import unfinished
 from ..io.datasets import OUTCOMES
 from ..io.files import check_writable, locked

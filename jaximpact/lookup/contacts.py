@@ -9,12 +9,11 @@ import numpy as np
 from ..batch import by_shape
 from ..errors import InputError
 from ..identity import part_names
-from ..impact.termination import Outcome
+from ..impact.events import Outcome
 from ..impact_response import ImpactResponse, ImpactResponses
 from ..quantities import columns_of
-from ..scene import Block, Impact, Scene
+from ..scene import Block, Impact, Scene, Soil
 from ..scene_quantities import value_of
-from ..soil import Soil
 from ..units import DEGREE
 from .table import Entry, ReboundTable, look_up_many
 

@@ -13,14 +13,13 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from ..accuracy import Accuracy
-from ..impact.termination import Outcome
+from ..impact.events import Outcome
 from ..io.files import replacing
 from ..io.output_files import replacing_with_manifest
 from ..plotting.style import in_style, log_scale, panels, png_bytes
 from ..progress import Progress, ProgressFunction
 from ..quantities import INPUT_COLUMNS, OUTCOME_COLUMN, RESULT_COLUMNS
-from ..scene import Block, Impact, Scene
-from ..soil import Soil
+from ..scene import Block, Impact, Scene, Soil
 from ..sweeping import sweep
 from ..units import DEGREE
 

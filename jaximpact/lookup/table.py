@@ -25,12 +25,11 @@ from jaxtyping import Array, Float, Int
 from .._jax_internals import Tracer
 from .._types import Scalar
 from ..accuracy import Accuracy
-from ..impact.termination import Outcome
+from ..impact.events import Outcome
 from ..quantities import columns_of_part
 from ..rebound import Rebound
-from ..scene import GRAVITY, Block, Impact
+from ..scene import GRAVITY, Block, Impact, Soil
 from ..shapes import Ellipsoid
-from ..soil import Soil
 from ..units import DEGREE
 
 SLIP_FACTOR = 3.0

@@ -9,11 +9,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from .._versions import versions
+from .._packages import versions
 from ..accuracy import Accuracy
 from ..errors import InputError
 from ..identity import part_names
-from ..impact.termination import Outcome
+from ..impact.events import Outcome
 from ..io.datasets import read_netcdf, write_netcdf
 from ..io.output_files import replacing_with_manifest
 from ..io.result_table import outcomes_in_words

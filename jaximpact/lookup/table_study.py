@@ -24,8 +24,7 @@ from ..io.toml import (
 )
 from ..parameters import parts_of
 from ..quantities import INPUT_COLUMNS, columns_of_part
-from ..scene import Block
-from ..soil import Soil
+from ..scene import Block, Soil
 from ..units import DEGREE
 from .orientation_map import DIMENSIONS, MapAxes
 from .tabulation import SPEEDS, Nodes

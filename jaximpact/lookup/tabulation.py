@@ -11,19 +11,18 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._packages import versions
 from .._precision import require_float64
-from .._versions import versions
 from ..accuracy import Accuracy, get_accuracy
 from ..batch import broadcast_scene
 from ..identity import part_names
-from ..impact.termination import Outcome
+from ..impact.events import Outcome
 from ..impact_response import COLUMNS, ImpactResponses, respond
 from ..io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..io.journal import Journal
 from ..progress import Progress, ProgressFunction, as_progress
-from ..scene import Block, Impact, Scene
+from ..scene import Block, Impact, Scene, Soil
 from ..scene_quantities import scene_values
-from ..soil import Soil
 from .table import (
     BEND,
     FLATTEST,

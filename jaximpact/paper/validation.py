@@ -13,8 +13,8 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from .._packages import versions
 from .._precision import require_float64
-from .._versions import versions
 from ..accuracy import get_accuracy
 from ..interruption import resumable
 from ..io.checks import chosen_values

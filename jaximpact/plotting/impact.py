@@ -12,9 +12,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..impact.events import Outcome
 from ..impact.history import History
 from ..impact.summary import ImpactSummary
-from ..impact.termination import Outcome
 from ..parameters import parameters_of
 from ..scene import Scene
 from ..shapes import Ellipsoid

@@ -8,13 +8,15 @@ down-slope, rotation clockwise: a block that rolls down-slope without slip has
 $v_t = \Omega R$.
 """
 
-from .angle_power_law import AnglePowerLaw
 from .base import AbstractRebound, Rebound
-from .bozzolo_pamini import BozzoloPamini
-from .constant_coefficients import ConstantCoefficients
-from .frictional_ellipsoid import FrictionalEllipsoid
-from .pfeiffer_bowen import PfeifferBowen
-from .rigid_ellipsoid import RigidEllipsoid
+from .laws import (
+    AnglePowerLaw,
+    BozzoloPamini,
+    ConstantCoefficients,
+    FrictionalEllipsoid,
+    PfeifferBowen,
+    RigidEllipsoid,
+)
 
 __all__ = [
     "AbstractRebound",

@@ -8,9 +8,8 @@ import numpy as np
 
 from ..scene import GRAVITY
 from .blocks import BlockOutline, MassProperties, select, support
-from .extremes import extremes
+from .extremes import Follows, Moment, extremes, moving_time, stops_of
 from .lane_programs import Values, closed_form
-from .moments import Follows, Moment, moving_time, stops_of
 from .trajectory import (
     MotionMode,
     Pieces,

@@ -15,8 +15,7 @@ import math
 
 import numpy as np
 
-from ..scene import Block
-from ..soil import Soil
+from ..scene import Block, Soil
 from ..units import DEGREE
 from .blocks import Release
 from .terrain import ROLLING_FRICTION_ANGLE, Profile

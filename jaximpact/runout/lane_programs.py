@@ -4,6 +4,9 @@ The run-out works lane by lane: no lane waits for the slowest, nothing is compil
 for another number of lanes, and a lane's result does not depend, to the last bit, on
 what runs beside it. The functions themselves are plain `jnp` of scalars and can be
 differentiated. Users' shapes and laws that have no machine code are run by XLA.
+
+Of two functions the derivatives are stated here, `found_by_search` and `root`: JAX
+cannot find them, or would find NaN where nothing changes.
 """
 
 import concurrent.futures
@@ -274,3 +277,40 @@ def _stop(state):
 
 def _as_it_is(state):
     return state
+
+
+def _product(slope: Values, change: Values) -> Values:
+    # 0 x inf is 0: an unchanged input changes nothing, however steep the function.
+    return jnp.where(change == 0.0, 0.0, slope * change)
+
+
+@jax.custom_jvp
+def found_by_search(value: Values, moved: Values, slope: Values = 1.0) -> Values:
+    """Give a value that a search found, together with its derivative.
+
+    Args:
+        value: result of the search, whose own derivative does not count.
+        moved: quantity that the result follows.
+        slope: derivative of the result with respect to that quantity.
+    """
+    return value
+
+
+@found_by_search.defjvp
+def _found_by_search_jvp(numbers, changes):
+    value, _, slope = numbers
+    return value, _product(slope, changes[1])
+
+
+@jax.custom_jvp
+def root(x: Values) -> Values:
+    """Square root of `max(x, 0)`; its derivative at 0 is infinite where x changes, and
+    0 where it does not."""
+    return jnp.sqrt(jnp.maximum(x, 0.0))
+
+
+@root.defjvp
+def _root_jvp(numbers, changes):
+    (x,), (change,) = numbers, changes
+    value = root(x)
+    return value, _product(jnp.where(x < 0.0, 0.0, 0.5 / value), change)

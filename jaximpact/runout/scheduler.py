@@ -13,8 +13,7 @@ from .._precision import require_float64
 from ..errors import InputError
 from ..io.checks import check_scene
 from ..progress import Progress, ProgressFunction, as_progress
-from ..scene import Block, Impact, Scene, as_scene
-from ..soil import Soil
+from ..scene import Block, Impact, Scene, Soil, as_scene
 from .blocks import Release
 from .contacts.contact_models import Contacts, FullModel
 from .contacts.impact import strike

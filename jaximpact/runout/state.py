@@ -8,9 +8,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..scene import Block
+from ..scene import Block, Soil
 from ..shapes import RoundBlock
-from ..soil import Soil
 from .blocks import BlockOutline, Body, MassProperties, Release, outline_of
 from .lane_programs import Values, closed_form
 from .tangents import Carried, call

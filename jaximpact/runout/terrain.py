@@ -11,7 +11,7 @@ from .._checks import expect, real_numbers, whole_number
 from ..errors import InputError
 from ..io.display import Rows, ShownAsTable, range_of
 from ..quantities import InputColumn, columns_of_part
-from ..soil import Soil
+from ..scene import Soil
 from ..units import DEGREE
 
 ROLLING_FRICTION_ANGLE = math.radians(20.0)
@@ -285,3 +285,27 @@ def spread(values: ArrayLike, blocks: int, segments: int) -> np.ndarray:
             f"fields of a ground must broadcast to {blocks} blocks and {segments} "
             f"segments, but one has shape {np.shape(values)}"
         ) from None
+
+
+def subdivide(profile: Profile, places: ArrayLike) -> tuple[Profile, np.ndarray]:
+    """Cut the segments of a profile at some places.
+
+    The pieces have their segment's ground, and go straight on but for rounding.
+
+    Args:
+        places: x of the cuts [m], in any order; those at points of the profile, or
+            beyond its ends, cut nothing.
+
+    Returns:
+        The profile, and for each of its segments the index of the one that it is a
+        piece of, `(segments,)`. The profile itself where nothing is cut.
+    """
+    places = np.asarray(places, float)
+    inside = (places > profile.x[0]) & (places < profile.x[-1])
+    x = np.union1d(profile.x, places[inside])
+    if len(x) == len(profile.x):
+        return profile, np.arange(profile.segments)
+    piece = np.searchsorted(profile.x, x[:-1], side="right") - 1
+    soil = jax.tree.map(lambda leaf: leaf[piece], profile.soil)
+    angles = profile.rolling_friction_angle[piece], profile.roughness[piece]
+    return Profile(x, profile.height(x), soil, *angles), piece

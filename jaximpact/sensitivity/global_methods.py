@@ -21,8 +21,8 @@ import xarray as xr
 from jaxtyping import Float
 
 from .._checks import whole_number
+from .._packages import version_of, versions
 from .._precision import require_float64
-from .._versions import version_of, versions
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ..batch import simulate_batch
 from ..errors import InputError

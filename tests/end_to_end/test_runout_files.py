@@ -459,11 +459,11 @@ def test_a_large_study_makes_a_small_page(results, tmp_path):
 
 
 def test_too_many_letters_mean_fewer_trajectories(results, monkeypatch):
-    from jaximpact.runout.study import page_profile
+    from jaximpact.runout.study import page_data
 
     _, study, dataset = results
     runs = simulate(study, np.arange(50))
-    monkeypatch.setattr(page_profile, "MOST_LETTERS", 2000)
+    monkeypatch.setattr(page_data, "MOST_LETTERS", 2000)
     page = report_page(study, dataset, runs)
     shown = int(re.search(r"The first (\d+) trajectories of 90", page)[1])
     assert 0 < shown < 50

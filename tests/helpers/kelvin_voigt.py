@@ -10,10 +10,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from jaximpact import Soil
+from jaximpact.impact.events import Margins, Switches
 from jaximpact.impact.problem import Observed, Watched
 from jaximpact.impact.reduced_models import VERTICAL
-from jaximpact.impact.switches import Switches
-from jaximpact.impact.termination import Margins
 
 MASS, SPEED = 2_700.0, 10.0
 STIFFNESS, DAMPING = 4e6, 2e4

@@ -31,8 +31,7 @@ from jaximpact.runout import (
     runout_gradients,
     simulate_runout,
 )
-from jaximpact.runout.derivative_rules import root
-from jaximpact.runout.lane_programs import closed_form
+from jaximpact.runout.lane_programs import closed_form, root
 from jaximpact.runout.tangents import Carried, call
 
 pytestmark = pytest.mark.slow

@@ -15,7 +15,7 @@ from jaximpact.runout.study.barriers import read_barriers
 from jaximpact.runout.study.geojson import Feature, geojson
 from jaximpact.runout.study.geopackage import geopackage
 from jaximpact.runout.study.map_placement import read_map_placement
-from jaximpact.runout.study.page_curves import kept_ranks
+from jaximpact.runout.study.page_data import kept_ranks
 
 PROFILE = Profile([0.0, 100.0, 200.0], [50.0, 0.0, 0.0])
 BARRIER = {"x_m": 120, "height_m": 3, "capacity_kJ": 250.5}

@@ -21,7 +21,7 @@ from jaximpact.runout import (
     simulate_runout,
 )
 from jaximpact.runout.random_fields import RandomField
-from jaximpact.runout.subdivision import subdivide
+from jaximpact.runout.terrain import subdivide
 
 COUNT = 4000
 

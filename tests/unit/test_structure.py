@@ -20,10 +20,10 @@ import jaximpact
 from jaximpact.cli import main
 
 LAYERS = """
-    errors _types _safe _checks _jax_internals _precision _gc_pause _versions units
+    errors _types _safe _checks _jax_internals _precision _gc_pause units
     _packages interruption progress store finding
     parameters identity accuracy
-    shapes laws soil scene
+    shapes laws scene
     quantities scene_quantities
     impact restitution
     integrator

@@ -17,8 +17,8 @@ from ...rebound import (
     PfeifferBowen,
     RigidEllipsoid,
 )
+from ...scene import Soil
 from ...scene_quantities import part_named
-from ...soil import Soil
 from ..problem.config import Study, Variant
 from ..problem.laws import unusual
 

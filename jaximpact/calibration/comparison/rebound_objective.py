@@ -18,7 +18,7 @@ from ..._safe import safe_sqrt
 from ...accuracy import PRESETS, Accuracy
 from ...backend.xla_compilation import unfused_jit
 from ...errors import InputError
-from ...impact.termination import Outcome
+from ...impact.events import Outcome
 from ...quantities import leaf_places, own_columns
 from ...rebound import AbstractRebound, Rebound
 from ...restitution import defined_ratio

@@ -32,7 +32,7 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.special import expit, logit
 
-from ..._versions import version_of, versions
+from ..._packages import version_of, versions
 from ...accuracy import Accuracy
 from ...errors import InputError
 from ...progress import Progress, ProgressFunction, as_progress

@@ -9,9 +9,8 @@ from ...identity import source_digest
 from ...io.toml import quantity, unknown
 from ...parameters import Composite, Part
 from ...quantities import BASES, SLOTS, USUAL, InputColumn
-from ...scene import Block, Scene
+from ...scene import Block, Scene, Soil
 from ...scene_quantities import part_named, text_of
-from ...soil import Soil
 
 KINDS: dict[str, type[Composite]] = {"soil": Soil, "block": Block}
 

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from ..._versions import versions
+from ..._packages import versions
 from ...accuracy import PRESETS
 from ...identity import name_of
 from ...quantities import INPUT_COLUMNS, columns_of

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..._versions import version_of, versions
+from ..._packages import version_of, versions
 from ...accuracy import PRESETS
 from ...identity import part_names
 from ...io.files import replacing, write_text

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..._versions import versions
+from ..._packages import versions
 from ...identity import part_names
 from ...io.files import refuse_inputs, replacing
 from ...io.output_files import manifest_path

@@ -16,9 +16,8 @@ from matplotlib.figure import Figure
 
 from ...batch import simulate_batch
 from ...quantities import columns_of_part
-from ...scene import Block, Impact, Scene
+from ...scene import Block, Impact, Scene, Soil
 from ...simulation import ImpactResult
-from ...soil import Soil
 from ..criteria import Finding, Judgement, Verdict
 
 HOLDS_WITHIN = 0.10

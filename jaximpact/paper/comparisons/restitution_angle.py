@@ -5,10 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...impact.termination import Outcome
+from ...impact.events import Outcome
 from ...plotting.style import in_style, legend_outside, panels, points
-from ...scene import Block, Impact
-from ...soil import Soil
+from ...scene import Block, Impact, Soil
 from .comparison import Comparison, changes_of, strike, variants_of
 from .published_laws import wyllie_normal_restitution
 

@@ -18,8 +18,7 @@ from ...plotting.style import (
     log_scale,
     panels,
 )
-from ...scene import GRAVITY, Block, Impact
-from ...soil import Soil
+from ...scene import GRAVITY, Block, Impact, Soil
 from .comparison import (
     HOLDS_WITHIN,
     PARTLY_WITHIN,

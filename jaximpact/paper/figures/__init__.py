@@ -12,11 +12,11 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from ..._packages import versions
 from ..._precision import require_float64
-from ..._versions import versions
 from ...accuracy import get_accuracy
 from ...identity import part_names
-from ...impact.termination import Outcome
+from ...impact.events import Outcome
 from ...io.checks import chosen_values
 from ...io.files import replacing
 from ...io.output_files import NewFile, manifest_path, output_directory

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
-from ...impact.termination import Outcome
+from ...impact.events import Outcome
 from ...plotting.style import legend_outside, letter, panels
 from ...quantities import OUTCOME_COLUMN
 from ...units import DEGREE

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...impact.termination import Outcome
+from ...impact.events import Outcome
 from ...plotting.style import (
     BLUE,
     SOIL,

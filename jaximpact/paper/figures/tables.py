@@ -15,7 +15,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from ...accuracy import Accuracy
-from ...impact.termination import Outcome
+from ...impact.events import Outcome
 from ...progress import Progress
 from ...quantities import OUTCOME_COLUMN
 from ...runout import FullModel, Runs, simulate_runout

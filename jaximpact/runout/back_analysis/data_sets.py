@@ -12,7 +12,7 @@ import json
 
 import numpy as np
 
-from ..._versions import versions
+from ..._packages import versions
 from ...progress import Progress
 from ...store import Store
 from ...tasks import Task, run_tasks

@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import InputError
 from ...io.scene_table import reads_as_number
 from ...io.toml import check_keys, known_table, number, typed, whole
-from ..profile_csv import records_of_file
+from ..profile_files import records_of_file
 from ..terrain import Profile
 
 TABLE = "observed"

@@ -13,7 +13,7 @@ from ...io.checks import check_memory
 from ...io.files import read_input
 from ...io.toml import parse_toml, typed, unknown, whole
 from ...quantities import InputColumn
-from ...soil import Soil
+from ...scene import Soil
 from ..distributions import Distribution
 from ..study.barriers import Barrier, read_barriers
 from ..study.ground_file import PARTS, GroundInput

@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 
-from ..._versions import versions
+from ..._packages import versions
 from ...calibration.report.render import render
 from ...io.display import Rows
 from ...io.files import write_text

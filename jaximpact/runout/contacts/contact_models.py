@@ -20,13 +20,12 @@ from ...backend.native_backend import (
 )
 from ...backend.threads import thread_count
 from ...errors import InputError
+from ...impact.events import Outcome
 from ...impact.problem import Assembly
 from ...impact.reduced_models import MODELS, model_places
-from ...impact.termination import Outcome
 from ...impact_response import ImpactResponse, ImpactResponses, respond
 from ...rebound import Rebound
-from ...scene import Block, Impact, Scene
-from ...soil import Soil
+from ...scene import Block, Impact, Scene, Soil
 from ..lane_programs import closed_form
 from ..tangents import Carried, call
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from ...impact.termination import Outcome
+from ...impact.events import Outcome
 from ...impact_response import ImpactResponse
 from ...scene import GRAVITY
 from ..blocks import support

@@ -26,8 +26,7 @@ from scipy.special import ndtr, ndtri
 
 from ...scene import GRAVITY
 from ..blocks import support
-from ..derivative_rules import root
-from ..lane_programs import Values
+from ..lane_programs import Values, root
 from ..random_inputs import key_of, uniforms_at
 from ..state import BlockConstants, State
 from ..tangents import Carried, call

@@ -8,8 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
+from ..._packages import versions
 from ..._precision import require_float64
-from ..._versions import versions
 from ...accuracy import get_accuracy
 from ...errors import InputError
 from ...identity import part_names

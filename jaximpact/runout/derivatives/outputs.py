@@ -9,10 +9,8 @@ from ...errors import InputError
 from ...io.checks import checked_names
 from ..analysis import find_passages, passage
 from ..blocks import BlockOutline, MassProperties, select
-from ..derivative_rules import root
-from ..extremes import extremes, values_at
-from ..lane_programs import Values, closed_form
-from ..moments import Moment
+from ..extremes import Moment, extremes, values_at
+from ..lane_programs import Values, closed_form, root
 from ..tangents import Carried, call
 from ..trajectory import Pieces, Stretches, stretches_of
 from .results import Result

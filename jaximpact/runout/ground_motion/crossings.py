@@ -8,8 +8,7 @@ import numpy as np
 
 from ...scene import GRAVITY
 from ..blocks import support
-from ..derivative_rules import root
-from ..lane_programs import Values, closed_form
+from ..lane_programs import Values, closed_form, root
 from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
 from ..tangents import call
 from ..trajectory import Ending

@@ -1,4 +1,4 @@
-"""Blocks of a study, from its file: their shapes and quantities."""
+"""Blocks and releases of a study, from its file: shapes, quantities and places."""
 
 import dataclasses
 import math
@@ -9,12 +9,17 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from ...errors import InputError, located
-from ...io.toml import known_table, typed, with_named_parts
-from ...quantities import InputColumn, columns_of_part
+from ...io.toml import known_table, number, typed, with_named_parts
+from ...quantities import INPUT_COLUMNS, InputColumn, columns_of_part
 from ...scene import Block
 from ...scene_quantities import SHAPE, part_named, replaced_parts
 from ...shapes import AbstractShape, shape_of_each
+from ...units import DEGREE
+from ..blocks import Release
+from ..distributions import Uniform
+from ..flight.placement import check_release, lying_height
 from ..random_inputs import Quantity
+from ..terrain import Profile
 from .quantity import read_quantity
 
 MASS, VOLUME = "mass_kg", "volume_m3"
@@ -106,3 +111,130 @@ def _shapes(path: Path, content: dict) -> tuple[tuple[type[AbstractShape], ...],
     if len(set(kinds)) < len(kinds):
         raise InputError("holds a shape twice", file=path, key=key)
     return tuple(kinds), base
+
+
+RELEASE_COLUMNS = {
+    name: INPUT_COLUMNS[name] for name in ("orientation_deg", "angular_velocity_degps")
+}
+LINE, SPACING = "along_x_m", "spacing_m"
+"""Keys of a line of releases: x of its ends, and the distance along the ground from one
+to the next."""
+RELEASE_KEYS = (
+    *("x_m", "y_m", "clearance_m", "speed_mps", "direction_deg", "v_x_mps", "v_y_mps"),
+    *("orientation_deg", "angular_velocity_degps", LINE, SPACING),
+)
+NOT_NEGATIVE = ("clearance_m", "speed_mps")
+MOST_PLACES = 100_000
+"""Largest number of places of a line."""
+
+
+def read_release(path: Path, content: dict, profile: Profile) -> dict[str, Quantity]:
+    """Read the table [release] of a study: its quantities by name. One named `LINE` is
+    a distance along the ground from the profile's left end [m]."""
+    table = dict(known_table(path, content, "release", RELEASE_KEYS))
+    spacing, line = table.pop(SPACING, None), table.pop(LINE, None)
+    quantities = {
+        name: read_quantity(path, f"release.{name}", v, RELEASE_COLUMNS.get(name))
+        for name, v in table.items()
+    }
+    _check_alternatives(path, quantities, line is not None)
+    if line is not None:
+        quantities[LINE] = _line(path, line, spacing, profile)
+    elif spacing is not None:
+        raise InputError(f"needs {LINE} too", file=path, key=f"release.{SPACING}")
+    return quantities
+
+
+def make_release(
+    path: Path, samples: dict[str, np.ndarray], profile: Profile, blocks: BlockInput
+) -> Release:
+    """Make the releases of samples `(blocks,)` by name; InputError for blocks that do
+    not start on or above the ground."""
+    count = len(next(iter(samples.values())))
+
+    def si(name: str, default: float = 0.0) -> np.ndarray:
+        factor = DEGREE if "_deg" in name else 1.0
+        return factor * samples.get(name, np.full(count, default))
+
+    block = blocks.of_samples(samples, count)
+    x, orientation = si("x_m"), si("orientation_deg")
+    if LINE in samples:
+        x = np.interp(samples[LINE], _along_ground(profile), profile.x)
+    speed, direction = si("speed_mps"), si("direction_deg")
+    along, up = si("v_x_mps"), si("v_y_mps")
+    try:
+        high = Release(block, x, 0.0, orientation=orientation)
+        y = si("y_m") if "y_m" in samples else si("clearance_m")
+        if "y_m" not in samples:
+            y = y + lying_height(profile, high.outline, x, orientation)
+        release = Release(
+            block,
+            x,
+            np.where(np.isfinite(y), y, 0.0),  # off the profile, which is told next
+            along + speed * np.cos(direction),
+            up + speed * np.sin(direction),
+            orientation,
+            si("angular_velocity_degps"),
+        )
+        check_release(release, profile)
+    except ValueError as error:
+        raise InputError(str(error), file=path, key="release") from None
+    return release
+
+
+def _along_ground(profile: Profile) -> np.ndarray:
+    """Compute the distance along the ground of each point from the left end [m]."""
+    return np.concatenate([[0.0], np.cumsum(profile.length)])
+
+
+def _line(path: Path, line, spacing, profile: Profile) -> Quantity:
+    """Read a line of releases: uniform along the ground between two x, or places at
+    equal spacing from the first on."""
+    key = f"release.{LINE}"
+    if not isinstance(line, list) or len(line) != 2:
+        raise InputError(
+            f"must be a list of two x, [from, to], but is {line!r}", file=path, key=key
+        )
+    start, stop = (number(path, key, x) for x in line)
+    if not profile.x[0] <= start < stop <= profile.x[-1]:
+        raise InputError(
+            f"must go up, between the ends of the profile, {profile.x[0]:g} and "
+            f"{profile.x[-1]:g}, but is {line!r}",
+            file=path,
+            key=key,
+        )
+    ends = np.interp([start, stop], profile.x, _along_ground(profile)).tolist()
+    if spacing is None:
+        return Uniform(*ends)
+    spacing = number(path, f"release.{SPACING}", spacing)
+    length = ends[1] - ends[0]
+    # The last place may be the end of the line, but for rounding.
+    if not 0.0 < spacing <= length or length / spacing > MOST_PLACES:
+        raise InputError(
+            f"must be above 0 and at most the line's length along the ground, "
+            f"{length:g} m, with at most {MOST_PLACES} places, but is {spacing:g}",
+            file=path,
+            key=f"release.{SPACING}",
+        )
+    places = ends[0] + spacing * np.arange(int(length / spacing * (1.0 + 1e-12)) + 1)
+    return tuple(np.minimum(places, ends[1]).tolist())
+
+
+def _check_alternatives(
+    path: Path, quantities: dict[str, Quantity], has_line: bool
+) -> None:
+    if ("x_m" in quantities) == has_line:
+        told = f"takes x_m or {LINE}, not both" if has_line else "is needed"
+        key = "release" if has_line else "release.x_m"
+        raise InputError(told, file=path, key=key)
+    if ("y_m" in quantities) == ("clearance_m" in quantities):
+        raise InputError("needs y_m or clearance_m, not both", file=path, key="release")
+    polar = [n for n in ("speed_mps", "direction_deg") if n in quantities]
+    cartesian = [n for n in ("v_x_mps", "v_y_mps") if n in quantities]
+    if polar and cartesian:
+        raise InputError(
+            f"takes speed_mps and direction_deg, or v_x_mps and v_y_mps, but has "
+            f"{polar[0]} and {cartesian[0]}",
+            file=path,
+            key="release",
+        )

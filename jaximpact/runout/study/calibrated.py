@@ -27,7 +27,7 @@ from scipy.special import ndtri
 from ...errors import InputError, nearest
 from ...io.files import read_input
 from ...parameters import parts_of
-from ...soil import Soil
+from ...scene import Soil
 from ..random_inputs import uniforms
 from ..terrain import ground_columns
 

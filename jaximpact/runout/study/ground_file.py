@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import InputError
 from ...io.toml import number, typed, unknown, with_named_parts
 from ...parameters import parts_of
-from ...soil import Soil
+from ...scene import Soil
 from ..random_fields import RandomField
 from ..random_inputs import Quantity
 from ..terrain import Ground, ground_columns

@@ -10,8 +10,7 @@ import numpy as np
 from ...errors import InputError, nearest
 from ..random_fields import RandomField
 from ..random_inputs import Quantity
-from ..subdivision import subdivide
-from ..terrain import Profile
+from ..terrain import Profile, subdivide
 
 LEAST_PIECE = 0.1
 """Least width of a piece between a boundary of a field's cells and another point, as a

@@ -14,12 +14,11 @@ import jax
 import numpy as np
 
 from ...errors import InputError
-from ...impact.termination import Outcome
+from ...impact.events import Outcome
 from ...impact_response import ImpactResponses
 from ...lookup import Tabulated
 from ...progress import Progress, ProgressFunction
-from ...scene import Block, Impact
-from ...soil import Soil
+from ...scene import Block, Impact, Soil
 from ..contacts.contact_models import Contacts, FullModel
 from .run_study import simulate
 from .slope_file import SlopeStudy

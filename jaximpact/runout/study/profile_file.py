@@ -9,9 +9,8 @@ import numpy as np
 from ...errors import InputError
 from ...io.toml import known_table, typed
 from ...quantities import columns_of_part
-from ...soil import Soil
-from ..profile_csv import ProfileTable, read_profile_table
-from ..profile_dxf import read_dxf_points
+from ...scene import Soil
+from ..profile_files import ProfileTable, read_dxf_points, read_profile_table
 from ..terrain import ROLLING_FRICTION_ANGLE, Profile, ground_columns
 from .ground_file import GroundInput
 from .ground_layout import GroundLayout, lay_out

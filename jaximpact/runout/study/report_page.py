@@ -22,8 +22,7 @@ from .barrier_results import (
 from .drawing import grounds_of, valid_blocks
 from .intervals import least_blocks, percentile_interval
 from .map_files import NO_MAP
-from .page_curves import QUANTITIES, page_curves
-from .page_profile import page_profile
+from .page_data import QUANTITIES, page_curves, page_profile
 from .run_study import BLOCK_NUMBERS, PERCENTILES
 from .slope_file import SlopeStudy
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from ..._versions import versions
+from ..._packages import versions
 from ...io.journal import Journal
 from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import columns_of_part

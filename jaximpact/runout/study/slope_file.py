@@ -24,13 +24,20 @@ from ..terrain import (
     ground_columns,
 )
 from .barriers import Barrier, read_barriers
-from .block_file import VOLUME, VOLUME_COLUMN, BlockInput, read_blocks
+from .block_file import (
+    NOT_NEGATIVE,
+    VOLUME,
+    VOLUME_COLUMN,
+    BlockInput,
+    make_release,
+    read_blocks,
+    read_release,
+)
 from .contact_laws import NamedLaw, check_law, read_laws
 from .ground_file import GroundInput
 from .ground_layout import GroundLayout
 from .map_placement import MapPlacement, read_map_placement
 from .profile_file import read_ground_profile
-from .release_file import NOT_NEGATIVE, make_release, read_release
 
 TABLES = (
     *("profile", "ground", "block", "release", "contacts", "barriers"),
