@@ -13,6 +13,7 @@ import pytest
 from calibration_studies import Linear, objective_of, write_study_of
 from error_messages import assert_one_line_error
 from scipy.optimize import lsq_linear
+from scipy.stats import lognorm
 
 from jaximpact import PRESETS
 from jaximpact.calibration import (
@@ -162,6 +163,23 @@ def test_bands_of_a_line(tmp_path):
     width = (found.measured_high - found.measured_low)[:, 0]
     np.testing.assert_allclose(width, 2.0 * 1.96 * np.hypot(spread, SIGMA), rtol=0.03)
     assert np.all(found.failed_fraction == 0.0)
+
+
+def test_bands_of_what_is_never_negative(tmp_path):
+    """Those of one draw are the quantiles of the lognormal distribution."""
+    objective, points, _ = linear(tmp_path, *line(6))
+    study = dataclasses.replace(objective.study, targets=("max_penetration_m",))
+    objective.study, value = study, 0.5 * SIGMA + 0.04 * np.arange(6.0)
+    one = draw(objective, points, 1.0, count=1)
+    one = one._replace(predicted=value[None, :, None], weights=np.ones(1))
+    found = bands_of(objective, one, 4.0)
+    shape = np.sqrt(np.log1p((2.0 * SIGMA / np.maximum(value, SIGMA)) ** 2))
+    scale = np.maximum(value, SIGMA) * np.exp(-0.5 * shape**2)
+    for part, band in ((0.025, found.measured_low), (0.975, found.measured_high)):
+        # Fifty halvings of twelve deviations leave rounding alone.
+        expected = lognorm.ppf(part, shape, scale=scale)
+        np.testing.assert_allclose(band[:, 0], expected, rtol=1e-10)
+    np.testing.assert_allclose(found.low[:, 0], value, rtol=1e-12)
 
 
 def test_bands_where_nothing_is_predicted(tmp_path):

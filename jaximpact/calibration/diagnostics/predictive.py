@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr, ndtri, stdtrit
 
+from ...quantities import NEVER_NEGATIVE
 from ..problem.objective import Objective
 from .importance_sampling import Draws
 from .uncertainty import CONFIDENCE
@@ -85,15 +86,21 @@ def predictive(
         parts = (np.arange(PLACES) + 0.5) / PLACES
         scatter = ndtri(parts) if freedom >= NORMAL_FROM else stdtrit(freedom, parts)
         if positive:
-            mean = np.maximum(atoms, LEAST_MEAN * sigma)
-            square = np.log1p((sigma / mean) ** 2)[:, None]
-            logarithm = np.log(mean)[:, None] - 0.5 * square
-            atoms = np.exp(logarithm + np.sqrt(square) * scatter).ravel()
+            middle, spread = _logarithm(atoms[:, None], sigma)
+            atoms = np.exp(middle + spread * scatter).ravel()
         else:
             atoms = (atoms[:, None] + sigma * scatter).ravel()
         weights = np.repeat(weights, PLACES)
     order = np.argsort(atoms, kind="stable")
     return Predictive(atoms[order], weights[order] / np.sum(weights))
+
+
+def _logarithm(values: np.ndarray, sigma) -> tuple[np.ndarray, np.ndarray]:
+    """Compute mean and standard deviation of the logarithm of lognormal measurements,
+    from the values of the model and sigma."""
+    mean = np.maximum(values, LEAST_MEAN * sigma)
+    square = np.log1p((sigma / mean) ** 2)
+    return np.log(mean) - 0.5 * square, np.sqrt(square)
 
 
 class Bands(NamedTuple):
@@ -119,7 +126,8 @@ class Bands(NamedTuple):
 
 
 def bands_of(objective: Objective, draws: Draws, inflation: float) -> Bands:
-    """Compute the bands from draws.
+    """Compute the bands from draws. The logarithm of a measurement that is never
+    negative scatters, as in `predictive`.
 
     Args:
         objective: objective with the sigmas of the fit.
@@ -131,18 +139,18 @@ def bands_of(objective: Objective, draws: Draws, inflation: float) -> Bands:
     total = np.sum(weights, axis=0)
     share = weights / np.where(total > 0.0, total, 1.0)
     values = np.where(there, draws.predicted, 0.0)
-    nothing = np.zeros_like(objective.sigma)
+    positive = np.isin(objective.study.targets, NEVER_NEGATIVE)
     scatter = objective.sigma * np.sqrt(inflation)
+    middle, spread = values.copy(), np.broadcast_to(scatter, values.shape).copy()
+    scaled = _logarithm(values[..., positive], scatter[:, positive])
+    middle[..., positive], spread[..., positive] = scaled
     rows = [
-        np.where(total > 0.0, _quantile(values, share, sigma, part), np.nan)
-        for part, sigma in (
-            (tail, nothing),
-            (0.5, nothing),
-            (1.0 - tail, nothing),
-            (tail, scatter),
-            (1.0 - tail, scatter),
-        )
+        *(_quantile(values, share, 0.0, part) for part in (tail, 0.5, 1.0 - tail)),
+        *(_quantile(middle, share, spread, part) for part in (tail, 1.0 - tail)),
     ]
+    for row in rows[3:]:
+        row[:, positive] = np.exp(row[:, positive])
+    rows = [np.where(total > 0.0, row, np.nan) for row in rows]
     return Bands(*rows, failed_fraction=np.clip(1.0 - total, 0.0, 1.0))
 
 
@@ -151,8 +159,8 @@ def _quantile(values, weights, sigma, part: float) -> np.ndarray:
     bisection."""
     there = weights > 0.0
     reach = 6.0 * sigma
-    low = np.min(np.where(there, values, np.inf), axis=0) - reach
-    high = np.max(np.where(there, values, -np.inf), axis=0) + reach
+    low = np.min(np.where(there, values - reach, np.inf), axis=0)
+    high = np.max(np.where(there, values + reach, -np.inf), axis=0)
     empty = ~np.any(there, axis=0)
     low, high = np.where(empty, 0.0, low), np.where(empty, 0.0, high)
     for _ in range(HALVINGS):
