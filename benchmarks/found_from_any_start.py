@@ -1,7 +1,7 @@
 """How many starts find the best fit of realistic twins, and what intervals are worth.
 
     python -m benchmarks.found_from_any_start [--twins 5] [--starts 16]
-    python -m benchmarks.found_from_any_start --repeats 100 [--twins 5]
+    python -m benchmarks.found_from_any_start --repeats 100 [--twins 5] [--keep FILE]
 
 The first fits each twin of `realistic_twins` as `jaximpact calibrate` does, from starts
 anywhere between the bounds. A start has found the best fit if its own fit ended there,
@@ -16,8 +16,11 @@ Times are processor times.
 """
 
 import argparse
+import itertools
+import json
 import time
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 
@@ -39,9 +42,10 @@ def main() -> None:
     parser.add_argument("--twins", type=int, default=5)
     parser.add_argument("--starts", type=int, default=16)
     parser.add_argument("--repeats", type=int, default=0)
+    parser.add_argument("--keep", type=Path, help="file of finished repeats")
     arguments = parser.parse_args()
     if arguments.repeats:
-        repeat(arguments.twins, arguments.repeats)
+        repeat(arguments.twins, arguments.repeats, arguments.keep)
     else:
         find(arguments.twins, arguments.starts)
 
@@ -70,37 +74,61 @@ def find(twins: int, starts: int) -> None:
         print(f"    {dict(reasons)}, near a jump {np.sum(fitted.jumps > NEAR)} tests")
 
 
-def repeat(twins: int, repeats: int) -> None:
-    """Fit each twin again and again with other noise."""
-    begin, all_covered = time.process_time(), []
+def repeat(twins: int, repeats: int, keep: Path | None) -> None:
+    """Fit each twin again and again with other noise, all twins in turn.
+
+    Args:
+        keep: file in which finished repeats stay, a line of JSON each: the same command
+            goes on from there.
+    """
+    rows = {}
+    if keep is not None and keep.exists():
+        kept = (json.loads(line) for line in keep.read_text().splitlines())
+        rows = {(row["twin"], row["number"]): row for row in kept}
     made = [Twin(seed) for seed in range(1, twins + 1)]
     engine = engine_of(made[0].study(0))
-    for seed, twin in enumerate(made, 1):
-        rows = [_repeated(twin, engine, number) for number in range(1, repeats + 1)]
-        x, reach, error = (np.array([row[i] for row in rows]) for i in range(3))
-        true = rows[0][3]
+    for number, seed in itertools.product(range(1, repeats + 1), range(1, twins + 1)):
+        if (seed, number) not in rows:
+            row = _repeated(made[seed - 1], engine, number)
+            rows[seed, number] = row = {"twin": seed, "number": number} | row
+            if keep is not None:
+                with keep.open("a") as file:
+                    file.write(json.dumps(row) + "\n")
+    _summarise(list(rows.values()))
+
+
+def _summarise(rows: list[dict]) -> None:
+    """Print coverage, and standard errors over the scatter of the estimates."""
+    all_covered = []
+    for seed in sorted({row["twin"] for row in rows}):
+        of_twin = [row for row in rows if row["twin"] == seed]
+        x, reach, errors, true = (
+            np.array([row[name] for row in of_twin])
+            for name in ("x", "reach", "errors", "true")
+        )
         covered = np.abs(x - true) <= reach
         all_covered.append(covered)
-        ratio = np.sqrt(np.mean(error**2, axis=0)) / np.std(x, axis=0, ddof=1)
+        ratio = np.sqrt(np.mean(errors**2, axis=0)) / np.std(x, axis=0, ddof=1)
         print(
-            f"twin {seed}, {len(rows)} repeats, {time.process_time() - begin:.0f} s, "
-            f"near a jump {np.mean([row[4] for row in rows]):.1f} tests on average, "
-            f"not at a minimum {sum(not row[5] for row in rows)}"
+            f"twin {seed}, {len(of_twin)} repeats, "
+            f"{sum(row['seconds'] for row in of_twin):.0f} s, near a jump "
+            f"{np.mean([row['near'] for row in of_twin]):.1f} tests on average, not at "
+            f"a minimum {sum(not row['at_minimum'] for row in of_twin)}, all covered "
+            f"{100 * np.mean(covered):.1f} %"
         )
         for place, name in enumerate(BOUNDS):
             print(
                 f"    {name:20} covered {100 * np.mean(covered[:, place]):5.1f} %, "
-                f"standard error over scatter {ratio[place]:.2f}",
-                flush=True,
+                f"standard error over scatter {ratio[place]:.2f}"
             )
     everything = np.concatenate(all_covered)
     print(f"all: {100 * np.mean(everything):.1f} % of {everything.size} intervals")
 
 
-def _repeated(twin: Twin, engine, number: int):
-    """Fit one repeat from the truth: estimate, reach and standard errors in x, the
-    truth in x, the number of tests near a jump, whether it is a minimum."""
-    study = twin.study(1000 + number, starts=1)
+def _repeated(twin: Twin, engine, number: int) -> dict:
+    """Fit one repeat from the truth: estimate, reach, standard errors and truth in x,
+    the number of tests near a jump, whether it is a minimum, its processor time."""
+    begin, study = time.process_time(), twin.study(1000 + number, starts=1)
     objective = Objective(study, study.variants[0], engine)
     true = objective.bounds.coordinate(np.array(list(twin.truth.values())))
     ends = fit(rough_of(objective), true[None], rule=ROUGH)
@@ -111,8 +139,16 @@ def _repeated(twin: Twin, engine, number: int):
     smooth = without_jumps(objective, share)
     found = estimate(smooth, smooth.reevaluate(best.points))
     errors = found.standard_errors
-    near, at_minimum = int(np.sum(share > NEAR)), best.reasons[0].at_minimum
-    return best.points.x[0], found.quantile * errors, errors, true, near, at_minimum
+    return {
+        "x": best.points.x[0].tolist(),
+        "reach": (found.quantile * errors).tolist(),
+        "errors": errors.tolist(),
+        "true": true.tolist(),
+        "near": int(np.sum(share > NEAR)),
+        "at_minimum": best.reasons[0].at_minimum,
+        "cost": float(best.points.cost[0]),
+        "seconds": time.process_time() - begin,
+    }
 
 
 if __name__ == "__main__":

@@ -67,6 +67,8 @@ class Engine:
         self.assembly = assembly
         self.targets, self.fields = targets, _fields_of(targets)
         self.name = "XLA" if self.kernel is None else "machine code"
+        self.valued = 0
+        """Impacts computed without derivatives so far, or announced."""
 
     @functools.cached_property
     def kernel(self):
@@ -153,12 +155,13 @@ class Engine:
         take half the time.
 
         Args:
-            of: number of impacts of all calls to come, if more than those of this one.
+            of: number of impacts of all calls to come, if it is known.
 
         Returns:
             Targets, shape (impacts, targets), and codes of the outcomes (impacts,).
         """
-        if self.kernel is None or max(of, leaves.shape[1]) < MANY:
+        self.valued = max(of, self.valued + leaves.shape[1])
+        if self.kernel is None or self.valued < MANY:
             values, _, outcomes = self.run(leaves, np.zeros_like(leaves), accuracy)
             return values, outcomes
         kernel = compile_native(self.assembly)
