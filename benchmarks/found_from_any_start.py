@@ -28,7 +28,7 @@ from jaximpact.calibration.diagnostics.jumps import shares_of, without_jumps
 from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.estimation.branches import NEAR
 from jaximpact.calibration.estimation.least_squares import ROUGH
-from jaximpact.calibration.estimation.starts import fit, one_of, polish, rough_of
+from jaximpact.calibration.estimation.starts import fit, one_of, polish
 from jaximpact.calibration.problem.forward_model import engine_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.calibration.study import fit_study
@@ -131,7 +131,7 @@ def _repeated(twin: Twin, engine, number: int) -> dict:
     begin, study = time.process_time(), twin.study(1000 + number, starts=1)
     objective = Objective(study, study.variants[0], engine)
     true = objective.bounds.coordinate(np.array(list(twin.truth.values())))
-    ends = fit(rough_of(objective), true[None], rule=ROUGH)
+    ends = fit(objective.rough(), true[None], rule=ROUGH)
     ends = ends._replace(points=objective(ends.points.x))
     ends = polish(objective, ends, Progress())
     best = one_of(ends, ends.best)

@@ -110,6 +110,16 @@ def check_keys(path: Path, where: str, keys: Iterable[str], known) -> None:
             unknown(path, f"{where}.{key}" if where else key, key, known)
 
 
+def check_table(path: Path, key: str, entry, known, like: str) -> None:
+    """Raise InputError for a value that is no table, saying what it is like, or for an
+    unknown key."""
+    if not isinstance(entry, dict):
+        raise InputError(
+            f"must be a table like {like}, but is {entry!r}", file=path, key=key
+        )
+    check_keys(path, key, entry, known)
+
+
 def known_table(path: Path, content: dict, name: str, known: tuple[str, ...]) -> dict:
     """A table of the file, with known keys only; empty where there is none."""
     table = typed(path, content, name, dict, {})

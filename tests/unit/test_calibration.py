@@ -536,7 +536,7 @@ def test_starts_left_behind_search_together(tmp_path, monkeypatch, agreed):
     monkeypatch.setattr(f"{starts}.fit", made)
     monkeypatch.setattr(f"{starts}.evolve", evolved)
     monkeypatch.setattr(f"{starts}.polish", lambda objective, fits, progress: fits)
-    monkeypatch.setattr(f"{starts}.rough_of", lambda objective: objective)
+    monkeypatch.setattr(Objective, "rough", lambda objective: objective)
     fits = fit_starts(objective, np.zeros((5, 2)), "levenberg-marquardt", Progress())
     np.testing.assert_array_equal(begun[1][:2], [[0.3, 0.0], [0.31, 0.0]])
     third = 0.05 if agreed else 0.9

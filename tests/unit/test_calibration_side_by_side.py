@@ -10,7 +10,6 @@ from test_calibration import STUDY, write_study
 
 from jaximpact import PRESETS
 from jaximpact.calibration import fit_study, read_study
-from jaximpact.calibration.estimation.starts import no_finer_than_sigmas
 from jaximpact.calibration.problem.forward_model import engine_of, run_in_threads
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.progress import Progress
@@ -85,7 +84,7 @@ def test_accuracy_follows_the_sigmas(tmp_path):
     fine = objective.with_sigma(0.5e-3 * size)
     coarse = objective.with_sigma(2e-3 * size)
     assert objective.accuracy == PRESETS["reference"]
-    assert no_finer_than_sigmas(fine).accuracy == PRESETS["reference"]
-    assert no_finer_than_sigmas(coarse).accuracy == PRESETS["balanced"]
+    assert fine.no_finer_than_sigmas().accuracy == PRESETS["reference"]
+    assert coarse.no_finer_than_sigmas().accuracy == PRESETS["balanced"]
     fast = coarse.at(PRESETS["fast"])
-    assert no_finer_than_sigmas(fast).accuracy == PRESETS["fast"]
+    assert fast.no_finer_than_sigmas().accuracy == PRESETS["fast"]

@@ -22,7 +22,7 @@ from scipy.special import bdtr
 
 from ..estimation.least_squares import Progress, Reason, StoppingRule, bounded_step
 from ..estimation.sigma import sizes
-from ..estimation.starts import SILENT, fit, no_finer_than_sigmas
+from ..estimation.starts import SILENT, fit
 from ..problem.objective import Objective, Points
 from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 
@@ -177,7 +177,7 @@ def _leave_out(
     deviation = np.full(study.measured.shape, np.nan)
     ends, reasons = np.empty((len(names), size)), []
     of_whole = sizes(study, points.predicted[0])
-    coarser = no_finer_than_sigmas(objective)
+    coarser = objective.no_finer_than_sigmas()
     errors = uncertainty.standard_errors
     for number, step in enumerate(steps):
         progress(f"{what} left out: {number} of {len(names)}")

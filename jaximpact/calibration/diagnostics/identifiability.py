@@ -19,7 +19,7 @@ import numpy as np
 
 from ...progress import Progress
 from ..estimation.least_squares import ROUGH, Fits
-from ..estimation.starts import fit, rough_of
+from ..estimation.starts import fit
 from ..problem.objective import Objective, Points
 from .combinations import ENDLESS_ERROR, partners
 from .uncertainty import USELESS_ERROR, Uncertainty
@@ -81,7 +81,7 @@ def profile_all(
     accuracy of the others. Points that ended away from a minimum, or above a neighbour
     farther out, are fitted again from their neighbours.
     """
-    rough, best = rough_of(objective), points.x[0]
+    rough, best = objective.rough(), points.x[0]
     starts, fixed = _profile_starts(objective, points, uncertainty)
     x, fixed = np.array([*starts, best]), np.array([*fixed, ALL_FIXED])
     free = np.arange(len(best)) != fixed[:, None]

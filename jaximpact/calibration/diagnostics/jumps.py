@@ -10,7 +10,6 @@ import numpy as np
 
 from ..estimation.branches import NEAR, jump_shares
 from ..estimation.least_squares import Fits
-from ..estimation.starts import no_finer_than_sigmas
 from ..problem.objective import Objective
 from .cross_validation import LeftOut
 
@@ -28,7 +27,7 @@ def shares_of(objective: Objective, best: Fits) -> np.ndarray:
     Args:
         best: the reported fit, of one lane.
     """
-    return jump_shares(no_finer_than_sigmas(objective), best.points)
+    return jump_shares(objective.no_finer_than_sigmas(), best.points)
 
 
 def without_jumps(objective: Objective, share: np.ndarray) -> Objective:

@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...accuracy import PRESETS
 from ...progress import Progress
 from ..problem.config import Study
 from ..problem.objective import Objective
@@ -24,9 +23,6 @@ from .spread import spread_starts
 RUNNING = 1.02, 0.5
 """Starts whose rough cost is below a times the lowest plus b s^2 are fitted to the
 end."""
-SMALL_BESIDE = 1e-3
-"""Sigma over the measured value above which the errors of impacts at "balanced", 1e-6
-and 5e-4 of their derivatives, change a fit by less than 0.01 standard errors."""
 MANY_TESTS, SOME_TESTS = 200, 100
 """Above the first number of tests, starts are ranked on about the second number of
 them, sampled with the study's seed: enough to locate minima to some standard errors."""
@@ -96,32 +92,12 @@ def _recall(objective: Objective, details: tuple, make: Callable[[], Fits]) -> F
     return objective.cache.recall(objective, details, make)
 
 
-def rough_of(objective: Objective) -> Objective:
-    """Return the objective with impacts just accurate enough to rank costs."""
-    tolerance = max(objective.accuracy.tolerance, PRESETS["fast"].tolerance)
-    if tolerance == objective.accuracy.tolerance:
-        return objective
-    return objective.at(PRESETS["fast"])
-
-
-def no_finer_than_sigmas(objective: Objective) -> Objective:
-    """Return the objective with impacts at "balanced", if that is coarser and its
-    errors are small beside every sigma."""
-    study, balanced = objective.study, PRESETS["balanced"]
-    known = study.known
-    size = np.abs(study.measured[known])
-    close = np.any(objective.sigma[known] < SMALL_BESIDE * size)
-    if close or objective.accuracy.tolerance >= balanced.tolerance:
-        return objective
-    return objective.at(balanced)
-
-
 def fit_starts(
     objective: Objective, x: np.ndarray, method: str, progress: Progress
 ) -> Fits:
     """Fit from every start roughly, to some of the tests where they are many; then fit
     to the end those that may be the best."""
-    rough, many = rough_of(objective), len(objective.study.measured) > MANY_TESTS
+    rough, many = objective.rough(), len(objective.study.measured) > MANY_TESTS
     part, told = rough, progress
     if many:
         some = some_tests(objective.study)
@@ -247,7 +223,7 @@ def polish(objective: Objective, fits: Fits, progress: Progress) -> Fits:
     chosen = np.isin(leader, first) | ended[leader]
     lanes, leader = lanes[chosen], leader[chosen]
     progress = progress.within("refining, ")
-    coarse = no_finer_than_sigmas(objective)
+    coarse = objective.no_finer_than_sigmas()
     if coarse is objective:
         fits = _continue(objective, fits, lanes, leader, FINE, progress)
     else:

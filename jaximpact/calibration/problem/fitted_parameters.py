@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ...errors import InputError
-from ...io.toml import allowed, check_keys, choice, number, typed, unknown
+from ...io.toml import allowed, check_keys, check_table, choice, number, typed, unknown
 from ...quantities import LABEL_COLUMNS, InputColumn
 from .dataset import CAMPAIGN, Measurements
 from .expressions import Tied, read_tied
@@ -107,15 +107,8 @@ def _parameter(
     key = f"parameters.{name}"
     if name not in columns:
         unknown(path, key, name, columns)
-    if not isinstance(entry, dict):
-        raise InputError(
-            "must be a table like { start = 1.0, lower = 0.1, upper = 10.0 }, but is "
-            f"{entry!r}",
-            file=path,
-            key=key,
-        )
     keys = "start", "lower", "upper", "prior", "by", "group_sd"
-    check_keys(path, key, entry, keys)
+    check_table(path, key, entry, keys, "{ start = 1.0, lower = 0.1, upper = 10.0 }")
     entry = {name: entry[name] for name in entry if name in keys[:4]}
     column = columns[name]
     lower, upper = DEFAULT_BOUNDS.get(name, (None, None))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
-from ...io.toml import check_keys, choice, number, typed, unknown
+from ...io.toml import check_table, choice, number, typed, unknown
 from ...quantities import LABEL_COLUMNS
 from .dataset import Measurements
 from .slope_correction import ANGLE
@@ -68,13 +68,7 @@ def read_prior(path: Path, key: str, entry, mean: float | None = None) -> Prior:
     Args:
         mean: default of the mean; without it one must be given.
     """
-    if not isinstance(entry, dict):
-        raise InputError(
-            f"must be a table like {{ mean = 30.0, sd = 5.0 }}, but is {entry!r}",
-            file=path,
-            key=key,
-        )
-    check_keys(path, key, entry, ("mean", "sd"))
+    check_table(path, key, entry, ("mean", "sd"), "{ mean = 30.0, sd = 5.0 }")
     values: dict[str, Any] = {"mean": mean} | entry
     for name in ("mean", "sd"):
         if values.get(name) is None:
@@ -171,14 +165,8 @@ def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisan
     columns = tests.known_columns
     if name not in columns:
         unknown(path, key, name, columns)
-    if not isinstance(entry, dict):
-        raise InputError(
-            'must be a table like { by = "campaign", prior = { mean = 30.0, sd = 5.0 } '
-            f"}}, but is {entry!r}",
-            file=path,
-            key=key,
-        )
-    check_keys(path, key, entry, KEYS)
+    like = '{ by = "campaign", prior = { mean = 30.0, sd = 5.0 } }'
+    check_table(path, key, entry, KEYS, like)
     by = choice(path, entry, "by", "campaign", (*LABEL_COLUMNS, EACH_TEST))
     if "prior" not in entry:
         raise InputError(

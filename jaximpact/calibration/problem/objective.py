@@ -26,6 +26,9 @@ from .noise import losses
 FAILED_COST = 5e5
 """Loss, with derivative zero, of a result that could not be computed: large, so that a
 fit keeps away, and finite, so that it does not spoil the sum."""
+SMALL_BESIDE = 1e-3
+"""Sigma over the measured value above which the errors of impacts at "balanced", 1e-6
+and 5e-4 of their derivatives, change a fit by less than 0.01 standard errors."""
 AT_ONCE = 50_000
 """Impacts between two lines of progress: bounds time and memory."""
 
@@ -102,6 +105,22 @@ class Objective(ForwardModel):
     def at(self, accuracy: Accuracy) -> "Objective":
         """Return the objective with impacts of another accuracy."""
         return self._changed(accuracy=accuracy)
+
+    def rough(self) -> "Objective":
+        """Return the objective with impacts just accurate enough to rank costs."""
+        fast = PRESETS["fast"]
+        return self if self.accuracy.tolerance >= fast.tolerance else self.at(fast)
+
+    def no_finer_than_sigmas(self) -> "Objective":
+        """Return the objective with impacts at "balanced", if that is coarser and its
+        errors are small beside every sigma."""
+        study, balanced = self.study, PRESETS["balanced"]
+        known = study.known
+        size = np.abs(study.measured[known])
+        close = np.any(self.sigma[known] < SMALL_BESIDE * size)
+        if close or self.accuracy.tolerance >= balanced.tolerance:
+            return self
+        return self.at(balanced)
 
     def with_sigma(self, sigma: np.ndarray) -> "Objective":
         """Return the objective with other sigmas, shape (tests, targets)."""
