@@ -55,6 +55,8 @@ class FittedVariant(NamedTuple):
     """Degrees of freedom of each target."""
     accuracy: Accuracy
     """Accuracy of the impacts that the draws need."""
+    group_sd: dict[str, float]
+    """Estimated standard deviations of groups' factors, by parameter."""
 
     @property
     def trusted(self) -> bool:
@@ -209,4 +211,5 @@ def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
         inflation=entry["inflation"],
         freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},
         accuracy=Accuracy(**draws["accuracy"]),
+        group_sd=entry.get("group_sd", {}),
     )

@@ -244,7 +244,8 @@ def unknowns(
                 draws.append(of_fit[:, known])
                 continue
             prior = nuisance.prior
-            drawn = random.normal(prior.mean, prior.sd, len(weights))
+            sd = fitted.group_sd.get(nuisance.name, prior.sd)
+            drawn = random.normal(prior.mean, sd, len(weights))
             best.append(prior.mean)
             draws.append(np.clip(drawn, nuisance.lower[place], nuisance.upper[place]))
     return np.array(best), np.stack(draws, axis=1), weights

@@ -17,7 +17,7 @@ from .diagnostics.results import StudyResult, VariantResult
 from .diagnostics.uncertainty import Uncertainty, estimate
 from .estimation.fit_cache import FitCache
 from .estimation.least_squares import Fits
-from .estimation.sigma import settle
+from .estimation.sigma import all_given, settle
 from .estimation.starts import (
     SILENT,
     fit,
@@ -87,8 +87,8 @@ def best_fit(
         raise InputError("no start gives a prediction", file=study.path)
     origin = ends.best
     objective, best = settle(objective, one_of(ends, origin), fit_on, progress)
-    if not np.all(study.sigma_given):
-        # Which end is the best depends on the sigmas.
+    if not all_given(study):
+        # Which end is the best depends on what is estimated.
         ends = ends._replace(points=objective.reevaluate(ends.points))
         ends = polish(objective, ends, progress)
         if ends.points.cost[ends.best] < best.points.cost[0]:

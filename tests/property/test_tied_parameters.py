@@ -2,15 +2,20 @@
 
 import numpy as np
 import pytest
+from calibration_studies import Linear
 from error_messages import assert_one_line
 
 from jaximpact import Soil
 from jaximpact.calibration import calibrate, predict
 from jaximpact.calibration.arguments import study_given
+from jaximpact.calibration.estimation.sigma import settle
+from jaximpact.calibration.estimation.starts import fit
+from jaximpact.calibration.fitted_ground import read_fitted
 from jaximpact.calibration.problem.expressions import Tied, read_tied
 from jaximpact.calibration.problem.forward_model import engine_of
 from jaximpact.calibration.problem.objective import Objective, names_of
 from jaximpact.errors import InputError
+from jaximpact.progress import Progress
 from jaximpact.quantities import INPUT_COLUMNS
 
 INPUTS = {
@@ -129,7 +134,7 @@ def test_groups_have_factors_on_a_parameter():
 @pytest.mark.parametrize(
     ("entry", "words"),
     [
-        ({"by": "campaign"}, "group_sd: is missing"),
+        ({"by": "campaign", "group_sd": "free"}, "must be a number"),
         ({"group_sd": 0.3}, "by: is missing"),
         ({"by": "campaign", "group_sd": -1.0}, "must lie above 0"),
         ({"by": "shape", "group_sd": 0.3}, "by"),
@@ -141,13 +146,70 @@ def test_groups_that_cannot_be_used_are_refused(entry, words):
     assert_one_line(error.value, words)
 
 
+GROUPS, EACH = 6, 4
+
+
+class OneWay(Linear):
+    """Predictions mu + b_g, linear in x: one-way random effects."""
+
+    @property
+    def matrix(self):
+        groups = self.study.nuisances[0].group[:, None] == np.arange(GROUPS)
+        columns = np.column_stack([np.ones(GROUPS * EACH), groups])
+        return columns * self.bounds.slope(np.zeros(1 + GROUPS))
+
+    def _wanted(self, x, free):
+        return np.ones(x.T.shape, bool)
+
+
+def one_way(measured, sigma):
+    names = [f"{number}" for number in range(GROUPS) for _ in range(EACH)]
+    tests = {"e_n": measured.ravel(), "speed_mps": np.full(measured.size, 5.0)}
+    study = study_given(
+        tests | {"campaign": names},
+        *({"c_v": {"by": "campaign"}}, None, None, None, sigma, None, None),
+    )
+    objective = OneWay(study, study.variants[0], None)
+    start = fit(objective, np.zeros((1, 1 + GROUPS)))
+    objective, best = settle(objective, start, fit, Progress())
+    return objective, best.points
+
+
+@pytest.mark.parametrize("stated", [True, False])
+@pytest.mark.parametrize("between", [0.3, 0.0])
+def test_sds_of_groups_are_those_of_one_way_random_effects(stated, between):
+    """In closed form for groups of equal size: the mean squares within and between
+    groups (Searle, Casella and McCulloch 1992, section 4.5)."""
+    random = np.random.default_rng(4)
+    measured = 0.5 + 0.1 * random.normal(size=(GROUPS, EACH))
+    measured += between * random.normal(size=(GROUPS, 1))
+    objective, points = one_way(measured, {"e_n": 0.1} if stated else None)
+    means = np.mean(measured, axis=1)
+    of_groups = EACH * np.var(means, ddof=1)
+    within = np.sum((measured - means[:, None]) ** 2) / (GROUPS * (EACH - 1))
+    within = 0.01 if stated else within
+    (nuisance,) = objective.study.nuisances
+    # Where both are estimated, rounds end at changes of 0.3 %.
+    tolerance = 1e-5 if stated else 5e-3
+    if between:
+        expected = np.sqrt((of_groups - within) / EACH)
+        assert nuisance.prior.sd == pytest.approx(expected, rel=tolerance)
+        assert objective.sigma[0, 0] == pytest.approx(np.sqrt(within), rel=tolerance)
+        shrunk = (means - np.mean(means)) * (1.0 - within / of_groups)
+        found = objective.bounds.parameter(points.x[0])[1:]
+        assert found == pytest.approx(shrunk, abs=1e-3)
+    else:
+        assert of_groups < within * 1.2  # the estimate is at its least, or near it
+        assert nuisance.prior.sd < 0.03
+
+
 @pytest.mark.slow
 def test_a_fit_with_a_tie_and_groups_is_found_and_predicts(tmp_path):
     """Tests of two grounds whose c_v differ by a factor of 1.5; noise-free, so that the
-    prior of 0.3 on its logarithm moves it by little."""
+    prior on its logarithm, whose deviation is estimated, moves it by little."""
     inputs = {name: values * 2 for name, values in INPUTS.items()}
     fit = {
-        "c_v": {"by": "campaign", "group_sd": 0.3},
+        "c_v": {"by": "campaign"},
         "k_E": {"expression": "600 * c_v"},
     }
     groups = ["north"] * 6 + ["south"] * 6
@@ -160,6 +222,10 @@ def test_a_fit_with_a_tie_and_groups_is_found_and_predicts(tmp_path):
     found = calibrate(tests, fit=fit, sigma=sigma, out=tmp_path / "out")
     values = found.result.variants[0].parameters
     assert values == pytest.approx(truth, abs=0.02)
+    # k_E tells the common c_v: the root mean square of the groups about it.
+    (group_sd,) = read_fitted(tmp_path / "out").variants[0].group_sd.values()
+    assert group_sd == pytest.approx(truth[1], rel=0.05)
+    assert f"0 +- {group_sd:.3g} (estimated)" in str(found)
     assert isinstance(found.soil, Soil)
     assert float(found.soil.k_E) == pytest.approx(600.0 * values[0], rel=1e-12)
     new = {name: values[:2] for name, values in INPUTS.items()}

@@ -1,6 +1,8 @@
 """One law fitted to the tests of a study, and its predictions of others."""
 
 import dataclasses
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +22,7 @@ from ..estimation.starts import SILENT
 from ..problem.config import Study
 from ..problem.forward_model import engine_of
 from ..problem.noise import least_size
-from ..problem.nuisance import EACH_TEST
+from ..problem.nuisance import EACH_TEST, group_sds
 from ..problem.objective import Objective, Points, names_of
 from ..study import best_fit
 from .contenders import Contender
@@ -52,6 +54,8 @@ class FittedLaw(NamedTuple):
     freedom: np.ndarray
     """Degrees of freedom of each sigma, shape (targets,); infinite where it is
     given."""
+    group_sd: Mapping[str, float] = MappingProxyType({})
+    """Estimated standard deviations of groups' factors, by parameter."""
 
     def sigma_of(self, predicted: np.ndarray) -> np.ndarray:
         """Compute the standard deviation of measurements about predictions."""
@@ -165,6 +169,7 @@ def fit_law(study: Study, contender: Contender, progress: Progress = SILENT) -> 
             np.inf,
             np.maximum(freedom_of_targets(objective, points), 1.0),
         ),
+        group_sd=group_sds(study.nuisances),
     )
     return LawFit(objective, points, uncertainty, fitted)
 
@@ -240,7 +245,8 @@ def _unknowns(fitted: FittedLaw, study: Study) -> tuple[np.ndarray, np.ndarray]:
             values.append(
                 nuisance.prior.mean if place is None else fitted.values[place]
             )
-            variances.append(nuisance.prior.sd**2 if place is None else 0.0)
+            sd = fitted.group_sd.get(nuisance.name, nuisance.prior.sd)
+            variances.append(sd**2 if place is None else 0.0)
     covariance = np.diag(variances)
     for row, first in enumerate(places):
         for column, second in enumerate(places):

@@ -329,12 +329,14 @@ def _common(fitted: VariantResult) -> dict[str, float]:
     first = len(study.parameters)
     for nuisance in study.nuisances:
         fit = fitted.parameters[first : first + len(nuisance.groups)]
+        first += len(nuisance.groups)
+        if nuisance.pooled:
+            continue  # the logarithm of a factor on a fitted parameter
         values[nuisance.name] = float(np.median(nuisance.base + fit[nuisance.group]))
         for name, sign in SIGN.items() if nuisance.turns_ground else ():
             stated = study.tests.inputs.get(name, known[name].default)
             turned = stated + sign * fit[nuisance.group]
             values[name] = float(np.median(turned))
-        first += len(nuisance.groups)
     return values
 
 

@@ -9,7 +9,15 @@ from ...io.toml import allowed, check_keys, check_table, choice, number, typed, 
 from ...quantities import LABEL_COLUMNS, InputColumn
 from .dataset import CAMPAIGN, Measurements
 from .expressions import Tied, read_tied
-from .nuisance import EACH_TEST, Nuisance, Prior, pooled_nuisance, read_prior
+from .nuisance import (
+    EACH_TEST,
+    MOST_GROUP_SD,
+    NOMINAL_GROUP_SD,
+    Nuisance,
+    Prior,
+    pooled_nuisance,
+    read_prior,
+)
 
 DEFAULT_BOUNDS = {
     "c_v": (0.01, 10.0),
@@ -17,8 +25,7 @@ DEFAULT_BOUNDS = {
     "k_E": (10.0, 1e5),
 }
 """Bounds of the parameters that are fitted by default [units of the columns]."""
-MOST_GROUP_SD = 1.0
-"""Largest standard deviation of the logarithm of a group's factor."""
+ESTIMATED = "estimated"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -81,16 +88,16 @@ def _pooled(
     key = f"parameters.{parameter.name}"
     if "by" not in entry and "group_sd" not in entry:
         return None
-    for name in ("by", "group_sd"):
-        if name not in entry:
-            raise InputError(
-                "is missing; groups need by and group_sd, the standard deviation of "
-                "the logarithm of a group's factor",
-                file=path,
-                key=f"{key}.{name}",
-            )
+    if "by" not in entry:
+        raise InputError(
+            "is missing: the column whose values are the groups of group_sd",
+            file=path,
+            key=f"{key}.by",
+        )
     by = choice(path, entry, "by", CAMPAIGN, (*LABEL_COLUMNS, EACH_TEST))
-    sd = number(path, f"{key}.group_sd", entry["group_sd"])
+    stated = entry.get("group_sd", ESTIMATED)
+    estimated = stated == ESTIMATED
+    sd = NOMINAL_GROUP_SD if estimated else number(path, f"{key}.group_sd", stated)
     if not (0.0 < sd <= MOST_GROUP_SD and parameter.logarithmic):
         raise InputError(
             f"must lie above 0 and up to {MOST_GROUP_SD:g}, for a parameter whose "
@@ -98,6 +105,7 @@ def _pooled(
             file=path,
             key=f"{key}.group_sd",
         )
+    sd = None if estimated else sd
     return pooled_nuisance(path, parameter.name, by, sd, tests)
 
 

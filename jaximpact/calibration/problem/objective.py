@@ -22,6 +22,7 @@ from ...identity import described
 from .config import Study, Variant
 from .forward_model import Engine, ForwardModel, bounds_of
 from .noise import losses
+from .nuisance import Prior
 
 FAILED_COST = 5e5
 """Loss, with derivative zero, of a result that could not be computed: large, so that a
@@ -125,6 +126,22 @@ class Objective(ForwardModel):
     def with_sigma(self, sigma: np.ndarray) -> "Objective":
         """Return the objective with other sigmas, shape (tests, targets)."""
         return self._changed(sigma=sigma)
+
+    def with_group_sds(self, sds: list[float]) -> "Objective":
+        """Return the objective with other standard deviations of groups' factors.
+
+        Args:
+            sds: one for each nuisance that is estimated (`Nuisance.estimated`).
+        """
+        left = iter(sds)
+        nuisances = tuple(
+            dataclasses.replace(n, prior=Prior(n.prior.mean, next(left)))
+            if n.estimated
+            else n
+            for n in self.study.nuisances
+        )
+        study = dataclasses.replace(self.study, nuisances=nuisances)
+        return self._changed(study=study, prior_sd=_priors(study)[1])
 
     def with_loss(self, loss: str) -> "Objective":
         """Return the objective with another loss, one of `LOSSES`."""

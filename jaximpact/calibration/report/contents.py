@@ -75,7 +75,7 @@ def _variant(
         "directions": variant.directions,
         "correlation": _correlation_rows(variant),
         "correlations_short": _correlations_short(variant),
-        "nuisances": nuisance_rows(result, variant),
+        "nuisances": nuisance_rows(variant),
         "draws": about_draws(result, variant, diagnostics.draws),
         "posterior": diagnostics.samples and _posterior(variant, diagnostics),
         "fit": target_rows(result, variant, diagnostics.each),
@@ -280,10 +280,14 @@ def _parameters_short(variant: VariantResult) -> Rows:
     return short
 
 
-def nuisance_rows(result: StudyResult, variant: VariantResult) -> Rows:
+def nuisance_rows(variant: VariantResult) -> Rows:
     """Write the nuisance parameters; no rows where there are none."""
     first = len(variant.verdicts)
-    priors = [n.prior for n in result.study.nuisances for _ in n.groups]
+    priors = [
+        f"{n.prior.mean:g} +- {n.prior.sd:.3g}{' (estimated)' if n.estimated else ''}"
+        for n in variant.objective.study.nuisances
+        for _ in n.groups
+    ]
     if not priors:
         return []
     return [("nuisance", "value", "standard error", "prior")] + [
@@ -291,7 +295,7 @@ def nuisance_rows(result: StudyResult, variant: VariantResult) -> Rows:
             variant.names[index],
             f"{variant.parameters[index]:.4g}",
             f"{variant.standard_error(index):.3g}",
-            f"{prior.mean:g} +- {prior.sd:g}",
+            prior,
         )
         for index, prior in enumerate(priors, first)
     ]

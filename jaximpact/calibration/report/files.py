@@ -30,7 +30,7 @@ from ..fitted_ground import FILES
 from ..problem.config import Study
 from ..problem.laws import as_entries, unusual
 from ..problem.noise import SCATTERS, least_size
-from ..problem.nuisance import entries_of
+from ..problem.nuisance import entries_of, group_sds
 from .comparison import (
     comparison_csv,
     comparison_json,
@@ -269,6 +269,7 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
             }
             for index in range(count, len(variant.names))
         },
+        **_if_any("group_sd", group_sds(variant.objective.study.nuisances)),
         "unknowns": variant.names,
         "covariance_of_logarithms_or_half_ranges": _plain(uncertainty.covariance),
         "correlation": _plain(uncertainty.correlation[:count, :count]),
