@@ -1,11 +1,13 @@
-"""Engines that are there already: two workers of Dask, pools of processes, and workers
-that are killed. Workers start in float32, as JAX does."""
+"""Engines that are there already: two workers of Dask, pools of processes, and a worker
+that is killed. Workers start in float32, as JAX does.
+
+Processes that start, and whatever is compiled, cost seconds each: all tests share one
+cluster and one kernel, and the worker that is killed is the last to be needed.
+"""
 
 import multiprocessing
 import os
-import random
 import signal
-import threading
 from concurrent.futures import Executor, ProcessPoolExecutor
 
 import dask
@@ -15,6 +17,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from own_laws import FLOW
+from runout_scenes import SLOPE_STUDY
 
 from jaximpact import (
     Block,
@@ -35,10 +38,10 @@ from jaximpact.store import open_cache
 pytestmark = pytest.mark.slow
 
 AXES = {
-    "angle_deg": np.linspace(0.0, 80.0, 60),
-    "orientation_deg": np.linspace(0.0, 100.0, 4),
+    "angle_deg": np.linspace(10.0, 80.0, 30),
+    "orientation_deg": [20.0, 50.0, 100.0],
 }
-BLOCK = Block(mass=np.linspace(50.0, 500.0, 700), aspect_ratio=2.0)
+BLOCK = Block(mass=np.linspace(50.0, 500.0, 300), aspect_ratio=2.0)
 IMPACT = Impact.from_degrees(angle=30.0, orientation=20.0)
 
 
@@ -82,35 +85,10 @@ def test_workers_keep_compiled_code_in_the_directory_that_they_are_told(client):
 
         return jax.config.jax_enable_x64, str(store.open_cache().path)
 
-    sweep(Scene(), AXES, chunks={"angle_deg": 10}).compute()
+    sweep(Scene(), AXES, chunks={"angle_deg": 15}).compute()
     for x64, path in client.run(settings).values():
         assert x64
         assert path == str(open_cache().path)
-
-
-def test_killed_workers_lose_nothing(client, at_once, tmp_path):
-    lazy = sweep(Scene(), AXES, chunks={"angle_deg": 1})
-    draw, killed, done = random.Random(5), [], threading.Event()
-
-    def kill():
-        while len(killed) < 2 and not done.wait(draw.uniform(0.05, 0.4)):
-            workers = [*client.run(os.getpid, on_error="ignore").values()]
-            if workers:  # else both are being started again
-                os.kill(draw.choice(workers), signal.SIGKILL)
-                killed.append(workers)
-
-    killing = threading.Thread(target=kill)
-    killing.start()
-    try:
-        regions = write_zarr(tmp_path / "a.zarr", lazy)
-    finally:
-        done.set()
-        killing.join()
-    assert killed
-    assert regions.total == regions.computed == 60
-    there = xr.open_zarr(tmp_path / "a.zarr").load()
-    xr.testing.assert_identical(there, at_once)
-    assert_same_bits(there, at_once)
 
 
 def test_a_batch_on_a_client_is_taken_up_from_its_journal(client, tmp_path):
@@ -121,47 +99,24 @@ def test_a_batch_on_a_client_is_taken_up_from_its_journal(client, tmp_path):
         BLOCK, Soil(), IMPACT, executor=client.get_executor(pure=False), **how
     )
     assert received.e_bar.tobytes() == expected.e_bar.tobytes()
-    assert told[-1] == (700, 700)
+    assert told[-1] == (300, 300)
     told.clear()
     simulate_batch(BLOCK, Soil(), IMPACT, **how)
-    assert told == [(700, 700)]
+    assert told == [(300, 300)]
 
 
 def test_a_law_of_a_file_is_found_by_workers(client, tmp_path):
     path = tmp_path / "my_laws.py"
     path.write_text(FLOW)
     soil = Soil(flow=find_part("flow", AbstractFlow, f"{path}:Creeping"))
-    lazy = sweep(Scene(soil=soil), {"my_creep_share": [0.0, 0.1]}, chunks=1)
+    lazy = sweep(Scene(soil=soil), {"my_creep_share": [0.0, 0.1]}, chunks=2)
     expected = sweep(Scene(soil=soil), {"my_creep_share": [0.0, 0.1]})
     assert_same_bits(lazy.compute(), expected)
 
 
-SLOPE = """
-count = 130
-seed = 7
-collectors_m = [60, 40]
-bins = 4
-[profile]
-points_m = [[0, 50], [50, 20], [55, 20], [80, 0], [200, 0]]
-[ground]
-c_v = { mean = 0.5, sd = 0.1, least = 0.1 }
-roughness_deg = 3
-[block]
-mass_kg = { mean = 100, sd = 60, least = 20 }
-shape = ["Ellipsoid", "EllipticCylinder"]
-[release]
-x_m = { from = 2, to = 6 }
-clearance_m = 0.5
-[contacts]
-law = "constant coefficients"
-e_n = 0.35
-e_t = 0.85
-"""
-
-
 def test_a_run_out_study_on_a_client(client, tmp_path):
     path = tmp_path / "slope.toml"
-    path.write_text(SLOPE)
+    path.write_text(SLOPE_STUDY.replace("count = 70", "count = 12"))
     study, told = read_slope_study(path), []
     received = run_slope_study(
         study,
@@ -169,7 +124,7 @@ def test_a_run_out_study_on_a_client(client, tmp_path):
         progress=lambda *done: told.append(done),
     )
     xr.testing.assert_identical(received, run_slope_study(study))
-    assert told[-1] == (130, 130)
+    assert told[-1] == (12, 12)
 
 
 def test_commands_on_a_scheduler(client, folder, capsys):
@@ -184,6 +139,22 @@ def test_commands_on_a_scheduler(client, folder, capsys):
     xr.testing.assert_identical(xr.open_zarr(folder / "there.zarr").load(), here)
     assert main(["sweep", "study.toml", "--out", "there.zarr"]) == 0
     assert "0 of 1 regions computed, 1 were there" in capsys.readouterr().err
+
+
+def test_a_killed_worker_loses_nothing(client, at_once, tmp_path):
+    lazy = sweep(Scene(), AXES, chunks={"angle_deg": 1})
+    workers = [*client.run(os.getpid).values()]
+
+    def kill(done: int, regions: int) -> None:
+        if workers and done == 5:
+            os.kill(workers.pop(), signal.SIGKILL)
+
+    regions = write_zarr(tmp_path / "a.zarr", lazy, progress=kill)
+    assert len(workers) == 1
+    assert regions.total == regions.computed == 30
+    there = xr.open_zarr(tmp_path / "a.zarr").load()
+    xr.testing.assert_identical(there, at_once)
+    assert_same_bits(there, at_once)
 
 
 def test_a_pool_of_joblib_and_one_of_python():

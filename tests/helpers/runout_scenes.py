@@ -1,5 +1,5 @@
-"""What the tests of run-outs share: simple blocks and slopes, laws of contact, and the
-energy that runs gain."""
+"""What the tests of run-outs share: simple blocks and slopes, a study, laws of contact,
+and the energy that runs gain."""
 
 import jax
 import numpy as np
@@ -23,6 +23,28 @@ FLAT = Profile([0.0, 1000.0], [0.0, 0.0])
 BIPLANAR = Profile([0.0, 400.0, 1000.0], [230.0, 0.0, 0.0])
 DEAD = ClosedForm(ConstantCoefficients(0.0, 1.0))
 """No bounce, and nothing lost along the ground."""
+SLOPE_STUDY = """
+count = 70
+seed = 7
+collectors_m = [60, 40]
+bins = 4
+[profile]
+points_m = [[0, 50], [50, 20], [55, 20], [80, 0], [200, 0]]
+[ground]
+c_v = { mean = 0.5, sd = 0.1, least = 0.1 }
+roughness_deg = 3
+[block]
+mass_kg = { mean = 100, sd = 60, least = 20 }
+shape = ["Ellipsoid", "EllipticCylinder"]
+[release]
+x_m = { from = 2, to = 6 }
+clearance_m = 0.5
+[contacts]
+law = "constant coefficients"
+e_n = 0.35
+e_t = 0.85
+"""
+"""Study of a slope with random inputs: two portions of an executor."""
 LAWS = (
     ConstantCoefficients(0.5, 0.8),
     ConstantCoefficients(0.95, 1.0),

@@ -1,10 +1,12 @@
 """Lazy arrays: impacts in blocks are those computed at once, to the last bit."""
 
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 import xarray as xr
+from runout_scenes import SLOPE_STUDY
 
 from jaximpact import Accuracy, Block, Impact, Scene, simulate_dataset, sweep
 from jaximpact.errors import InputError
@@ -145,36 +147,15 @@ def test_without_dask_the_cure_is_told(monkeypatch):
         sweep(BASE, AXES, chunks=1)
 
 
-SLOPE = """
-count = 12
-seed = 7
-collectors_m = [60, 40]
-bins = 4
-[profile]
-points_m = [[0, 50], [50, 20], [55, 20], [80, 0], [200, 0]]
-[ground]
-c_v = { mean = 0.5, sd = 0.1, least = 0.1 }
-roughness_deg = 3
-[block]
-mass_kg = { mean = 100, sd = 60, least = 20 }
-aspect_ratio = 1.5
-[release]
-x_m = { from = 2, to = 6 }
-clearance_m = 0.5
-[contacts]
-law = "constant coefficients"
-e_n = 0.35
-e_t = 0.85
-"""
-
-
 @pytest.mark.slow
-def test_a_run_out_study_in_chunks_is_the_study(tmp_path):
+def test_a_run_out_study_in_parts_is_the_study(tmp_path):
     path = tmp_path / "slope.toml"
-    path.write_text(SLOPE)
+    path.write_text(SLOPE_STUDY)
     study = read_slope_study(path)
     whole = run_slope_study(study)
-    lazy = lazy_slope_study(study, 5).compute()
+    with ThreadPoolExecutor(1) as pool:  # two portions
+        xr.testing.assert_identical(run_slope_study(study, executor=pool), whole)
+    lazy = lazy_slope_study(study, 30).compute()
     assert {"ending", "passage_speed_mps", "speed_mps_in_bin", "mass_kg"} <= {*lazy}
     for name, variable in lazy.variables.items():
         assert variable.values.tobytes() == whole[name].values.tobytes(), name
