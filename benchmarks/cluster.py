@@ -18,6 +18,7 @@ import shutil
 import signal
 import threading
 import time
+from functools import partial
 from pathlib import Path
 
 os.environ["JAX_ENABLE_X64"] = "1"
@@ -88,37 +89,21 @@ def alarm(*_) -> None:
     raise TimeoutError
 
 
-def main() -> None:
-    """Measure what the command line says."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("size", type=float)
-    parser.add_argument("--workers", type=int, default=0)
-    parser.add_argument("--accuracy", default="balanced")
-    parser.add_argument("--block", type=int, default=100_000)
-    parser.add_argument("--into", type=Path)
-    parser.add_argument("--kills", type=int, default=0)
-    parser.add_argument("--every", type=float, default=5.0)
-    parser.add_argument("--seconds", type=int, default=0)
-    asked = parser.parse_args()
-    axes = axes_of(int(asked.size))
-    each = len(RATIOS) * len(ORIENTATIONS)
-    told = {"impacts": len(axes["angle_deg"]) * each, "workers": asked.workers}
-    chunks = {"angle_deg": max(1, asked.block // each)}
-    signal.signal(signal.SIGALRM, alarm)
-    signal.alarm(asked.seconds)
-    if not asked.workers:
-        os.environ["JAXIMPACT_THREADS"] = "1"
-        sweep(Scene(), axes_of(100), accuracy=asked.accuracy)  # compiles
-        if asked.into:
-            import dask
+def on_one_thread(asked: argparse.Namespace, axes: dict, chunks: dict) -> dict:
+    """Measure the sweep in this process."""
+    os.environ["JAXIMPACT_THREADS"] = "1"
+    sweep(Scene(), axes_of(100), accuracy=asked.accuracy)  # compiles
+    if not asked.into:
+        return measure(lambda: sweep(Scene(), axes, accuracy=asked.accuracy))
+    import dask
 
-            lazy = sweep(Scene(), axes, accuracy=asked.accuracy, chunks=chunks)
-            with dask.config.set(scheduler="synchronous"):
-                told |= measure(lambda: write_zarr(asked.into, lazy))
-        else:
-            told |= measure(lambda: sweep(Scene(), axes, accuracy=asked.accuracy))
-        print(json.dumps(told), flush=True)
-        return
+    lazy = sweep(Scene(), axes, accuracy=asked.accuracy, chunks=chunks)
+    with dask.config.set(scheduler="synchronous"):
+        return measure(lambda: write_zarr(asked.into, lazy))
+
+
+def on_workers(asked: argparse.Namespace, axes: dict, chunks: dict) -> dict:
+    """Measure the sweep on the workers of a LocalCluster."""
     import dask
     from distributed import Client, LocalCluster
 
@@ -140,17 +125,37 @@ def main() -> None:
                 args=(client, asked.kills, asked.every, killed),
                 daemon=True,
             ).start()
-        if asked.into:
-            told |= measure(lambda: write_zarr(asked.into, lazy), client)
-        else:
-            told |= measure(lazy.compute, client)
+        work = partial(write_zarr, asked.into, lazy) if asked.into else lazy.compute
+        told = measure(work, client)
     if asked.kills:
         there = xr.open_zarr(asked.into).load()
         here = sweep(Scene(), axes, accuracy=asked.accuracy)
         same = all(there[n].values.tobytes() == here[n].values.tobytes() for n in here)
         told |= {"killed_at_s": killed, "bits_equal": same}
         shutil.rmtree(asked.into)
-    print(json.dumps(told), flush=True)
+    return told
+
+
+def main() -> None:
+    """Measure what the command line says."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("size", type=float)
+    parser.add_argument("--workers", type=int, default=0)
+    parser.add_argument("--accuracy", default="balanced")
+    parser.add_argument("--block", type=int, default=100_000)
+    parser.add_argument("--into", type=Path)
+    parser.add_argument("--kills", type=int, default=0)
+    parser.add_argument("--every", type=float, default=5.0)
+    parser.add_argument("--seconds", type=int, default=0)
+    asked = parser.parse_args()
+    axes = axes_of(int(asked.size))
+    each = len(RATIOS) * len(ORIENTATIONS)
+    told = {"impacts": len(axes["angle_deg"]) * each, "workers": asked.workers}
+    chunks = {"angle_deg": max(1, asked.block // each)}
+    signal.signal(signal.SIGALRM, alarm)
+    signal.alarm(asked.seconds)
+    measured = on_workers if asked.workers else on_one_thread
+    print(json.dumps(told | measured(asked, axes, chunks)), flush=True)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ _MODULES = {
     "io.datasets": ("read_netcdf", "write_netcdf"),
     "impact.events": ("Outcome",),
     "impact.reduced_models": ("select_model",),
+    "impact.results": ("EnergyLedger",),
     "lazy": ("simulate_dataset", "write_zarr"),
     "paper.sets": ("parametric_set",),
     "rebound": (
@@ -25,7 +26,6 @@ _MODULES = {
     "scene": ("Block", "Impact", "Scene", "Soil"),
     "sensitivity": ("Range", "elasticities", "morris", "sobol"),
     "simulation": ("simulate",),
-    "impact.summary": ("EnergyLedger",),
     "sweeping": ("repeat_sweep", "sweep"),
 }
 """Where the public names are. Each module is imported when it is asked for: JAX takes a

@@ -6,7 +6,7 @@ from .batch import simulate_batch
 from .calibration import calibrate, compare, predict
 from .impact.events import Outcome
 from .impact.reduced_models import select_model
-from .impact.summary import EnergyLedger
+from .impact.results import EnergyLedger
 from .io.datasets import read_netcdf, write_netcdf
 from .lazy import simulate_dataset, write_zarr
 from .paper.sets import parametric_set

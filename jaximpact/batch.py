@@ -23,6 +23,7 @@ from ._checks import real_number
 from ._packages import versions
 from ._precision import require_float64
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
+from .backend.derivative_rules import effort
 from .backend.native_backend import NativeWorker, compile_native, computes_on_cpu
 from .backend.threads import thread_count
 from .backend.xla_backend import (
@@ -35,7 +36,7 @@ from .errors import InputError
 from .identity import part_names
 from .impact.problem import Assembly
 from .impact.reduced_models import MODELS, model_places
-from .impact.summary import ImpactSummary, empty_summary
+from .impact.results import ImpactSummary, empty_summary
 from .io.checks import check_scene
 from .io.journal import Journal
 from .progress import Progress, ProgressFunction, as_progress
@@ -263,15 +264,22 @@ class Collector:
     Args:
         width: how many numbers an impact has.
         count: how many impacts there are.
-        progress: told how many impacts are done.
+        progress: told how many are done.
+        what: the impacts, as progress calls them.
     """
 
     def __init__(
-        self, width: int, count: int, journal: Journal | None, progress: Progress
+        self,
+        width: int,
+        count: int,
+        journal: Journal | None,
+        progress: Progress,
+        what: str = "impacts",
     ):
         self.numbers = np.empty((width, count))
         self.missing = np.ones(count, bool)
-        self._journal, self._progress, self._done = journal, progress, 0
+        self._journal, self._progress = journal, progress
+        self._what, self._done = what, 0
         self._lock = threading.Lock()
         if journal is not None:
             self._add(*journal.rows())
@@ -283,11 +291,16 @@ class Collector:
                 self._journal.append(places, rows)
             self._add(places, rows)
 
+    def under_way(self, done: int, total: int) -> None:
+        """Tell the progress of a part, whose numbers come when all its `total` are
+        done."""
+        self._progress(self._what, self._done + done, len(self.missing))
+
     def _add(self, places: np.ndarray, rows: np.ndarray) -> None:
         if len(places):
             self.numbers[:, places], self.missing[places] = rows.T, False
             self._done += len(places)
-            self._progress("impacts", self._done, len(self.missing))
+            self._progress(self._what, self._done, len(self.missing))
 
 
 def _subject(
@@ -332,7 +345,7 @@ def compute_scenes(
         places: indices of the scenes to compute; all by default.
         model_tolerance, ledger, timing: as for `simulate_batch`.
     """
-    order = _longest_first(scene)
+    order = np.argsort(effort(scene), kind="stable")
     if places is not None:
         order = order[np.isin(order, places)]
     groups = _groups(scene, order, model_tolerance, ledger)
@@ -354,18 +367,6 @@ def compute_scenes(
             "compile_s": started - begin,
             "run_s": time.perf_counter() - started,
         }
-
-
-def _longest_first(scene: Scene) -> np.ndarray:
-    """Order scenes by the expected duration of contact, the longest first, so that few
-    lanes stand empty at the end of a batch.
-
-    Contacts are long where the speed into the ground is small beside what gravity gives
-    over the size of a block.
-    """
-    speed = np.asarray(scene.impact.speed) * np.cos(np.asarray(scene.impact.angle))
-    size = np.cbrt(np.asarray(scene.block.mass) / np.asarray(scene.block.density))
-    return np.argsort(speed / np.sqrt(size), kind="stable")
 
 
 def _groups(

@@ -8,7 +8,7 @@ from jaxtyping import Array
 
 from .accuracy import Accuracy
 from .batch import Collector, compute_scenes
-from .impact.summary import ImpactSummary
+from .impact.results import ImpactSummary
 from .io.journal import Journal
 from .progress import Progress, as_progress
 from .scene import Scene

@@ -18,8 +18,7 @@ from .accuracy import Accuracy
 from .backend import MACHINE_CODE
 from .identity import part_names
 from .impact.events import Outcome
-from .impact.history import History
-from .impact.summary import ImpactSummary
+from .impact.results import History, ImpactSummary
 from .quantities import ENERGY_COLUMNS, FURTHER_COLUMNS, RESULT_COLUMNS
 from .scene import Scene, Selection
 from .scene_quantities import scene_values

@@ -26,10 +26,16 @@ from .._precision import float64_leaf
 from .._types import Structure
 from ..accuracy import Accuracy
 from ..errors import InputError
-from ..impact.history import History, empty_history, outside_contact
 from ..impact.problem import Assembly, assemble
 from ..impact.reduced_models import MODELS, exact_models
-from ..impact.summary import ImpactSummary, Solution, empty_summary
+from ..impact.results import (
+    History,
+    ImpactSummary,
+    Solution,
+    empty_history,
+    empty_summary,
+    outside_contact,
+)
 from ..scene import Scene, shape_of
 from . import NATIVE, Engine
 from .native_backend import compile_native, compile_native_along, computes_on_cpu
@@ -363,7 +369,7 @@ def _choose(given: Given, values: list, varied: list[int], directions: int):
     if operation is None:
         return None
     programs = sum(((models > place) * 1.0 for place in possible[:-1]), 0.0)
-    return operation, _effort(scene) if many else 0.0, programs
+    return operation, effort(scene) if many else 0.0, programs
 
 
 @functools.lru_cache(maxsize=256)
@@ -392,9 +398,13 @@ def _groups(structure) -> tuple[set[int], set[int], set[int]]:
     return posture, damping, {*range(structure.num_leaves)} - posture - damping
 
 
-def _effort(scene: Scene):
-    """A number that is larger for shorter contacts, to begin the longest ones first, as
-    `simulate_batch` does."""
+def effort(scene: Scene):
+    """A number that is larger for shorter contacts, to begin the longest ones first, so
+    that few lanes stand empty at the end.
+
+    Contacts are long where the speed into the ground is small beside what gravity gives
+    over the size of a block.
+    """
     block, impact = scene.block, scene.impact
     xp = namespace_of(*jax.tree.leaves(scene))
     size = xp.cbrt(block.mass / block.density)

@@ -11,10 +11,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool
 
 from .._gc_pause import collector_paused
-from ..impact.history import History
 from ..impact.problem import Assembly
+from ..impact.results import History, ImpactSummary
 from ..impact.specialize import depends
-from ..impact.summary import ImpactSummary
 from ..integrator.batched import Lanes, sample_lanes, start_lanes, step_lanes
 from ..integrator.summarise import summarise_lanes
 from .simd import Code, LaneFunctions, compile_code, without_copies

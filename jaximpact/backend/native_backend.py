@@ -19,7 +19,7 @@ from ..errors import IncompleteError, NoMachineCodeWarning
 from ..identity import described
 from ..impact.events import Outcome
 from ..impact.problem import Assembly
-from ..impact.summary import ImpactSummary, empty_summary
+from ..impact.results import ImpactSummary, empty_summary
 from ..scene import Scene
 from ..store import kept
 from .simd import Code, Kernel, NoMachineCode, Retries, host, keep_driver

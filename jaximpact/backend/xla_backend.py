@@ -20,9 +20,8 @@ from diffrax import AbstractAdaptiveSolver
 
 from .._types import Device
 from ..accuracy import MAX_STEPS, Accuracy
-from ..impact.history import History, history_at
 from ..impact.problem import Assembly, assemble, pose
-from ..impact.summary import ImpactSummary, Solution
+from ..impact.results import History, ImpactSummary, Solution, history_at
 from ..integrator.batched import Lanes, march, march_and_sample, start_lanes
 from ..integrator.diffrax_solvers import require_derivatives
 from ..integrator.single import diffrax_arguments, integrate

@@ -14,10 +14,10 @@ from collections.abc import Callable, Sequence
 
 from .._packages import version_of
 from ..errors import IncompleteError, InputError, UnusualValueWarning
-from . import batch, calibrate, paper, runout, sensitivity, simulate, sweep, tabulate
+from . import calibrate, impacts, paper, runout, sensitivity, sweep, tabulate
 from .progress import forget, say
 
-COMMANDS = (simulate, batch, sweep, runout, tabulate, sensitivity, calibrate, paper)
+COMMANDS = (impacts, sweep, runout, tabulate, sensitivity, calibrate, paper)
 USER_ERROR = 2
 SYSTEM_ERROR = 1
 INTERRUPTED = 130

@@ -16,8 +16,8 @@ from jaxtyping import Array, Bool, Float, Int
 from .._types import Scalar
 from ..impact.dynamics import initial_motion
 from ..impact.events import TIME_LIMIT, closing_velocity
-from ..impact.history import History, history_at
 from ..impact.problem import Problem, pose
+from ..impact.results import History, history_at
 from .accumulators import LastStep, add_work, no_step, start_fold
 from .event_location import LANDING, LandingState
 from .rosenbrock import ORDER, per_width

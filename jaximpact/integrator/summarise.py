@@ -1,7 +1,6 @@
 """Results of an impact from the end of its integration."""
 
 import dataclasses
-from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
@@ -17,7 +16,7 @@ from ..impact.dynamics import (
 )
 from ..impact.events import OUTCOME_OF_MARGIN, Outcome, closing_velocity
 from ..impact.problem import Problem
-from ..impact.summary import EnergyLedger, ImpactSummary
+from ..impact.results import EnergyLedger, ImpactSummary
 from ..restitution import defined_ratio, vijayakumar_coefficient
 from ..scene import Scene
 from .batched import Lanes, end_lanes
@@ -76,7 +75,6 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
     start = initial_motion(scene)
     final, now = problem.contact(end.vector)
     kinetic_in = kinetic_energy(ground, start)
-    kinetic_out = kinetic_energy(ground, final)
     closing = closing_velocity(ground, start)
     opening = (
         final.normal_velocity + now.foundation.tangential_arm * final.angular_velocity
@@ -90,29 +88,25 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
     normal = unless_separating(final.normal_velocity, start.normal_velocity)
     tangential = unless_separating(final.tangential_velocity, start.tangential_velocity)
     spin = unless_separating(final.angular_velocity, start.angular_velocity)
-    kinetic_out = unless_separating(kinetic_out, kinetic_in)
+    kinetic_out = unless_separating(kinetic_energy(ground, final), kinetic_in)
     e_contact = -unless_separating(opening, closing) / jnp.where(
         closing == 0.0, 1.0, closing
     )
     e_contact = jnp.where(closing == 0.0, -1.0, e_contact)
-    e_t = jnp.full_like(tangential, jnp.nan)
-    if "tangential_velocity" in problem.model.unknowns:
-        e_t = unless_separating(
-            defined_ratio(tangential, start.tangential_velocity),
-            jnp.where(start.tangential_velocity == 0.0, jnp.nan, 1.0),
-        )
     energy = None
     if problem.ledger:
+        work = end.fold.work._asdict() | {
+            "elastic": elastic_energy(final, now.stiffness)
+        }
         energy = EnergyLedger(
             kinetic_in=kinetic_in,
             kinetic_out=kinetic_out,
-            elastic=unless_separating(elastic_energy(final, now.stiffness), 0.0),
-            **_work(end, unless_separating),
+            **_nothing_if(separating, work),
         )
     summary = ImpactSummary(
         # A quotient of two equal numbers may be off one by a rounding.
         e_n=unless_separating(-defined_ratio(normal, start.normal_velocity), -1.0),
-        e_t=e_t,
+        e_t=_tangential_coefficient(problem, start, tangential, separating),
         e_contact=e_contact,
         e_bar=unless_separating(safe_sqrt(kinetic_out / kinetic_in), 1.0),
         R_r=0.5 * ground.inertia * spin**2 / kinetic_out,
@@ -123,8 +117,7 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
             start.normal_velocity,
             start.angular_velocity,
         ),
-        **_peaks(end, unless_separating),
-        **_ends(end, final, now, unless_separating),
+        **_course(end, final, now, separating),
         normal_velocity=normal,
         tangential_velocity=tangential,
         angular_velocity=spin,
@@ -135,30 +128,37 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
     return _named(problem, end, now.forces.normal, separating, summary)
 
 
-def _work(end: End, unless_separating: Callable) -> dict[str, Scalar]:
-    """Work done and energy lost, by the names of the ledger."""
-    work = end.fold.work._asdict()
-    return {name: unless_separating(item, 0.0) for name, item in work.items()}
+def _tangential_coefficient(
+    problem: Problem, start: Motion, velocity: Scalar, separating: Scalar
+) -> Scalar:
+    """e_t of the velocity after; NaN where there is none, and 1 where nothing
+    happens."""
+    if "tangential_velocity" not in problem.model.unknowns:
+        return jnp.full_like(velocity, jnp.nan)
+    before = start.tangential_velocity
+    unchanged = jnp.where(before == 0.0, jnp.nan, 1.0)
+    return jnp.where(separating, unchanged, defined_ratio(velocity, before))
 
 
-def _ends(
-    end: End, final: Motion, now: Contact, unless_separating: Callable
+def _course(
+    end: End, final: Motion, now: Contact, separating: Scalar
 ) -> dict[str, Scalar]:
-    """Where and when the contact ended, by the names of the results."""
-    return {
-        "final_penetration": unless_separating(final.penetration, 0.0),
-        "final_sinking": unless_separating(now.foundation.sinking, 0.0),
-        "duration": unless_separating(end.time, 0.0),
-        "rotation": unless_separating(final.rotation, 0.0),
-    }
-
-
-def _peaks(end: End, unless_separating: Callable) -> dict[str, Scalar]:
-    """Largest values and their times, by the names of the results."""
+    """Largest values and their times, and where and when the contact ended, by the
+    names of the results; zeros where there was none."""
     peaks, times = end.fold.peaks._asdict(), end.fold.peak_times._asdict()
-    return {f"max_{n}": unless_separating(peak, 0.0) for n, peak in peaks.items()} | {
-        f"time_of_max_{n}": unless_separating(time, 0.0) for n, time in times.items()
+    found = {
+        **{f"max_{name}": peak for name, peak in peaks.items()},
+        **{f"time_of_max_{name}": time for name, time in times.items()},
+        "final_penetration": final.penetration,
+        "final_sinking": now.foundation.sinking,
+        "duration": end.time,
+        "rotation": final.rotation,
     }
+    return _nothing_if(separating, found)
+
+
+def _nothing_if(separating: Scalar, values: dict[str, Scalar]) -> dict[str, Scalar]:
+    return {name: jnp.where(separating, 0.0, value) for name, value in values.items()}
 
 
 def _named(

@@ -15,8 +15,7 @@ from .._packages import versions
 from ..accuracy import Accuracy
 from ..errors import InputError
 from ..identity import name_of, part_names
-from ..impact.history import SCENE_DIMENSION, dimension_names
-from ..impact.summary import ImpactSummary
+from ..impact.results import SCENE_DIMENSION, ImpactSummary, dimension_names
 from ..parameters import declared_of
 from ..quantities import (
     ENERGY_COLUMNS,

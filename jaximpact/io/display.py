@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..impact.events import Outcome
-from ..impact.summary import ImpactSummary
+from ..impact.results import ImpactSummary
 from ..quantities import RESULT_COLUMNS
 from ..scene import Scene
 from ..scene_quantities import SHAPE

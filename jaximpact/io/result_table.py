@@ -14,7 +14,7 @@ from .._packages import versions
 from ..accuracy import Accuracy
 from ..identity import part_names
 from ..impact.events import Outcome
-from ..impact.summary import ImpactSummary
+from ..impact.results import ImpactSummary
 from ..quantities import OUTCOME_COLUMN, RESULT_COLUMNS
 from ..scene_quantities import scene_values
 from .files import refuse_inputs

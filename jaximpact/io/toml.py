@@ -166,12 +166,24 @@ def choice(path: Path, content: dict, key: str, default: str, known) -> str:
     return value
 
 
-def number(path: Path, key: str, value) -> float:
-    """A finite number."""
+def number(
+    path: Path,
+    key: str,
+    value,
+    *,
+    above: float = -math.inf,
+    least: float = -math.inf,
+    unit: str = "",
+) -> float:
+    """A finite number, above `above` and of at least `least`."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"must be a number, but is {value!r}", file=path, key=key)
     if abs(value) > sys.float_info.max or math.isnan(value):
         raise InputError(f"must be finite, but is {value}", file=path, key=key)
+    if not (value > above and value >= least):
+        need = f"above {above:g}" if value <= above else f"at least {least:g}"
+        problem = f"must be {need} {unit}".rstrip() + f", but is {value:g}"
+        raise InputError(problem, file=path, key=key)
     return float(value)
 
 

@@ -15,7 +15,7 @@ from .._precision import require_float64
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ..batch import compute_part
 from ..errors import InputError
-from ..impact.summary import empty_summary
+from ..impact.results import empty_summary
 from ..io.checks import check_scene
 from ..io.datasets import (
     OUTCOMES,

@@ -14,8 +14,7 @@ from ..accuracy import Accuracy, get_accuracy
 from ..backend.derivative_rules import solve_recorded
 from ..backend.threads import thread_count
 from ..errors import InputError, nearest
-from ..impact.history import History
-from ..impact.summary import ImpactSummary
+from ..impact.results import History, ImpactSummary
 from ..progress import Progress
 from ..scene import Scene
 from ..scene_quantities import scene_of_values, scene_values

@@ -13,8 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..impact.events import Outcome
-from ..impact.history import History
-from ..impact.summary import ImpactSummary
+from ..impact.results import History, ImpactSummary
 from ..parameters import parameters_of
 from ..scene import Scene
 from ..shapes import Ellipsoid

@@ -7,9 +7,8 @@ from .back_analysis.result import SlopeCalibration
 from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
 from .derivatives.gradients import Standing, differentiate_runout, runout_gradients
-from .distributions import Lognormal, Normal, PowerLaw, Uniform
 from .profile_files import read_profile
-from .random_inputs import draw
+from .random_inputs import Lognormal, Normal, PowerLaw, Uniform, draw
 from .scheduler import simulate_runout
 from .study.barriers import Barrier
 from .study.law_choice import choose_contacts

@@ -30,8 +30,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from .distributions import Distribution
-from .random_inputs import key_of, uniforms_at
+from .random_inputs import Distribution, key_of, uniforms_at
 
 CELLS_PER_LENGTH = 4
 """Number of cells to a correlation length."""

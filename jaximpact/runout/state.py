@@ -11,8 +11,7 @@ import numpy as np
 from ..scene import Block, Soil
 from ..shapes import RoundBlock
 from .blocks import BlockOutline, Body, MassProperties, Release, outline_of
-from .lane_programs import Values, closed_form
-from .tangents import Carried, call
+from .lane_programs import Carried, Values, call, closed_form
 from .terrain import Ground, Profile, spread
 from .trajectory import ContactRecord, Ending, Pieces, Recorder
 

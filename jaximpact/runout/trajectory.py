@@ -9,8 +9,7 @@ import numpy as np
 from ..io.display import Rows, ShownAsTable, range_of
 from ..scene import GRAVITY
 from .blocks import Body, Release, select
-from .lane_programs import Values
-from .tangents import Carried
+from .lane_programs import Carried, Values
 from .terrain import Profile
 
 

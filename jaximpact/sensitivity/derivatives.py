@@ -27,7 +27,7 @@ from ..backend.xla_compilation import unfused_jit
 from ..batch import by_shape, simulate_batch
 from ..impact.problem import Assembly
 from ..impact.reduced_models import MODELS, model_places
-from ..impact.summary import ImpactSummary, empty_summary
+from ..impact.results import ImpactSummary, empty_summary
 from ..quantities import InputColumn, ResultColumn, leaf_places
 from ..scene import Scene
 from ..scene_quantities import scene_with, value_of

@@ -13,7 +13,7 @@ from .._precision import require_float64
 from ..accuracy import Accuracy, get_accuracy
 from ..batch import broadcast_scene
 from ..impact.events import Outcome
-from ..impact.summary import ImpactSummary
+from ..impact.results import ImpactSummary
 from ..io.checks import check_scene
 from ..io.datasets import SCENE_DIMENSION, provenance, scene_coordinates
 from ..io.result_table import outcomes_in_words

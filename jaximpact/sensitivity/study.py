@@ -13,7 +13,7 @@ from ..accuracy import DEFAULT_ACCURACY
 from ..errors import InputError, located
 from ..io.files import read_input, write_text
 from ..io.output_files import NewFile, output_directory
-from ..io.toml import allowed, check_keys, choice, parse_toml, scene_from, typed, whole
+from ..io.toml import allowed, check_table, choice, parse_toml, scene_from, typed, whole
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import InputColumn
 from ..scene import Scene
@@ -32,6 +32,7 @@ from .global_methods import (
 from .ranges import (
     DEFAULT_OUTPUTS,
     DISTRIBUTIONS,
+    LOG_UNIFORM,
     UNIFORM,
     Range,
     check_range,
@@ -148,14 +149,8 @@ def _methods(
 
 def _range(path: Path, column: InputColumn, entry) -> Range | None:
     key = f"parameters.{column.name}"
-    if not isinstance(entry, dict):
-        raise InputError(
-            "must be a table like { lower = 0.1, upper = 10.0, "
-            f'distribution = "{DISTRIBUTIONS[-1]}" }}, or {{}}, but is {entry!r}',
-            file=path,
-            key=key,
-        )
-    check_keys(path, key, entry, RANGE_KEYS)
+    like = f'{{ lower = 0.1, upper = 10.0, distribution = "{LOG_UNIFORM}" }}, or {{}}'
+    check_table(path, key, entry, RANGE_KEYS, like)
     if not entry:
         return None
     ends = []

@@ -28,7 +28,7 @@ from jaximpact.backend.xla_compilation import unfused_jit
 from jaximpact.errors import InputError
 from jaximpact.impact.events import TIME_LIMIT
 from jaximpact.impact.problem import assemble, pose
-from jaximpact.impact.summary import ImpactSummary
+from jaximpact.impact.results import ImpactSummary
 from jaximpact.integrator.accumulators import start_fold
 from jaximpact.integrator.batched import Lanes, end_lanes, start_lanes, step_lanes
 from jaximpact.integrator.diffrax_solvers import usable_solver

@@ -31,8 +31,7 @@ from jaximpact.runout import (
     runout_gradients,
     simulate_runout,
 )
-from jaximpact.runout.lane_programs import closed_form, root
-from jaximpact.runout.tangents import Carried, call
+from jaximpact.runout.lane_programs import Carried, call, closed_form, root
 
 pytestmark = pytest.mark.slow
 

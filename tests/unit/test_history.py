@@ -14,8 +14,8 @@ from scipy.integrate import simpson
 from jaximpact import Block, Impact, Scene, Soil, simulate
 from jaximpact.backend import derivative_rules as solving
 from jaximpact.errors import InputError
-from jaximpact.impact.history import empty_history
 from jaximpact.impact.problem import assemble, pose
+from jaximpact.impact.results import empty_history
 from jaximpact.integrator.rosenbrock import Rodas5P
 from jaximpact.scene import GRAVITY
 

@@ -29,7 +29,7 @@ from jaximpact import (
     write_netcdf,
 )
 from jaximpact.errors import InputError
-from jaximpact.impact.history import History
+from jaximpact.impact.results import History
 from jaximpact.io.scene_table import read_table
 from jaximpact.quantities import (
     ENERGY_COLUMNS,

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from ...io.display import Rows
 from ...plotting.style import BLUE, GREY, VERMILION, in_style, panels, plain, png_bytes
 from ..comparison.comparison import Compared, GroupScores
 from ..comparison.verdict import RULE, ranking, verdict
 
-Rows = list[tuple[str, ...]]
 CSV_COLUMNS = (
     *("law", "row", "test", "log_density", "target", "measured", "left_out"),
     "left_out_deviation",

@@ -9,6 +9,7 @@ import numpy as np
 from ..._packages import versions
 from ...accuracy import PRESETS
 from ...identity import name_of
+from ...io.display import Rows
 from ...quantities import INPUT_COLUMNS, columns_of
 from ..diagnostics import cross_validation, further_tests, residuals
 from ..diagnostics.cross_validation import LeftOut
@@ -28,8 +29,6 @@ from ..estimation.least_squares import Reason
 from ..estimation.sigma import LEAST_FREEDOM, relative_sigma
 from ..problem.config import Study
 from ..problem.laws import in_words, unusual
-
-Rows = list[tuple[str, ...]]
 
 MOST_ROWS = 12
 """Number of tests listed of those left out: the worst predicted."""

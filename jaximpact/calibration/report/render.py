@@ -22,25 +22,27 @@ def render(layout: str, kind: str, contents: dict, package: str = PACKAGE) -> st
         contents: variables of the layout, as plain values.
         package: module whose folder of templates has the layout.
     """
-    template = _environment(kind, package).get_template(f"{layout}.jinja")
+    template = environment(kind, package).get_template(f"{layout}.jinja")
     text = template.render(contents, macros=f"{kind}.jinja")
     # Blank lines of the macros add up.
     return re.sub(r"\n{3,}", "\n\n", re.sub(r" +\n", "\n", text)).strip("\n") + "\n"
 
 
-def _environment(kind: str, package: str) -> "jinja2.Environment":
+def environment(kind: str, package: str) -> "jinja2.Environment":
+    """Make the environment of templates of this package and of another, as `render`
+    takes them."""
     # Imported with the first text: fits need none.
     import jinja2
 
-    environment = jinja2.Environment(
+    found = jinja2.Environment(
         loader=jinja2.ChoiceLoader([*map(jinja2.PackageLoader, {package, PACKAGE})]),
         autoescape=kind == "html",
         trim_blocks=True,
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters.update(plain=_plain, wrap=_wrapped, align=align)
-    return environment
+    found.filters.update(plain=_plain, wrap=_wrapped, align=align)
+    return found
 
 
 def _plain(text: str) -> str:

@@ -2,10 +2,9 @@
 
 import numpy as np
 
+from ...io.display import Rows
 from ..comparison.fitted_law import LawPrediction
 from ..prediction import PredictedTests, score
-
-Rows = list[tuple[str, ...]]
 
 
 def simple_scores(

@@ -14,7 +14,7 @@ from ...io.files import read_input
 from ...io.toml import parse_toml, typed, unknown, whole
 from ...quantities import InputColumn
 from ...scene import Soil
-from ..distributions import Distribution
+from ..random_inputs import Distribution
 from ..study.barriers import Barrier, read_barriers
 from ..study.ground_file import PARTS, GroundInput
 from ..study.quantity import read_ground_quantity

@@ -26,8 +26,7 @@ from ...impact.reduced_models import MODELS, model_places
 from ...impact_response import ImpactResponse, ImpactResponses, respond
 from ...rebound import Rebound
 from ...scene import Block, Impact, Scene, Soil
-from ..lane_programs import closed_form
-from ..tangents import Carried, call
+from ..lane_programs import Carried, call, closed_form
 
 NOT_TRACED = (
     *(jax.errors.TracerArrayConversionError, jax.errors.ConcretizationTypeError),

@@ -4,8 +4,8 @@ import numpy as np
 
 from ...impact_response import ImpactResponse
 from ..blocks import BlockOutline, Body, select, support_of
+from ..lane_programs import Carried, call
 from ..state import State
-from ..tangents import Carried, call
 from ..terrain import Profile
 from .contact_models import Contacts, ask
 from .departure import Seen, depart

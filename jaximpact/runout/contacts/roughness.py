@@ -26,10 +26,9 @@ from scipy.special import ndtr, ndtri
 
 from ...scene import GRAVITY
 from ..blocks import support
-from ..lane_programs import Values, root
+from ..lane_programs import Carried, Values, call, root
 from ..random_inputs import key_of, uniforms_at
 from ..state import BlockConstants, State
-from ..tangents import Carried, call
 from .plane_contact import PlaneContact, PostImpact, touch_facet
 
 CUT = 3.0

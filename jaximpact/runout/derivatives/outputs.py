@@ -10,8 +10,7 @@ from ...io.checks import checked_names
 from ..analysis import find_passages, passage
 from ..blocks import BlockOutline, MassProperties, select
 from ..extremes import Moment, extremes, values_at
-from ..lane_programs import Values, closed_form, root
-from ..tangents import Carried, call
+from ..lane_programs import Carried, Values, call, closed_form, root
 from ..trajectory import Pieces, Stretches, stretches_of
 from .results import Result
 

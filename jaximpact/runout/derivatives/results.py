@@ -3,10 +3,9 @@
 from typing import NamedTuple
 
 from ...progress import Progress
-from ..lane_programs import Values
+from ..lane_programs import Carried, Values
 from ..scheduler import WIDTH, advance, result_of
 from ..state import Limits, State
-from ..tangents import Carried
 from ..trajectory import Runs
 from .parameters import Case, Parameter, directions_of
 

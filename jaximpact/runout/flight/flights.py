@@ -19,9 +19,8 @@ import numpy as np
 
 from ...scene import GRAVITY
 from ..blocks import BlockOutline, Body, fly, select
-from ..lane_programs import Values, closed_form, found_by_search
+from ..lane_programs import Values, call, closed_form, found_by_search
 from ..state import UNDER_WAY, BlockState, Limits, Phase, State
-from ..tangents import call
 from ..terrain import SAME_PLANE, Profile
 from ..trajectory import Ending, MotionMode, Pieces
 from .broad_phase import count_needed, earliest, nearest_segments

@@ -8,9 +8,8 @@ import numpy as np
 
 from ...scene import GRAVITY
 from ..blocks import support
-from ..lane_programs import Values, closed_form, root
+from ..lane_programs import Values, call, closed_form, root
 from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
-from ..tangents import call
 from ..trajectory import Ending
 from .on_ground import SMALL_RISE, begin_on_ground
 from .rolling import Crossing, cross_break

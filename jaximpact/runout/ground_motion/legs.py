@@ -7,9 +7,8 @@ import numpy as np
 
 from ...scene import GRAVITY
 from ..blocks import support
-from ..lane_programs import Values, closed_form, root
+from ..lane_programs import Values, call, closed_form, root
 from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
-from ..tangents import call
 from ..terrain import SAME_PLANE
 from ..trajectory import Ending, MotionMode, Pieces
 from .on_ground import begin_on_ground, lying_orientation, small_speed

@@ -7,6 +7,7 @@ the profile too. A fence of length h across a slope of angle w stands h / cos(w)
 over the ground below its top.
 """
 
+import math
 from pathlib import Path
 from typing import NamedTuple
 
@@ -65,11 +66,8 @@ def _barrier(path: Path, where: str, table: dict, profile: Profile) -> Barrier:
         key = f"{where}.{name}"
         if name not in table:
             raise InputError("is needed", file=path, key=key)
-        numbers[name] = number(path, key, table[name])
-        if name != "x_m" and numbers[name] <= 0.0:
-            raise InputError(
-                f"must be above 0, but is {numbers[name]:g}", file=path, key=key
-            )
+        above = -math.inf if name == "x_m" else 0.0
+        numbers[name] = number(path, key, table[name], above=above)
     x, height, capacity = numbers.values()
     if not profile.x[0] < x < profile.x[-1]:
         raise InputError(

@@ -16,9 +16,8 @@ from ...scene_quantities import SHAPE, part_named, replaced_parts
 from ...shapes import AbstractShape, shape_of_each
 from ...units import DEGREE
 from ..blocks import Release
-from ..distributions import Uniform
 from ..flight.placement import check_release, lying_height
-from ..random_inputs import Quantity
+from ..random_inputs import Quantity, Uniform
 from ..terrain import Profile
 from .quantity import read_quantity
 

@@ -126,7 +126,7 @@ def plot_stops(dataset: xr.Dataset, path: Path) -> None:
     names, counts = np.unique(dataset.ending.values, return_counts=True)
     endings = ", ".join(f"{c} {n}" for n, c in zip(names, counts, strict=True))
     figure, (axes,) = panels(height=3.4, title=f"{plain(dataset.title)}: {endings}")
-    places = dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
+    places = stops_of(dataset)
     if len(places):
         axes.hist(places, bins=min(60, max(10, len(places) // 20)), color=BLUE)
         for percentile, colour in ((50, ORANGE), (95, VERMILION)):
@@ -168,8 +168,7 @@ def plot_comparison(
         sharex=True,
     )
     for place, (law, dataset) in enumerate(datasets.items()):
-        stopped = dataset.ending.values == str(Ending.stopped)
-        x = np.sort(dataset.x_m.values[stopped])
+        x = np.sort(stops_of(dataset))
         fraction = np.arange(1, len(x) + 1) / max(np.sum(valid_blocks(dataset)), 1)
         places = np.concatenate([profile.x[:1], x, profile.x[-1:]])
         last = fraction[-1:] if len(x) else [0.0]
@@ -215,6 +214,11 @@ def plot_compared_collectors(datasets: Mapping[str, xr.Dataset], path: Path) -> 
 def valid_blocks(dataset: xr.Dataset) -> np.ndarray:
     """Tell which blocks did not fail."""
     return dataset.ending.values != str(Ending.failed)
+
+
+def stops_of(dataset: xr.Dataset) -> np.ndarray:
+    """Give x where blocks stopped [m]."""
+    return dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
 
 
 def _edges(dataset: xr.Dataset) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Files and text of a run-out study, and of a comparison of contact laws."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 import xarray as xr
@@ -122,7 +122,7 @@ def in_words(dataset: xr.Dataset) -> str:
             f"The {cut} cut off by a limit might have gone farther: the shares that "
             "pass are lower bounds."
         )
-    stopped = dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
+    stopped = drawing.stops_of(dataset)
     if len(stopped):
         values = np.percentile(stopped, (0, *PERCENTILES, 100))
         names = ("least", *(f"{p} %" for p in PERCENTILES), "largest")
@@ -198,22 +198,12 @@ def write_comparison(
     write_text(new("comparison.csv"), _csv(LAW_COLUMNS, _law_rows(datasets)))
     drawing.plot_comparison(datasets, study.profile, new("comparison.png"))
     if len(study.collectors):
-        rows = [
-            (_quoted(law), *row)
-            for law, dataset in datasets.items()
-            for row in collector_rows(dataset)
-        ]
-        write_text(
-            new("comparison_collectors.csv"), _csv(("law", *COLLECTOR_COLUMNS), rows)
-        )
+        table = _csv_of_laws(COLLECTOR_COLUMNS, datasets, collector_rows)
+        write_text(new("comparison_collectors.csv"), table)
         drawing.plot_compared_collectors(datasets, new("comparison_collectors.png"))
     if study.barriers:
-        rows = [
-            (_quoted(law), *row)
-            for law, dataset in datasets.items()
-            for row in barrier_rows(dataset)
-        ]
-        write_text(new("comparison_barriers.csv"), _csv(("law", *COLUMNS), rows))
+        table = _csv_of_laws(COLUMNS, datasets, barrier_rows)
+        write_text(new("comparison_barriers.csv"), table)
     write_text(new("report.txt"), compare_in_words(datasets) + "\n")
     laws = {law: _attributes(dataset) for law, dataset in datasets.items()}
     manifest = {"title": study.title, "laws": laws}
@@ -286,7 +276,7 @@ def _law_rows(datasets: Mapping[str, xr.Dataset]) -> list[tuple[str, ...]]:
 
 
 def _stop_percentiles(dataset: xr.Dataset) -> np.ndarray:
-    x = dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
+    x = drawing.stops_of(dataset)
     return np.percentile(x, STOPS) if len(x) else np.full(len(STOPS), np.nan)
 
 
@@ -296,6 +286,13 @@ def _count(dataset: xr.Dataset, ending: Ending) -> int:
 
 def _csv(heads: tuple[str, ...], rows: Iterable[Iterable[str]]) -> str:
     return "\n".join(",".join(row) for row in (heads, *rows)) + "\n"
+
+
+def _csv_of_laws(heads: tuple[str, ...], datasets: Mapping, rows_of: Callable) -> str:
+    rows = [
+        (_quoted(k), *row) for k, found in datasets.items() for row in rows_of(found)
+    ]
+    return _csv(("law", *heads), rows)
 
 
 def _quoted(text: str) -> str:

@@ -6,9 +6,8 @@ from typing import NoReturn
 from ...errors import InputError
 from ...io.toml import check_keys, number, quantity
 from ...quantities import InputColumn
-from ..distributions import Distribution, Lognormal, Normal, PowerLaw, Uniform
 from ..random_fields import RandomField
-from ..random_inputs import Quantity
+from ..random_inputs import Distribution, Lognormal, Normal, PowerLaw, Quantity, Uniform
 
 BOUNDS = ("least", "most")
 KINDS = {
@@ -77,9 +76,7 @@ def read_ground_quantity(
     `read_quantity`."""
     if not isinstance(value, dict) or LENGTH not in value:
         return read_quantity(path, key, value, column)
-    length = number(path, f"{key}.{LENGTH}", value[LENGTH])
-    if not length > 0.0:
-        _refuse(path, f"{key}.{LENGTH}", f"must be above 0 m, but is {length:g}")
+    length = number(path, f"{key}.{LENGTH}", value[LENGTH], above=0.0, unit="m")
     rest = {name: of for name, of in value.items() if name != LENGTH}
     distribution = read_quantity(path, key, rest, column)
     assert isinstance(distribution, Distribution)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from ...calibration.report.render import environment
 from ...io.display import Rows
 from ...scene_quantities import SHAPE
 from ..contacts.contact_models import ClosedForm
@@ -19,7 +20,7 @@ from .barrier_results import (
     interval_text,
     number_text,
 )
-from .drawing import grounds_of, valid_blocks
+from .drawing import grounds_of, stops_of, valid_blocks
 from .intervals import least_blocks, percentile_interval
 from .map_files import NO_MAP
 from .page_data import QUANTITIES, page_curves, page_profile
@@ -101,22 +102,9 @@ def report_page(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> str:
 
 
 def _render(layout: str, contents: dict) -> str:
-    # A late import: reading a study needs no templates.
-    import jinja2
-
-    loaders: list[jinja2.BaseLoader] = [
-        jinja2.PackageLoader("jaximpact.runout.study"),
-        # The layout of pages, which calibrations have too.
-        jinja2.PackageLoader("jaximpact.calibration.report"),
-    ]
-    environment = jinja2.Environment(
-        loader=jinja2.ChoiceLoader(loaders),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
-    text = environment.get_template(layout).render(contents)
+    # With the layout of pages, which calibrations have too.
+    templates = environment("html", "jaximpact.runout.study")
+    text = templates.get_template(layout).render(contents)
     return re.sub(r"\n{2,}", "\n", text).strip("\n") + "\n"
 
 
@@ -132,7 +120,7 @@ def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
     endings = json.loads(dataset.attrs["endings"])
     told = ", ".join(f"{count} {name}" for name, count in endings.items())
     lines = [f"{study.release.count} blocks, contacts by {study.law_name}: {told}."]
-    stopped = dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
+    stopped = stops_of(dataset)
     if len(stopped):
         low, high = percentile_interval(stopped, 95)
         lines.append(
@@ -214,7 +202,7 @@ def _results(dataset: xr.Dataset) -> dict:
     blocks = dataset.sizes["block"]
     rows: Rows = [("ending", "blocks", "share")]
     rows += [(n, str(count), f"{count / blocks:.1%}") for n, count in endings.items()]
-    stopped = dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
+    stopped = stops_of(dataset)
     told = "No block stopped."
     if len(stopped):
         values = np.percentile(stopped, PERCENTILES)

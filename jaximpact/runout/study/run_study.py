@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 
 from ..._packages import versions
+from ...batch import Collector
 from ...io.journal import Journal
 from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import columns_of_part
@@ -79,73 +80,46 @@ def run_slope_study(
 
     Raises InputError for a journal of something else.
     """
-    progress = as_progress(progress)
-    rows = np.full((study.release.count, len(columns_of_rows(study))), np.nan)
-    done = np.zeros(len(rows), bool)
-    kept = contextlib.nullcontext()
+    columns, count = columns_of_rows(study), study.release.count
+    opened = contextlib.nullcontext()
     if journal is not None:
-        kept = Journal(journal, _subject(study), columns_of_rows(study), len(rows))
-    with kept as store:
-        if store is not None:
-            places, numbers = store.rows()
-            rows[places], done[places] = numbers, True
+        opened = Journal(journal, _subject(study), columns, count)
+    with opened as kept:
+        collector = Collector(
+            len(columns), count, kept, as_progress(progress), "blocks"
+        )
         if executor is None:
-            _run_here(study, rows, done, store, progress)
+            _run_here(study, collector)
         else:
-            _run_elsewhere(executor, study, rows, done, store, progress)
-    return _dataset(study, rows)
+            _run_elsewhere(executor, study, collector)
+    return _dataset(study, collector.numbers.T)
 
 
-def _run_here(
-    study: SlopeStudy,
-    rows: np.ndarray,
-    done: np.ndarray,
-    store: Journal | None,
-    progress: Progress,
-) -> None:
+def _run_here(study: SlopeStudy, collector: Collector) -> None:
     """Compute the blocks that are not done, portion by portion."""
-    size, waiting = FIRST_PORTION, np.flatnonzero(~done)
+    size, waiting = FIRST_PORTION, np.flatnonzero(collector.missing)
     while len(waiting):
         portion, waiting = waiting[:size], waiting[size:]
-        before = len(rows) - len(waiting) - len(portion)
         start = time.monotonic()
-        runs = simulate(
-            study,
-            portion,
-            lambda done, _, before=before: progress("blocks", before + done, len(rows)),
-        )
-        rows[portion] = summarise(study, runs)
-        if store is not None:
-            store.append(portion, rows[portion])
+        runs = simulate(study, portion, collector.under_way)
+        collector.take(portion, summarise(study, runs))
         if time.monotonic() - start < QUICK:
             size = min(2 * size, WIDTH)
 
 
 def _run_elsewhere(
-    executor: concurrent.futures.Executor,
-    study: SlopeStudy,
-    rows: np.ndarray,
-    done: np.ndarray,
-    store: Journal | None,
-    progress: Progress,
+    executor: concurrent.futures.Executor, study: SlopeStudy, collector: Collector
 ) -> None:
     """Compute the blocks that are not done by the workers of an executor."""
     check_executor(executor)
-    waiting = np.flatnonzero(~done)
+    waiting = np.flatnonzero(collector.missing)
     size = int(np.clip(-(-len(waiting) // PORTIONS), FIRST_PORTION, LARGEST_PORTION))
     portions = [waiting[i : i + size] for i in range(0, len(waiting), size)]
-    finished = len(rows) - len(waiting)
-
-    def take(number: int, found: np.ndarray) -> None:
-        nonlocal finished
-        portion = portions[number]
-        rows[portion] = found
-        if store is not None:
-            store.append(portion, found)
-        finished += len(portion)
-        progress("blocks", finished, len(rows))
-
-    run_tasks(executor, (task_of(study, portion) for portion in portions), take)
+    run_tasks(
+        executor,
+        (task_of(study, portion) for portion in portions),
+        lambda number, found: collector.take(portions[number], found),
+    )
 
 
 def _subject(study: SlopeStudy) -> dict:

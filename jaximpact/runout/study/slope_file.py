@@ -234,6 +234,9 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         file=path,
         key="count",
     )
+    error = content.get("contact_error")
+    if error is not None:
+        error = number(path, "contact_error", error, least=0.0)
     samples, release, ground = given.sample(count, seed)
     inputs = [*checksums, *(file for law in laws for file in law.checksums)]
     return [
@@ -264,36 +267,20 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
             export_trajectories=whole(
                 path, content, "export_trajectories", DEFAULT_EXPORT, 1
             ),
-            contact_error=_contact_error(path, content),
+            contact_error=error,
         )
         for law in laws
     ]
 
 
-def _contact_error(path: Path, content: dict) -> float | None:
-    if "contact_error" not in content:
-        return None
-    error = number(path, "contact_error", content["contact_error"])
-    if error < 0.0:
-        raise InputError(
-            f"must be at least 0, but is {error:g}", file=path, key="contact_error"
-        )
-    return error
-
-
 def _limits(path: Path, content: dict) -> Limits:
-    time = number(path, "time_limit_s", content.get("time_limit_s", TIME_LIMIT))
-    if time <= 0.0:
-        raise InputError(
-            f"must be above 0 s, but is {time:g}", file=path, key="time_limit_s"
-        )
-    key = "hop_threshold"
-    threshold = number(path, key, content.get(key, HOP_THRESHOLD))
-    if threshold < 0.0:
-        raise InputError(
-            f"must be at least 0, but is {threshold:g}", file=path, key=key
-        )
-    return Limits(time, whole(path, content, "event_limit", EVENT_LIMIT, 1), threshold)
+    time = content.get("time_limit_s", TIME_LIMIT)
+    threshold = content.get("hop_threshold", HOP_THRESHOLD)
+    return Limits(
+        number(path, "time_limit_s", time, above=0.0, unit="s"),
+        whole(path, content, "event_limit", EVENT_LIMIT, 1),
+        number(path, "hop_threshold", threshold, least=0.0),
+    )
 
 
 def _count(
