@@ -17,7 +17,8 @@ from jaximpact.calibration.diagnostics.examination import (
 from jaximpact.calibration.diagnostics.identifiability import Verdict
 from jaximpact.calibration.problem.config import study_of
 from jaximpact.calibration.problem.dataset import joined_tables
-from jaximpact.calibration.report.contents import about_draws, target_rows
+from jaximpact.calibration.report.contents import target_rows
+from jaximpact.calibration.report.parameters import about_draws
 
 ANGLES = [10.0, 25.0, 40.0, 50.0, 60.0, 35.0]
 SPEEDS = [8.0, 12.0, 10.0, 15.0, 20.0, 6.0]

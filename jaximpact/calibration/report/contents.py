@@ -10,7 +10,7 @@ from ..._packages import versions
 from ...accuracy import PRESETS
 from ...identity import name_of
 from ...io.display import Rows
-from ...quantities import INPUT_COLUMNS, columns_of
+from ...quantities import INPUT_COLUMNS
 from ..diagnostics import cross_validation, further_tests, residuals
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import (
@@ -20,27 +20,28 @@ from ..diagnostics.examination import (
     freedom_text,
     warnings_of,
 )
-from ..diagnostics.identifiability import LikelihoodProfile, interval_text
-from ..diagnostics.importance_sampling import Draws
-from ..diagnostics.nuts import Samples, compare_errors
 from ..diagnostics.results import StudyResult, VariantResult
-from ..diagnostics.uncertainty import USELESS_ERROR
 from ..estimation.least_squares import Reason
 from ..estimation.sigma import LEAST_FREEDOM, relative_sigma
 from ..problem.config import Study
 from ..problem.laws import in_words, unusual
+from .parameters import (
+    NOT_IDENTIFIABLE,
+    about_draws,
+    about_posterior,
+    correlation_rows,
+    correlations_short,
+    nuisance_rows,
+    parameter_rows,
+    parameters_short,
+    profile_rows,
+    verdict,
+)
 
 MOST_ROWS = 12
 """Number of tests listed of those left out: the worst predicted."""
-AGREE = 1.01
-"""R-hat up to which chains agree."""
-NEARLY_NORMAL = 0.7
-"""Effective sample size, as a fraction, above which the posterior is nearly normal."""
 ONE_ROW = 1e-3
 """Relative difference of costs within which starts share a row."""
-LEAST_CORRELATION = 0.1
-"""Correlations below are left out of the summary."""
-NOT_IDENTIFIABLE = "not identifiable"
 
 
 def contents_of(result: StudyResult, examined: list[Examination]) -> dict:
@@ -69,14 +70,14 @@ def _variant(
         "verdict": verdict(variant, len(result.variants) > 1),
         "warnings": warnings_of(result, variant, diagnostics),
         "parameters": parameter_rows(variant),
-        "parameters_short": _parameters_short(variant),
-        "profiles": {n: _profile(found) for n, found in variant.profiles.items()},
+        "parameters_short": parameters_short(variant),
+        "profiles": {n: profile_rows(found) for n, found in variant.profiles.items()},
         "directions": variant.directions,
-        "correlation": _correlation_rows(variant),
-        "correlations_short": _correlations_short(variant),
+        "correlation": correlation_rows(variant),
+        "correlations_short": correlations_short(variant),
         "nuisances": nuisance_rows(variant),
         "draws": about_draws(result, variant, diagnostics.draws),
-        "posterior": diagnostics.samples and _posterior(variant, diagnostics),
+        "posterior": diagnostics.samples and about_posterior(variant, diagnostics),
         "fit": target_rows(result, variant, diagnostics.each),
         "statistics": _statistics(result, variant),
         "has_residuals": np.any(np.isfinite(values)),
@@ -196,220 +197,6 @@ def _variant_rows(result: StudyResult) -> Rows:
         ]
         rows.append((variant.variant.name, *cells, *errors, f"{variant.cost:.4g}"))
     return rows
-
-
-# --- Parameters. ---
-
-
-def verdict(variant: VariantResult, several: bool = False) -> list[str]:
-    """List which parameters are identifiable, with their intervals, and which not."""
-    known, unknown = [], []
-    for index, of_one in enumerate(variant.verdicts):
-        if of_one.determined:
-            low, high = variant.interval(index)
-            known.append(
-                f"{of_one.name} = {variant.parameters[index]:.3g} "
-                f"(95 %: {low:.3g} to {high:.3g})"
-            )
-        else:
-            unknown.append(
-                f"{of_one.name} is not identifiable from these tests: {of_one.reason}."
-            )
-    name = f"{variant.variant.name}: " if several else ""
-    lines = [f"{name}No parameter is identifiable by itself."]
-    if known:
-        lines = [f"{name}The tests identify {', '.join(known)}."]
-    lines += unknown
-    if unknown and variant.uncertainty.eigenvalues[-1] * USELESS_ERROR**2 > 1.0:
-        lines.append(f"Best identifiable combination: {variant.directions[0]}.")
-    elif unknown:
-        lines.append("No combination of them is identifiable either.")
-    if unknown and known:
-        fixed = ", ".join(v.name for v in variant.verdicts if not v.determined)
-        lines.append(
-            "The standard errors of the others hold near this fit only: they depend on "
-            f"{fixed}."
-        )
-    return lines
-
-
-def parameter_rows(variant: VariantResult) -> Rows:
-    """Write the parameters with standard errors and intervals."""
-    columns = columns_of(variant.objective.scene)
-    rows: Rows = [
-        (
-            *("parameter", "unit", "value", "standard error", "95 %"),
-            *("profile, 68 %", "profile, 95 %", "lower", "upper"),
-        )
-    ]
-    for index, of_one in enumerate(variant.verdicts):
-        profile = variant.profiles[of_one.name]
-        ends_95 = interval_text(profile.low_95, profile.high_95)
-        error, within = NOT_IDENTIFIABLE, ends_95
-        if of_one.determined:
-            error = f"{variant.standard_error(index):.3g}"
-            if variant.bounds.logarithmic[index]:
-                relative = 100 * variant.uncertainty.standard_errors[index]
-                error += f" ({relative:.2g} %)"
-            within = "{:.4g} to {:.4g}".format(*variant.interval(index))
-        rows.append(
-            (
-                of_one.name,
-                columns[of_one.name].unit,
-                f"{variant.parameters[index]:.5g}",
-                error,
-                within,
-                interval_text(profile.low, profile.high),
-                ends_95,
-                f"{variant.bounds.lower[index]:g}",
-                f"{variant.bounds.upper[index]:g}",
-            )
-        )
-    return rows
-
-
-def _parameters_short(variant: VariantResult) -> Rows:
-    """Write the parameters with their bounds in one column, a reached one marked."""
-    x = variant.bounds.coordinate(variant.parameters)
-    head, *rows = parameter_rows(variant)
-    short: Rows = [(*head[:5], "bounds")]
-    for row, at in zip(rows, variant.bounds.bound_reached(x), strict=False):
-        hit = f" (at the {at})" if at else ""
-        short.append((*row[:5], f"{row[-2]} to {row[-1]}{hit}"))
-    return short
-
-
-def nuisance_rows(variant: VariantResult) -> Rows:
-    """Write the nuisance parameters; no rows where there are none."""
-    first = len(variant.verdicts)
-    priors = [
-        f"{n.prior.mean:g} +- {n.prior.sd:.3g}{' (estimated)' if n.estimated else ''}"
-        for n in variant.objective.study.nuisances
-        for _ in n.groups
-    ]
-    if not priors:
-        return []
-    return [("nuisance", "value", "standard error", "prior")] + [
-        (
-            variant.names[index],
-            f"{variant.parameters[index]:.4g}",
-            f"{variant.standard_error(index):.3g}",
-            prior,
-        )
-        for index, prior in enumerate(priors, first)
-    ]
-
-
-def _profile(found: LikelihoodProfile) -> Rows:
-    roots = np.sqrt(np.maximum(found.rise, 0.0))
-    return [("fixed at", "root of twice the rise of the cost")] + [
-        (f"{value:.4g}", f"{root:.3g}")
-        for value, root in zip(found.values, roots, strict=True)
-    ]
-
-
-def _correlation_rows(variant: VariantResult) -> Rows:
-    names = [of_one.name for of_one in variant.verdicts]
-    count = len(names)
-    lines = variant.uncertainty.correlation[:count, :count]
-    return [("", *names)] + [
-        (name, *(f"{value:+.3f}" for value in line))
-        for name, line in zip(names, lines, strict=True)
-    ]
-
-
-def _correlations_short(variant: VariantResult) -> Rows:
-    """Write the correlated pairs, the most correlated first."""
-    names = [of_one.name for of_one in variant.verdicts]
-    found = [
-        (float(variant.uncertainty.correlation[a, b]), names[a], names[b])
-        for a, b in itertools.combinations(range(len(names)), 2)
-    ]
-    found.sort(key=lambda pair: -abs(pair[0]))
-    rows = [
-        (f"{a}, {b}", f"{value:+.3f}")
-        for value, a, b in found
-        if abs(value) >= LEAST_CORRELATION
-    ]
-    return [("parameters", "correlation"), *rows] if rows else []
-
-
-def about_draws(result: StudyResult, variant: VariantResult, draws: Draws) -> str:
-    """Say how normal the posterior is, by the effective sample size of the draws."""
-    first, last = draws.effective_fraction[0], draws.effective_fraction[-1]
-    unknown = [v.name for v in variant.verdicts if not v.determined]
-    words = (
-        f"Importance sampling: effective sample size {100 * first:.0f} % of "
-        f"{len(draws.x)} draws. "
-    )
-    if first >= NEARLY_NORMAL and unknown:
-        # Draws lie between the bounds, so that one cut off there may keep its weights.
-        words += (
-            "Importance weights cannot detect bounds that also truncate the posterior: "
-            f"rely on the verdict for {', '.join(unknown)}, and on the draws rather "
-            "than on standard errors for the other parameters."
-        )
-    elif first >= NEARLY_NORMAL:
-        words += "The posterior is nearly normal: standard errors describe it."
-    else:
-        words += (
-            "The posterior is not normal: rely on the draws rather than on standard "
-            "errors."
-        )
-    if len(draws.effective_fraction) > 1:
-        words += f" After adapting the proposal: {100 * last:.0f} %."
-    if not np.all(result.study.sigma_given):
-        words += (
-            " The draws take the estimated scatter of a target as constant, or as a "
-            "constant fraction of the value; standard errors from many measurements do "
-            "not."
-        )
-    return f"{words} {_accuracy(draws)}"
-
-
-def _accuracy(of: Draws | Samples) -> str:
-    return (
-        f"Impacts at {of.accuracy.name}; computed again more accurately, costs "
-        f"differed by at most {of.error:.1g}."
-    )
-
-
-def _posterior(variant: VariantResult, diagnostics: Examination) -> dict:
-    samples = diagnostics.samples
-    assert samples is not None
-    rows: Rows = [
-        ("parameter", "mean", "median", "95 %", "R-hat", "effective sample size")
-    ]
-    for index in range(len(variant.verdicts)):
-        values = samples.values[:, :, index]
-        low, middle, high = np.quantile(values, (0.025, 0.5, 0.975))
-        rows.append(
-            (
-                samples.names[index],
-                f"{np.mean(values):.4g}",
-                f"{middle:.4g}",
-                f"{low:.4g} to {high:.4g}",
-                f"{samples.scale_reduction[index]:.3f}",
-                f"{samples.effective[index]:.0f}",
-            )
-        )
-    chains, count = samples.divergent.shape
-    words = (
-        f"{chains} chains of {count} draws by NUTS. Without a prior of the study the "
-        "prior is uniform in the logarithm between the bounds; intervals of parameters "
-        "that are not identifiable are those of the bounds."
-    )
-    divergent = int(np.sum(samples.divergent))
-    if divergent:
-        words += (
-            f" {divergent} draws diverged, as at a change of outcome: the posterior "
-            "beyond may be missed."
-        )
-    if np.max(samples.scale_reduction) > AGREE:
-        words += f" The chains do not agree (R-hat above {AGREE}): sample more."
-    comparison = compare_errors(variant, diagnostics.draws, samples)
-    words = f"{words} {_accuracy(samples)}"
-    return {"rows": rows, "words": words, "comparison": comparison}
 
 
 # --- Fit, cross-validation, starts. ---
