@@ -1,12 +1,14 @@
 """Settings of all tests: double precision, no programs kept from run to run, and
 property tests that repeat exactly; and a directory for tests of commands."""
 
+import functools
 import os
 import tempfile
 
 import jax
 import pytest
 from hypothesis import settings
+from text_files import write_changed
 
 jax.config.update("jax_enable_x64", True)
 
@@ -25,3 +27,18 @@ def folder(tmp_path, monkeypatch):
     """An empty working directory."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.fixture
+def slope(folder, request):
+    """The study `SLOPE` of the test's module, as slope.toml in an empty directory."""
+    path = folder / "slope.toml"
+    path.write_text(request.module.SLOPE)
+    return path
+
+
+@pytest.fixture
+def changed(slope, request):
+    """A function that writes that study with replacements, pairs of texts, and gives
+    its path."""
+    return functools.partial(write_changed, slope, request.module.SLOPE)

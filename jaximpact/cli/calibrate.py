@@ -172,11 +172,12 @@ def add_parser(commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Fit to impacts, or to a slope."""
     from ..calibration.api import UNFINISHED, fit_and_examine
-    from ..calibration.problem.config import read_study
+    from ..calibration.problem.config import SlopeStudyError, read_study
     from ..calibration.report.files import as_text
-    from ..runout.back_analysis.problem import is_slope_fit
 
-    if is_slope_fit(arguments.study):
+    try:
+        study = read_study(arguments.study)
+    except SlopeStudyError:
         _run_slope(arguments)
         return
     if arguments.workers is not None or arguments.scheduler is not None:
@@ -194,7 +195,7 @@ def run(arguments: argparse.Namespace) -> None:
     begin = time.monotonic()
     with resumable(prospect), ProgressLines() as progress:
         result, examined, others = fit_and_examine(
-            read_study(arguments.study),
+            study,
             arguments.out,
             posterior=arguments.posterior,
             compare=arguments.compare,

@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -82,6 +83,35 @@ def random_impacts(table: ReboundTable, count: int, seed: int = 0) -> Impact:
     )
 
 
+def relative_velocities(
+    impact: Impact, radius: ArrayLike, velocities: Sequence[ArrayLike]
+) -> np.ndarray:
+    """Give v_n, v_t and Omega R as fractions of the total speed before the impact.
+
+    Args:
+        impact: arrays `(n,)`.
+        radius: minor semi-axis R of the block [m], one or `(n,)`.
+        velocities: v_n and v_t [m/s] and Omega [rad/s], `(n,)` each.
+
+    Returns:
+        Shape `(3, n)`. Errors of impacts are the largest difference of the three.
+    """
+    unit = np.stack(np.broadcast_arrays(1.0, 1.0, np.atleast_1d(radius)))
+    before = unit * np.stack(_velocities_before(impact))
+    return (
+        unit
+        * np.stack([*map(np.asarray, velocities)])
+        / np.sqrt(np.sum(before**2, axis=0))
+    )
+
+
+def _velocities_before(impact: Impact) -> list[np.ndarray]:
+    speed, angle, spin = map(
+        np.asarray, (impact.speed, impact.angle, impact.angular_velocity)
+    )
+    return [speed * np.cos(angle), speed * np.sin(angle), spin]
+
+
 def measure_error(
     table: ReboundTable,
     impacts: Impact | int = 10_000,
@@ -102,27 +132,19 @@ def measure_error(
     entry = look_up_many(table, sample)
     sample = jax.tree.map(np.asarray, sample)
     radius = float(table.block.semi_axes.minor)
-    before = np.stack(
-        [
-            sample.speed * np.cos(sample.angle),
-            sample.speed * np.sin(sample.angle),
-            sample.angular_velocity * radius,
-        ]
-    )
-    unit = np.array([1.0, 1.0, radius])[:, None]
-    speed = np.sqrt(np.sum(before**2, axis=0))
-    model = unit * np.stack(computed.response[:3]) / speed
-    found = unit * np.stack(entry[:3]) / speed
+    before = relative_velocities(sample, radius, _velocities_before(sample))
+    model = relative_velocities(sample, radius, computed.response[:3])
+    found = relative_velocities(sample, radius, entry[:3])
     # Twice the kinetic energy per mass.
     inertia = float(table.block.shape.unit_inertia)
     shares = np.array([1.0, 1.0, inertia])
 
     def energy(velocities):
-        return float(np.mean(shares @ velocities**2 / (shares @ (before / speed) ** 2)))
+        return float(np.mean(shares @ velocities**2 / (shares @ before**2)))
 
     good = (computed.outcome != Outcome.failed) & np.all(np.isfinite(found), axis=0)
     model, found = model[:, good], found[:, good]
-    before, speed = before[:, good], speed[good]
+    before = before[:, good]
     error = np.max(np.abs(found - model), axis=0)
     median, of_90_percent, of_99_percent = np.quantile(error, [0.5, 0.9, 0.99]).tolist()
     normal, tangential, rotation = np.mean(found - model, axis=1).tolist()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from error_messages import assert_one_line_error
-from text_files import rows_of, write_changed
+from text_files import rows_of
 
 import jaximpact.runout.study.output  # noqa: F401, takes `simulate` before a test replaces it
 from jaximpact import ConstantCoefficients, read_netcdf
@@ -64,17 +64,6 @@ friction_coefficient = 0.6
 
 FIRST_DRAWS = [1.098990039096864, 2.7912608936625847, 1.141582449641262]
 """Of the seed 3 for a quantity a, between 1 and 3."""
-
-
-@pytest.fixture
-def slope(folder):
-    path = folder / "slope.toml"
-    path.write_text(SLOPE)
-    return path
-
-
-def changed(path, *pairs):
-    return write_changed(path, SLOPE, *pairs)
 
 
 def test_draws_depend_on_seed_and_name_alone():
@@ -154,9 +143,8 @@ def test_the_file_says_what_is_computed(slope):
     }
 
 
-def test_without_chance_there_is_a_block_for_each_combination(slope):
+def test_without_chance_there_is_a_block_for_each_combination(slope, changed):
     changed(
-        slope,
         ("count = 60\n", ""),
         ("{ mean = 100, sd = 60, least = 20 }", "[50, 100]"),
         ("{ from = 2, to = 6 }", "3"),
@@ -165,30 +153,28 @@ def test_without_chance_there_is_a_block_for_each_combination(slope):
     assert read_slope_study(slope).release.count == 6
 
 
-def test_a_profile_from_a_csv(slope, tmp_path):
+def test_a_profile_from_a_csv(changed, tmp_path):
     (tmp_path / "profile.csv").write_text("x_m,y_m,c_v\n0,50,1\n80,0,0.2\n200,0,0\n")
     points = "points_m = [[0, 50], [50, 20], [55, 20], [80, 0], [200, 0]]"
-    study = read_slope_study(changed(slope, (points, 'csv = "profile.csv"')))
+    study = read_slope_study(changed((points, 'csv = "profile.csv"')))
     assert list(study.profile.x) == [0.0, 80.0, 200.0]
     assert list(study.profile.soil.c_v) == [1.0, 0.5]
     assert list(np.degrees(study.profile.rolling_friction_angle).round(9)) == [25, 10]
     assert set(study.checksums) == {"slope.toml", "profile.csv"}
 
 
-def test_neither_portions_nor_the_count_matter(slope, monkeypatch):
+def test_neither_portions_nor_the_count_matter(slope, changed, monkeypatch):
     whole = run_slope_study(read_slope_study(slope))
     monkeypatch.setattr(study_module, "FIRST_PORTION", 7)
     monkeypatch.setattr(study_module, "QUICK", 0.0)
     xr.testing.assert_identical(run_slope_study(read_slope_study(slope)), whole)
-    fewer = run_slope_study(
-        read_slope_study(changed(slope, ("count = 60", "count = 25")))
-    )
+    fewer = run_slope_study(read_slope_study(changed(("count = 60", "count = 25"))))
     for name, values in fewer.items():
         if "block" in values.dims:
             xr.testing.assert_identical(values, whole[name].isel(block=slice(25)))
 
 
-def test_a_journal_goes_on(slope, tmp_path, monkeypatch):
+def test_a_journal_goes_on(slope, changed, tmp_path, monkeypatch):
     study = read_slope_study(slope)
     whole = run_slope_study(study)
     monkeypatch.setattr(study_module, "FIRST_PORTION", 20)
@@ -211,7 +197,7 @@ def test_a_journal_goes_on(slope, tmp_path, monkeypatch):
     again = run_slope_study(study, journal=journal)
     assert computed == list(range(20, 60))
     xr.testing.assert_identical(again, whole)
-    other = read_slope_study(changed(slope, ("seed = 7", "seed = 8")))
+    other = read_slope_study(changed(("seed = 7", "seed = 8")))
     with pytest.raises(InputError, match="is no journal of this run"):
         run_slope_study(other, journal=journal)
 
@@ -296,8 +282,8 @@ def test_the_command_writes_all(slope, tmp_path, capsys):
     assert "60 of 60 blocks (100 %)" in err
 
 
-def test_without_collectors_there_are_none(slope, tmp_path, capsys):
-    changed(slope, ("collectors_m = [60, 40]\n", ""))
+def test_without_collectors_there_are_none(changed, tmp_path, capsys):
+    changed(("collectors_m = [60, 40]\n", ""))
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
     dataset = read_netcdf(tmp_path / "out" / "blocks.nc")
     assert "collector" not in dataset.dims
@@ -306,8 +292,8 @@ def test_without_collectors_there_are_none(slope, tmp_path, capsys):
     assert "collectors" not in capsys.readouterr()[0]
 
 
-def test_limits_are_told(slope, capsys):
-    changed(slope, ("bins = 20", "time_limit_s = 1.0"), ("[60, 40]", "[195]"))
+def test_limits_are_told(changed, capsys):
+    changed(("bins = 20", "time_limit_s = 1.0"), ("[60, 40]", "[195]"))
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
     out, _ = capsys.readouterr()
     assert "60 time limit" in out
@@ -324,9 +310,9 @@ def test_interruption_says_how_to_go_on(slope, capsys, monkeypatch):
     assert_one_line_error(capsys, "the same command goes on from here")
 
 
-def test_the_full_model_takes_an_accuracy(slope):
+def test_the_full_model_takes_an_accuracy(changed):
     law = SLOPE[SLOPE.index("[contacts]") :]
-    study = read_slope_study(changed(slope, (law, "")), accuracy="fast")
+    study = read_slope_study(changed((law, "")), accuracy="fast")
     assert study.contacts == FullModel("fast")
     few = run_slope_study(study._replace(bins=3))
     assert set(few.ending.values) <= {str(Ending.stopped), str(Ending.left_profile)}
@@ -369,7 +355,7 @@ def test_the_full_model_takes_an_accuracy(slope):
         ("seed = 7", 'accuracy = "fast"', ("contacts.law", "takes none")),
     ],
 )
-def test_bad_files_are_refused_in_one_line(slope, capsys, old, new, parts):
-    changed(slope, (old, new))
+def test_bad_files_are_refused_in_one_line(changed, capsys, old, new, parts):
+    changed((old, new))
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
     assert_one_line_error(capsys, "slope.toml", *parts)

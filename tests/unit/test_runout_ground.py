@@ -14,7 +14,6 @@ from runout_scenes import (
     gain_over_contacts,
     pieces_of,
 )
-from text_files import write_changed
 
 from jaximpact import Block, ConstantCoefficients, Soil, read_netcdf
 from jaximpact.cli import main
@@ -252,21 +251,10 @@ friction_coefficient = 0.6
 """
 
 
-@pytest.fixture
-def slope(folder):
-    (folder / "slope.toml").write_text(SLOPE)
-    return folder / "slope.toml"
-
-
-def changed(path, *pairs):
-    return write_changed(path, SLOPE, *pairs)
-
-
-def test_ground_samples_changes_no_other_number(slope):
+def test_ground_samples_changes_no_other_number(slope, changed):
     plain = read_slope_study(slope)
     varied = read_slope_study(
         changed(
-            slope,
             ("c_v = 0.5", "c_v = { mean = 0.5, sd = 0.1, least = 0 }"),
             ("k_E = 700", "k_E = [600, 700, 800]\nrolling_friction_angle_deg = 9"),
             ("roughness_deg = 4", "roughness_deg = { from = 2, to = 6 }"),
@@ -291,7 +279,6 @@ def test_ground_samples_changes_no_other_number(slope):
     # Those of a segment leave the rest of the slope with its own.
     varied = read_slope_study(
         changed(
-            slope,
             ("c_v = 0.5", "c_v = { from = 0.4, to = 0.6 }"),
             ("k_E = 700", "c_v = 0.9"),
         )
@@ -302,9 +289,8 @@ def test_ground_samples_changes_no_other_number(slope):
     )
 
 
-def test_roughness_alone_is_chance(slope):
+def test_roughness_alone_is_chance(slope, changed):
     changed(
-        slope,
         ("count = 40\n", ""),
         ("{ mean = 100, sd = 30, least = 20 }", "100"),
         ("{ from = 2, to = 6 }", "3"),
@@ -315,8 +301,8 @@ def test_roughness_alone_is_chance(slope):
 
 
 @pytest.mark.slow
-def test_drawn_ground_is_kept_and_a_block_can_be_repeated(slope, tmp_path):
-    changed(slope, ("c_v = 0.5", "c_v = { mean = 0.5, sd = 0.1, least = 0 }"))
+def test_drawn_ground_is_kept_and_a_block_can_be_repeated(slope, changed, tmp_path):
+    changed(("c_v = 0.5", "c_v = { mean = 0.5, sd = 0.1, least = 0 }"))
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
     dataset = read_netcdf(tmp_path / "out" / "blocks.nc")
     study = read_slope_study(slope)
@@ -365,21 +351,19 @@ def test_drawn_ground_is_kept_and_a_block_can_be_repeated(slope, tmp_path):
         ("segment.2", "segment.two", ("ground.segment.two", "number of a segment")),
     ],
 )
-def test_bad_ground_is_refused_in_one_line(slope, capsys, old, new, parts):
-    changed(slope, (old, new))
+def test_bad_ground_is_refused_in_one_line(changed, capsys, old, new, parts):
+    changed((old, new))
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
     assert_one_line_error(capsys, "slope.toml", *parts)
 
 
-def test_a_distribution_is_not_hidden_by_a_column(slope, tmp_path, capsys):
+def test_a_distribution_is_not_hidden_by_a_column(changed, tmp_path, capsys):
     (tmp_path / "p.csv").write_text(
         "x_m,y_m,c_v,roughness_deg\n0,50,1,2\n80,0,0.2,0\n200,0,0,0\n"
     )
     points = "points_m = [[0, 50], [50, 20], [80, 0], [200, 0]]"
-    study = read_slope_study(changed(slope, (points, 'csv = "p.csv"')))
+    study = read_slope_study(changed((points, 'csv = "p.csv"')))
     np.testing.assert_allclose(np.degrees(study.profile.roughness), [2.0, 0.0])
-    changed(
-        slope, (points, 'csv = "p.csv"'), ("c_v = 0.5", "c_v = { from = 0, to = 1 }")
-    )
+    changed((points, 'csv = "p.csv"'), ("c_v = 0.5", "c_v = { from = 0, to = 1 }"))
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
     assert_one_line_error(capsys, "key ground.c_v", "p.csv has a column of it")

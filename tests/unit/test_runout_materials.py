@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from error_messages import assert_one_line_error
-from text_files import write_changed
 
 from jaximpact.cli import main
 from jaximpact.errors import InputError
@@ -55,14 +54,9 @@ POINTS = "points_m = [[0, 50], [50, 20], [80, 0], [200, 0]]"
 
 
 @pytest.fixture
-def slope(folder):
-    (folder / "slope.toml").write_text(SLOPE)
-    (folder / "p.csv").write_text(CSV)
-    return folder / "slope.toml"
-
-
-def changed(path, *pairs):
-    return write_changed(path, SLOPE, *pairs)
+def slope(slope):
+    slope.with_name("p.csv").write_text(CSV)
+    return slope
 
 
 def test_a_range_cuts_the_segment_in_which_it_begins(slope):
@@ -85,8 +79,8 @@ def test_a_range_cuts_the_segment_in_which_it_begins(slope):
     assert drawn.max() <= 4.0
 
 
-def test_a_column_names_materials(slope):
-    study = read_slope_study(changed(slope, *RANGES, (POINTS, 'csv = "p.csv"')))
+def test_a_column_names_materials(slope, changed):
+    study = read_slope_study(changed(*RANGES, (POINTS, 'csv = "p.csv"')))
     np.testing.assert_array_equal(study.profile.x, [0, 50, 80, 200])
     np.testing.assert_array_equal(study.ground.soil.c_v, [0.5, 0.5, 1.0])
     np.testing.assert_array_equal(study.ground.soil.k_E, [900.0, 900.0, 300.0])
@@ -101,38 +95,36 @@ def test_a_column_names_materials(slope):
     np.testing.assert_array_equal(study.ground.soil.relative_density, [0.5, 0.5, 0.6])
 
 
-def test_samples_are_those_of_the_study_without_cuts(slope):
+def test_samples_are_those_of_the_study_without_cuts(slope, changed):
     by_range = read_slope_study(slope)
-    by_column = read_slope_study(changed(slope, *RANGES, (POINTS, 'csv = "p.csv"')))
+    by_column = read_slope_study(changed(*RANGES, (POINTS, 'csv = "p.csv"')))
     np.testing.assert_array_equal(
         by_range.ground_samples["materials_scree_gamma_v"],
         by_column.ground_samples["materials_scree_gamma_v"],
     )
 
 
-def test_the_dataset_names_materials(slope):
-    dataset = run_slope_study(
-        read_slope_study(changed(slope, ("seed = 7", "count = 5")))
-    )
+def test_the_dataset_names_materials(changed):
+    dataset = run_slope_study(read_slope_study(changed(("seed = 7", "count = 5"))))
     about = dataset.ground_materials_scree_gamma_v.attrs
     assert about["long_name"].startswith("of materials scree: ")
     assert dataset.ground_materials_scree_gamma_v.shape == (5,)
 
 
-def test_ground_without_a_material_is_told(slope, capsys):
+def test_ground_without_a_material_is_told(slope, changed, capsys):
     gap = ("from_x_m = 62.5", "from_x_m = 70")
-    changed(slope, gap)
+    changed(gap)
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
     assert_one_line_error(capsys, "ground.materials", "leave x = 62.5 to 70 m without")
     base = ("[ground.materials.scree]", "[ground]\nc_v = 0.9\n[ground.materials.scree]")
-    changed(slope, gap, base)
+    changed(gap, base)
     with pytest.warns(UserWarning, match="no material is at x = 62.5 to 70 m"):
         study = read_slope_study(slope)
     np.testing.assert_array_equal(study.ground.soil.c_v, [0.5, 0.5, 0.9, 0.9, 0.9])
 
 
-def test_ranges_may_reach_beyond_the_profile(slope):
-    changed(slope, ("from_x_m = 0", "from_x_m = -1e9"), ("x_m = 200", "x_m = 1e9"))
+def test_ranges_may_reach_beyond_the_profile(slope, changed):
+    changed(("from_x_m = 0", "from_x_m = -1e9"), ("x_m = 200", "x_m = 1e9"))
     np.testing.assert_array_equal(
         read_slope_study(slope).ground.soil.c_v, [0.5, 0.5, 1.0, 1.0]
     )
@@ -185,8 +177,8 @@ def test_ranges_may_reach_beyond_the_profile(slope):
         ),
     ],
 )
-def test_bad_materials_are_refused_in_one_line(slope, capsys, pairs, parts):
-    changed(slope, *pairs)
+def test_bad_materials_are_refused_in_one_line(changed, capsys, pairs, parts):
+    changed(*pairs)
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
     assert_one_line_error(capsys, "slope.toml", *parts)
 
@@ -199,18 +191,18 @@ def test_bad_materials_are_refused_in_one_line(slope, capsys, pairs, parts):
         ("material\n", "material,c_v\n", ("has 3 cells, but the header has 4",)),
     ],
 )
-def test_bad_columns_are_refused_in_one_line(slope, capsys, old, new, parts):
-    changed(slope, *RANGES, (POINTS, 'csv = "p.csv"'))
+def test_bad_columns_are_refused_in_one_line(slope, changed, capsys, old, new, parts):
+    changed(*RANGES, (POINTS, 'csv = "p.csv"'))
     (slope.parent / "p.csv").write_text(CSV.replace(old, new))
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
     assert_one_line_error(capsys, "p.csv", *parts)
 
 
-def test_a_quantity_is_said_once(slope, capsys):
+def test_a_quantity_is_said_once(slope, changed, capsys):
     (slope.parent / "p.csv").write_text(
         "x_m,y_m,material,c_v\n0,50,scree,1\n80,0,meadow,1\n200,0,,1\n"
     )
-    changed(slope, *RANGES, (POINTS, 'csv = "p.csv"'))
+    changed(*RANGES, (POINTS, 'csv = "p.csv"'))
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
     assert_one_line_error(capsys, "materials.scree.c_v", "is also a column of p.csv")
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from error_messages import assert_one_line_error
 from scipy import stats
-from text_files import write_changed
 
 from jaximpact import Block, ConstantCoefficients, Soil
 from jaximpact.cli import main
@@ -147,16 +146,6 @@ e_t = 0.8
 """
 
 
-@pytest.fixture
-def slope(folder):
-    (folder / "slope.toml").write_text(SLOPE)
-    return folder / "slope.toml"
-
-
-def changed(path, *pairs):
-    return write_changed(path, SLOPE, *pairs)
-
-
 def test_a_study_finds_the_fields_on_their_segments(slope):
     study = read_slope_study(slope)
     x, soil = study.profile.x, study.ground.soil
@@ -179,19 +168,19 @@ def test_a_study_finds_the_fields_on_their_segments(slope):
     assert rolling[:, second].max() <= 30.0
 
 
-def test_what_else_is_random_does_not_matter(slope):
+def test_what_else_is_random_does_not_matter(slope, changed):
     study = read_slope_study(slope)
     length = ", correlation_length_m = 8 }"
     fewer = ((f"{end}{length}", f"{end} }}") for end in ("300", "to = 30"))
-    alone = read_slope_study(changed(slope, *fewer))
+    alone = read_slope_study(changed(*fewer))
     middles = 0.5 * (alone.profile.x[1:] + alone.profile.x[:-1])
     place = np.searchsorted(study.profile.x, middles) - 1
     np.testing.assert_array_equal(
         alone.ground.soil.c_v, study.ground.soil.c_v[:, place]
     )
-    few = read_slope_study(changed(slope, ("count = 30", "count = 3")))
+    few = read_slope_study(changed(("count = 30", "count = 3")))
     np.testing.assert_array_equal(few.ground.soil.k_E, study.ground.soil.k_E[:3])
-    changed(slope, ("count = 30\n", ""), ("{ from = 2, to = 6 }", "3"))
+    changed(("count = 30\n", ""), ("{ from = 2, to = 6 }", "3"))
     assert read_slope_study(slope).release.count == 1000
 
 
@@ -220,7 +209,7 @@ def test_portions_do_not_matter(slope, monkeypatch):
         ),
     ],
 )
-def test_bad_fields_are_refused_in_one_line(slope, capsys, old, new, parts):
-    changed(slope, (old, new))
+def test_bad_fields_are_refused_in_one_line(changed, capsys, old, new, parts):
+    changed((old, new))
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
     assert_one_line_error(capsys, "slope.toml", *parts)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from error_messages import assert_one_line_error
-from text_files import write_changed
 
 from jaximpact.cli import main
 from jaximpact.runout import read_slope_study
@@ -30,33 +29,23 @@ e_t = 0.8
 """
 
 
-@pytest.fixture
-def slope(folder):
-    (folder / "slope.toml").write_text(SLOPE)
-    return folder / "slope.toml"
-
-
-def changed(path, *pairs):
-    return write_changed(path, SLOPE, *pairs)
-
-
-def test_mass_is_density_times_volume(slope):
+def test_mass_is_density_times_volume(slope, changed):
     block = read_slope_study(slope).release.block
     volume = block.mass / block.density
     assert 0.01 <= volume.min() < 0.011
     assert 1.0 < volume.max() <= 2.0
     both = ("[block]", "[block]\ndensity_kgm3 = [2000, 3000]")
-    block = read_slope_study(changed(slope, both)).release.block
+    block = read_slope_study(changed(both)).release.block
     # The same volumes, whatever the density.
     np.testing.assert_allclose(block.mass / block.density, volume, rtol=1e-15)
     assert set(block.density) == {2000.0, 3000.0}
     one = read_slope_study(
-        changed(slope, ("{ exponent = 0.5, least = 0.01, most = 2 }", "0.5"))
+        changed(("{ exponent = 0.5, least = 0.01, most = 2 }", "0.5"))
     )
     np.testing.assert_array_equal(one.release.block.mass, 0.5 * 2577.8)
 
 
-def test_a_line_is_uniform_along_the_ground(slope):
+def test_a_line_is_uniform_along_the_ground(slope, changed):
     x = read_slope_study(slope).release.x
     # 30 m of x on the slope of 3:4:5 are 50 m of ground, 40 m on the flat are 40.
     along = np.where(x < 60.0, (x - 30.0) / 0.6, 50.0 + x - 60.0)
@@ -64,19 +53,18 @@ def test_a_line_is_uniform_along_the_ground(slope):
     assert 89.0 < along.max() <= 90.0
     # Five standard errors of the share of 400 blocks.
     assert np.mean(x < 60.0) == pytest.approx(5.0 / 9.0, abs=5.0 * 0.025)
-    few = read_slope_study(changed(slope, ("count = 400", "count = 10")))
+    few = read_slope_study(changed(("count = 400", "count = 10")))
     np.testing.assert_array_equal(few.release.x, x[:10])
 
 
-def test_a_line_at_equal_spacing(slope):
+def test_a_line_at_equal_spacing(slope, changed):
     spaced = ("[30, 100]", "[30, 100]\nspacing_m = 15")
-    x = read_slope_study(changed(slope, spaced)).release.x
+    x = read_slope_study(changed(spaced)).release.x
     expected = [30, 39, 48, 57, 70, 85, 100]
     np.testing.assert_allclose(x[:7], expected, rtol=1e-14)
     np.testing.assert_array_equal(x[7:14], x[:7])
     # Nothing random: a block for each place.
     changed(
-        slope,
         spaced,
         ("count = 400\n", ""),
         ("{ exponent = 0.5, least = 0.01, most = 2 }", "[0.1, 0.2]"),
@@ -87,8 +75,8 @@ def test_a_line_at_equal_spacing(slope):
     np.testing.assert_allclose(release.block.mass[:7], 257.78)
 
 
-def test_blocks_of_a_line_have_their_clearance(slope):
-    study = read_slope_study(changed(slope, ("[30, 100]", "[100, 150]")))
+def test_blocks_of_a_line_have_their_clearance(changed):
+    study = read_slope_study(changed(("[30, 100]", "[100, 150]")))
     radius = np.cbrt(
         study.release.block.mass / study.release.block.density * 0.75 / np.pi
     )
@@ -123,7 +111,7 @@ def test_blocks_of_a_line_have_their_clearance(slope):
         ("along_x_m = [30, 100]", "x_m = 3\nspacing_m = 2", ("spacing_m", "along_x_m")),
     ],
 )
-def test_bad_files_are_refused_in_one_line(slope, capsys, old, new, parts):
-    changed(slope, (old, new))
+def test_bad_files_are_refused_in_one_line(changed, capsys, old, new, parts):
+    changed((old, new))
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
     assert_one_line_error(capsys, "slope.toml", *parts)

@@ -154,6 +154,14 @@ class Study:
         return np.isfinite(self.measured)
 
 
+SLOPE_KEYS = ("profile", "observed")
+"""Keys of which a study of a slope has one, and one of impacts none."""
+
+
+class SlopeStudyError(InputError):
+    """A study of a slope where one of impacts is read."""
+
+
 def read_study(path: Path) -> Study:
     """Read a study and its data.
 
@@ -161,13 +169,21 @@ def read_study(path: Path) -> Study:
         path: file of the study, which ends in `.toml`; any other file is a table of
             tests, fitted with the defaults.
 
-    Raises InputError, naming file and key, or file, row and column, for input that
-    cannot be used.
+    Raises SlopeStudyError for a slope, and InputError, naming file and key, or file,
+    row and column, for other input that cannot be used.
     """
     path = Path(path)
     if path.suffix.lower() != TOML:
         return study_of(read_tests([path], Scene()), {})
     content = load_toml(path)
+    for key in SLOPE_KEYS:
+        if key in content:
+            raise SlopeStudyError(
+                "is a slope, and no table of tests; jaximpact.runout.calibrate_slope "
+                "fits it",
+                file=path,
+                key=key,
+            )
     parts: dict[str, Part] = {}
     for table in KINDS:
         entries = typed(path, content, table, dict, {})
@@ -266,13 +282,6 @@ def _merged(grounds: list[dict[str, InputColumn]]) -> dict[str, InputColumn]:
 
 def _data(path: Path, content: dict) -> list[Path]:
     """List the tables that a study names."""
-    if "data" not in content and "profile" in content:
-        raise InputError(
-            "is a slope, and no table of tests; jaximpact.runout.calibrate_slope fits "
-            "it",
-            file=path,
-            key="profile",
-        )
     if "data" not in content:
         raise InputError(
             "is missing; it names the table of tests", file=path, key="data"

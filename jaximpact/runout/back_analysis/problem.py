@@ -81,15 +81,6 @@ class SlopeFit:
         return np.stack(columns, axis=-1)
 
 
-def is_slope_fit(path: Path) -> bool:
-    """Tell whether a file is a slope with observations: a TOML file with [profile] or
-    [observed]. Raises InputError for a file that cannot be read."""
-    if path.suffix.lower() != ".toml":
-        return False
-    content = parse_toml(path, read_input(path))
-    return "profile" in content or TABLE in content
-
-
 def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     """Read a back-analysis; `jaximpact calibrate --help` describes the file.
 

@@ -17,6 +17,7 @@ from ...errors import InputError
 from ...impact.events import Outcome
 from ...impact_response import ImpactResponses
 from ...lookup import Tabulated
+from ...lookup.tabulation import relative_velocities
 from ...progress import Progress, ProgressFunction
 from ...scene import Block, Impact, Soil
 from ..contacts.contact_models import Contacts, FullModel
@@ -95,10 +96,11 @@ def _error(contacts: Contacts, recording: _Recording) -> float:
     for block, soil, impact, expected in recording.kept:
         found = contacts(block, soil, impact)
         radius = np.asarray(jax.vmap(lambda block: block.semi_axes.minor)(block))
-        unit = np.stack([np.ones_like(radius), np.ones_like(radius), radius])
-        speed = np.hypot(impact.speed, impact.angular_velocity * radius)
-        change = np.stack(found.response[:3]) - np.stack(expected.response[:3])
-        error = np.max(np.abs(unit * change), axis=0) / speed
+        model, own = (
+            relative_velocities(impact, radius, responses.response[:3])
+            for responses in (expected, found)
+        )
+        error = np.max(np.abs(own - model), axis=0)
         error = np.where(np.isfinite(error), error, np.inf)
         errors.append(error[expected.outcome != Outcome.failed])
     of_all = np.concatenate(errors)
