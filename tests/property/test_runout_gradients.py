@@ -18,6 +18,8 @@ from jaximpact import (
     Soil,
 )
 from jaximpact.errors import InputError
+from jaximpact.parameters import parameter
+from jaximpact.rebound import AbstractRebound, Rebound
 from jaximpact.runout import (
     ClosedForm,
     FullModel,
@@ -292,6 +294,46 @@ def test_a_change_of_contacts_is_refused():
     unchecked = runout_gradients(steps, there, law, ["speed_mps"], check=False)
     assert np.all(unchecked.standing == Standing.unchecked)
     assert np.all(np.isfinite(unchecked.derivative))
+
+
+class Planted(AbstractRebound):
+    """A law with one right parameter, and three with wrong derivatives."""
+
+    right: float = parameter(0.4, "-", "[0, 1]", "normal restitution")
+    constant: float = parameter(0.8, "-", "[0, 1]", "its derivative is lost")
+    kinked: float = parameter(0.5, "-", "[0, 1]", "its derivative is of one side")
+    jumping: float = parameter(0.5, "-", "[0, 1]", "its jump has no derivative")
+
+    def __call__(self, block, impact):
+        kinked = jnp.where(self.kinked >= 0.5, self.kinked, 0.5)
+        jump = jnp.where(self.jumping > 0.5, 0.01, 0.0)
+        return Rebound(
+            -(self.right + jump) * impact.normal_velocity,
+            jax.lax.stop_gradient(self.constant) * impact.tangential_velocity,
+            kinked * impact.angular_velocity,
+        )
+
+
+@pytest.mark.parametrize("planted", ["constant", "kinked", "jumping"])
+def test_one_wrong_derivative_among_right_ones_is_found(planted):
+    """Though all parameters change at once: those of each block alike, that have no
+    part in the wrong one, are confirmed."""
+    generator = np.random.default_rng(2)
+    release = Release(
+        Block(mass=generator.uniform(20.0, 400.0, 50)),
+        *(5.0, generator.uniform(3.0, 9.0, 50), generator.uniform(1.0, 9.0, 50)),
+        angular_velocity=generator.uniform(5.0, 20.0, 50),
+    )
+    right = ["speed_mps", "right", "y_m", "mass_kg", "angular_velocity_degps"]
+    names = [*right[:3], planted, *right[3:]]
+    law = ClosedForm(Planted())
+    found = runout_gradients(FLAT, release, law, names, ["x_m", "time_s"])
+    of_end = found.sel(output="x_m")
+    assert np.all(of_end.standing.sel(parameter=planted) != Standing.confirmed)
+    assert np.mean(of_end.standing.sel(parameter=right) == Standing.confirmed) > 0.95
+    # The time of flight has no part in what moves blocks along or turns them.
+    of_time = found.sel(output="time_s").standing.sel(parameter=right)
+    assert np.mean(of_time == Standing.confirmed) > 0.95
 
 
 def test_an_output_before_the_change_is_not():

@@ -1,6 +1,8 @@
 """Comparison of derivatives with differences of blocks that start a little apart."""
 
 import enum
+import itertools
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -10,12 +12,14 @@ from ..state import Limits
 from ..trajectory import Runs
 from .outputs import outputs_of
 from .parameters import Case, Parameter, replaced
-from .results import Result, follow_case
+from .results import follow_case
 
 STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
 """Relative steps of the differences: each next one is for derivatives that the one
 before does not confirm. Below, integration errors are too large a part of a
 difference."""
+COMPARISONS = 2 * len(STEPS)
+"""Most comparisons: all parameters at once, then one by one, by each step."""
 AGREES_WITHIN = 1e-3
 """Relative difference between derivatives and differences that confirms them."""
 SMALL = 1e-4
@@ -58,123 +62,183 @@ class Whole(NamedTuple):
     """Times by which the outputs are settled [s], `(blocks, outputs)`."""
 
 
-def judge(
-    case: Case,
-    parameter: Parameter,
-    whole: Whole,
-    slopes: np.ndarray,
-    check: bool,
-    limits: Limits,
-) -> dict[str, np.ndarray]:
-    """Compare the derivatives with respect to one parameter with differences.
+class Judgement(NamedTuple):
+    """Reliability of derivatives, arrays `(blocks, outputs, parameters)`."""
+
+    standing: np.ndarray
+    """Codes of `Standing`."""
+    by_differences: np.ndarray
+    """Derivatives by differences, in SI units of the parameters; those of the other
+    parameters are taken as right where all were changed at once."""
+    disagreement: np.ndarray
+    """Relative difference of derivatives and differences."""
+    same_within: np.ndarray
+    """Largest step within which the block makes the same contacts, 0 for none, NaN
+    where nothing was compared, `(blocks, parameters)`."""
+
+    @classmethod
+    def of_none(cls, shape: tuple[int, int, int]) -> "Judgement":
+        """Start with nothing compared."""
+        unknown = np.full(shape, np.nan)
+        within = np.full((shape[0], shape[2]), np.nan)
+        return cls(np.full(shape, Standing.unchecked), unknown, unknown.copy(), within)
+
+
+class Comparison(NamedTuple):
+    """Derivatives, and what is needed to compare them with differences."""
+
+    case: Case
+    parameters: tuple[Parameter, ...]
+    limits: Limits
+    whole: Whole
+    slopes: np.ndarray
+    """Derivatives of the outputs, `(blocks, outputs, parameters)`, in SI units of the
+    parameters."""
+
+    @property
+    def known(self) -> np.ndarray:
+        """True where output and derivative have a value, as `slopes`."""
+        return np.isfinite(self.whole.values)[..., None] & np.isfinite(self.slopes)
+
+    @property
+    def sizes(self) -> np.ndarray:
+        """Scales of the steps, `(blocks, parameters)`."""
+        shape = (len(self.slopes),)
+        sizes = [np.broadcast_to(p.size(self.case), shape) for p in self.parameters]
+        return np.stack(sizes, axis=1)
+
+
+def judge(comparison: Comparison, progress: Callable[[int], None]) -> Judgement:
+    """Compare derivatives with differences.
+
+    First all parameters of a block change at once, each by a random part, from a half
+    to one, of the step, up or down. The difference has to agree with the sum of the
+    derivatives so closely that the disagreement, were it that of one parameter alone,
+    would be within `AGREES_WITHIN` of its derivative. A single wrong derivative is thus
+    found as surely as by a difference of its own. Where several of one output and block
+    are wrong, their errors may cancel: one that is wrong by k times what is allowed is
+    missed with a probability of at most 2 / k for each step. What is not confirmed so
+    is compared parameter by parameter.
 
     Args:
-        slopes: derivatives of the outputs, `(blocks, outputs)`, in SI units of the
-            parameter.
+        progress: called with the number of comparisons made, of `COMPARISONS`.
     """
-    _, _, values, when = whole
-    blocks = len(values)
-    size = np.broadcast_to(parameter.size(case), (blocks,))
-    by_differences = np.full(values.shape, np.nan)
-    disagreement = np.full(values.shape, np.nan)
-    standing = np.full(values.shape, Standing.unchecked)
-    same_within, compared = np.zeros(blocks), np.zeros(blocks, bool)
-    exists = np.isfinite(values)
-    known = exists & np.isfinite(slopes)
-    undecided = np.any(known, axis=1) if check else np.zeros(blocks, bool)
-    for step in STEPS:
-        some = np.flatnonzero(undecided)
-        if not len(some):
-            break
-        found = _differences(case, parameter, whole, some, step, size[some], limits)
-        if found is None:
-            continue
-        compared[some] = True
-        difference, until = found
-        relative = _disagreement(difference, slopes[some], values[some], size[some])
-        confirmed = standing[some] == Standing.confirmed
-        new = (until[:, None] >= when[some]) & known[some] & ~confirmed
-        by_differences[some] = np.where(new, difference, by_differences[some])
-        disagreement[some] = np.where(new, relative, disagreement[some])
-        agrees = new & (relative <= AGREES_WITHIN)
-        verdict = np.where(agrees, Standing.confirmed, Standing.differs)
-        standing[some] = np.where(new, verdict, standing[some])
-        reached = np.where(np.isinf(until), step, 0.0)
-        same_within[some] = np.maximum(same_within[some], reached)
-        decided = (standing == Standing.confirmed) | ~known
-        undecided = undecided & ~np.all(decided, axis=1)
-    unchecked = standing == Standing.unchecked
-    standing[unchecked & compared[:, None]] = Standing.sequence_changes
-    standing[exists & ~known] = Standing.lost
-    standing[~exists] = Standing.no_value
-    given = (standing == Standing.confirmed) | (standing == Standing.unchecked)
-    return {
-        "derivative": np.where(given, slopes, np.nan) * parameter.factor,
-        "derivative_by_differences": by_differences * parameter.factor,
-        "disagreement": disagreement,
-        "standing": standing,
-        "same_sequence_within": np.where(compared, same_within, np.nan),
-    }
+    blocks, _, count = comparison.slopes.shape
+    found = Judgement.of_none(comparison.slopes.shape)
+    random = np.random.default_rng(0)
+    of_law = [parameter.part == "contacts" for parameter in comparison.parameters]
+    for number, (together, step) in enumerate(itertools.product((True, False), STEPS)):
+        progress(number)
+        weights = random.uniform(0.5, 1.0, (blocks, count))
+        weights *= random.choice([-1.0, 1.0], (blocks, count))
+        weights[:, of_law] = weights[0, of_law]  # All blocks have one law.
+        unconfirmed = comparison.known & (found.standing != Standing.confirmed)
+        left = np.any(unconfirmed, axis=1)
+        if together:
+            rows = np.flatnonzero(np.any(left, axis=1) & (count > 1))
+            weights = np.where(left, weights, 0.0)[rows]
+        else:
+            rows, own = np.nonzero(left)
+            weights = np.eye(count)[own]
+        if len(rows):
+            _compare(comparison, found, rows, weights, step, together)
+    compared = ~np.isnan(found.same_within)[:, None]
+    unsettled = (found.standing == Standing.unchecked) & compared
+    found.standing[unsettled] = Standing.sequence_changes
+    return found
 
 
-def _differences(
-    case: Case,
-    parameter: Parameter,
-    whole: Whole,
-    some: np.ndarray,
+def _compare(
+    comparison: Comparison,
+    found: Judgement,
+    rows: np.ndarray,
+    weights: np.ndarray,
     step: float,
-    size: np.ndarray,
-    limits: Limits,
-) -> tuple[np.ndarray, np.ndarray] | None:
-    """Differentiate the outputs of some blocks by central differences.
+    together: bool,
+) -> None:
+    """Compare derivatives of some blocks with central differences.
 
     Args:
-        step, size: relative step, and the sizes that it is relative to.
+        found: takes what is found.
+        rows: blocks; one may stand there several times.
+        weights: part of the step by which each parameter changes, `(rows, parameters)`.
+        together: the parameters of a block change at once, so that a disagreement tells
+            nothing of one of them.
+    """
+    case, parameters, _, whole, slopes = comparison
+    sizes = comparison.sizes[rows]
+    chosen = case.of_blocks(rows)
+    amounts = (step * weights * sizes).T
+    in_range = [
+        parameter.allows(parameter.shift(chosen, amount))
+        and parameter.allows(parameter.shift(chosen, -amount))
+        for parameter, amount in zip(parameters, amounts, strict=True)
+    ]
+    changes = np.where(in_range, weights, 0.0) * sizes
+    difference, until = _difference(comparison, rows, changes, step)
+    own, changes = slopes[rows], changes[:, None]
+    changing = changes != 0.0
+    expected = np.sum(np.where(changing, own * changes, 0.0), axis=2)
+    excess = (difference - expected)[..., None] / np.where(changing, changes, 1.0)
+    values = whole.values[rows][..., None]
+    relative = _disagreement(own + excess, own, values, sizes[:, None])
+    confirmed = found.standing[rows] == Standing.confirmed
+    new = changing & comparison.known[rows] & ~confirmed
+    new &= (until[:, None] >= whole.when[rows])[..., None]
+    agrees = new & (relative <= AGREES_WITHIN)
+    verdict = np.where(agrees, Standing.confirmed, Standing.differs)
+    told = np.nonzero(agrees if together else new)
+    place = rows[told[0]], *told[1:]
+    found.standing[place] = verdict[told]
+    found.by_differences[place] = (own + excess)[told]
+    found.disagreement[place] = relative[told]
+    row, parameter = np.nonzero(changing[:, 0])
+    place = rows[row], parameter
+    reached = np.where(np.isinf(until), step, 0.0)[row]
+    found.same_within[place] = np.fmax(found.same_within[place], reached)
+
+
+def _difference(
+    comparison: Comparison, rows: np.ndarray, changes: np.ndarray, step: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Compute central differences of the outputs of some blocks.
+
+    Args:
+        changes: changes of the parameters in a step of one, `(rows, parameters)`.
 
     Returns:
-        Differences, `(some, outputs)`, and the times until which neighbours make the
-        same contacts [s]; None where a neighbour is out of range.
+        Differences over the step, `(rows, outputs)`, and the times until which
+        neighbours make the same contacts [s].
     """
-    above = _neighbour(case, parameter, some, 1.0 * step * size, limits)
-    below = _neighbour(case, parameter, some, -1.0 * step * size, limits)
-    if above is None or below is None:
-        return None
-    own = _only(whole.base, some)
-    until = np.minimum(same_until(own, above.runs), same_until(own, below.runs))
-    more, less = (
-        np.stack([o.value.value for o in outputs_of(result, whole.units)], axis=1)
-        for result in (above, below)
-    )
-    return (more - less) / (2.0 * step * size[:, None]), until
+    case, parameters, limits, whole, _ = comparison
+    both = np.concatenate([rows, rows])
+    amounts = step * np.concatenate([changes, -changes])
+    values = np.empty((len(both), len(whole.units)))
+    until = np.empty(len(both))
+    of_law = [parameter.part == "contacts" for parameter in parameters]
+    _, law = np.unique(amounts[:, of_law], axis=0, return_inverse=True)
+    for number in range(np.max(law) + 1):
+        lanes = np.flatnonzero(law == number)
+        shifted = case.of_blocks(both[lanes])
+        for parameter, amount in zip(parameters, amounts[lanes].T, strict=True):
+            if np.any(amount):
+                shifted = parameter.shift(shifted, amount)
+        result = follow_case(shifted, limits)
+        outputs = outputs_of(result, whole.units)
+        values[lanes] = np.stack([o.value.value for o in outputs], axis=1)
+        until[lanes] = same_until(_only(whole.base, both[lanes]), result.runs)
+    more, less = np.split(values, 2)
+    return (more - less) / (2.0 * step), np.minimum(*np.split(until, 2))
 
 
 def _disagreement(
     differences: np.ndarray, slopes: np.ndarray, values: np.ndarray, size: np.ndarray
 ) -> np.ndarray:
     """Compute the relative disagreement of derivatives and differences."""
-    floor = SMALL * np.abs(values) / size[:, None]
+    floor = SMALL * np.abs(values) / size
     scale = np.maximum(np.maximum(np.abs(differences), np.abs(slopes)), floor)
     with np.errstate(invalid="ignore"):
         return np.abs(differences - slopes) / np.where(scale > 0.0, scale, 1.0)
-
-
-def _neighbour(
-    case: Case,
-    parameter: Parameter,
-    some: np.ndarray,
-    amount: np.ndarray,
-    limits: Limits,
-) -> Result | None:
-    """Simulate some blocks with a parameter shifted; None where it leaves its range."""
-    release = replaced(
-        case.release,
-        block=select(case.release.block, some),
-        **select(case.release.body, some)._asdict(),
-    )
-    amount = amount if np.ndim(parameter.size(case)) else amount[0]
-    ground = case.ground.of_blocks(some)
-    shifted = parameter.shift(case._replace(release=release, ground=ground), amount)
-    return follow_case(shifted, limits) if parameter.allows(shifted) else None
 
 
 def same_until(first: Runs, second: Runs) -> np.ndarray:
@@ -208,15 +272,15 @@ def _spans(record, blocks: int) -> tuple[np.ndarray, np.ndarray]:
     return np.cumsum(counts) - counts, counts
 
 
-def _only(runs: Runs, some: np.ndarray) -> Runs:
-    """Select the trajectories of some blocks, for `same_until`."""
-    place = np.full(runs.release.count, -1)
-    place[some] = np.arange(len(some))
+def _only(runs: Runs, rows: np.ndarray) -> Runs:
+    """Select the trajectories of some blocks, for `same_until`; a block may stand there
+    several times."""
     records = {}
     for name in ("contacts", "pieces"):
         record = getattr(runs, name)
-        kept = select(record, place[record.trajectory] >= 0)
-        records[name] = kept._replace(trajectory=place[kept.trajectory])
-    release = replaced(runs.release, x=runs.release.x[some])
-    ends = {"ending": runs.ending[some], "time": runs.time[some]}
-    return replaced(runs, release=release, **ends, **records)
+        starts, counts = (column[rows] for column in _spans(record, len(runs.time)))
+        ends = np.cumsum(counts)
+        place = np.arange(counts.sum()) + np.repeat(starts - (ends - counts), counts)
+        owner = np.repeat(np.arange(len(rows)), counts)
+        records[name] = select(record, place)._replace(trajectory=owner)
+    return replaced(runs, ending=runs.ending[rows], time=runs.time[rows], **records)

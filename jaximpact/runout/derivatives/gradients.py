@@ -22,7 +22,16 @@ from ..scheduler import checked_limits
 from ..state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT
 from ..terrain import Ground, Profile
 from ..trajectory import Ending, Runs, RunTangents
-from .comparison import AGREES_WITHIN, STEPS, Standing, Whole, judge
+from .comparison import (
+    AGREES_WITHIN,
+    COMPARISONS,
+    STEPS,
+    Comparison,
+    Judgement,
+    Standing,
+    Whole,
+    judge,
+)
 from .outputs import chosen_outputs, outputs_of
 from .parameters import Case, chosen_parameters
 from .results import follow_case
@@ -52,7 +61,10 @@ def runout_gradients(
     and over edges: exact, but for the integration of contacts, as long as the block
     makes the same contacts. Where it does not, outputs jump, which no derivative shows.
     So each is compared with differences of blocks started with a little more and less
-    of the parameter, and one that these do not confirm is refused.
+    of the parameters, of all at once and then, if need be, of one after the other; one
+    that these do not confirm is refused. A single wrong derivative of a block is always
+    found; of several, whose errors cancel, one that is wrong by more than 100 % is
+    missed with a probability below 1 % (see `derivatives.comparison.judge`).
 
     The longer a block bounces, the smaller is the change that leaves its contacts
     alike, and the steeper and less useful are derivatives: `same_sequence_within` gives
@@ -73,16 +85,19 @@ def runout_gradients(
             trajectory; `passage_...` of the first passage of each collector, as in a
             run-out study.
         collectors: places of collectors [m].
-        check: compare with differences; two to eight more runs for each parameter.
+        check: compare with differences: two more runs in all if all is smooth, and up
+            to eight more, and eight for each parameter, of the blocks for which it is
+            not.
         time_limit, event_limit, hop_threshold, ground: as for `simulate_runout`.
-        progress: called as `progress(done, runs)`, in runs of all blocks.
+        progress: called as `progress(done, comparisons)`.
 
     Returns:
         A dataset over `block`, `output` and `parameter`: `derivative`, in the unit of
         the output by that of the parameter, NaN where it is refused; `standing`
-        (`Standing`); `derivative_by_differences` and their `disagreement`, relative;
-        `same_sequence_within`, the largest of `STEPS` within which the block makes the
-        same contacts; `output_value`, `ending` and `contacts`.
+        (`Standing`); `derivative_by_differences`, in which other parameters that change
+        at once take their part by their derivatives, and their `disagreement`,
+        relative; `same_sequence_within`, the largest of `STEPS` within which the block
+        makes the same contacts as they change; `output_value`, `ending`, `contacts`.
 
     The first use compiles for some 15 s. Afterwards three derivatives of a trajectory
     take about as long as five trajectories, without the comparison.
@@ -101,7 +116,8 @@ def runout_gradients(
         _refuse_flat_faces(release, "give check=True, which compares with differences")
     chosen = chosen_parameters(case, parameters)
     units = chosen_outputs(outputs, collectors)
-    runs_to_do = 1 + 2 * len(chosen) * bool(check)
+    to_do = 1 + COMPARISONS * bool(check)
+    progress("runs", 0, to_do)
     result = follow_case(case, limits, chosen)
     found_outputs = outputs_of(result, units)
     whole = Whole(
@@ -111,12 +127,12 @@ def runout_gradients(
         when=np.stack([output.when for output in found_outputs], axis=1),
     )
     slopes = np.stack([output.value.tangent for output in found_outputs], axis=2)
-    found = []
-    for number, (slope, parameter) in enumerate(zip(slopes, chosen, strict=True)):
-        progress("runs", 1 + 2 * number * bool(check), runs_to_do)
-        found.append(judge(case, parameter, whole, slope, check, limits))
-    progress("runs", runs_to_do, runs_to_do)
-    return _dataset(case, chosen, whole, found)
+    comparison = Comparison(case, chosen, limits, whole, np.moveaxis(slopes, 0, 2))
+    judgement = Judgement.of_none(comparison.slopes.shape)
+    if check:
+        judgement = judge(comparison, lambda done: progress("runs", 1 + done, to_do))
+    progress("runs", to_do, to_do)
+    return _dataset(comparison, judgement)
 
 
 def differentiate_runout(
@@ -176,32 +192,48 @@ def _checked_case(
     return Case(profile, release, contacts, ground or Ground.of_profile(profile))
 
 
-def _dataset(case: Case, parameters, whole: Whole, found: list[dict]) -> xr.Dataset:
+def _dataset(comparison: Comparison, judgement: Judgement) -> xr.Dataset:
+    case, parameters, _, whole, slopes = comparison
     base, units, values, _ = whole
+    factors = np.array([parameter.factor for parameter in parameters])
+    standing = judgement.standing
+    standing[np.isfinite(values)[..., None] & ~comparison.known] = Standing.lost
+    standing[~np.isfinite(values)] = Standing.no_value
+    given = (standing == Standing.confirmed) | (standing == Standing.unchecked)
     by_output = ("block", "output", "parameter")
-    judged = {name: np.stack([f[name] for f in found], axis=-1) for name in found[0]}
-    trajectory = base.contacts.trajectory
-    standing = {
+    flags = {
         "flag_values": [int(member) for member in Standing],
         "flag_meanings": " ".join(member.name for member in Standing),
     }
-    about = {
-        "derivative": "d output / d parameter, in their units",
-        "derivative_by_differences": "the same by differences",
-        "disagreement": "of the two, as part of the larger",
-    }
     return xr.Dataset(
-        {name: (by_output, judged[name], {"long_name": about[name]}) for name in about}
-        | {
-            "standing": (by_output, judged["standing"], standing),
+        {
+            "derivative": (
+                by_output,
+                np.where(given, slopes, np.nan) * factors,
+                {"long_name": "d output / d parameter, in their units"},
+            ),
+            "derivative_by_differences": (
+                by_output,
+                judgement.by_differences * factors,
+                {"long_name": "the same by differences"},
+            ),
+            "disagreement": (
+                by_output,
+                judgement.disagreement,
+                {"long_name": "of the two, as part of the larger"},
+            ),
+            "standing": (by_output, standing, flags),
             "same_sequence_within": (
                 ("block", "parameter"),
-                judged["same_sequence_within"],
+                judgement.same_within,
                 {"long_name": "part of the parameter that changes no contact"},
             ),
             "output_value": (("block", "output"), values),
             "ending": ("block", np.array([str(e) for e in Ending])[base.ending]),
-            "contacts": ("block", np.bincount(trajectory, minlength=len(values))),
+            "contacts": (
+                "block",
+                np.bincount(base.contacts.trajectory, minlength=len(values)),
+            ),
         },
         {
             "block": np.arange(len(values)),

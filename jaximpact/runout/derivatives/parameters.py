@@ -14,7 +14,7 @@ from ...io.checks import checked_names
 from ...parameters import Composite, Part
 from ...quantities import InputColumn, columns_of_part, own_columns
 from ...units import DEGREE
-from ..blocks import Body, Release
+from ..blocks import Body, Release, select
 from ..contacts.contact_models import ClosedForm, FullModel
 from ..state import Directions
 from ..terrain import ROLLING_COLUMN, Ground, Profile
@@ -28,8 +28,14 @@ class Case(NamedTuple):
     contacts: FullModel | ClosedForm
     ground: Ground
 
-
-Amount = np.ndarray | float
+    def of_blocks(self, chosen: np.ndarray) -> "Case":
+        """Select some blocks; one may be chosen several times."""
+        release = replaced(
+            self.release,
+            block=select(self.release.block, chosen),
+            **select(self.release.body, chosen)._asdict(),
+        )
+        return self._replace(release=release, ground=self.ground.of_blocks(chosen))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -40,18 +46,18 @@ class Parameter:
     unit: str
     factor: float
     """SI value over the value in the unit."""
+    part: str
+    """Part of a case that holds it: "release", "ground" or "contacts"."""
     value: Callable[[Case], np.ndarray]
     """Gives the value in SI units: one number, or one for each block, segment, or
     both."""
-    shift: Callable[[Case, Amount], Case]
-    """Adds an amount, in SI units, to the parameter of a case; unchecked."""
+    move: Callable[[Case, np.ndarray], Case]
+    """Adds amounts, in SI units, to the parameter of a case; unchecked."""
     rates: Callable[[Case], dict[str, np.ndarray]]
     """Gives the derivatives of the numbers of a case that change with the parameter, by
     their path, such as `release.v_x`; arrays that broadcast to theirs."""
     column: InputColumn | None = None
     """Gives the range of allowed values, where there is one."""
-    of_blocks: bool = False
-    """True if each block has its own value."""
 
     def size(self, case: Case) -> np.ndarray:
         """Give the scale of its steps: its own value, averaged over the ground, or one
@@ -60,8 +66,15 @@ class Parameter:
         if self.unit == "deg":
             return np.ones(())
         values = np.abs(self.value(case))
-        values = values if self.of_blocks else np.mean(values)
+        values = values if self.part == "release" else np.mean(values)
         return np.where(values > 0.0, values, self.factor)
+
+    def shift(self, case: Case, amounts: np.ndarray) -> Case:
+        """Add an amount to the parameter of each block, `(blocks,)`, in SI units;
+        unchecked. All blocks have one law: its parameters take the first."""
+        if self.part == "contacts":
+            return self.move(case, amounts[0])
+        return self.move(case, amounts[:, None] if self.part == "ground" else amounts)
 
     def allows(self, case: Case) -> bool:
         """Tell whether its values in a case are in range."""
@@ -119,7 +132,7 @@ def _known(case: Case) -> dict[str, Parameter]:
     known = [
         *_fields("soil", "ground.soil", case.ground.soil),
         _ROLLING,
-        *_fields("block", "release.block", case.release.block, of_blocks=True),
+        *_fields("block", "release.block", case.release.block),
         *_OF_RELEASE,
     ]
     law = getattr(case.contacts, "law", None)
@@ -137,7 +150,6 @@ def _field(
     unit: str,
     factor: float = 1.0,
     column: InputColumn | None = None,
-    of_blocks: bool = False,
 ) -> Parameter:
     """Describe a field that lies in a case at a path of names; all its values shift
     alike."""
@@ -147,14 +159,14 @@ def _field(
     def value(case: Case) -> np.ndarray:
         return np.asarray(get(case))
 
-    def shift(case: Case, amount: Amount) -> Case:
+    def move(case: Case, amount: np.ndarray) -> Case:
         shifted = _with(getattr(case, part), inner, value(case) + amount)
         return case._replace(**{part: shifted})
 
     def rates(case: Case) -> dict[str, np.ndarray]:
         return {path: np.ones(())}
 
-    return Parameter(name, unit, factor, value, shift, rates, column, of_blocks)
+    return Parameter(name, unit, factor, part, value, move, rates, column)
 
 
 def _with(owner, path: list[str], value):
@@ -165,14 +177,12 @@ def _with(owner, path: list[str], value):
     return replaced(owner, **{name: value})
 
 
-def _fields(
-    part: str, path: str, whole: Composite, of_blocks: bool = False
-) -> list[Parameter]:
+def _fields(part: str, path: str, whole: Composite) -> list[Parameter]:
     """Describe the parameters of a part of the scene."""
     return [
         _field(
             ".".join((path, *whole.path_of(c.field))),
-            *(c.name, c.unit, c.factor, c, of_blocks),
+            *(c.name, c.unit, c.factor, c),
         )
         for c in columns_of_part(part, whole).values()
     ]
@@ -191,7 +201,7 @@ def _rates_by_speed(case: Case) -> dict[str, np.ndarray]:
     return {"release.v_x": np.cos(direction), "release.v_y": np.sin(direction)}
 
 
-def _shift_speed(case: Case, amount: Amount) -> Case:
+def _move_speed(case: Case, amount: np.ndarray) -> Case:
     rates, release = _rates_by_speed(case), case.release
     v_x = release.v_x + rates["release.v_x"] * amount
     v_y = release.v_y + rates["release.v_y"] * amount
@@ -202,7 +212,7 @@ def _rates_by_direction(case: Case) -> dict[str, np.ndarray]:
     return {"release.v_x": -case.release.v_y, "release.v_y": case.release.v_x}
 
 
-def _shift_direction(case: Case, amount: Amount) -> Case:
+def _move_direction(case: Case, amount: np.ndarray) -> Case:
     release, cos, sin = case.release, np.cos(amount), np.sin(amount)
     v_x = release.v_x * cos - release.v_y * sin
     v_y = release.v_x * sin + release.v_y * cos
@@ -211,21 +221,16 @@ def _shift_direction(case: Case, amount: Amount) -> Case:
 
 _ROLLING = _field("ground.rolling_friction_angle", ROLLING_COLUMN, "deg", DEGREE)
 _OF_RELEASE = [
-    _field("release.x", "x_m", "m", of_blocks=True),
-    _field("release.y", "y_m", "m", of_blocks=True),
+    _field("release.x", "x_m", "m"),
+    _field("release.y", "y_m", "m"),
     Parameter(
-        *("speed_mps", "m/s", 1.0),
-        *(_speed, _shift_speed, _rates_by_speed),
-        of_blocks=True,
+        *("speed_mps", "m/s", 1.0, "release"),
+        *(_speed, _move_speed, _rates_by_speed),
     ),
     Parameter(
-        *("direction_deg", "deg", DEGREE),
-        *(_direction, _shift_direction, _rates_by_direction),
-        of_blocks=True,
+        *("direction_deg", "deg", DEGREE, "release"),
+        *(_direction, _move_direction, _rates_by_direction),
     ),
-    _field("release.orientation", "orientation_deg", "deg", DEGREE, of_blocks=True),
-    _field(
-        *("release.angular_velocity", "angular_velocity_degps", "deg/s", DEGREE),
-        of_blocks=True,
-    ),
+    _field("release.orientation", "orientation_deg", "deg", DEGREE),
+    _field("release.angular_velocity", "angular_velocity_degps", "deg/s", DEGREE),
 ]
