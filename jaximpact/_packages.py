@@ -8,8 +8,8 @@ from typing import Any
 from .errors import InputError
 
 
-def needed(package: str, what: str) -> Any:
-    """Import a package of the extra `cluster`.
+def needed(package: str, what: str, extra: str = "cluster") -> Any:
+    """Import a package of an extra.
 
     Args:
         what: what it is needed for, the subject of the error.
@@ -24,7 +24,7 @@ def needed(package: str, what: str) -> Any:
             raise
         raise InputError(
             f"{what} needs the package {top}, which is not installed: pip install "
-            "'jaximpact[cluster]'"
+            f"'jaximpact[{extra}]'"
         ) from None
     return importlib.import_module(package)
 

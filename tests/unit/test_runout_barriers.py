@@ -4,6 +4,7 @@ files of maps by hand."""
 import json
 import sqlite3
 import struct
+import sys
 
 import numpy as np
 import pytest
@@ -111,7 +112,13 @@ def test_places_on_the_map(tmp_path):
         ({"azimuth_deg": 361}, ("profile.azimuth_deg", "from 0")),
         ({"azimuth_deg": -1}, ("profile.azimuth_deg", "from 0")),
         ({"crs": "LV95"}, ("profile.crs", 'such as "EPSG:2056"')),
-        ({"crs": "EPSG:4326"}, ("profile.crs", "in degrees")),
+        ({"crs": "EPSG:4326"}, ("profile.crs", "EPSG:4326 (WGS 84) is in degree")),
+        ({"crs": "EPSG:2225"}, ("profile.crs", "is in US survey foot")),
+        ({"crs": "EPSG:1999"}, ("profile.crs", "EPSG:1999", "register")),
+        (
+            {"origin": [1e30, 0], "crs": "EPSG:32632"},
+            ("profile.origin", "no place of EPSG:32632"),
+        ),
         ({"crs": 2056}, ("profile.crs", "must be a text")),
     ],
 )
@@ -129,20 +136,46 @@ def test_a_place_needs_all_three(tmp_path, missing):
         read_map_placement(tmp_path, {"profile": given})
 
 
+def test_maps_name_the_package_that_they_need(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyproj", None)
+    with pytest.raises(InputError, match=r"crs needs .* pyproj.*jaximpact\[maps\]"):
+        read_map_placement(tmp_path, {"profile": PLACE})
+
+
 def test_geojson_by_hand(tmp_path):
-    path = tmp_path / "a.geojson"
-    with geojson(path, "lines", 2056) as add:
+    """By the Mercator projection of a sphere, whose inverse is known: x = R lambda and
+    y = R log(tan(pi/4 + phi/2))."""
+    path, mercator = tmp_path / "a.geojson", 3857
+    with geojson(path, "lines", mercator) as add:
         for feature in FEATURES:
             add(feature)
     tree = json.loads(path.read_text(encoding="utf-8"))
+    assert [*tree] == ["type", "name", "features"]
     assert tree["type"] == "FeatureCollection"
-    assert tree["crs"]["properties"]["name"] == "urn:ogc:def:crs:EPSG::2056"
-    assert tree["features"][0] == {
-        "type": "Feature",
-        "geometry": {"type": "LineString", "coordinates": [[1, 2, 3], [4, 5, 6.5]]},
-        "properties": {"block": 0, "name": 'a "b"'},
-    }
-    assert tree["features"][1]["geometry"] is None
+    line, without_place = tree["features"]
+    geometry, radius = line.pop("geometry"), 6378137.0
+    x, y, heights = np.transpose(FEATURES[0].positions)
+    latitude = 2.0 * np.arctan(np.exp(y / radius)) - np.pi / 2.0
+    degrees = np.degrees([x / radius, latitude])
+    assert geometry["type"] == "LineString"
+    np.testing.assert_allclose(
+        geometry["coordinates"], np.transpose([*degrees, heights]), atol=1e-9
+    )
+    assert line == {"type": "Feature", "properties": {"block": 0, "name": 'a "b"'}}
+    assert without_place["geometry"] is None
+
+
+def test_a_place_in_switzerland(tmp_path):
+    """The old observatory of Bern, the origin of Swiss coordinates, at 46 57 03.90 N
+    and 7 26 19.08 E of WGS 84 (swisstopo, Formulas and constants), to the metre."""
+    path = tmp_path / "a.geojson"
+    with geojson(path, "points", 2056) as add:
+        add(Feature(False, [[2600000.0, 1200000.0, 550.0]], {}))
+    (found,) = json.loads(path.read_text(encoding="utf-8"))["features"]
+    longitude, latitude, height = found["geometry"]["coordinates"]
+    assert longitude == pytest.approx(7 + 26 / 60 + 19.08 / 3600, abs=1e-5)
+    assert latitude == pytest.approx(46 + 57 / 60 + 3.90 / 3600, abs=1e-5)
+    assert height == 550.0
 
 
 def test_geopackage_by_hand(tmp_path):

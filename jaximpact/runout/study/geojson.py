@@ -1,11 +1,8 @@
 """Files of GeoJSON, written feature by feature.
 
-Coordinates are easting, northing and height [m] in the reference system of the study,
-which the member `crs` names as GIS programs read it. RFC 7946 itself knows longitude
-and latitude only, and other systems by arrangement (its section 4): for web maps a file
-must be transformed first.
+Coordinates are longitude and latitude [deg] of WGS 84, and the profile's height [m].
 
-Source: RFC 7946, The GeoJSON format; GJ2008, section 3, for `crs`.
+Source: RFC 7946, The GeoJSON format.
 """
 
 import contextlib
@@ -14,7 +11,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from ...io.files import replacing
+from .map_placement import degrees_from
+
+DECIMALS = 9
+"""Decimals of degrees: a tenth of a millimetre."""
 
 
 class Feature(NamedTuple):
@@ -37,33 +40,35 @@ def geojson(path: Path, name: str, code: int) -> Iterator[AddFeature]:
 
     Args:
         name: name of the layer.
-        code: number of the reference system in the EPSG's register.
+        code: number of the positions' reference system in the EPSG's register.
 
     Yields:
         Function that writes a feature.
 
     Raises OSError where the file system refuses.
     """
-    crs = {"type": "name", "properties": {"name": f"urn:ogc:def:crs:EPSG::{code}"}}
+    to_degrees = degrees_from(code)
     with replacing(path) as temporary, open(temporary, "w", encoding="utf-8") as file:
-        head = f'"type":"FeatureCollection","name":"{name}","crs":{_text(crs)}'
-        file.write(f'{{{head},"features":[')
+        file.write(f'{{"type":"FeatureCollection","name":"{name}","features":[')
         separator = "\n"
 
         def add(feature: Feature) -> None:
             nonlocal separator
-            file.write(separator + _text(_as_tree(feature)))
+            file.write(separator + _text(_as_tree(feature, to_degrees)))
             separator = ",\n"
 
         yield add
         file.write("\n]}\n")
 
 
-def _as_tree(feature: Feature) -> dict:
+def _as_tree(feature: Feature, to_degrees: Callable) -> dict:
     geometry = None
     if feature.positions:
         kind = "LineString" if feature.is_line else "Point"
-        places = feature.positions if feature.is_line else feature.positions[0]
+        eastings, northings, heights = zip(*feature.positions, strict=True)
+        degrees = np.round(to_degrees(eastings, northings), DECIMALS).tolist()
+        places = [list(place) for place in zip(*degrees, heights, strict=True)]
+        places = places if feature.is_line else places[0]
         geometry = {"type": kind, "coordinates": places}
     return {"type": "Feature", "geometry": geometry, "properties": feature.properties}
 

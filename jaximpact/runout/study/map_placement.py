@@ -2,19 +2,21 @@
 
 import math
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from ..._packages import needed
 from ...errors import InputError
 from ...io.toml import number, typed
 from ...units import DEGREE
 
 KEYS = ("origin", "azimuth_deg", "crs")
 """Keys under `[profile]`, all of them or none."""
-IN_DEGREES = ("EPSG:4326", "EPSG:4979", "EPSG:4258", "EPSG:4269", "EPSG:4267")
-"""Reference systems that measure in degrees, of those that are often met."""
+LONGITUDE_AND_LATITUDE = 4326
+"""WGS 84 in the EPSG's register, the reference system of GeoJSON."""
 
 
 class MapPlacement(NamedTuple):
@@ -79,7 +81,28 @@ def read_map_placement(path: Path, content: dict) -> MapPlacement | None:
             file=path,
             key="profile.azimuth_deg",
         )
-    return MapPlacement(easting, northing, DEGREE * azimuth, _crs(path, table))
+    place = MapPlacement(easting, northing, DEGREE * azimuth, _crs(path, table))
+    longitude, latitude = degrees_from(place.code)([easting], [northing])
+    if not np.all(np.isfinite([longitude, latitude])):
+        raise InputError(
+            f"is no place of {place.crs}: {pair!r}", file=path, key="profile.origin"
+        )
+    return place
+
+
+def degrees_from(code: int) -> Callable:
+    """Make the function from eastings and northings [m] to longitudes and latitudes
+    [deg].
+
+    Args:
+        code: number of a projected reference system in the EPSG's register.
+
+    Without the network, from what pyproj brings: grids of corrections that it lacks
+    cost up to some metres in old national systems.
+    """
+    pyproj = needed("pyproj", "profile.crs", "maps")
+    found = pyproj.Transformer.from_crs(code, LONGITUDE_AND_LATITUDE, always_xy=True)
+    return found.transform
 
 
 def _crs(path: Path, table: dict) -> str:
@@ -89,9 +112,18 @@ def _crs(path: Path, table: dict) -> str:
         raise InputError(
             f'must be a code such as "EPSG:2056", but is {crs!r}', file=path, key=key
         )
-    if crs in IN_DEGREES:
+    pyproj = needed("pyproj", key, "maps")
+    try:
+        system = pyproj.CRS(crs)
+    except pyproj.exceptions.CRSError:
         raise InputError(
-            f"must be a projected system in metres, but {crs} is in degrees",
+            f"is {crs}, which the EPSG's register does not hold", file=path, key=key
+        ) from None
+    units = {axis.unit_name for axis in system.axis_info[:2]}
+    if not system.is_projected or units != {"metre"}:
+        raise InputError(
+            f"must be a projected system in metres, but {crs} ({system.name}) is in "
+            f"{' and '.join(sorted(units))}",
             file=path,
             key=key,
         )
