@@ -1,5 +1,6 @@
 """Contacts of a run-out by tables."""
 
+import dataclasses
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -183,6 +184,7 @@ def _difference(scene: Scene, table: ReboundTable) -> str:
 
 def _in_parts(table: ReboundTable, impact: Impact) -> np.ndarray:
     """Entries as columns."""
+    table = dataclasses.replace(table, error=None)  # once for all parts
     count = len(impact.speed)
     padded = jax.tree.map(lambda leaf: np.pad(leaf, (0, -count % PART), "edge"), impact)
     parts = []

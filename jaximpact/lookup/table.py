@@ -313,7 +313,10 @@ def _read(entries, outcomes, places) -> tuple[list[Scalar], Scalar]:
 
 def look_up_many(table: ReboundTable, impact: Impact) -> Entry:
     """Look up impacts in arrays of one shape, by a compiled `look_up`."""
-    return _look_up(dataclasses.replace(table, error=None), impact)
+    # Compiled code takes no errors.
+    if table.error is not None:
+        table = dataclasses.replace(table, error=None)
+    return _look_up(table, impact)
 
 
 _look_up = jax.jit(ReboundTable.look_up)
