@@ -58,6 +58,10 @@ class NoMachineCodeWarning(UserWarning):
     """Warning that laws or a version of JAX have no machine code, and XLA computes."""
 
 
+class NoWorkersWarning(UserWarning):
+    """Warning that a client of Dask has no workers, so that its work stands still."""
+
+
 class UnusualValueWarning(UserWarning):
     """A value far from what blocks and grounds have; its unit may be mistaken.
 

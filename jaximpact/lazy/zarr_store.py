@@ -6,12 +6,10 @@ the group `_regions` of the same store. So nothing passes through the process th
 and what is marked is whole. Zarr replaces files of a directory in one move.
 """
 
-import functools
 import json
 import math
 import os
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,7 +25,7 @@ from ..io.datasets import OUTCOMES
 from ..io.files import check_writable, locked
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import OUTCOME_COLUMN
-from ..tasks import is_loss
+from .regions import compute_regions
 
 FORMAT = 2
 """Format of the stores: the one in which texts of a fixed length are specified."""
@@ -94,7 +92,8 @@ def write_zarr(
     Blocks that are lazy are computed by whatever scheduler or client of Dask there is,
     and written there: workers must see the directory. A store that an earlier call
     began is taken up: what is marked as whole in it is not computed again. Where
-    workers die Dask computes their blocks elsewhere.
+    workers die Dask computes their blocks elsewhere; where none are left it waits for
+    others, with a NoWorkersWarning after some seconds.
 
     Args:
         path: the directory; made if need be.
@@ -312,56 +311,7 @@ def _compute(
     )
     regions = written.to_delayed().ravel()[missing].tolist()
     engine = base.get_scheduler(collections=[written])
-    client = getattr(engine, "__self__", None)
-    tell = functools.partial(_tell, told, found, total)
-    if client is not None and hasattr(client, "scheduler_info"):
-        _on_client(client, regions, tell)
-    else:
-        _on_this_machine(regions, tell)
-
-
-def _tell(told: Progress, found: int, total: int, done: int) -> None:
-    told("regions", found + done, total)
-
-
-def _on_client(client: Any, regions: list, tell: Callable[[int], None]) -> None:
-    """Have a client compute regions. What a killed worker had is computed by another;
-    where Dask gives a region up since too many workers died over it, the others go
-    on."""
-    distributed = needed("distributed", "a client")
-    futures, lost = client.compute(regions), []
-    try:
-        done = 0
-        for future in distributed.as_completed(futures):
-            error = future.exception()
-            if error is None:
-                done += 1
-                tell(done)
-            elif is_loss(error):
-                lost.append(error)
-            else:
-                raise error
-    finally:
-        client.cancel(futures)
-    if lost:
-        raise IncompleteError(
-            f"{len(lost)} regions lost their workers ({lost[0]}); the same call goes "
-            "on from there"
-        )
-
-
-def _on_this_machine(regions: list, tell: Callable[[int], None]) -> None:
-    """Compute regions by the scheduler of Dask that is set, threads by default."""
-    dask, callbacks = needed("dask", "a store"), needed("dask.callbacks", "a store")
-    keys, done = {region.key for region in regions}, []
-
-    def count(key, *_) -> None:
-        if key in keys:
-            done.append(key)
-            tell(len(done))
-
-    with callbacks.Callback(posttask=count):
-        dask.compute(*regions)
+    compute_regions(engine, regions, lambda done: told("regions", found + done, total))
 
 
 def _finish(path: Path, dataset: xr.Dataset) -> None:

@@ -8,6 +8,7 @@ cluster and one kernel, and the worker that is killed is the last to be needed.
 import multiprocessing
 import os
 import signal
+import warnings
 from concurrent.futures import Executor, ProcessPoolExecutor
 
 import dask
@@ -30,8 +31,10 @@ from jaximpact import (
     write_zarr,
 )
 from jaximpact.cli import main
+from jaximpact.errors import NoWorkersWarning
 from jaximpact.finding import find_part
 from jaximpact.laws import AbstractFlow
+from jaximpact.lazy import regions as computing
 from jaximpact.runout import read_slope_study, run_slope_study
 from jaximpact.store import open_cache
 
@@ -155,6 +158,23 @@ def test_a_killed_worker_loses_nothing(client, at_once, tmp_path):
     there = xr.open_zarr(tmp_path / "a.zarr").load()
     xr.testing.assert_identical(there, at_once)
     assert_same_bits(there, at_once)
+
+
+def test_a_client_without_workers_is_told_and_goes_on_with_new_ones(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr(computing, "WORKERLESS", 0.1)
+    lazy = sweep(Scene(), {"angle_deg": [30.0, 40.0]}, chunks=1)
+    quiet = {"dashboard_address": ":0", "silence_logs": 50}
+    with (
+        distributed.LocalCluster(n_workers=0, processes=False, **quiet) as cluster,
+        distributed.Client(cluster),
+        warnings.catch_warnings(),
+    ):
+        warnings.filterwarnings("always", category=NoWorkersWarning)
+        monkeypatch.setattr(warnings, "showwarning", lambda *_: cluster.scale(1))
+        regions = write_zarr(tmp_path / "a.zarr", lazy)
+    assert regions.computed == 2
 
 
 def test_a_pool_of_joblib_and_one_of_python():
