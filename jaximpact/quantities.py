@@ -170,7 +170,7 @@ def _columns_of(*parts: tuple) -> dict[str, InputColumn]:
 def _taken() -> dict[str, str]:
     """Names that tables and files have for something else, and for what."""
     results = (*RESULT_COLUMNS, *FURTHER_COLUMNS, *ENERGY_COLUMNS, OUTCOME_COLUMN)
-    results += (*DERIVED_COLUMNS,)
+    results += (*DERIVED_COLUMNS, *CURVE_COLUMNS, TIME_COLUMN)
     return {
         **dict.fromkeys(
             (*results, *(SIGMA_PREFIX + n for n in results)), "that of a result"
@@ -324,6 +324,14 @@ DERIVED_COLUMNS = {
     )
 }
 """Results that follow from velocities, mass and angle; they are fitted, no more."""
+TIME_COLUMN, CURVE_FILE = "time_s", "force_curve"
+"""Columns of a table of tests: the time of a force since first touch, and the file of a
+curve of forces against time."""
+CURVE_COLUMNS = _results(
+    ("normal_force", "N", "N at the time of the row"),
+    ("tangential_force", "N", "T at the time of the row, down-slope"),
+)
+"""Forces at a time, which are fitted, no more."""
 TARGET_COLUMNS = {
     **RESULT_COLUMNS,
     **{
@@ -332,6 +340,7 @@ TARGET_COLUMNS = {
         if n not in ("e_n_vijayakumar", "steps")
     },
     **DERIVED_COLUMNS,
+    **CURVE_COLUMNS,
 }
 """Results that a table of tests may hold, measured."""
 NEVER_NEGATIVE = (
@@ -362,7 +371,10 @@ OUTCOME_MEANING = (
 )
 SIGMA_PREFIX = "sigma_"
 """Before the name of a result column: the standard deviation of a measured value."""
-LABEL_COLUMNS = ("name", "id", "test", "campaign", "source", "note", "comment")
+LABEL_COLUMNS = (
+    *("name", "id", "test", "campaign", "source", "note", "comment"),
+    CURVE_FILE,
+)
 """Columns of free text, which identify a row and are carried along."""
 
 

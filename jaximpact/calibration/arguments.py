@@ -17,6 +17,7 @@ from ..quantities import (
     LABEL_COLUMNS,
     SLOTS,
     TARGET_COLUMNS,
+    TIME_COLUMN,
     InputColumn,
     columns_of,
     columns_of_part,
@@ -30,7 +31,7 @@ from .problem.laws import parts_and_values, scene_of
 
 COLUMNS = Path("columns given")
 """Name in errors and in the manifest of tests that come from no file."""
-NAMES = (*LABEL_COLUMNS, *TARGET_COLUMNS, *SIGMA_COLUMNS, *SLOTS)
+NAMES = (*LABEL_COLUMNS, *TARGET_COLUMNS, *SIGMA_COLUMNS, TIME_COLUMN, *SLOTS)
 """Names of columns beside those of the scene."""
 MISSING = ("nan", "NaN", "<NA>", "NaT", "None")
 """Texts of numpy and pandas for a cell without a value."""

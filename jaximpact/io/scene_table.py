@@ -26,6 +26,7 @@ from ..quantities import (
     SIGMA_PREFIX,
     SLOTS,
     TARGET_COLUMNS,
+    TIME_COLUMN,
     InputColumn,
     columns_of,
     columns_of_class,
@@ -231,7 +232,7 @@ def _check_header(
     measured: bool,
 ) -> None:
     """Raise InputError for the first name that cannot stand in the header."""
-    results = (*TARGET_COLUMNS, OUTCOME_COLUMN, *SIGMA_COLUMNS)
+    results = (*TARGET_COLUMNS, OUTCOME_COLUMN, *SIGMA_COLUMNS, TIME_COLUMN)
     known = (*columns, *SLOTS, *LABEL_COLUMNS, *(results if measured else ()))
     for index, name in enumerate(names):
         if not name:
@@ -328,7 +329,7 @@ def _readers(
         if name in columns:
             read = functools.partial(_numbers, column=columns[name])
             readers[name] = _reader_of_shapes(name, base) or read
-        elif name in TARGET_COLUMNS or name in SIGMA_COLUMNS:
+        elif name in (TIME_COLUMN, *TARGET_COLUMNS, *SIGMA_COLUMNS):
             readers[name] = _present
     return readers
 

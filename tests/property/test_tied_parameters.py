@@ -225,7 +225,7 @@ def test_a_fit_with_a_tie_and_groups_is_found_and_predicts(tmp_path):
     # k_E tells the common c_v: the root mean square of the groups about it.
     (group_sd,) = read_fitted(tmp_path / "out").variants[0].group_sd.values()
     assert group_sd == pytest.approx(truth[1], rel=0.05)
-    assert f"0 +- {group_sd:.3g} (estimated)" in str(found)
+    assert f"0 +- {group_sd:.4g} (estimated)" in str(found)
     assert isinstance(found.soil, Soil)
     assert float(found.soil.k_E) == pytest.approx(600.0 * values[0], rel=1e-12)
     new = {name: values[:2] for name, values in INPUTS.items()}

@@ -5,7 +5,6 @@ those of the scene, and everything else of `Objective` holds, nuisance parameter
 turned ground and errors of measurement among them.
 """
 
-import copy
 import dataclasses
 import math
 from typing import Any, NamedTuple
@@ -106,14 +105,9 @@ class ReboundEngine(Engine):
     """
 
     def __init__(self, structure, targets: tuple[str, ...], places: dict[str, int]):
-        self.structure, self.targets, self.places = structure, targets, places
+        self.structure, self.places = structure, places
+        self._set_targets(targets)
         self.kernel, self.name = None, "closed form"
-
-    def for_targets(self, targets: tuple[str, ...]) -> "ReboundEngine":
-        """Return the same law for other result columns."""
-        other = copy.copy(self)
-        other.targets = targets
-        return other
 
     def run(
         self, leaves: np.ndarray, directions: np.ndarray, accuracy: Accuracy

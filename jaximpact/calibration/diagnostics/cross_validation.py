@@ -103,10 +103,11 @@ def leave_out_each(
         progress: told a line of text for each.
     """
     study = objective.study
-    measured = np.flatnonzero(np.any(study.known, axis=1))
-    group = np.full(len(study.tests), -1)
-    group[measured] = np.arange(len(measured))
-    each = np.eye(len(study.tests), dtype=bool)[measured]
+    # Points of a curve are one test.
+    first, known = study.tests.first_of_row, np.any(study.known, axis=1)
+    measured = np.unique(first[known])
+    group = np.where(known, np.searchsorted(measured, first), -1)
+    each = first == measured[:, None]
     steps = linearised(objective, points, each)
     soil = len(study.parameters)
     far = np.max(np.abs(steps / uncertainty.standard_errors)[:, :soil], axis=1)

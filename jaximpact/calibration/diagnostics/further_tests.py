@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 from ..._checks import whole_number
 from ...errors import InputError
 from ...io.display import align
-from ...quantities import InputColumn, columns_of, leaf_places
+from ...quantities import CURVE_COLUMNS, InputColumn, columns_of, leaf_places
 from ...scene import Scene
 from ...shapes import Ellipsoid, EllipticCylinder
 from ..estimation.linear_algebra import inverse_positive
@@ -300,6 +300,8 @@ def default_measure(fitted: VariantResult) -> dict[str, Sigma]:
     fractions = scale * relative_sigma(study, fitted.sigma, fitted.predicted)
     least = least_size(study.measured)
     for index, name in enumerate(study.targets):
+        if name in CURVE_COLUMNS:
+            continue
         if study.proportional[index]:
             fraction = float(fractions[index])
             measure[name] = Sigma(fraction * float(least[index]), fraction)
@@ -325,7 +327,9 @@ def _common(fitted: VariantResult) -> dict[str, float]:
         for name, value in (study.soil | fitted.variant.soil).items()
         if name in known
     }
-    values |= {n: float(np.median(v)) for n, v in study.tests.inputs.items()}
+    values |= {
+        n: float(np.median(v)) for n, v in study.tests.inputs.items() if n in known
+    }
     first = len(study.parameters)
     for nuisance in study.nuisances:
         fit = fitted.parameters[first : first + len(nuisance.groups)]

@@ -76,7 +76,11 @@ def residuals_of(objective: Objective, points: Points, inflation: float) -> Resi
 def varying_inputs(objective: Objective) -> dict[str, np.ndarray]:
     """Find the columns of the scene that differ among the tests."""
     inputs = objective.study.tests.inputs
-    return {name: values for name, values in inputs.items() if np.ptp(values) > 0.0}
+    return {
+        name: values
+        for name, values in inputs.items()
+        if np.nanmax(values) > np.nanmin(values)
+    }
 
 
 def _trends(objective: Objective, values, predicted) -> tuple[list[Trend], int]:

@@ -13,7 +13,7 @@ from ..._checks import real_numbers
 from ...errors import InputError, nearest
 from ...io.checks import NUMBERS_PER_IMPACT, check_memory
 from ...io.toml import check_keys, choice, known_table, number, typed, whole
-from ...quantities import TARGET_COLUMNS, InputColumn, why_unknown
+from ...quantities import CURVE_COLUMNS, TARGET_COLUMNS, InputColumn, why_unknown
 
 CRITERIA = ("D", "A")
 COUNT = 3
@@ -97,7 +97,7 @@ def checked_measure(
     sigmas = {}
     for name, given in measure.items():
         place = {"file": file, "key": f"{key}.{name}"}
-        if name not in TARGET_COLUMNS:
+        if name not in TARGET_COLUMNS or name in CURVE_COLUMNS:
             raise InputError(
                 f"is unknown; did you mean {nearest(name, TARGET_COLUMNS)}?", **place
             )

@@ -20,9 +20,11 @@ from ...io.toml import (
 )
 from ...parameters import Part
 from ...quantities import (
+    CURVE_COLUMNS,
     RESULT_COLUMNS,
     SLOTS,
     TARGET_COLUMNS,
+    TIME_COLUMN,
     InputColumn,
     columns_of,
 )
@@ -36,6 +38,7 @@ from .fitted_parameters import (
     check_constants,
     read_parameters,
 )
+from .force_curves import check_times
 from .laws import KINDS, checked_values, parts_and_values, scene_of
 from .noise import (
     LOSSES,
@@ -147,6 +150,14 @@ class Study:
         variant."""
         tests = self.tests.with_laws(variant.laws)
         return tests.scene(self.soil | variant.soil)
+
+    @property
+    def comparable(self) -> np.ndarray:
+        """Mask of what a test can have measured, shape (tests, targets): forces at a
+        time where it has one, else the other targets."""
+        nothing = np.full(len(self.tests), np.nan)
+        timed = np.isfinite(self.tests.inputs.get(TIME_COLUMN, nothing))
+        return timed[:, None] == np.isin(self.targets, [*CURVE_COLUMNS])
 
     @property
     def known(self) -> np.ndarray:
@@ -427,8 +438,12 @@ def _targets(path: Path, content: dict, tests: Measurements, nuisances):
             )
         if targets.count(name) > 1:
             raise InputError(f"{name} stands twice", file=path, key="targets")
-        if not np.any(np.isfinite(tests.measured[name])):
+        known = np.isfinite(tests.measured[name])
+        if not np.any(known):
             raise InputError("holds no measurement; remove it", file=first, column=name)
+        if name in CURVE_COLUMNS:
+            times = tests.inputs.get(TIME_COLUMN, np.full(len(tests), np.nan))
+            check_times(first, times, known, name)
     angles = tests.inputs.get("angle_deg", np.zeros(len(tests)))
     moved = any(nuisance.name == "angle_deg" for nuisance in nuisances)
     if "e_t" in targets and not moved:

@@ -18,12 +18,14 @@ from ...quantities import (
     SIGMA_PREFIX,
     SLOTS,
     TARGET_COLUMNS,
+    TIME_COLUMN,
     InputColumn,
     columns_of,
 )
 from ...scene import PARTS, Scene
 from ...scene_quantities import SHAPE, value_of, with_shapes
 from ...shapes import AbstractShape, MixedShapes
+from .force_curves import with_curves
 
 CAMPAIGN = "campaign"
 
@@ -37,7 +39,8 @@ class Measurements:
     """Laws, and the shape of each test; its numbers have no meaning."""
     inputs: dict[str, np.ndarray]
     """Columns of the scene in any of the files, in the unit of their name, shape
-    (tests,); the default where a file does not have one."""
+    (tests,); the default where a file does not have one. Also `time_s`, NaN where it
+    is not given."""
     measured: dict[str, np.ndarray]
     """Result columns, shape (tests,); NaN where there is no measurement."""
     censored: dict[str, np.ndarray]
@@ -59,12 +62,32 @@ class Measurements:
         raise IndexError(test)
 
     def name(self, test: int | np.integer) -> str:
-        """Return the name of a test, or its file and row."""
+        """Return the name of a test, or its file and row, with the time of a force."""
+        time = self.inputs.get(TIME_COLUMN, [np.nan] * (test + 1))[test]
+        at = f" at {time:.4g} s" if np.isfinite(time) else ""
         for column in ("name", "test", "id"):
             if self.labels.get(column, [""] * (test + 1))[test]:
-                return self.labels[column][test]
+                return self.labels[column][test] + at
         path, row = self.place(test)
-        return f"{path.stem} row {row}" if len(self.files) > 1 else f"row {row}"
+        file = f"{path.stem} " if len(self.files) > 1 else ""
+        return f"{file}row {row}{at}"
+
+    @property
+    def first_of_row(self) -> np.ndarray:
+        """Index of the first test from the same row of a file, shape (tests,): itself,
+        but for the points of a curve."""
+        rows = [(k, line) for k, table in enumerate(self.files) for line in table.lines]
+        first: dict[tuple, int] = {}
+        return np.array([first.setdefault(row, test) for test, row in enumerate(rows)])
+
+    @property
+    def described(self) -> str:
+        """Number and files of the tests, and the number of points of their curves."""
+        files = ", ".join(table.path.name for table in self.files)
+        count = len(np.unique(self.first_of_row))
+        points = len(self) - count
+        curves = f" and {points} points of their curves" if points else ""
+        return f"{count} tests of {files}{curves}"
 
     @property
     def slots(self) -> set[str]:
@@ -152,7 +175,9 @@ def read_tests(paths: list[Path], base: Scene) -> Measurements:
 
 
 def joined_tables(files: tuple[Table, ...]) -> Measurements:
-    """Join tables of tests. Raises InputError where their laws differ."""
+    """Join tables of tests, with the points of their curves. Raises InputError where
+    their laws differ, and for a file that is no curve."""
+    files = tuple(with_curves(table) for table in files)
     base = _joined_base(files)
     known = columns_of(base)
 
@@ -192,7 +217,8 @@ def joined_tables(files: tuple[Table, ...]) -> Measurements:
         inputs={
             name: _filled(base, known[name], values)
             for name, values in joined(known, lambda _: np.nan, numbers).items()
-        },
+        }
+        | joined((TIME_COLUMN,), lambda _: np.nan, numbers),
         measured=joined(TARGET_COLUMNS, lambda _: np.nan, numbers),
         censored=joined(TARGET_COLUMNS, lambda _: 0, lambda table: table.censored),
         sigmas={name.removeprefix(SIGMA_PREFIX): v for name, v in sigmas.items()},

@@ -31,12 +31,19 @@ from ...impact.problem import Assembly
 from ...impact.reduced_models import PLANAR, PLANAR_DAMPED
 from ...parameters import parameters_of
 from ...progress import Progress
-from ...quantities import TARGET_COLUMNS, columns_of, leaf_places
+from ...quantities import (
+    CURVE_COLUMNS,
+    TARGET_COLUMNS,
+    TIME_COLUMN,
+    columns_of,
+    leaf_places,
+)
 from ...scene import Scene
 from .bounds import Bounds
 from .config import Study, Variant
 from .derived_targets import WithRate, base_columns, derive
 from .expressions import Tied
+from .force_curves import forces_at
 from .nuisance import SLOPE
 from .slope_correction import ANGLE, SIGN, as_stated, needed
 
@@ -65,7 +72,7 @@ class Engine:
 
     def __init__(self, assembly: Assembly, targets: tuple[str, ...]):
         self.assembly = assembly
-        self.targets, self.fields = targets, _fields_of(targets)
+        self._set_targets(targets)
         self.name = "XLA" if self.kernel is None else "machine code"
         self.valued = 0
         """Impacts computed without derivatives so far, or announced."""
@@ -94,16 +101,23 @@ class Engine:
     def for_targets(self, targets: tuple[str, ...]) -> "Engine":
         """Return the same code for other result columns."""
         other = copy.copy(self)
-        other.targets, other.fields = targets, _fields_of(targets)
+        other._set_targets(targets)
         return other
+
+    def _set_targets(self, targets: tuple[str, ...]) -> None:
+        self.targets = targets
+        self.curves = [name for name in targets if name in CURVE_COLUMNS]
+        self.others = tuple(name for name in targets if name not in CURVE_COLUMNS)
+        self.fields = _fields_of(self.others)
 
     def run(
         self, leaves: np.ndarray, directions: np.ndarray, accuracy: Accuracy
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Compute results of impacts and their derivatives along a direction.
+        """Compute targets of impacts and their derivatives along a direction.
 
         Args:
-            leaves: leaves of the scenes, shape (leaves, impacts).
+            leaves: leaves of the scenes, shape (leaves, impacts); with forces at times
+                among the targets a row of these times last, NaN for the others.
             directions: derivatives of the leaves along the direction, the same shape.
             accuracy: accuracy of the integration.
 
@@ -111,6 +125,32 @@ class Engine:
             Targets and their derivatives, shape (impacts, targets), NaN where there is
             no result, and codes of the outcomes, shape (impacts,).
         """
+        if not self.curves:
+            return self._run_others(leaves, directions, accuracy)
+        leaves, directions, times = leaves[:-1], directions[:-1], leaves[-1]
+        timed = np.isfinite(times)
+        is_curve = np.isin(self.targets, self.curves)
+        values = np.full((len(times), len(self.targets)), np.nan)
+        derivatives, outcomes = np.zeros_like(values), np.empty(len(times))
+        parts = [(~timed, ~is_curve), (timed, is_curve)]
+        for tests, targets in parts:
+            if not np.any(tests):
+                continue
+            cells = np.ix_(tests, targets)
+            chosen = leaves[:, tests], directions[:, tests]
+            if targets is is_curve:
+                structure = self.assembly.structure
+                given = times[tests], self.curves, accuracy
+                found = forces_at(structure, *chosen, *given)
+            else:
+                found = self._run_others(*chosen, accuracy)
+            values[cells], derivatives[cells], outcomes[tests] = found
+        return values, derivatives, outcomes
+
+    def _run_others(
+        self, leaves: np.ndarray, directions: np.ndarray, accuracy: Accuracy
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Compute what `run` does of targets that are not at times."""
         count = leaves.shape[1]
         if self.kernel is None:
             size = XLA_AT_ONCE
@@ -139,7 +179,7 @@ class Engine:
             name: WithRate(leaves[self.places[name]], directions[self.places[name]])
             for name in ("speed_mps", ANGLE, "mass_kg")
         }
-        return derive(self.targets, values, derivatives, inputs)
+        return derive(self.others, values, derivatives, inputs)
 
     def _with_derivatives(self, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         assert self.kernel is not None
@@ -161,7 +201,7 @@ class Engine:
             Targets, shape (impacts, targets), and codes of the outcomes (impacts,).
         """
         self.valued = max(of, self.valued + leaves.shape[1])
-        if self.kernel is None or self.valued < MANY:
+        if self.kernel is None or self.curves or self.valued < MANY:
             values, _, outcomes = self.run(leaves, np.zeros_like(leaves), accuracy)
             return values, outcomes
         kernel = compile_native(self.assembly)
@@ -308,7 +348,11 @@ class ForwardModel:
         self.bounds = bounds_of(study)
         self.scene = study.scene_of(variant)
         self._leaf_of = leaf_places(self.scene)
-        self._leaves = np.stack([np.asarray(x) for x in jax.tree.leaves(self.scene)])
+        leaves = [np.asarray(x) for x in jax.tree.leaves(self.scene)]
+        if {*study.targets} & {*CURVE_COLUMNS}:
+            nothing = np.full(len(study.tests), np.nan)
+            leaves.append(study.tests.inputs.get(TIME_COLUMN, nothing))
+        self._leaves = np.stack(leaves)
         self._columns = unknown_columns(study, self.scene)
         self._tied = tied_columns(study, self.scene)
 

@@ -243,8 +243,8 @@ def _turns_ground(path: Path, key: str, name: str, entry: dict, tests) -> bool:
 def _groups(path: Path, key: str, by: str, tests: Measurements):
     """List the groups in the order of the tests, and the index of each test's."""
     if by == EACH_TEST:
-        names = [tests.name(test) for test in range(len(tests))]
-        return tuple(names), np.arange(len(tests))
+        first, group = np.unique(tests.first_of_row, return_inverse=True)
+        return tuple(tests.name(test) for test in first), group
     if by not in tests.labels:
         raise InputError(
             f"{by!r} is no column of {tests.files[0].path.name}",

@@ -13,7 +13,7 @@ from jax import Array
 from ..._checks import expect
 from ..._precision import require_float64
 from ...errors import InputError, nearest
-from ...quantities import TARGET_COLUMNS
+from ...quantities import CURVE_COLUMNS, TARGET_COLUMNS
 from ...simulation import simulate
 from .config import Study, Variant, read_study
 from .derived_targets import DERIVED
@@ -101,6 +101,7 @@ def _check(study: Study) -> None:
         "has a target that is computed from others": bool(
             set(study.targets) & set(DERIVED)
         ),
+        "has forces at times": bool(set(study.targets) & set(CURVE_COLUMNS)),
     }
     for what, found in refused.items():
         if found:

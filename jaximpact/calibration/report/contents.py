@@ -121,14 +121,13 @@ def _about(study: Study) -> list[str]:
 
 def _about_tests(study: Study) -> list[str]:
     """Describe tests, missing and censored measurements, and sigmas."""
-    files = ", ".join(table.path.name for table in study.tests.files)
-    line = f"{len(study.tests)} tests of {files}, fitted to {', '.join(study.targets)}."
-    missing = int(np.sum(~study.known))
+    line = f"{study.tests.described}, fitted to {', '.join(study.targets)}."
+    missing = int(np.sum(study.comparable & ~study.known))
     censored = int(np.sum(study.known & (study.censored != 0)))
     parts = [f"{missing} are missing"] if missing else []
     parts += [f"{censored} are limits"] if censored else []
     if parts:
-        line += f" Of {study.known.size} measurements {' and '.join(parts)}."
+        line += f" Of {np.sum(study.comparable)} measurements {' and '.join(parts)}."
     return [line, _about_sigma(study)]
 
 

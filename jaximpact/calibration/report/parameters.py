@@ -103,21 +103,17 @@ def parameters_short(variant: VariantResult) -> Rows:
 def nuisance_rows(variant: VariantResult) -> Rows:
     """Write the nuisance parameters; no rows where there are none."""
     first = len(variant.verdicts)
-    priors = [
-        f"{n.prior.mean:g} +- {n.prior.sd:.3g}{' (estimated)' if n.estimated else ''}"
-        for n in variant.objective.study.nuisances
-        for _ in n.groups
-    ]
-    if not priors:
+    nuisances = [n for n in variant.objective.study.nuisances for _ in n.groups]
+    if not nuisances:
         return []
     return [("nuisance", "value", "standard error", "prior")] + [
         (
             variant.names[index],
             f"{variant.parameters[index]:.4g}",
             f"{variant.standard_error(index):.3g}",
-            prior,
+            f"{n.prior.mean:g} +- {n.prior.sd:.4g}{' (estimated)' * n.estimated}",
         )
-        for index, prior in enumerate(priors, first)
+        for index, n in enumerate(nuisances, first)
     ]
 
 

@@ -37,11 +37,10 @@ CSV_COLUMNS = (
 
 def prediction_contents(prediction: PredictedTests) -> dict:
     """Collect scores, remarks, and the tests one by one where they are few."""
-    files = ", ".join(table.path.name for table in prediction.tests.files)
     few = len(prediction.tests) <= MOST_TESTS
     return {
         "about": [
-            f"{len(prediction.tests)} tests of {files}, predicted by the fit of "
+            f"{prediction.tests.described}, predicted by the fit of "
             f"{prediction.ground.title!r}.",
             *(_about_outside(prediction, outside) for outside in prediction.outside),
             *(
