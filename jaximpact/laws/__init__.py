@@ -1,4 +1,4 @@
-"""The constitutive laws, one to a file, with the alternatives to each.
+"""The constitutive laws by what they are for, with the alternatives to each.
 
 A law is a class with its parameters as fields and its equation as `__call__`. A
 law of one's own derives from the abstract class of its file and is given to `Soil`.
@@ -9,16 +9,20 @@ from .._types import Scalar
 from ..parameters import parameter
 from .bearing import (
     AbstractBearing,
+    AbstractPeakFriction,
     BearingFactors,
+    Bolton,
     Vesic,
     VesicWithoutDepthFactor,
     VesicWithoutSurcharge,
 )
 from .branch import Branch
-from .damping import AbstractDamping, Damping, DampingRatios
 from .elasticity import (
+    AbstractDamping,
     AbstractElasticity,
     ContactPressureModulus,
+    Damping,
+    DampingRatios,
     DuncanChang,
     Stiffness,
 )
@@ -52,7 +56,6 @@ from .loading_surface import (
     NovaMontrasio,
     SharperVertex,
 )
-from .peak_friction import AbstractPeakFriction, Bolton
 from .slider import AbstractSlider, Coulomb
 
 __all__ = [

@@ -12,15 +12,13 @@ import numpy as np
 from ..errors import InputError
 from ..parameters import Part
 from ..shapes import Foundation
-from .bearing import AbstractBearing
+from .bearing import AbstractBearing, AbstractPeakFriction
 from .branch import Branch
-from .damping import AbstractDamping, Damping
-from .elasticity import AbstractElasticity, Stiffness
+from .elasticity import AbstractDamping, AbstractElasticity, Damping, Stiffness
 from .flow import AbstractFlow, FlowRate
 from .hardening import AbstractHardening
 from .kinematics import AbstractKinematics
 from .loading_surface import AbstractLoadingSurface, Forces, Load
-from .peak_friction import AbstractPeakFriction
 from .slider import AbstractSlider
 
 LANES = 2

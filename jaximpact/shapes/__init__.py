@@ -1,8 +1,7 @@
 """Shapes of blocks: what a shape has to give, and those that there are."""
 
-from .base import AbstractShape, Section, SemiAxes
+from .base import AbstractShape, Foundation, Section, SemiAxes, foundation
 from .elliptic import AbstractElliptic, Ellipsoid, EllipticCylinder
-from .foundation import Foundation, foundation
 from .mixed import MixedShapes, mixed, shape_of_each
 from .prism import RectangularPrism
 from .support import RoundBlock

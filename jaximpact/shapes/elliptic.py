@@ -51,8 +51,8 @@ class AbstractElliptic(AbstractShape):
     def cut(
         self, axes: SemiAxes, sin, cos, height, sinking
     ) -> tuple[Scalar, Scalar, Scalar]:
-        r"""Ends of the section, and $q = \sqrt{1 - (d/r_y)^2}$; see
-        `shapes.foundation`.
+        r"""Ends of the section, and $q = \sqrt{1 - (d/r_y)^2}$; see the head of
+        `shapes.base`.
 
         Continuous, with continuous first derivatives, where an extreme point passes
         ground level; of square-root type in `sinking` at the onset, with a gradient of

@@ -23,7 +23,7 @@ from ...impact.events import Outcome
 from ...impact_response import ImpactResponse
 from ...scene import GRAVITY
 from ..blocks import support
-from ..ground_motion.on_ground import SMALL_RISE, begin_on_ground
+from ..ground_motion.rolling import SMALL_RISE, begin_on_ground
 from ..lane_programs import Values, closed_form
 from ..state import BlockConstants, BlockState, Limits, Phase, choose
 from ..terrain import SAME_PLANE

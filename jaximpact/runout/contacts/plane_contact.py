@@ -8,7 +8,7 @@ from ..._safe import safe_sqrt
 from ...impact_response import ImpactResponse
 from ...scene import GRAVITY, Impact
 from ..blocks import BlockOutline, Body, support
-from ..ground_motion.on_ground import small_speed
+from ..ground_motion.rolling import small_speed
 from ..lane_programs import Values, closed_form
 from ..state import BlockConstants, BlockState
 

@@ -11,8 +11,7 @@ from ..blocks import support
 from ..lane_programs import Values, call, closed_form, root
 from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
 from ..trajectory import Ending
-from .on_ground import SMALL_RISE, begin_on_ground
-from .rolling import Crossing, cross_break
+from .rolling import SMALL_RISE, Crossing, begin_on_ground, cross_break
 
 
 class Edge(NamedTuple):

@@ -11,8 +11,14 @@ from ..lane_programs import Values, call, closed_form, root
 from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
 from ..terrain import SAME_PLANE
 from ..trajectory import Ending, MotionMode, Pieces
-from .on_ground import begin_on_ground, lying_orientation, small_speed
-from .rolling import Leg, barrier, follow_segment
+from .rolling import (
+    Leg,
+    barrier,
+    begin_on_ground,
+    follow_segment,
+    lying_orientation,
+    small_speed,
+)
 
 
 class LocalGround(NamedTuple):

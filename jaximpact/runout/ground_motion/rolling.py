@@ -26,6 +26,9 @@ $v^2\sin^2(w_2 - w_1)/(2 g \cos w_2)$, is not followed: the block goes on along 
 ground.
 
 **At a concave break** it runs into the next segment.
+
+**Slow blocks.** A block comes to roll, to slide or to rest where it lies
+(`begin_on_ground`); below `small_speed` there is neither a hop nor an impact.
 """
 
 from typing import NamedTuple
@@ -37,7 +40,8 @@ from ...scene import GRAVITY
 from ..blocks import support
 from ..flight.narrow_phase import NEVER
 from ..lane_programs import Values
-from ..state import BlockConstants
+from ..state import BlockConstants, BlockState
+from ..trajectory import Ending
 
 PAST_THE_EDGE = 1e-3
 """Turn beyond the one at which a block leaves the edge, at which its flight begins
@@ -309,3 +313,69 @@ def cross_break(
         tangential_velocity=jnp.where(rolling, leaving.height * leaving.spin, speed),
         angular_velocity=jnp.where(rolling, leaving.spin, 0.0),
     )
+
+
+SMALL_RISE = 1e-2
+"""Fraction of the smaller semi-axis; energies that would lift a block by less count as
+none: hops so low are not followed, and touches so slow are no impacts. They take less
+time than a contact does; with a tenth of it a sphere that has come to rolling continues
+in hundreds of hops of 0.2 mm."""
+
+
+def small_speed(smallest: Values, slope: Values) -> Values:
+    """Compute the speed across a plane below which there is no hop or impact [m/s].
+
+    Args:
+        smallest: height of the centre of the block lying on its flat side [m].
+    """
+    return jnp.sqrt(2.0 * GRAVITY * jnp.cos(slope) * SMALL_RISE * smallest)
+
+
+def begin_on_ground(
+    block: BlockState,
+    constants: BlockConstants,
+    plane: Values,
+    rolling_friction: Values,
+    height: Values,
+    tangential_velocity: Values,
+    angular_velocity: Values,
+) -> BlockState:
+    """Begin motion along the ground: decide whether a block rolls, where to, how fast.
+
+    The block lies on `block.segment`, or on an edge if that is set.
+
+    Args:
+        plane: angle of the plane on which it rests [rad].
+        rolling_friction: that of the segment.
+        height: height of its centre over the plane [m].
+        tangential_velocity, angular_velocity: velocities along it [m/s], and of
+            rotation [rad/s].
+    """
+    motion = begin_ground_motion(
+        *(constants, plane, rolling_friction),
+        *(height, tangential_velocity, angular_velocity),
+    )
+    stays, body = motion.stays > 0.0, block.body
+    over = jnp.where(stays, 0.0, constants.centre_height(motion.rolls) - height)
+    lying = lying_orientation(body.orientation, constants, plane)
+    begun = block._replace(
+        rolls=motion.rolls,
+        direction=motion.direction,
+        speed_squared=motion.speed_squared,
+        plane=plane,
+    ).moved(
+        x=body.x + over * jnp.sin(plane),
+        y=body.y + over * jnp.cos(plane),
+        orientation=jnp.where(motion.rolls > 0.0, body.orientation, lying),
+    )
+    return begun.ended(Ending.stopped, stays)
+
+
+def lying_orientation(
+    orientation: Values, constants: BlockConstants, plane: Values
+) -> Values:
+    """Turn the nearest flat side of a block to the ground [rad]."""
+    axes = constants.outline.axes
+    quarter = jnp.where(axes.major >= axes.minor, 0.5 * jnp.pi, 0.0)
+    turns = jnp.floor((orientation - plane - quarter) / jnp.pi + 0.5)
+    return plane + turns * jnp.pi + quarter
