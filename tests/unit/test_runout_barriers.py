@@ -13,8 +13,7 @@ from jaximpact.errors import InputError
 from jaximpact.runout import Barrier, Profile
 from jaximpact.runout.study.barrier_results import effects_of
 from jaximpact.runout.study.barriers import read_barriers
-from jaximpact.runout.study.geojson import Feature, geojson
-from jaximpact.runout.study.geopackage import geopackage
+from jaximpact.runout.study.map_formats import Feature, geojson, geopackage
 from jaximpact.runout.study.map_placement import read_map_placement
 from jaximpact.runout.study.page_data import kept_ranks
 

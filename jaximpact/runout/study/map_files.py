@@ -15,8 +15,7 @@ from ...io.files import replacing
 from ...io.output_files import NewFile
 from ..trajectory import Runs
 from .barrier_results import DESIGN_PERCENTILES, barriers_in_json
-from .geojson import AddFeature, Feature, geojson
-from .geopackage import geopackage
+from .map_formats import AddFeature, Feature, geojson, geopackage
 from .map_placement import MapPlacement
 from .run_study import simulate
 from .slope_file import SlopeStudy
