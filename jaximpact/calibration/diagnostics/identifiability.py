@@ -81,7 +81,7 @@ def profile_all(
     accuracy of the others. Points that ended away from a minimum, or above a neighbour
     farther out, are fitted again from their neighbours.
     """
-    rough, best = objective.rough(), points.x[0]
+    rough, best = objective.rough().of_measured(), points.x[0]
     starts, fixed = _profile_starts(objective, points, uncertainty)
     x, fixed = np.array([*starts, best]), np.array([*fixed, ALL_FIXED])
     free = np.arange(len(best)) != fixed[:, None]

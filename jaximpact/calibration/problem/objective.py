@@ -181,6 +181,12 @@ class Objective(ForwardModel):
         leaves, sigma = self._leaves[:, tests], self.sigma[tests]
         return self._changed(study=part, sigma=sigma, _leaves=leaves, _columns=columns)
 
+    def of_measured(self) -> "Objective":
+        """Return the objective of the tests with a measurement alone: of equal values,
+        and without impacts that change none."""
+        measured = np.any(self.study.known, axis=1)
+        return self if np.all(measured) else self.of_tests(np.flatnonzero(measured))
+
     def _changed(self, **changed) -> "Objective":
         other = copy.copy(self)
         vars(other).update(changed)
