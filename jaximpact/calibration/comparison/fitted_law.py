@@ -2,7 +2,6 @@
 
 import dataclasses
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -54,7 +53,7 @@ class FittedLaw(NamedTuple):
     freedom: np.ndarray
     """Degrees of freedom of each sigma, shape (targets,); infinite where it is
     given."""
-    group_sd: Mapping[str, float] = MappingProxyType({})
+    group_sd: Mapping[str, float] = {}
     """Estimated standard deviations of groups' factors, by parameter."""
 
     def sigma_of(self, predicted: np.ndarray) -> np.ndarray:
