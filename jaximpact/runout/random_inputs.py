@@ -21,9 +21,9 @@ import zlib
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-import jax
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import ndtr, ndtri
 
 from .._checks import real_number, whole_number
 from ..io.checks import check_memory
@@ -42,7 +42,7 @@ class Normal(NamedTuple):
         """Transform uniform numbers in (0, 1) to this distribution."""
         low, high, sign = self._ends()
         inside = low + (high - low) * (uniforms if sign > 0.0 else 1.0 - uniforms)
-        standard = sign * np.asarray(jax.scipy.special.ndtri(inside))
+        standard = sign * ndtri(inside)
         return np.clip(self.mean + self.sd * standard, self.least, self.most)
 
     @property
@@ -56,7 +56,7 @@ class Normal(NamedTuple):
         mean, those above them, which keep their digits, and -1."""
         ends = (np.array([self.least, self.most]) - self.mean) / self.sd
         sign = 1.0 if self.least <= self.mean else -1.0
-        low, high = np.sort(np.asarray(jax.scipy.special.ndtr(sign * ends)))
+        low, high = np.sort(ndtr(sign * ends))
         return float(low), float(high), sign
 
 
