@@ -60,6 +60,18 @@ def test_machine_code_and_xla_agree(study, monkeypatch):
     np.testing.assert_array_equal(received.outcomes, expected.outcomes)
 
 
+def test_tests_without_a_measurement_change_no_cost(study):
+    objective = Objective(study, study.variants[0], engine_of(study))
+    rest = objective.without(np.array([False, True]))
+    x = objective.bounds.coordinate(SOILS)
+    found, expected = rest.of_measured()(x), rest(x)
+    assert found.predicted.shape == (2, 1, 2)
+    # Impacts are the same; sums of fewer zeros differ by rounding.
+    np.testing.assert_allclose(found.cost, expected.cost, rtol=1e-13)
+    np.testing.assert_allclose(found.hessian, expected.hessian, rtol=1e-12)
+    assert objective.of_measured() is objective
+
+
 def test_values_alone_are_the_same_numbers(study, monkeypatch):
     """To the last bit: which code computes them depends on their number alone, and
     nobody shall see it."""
