@@ -169,6 +169,13 @@ def run_tasks(
         )
 
 
+def run_task(executor: concurrent.futures.Executor, task: Callable[[], Any]) -> Any:
+    """Run one task on an executor and return its result. Raises as `run_tasks`."""
+    results: list = []
+    run_tasks(executor, [task], lambda _, result: results.append(result))
+    return results[0]
+
+
 def is_loss(error: BaseException) -> bool:
     """Whether a worker died, and not what it was computing."""
     names = {kind.__name__ for kind in type(error).__mro__}

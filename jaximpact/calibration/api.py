@@ -3,6 +3,7 @@
 import dataclasses
 import os
 from collections.abc import Iterable, Mapping
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ from ..parameters import Part
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import columns_of_part
 from ..scene import Block, Soil
+from ..tasks import check_executor
 from .arguments import study_of_arguments, table_given
 from .comparison.comparison import check_comparison, compare_study
 from .comparison.other_laws import NO_OTHERS, OtherLaws, fit_simple
@@ -212,6 +214,7 @@ def calibrate(
     scatter: str | Mapping[str, str] | None = None,
     out: str | os.PathLike | None = None,
     seed: int | None = None,
+    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> Calibration:
     """Fit ground parameters to measured impacts, and judge which are identifiable.
@@ -239,6 +242,9 @@ def calibrate(
             fraction of the value. Default: "constant".
         out: directory for the report; an interrupted call continues there.
         seed: seed of starts and draws. Default: 0.
+        executor: makes fits that do not depend on each other in other processes, as for
+            `simulate_batch`: those of several variants, and those without some of the
+            tests. No number changes by it.
         progress: called with lines of text.
 
     Takes some ten seconds. Equal arguments give equal numbers on one machine.
@@ -252,7 +258,9 @@ def calibrate(
     study = study_of_arguments(tests, options)
     expect("out", out, str, os.PathLike, type(None))
     directory = None if out is None else Path(out)
-    return Calibration(*fit_and_examine(study, directory, progress=progress))
+    return Calibration(
+        *fit_and_examine(study, directory, executor=executor, progress=progress)
+    )
 
 
 def predict(
@@ -299,6 +307,7 @@ def run_study(
     *,
     posterior: bool = False,
     compare: bool = False,
+    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> StudyResult:
     """Fit a study, compute its diagnostics, and write the report.
@@ -318,6 +327,7 @@ def run_study(
             for ArviZ, one for each variant; needs the extra `jaximpact[bayes]`.
         compare: whether to compare laws too, as `[compare]` in the study says, or all
             that `compare` compares by default, and write comparison.csv.
+        executor: as for `calibrate`.
         progress: called with lines of text.
 
     Raises InputError for a study or a directory that cannot be used, BlockingIOError
@@ -326,7 +336,11 @@ def run_study(
     require_float64()
     study = read_study(study_path)
     result, *_ = fit_and_examine(
-        study, Path(out_dir), posterior=posterior, compare=compare, progress=progress
+        *(study, Path(out_dir)),
+        posterior=posterior,
+        compare=compare,
+        executor=executor,
+        progress=progress,
     )
     return result
 
@@ -337,6 +351,7 @@ def fit_and_examine(
     *,
     posterior: bool = False,
     compare: bool = False,
+    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> tuple[StudyResult, list[Examination], OtherLaws]:
     """Fit a study and compute its diagnostics, fit other laws beside it, and write the
@@ -344,33 +359,45 @@ def fit_and_examine(
     require_float64()
     if posterior:
         check_extra()
+    if executor is not None:
+        check_executor(executor)
     progress = as_progress(progress)
     compare = compare or study.compare is not None
     if compare:
         # Before the fit, which takes its time.
         stated = study.compare or CompareTable()
         check_comparison(study, stated.laws, stated.by)
+    how = posterior, compare, executor, progress
     if out_dir is None:
-        result = fit_study(study, progress=progress)
-        examined = examine(result, posterior=posterior, progress=progress)
-        return result, examined, _other_laws(study, compare, progress)
+        return _fitted_and_examined(study, None, *how)
     directory = study_directory(study, out_dir, posterior=posterior, compared=compare)
     with directory as new:
         cache = FitCache(out_dir / UNFINISHED)
-        result = fit_study(study, cache=cache, progress=progress)
-        examined = examine(result, posterior=posterior, progress=progress)
-        others = _other_laws(study, compare, progress)
+        result, examined, others = _fitted_and_examined(study, cache, *how)
         progress("drawing")
         write_all(result, examined, new, others)
         cache.forget()
     return result, examined, others
 
 
-def _other_laws(study: Study, compare: bool, progress: Progress) -> OtherLaws:
-    """Fit the simple laws, and compare many where wanted."""
+def _fitted_and_examined(
+    study: Study,
+    cache: FitCache | None,
+    posterior: bool,
+    compare: bool,
+    executor: Executor | None,
+    progress: Progress,
+) -> tuple[StudyResult, list[Examination], OtherLaws]:
+    """Fit and examine a study, fit the simple laws, and compare many where wanted."""
+    result = fit_study(study, cache=cache, executor=executor, progress=progress)
+    examined = examine(
+        result, posterior=posterior, executor=executor, progress=progress
+    )
     simple = fit_simple(study, progress.within("simple laws: "))
     if not compare:
-        return OtherLaws(simple)
+        return result, examined, OtherLaws(simple)
     stated = study.compare or CompareTable()
-    compared = compare_study(study, stated.laws, by=stated.by, progress=progress)
-    return OtherLaws(simple, compared)
+    compared = compare_study(
+        study, stated.laws, by=stated.by, executor=executor, progress=progress
+    )
+    return result, examined, OtherLaws(simple, compared)

@@ -1,6 +1,7 @@
 """Fit of a whole study: starts, best fit, uncertainty and verdicts of its variants."""
 
 import time
+from concurrent.futures import Executor
 
 import numpy as np
 
@@ -42,6 +43,7 @@ def fit_study(
     study: Study,
     *,
     cache: FitCache | None = None,
+    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> StudyResult:
     """Fit every variant of a study.
@@ -49,6 +51,7 @@ def fit_study(
     Args:
         study: study to be fitted, from `read_study`.
         cache: finished fits are kept and found there.
+        executor: makes the fits of several variants in other processes.
         progress: called with lines of text.
 
     Raises InputError where no start gives a prediction.
@@ -62,8 +65,11 @@ def fit_study(
         variant, engine = item
         objective = Objective(study, variant, engine)
         objective.cache = cache
+        objective.executor = executor if several else None
         progress = progress.within(f"{variant.name}: ") if several else progress
-        return _fit_variant(objective, variant, progress)
+        found = _fit_variant(objective, variant, progress)
+        found.objective.executor = None
+        return found
 
     items = list(zip(study.variants, engines, strict=True))
     results = for_each_variant(engines, fitted, items, progress)

@@ -180,11 +180,6 @@ def run(arguments: argparse.Namespace) -> None:
     except SlopeStudyError:
         _run_slope(arguments)
         return
-    if arguments.workers is not None or arguments.scheduler is not None:
-        raise InputError(
-            "--workers and --scheduler are for slopes; fits to impacts take seconds "
-            "on one machine"
-        )
     kept = arguments.out / UNFINISHED
 
     def prospect() -> str:
@@ -193,12 +188,17 @@ def run(arguments: argparse.Namespace) -> None:
         return "no fit was finished; the same command starts anew"
 
     begin = time.monotonic()
-    with resumable(prospect), ProgressLines() as progress:
+    with (
+        resumable(prospect),
+        options.engine_of(arguments) as executor,
+        ProgressLines() as progress,
+    ):
         result, examined, others = fit_and_examine(
             study,
             arguments.out,
             posterior=arguments.posterior,
             compare=arguments.compare,
+            executor=executor,
             progress=progress,
         )
     print(as_text(result, examined, others), end="")

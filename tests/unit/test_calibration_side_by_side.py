@@ -2,7 +2,9 @@
 them when one fails."""
 
 import dataclasses
+import multiprocessing
 import threading
+from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
@@ -10,6 +12,8 @@ from test_calibration import STUDY, write_study
 
 from jaximpact import PRESETS
 from jaximpact.calibration import fit_study, read_study
+from jaximpact.calibration.comparison.comparison import compare_study
+from jaximpact.calibration.diagnostics.examination import examine
 from jaximpact.calibration.problem.forward_model import engine_of, run_in_threads
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.progress import Progress
@@ -44,6 +48,32 @@ def test_variants_are_fitted_as_they_are_alone(tmp_path):
         np.testing.assert_array_equal(both[place].parameters, alone.parameters)
         np.testing.assert_array_equal(both[place].start_costs, alone.start_costs)
         assert any(line.startswith(f"{variant.name}: ") for line in lines)
+
+
+def test_fits_of_an_executor_are_those_of_this_process(tmp_path, monkeypatch):
+    """To the last bit: several variants, tests left out, and laws compared."""
+    study, laws = two_variants(tmp_path), ["model", "ContactPressureModulus"]
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, mp_context=spawn) as pool:
+        sent, submit = [], pool.submit
+        monkeypatch.setattr(
+            pool, "submit", lambda task: sent.append(task) or submit(task)
+        )
+        here, there = (fit_study(study, executor=executor) for executor in (None, pool))
+        left = [examine(here, executor=executor) for executor in (None, pool)]
+        compared = [
+            compare_study(study, laws, executor=executor) for executor in (None, pool)
+        ]
+    assert len(sent) > 10
+    for one, other in zip(here.variants, there.variants, strict=True):
+        np.testing.assert_array_equal(one.parameters, other.parameters)
+        np.testing.assert_array_equal(one.start_costs, other.start_costs)
+    for one, other in zip(*left, strict=True):
+        np.testing.assert_array_equal(one.each.x, other.each.x)
+        np.testing.assert_array_equal(one.each.deviation, other.each.deviation)
+    one, other = compared
+    assert [law.name for law in one.laws] == [law.name for law in other.laws]
+    np.testing.assert_array_equal(one.by_test.scores, other.by_test.scores)
 
 
 def test_results_stand_in_the_order_of_the_items():

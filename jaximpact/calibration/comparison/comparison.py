@@ -2,6 +2,7 @@
 seen."""
 
 from collections.abc import Iterable, Sequence
+from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from ...errors import InputError, nearest
 from ...progress import Progress, ProgressFunction, as_progress
 from ..problem.config import Study
+from ..problem.forward_model import run_in_threads
 from .contenders import Contender, Law, contenders_of
 from .fitted_law import FittedLaw, LawFit, fit_law, of_targets, predicted_by_rebound
 from .held_out import HeldOut, held_out
@@ -101,6 +103,7 @@ def compare_study(
     *,
     by: str | Sequence[str] | None = None,
     exact: bool = False,
+    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> Compared:
     """Fit laws to the tests of a study and score their predictions.
@@ -113,6 +116,7 @@ def compare_study(
         exact: whether each fit without a test is made to the end. Otherwise one step
             from the fit to all stands for it where it is short; laws of rebound are
             always fitted to the end.
+        executor: makes fits in other processes, those of all laws at a time.
         progress: called with lines of text.
 
     Raises InputError for laws or columns that cannot be used, and where no law can be
@@ -135,29 +139,28 @@ def compare_study(
     study = of_targets(study, targets)
     groups = [(TEST, *_each(study))]
     groups += [(name, *_groups(study, name)) for name in _columns(study, by)]
-    fits, densities, refused = [], [], {}
-    for number, contender in enumerate(contenders, 1):
-        within = progress.within(f"law {number} of {len(contenders)}: ")
+
+    def fitted(number: int, progress: Progress) -> tuple[ScoredLaw, list] | str:
+        contender = contenders[number]
+        within = progress.within(f"law {number + 1} of {len(contenders)}: ")
         within(contender.name)
         try:
-            found = fit_law(study, contender, within)
+            found = fit_law(study, contender, within, executor)
         except InputError as error:
-            refused[contender.name] = str(error)
-            continue
-        held = [
-            held_out(
-                *(found.objective, found.points, found.uncertainty, group),
-                exact=exact or contender.is_rebound or name != TEST,
-                progress=within,
-            )
-            for name, _, group in groups
-        ]
-        fits.append(_scored(contender, found, held[0]))
-        densities.append(
-            [_summed(one, g) for one, (_, _, g) in zip(held, groups, strict=True)]
-        )
-    if not fits:
+            return str(error)
+        return _score(contender, found, groups, exact, within)
+
+    numbers = range(len(contenders))
+    if executor is None:
+        every = [fitted(number, progress) for number in numbers]
+    else:
+        every = run_in_threads(fitted, numbers, progress)
+    named = zip((contender.name for contender in contenders), every, strict=True)
+    refused = {name: found for name, found in named if isinstance(found, str)}
+    scored = [found for found in every if not isinstance(found, str)]
+    if not scored:
         raise InputError(f"no law could be fitted: {'; '.join(refused.values())}")
+    fits, densities = zip(*scored, strict=True)
     scores = [
         GroupScores(name, names, np.stack([d[i] for d in densities], axis=1))
         for i, (name, names, _) in enumerate(groups)
@@ -173,6 +176,22 @@ def compare_study(
         weights=stacking_weights(scores[0].scores),
         refused=refused,
     )
+
+
+def _score(
+    contender: Contender, found: LawFit, groups: list, exact: bool, progress: Progress
+) -> tuple[ScoredLaw, list[np.ndarray]]:
+    """Score a law by each kind of groups left out; log densities of these."""
+    held = [
+        held_out(
+            *(found.objective, found.points, found.uncertainty, group),
+            exact=exact or contender.is_rebound or name != TEST,
+            progress=progress,
+        )
+        for name, _, group in groups
+    ]
+    densities = [_summed(one, g) for one, (_, _, g) in zip(held, groups, strict=True)]
+    return _scored(contender, found, held[0]), densities
 
 
 def _scored(contender: Contender, found: LawFit, left: HeldOut) -> ScoredLaw:

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Mapping
+from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numpy as np
@@ -140,12 +141,20 @@ def objective_of(study: Study, contender: Contender) -> Objective:
     return Objective(alone, law, engine_of(alone))
 
 
-def fit_law(study: Study, contender: Contender, progress: Progress = SILENT) -> LawFit:
-    """Fit a law to the tests of a study.
+def fit_law(
+    study: Study,
+    contender: Contender,
+    progress: Progress = SILENT,
+    executor: Executor | None = None,
+) -> LawFit:
+    """Fit a law to the tests of a study, by an executor if there is one and the law is
+    no closed form.
 
     Raises InputError where no start gives a prediction.
     """
-    objective, _, best = best_fit(objective_of(study, contender), progress)
+    objective = objective_of(study, contender)
+    objective.executor = None if contender.is_rebound else executor
+    objective, _, best = best_fit(objective, progress)
     points = best.points
     uncertainty = estimate(objective, points)
     covariance = regular_covariance(objective, points, uncertainty.inflation)

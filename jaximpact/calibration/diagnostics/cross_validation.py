@@ -15,6 +15,7 @@ than a fifth of a standard error of every soil parameter; where more than `AT_MO
 tests move the fit farther, also for those of them that move it least.
 """
 
+from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,7 @@ from scipy.special import bdtr
 from ..estimation.least_squares import Progress, Reason, StoppingRule, bounded_step
 from ..estimation.sigma import sizes
 from ..estimation.starts import SILENT, fit
+from ..problem.forward_model import run_in_threads
 from ..problem.objective import Objective, Points
 from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 
@@ -91,6 +93,7 @@ def leave_out_each(
     uncertainty: Uncertainty,
     *,
     at_most: int = AT_MOST,
+    executor: Executor | None = None,
     progress: Progress = SILENT,
 ) -> LeftOut:
     """Predict each test by the fit without it; tests without a measurement are skipped.
@@ -100,6 +103,7 @@ def leave_out_each(
         points: the best fit, of one lane.
         uncertainty: uncertainty of the fit.
         at_most: largest number of fits.
+        executor: makes the fits in other processes, all at a time.
         progress: told a line of text for each.
     """
     study = objective.study
@@ -117,7 +121,8 @@ def leave_out_each(
     names = tuple(study.tests.name(test) for test in measured)
     starts = points.x[0][None]
     return _leave_out(
-        objective, points, uncertainty, names, group, starts, steps, "tests", progress
+        *(objective, points, uncertainty, names, group, starts, steps),
+        *("tests", executor, progress),
     )
 
 
@@ -127,6 +132,7 @@ def leave_out_campaigns(
     uncertainty: Uncertainty,
     ends: np.ndarray | None = None,
     *,
+    executor: Executor | None = None,
     progress: Progress = SILENT,
 ) -> LeftOut | None:
     """Predict each campaign by the fit without it; None where there is only one.
@@ -147,7 +153,7 @@ def leave_out_campaigns(
     steps = np.full((len(names), points.x.shape[1]), np.nan)
     return _leave_out(
         *(objective, points, uncertainty, names, group, starts, steps),
-        *("campaigns", progress),
+        *("campaigns", executor, progress),
     )
 
 
@@ -169,25 +175,36 @@ def linearised(objective: Objective, points: Points, left: np.ndarray) -> np.nda
 
 
 def _leave_out(
-    objective, points, uncertainty, names, group, starts, steps, what, progress
+    objective,
+    points,
+    uncertainty,
+    names,
+    group,
+    starts,
+    steps,
+    what,
+    executor,
+    progress,
 ) -> LeftOut:
     """Predict each group without it: by its linearised step, or by a fit where that is
     NaN."""
     study, size = objective.study, points.x.shape[1]
     predicted = np.full(study.measured.shape, np.nan)
     deviation = np.full(study.measured.shape, np.nan)
-    ends, reasons = np.empty((len(names), size)), []
+    ends = np.empty((len(names), size))
     of_whole = sizes(study, points.predicted[0])
     coarser = objective.no_finer_than_sigmas()
     errors = uncertainty.standard_errors
-    for number, step in enumerate(steps):
+
+    def leave_out(number: int, progress: Progress) -> Reason:
         progress(f"{what} left out: {number} of {len(names)}")
-        tests = group == number
+        tests, step = group == number, steps[number]
         if np.all(np.isfinite(step)):
             rest, reason = objective.without(tests), Reason.converged
             best = _moved(rest, points, step)
         else:
             rest = coarser.without(tests)
+            rest.executor = executor
             fits = fit(rest, starts, rule=LEFT_OUT)
             best, reason = fits.points.take([fits.best]), fits.reasons[fits.best]
         covariance = regular_covariance(rest, best, uncertainty.inflation)
@@ -198,7 +215,13 @@ def _leave_out(
         scatter = (objective.sigma * part) ** 2 * uncertainty.inflation
         deviation[tests] = np.sqrt(scatter[tests] + variance)
         ends[number] = best.x[0]
-        reasons.append(reason)
+        return reason
+
+    numbers = range(len(names))
+    if executor is None:
+        reasons = [leave_out(number, progress) for number in numbers]
+    else:
+        reasons = run_in_threads(leave_out, numbers, progress)
     moved = (ends - points.x[0]) / np.where(errors < 1e6, errors, np.nan)
     quantile = uncertainty.quantile
     return LeftOut(names, group, ends, reasons, moved, predicted, deviation, quantile)

@@ -11,6 +11,7 @@ either kind has one number that is estimated. Where all z are equal it is 0.
 """
 
 from collections.abc import Collection
+from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numpy as np
@@ -77,12 +78,14 @@ def examine(
     result: StudyResult,
     *,
     posterior: bool = False,
+    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> list[Examination]:
     """Compute the diagnostics of every variant.
 
     Args:
         posterior: whether to sample the posterior by NUTS too.
+        executor: makes the fits without some of the tests in other processes.
         progress: called with lines of text.
     """
     progress = as_progress(progress)
@@ -91,7 +94,7 @@ def examine(
     def examined(variant: VariantResult, progress: Progress) -> Examination:
         name = variant.variant.name
         progress = progress.within(f"{name}: ") if several else progress
-        return _examine(result, variant, posterior, progress)
+        return _examine(result, variant, posterior, executor, progress)
 
     if posterior:
         # NUTS calls back from within JAX, where several threads could deadlock.
@@ -101,7 +104,11 @@ def examine(
 
 
 def _examine(
-    result: StudyResult, variant: VariantResult, posterior: bool, progress: Progress
+    result: StudyResult,
+    variant: VariantResult,
+    posterior: bool,
+    executor: Executor | None,
+    progress: Progress,
 ) -> Examination:
     study, objective, points = result.study, variant.objective, variant.points
     uncertainty = variant.uncertainty
@@ -109,11 +116,13 @@ def _examine(
     draws = draw(objective, points, inflation, seed=study.seed, progress=progress)
     each = None
     if np.sum(np.any(study.known, axis=1)) > 1:
-        each = leave_out_each(objective, points, uncertainty, progress=progress)
+        each = leave_out_each(
+            objective, points, uncertainty, executor=executor, progress=progress
+        )
     order = np.argsort(variant.start_costs, kind="stable")
     ends = variant.bounds.coordinate(variant.end_parameters[order])
     campaigns = leave_out_campaigns(
-        objective, points, uncertainty, ends, progress=progress
+        *(objective, points, uncertainty, ends), executor=executor, progress=progress
     )
     progress("further tests")
     wanted = study.candidates

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ...progress import Progress
+from ...tasks import Task, run_task
 from ..problem.config import Study
 from ..problem.objective import Objective
 from .branches import descend_on_branches, jumped
@@ -67,21 +68,36 @@ def fit(
             for Levenberg-Marquardt.
         method: one of `METHODS`.
         rule: stopping rule of Levenberg-Marquardt.
-        progress: told a line of text after every step.
+        progress: told a line of text after every step, unless the objective's executor
+            makes the fit.
 
     Equal arguments give equal numbers on one machine.
     """
 
     def make() -> Fits:
-        if method == "levenberg-marquardt":
-            return levenberg_marquardt(objective, x, free, rule, progress)
-        # optax takes its time to import, and few want it.
-        from . import first_order
-
-        by_gradient = {"adam": first_order.adam, "l-bfgs": first_order.l_bfgs}
-        return by_gradient[method](objective, x, progress)
+        how = x, free, method, rule
+        if objective.executor is None:
+            return _fit(objective, *how, progress)
+        return run_task(objective.executor, Task(_fit, objective.sent(), *how))
 
     return _recall(objective, (x, free, method, rule), make)
+
+
+def _fit(
+    objective: Objective,
+    x: np.ndarray,
+    free: np.ndarray | None,
+    method: str,
+    rule: StoppingRule,
+    progress: Progress = SILENT,
+) -> Fits:
+    if method == "levenberg-marquardt":
+        return levenberg_marquardt(objective, x, free, rule, progress)
+    # optax takes its time to import, and few want it.
+    from . import first_order
+
+    by_gradient = {"adam": first_order.adam, "l-bfgs": first_order.l_bfgs}
+    return by_gradient[method](objective, x, progress)
 
 
 def _recall(objective: Objective, details: tuple, make: Callable[[], Fits]) -> Fits:

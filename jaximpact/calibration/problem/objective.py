@@ -87,6 +87,12 @@ class Objective(ForwardModel):
         self.prior_mean, self.prior_sd = _priors(study)
         self.cache: Any = None
         """Cache of finished fits, a `FitCache`, if there is one."""
+        self.executor: Any = None
+        """Executor that makes fits in other processes, if there is one."""
+
+    def sent(self) -> "Objective":
+        """Return the objective without what belongs to this process."""
+        return self._changed(cache=None, executor=None)
 
     @functools.cached_property
     def laws(self) -> tuple | None:
