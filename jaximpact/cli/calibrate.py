@@ -74,7 +74,8 @@ A slope to fit, slope.toml, is a study of `jaximpact runout` with two tables mor
                         rolling_friction_angle_deg = { from = 15, to = 40 }
                         gamma_v = { median = 5, geometric_sd = 2 }
                         for the whole slope; [fit.materials.NAME] or [fit.segment.N]
-                        for a part of it
+                        for a part of it; [fit.contacts] for parameters of a law in
+                        closed form, such as e_n
     data_sets           simulated data sets behind the posterior (default: 1500)
   [observed]            what was observed, any of:
     stops               CSV with the column x_m, where blocks stopped

@@ -7,7 +7,9 @@ import pytest
 
 from jaximpact.cli import main
 from jaximpact.errors import InputError
-from jaximpact.runout import read_slope_study
+from jaximpact.rebound import ConstantCoefficients
+from jaximpact.runout import ClosedForm, read_slope_study, simulate_runout
+from jaximpact.runout.back_analysis.data_sets import _seed, simulate_data_sets
 from jaximpact.runout.back_analysis.observed import MOST_BLOCKS
 from jaximpact.runout.back_analysis.problem import read_slope_fit
 
@@ -91,6 +93,57 @@ def test_what_a_file_says(slope):
     assert fit.observed.released == 3
     assert fit.places == [55.0, 60.0, 80.0]
     np.testing.assert_allclose(fit.values(np.array([0.5, 0.5])), [4.0, 25.0], rtol=0.01)
+
+
+@pytest.mark.filterwarnings(UNUSED)
+def test_parameters_of_a_law_are_fitted(slope):
+    """Each data set meets the law of its own candidate, whatever the others have."""
+    changed(slope, "e_n = 0.35\n", "")
+    changed(
+        slope,
+        "[observed]",
+        "[fit.contacts]\ne_n = { from = 0.2, to = 0.6 }\n"
+        "e_t = { mean = 0.8, sd = 0.1, least = 0, most = 1 }\n\n[observed]",
+    )
+    fit = read_slope_fit(slope)
+    assert [p.name for p in fit.parameters][2:] == ["contacts.e_n", "contacts.e_t"]
+    assert fit.slope.laws[0].told["e_n"] == "fitted"
+    u = np.array([[0.5, 0.5, 0.1, 0.9], [0.5, 0.5, 0.9, 0.1]])
+    _, _, e_n, e_t = fit.values(u).T
+    np.testing.assert_allclose(e_n, [0.24, 0.56])
+    blocks = 20
+    both = simulate_data_sets(fit, u, blocks, 0)
+    _, release, ground = fit.slope.sample(
+        2 * blocks,
+        _seed(fit, 0, 0),
+        {
+            p.key: np.repeat(column, blocks)
+            for p, column in zip(fit.parameters[:2], fit.values(u).T, strict=False)
+        },
+    )
+    for i in range(2):
+        law = ClosedForm(ConstantCoefficients(e_n[i], e_t[i]))
+        runs = simulate_runout(fit.slope.layout.profile, release, law, ground=ground)
+        mine = slice(i * blocks, (i + 1) * blocks)
+        np.testing.assert_array_equal(both[i, :, 0], runs.x[mine])
+    assert not np.any(both[0, :, 0] == both[1, :, 0])
+
+
+@pytest.mark.filterwarnings(UNUSED)
+@pytest.mark.parametrize(
+    ("law", "fitted", "parts"),
+    [
+        (None, "e_m = { from = 0, to = 1 }", r"fit.contacts.e_m.*did you mean e_"),
+        (None, "e_n = { from = 0, to = 2 }", r"fit.contacts.e_n.to: must be in"),
+        ('law = "full model"', "e_n = { from = 0, to = 1 }", "for a law in closed"),
+    ],
+)
+def test_parameters_that_a_law_does_not_have(slope, law, fitted, parts):
+    if law is not None:
+        changed(slope, 'law = "constant coefficients"\ne_n = 0.35\ne_t = 0.85', law)
+    changed(slope, "[observed]", f"[fit.contacts]\n{fitted}\n\n[observed]")
+    with pytest.raises(InputError, match=parts):
+        read_slope_fit(slope)
 
 
 def test_run_outs_pass_over_what_was_observed(slope):

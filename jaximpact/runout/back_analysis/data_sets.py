@@ -6,9 +6,11 @@ set, so that the same candidates meet the same blocks in every fit of the same s
 """
 
 import concurrent.futures
+import dataclasses
 import hashlib
 import io
 import json
+from typing import Any
 
 import numpy as np
 
@@ -17,10 +19,11 @@ from ...progress import Progress
 from ...store import Store
 from ...tasks import Task, run_tasks
 from ..analysis import first_passages, passages
+from ..contacts.contact_models import ClosedForm
 from ..scheduler import WIDTH, follow
 from ..state import State
 from ..trajectory import Ending, stretches_of
-from .problem import SlopeFit
+from .problem import CONTACTS, SlopeFit
 
 CHUNK = 4096
 """Number of blocks that are simulated, and kept, at once."""
@@ -89,11 +92,20 @@ def _count(found: list[np.ndarray | None]) -> int:
 
 def _simulate(fit: SlopeFit, u: np.ndarray, blocks: int, seed: int) -> np.ndarray:
     values = np.repeat(fit.values(u), blocks, axis=0)
-    given = {p.key: values[:, i] for i, p in enumerate(fit.parameters)}
+    given, of_law = {}, {}
+    for parameter, own in zip(fit.parameters, values.T, strict=True):
+        if parameter.key.startswith(CONTACTS):
+            column = parameter.column
+            of_law[column.field] = column.factor * own
+        else:
+            given[parameter.key] = own
     _, release, ground = fit.slope.sample(len(values), seed, given)
-    profile, law = fit.slope.layout.profile, fit.slope.laws[0]
+    profile = fit.slope.layout.profile
+    contacts: Any = fit.slope.laws[0].contacts
+    if of_law:
+        contacts = ClosedForm(dataclasses.replace(contacts.law, **of_law))
     state = State.at_release(profile, release, ground, fit.slope.limits)
-    runs = follow(state, law.contacts, WIDTH, Progress())
+    runs = follow(state, contacts, WIDTH, Progress())
     columns = [np.where(runs.ending == Ending.stopped, runs.x, np.nan)]
     stretches = stretches_of(runs)
     for x in fit.places:

@@ -16,13 +16,14 @@ from ...quantities import InputColumn
 from ...scene import Soil
 from ..random_inputs import Distribution
 from ..study.barriers import Barrier, read_barriers
+from ..study.contact_laws import columns_of_law
 from ..study.ground_file import PARTS, GroundInput
 from ..study.quantity import read_ground_quantity
 from ..study.slope_file import SlopeInput, read_slope_input
 from ..terrain import ground_columns
 from .observed import PER_PLACE, TABLE, Observed, Stops, read_observed
 
-FIT = "fit"
+FIT, CONTACTS = "fit", "contacts"
 DATA_SETS_KEY = "data_sets"
 DATA_SETS = 1500
 """Default number of data sets behind the posterior."""
@@ -32,10 +33,10 @@ ENDS = np.array([1e-9, 0.5, 1.0 - 1e-9])
 
 @dataclasses.dataclass(frozen=True)
 class Parameter:
-    """Parameter of the ground that is fitted."""
+    """Parameter of the ground, or of a contact law in closed form, that is fitted."""
 
     key: str
-    """Key in the study: ground.materials.scree.gamma_v."""
+    """Key in the study: ground.materials.scree.gamma_v, or contacts.e_n."""
     prior: Distribution
     """Prior, in the unit of the name."""
     column: InputColumn
@@ -98,14 +99,20 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     fit.pop(DATA_SETS_KEY, None)
     soil = GroundInput.read(path, content).soil
     ground = typed(path, content, "ground", dict, {})
-    parameters = _read_parameters(path, fit, ground, soil)
     merged = copy.deepcopy(content)
+    of_law = _read_law_parameters(path, fit, merged)
+    parameters = (*_read_parameters(path, fit, ground, soil), *of_law)
+    if not parameters:
+        raise InputError("names no parameter to fit", file=path, key=FIT)
     _merge(merged.setdefault("ground", {}), fit)
     slope = read_slope_input(path, merged, accuracy)
     if len(slope.laws) > 1:
         raise InputError(
             f"names {len(slope.laws)} laws; a fit takes one", file=path, key="contacts"
         )
+    (law,) = slope.laws
+    told = law.told | dict.fromkeys((p.column.name for p in of_law), "fitted")
+    slope = slope._replace(laws=[law._replace(told=told)])
     profile = slope.layout.profile
     # What was observed and what the priors are changes no simulated block.
     rest = {k: v for k, v in content.items() if k not in (TABLE, FIT, "title")}
@@ -131,6 +138,29 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     return fitted
 
 
+def _read_law_parameters(path: Path, fit: dict, merged: dict) -> list[Parameter]:
+    """Take the priors of a contact law out of `fit`, and put their medians into the
+    study, which must have a value for each."""
+    if CONTACTS not in fit:
+        return []
+    priors = typed(path, fit, CONTACTS, dict)
+    del fit[CONTACTS]
+    table = typed(path, merged, CONTACTS, dict, {})
+    columns, found = columns_of_law(path, table), []
+    if not columns:
+        raise InputError(
+            "is for a law in closed form, with parameters of its own",
+            file=path,
+            key=f"{FIT}.{CONTACTS}",
+        )
+    for name, value in priors.items():
+        if name not in columns:
+            unknown(path, f"{FIT}.{CONTACTS}.{name}", name, columns)
+        found.append(_parameter(path, f"{CONTACTS}.{name}", value, columns[name]))
+        table[name] = float(found[-1].prior.values(ENDS)[1])
+    return found
+
+
 def _read_parameters(
     path: Path, fit: dict, ground: dict, soil: Soil
 ) -> tuple[Parameter, ...]:
@@ -140,9 +170,9 @@ def _read_parameters(
     for name, value in fit.items():
         if name not in PARTS:
             if name not in columns:
-                known = (*columns, *PARTS, DATA_SETS_KEY)
+                known = (*columns, *PARTS, CONTACTS, DATA_SETS_KEY)
                 unknown(path, f"{FIT}.{name}", name, known)
-            found.append(_parameter(path, name, value, columns[name]))
+            found.append(_parameter(path, f"ground.{name}", value, columns[name]))
             continue
         for part, quantities in typed(path, fit, name, dict).items():
             where = f"{FIT}.{name}.{part}"
@@ -155,15 +185,13 @@ def _read_parameters(
             for inner, prior in typed(path, {where: quantities}, where, dict).items():
                 if inner not in columns:
                     unknown(path, f"{where}.{inner}", inner, columns)
-                key = f"{name}.{part}.{inner}"
+                key = f"ground.{name}.{part}.{inner}"
                 found.append(_parameter(path, key, prior, columns[inner]))
-    if not found:
-        raise InputError("names no parameter to fit", file=path, key=FIT)
     return tuple(found)
 
 
-def _parameter(path: Path, name: str, value, column: InputColumn) -> Parameter:
-    where = f"{FIT}.{name}"
+def _parameter(path: Path, key: str, value, column: InputColumn) -> Parameter:
+    where = f"{FIT}.{key.removeprefix('ground.')}"
     prior = read_ground_quantity(path, where, value, column)
     if not isinstance(prior, Distribution):
         raise InputError(
@@ -180,7 +208,7 @@ def _parameter(path: Path, name: str, value, column: InputColumn) -> Parameter:
             file=path,
             key=where,
         )
-    return Parameter(f"ground.{name}", prior, column)
+    return Parameter(key, prior, column)
 
 
 def _merge(into: dict, table: dict) -> None:

@@ -84,7 +84,8 @@ class ClosedForm:
 
     Args:
         law: rebound law; called with a block and an impact, of scalars, it gives the
-            velocities after. An `AbstractRebound`, or another pytree of its parameters.
+            velocities after. An `AbstractRebound`, or another pytree of its parameters,
+            which are scalars, or `(blocks,)` where each block of a run has its own.
 
     Raises InputError for a class in place of an object, and for what cannot be called.
     """
@@ -99,6 +100,12 @@ class ClosedForm:
             )
         if not callable(self.law):
             raise InputError(f"law must be a law of rebound, but is {self.law!r}")
+
+    def at(self, blocks: np.ndarray) -> "ClosedForm":
+        """Select the parameters of some blocks."""
+        leaves, structure = jax.tree.flatten(self.law)
+        own = [leaf[blocks] if np.ndim(leaf) else leaf for leaf in leaves]
+        return ClosedForm(jax.tree.unflatten(structure, own))
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> ImpactResponses:
         after = _rebound(self.law, block, impact)

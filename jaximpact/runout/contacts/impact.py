@@ -7,7 +7,7 @@ from ..blocks import BlockOutline, Body, select, support_of
 from ..lane_programs import Carried, call
 from ..state import State
 from ..terrain import Profile
-from .contact_models import Contacts, ask
+from .contact_models import ClosedForm, Contacts, ask
 from .departure import Seen, depart
 from .plane_contact import impact_of, settle, touch
 from .roughness import strike_facets
@@ -70,6 +70,8 @@ def _respond(
     response, outcome = struck.map(_as_before), np.full(len(lanes), NO_IMPACT)
     if np.any(is_impact):
         striking = lanes[is_impact]
+        if isinstance(contacts, ClosedForm):
+            contacts = contacts.at(striking)
         segment = state.blocks.value.segment[striking].astype(int)
         found, outcome[is_impact] = ask(
             contacts,

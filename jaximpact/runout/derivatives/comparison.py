@@ -126,12 +126,10 @@ def judge(comparison: Comparison, progress: Callable[[int], None]) -> Judgement:
     blocks, _, count = comparison.slopes.shape
     found = Judgement.of_none(comparison.slopes.shape)
     random = np.random.default_rng(0)
-    of_law = [parameter.part == "contacts" for parameter in comparison.parameters]
     for number, (together, step) in enumerate(itertools.product((True, False), STEPS)):
         progress(number)
         weights = random.uniform(0.5, 1.0, (blocks, count))
         weights *= random.choice([-1.0, 1.0], (blocks, count))
-        weights[:, of_law] = weights[0, of_law]  # All blocks have one law.
         unconfirmed = comparison.known & (found.standing != Standing.confirmed)
         left = np.any(unconfirmed, axis=1)
         if together:
@@ -213,21 +211,14 @@ def _difference(
     case, parameters, limits, whole, _ = comparison
     both = np.concatenate([rows, rows])
     amounts = step * np.concatenate([changes, -changes])
-    values = np.empty((len(both), len(whole.units)))
-    until = np.empty(len(both))
-    of_law = [parameter.part == "contacts" for parameter in parameters]
-    _, law = np.unique(amounts[:, of_law], axis=0, return_inverse=True)
-    for number in range(np.max(law) + 1):
-        lanes = np.flatnonzero(law == number)
-        shifted = case.of_blocks(both[lanes])
-        for parameter, amount in zip(parameters, amounts[lanes].T, strict=True):
-            if np.any(amount):
-                shifted = parameter.shift(shifted, amount)
-        result = follow_case(shifted, limits)
-        outputs = outputs_of(result, whole.units)
-        values[lanes] = np.stack([o.value.value for o in outputs], axis=1)
-        until[lanes] = same_until(_only(whole.base, both[lanes]), result.runs)
-    more, less = np.split(values, 2)
+    shifted = case.of_blocks(both)
+    for parameter, amount in zip(parameters, amounts.T, strict=True):
+        if np.any(amount):
+            shifted = parameter.shift(shifted, amount)
+    result = follow_case(shifted, limits)
+    outputs = [output.value.value for output in outputs_of(result, whole.units)]
+    until = same_until(_only(whole.base, both), result.runs)
+    more, less = np.split(np.stack(outputs, axis=1), 2)
     return (more - less) / (2.0 * step), np.minimum(*np.split(until, 2))
 
 

@@ -71,9 +71,7 @@ class Parameter:
 
     def shift(self, case: Case, amounts: np.ndarray) -> Case:
         """Add an amount to the parameter of each block, `(blocks,)`, in SI units;
-        unchecked. All blocks have one law: its parameters take the first."""
-        if self.part == "contacts":
-            return self.move(case, amounts[0])
+        unchecked."""
         return self.move(case, amounts[:, None] if self.part == "ground" else amounts)
 
     def allows(self, case: Case) -> bool:

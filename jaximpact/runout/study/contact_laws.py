@@ -14,7 +14,7 @@ from ...finding import file_of, find_class, shipped
 from ...identity import name_of
 from ...io.toml import allowed, check_keys, choice, typed
 from ...lookup import Tabulated, read_table
-from ...quantities import own_columns
+from ...quantities import InputColumn, own_columns
 from ...rebound import AbstractRebound
 from ..blocks import Release
 from ..contacts.contact_models import ClosedForm, Contacts, FullModel
@@ -150,6 +150,14 @@ def _closed_form(
             key="contacts.law",
         ) from error
     return NamedLaw(name, contacts, told, checksums)
+
+
+def columns_of_law(path: Path, table: dict) -> dict[str, InputColumn]:
+    """List the parameters of the law in closed form that a table names, by name; none
+    for another law."""
+    law = typed(path, table, "law", str, FULL_MODEL)
+    kind = _own_law(path, law) if ":" in law else CLOSED_FORMS.get(law)
+    return {column.name: column for column in own_columns(kind)} if kind else {}
 
 
 def _own_law(path: Path, text: str) -> type[AbstractRebound]:
