@@ -25,8 +25,14 @@ SCENES = pd.DataFrame({"name": range(3), "angle_deg": [10.0, 20.0, 30.0]})
 def needs(program: str, package: str = ""):
     there = shutil.which(program, path=environment()["PATH"])
     there = there and (not package or importlib.util.find_spec(package))
+    if there and program == "sbatch":  # installed, but does a controller run?
+        there = (
+            subprocess.run(["scontrol", "ping"], capture_output=True).returncode == 0
+        )
     tools = " and ".join(filter(None, (program, package)))
-    return pytest.mark.skipif(not there, reason=f"{tools} not installed")
+    return pytest.mark.skipif(
+        not there, reason=f"{tools} not installed, or not running"
+    )
 
 
 def environment() -> dict[str, str]:

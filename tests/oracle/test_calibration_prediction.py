@@ -137,6 +137,7 @@ def variant_of(unknowns, draws, **changed):
         proportional={},
         estimated={"e_n": False},
         inflation=4.0,
+        group_sd={},
         freedom={"e_n": 7.0},
         accuracy=PRESETS["balanced"],
     )
