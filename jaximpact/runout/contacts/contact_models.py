@@ -104,7 +104,8 @@ class ClosedForm:
     def at(self, blocks: np.ndarray) -> "ClosedForm":
         """Select the parameters of some blocks."""
         leaves, structure = jax.tree.flatten(self.law)
-        own = [leaf[blocks] if np.ndim(leaf) else leaf for leaf in leaves]
+        # By NumPy: JAX would compile its indexing anew for each number of blocks.
+        own = [np.asarray(leaf)[blocks] if np.ndim(leaf) else leaf for leaf in leaves]
         return ClosedForm(jax.tree.unflatten(structure, own))
 
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> ImpactResponses:
