@@ -166,10 +166,11 @@ def draw(rows: Table, quantity: str) -> Figure:
             if len(own):
                 _draw_method(axes, own, key, style)
         axes.axhline(1e-3, color="black", lw=0.8, ls=":")
-        axes.margins(0.12)
-        axes.set_xlim(
-            left=here["seconds_per_impact"].min() / 20.0
-        )  # room for the names of presets
+        axes.margins(0.08)
+        if MODES[mode]:
+            # Among impacts one after another, points of other methods are in the way.
+            _name_presets(axes, here, key, styles)
+            axes.set_xlim(left=here["seconds_per_impact"].min() / 10.0)
     legend_outside(figure, method_handles(rows), ncols=3)
     return figure
 
@@ -178,18 +179,24 @@ def _draw_method(axes: Axes, own: Table, key: str, style: dict) -> None:
     time, error = own["seconds_per_impact"], own[key].clip(upper=2.0)
     weight = {"lw": 2.0, "zorder": 3} if any(own["preset"]) else {"lw": 1.0}
     axes.plot(time, error, markersize=4, **weight, **style)
-    for preset, *point in zip(own["preset"], time, error, strict=True):
-        if preset:
-            axes.annotate(
-                preset,
-                point,
-                xytext=(-4, -4),
-                textcoords="offset points",
-                ha="right",
-                va="top",
-                color=style["color"],
-                fontsize=9,
-            )
+
+
+def _name_presets(axes: Axes, rows: Table, key: str, styles: dict) -> None:
+    named = rows[rows["preset"] != ""]
+    for preset, method, *point in zip(
+        *(named["preset"], named["method"], named["seconds_per_impact"], named[key]),
+        strict=True,
+    ):
+        axes.annotate(
+            preset,
+            point,
+            xytext=(-6, -2),
+            textcoords="offset points",
+            ha="right",
+            va="center",
+            color=styles[method]["color"],
+            fontsize=9,
+        )
 
 
 def table(rows: Table) -> list[tuple[str, ...]]:
