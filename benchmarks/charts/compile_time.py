@@ -54,7 +54,7 @@ def _in_a_process(name: str, directory: str, cache: Path) -> dict[str, float]:
     }
     started = repr(time.time())
     done = subprocess.run(
-        [sys.executable, "-m", f"{__package__}.first_use", started, name, directory],
+        [sys.executable, "-m", "benchmarks.first_use", started, name, directory],
         env=environment,
         capture_output=True,
         text=True,

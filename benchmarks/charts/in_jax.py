@@ -30,8 +30,11 @@ STEPS = "machine code alone"
 JITTED = "jit"
 EAGER = "simulate"
 EAGER_GRADIENT = "value_and_grad"
-ALONE = Scene(Block(aspect_ratio=2.0), Soil(), Impact(angle=0.5))
-"""The single impact: three degrees of freedom, no dashpots."""
+
+
+def _alone() -> Scene:
+    """Make the single impact: three degrees of freedom, no dashpots."""
+    return Scene(Block(aspect_ratio=2.0), Soil(), Impact(angle=0.5))
 
 
 def _e_n(scene: Scene):
@@ -39,8 +42,9 @@ def _e_n(scene: Scene):
 
 
 def _e_n_of_parameters(*values):
-    soil = dataclasses.replace(ALONE.soil, **dict(zip(PARAMETERS, values, strict=True)))
-    return _e_n(Scene(ALONE.block, soil, ALONE.impact))
+    one = _alone()
+    soil = dataclasses.replace(one.soil, **dict(zip(PARAMETERS, values, strict=True)))
+    return _e_n(Scene(one.block, soil, one.impact))
 
 
 def _mean(shift, scenes: Scene):
@@ -51,17 +55,18 @@ def _calls(count: int) -> dict[str, Callable[[], object]]:
     """What is measured, by name: functions of nothing, compiled."""
     scenes = mixed_scenes(count, seed=0)
     arrays, nothing = jax.tree.map(jnp.asarray, scenes), jnp.zeros(len(PARAMETERS))
-    alone = jax.tree.map(jnp.asarray, ALONE)
+    alone = _alone()
+    on_device = jax.tree.map(jnp.asarray, alone)
     values, one = jax.jit(jax.vmap(_e_n)), jax.jit(_e_n)
     gradient = jax.jit(jax.grad(_mean))
     own = jax.value_and_grad(_e_n_of_parameters, argnums=range(len(PARAMETERS)))
-    parameters = [getattr(ALONE.soil, name) for name in PARAMETERS]
+    parameters = [getattr(alone.soil, name) for name in PARAMETERS]
     calls = {
         BATCH: lambda: simulate_batch(scenes),
         VALUES: lambda: values(arrays),
         GRADIENTS: lambda: gradient(nothing, arrays),
-        JITTED: lambda: one(alone),
-        EAGER: lambda: _e_n(ALONE),
+        JITTED: lambda: one(on_device),
+        EAGER: lambda: _e_n(alone),
         EAGER_GRADIENT: lambda: own(*parameters),
     }
     for call in calls.values():
@@ -83,9 +88,10 @@ def _seconds_of_steps(calls: int) -> float:
     """An impact in machine code, without what a call from Python takes: that is what no
     impact takes."""
     accuracy = PRESETS["balanced"]
-    kernel = compile_native(Assembly(jax.tree.structure(ALONE), PLANAR, ledger=False))
+    one = _alone()
+    kernel = compile_native(Assembly(jax.tree.structure(one), PLANAR, ledger=False))
     setting = [accuracy.tolerance, accuracy.floor]
-    column = np.array([*jax.tree.leaves(ALONE), *setting], float)[:, None]
+    column = np.array([*jax.tree.leaves(one), *setting], float)[:, None]
     impact, nothing = (
         _seconds(functools.partial(solve_rows, kernel, lanes), calls)
         for lanes in (column, column[:, :0])

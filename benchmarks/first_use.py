@@ -1,4 +1,4 @@
-"""One first use in a process of its own: `python -m benchmarks.charts.first_use`.
+"""One first use in a process of its own: `python -m benchmarks.first_use`.
 
 Prints JSON with the seconds up to the end of the import, and of the first and the
 second use.
@@ -16,9 +16,7 @@ def uses() -> dict[str, Callable]:
     import jax
     import jax.numpy as jnp
 
-    from jaximpact import Block, Impact, Soil, simulate, simulate_batch
-
-    from ..impacts import mixed_scenes
+    from jaximpact import Block, Impact, Soil, simulate
 
     def impact(soil, **impact):
         return lambda: float(simulate(Block(), soil, Impact(**impact)).e_n)
@@ -31,6 +29,13 @@ def uses() -> dict[str, Callable]:
 
         jax.block_until_ready(jax.jacfwd(e_n)(jnp.log(jnp.asarray([900.0, 8.7, 1.0]))))
 
+    def batch():
+        from jaximpact import simulate_batch
+
+        from .impacts import mixed_scenes
+
+        simulate_batch(mixed_scenes(1000, 1), accuracy="fast")
+
     return {
         "import": lambda: None,
         "vertical impact": impact(Soil()),
@@ -39,14 +44,14 @@ def uses() -> dict[str, Callable]:
             Soil(eta_N=0.1, eta_T=0.1, eta_R=0.1), angle=0.5
         ),
         "gradient": gradient,
-        "batch": lambda: simulate_batch(mixed_scenes(1000, 1), accuracy="fast"),
+        "batch": batch,
     }
 
 
 def use_of_peer(name: str, directory: str) -> Callable:
     """A batch of a few impacts by a peer."""
-    from ..impacts import mixed_scenes
-    from .methods import find_peers
+    from .charts.methods import find_peers
+    from .impacts import mixed_scenes
 
     peers = find_peers(Path(directory), lambda text: None)
     peer = next(peer for peer in peers if peer.name == name)
@@ -67,8 +72,8 @@ def main(started: str, name: str, directory: str) -> None:
     import jax
 
     jax.config.update("jax_enable_x64", True)
-    imported = 0.0 if directory else time.time() - float(started)
     use = use_of_peer(name, directory) if directory else uses()[name]
+    imported = 0.0 if directory else time.time() - float(started)
     seconds = []
     for _ in range(2):
         begin = time.perf_counter()
