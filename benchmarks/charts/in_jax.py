@@ -22,6 +22,7 @@ from jaximpact.simulation import simulate
 
 from ..impacts import PARAMETERS, mixed_scenes, shifted
 from .section import Bench, Row, Section, Table, interleaved_minima
+from .style import grouped
 
 BATCH = "simulate_batch"
 VALUES = "jit(vmap)"
@@ -132,7 +133,7 @@ def draw(rows: Table) -> Figure:
     ):
         colours = [GREY if way == STEPS else BLUE for way in own["way"]]
         bars = axes.barh(own["way"], values, color=colours)
-        axes.bar_label(bars, [f"{value:,.0f}" for value in values], padding=4)
+        axes.bar_label(bars, [grouped(value) for value in values], padding=4)
         axes.invert_yaxis()
         axes.margins(x=0.18)
     return figure

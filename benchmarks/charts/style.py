@@ -49,3 +49,8 @@ def log_axes(axes: Axes, x: str, y: str) -> None:
     """Make both axes logarithmic, with labels."""
     log_scale(axes)
     axes.set(xlabel=x, ylabel=y)
+
+
+def grouped(number: float) -> str:
+    """Write a large number with its digits in groups of three: 70 932."""
+    return f"{number:,.0f}".replace(",", "\N{NO-BREAK SPACE}")

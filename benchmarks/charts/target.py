@@ -20,7 +20,7 @@ from .section import (
     interleaved_minima,
     table_of,
 )
-from .style import COLOURS
+from .style import COLOURS, grouped
 
 RIVAL = "numbalsoda"
 OUR_TOLERANCES = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4)
@@ -95,12 +95,12 @@ def draw(rows: Table) -> Figure:
     rates = rows["impacts_per_s"]
     colours = [COLOURS.get(family, SKY) for family in rows["family"]]
     bars = axes.barh(rows["method"], rates, color=colours)
-    axes.bar_label(bars, [f"{rate:,.0f}" for rate in rates], padding=4)
+    axes.bar_label(bars, [grouped(rate) for rate in rates], padding=4)
     axes.invert_yaxis()
     axes.margins(x=0.15)
     axes.set_xlabel(
         "impacts per second [1/s], all cores, 95 % of errors of $e_n$ within "
-        f"{rows['error_95'].max():.1e}"
+        f"{rows['error_95'].max():.0e}"
     )
     return figure
 
