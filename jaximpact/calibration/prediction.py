@@ -144,7 +144,7 @@ def predict_tests(
         censored=study.censored,
         outside=_outside(ground, study.tests),
         variants=variants,
-        inputs=[*inputs, *(table.path for table in measurements.files)],
+        inputs=[*inputs, *(table.path for table in measurements.sources)],
         simple=predict_simple(ground.simple, study),
     )
 

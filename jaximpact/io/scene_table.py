@@ -76,6 +76,8 @@ class Table:
     """Each column of free text of a table of tests."""
     base: Scene
     """The laws, the shape of each row, and what stands for a missing column."""
+    beside: tuple["Table", ...] = ()
+    """Tables of the files that rows name, as of curves."""
 
     def scene(self) -> Scene:
         """All rows as one scene, in SI.

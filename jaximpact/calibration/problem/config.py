@@ -143,7 +143,7 @@ class Study:
     @property
     def inputs(self) -> list[Path]:
         """Files from which the study was read."""
-        return [self.path, *(table.path for table in self.tests.files)]
+        return [self.path, *(table.path for table in self.tests.sources)]
 
     def scene_of(self, variant: Variant) -> Scene:
         """Make one scene of all tests, arrays (tests,) in SI, on the ground of a

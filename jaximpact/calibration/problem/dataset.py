@@ -73,6 +73,11 @@ class Measurements:
         return f"{file}row {row}{at}"
 
     @property
+    def sources(self) -> list[Table]:
+        """Tables of all files that were read, those of curves too."""
+        return [one for table in self.files for one in (table, *table.beside)]
+
+    @property
     def first_of_row(self) -> np.ndarray:
         """Index of the first test from the same row of a file, shape (tests,): itself,
         but for the points of a curve."""

@@ -72,6 +72,7 @@ def with_curves(table: Table) -> Table:
         censored={name: np.concatenate([own, points]) for name, own in signs.items()},
         labels={n: [texts[row] for row in row_of] for n, texts in table.labels.items()},
         base=base,
+        beside=tuple({curve.path: curve for curve in curves.values()}.values()),
     )
 
 

@@ -363,7 +363,7 @@ def _origin(result: StudyResult) -> Rows:
     study = result.study
     accuracy = dataclasses.asdict(PRESETS[study.accuracy])
     rows: Rows = [("what", "value"), ("study", study.path.name)]
-    rows += [(t.path.name, f"sha256 {t.sha256}") for t in study.tests.files]
+    rows += [(t.path.name, f"sha256 {t.sha256}") for t in study.tests.sources]
     rows += [(slot, name_of(type(law))) for slot, law in unusual(study.parts).items()]
     rows += [
         (f"{slot} of {variant.name}", name_of(type(law)))

@@ -194,7 +194,7 @@ def _manifest(result: StudyResult) -> dict:
         "study": study.path.name,
         "data": [
             {"file": table.path.name, "sha256": table.sha256}
-            for table in study.tests.files
+            for table in study.tests.sources
         ],
         "soil": study.soil,
         **_if_any("block", study.block),

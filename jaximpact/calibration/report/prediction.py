@@ -294,7 +294,7 @@ def as_json(prediction: PredictedTests) -> dict:
         "manifest": {
             "tests": [
                 {"file": table.path.name, "sha256": table.sha256}
-                for table in prediction.tests.files
+                for table in prediction.tests.sources
             ],
             "draws": len(prediction.ground.variants[0].draws),
             "seed": prediction.ground.seed,
