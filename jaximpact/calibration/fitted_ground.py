@@ -55,8 +55,9 @@ class FittedVariant(NamedTuple):
     """Degrees of freedom of each target."""
     accuracy: Accuracy
     """Accuracy of the impacts that the draws need."""
-    group_sd: dict[str, float]
-    """Estimated standard deviations of groups' factors, by parameter."""
+    group_sd: dict[str, np.ndarray]
+    """Draws of the standard deviations of groups' factors that were estimated, by
+    parameter, shape (draws,)."""
 
     @property
     def trusted(self) -> bool:
@@ -211,5 +212,8 @@ def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
         inflation=entry["inflation"],
         freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},
         accuracy=Accuracy(**draws["accuracy"]),
-        group_sd=entry.get("group_sd", {}),
+        group_sd={
+            name: np.array(draws["group_sd"][name])
+            for name in entry.get("group_sd", {})
+        },
     )

@@ -8,7 +8,8 @@ estimated as a fraction of the value is that fraction of the draws' median. Resu
 that are never negative (`NEVER_NEGATIVE`) scatter on the scale of their logarithm.
 
 A nuisance parameter of a group that the fit knows has the fit's values; that of another
-group is sampled from its prior, once for each group and draw.
+group is sampled from its prior, once for each group and draw. The standard deviation
+of that prior, where it was estimated, is that of the draw.
 """
 
 from pathlib import Path
@@ -228,8 +229,8 @@ def unknowns(
         # Resampled: a draw of much weight would have one value of a new group.
         count = len(weights)
         middles = (np.arange(count) + 0.5) / count
-        of_fit = of_fit[np.searchsorted(np.cumsum(weights), middles)]
-        weights = np.full(count, 1.0 / count)
+        chosen = np.searchsorted(np.cumsum(weights), middles)
+        of_fit, weights = of_fit[chosen], np.full(count, 1.0 / count)
     best, draws = [*fitted.best[:soil]], [*of_fit[:, :soil].T]
     labels = names_of(study)[soil:]
     stated = study.tests.files[0].labels
@@ -244,7 +245,9 @@ def unknowns(
                 draws.append(of_fit[:, known])
                 continue
             prior = nuisance.prior
-            sd = fitted.group_sd.get(nuisance.name, prior.sd)
+            sd = prior.sd
+            if nuisance.name in fitted.group_sd:
+                sd = fitted.group_sd[nuisance.name][chosen]
             drawn = random.normal(prior.mean, sd, len(weights))
             best.append(prior.mean)
             draws.append(np.clip(drawn, nuisance.lower[place], nuisance.upper[place]))

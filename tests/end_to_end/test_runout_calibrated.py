@@ -179,6 +179,28 @@ def test_without_trusted_draws_the_curvature_is_taken(here):
     np.testing.assert_allclose(read_calibrated(here / "fit").covariance, COVARIANCE)
 
 
+def test_a_slope_is_a_group_of_its_own(here):
+    """The variance of a new group's factor is added, and of no other parameter; where
+    it was estimated, the mean of its draws."""
+    content, added = fit(), np.zeros((3, 3))
+    prior = {"mean": 0.0, "sd": 0.3}
+    content["manifest"]["nuisances"] = {
+        "c_v": {"by": "campaign", "prior": prior, "pooled": True},
+        "slope_deg": {"by": "campaign", "prior": prior},
+    }
+    write(here, content)
+    added[0, 0] = 0.09
+    covariance = read_calibrated(here / "fit").covariance
+    np.testing.assert_allclose(covariance, COVARIANCE + added)
+    (variant,) = content["variants"]
+    variant["group_sd"] = {"c_v": 0.2}
+    variant["draws"] |= {"group_sd": {"c_v": [0.1, 0.5]}, "weights": [0.75, 0.25]}
+    write(here, content)
+    added[0, 0] = 0.75 * 0.01 + 0.25 * 0.25
+    covariance = read_calibrated(here / "fit").covariance
+    np.testing.assert_allclose(covariance, COVARIANCE + added)
+
+
 def test_undetermined_parameters_must_be_said(here, capsys):
     content = fit()
     told = content["variants"][0]["parameters"]["c_v"]

@@ -32,6 +32,7 @@ from jaximpact.calibration.diagnostics.cross_validation import (
     linearised,
 )
 from jaximpact.calibration.diagnostics.further_tests import as_text, choose, merit
+from jaximpact.calibration.diagnostics.group_sds import GroupSds
 from jaximpact.calibration.diagnostics.identifiability import Verdict
 from jaximpact.calibration.diagnostics.importance_sampling import draw
 from jaximpact.calibration.diagnostics.nuts import Samples, compare_errors
@@ -142,8 +143,8 @@ def test_draws_of_a_normal_posterior(tmp_path):
 def test_draws_that_do_not_count_are_drawn_again(tmp_path, monkeypatch):
     """From a proposal ten times too narrow they find the posterior all the same."""
     objective, points, uncertainty = linear(tmp_path, *line(20))
-    narrow = 0.01 * uncertainty.covariance
-    monkeypatch.setattr(draws, "laplace_covariance", lambda *arguments: narrow)
+    narrow = GroupSds(objective, points, 100.0 * points.hessian[0], 1.0)
+    monkeypatch.setattr(draws, "laplace", lambda *arguments: narrow)
     found = draw(objective, points, 1.0, count=2000)
     assert len(found.effective_fraction) > 1
     assert found.effective_fraction[-1] > draws.ENOUGH

@@ -1,18 +1,24 @@
 """Parameters that are expressions of others, and parameters that differ by group."""
 
+import json
+
 import numpy as np
 import pytest
 from calibration_studies import Linear
 from error_messages import assert_one_line
+from scipy.optimize import brentq
+from scipy.special import ndtr
 
 from jaximpact import Soil
 from jaximpact.calibration import calibrate, predict
 from jaximpact.calibration.arguments import study_given
+from jaximpact.calibration.diagnostics.importance_sampling import draw
+from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.estimation.sigma import settle
 from jaximpact.calibration.estimation.starts import fit
-from jaximpact.calibration.fitted_ground import read_fitted
 from jaximpact.calibration.problem.expressions import Tied, read_tied
 from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.nuisance import LEAST_GROUP_SD, MOST_GROUP_SD
 from jaximpact.calibration.problem.objective import Objective, names_of
 from jaximpact.errors import InputError
 from jaximpact.progress import Progress
@@ -203,6 +209,80 @@ def test_sds_of_groups_are_those_of_one_way_random_effects(stated, between):
         assert nuisance.prior.sd < 0.03
 
 
+def exact_posterior(measured, sigma):
+    """Posterior of one-way random effects with known sigma on a grid of s, uniform
+    between its limits: s, its probabilities, and mean and variance for each s of the
+    common value, of the first group's deviation and of a new group's value."""
+    s = np.linspace(LEAST_GROUP_SD, MOST_GROUP_SD, 5001)
+    means = np.mean(measured, axis=1)
+    count, noise = len(means), sigma**2 / measured.shape[1]
+    total = s**2 + noise
+    squares = np.sum((means - np.mean(means)) ** 2)
+    log = -0.5 * (count - 1) * np.log(total) - 0.5 * squares / total
+    shares = np.exp(log - np.max(log))
+    kept = noise / total
+    apart = (1.0 - kept) * (means[0] - np.mean(means))
+    variance = s**2 * kept + (1.0 - kept) ** 2 * total / count
+    common = np.mean(means) + 0.0 * s
+    return (
+        s,
+        shares / np.sum(shares),
+        {
+            "common": (common, total / count),
+            "first": (apart, variance),
+            "new": (common, total / count + s**2),
+        },
+    )
+
+
+def quantile_of(weights, values, part):
+    order = np.argsort(values)
+    upto = np.cumsum(weights[order]) - 0.5 * weights[order]
+    return float(np.interp(part, upto, values[order]))
+
+
+def quantile_of_normals(shares, mean, deviation, part):
+    """Quantile of a mixture of normal distributions."""
+    ends = np.min(mean - 9.0 * deviation), np.max(mean + 9.0 * deviation)
+    return brentq(lambda at: shares @ ndtr((at - mean) / deviation) - part, *ends)
+
+
+@pytest.mark.parametrize("between", [0.2, 0.04])
+def test_uncertainty_of_group_sds_is_that_of_one_way_random_effects(between):
+    """Draws and standard errors against the exact posterior, where groups differ by
+    more, and by less, than their means scatter."""
+    random = np.random.default_rng(8)
+    sigma, count = 0.1, 20_000
+    measured = 0.5 + sigma * random.normal(size=(GROUPS, EACH))
+    measured += between * random.normal(size=(GROUPS, 1))
+    objective, points = one_way(measured, {"e_n": sigma})
+    s, shares, exact = exact_posterior(measured, sigma)
+    found = draw(objective, points, 1.0, count=count)
+    values = objective.bounds.parameter(found.x)
+    # c_v is fitted in its logarithm, in which predictions are linear.
+    drawn = {"common": found.x[:, 0], "first": values[:, 1]}
+    new = random.normal(0.0, found.group_sds["c_v"])
+    drawn["new"] = found.x[:, 0] + new
+    assert found.effective_fraction[-1] > 0.5
+    for part in (0.025, 0.5, 0.975):
+        # 10 000 effective draws tell a quantile of the tails to 3 % of a standard
+        # deviation, and values of s 5 % apart to a third of a step.
+        of_s = quantile_of(found.weights, found.group_sds["c_v"], part)
+        assert of_s == pytest.approx(quantile_of(shares, s, part), rel=0.08, abs=2e-3)
+        for name, values in drawn.items():
+            mean, variance = exact[name]
+            expected = quantile_of_normals(shares, mean, np.sqrt(variance), part)
+            width = np.sqrt(shares @ variance)
+            at = quantile_of(found.weights, values, part)
+            assert at == pytest.approx(expected, abs=0.1 * width)
+    errors = estimate(objective, points).standard_errors[:2]
+    errors *= [1.0, objective.bounds.half[1]]
+    for place, name in enumerate(("common", "first")):
+        mean, variance = exact[name]
+        expected = np.sqrt(shares @ (variance + mean**2) - (shares @ mean) ** 2)
+        assert errors[place] == pytest.approx(expected, rel=0.03)
+
+
 @pytest.mark.slow
 def test_a_fit_with_a_tie_and_groups_is_found_and_predicts(tmp_path):
     """Tests of two grounds whose c_v differ by a factor of 1.5; noise-free, so that the
@@ -223,7 +303,8 @@ def test_a_fit_with_a_tie_and_groups_is_found_and_predicts(tmp_path):
     values = found.result.variants[0].parameters
     assert values == pytest.approx(truth, abs=0.02)
     # k_E tells the common c_v: the root mean square of the groups about it.
-    (group_sd,) = read_fitted(tmp_path / "out").variants[0].group_sd.values()
+    (variant,) = json.loads((tmp_path / "out" / "fit.json").read_text())["variants"]
+    group_sd = variant["group_sd"]["c_v"]
     assert group_sd == pytest.approx(truth[1], rel=0.05)
     assert f"0 +- {group_sd:.4g} (estimated)" in str(found)
     assert isinstance(found.soil, Soil)

@@ -6,9 +6,10 @@ the covariance of the curvature (Laplace), restricted to the bounds; the weights
 $$ w \propto e^{-\text{cost} / s^2} / q(x) , $$
 
 with s^2 the inflation of the covariance and q the density of the proposal. Without a
-prior of the study the prior is uniform in x between the bounds. Where few draws carry
-all the weight, the proposal is fitted to the weighted draws and sampled again
-(population Monte Carlo, Cappe et al. 2004).
+prior of the study the prior is uniform in x between the bounds. Estimated standard
+deviations of groups are sampled first, and x about its mean for them (`group_sds`).
+Where few draws carry all the weight, the proposal is fitted to the weighted draws and
+sampled again (population Monte Carlo, Cappe et al. 2004).
 
 Impacts have the accuracy `balanced`, whatever that of the fit. With small sigmas their
 errors count in the cost: some of the draws are computed again more accurately, and
@@ -36,7 +37,8 @@ from ..estimation.sigma import LEAST_FREEDOM, leverages
 from ..estimation.starts import SILENT
 from ..problem.noise import LOSSES
 from ..problem.objective import Objective, Points
-from .uncertainty import laplace_covariance
+from .group_sds import GroupSds
+from .uncertainty import laplace
 
 COUNT = 512
 TAILS = 5.0
@@ -71,6 +73,9 @@ class Draws(NamedTuple):
 
     x: np.ndarray
     """Unknowns, shape (draws, unknowns)."""
+    group_sds: dict[str, np.ndarray]
+    """Estimated standard deviations of groups' factors, by parameter, shape (draws,);
+    the cost is that with their best values."""
     weights: np.ndarray
     """Weights, shape (draws,); their sum is 1."""
     cost: np.ndarray
@@ -98,12 +103,11 @@ class Draws(NamedTuple):
 
     def mean(self) -> np.ndarray:
         """Compute the posterior mean of x."""
-        return self.weights @ self.x
+        return _moments(self.x, self.weights)[0]
 
     def covariance(self) -> np.ndarray:
         """Compute the posterior covariance of x."""
-        apart = self.x - self.mean()
-        return (apart.T * self.weights) @ apart
+        return _moments(self.x, self.weights)[1]
 
 
 def draw(
@@ -127,25 +131,26 @@ def draw(
     """
     random = np.random.default_rng(seed)
     at_first = objective.at(LADDER[0])
-    centre = points.x[0]
-    covariance = laplace_covariance(objective, points, inflation)
+    groups = laplace(objective, points, inflation)
+    # Of x in standard deviations about its mean.
+    centre, covariance = np.zeros(len(groups.x)), np.eye(len(groups.x))
     best: Draws | None = None
     parts = []
     progress = progress.within("predictive bands: ")
     for number in range(1, ROUNDS + 1):
-        x, log_density = _proposed(random, objective, centre, covariance, count)
+        proposed = _propose(random, groups, centre, covariance, count)
         tell = progress.within(f"draws, round {number}, ")
-        found = _weighted(at_first, x, log_density, inflation, tell)
+        found = _weighted(at_first, groups, proposed, inflation, tell)
         parts.append(found.effective_fraction[-1])
         if best is None or parts[-1] > best.effective_fraction[-1]:
             best = found._replace(effective_fraction=np.array(parts))
-            density_of_best = log_density
+            of_best = proposed
         if parts[-1] >= ENOUGH:
             break
-        centre = best.mean()
+        centre, spread = _moments(of_best.standard, best.weights)
         # The covariance of few draws is noisy: some of the proposal's is kept.
         share = best.effective_fraction[-1]
-        covariance = WIDER * best.covariance() + max(0.1, 0.5 - share) * covariance
+        covariance = WIDER * spread + max(0.1, 0.5 - share) * covariance
     assert best is not None
     tell = progress.within("some of the draws again, more accurately, ")
     best = best._replace(error=_error_of(best, objective, inflation, tell))
@@ -153,21 +158,41 @@ def draw(
         return best
     closer = objective.at(LADDER[1])
     tell = progress.within("all draws again, more accurately, ")
-    found = _weighted(closer, best.x, density_of_best, inflation, tell)
+    found = _weighted(closer, groups, of_best, inflation, tell)
     parts = np.append(best.effective_fraction[:-1], found.effective_fraction)
     found = found._replace(effective_fraction=parts)
     return found._replace(error=_error_of(found, objective, inflation, tell))
 
 
+class _Proposed(NamedTuple):
+    """Draws of the proposal."""
+
+    standard: np.ndarray
+    """Unknowns in standard deviations about their mean, shape (draws, unknowns)."""
+    x: np.ndarray
+    sds: np.ndarray
+    """Standard deviations of groups, shape (draws, nuisances)."""
+    log_density: np.ndarray
+    """Logarithm of the density of x and these, up to a constant, shape (draws,)."""
+
+
 def _weighted(
-    objective: Objective, x, log_density, inflation: float, progress: Progress
+    objective: Objective,
+    groups: GroupSds,
+    proposed: _Proposed,
+    inflation: float,
+    progress: Progress,
 ) -> Draws:
+    x, sds = proposed.x, proposed.sds
     cost, predicted, _ = objective.values_by_parts(x, progress)
-    log_weight = -cost / inflation - log_density
+    log_weight = -cost / inflation - proposed.log_density
+    log_weight = log_weight + groups.log_ratio(x, sds)
     weights = np.exp(log_weight - np.max(log_weight))
     weights = weights / np.sum(weights)
     part = np.array([1.0 / (len(x) * np.sum(weights**2))])
-    return Draws(x, weights, cost, predicted, part, objective.accuracy, np.nan)
+    of_groups = dict(zip(groups.names, sds.T, strict=True))
+    accuracy = objective.accuracy
+    return Draws(x, of_groups, weights, cost, predicted, part, accuracy, np.nan)
 
 
 def _error_of(
@@ -207,26 +232,46 @@ def error_of_costs(
     return float(np.max(np.abs(apart - np.median(apart)))) / inflation
 
 
-def _proposed(random, objective: Objective, centre, covariance, count: int):
-    """Sample the proposal between the bounds; also the logarithm of its density up to a
-    constant."""
-    low, high = objective.bounds.low, objective.bounds.high
-    values, vectors = np.linalg.eigh(covariance)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
+def _propose(random, groups: GroupSds, centre, covariance, count: int) -> _Proposed:
+    """Sample the proposal between the bounds.
+
+    Args:
+        centre, covariance: of the unknowns in standard deviations about their mean.
+    """
+    low, high = groups.bounds.low, groups.bounds.high
     inside, found = [], 0
     for _ in range(TRIES):
         normal = random.normal(size=(count, len(centre)))
         scale = np.sqrt(random.chisquare(TAILS, size=(count, 1)) / TAILS)
         apart = normal / scale
-        x = centre + apart @ root.T
+        standard = centre + apart @ _root(covariance).T
+        sds, log_density = groups.sample(random, count)
+        # Without groups there is one mean and one covariance for all.
+        mean, spread = groups.of_unknowns(sds if groups.names else sds[:1])
+        root = _root(spread)
+        x = mean + np.einsum("...pq,...q->...p", root, standard)
+        squares = np.sum(apart**2, axis=1)
+        log_density = log_density - 0.5 * np.linalg.slogdet(spread)[1]
+        log_density -= 0.5 * (TAILS + len(centre)) * np.log1p(squares / TAILS)
         kept = np.all((x >= low) & (x <= high), axis=1)
-        inside.append((x[kept], apart[kept]))
+        part = _Proposed(standard, x, sds, log_density)
+        inside.append(_Proposed(*(values[kept] for values in part)))
         found += int(np.sum(kept))
         if found >= count:
             break
-    x, apart = (np.concatenate(rows)[:count] for rows in zip(*inside, strict=True))
-    squares = np.sum(apart**2, axis=1)
-    return x, -0.5 * (TAILS + len(centre)) * np.log1p(squares / TAILS)
+    return _Proposed(*(np.concatenate(v)[:count] for v in zip(*inside, strict=True)))
+
+
+def _root(covariance: np.ndarray) -> np.ndarray:
+    """Compute a root R of covariances R R^T, shape (..., n, n)."""
+    values, vectors = np.linalg.eigh(covariance)
+    return vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
+
+
+def _moments(x: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Compute mean and covariance of weighted draws."""
+    apart = x - weights @ x
+    return weights @ x, (apart.T * weights) @ apart
 
 
 def freedom_of_targets(objective: Objective, points: Points) -> np.ndarray:

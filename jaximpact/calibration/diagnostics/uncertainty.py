@@ -10,7 +10,8 @@ with h and v those of the loss: 1 for Gaussian scatter, the curvature of the los
 limit; for a robust loss the mean of its second derivative, and of its slope squared
 over (n - p) / n (Huber 1981, section 7.6). The covariance is H^-1 V H^-1, its inverse
 the Fisher matrix. Where sigmas are given and the misfit is larger than they allow, the
-covariance is multiplied by the reduced chi-square.
+covariance is multiplied by the reduced chi-square. Where standard deviations of groups
+are estimated, it is that over their distribution (`group_sds`).
 
 Where the sigma of a target is estimated from many measurements, v is the squared slope
 of each over 1 - leverage, so that the scatter may differ between tests (White 1980;
@@ -33,7 +34,9 @@ from ..estimation.sigma import (
     weights_of_cells,
 )
 from ..problem.noise import losses, true_curvature
+from ..problem.nuisance import group_sds
 from ..problem.objective import Objective, Points
+from .group_sds import GroupSds
 
 USELESS_ERROR = 1.0
 """Standard error in x above which a parameter is not identifiable."""
@@ -82,13 +85,15 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
     study = objective.study
     soil = len(study.parameters)
     curvature, variance, squares, freedom = _parts(objective, points)
-    covariance = _sandwich(curvature, variance)
     reduced = squares / freedom if freedom > 0.5 else float("nan")
     inflation = 1.0
     given = np.all(study.sigma_given)
     if given and freedom > 0.5 and chdtrc(freedom, squares) < IMPROBABLE:
         inflation = reduced
-    covariance = covariance * inflation
+    covariance = _sandwich(curvature, variance) * inflation
+    if group_sds(study.nuisances):
+        groups = _group_sds(objective, points, curvature, inflation)
+        covariance = _over_sds(groups, curvature, variance, inflation)
     scattered = not given or inflation > 1.0
     half = 0.5 + CONFIDENCE / 2.0
     quantile = stdtrit(max(freedom, 1.0), half) if scattered else ndtri(half)
@@ -126,15 +131,33 @@ def regular_covariance(
     return half @ (variance / inflation + extra) @ half
 
 
-def laplace_covariance(
-    objective: Objective, points: Points, inflation: float
-) -> np.ndarray:
-    """Compute the covariance of the Laplace approximation of the posterior.
+def laplace(objective: Objective, points: Points, inflation: float) -> GroupSds:
+    """Approximate the posterior by Laplace's method, for each standard deviation of
+    groups.
 
     It follows from the curvature alone, with the sigmas taken as true.
     """
-    curvature = _parts(objective, points)[0] / inflation
-    return inverse_positive(curvature + np.diag(bounds_information(objective)))
+    curvature = _parts(objective, points)[0]
+    return _group_sds(objective, points, curvature, inflation)
+
+
+def _group_sds(objective, points, curvature, inflation) -> GroupSds:
+    weak = np.diag(bounds_information(objective))
+    return GroupSds(objective, points, curvature / inflation + weak, inflation)
+
+
+def _over_sds(
+    groups: GroupSds, curvature: np.ndarray, variance: np.ndarray, inflation: float
+) -> np.ndarray:
+    """Average the covariance over standard deviations of groups: its mean, and the
+    covariance of the means of x."""
+    sds = groups.lattice()
+    x, _ = groups.of_unknowns(sds)
+    changes = groups.information(sds) * inflation - groups.information(groups.best)
+    mean = np.zeros_like(curvature)
+    for change in map(np.diag, changes):
+        mean += _sandwich(curvature + change, variance + change)
+    return inflation * mean / len(sds) + np.atleast_2d(np.cov(x.T, bias=True))
 
 
 def bounds_information(objective: Objective) -> np.ndarray:

@@ -180,7 +180,7 @@ def estimate_group_sds(objective: Objective, points: Points) -> list[float]:
     bounds, x, sd = objective.bounds, points.x[0], objective.prior_sd.copy()
     sds = [nuisance.prior.sd for nuisance in _estimated(objective.study)]
     p, slope = bounds.parameter(x), bounds.slope(x)
-    apart, places = (p - objective.prior_mean), _places(objective.study)
+    apart, places = (p - objective.prior_mean), places_of_estimated(objective.study)
     hessian = points.hessian[0] - np.diag((slope / sd) ** 2)
     gradient = points.gradient[0] - slope * apart / sd**2
     fixed = (x <= bounds.low) | (x >= bounds.high)
@@ -202,7 +202,7 @@ def estimate_group_sds(objective: Objective, points: Points) -> list[float]:
     return sds
 
 
-def _places(study: Study) -> list[slice]:
+def places_of_estimated(study: Study) -> list[slice]:
     """List the indices of the unknowns of each nuisance that is estimated."""
     found, first = [], len(study.parameters)
     for nuisance in study.nuisances:

@@ -383,6 +383,7 @@ def _draws(variant: VariantResult, draws: Draws) -> dict:
         "covariance": _plain(draws.covariance()),
         "weights": _short(weights),
         "values": [_short(row) for row in variant.bounds.parameter(draws.x)],
+        **_if_any("group_sd", {n: _short(v) for n, v in draws.group_sds.items()}),
     }
 
 

@@ -182,6 +182,9 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
         mean, covariance = _posterior(
             found, places, calibrated.coordinates(np.array(best, float))
         )
+        # A slope is a group of its own.
+        own = [_group_variance(content["manifest"], found, name) for name in names]
+        covariance = covariance + np.diag(own)
     except InputError:
         raise
     except (
@@ -231,6 +234,18 @@ def _posterior(
         raise ValueError("no finite covariance")
     np.linalg.cholesky(covariance)
     return mean, covariance
+
+
+def _group_variance(manifest: dict, found: dict, name: str) -> float:
+    """Compute the variance of the logarithm of a new group's factor on a parameter; 0
+    for a parameter without groups."""
+    entry = manifest.get("nuisances", {}).get(name, {})
+    if not entry.get("pooled"):
+        return 0.0
+    sds, weights = np.array([entry["prior"]["sd"]]), None
+    if name in found.get("group_sd", {}):
+        sds, weights = found["draws"]["group_sd"][name], found["draws"]["weights"]
+    return float(np.average(np.square(sds), weights=weights))
 
 
 def _soil(file: Path, manifest: dict, variant: dict) -> Soil:
