@@ -583,15 +583,49 @@ def test_a_test_near_a_jump_is_left_out_of_the_errors(tmp_path):
     fits = Fits(objective(np.array([[0.75, 0.25]])), [Reason.edge], np.zeros(1, int))
     share = shares_of(objective, fits)
     # The line passes through the point: half of the draws are beyond.
-    assert 0.3 < share[0] < 0.7
+    assert 0.3 < share[0, 0] < 0.7
     np.testing.assert_array_equal(share[1:], 0.0)
     words = jumps_in_words(objective, share, None)
     assert len(words) == 1
     assert "row 2" in words[0]
     # Two measurements of two unknowns would be left: all are used, and it is said.
     assert without_jumps(objective, share) is objective
-    assert "Too few tests" in words[0]
+    assert "Too few measurements" in words[0]
     assert jumps_in_words(objective, 0.0 * share, None) == []
+
+
+class JumpingInOne(Jumping):
+    """Two targets, of which the second is the first without its jump."""
+
+    def _predict(self, x, wanted):
+        smooth, outcomes, jacobian = Linear._predict(self, x, wanted)
+        jumping, _, _ = super()._predict(x, wanted)
+        predicted = np.concatenate([jumping, smooth], axis=2)
+        return predicted, outcomes, np.repeat(jacobian, 2, axis=2)
+
+
+def test_results_of_a_test_that_do_not_jump_stay(tmp_path):
+    """Five measurements are left of six: errors are those of a linear fit to them."""
+    objective = jumping(tmp_path)
+    study = objective.study
+    twice = {
+        name: np.repeat(getattr(study, name), 2, axis=-1)
+        for name in ("measured", "censored", "sigma_given", "proportional", "weights")
+    }
+    study = dataclasses.replace(study, targets=("e_n", "e_t"), **twice)
+    two = JumpingInOne(study, study.variants[0], None)
+    two.matrix, sigma = objective.matrix, 0.1
+    two = two._changed(sigma=np.full((3, 2), sigma))
+    fits = Fits(two(np.array([[0.75, 0.25]])), [Reason.edge], np.zeros(1, int))
+    share = shares_of(two, fits)
+    np.testing.assert_array_equal(share > 0.0, [[True, False]] + 2 * [[False, False]])
+    (words,) = jumps_in_words(two, share, None)
+    assert "row 2 (e_n: " in words
+    smooth = without_jumps(two, share)
+    found = estimate(smooth, smooth.reevaluate(fits.points))
+    rows = np.concatenate([objective.matrix, objective.matrix[1:]]) / sigma
+    expected = np.sqrt(np.diag(np.linalg.inv(rows.T @ rows)))
+    np.testing.assert_allclose(found.standard_errors, expected, rtol=1e-12)
 
 
 class Bending(Linear):

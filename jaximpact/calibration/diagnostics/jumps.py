@@ -1,9 +1,11 @@
-"""Tests near a jump: what they leave out of the uncertainty, and how to say so.
+"""Measurements near a jump: what they leave out of the uncertainty, and how to say so.
 
-A test whose prediction jumps within the confidence region of the fit (see
-`estimation.branches`) has no derivative that holds there. The fit uses it, as any
-other. Standard errors and profiles leave it out: they are conditional on the branches
-of the impacts, and of the tests that are smooth.
+A prediction that jumps within the confidence region of the fit (see
+`estimation.branches`) has no derivative that holds there. The fit uses its measurement,
+as any other. Standard errors and profiles leave it out: they are conditional on the
+branches of the impacts, and of the predictions that are smooth. Other results of the
+same test stay: where a contact ends in another way, e_t and duration jump, but not the
+largest force and depth, which came before.
 """
 
 import numpy as np
@@ -14,15 +16,15 @@ from ..problem.objective import Objective
 from .cross_validation import LeftOut
 
 FEWEST_LEFT = 2
-"""Measurements for each unknown that tests away from jumps must have; with fewer no
-test is left out."""
+"""Measurements away from jumps that there must be for each unknown; with fewer none is
+left out."""
 MOST_NAMED = 8
 """Largest number of tests that are named."""
 
 
 def shares_of(objective: Objective, best: Fits) -> np.ndarray:
-    """Compute the share of the confidence region beyond a jump of each test, shape
-    (tests,).
+    """Compute the share of the confidence region beyond a jump of each prediction,
+    shape (tests, targets).
 
     Args:
         best: the reported fit, of one lane.
@@ -31,9 +33,9 @@ def shares_of(objective: Objective, best: Fits) -> np.ndarray:
 
 
 def without_jumps(objective: Objective, share: np.ndarray) -> Objective:
-    """Return the objective without the tests near a jump, if enough are left."""
+    """Return the objective without the measurements near a jump, if enough are left."""
     near = share > NEAR
-    left = np.sum(objective.study.known[~near])
+    left = np.sum(objective.study.known & ~near)
     if not np.any(near) or left < FEWEST_LEFT * objective.bounds.lower.size:
         return objective
     return objective.without(near)
@@ -46,24 +48,33 @@ def in_words(objective: Objective, share: np.ndarray, each: LeftOut | None) -> l
         share: result of `shares_of`.
         each: cross-validation test by test, if there is one.
     """
-    near = np.flatnonzero(share > NEAR)
+    study, largest = objective.study, np.max(share, axis=1)
+    near = np.flatnonzero(largest > NEAR)
     if not len(near):
         return []
-    tests, names = objective.study.tests, []
-    for test in near[np.argsort(-share[near], kind="stable")][:MOST_NAMED]:
-        text = f"{tests.name(test)} ({100 * share[test]:.0f} % beyond it"
+    names = []
+    for test in near[np.argsort(-largest[near], kind="stable")][:MOST_NAMED]:
+        jumping = [
+            name
+            for name, part in zip(study.targets, share[test], strict=True)
+            if part > NEAR
+        ]
+        text = (
+            f"{study.tests.name(test)} ({', '.join(jumping)}: "
+            f"{100 * largest[test]:.0f} % beyond it"
+        )
         moved = _moved(each, int(test))
         if np.isfinite(moved):
-            text += f"; without it the fit moves by {moved:.2g} standard errors"
+            text += f"; without the test the fit moves by {moved:.2g} standard errors"
         names.append(text + ")")
     more = len(near) - len(names)
     rest = f" and {more} more" if more else ""
     used = without_jumps(objective, share) is not objective
     words = (
-        "Standard errors leave these tests out, the fit does not: remove them from the "
-        'table to drop them, or set loss = "student" to soften them.'
+        "Standard errors leave these measurements out, the fit does not: empty their "
+        'cells in the table to drop them, or set loss = "student" to soften them.'
         if used
-        else "Too few tests are away from jumps: standard errors are inaccurate."
+        else "Too few measurements are away from jumps: standard errors are inaccurate."
     )
     return [
         "Predictions jump within the confidence region of the fit, since the contact "

@@ -57,8 +57,8 @@ class VariantResult(NamedTuple):
     points: Points
     """Best fit, one lane."""
     jumps: np.ndarray
-    """Share of the confidence region in which the prediction of each test is beyond a
-    jump, shape (tests,)."""
+    """Share of the confidence region in which each prediction is beyond a jump, shape
+    (tests, targets)."""
 
     @property
     def reached(self) -> np.ndarray:

@@ -23,7 +23,7 @@ JUMP = 3.0
 DRAWS = 64
 """Points about a fit at which jumps are looked for."""
 NEAR = 0.02
-"""Fraction of these points beyond a jump from which a test is near it."""
+"""Fraction of these points beyond a jump from which a measurement is near it."""
 STEPS, ROUNDS = 256, 12
 """Steps that are tried side by side along a jump, and how often."""
 LEAST, MOST = 0.005, 1.5
@@ -53,13 +53,19 @@ def jumped(objective: Objective, fit: Points, points: Points) -> np.ndarray:
         Mask, shape (lanes, tests). A prediction that is missing in one of both has left
         it.
     """
+    return np.any(_jumped_cells(objective, fit, points), axis=2)
+
+
+def _jumped_cells(objective: Objective, fit: Points, points: Points) -> np.ndarray:
+    """Find the predictions that have left their branch at a fit, shape (lanes, tests,
+    targets)."""
     apart = points.x - fit.x[0]
     linear = fit.predicted[0] + np.einsum("rtp,lp->lrt", fit.jacobian[0], apart)
     there = np.isfinite(points.predicted), np.isfinite(linear)
     missing = there[0] != there[1]
     with np.errstate(invalid="ignore"):
         far = np.abs(points.predicted - linear) > JUMP * objective.sigma
-    return np.any((far | missing) & objective.study.known, axis=2)
+    return (far | missing) & objective.study.known
 
 
 def unit_without_jumps(objective: Objective, fit: Points) -> float:
@@ -93,21 +99,21 @@ def _draws(objective: Objective, fit: Points) -> Points:
 
 def jump_shares(objective: Objective, fit: Points) -> np.ndarray:
     """Compute the fraction of points about a fit, normally distributed with its
-    covariance, at which each test has left its branch, shape (tests,).
+    covariance, at which each prediction has left its branch, shape (tests, targets).
 
     Beside a jump a derivative may be very steep, and the covariance too small: it is
-    that of the tests that are not near a jump. Where parameters are hardly known the
-    region is wide, and predictions leave the linear ones without a jump: these do not
-    count.
+    that of the measurements that are not near a jump. Where parameters are hardly known
+    the region is wide, and predictions leave the linear ones without a jump: these do
+    not count.
 
     Args:
         fit: one lane, with derivatives.
     """
-    near = np.zeros(len(objective.study.measured), bool)
+    near = np.zeros(objective.study.known.shape, bool)
     for _ in range(SHARES_AGAIN):
         rest = objective.without(near)
         draws = _draws(rest, rest.reevaluate(fit))
-        beyond = jumped(objective, fit, draws)
+        beyond = _jumped_cells(objective, fit, draws)
         share = np.mean(_is_abrupt(objective, fit, draws, beyond), axis=0)
         if not np.any((share > NEAR) & ~near):
             break
@@ -125,35 +131,34 @@ def _is_abrupt(
 
     Args:
         points: ends of the ways.
-        beyond: mask of the predictions that are looked at, shape (lanes, tests).
+        beyond: mask of the predictions that are looked at, shape (lanes, tests,
+            targets).
     """
     found = np.zeros_like(beyond)
-    for test in np.flatnonzero(np.any(beyond, axis=0)):
-        part, lanes = (
-            objective.of_tests(np.array([test])),
-            np.flatnonzero(beyond[:, test]),
-        )
-        known, sigma = objective.study.known[test], objective.sigma[test]
-
-        def apart(one, other, known=known, sigma=sigma):
-            """Compute the largest difference over the targets, in sigmas."""
-            change = np.where(known, np.abs(one - other) / sigma, 0.0)
-            both = np.isnan(one) & np.isnan(other)
-            change = np.where(both, 0.0, np.where(np.isnan(change), np.inf, change))
-            return np.max(change, axis=-1)[:, None]
-
+    for test, target in np.argwhere(np.any(beyond, axis=0)):
+        part = objective.of_tests(np.array([test]))
+        lanes = np.flatnonzero(beyond[:, test, target])
         near, far = np.repeat(fit.x, len(lanes), axis=0), points.x[lanes]
-        of_near = np.repeat(fit.predicted[:, test], len(lanes), axis=0)
-        of_far = points.predicted[lanes, test]
+        of_near = np.repeat(fit.predicted[:, test, target], len(lanes))
+        of_far = points.predicted[lanes, test, target]
         for _ in range(HALVINGS):
             middle = 0.5 * (near + far)
-            of_middle = part.values(middle).predicted[:, 0]
-            first = apart(of_near, of_middle) >= apart(of_middle, of_far)
-            near, far = np.where(first, near, middle), np.where(first, middle, far)
+            of_middle = part.values(middle).predicted[:, 0, target]
+            first = _apart(of_near, of_middle) >= _apart(of_middle, of_far)
+            near = np.where(first[:, None], near, middle)
+            far = np.where(first[:, None], middle, far)
             of_near = np.where(first, of_near, of_middle)
             of_far = np.where(first, of_middle, of_far)
-        found[lanes, test] = apart(of_near, of_far)[:, 0] > 0.5 * JUMP
+        change = _apart(of_near, of_far) / objective.sigma[test, target]
+        found[lanes, test, target] = change > 0.5 * JUMP
     return found
+
+
+def _apart(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Compute the distance of predictions; 0 where both are missing, infinite where
+    one is."""
+    change = np.where(np.isnan(one) & np.isnan(other), 0.0, np.abs(one - other))
+    return np.where(np.isnan(change), np.inf, change)
 
 
 def descend_on_branches(objective: Objective, fits: Fits, progress: Progress) -> Fits:

@@ -158,9 +158,11 @@ class Objective(ForwardModel):
         predicted.
 
         Args:
-            tests: mask of the tests left out, shape (tests,).
+            tests: mask of the tests left out, shape (tests,), or of single
+                measurements, shape (tests, targets).
         """
-        left = np.where(tests[:, None], np.nan, self.study.measured)
+        cells = tests if tests.ndim == 2 else tests[:, None]
+        left = np.where(cells, np.nan, self.study.measured)
         return self._changed(study=dataclasses.replace(self.study, measured=left))
 
     def of_tests(self, tests: np.ndarray) -> "Objective":
