@@ -13,7 +13,7 @@ from ..io.files import read_text
 from ..parameters import Part
 from .comparison.fitted_law import FittedLaw, law_of_json
 from .comparison.other_laws import SIMPLE_LAWS
-from .diagnostics.importance_sampling import FEWEST
+from .diagnostics.posterior import FEWEST
 from .problem.config import Variant
 from .problem.expressions import Tied
 from .problem.fitted_parameters import Parameter

@@ -35,7 +35,8 @@ from jaximpact.calibration.diagnostics.further_tests import as_text, choose, mer
 from jaximpact.calibration.diagnostics.group_sds import GroupSds
 from jaximpact.calibration.diagnostics.identifiability import Verdict
 from jaximpact.calibration.diagnostics.importance_sampling import draw
-from jaximpact.calibration.diagnostics.nuts import Samples, compare_errors
+from jaximpact.calibration.diagnostics.nuts import compare_errors
+from jaximpact.calibration.diagnostics.posterior import Chains, Draws
 from jaximpact.calibration.diagnostics.predictive import bands_of
 from jaximpact.calibration.diagnostics.residuals import residuals_of
 from jaximpact.calibration.diagnostics.uncertainty import estimate, regular_covariance
@@ -765,18 +766,17 @@ def summary(mean, deviation, effective=np.inf):
     mean, deviation = np.atleast_1d(mean), np.atleast_1d(deviation)
     normal = np.random.default_rng(0).normal(size=(2, 2000, len(mean)))
     x = mean + deviation * (normal - normal.mean((0, 1))) / normal.std((0, 1))
-    nothing = np.zeros((2, 2000))
-    return Samples(
-        ["c_v", "gamma_v"],
-        x,
-        x,
-        *[nothing] * 4,
-        scale_reduction=np.ones(len(mean)),
-        effective=np.full(len(mean), min(effective, 4000.0)),
-        evaluations=0,
-        seconds=0.0,
+    ones, nothing = np.ones(len(mean)), np.zeros((2, 2000))
+    return Draws(
+        x=x.reshape(4000, -1),
+        group_sds={},
+        log_weights=np.zeros(4000),
+        cost=np.zeros(4000),
+        predicted=np.zeros((4000, 1, 1)),
+        effective_fraction=np.ones(1),
         accuracy=PRESETS["balanced"],
         error=0.0,
+        chains=Chains(*[nothing] * 4, ones, min(effective, 4000.0) * ones, 0.0),
     )
 
 
@@ -860,13 +860,14 @@ def test_nuts_agrees_with_laplace(tmp_path, engine):
     samples = sample_posterior(
         variant, chains=4, warmup=60, count=150, seed=1, draws=drawn
     )
-    assert not np.any(samples.divergent)
+    chains = samples.chains
+    assert not np.any(chains.divergent)
     assert not samples.rough
-    assert np.all(samples.scale_reduction < 1.05)
-    effective = np.minimum(samples.effective, 600.0)
+    assert np.all(chains.scale_reduction < 1.05)
+    effective = np.minimum(chains.effective, 600.0)
     assert np.all(effective > 150.0)
     error = variant.uncertainty.standard_errors
-    mean, deviation = np.mean(samples.x, axis=(0, 1)), np.std(samples.x, axis=(0, 1))
+    mean, deviation = np.mean(samples.x, axis=0), np.std(samples.x, axis=0)
     # Of n independent normal draws the mean scatters by 1 / sqrt(n) standard
     # deviations, the standard deviation by a part of 1 / sqrt(2 n), the correlation by
     # less than 1 / sqrt(n): 4 of each. The draws tell how far the posterior is from
@@ -885,7 +886,7 @@ def test_nuts_agrees_with_laplace(tmp_path, engine):
     assert np.all(
         np.abs(deviation / error - 1.0) < 4.0 / np.sqrt(2.0 * effective) + skew
     )
-    correlation = np.corrcoef(samples.x.reshape(-1, 2).T)[0, 1]
+    correlation = np.corrcoef(samples.x.T)[0, 1]
     expected = variant.uncertainty.correlation[0, 1]
     scatter = (1.0 - expected**2) / np.sqrt(np.min(effective))
     assert abs(correlation - expected) < 4.0 * scatter + skew * (1.0 - expected**2)
@@ -898,7 +899,8 @@ def test_nuts_agrees_with_laplace(tmp_path, engine):
         *("posterior", "posterior_predictive", "log_likelihood"),
         *("sample_stats", "observed_data"),
     }
-    np.testing.assert_array_equal(data.posterior.c_v.values, samples.values[:, :, 0])
+    of_chains = variant.bounds.parameter(samples.x)[:, 0].reshape(4, 150)
+    np.testing.assert_array_equal(data.posterior.c_v.values, of_chains)
     assert data.posterior.gamma_v.attrs["units"] == "m/s"
     assert data.attrs["accuracy"] == samples.accuracy.name
     assert not np.any(data.sample_stats.diverging)

@@ -269,6 +269,24 @@ def test_draws_with_the_scale_left_open_are_students():
             )
 
 
+def test_weights_that_underflow_with_the_scale_held_are_right_with_it_open():
+    """A draw whose residuals are a hundred sigmas, beside one at the fit: Student's
+    density, of n = 6 and 4 degrees of freedom, over that of the proposal."""
+    objective, best = linear()
+    draws = draw(objective, best.points, 1.0, count=2)
+    x = best.points.x + np.array([[0.0, 0.0], [100.0 * objective.sigma[0, 0], 0.0]])
+    predicted = objective.values(x).predicted
+    squares = np.sum(((predicted - best.points.predicted) / objective.sigma) ** 2, 1)
+    risen = float(squares[1, 0])  # at the minimum the cross terms vanish
+    proposed = draws._replace(
+        x=x, predicted=predicted, log_weights=np.array([0.0, -0.5 * risen])
+    )
+    assert proposed.weights[1] == 0.0
+    weights = weights_of(objective, best.points, proposed)
+    expected = (1.0 + risen / 4.0) ** -3.0
+    assert weights[1] / weights[0] == pytest.approx(expected, rel=1e-6)
+
+
 def test_given_sigmas_leave_the_weights():
     objective, best = linear()
     given = dataclasses.replace(objective.study, sigma_given=np.array([True]))

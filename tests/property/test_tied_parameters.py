@@ -1,6 +1,7 @@
 """Parameters that are expressions of others, and parameters that differ by group."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from scipy.optimize import brentq
 from scipy.special import ndtr
 
 from jaximpact import Soil
-from jaximpact.calibration import calibrate, predict
+from jaximpact.calibration import calibrate, predict, sample_posterior
 from jaximpact.calibration.arguments import study_given
 from jaximpact.calibration.diagnostics.importance_sampling import draw
 from jaximpact.calibration.diagnostics.uncertainty import estimate
@@ -281,6 +282,39 @@ def test_uncertainty_of_group_sds_is_that_of_one_way_random_effects(between):
         mean, variance = exact[name]
         expected = np.sqrt(shares @ (variance + mean**2) - (shares @ mean) ** 2)
         assert errors[place] == pytest.approx(expected, rel=0.03)
+
+
+@pytest.mark.slow
+def test_nuts_samples_the_sds_of_groups_too():
+    """The exact posterior of one-way random effects again."""
+    pytest.importorskip("blackjax")
+    pytest.importorskip("arviz")
+    random = np.random.default_rng(8)
+    measured = 0.5 + 0.1 * random.normal(size=(GROUPS, EACH))
+    measured += 0.2 * random.normal(size=(GROUPS, 1))
+    objective, points = one_way(measured, {"e_n": 0.1})
+    objective.engine = SimpleNamespace(kernel="the linear model")
+    fitted = SimpleNamespace(
+        objective=objective, points=points, uncertainty=estimate(objective, points)
+    )
+    found = sample_posterior(fitted, warmup=200, count=500, seed=2)
+    chains = found.chains
+    assert chains.scale_reduction.shape == (GROUPS + 2,)
+    assert np.all(chains.scale_reduction < 1.03)
+    effective = np.min(chains.effective)
+    assert effective > 200.0
+    s, shares, exact = exact_posterior(measured, 0.1)
+    mean = shares @ np.log(s)
+    deviation = np.sqrt(shares @ np.log(s) ** 2 - mean**2)
+    # 4 standard errors of a mean, and of a standard deviation.
+    error = 4.0 / np.sqrt(effective)
+    logs = np.log(found.group_sds["c_v"])
+    assert abs(np.mean(logs) - mean) < error * deviation
+    assert np.std(logs) == pytest.approx(deviation, rel=error)
+    common, variance = exact["common"]
+    deviation = np.sqrt(shares @ variance)
+    assert abs(np.mean(found.x[:, 0]) - common[0]) < error * deviation
+    assert np.std(found.x[:, 0]) == pytest.approx(deviation, rel=error)
 
 
 @pytest.mark.slow

@@ -25,10 +25,11 @@ from ..problem.objective import Objective, Points
 from .cross_validation import LeftOut, leave_out_campaigns, leave_out_each
 from .cross_validation import in_words as cross_validation_in_words
 from .further_tests import Suggestions, suggest_tests
-from .importance_sampling import FEWEST as FEWEST_DRAWS
-from .importance_sampling import Draws, draw
+from .importance_sampling import COUNT, draw
 from .jumps import in_words as jumps_in_words
-from .nuts import Samples, sample_posterior
+from .nuts import sample_posterior
+from .posterior import FEWEST as FEWEST_DRAWS
+from .posterior import Draws
 from .predictive import Bands, bands_of
 from .residuals import Residuals, residuals_of
 from .results import StudyResult, VariantResult
@@ -61,6 +62,7 @@ class Examination(NamedTuple):
 
     residuals: Residuals
     draws: Draws
+    """Draws by importance sampling."""
     bands: Bands
     each: LeftOut | None
     """Cross-validation test by test; None for a study of one test."""
@@ -70,8 +72,11 @@ class Examination(NamedTuple):
     """Further tests that measure one result each."""
     together: Suggestions
     """Further tests that measure all results."""
-    samples: Samples | None = None
-    """Posterior sampled by NUTS, where asked for."""
+    posterior: Draws
+    """Draws of which bands and predictions are made: those by NUTS where there are, and
+    enough of them are independent."""
+    samples: Draws | None = None
+    """Draws by NUTS, where asked for."""
 
 
 def examine(
@@ -142,10 +147,14 @@ def _examine(
         samples = sample_posterior(
             variant, seed=study.seed, draws=draws, progress=progress
         )
+    best = draws
+    if samples is not None and samples.trusted:
+        best = samples.thinned(COUNT)
     return Examination(
         residuals=residuals_of(objective, points, inflation),
         draws=draws,
-        bands=bands_of(objective, draws, inflation),
+        posterior=best,
+        bands=bands_of(objective, best, inflation),
         each=each,
         campaigns=campaigns,
         single=suggested(False),
@@ -241,13 +250,13 @@ def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
 def _doubtful_draws(diagnostics: Examination) -> list[str]:
     """Warn of a small effective sample size and of costs that are too inaccurate."""
     lines = []
-    if not diagnostics.draws.trusted:
+    if not diagnostics.posterior.trusted:
         lines.append(
             f"The effective sample size of the draws is below {100 * FEWEST_DRAWS:g} "
             "%: the bands are inaccurate. Sample the posterior instead (--posterior)."
         )
     for what, subject in (
-        (diagnostics.draws, "bands are"),
+        (diagnostics.posterior, "bands are"),
         (diagnostics.samples, "posterior is"),
     ):
         if what is not None and what.rough:

@@ -106,6 +106,16 @@ class GroupSds:
         stated = 0.5 * np.sum(self.information(best) * x**2, axis=1)
         return self.log_prior(x, sds) + stated / self.inflation
 
+    def slopes(self, x: np.ndarray, sds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Compute the derivatives of `log_ratio` with respect to x, shape (rows,
+        unknowns), and to ln s, shape (rows, nuisances)."""
+        best = self.information(self.best) / self.inflation
+        by_s = np.empty_like(sds)
+        for number, place in enumerate(self.places):
+            factors = self.bounds.parameter(x)[:, place] / sds[:, number, None]
+            by_s[:, number] = 1.0 - factors.shape[1] + np.sum(factors**2, axis=1)
+        return (best - self.information(sds)) * x, by_s
+
     def sample(self, random, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Sample s, shape (count, nuisances), and compute the logarithms of their
         probabilities."""

@@ -38,6 +38,7 @@ from ..estimation.starts import SILENT
 from ..problem.noise import LOSSES
 from ..problem.objective import Objective, Points
 from .group_sds import GroupSds
+from .posterior import Draws, moments, normalised
 from .uncertainty import laplace
 
 COUNT = 512
@@ -47,8 +48,6 @@ ROUNDS = 5
 ENOUGH = 0.3
 """Effective sample size, as a fraction of the draws, at which the rounds end; a normal
 posterior gives 0.9."""
-FEWEST = 0.1
-"""Fraction below which the draws are not to be trusted."""
 WIDER = 1.5
 """Factor on the covariance of the weighted draws, which are few."""
 TRIES = 2000
@@ -64,50 +63,6 @@ studies shipped: 0.2 at `fast`, 0.001 at `balanced`; on a twin without noise 5 a
 CHECKED = 64
 """Number of draws computed again: with probability 0.96 it finds an error that one in
 twenty draws has."""
-ROUGH = 0.05
-"""Largest tolerated error of a cost over s^2: the relative error of a weight."""
-
-
-class Draws(NamedTuple):
-    """Weighted draws of the posterior and the predictions at them."""
-
-    x: np.ndarray
-    """Unknowns, shape (draws, unknowns)."""
-    group_sds: dict[str, np.ndarray]
-    """Estimated standard deviations of groups' factors, by parameter, shape (draws,);
-    the cost is that with their best values."""
-    weights: np.ndarray
-    """Weights, shape (draws,); their sum is 1."""
-    cost: np.ndarray
-    """Objective function, shape (draws,)."""
-    predicted: np.ndarray
-    """Predictions, shape (draws, tests, targets); NaN where there is none."""
-    effective_fraction: np.ndarray
-    """Effective sample size 1 / sum(weights^2), as a fraction of the draws, of each
-    round; the last belongs to these draws, the first tells how near to normal the
-    posterior is."""
-    accuracy: Accuracy
-    """Accuracy of the impacts."""
-    error: float
-    """Largest error of a cost over s^2 among the draws computed again."""
-
-    @property
-    def trusted(self) -> bool:
-        """Whether the effective sample size is large enough."""
-        return bool(self.effective_fraction[-1] >= FEWEST)
-
-    @property
-    def rough(self) -> bool:
-        """Whether errors of the costs are too large in spite of that."""
-        return self.error > ROUGH
-
-    def mean(self) -> np.ndarray:
-        """Compute the posterior mean of x."""
-        return _moments(self.x, self.weights)[0]
-
-    def covariance(self) -> np.ndarray:
-        """Compute the posterior covariance of x."""
-        return _moments(self.x, self.weights)[1]
 
 
 def draw(
@@ -147,14 +102,14 @@ def draw(
             of_best = proposed
         if parts[-1] >= ENOUGH:
             break
-        centre, spread = _moments(of_best.standard, best.weights)
+        centre, spread = moments(of_best.standard, best.weights)
         # The covariance of few draws is noisy: some of the proposal's is kept.
         share = best.effective_fraction[-1]
         covariance = WIDER * spread + max(0.1, 0.5 - share) * covariance
     assert best is not None
     tell = progress.within("some of the draws again, more accurately, ")
     best = best._replace(error=_error_of(best, objective, inflation, tell))
-    if best.error <= ROUGH:
+    if not best.rough:
         return best
     closer = objective.at(LADDER[1])
     tell = progress.within("all draws again, more accurately, ")
@@ -187,12 +142,10 @@ def _weighted(
     cost, predicted, _ = objective.values_by_parts(x, progress)
     log_weight = -cost / inflation - proposed.log_density
     log_weight = log_weight + groups.log_ratio(x, sds)
-    weights = np.exp(log_weight - np.max(log_weight))
-    weights = weights / np.sum(weights)
-    part = np.array([1.0 / (len(x) * np.sum(weights**2))])
+    part = np.array([1.0 / (len(x) * np.sum(normalised(log_weight) ** 2))])
     of_groups = dict(zip(groups.names, sds.T, strict=True))
     accuracy = objective.accuracy
-    return Draws(x, of_groups, weights, cost, predicted, part, accuracy, np.nan)
+    return Draws(x, of_groups, log_weight, cost, predicted, part, accuracy, np.nan)
 
 
 def _error_of(
@@ -268,12 +221,6 @@ def _root(covariance: np.ndarray) -> np.ndarray:
     return vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
 
 
-def _moments(x: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Compute mean and covariance of weighted draws."""
-    apart = x - weights @ x
-    return weights @ x, (apart.T * weights) @ apart
-
-
 def freedom_of_targets(objective: Objective, points: Points) -> np.ndarray:
     """Compute the degrees of freedom of each target, shape (targets,): its exact
     measurements less their leverages.
@@ -300,7 +247,8 @@ def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray
     squares = _squares(objective, draws.predicted, exact)
     least = _squares(objective, points.predicted, exact)[0]
     freedom = freedom_of_targets(objective, points)
-    log_weights = np.log(np.maximum(draws.weights, 1e-300))
+    # Not of the weights, which underflow where this density falls off more slowly.
+    log_weights = draws.log_weights.copy()
     estimated = ~study.sigma_given
     alone = estimated & (freedom >= LEAST_FREEDOM)
     groups = [[target] for target in np.flatnonzero(alone)]
@@ -314,8 +262,7 @@ def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray
         part = np.maximum(risen / nu, -1.0 + 1e-9)
         student = 0.5 * np.sum(count[group]) * np.log1p(part)
         log_weights += weight * (0.5 * risen - student)
-    weights = np.exp(log_weights - np.max(log_weights))
-    return weights / np.sum(weights)
+    return normalised(log_weights)
 
 
 def _exact(objective: Objective) -> np.ndarray:

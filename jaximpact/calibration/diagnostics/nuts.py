@@ -1,12 +1,14 @@
 r"""Sampling of the posterior by NUTS (Hoffman and Gelman 2014), with blackjax.
 
 The density is that of `importance_sampling`: e^{-cost / s^2}, uniform in x between the
-bounds where there is no prior, with the sigmas of the fit. It is sampled in y, without
-bounds,
+bounds where there is no prior, with the sigmas of the fit, and with the standard
+deviations of groups that are estimated as further unknowns (`group_sds`). It is sampled
+in y, without bounds,
 
 $$ x = x_{low} + (x_{high} - x_{low}) / (1 + e^{-y}) , $$
 
-starting from the weighted draws, whose covariance is the first mass matrix.
+likewise for the logarithms of these, starting from the weighted draws, whose covariance
+is the first mass matrix.
 
 Impacts have the accuracy that the draws were found to need. The density sampled is that
 of this accuracy, whatever the errors of its gradient: a leapfrog step with any force
@@ -25,7 +27,7 @@ Needs the extra `jaximpact[bayes]`.
 import importlib.util
 import time
 import warnings
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
@@ -33,14 +35,16 @@ import numpy as np
 from scipy.special import expit, logit
 
 from ..._packages import version_of, versions
-from ...accuracy import Accuracy
 from ...errors import InputError
 from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import TARGET_COLUMNS, columns_of
 from ..problem.noise import losses
 from ..problem.objective import Objective
-from .importance_sampling import CHECKED, ROUGH, Draws, draw, error_of_costs
+from .group_sds import GroupSds
+from .importance_sampling import CHECKED, draw, error_of_costs
+from .posterior import Chains, Draws
 from .results import VariantResult
+from .uncertainty import laplace
 
 if TYPE_CHECKING:
     import arviz  # pyright: ignore[reportMissingImports]
@@ -63,43 +67,6 @@ CHANCE = 3.0
 """Standard deviations of its noise within which a difference is due to chance."""
 
 
-class Samples(NamedTuple):
-    """Chains of NUTS after the warm-up."""
-
-    names: list[str]
-    """Names of the unknowns."""
-    values: np.ndarray
-    """Unknowns in the units of their columns, shape (chains, draws, unknowns)."""
-    x: np.ndarray
-    """The same in the coordinates of the fit."""
-    log_density: np.ndarray
-    """Logarithm of the density up to a constant, shape (chains, draws)."""
-    divergent: np.ndarray
-    """Mask of divergent trajectories, as at discontinuities, shape (chains, draws)."""
-    acceptance: np.ndarray
-    """Mean acceptance probability of each trajectory, shape (chains, draws)."""
-    steps: np.ndarray
-    """Number of leapfrog steps of each trajectory, shape (chains, draws)."""
-    scale_reduction: np.ndarray
-    """R-hat of each unknown, shape (unknowns,): near 1 where the chains agree."""
-    effective: np.ndarray
-    """Effective sample size of each unknown, shape (unknowns,)."""
-    evaluations: int
-    """Number of evaluations of density and gradient by all chains together, warm-up
-    included."""
-    seconds: float
-    """Wall time [s]."""
-    accuracy: Accuracy
-    """Accuracy of the impacts."""
-    error: float
-    """Largest error of the logarithm of the density, on draws computed again."""
-
-    @property
-    def rough(self) -> bool:
-        """Whether that error is too large."""
-        return self.error > ROUGH
-
-
 def sample_posterior(
     fitted: VariantResult,
     *,
@@ -109,7 +76,7 @@ def sample_posterior(
     seed: int = 0,
     draws: Draws | None = None,
     progress: Progress | ProgressFunction | None = None,
-) -> Samples:
+) -> Draws:
     """Sample the posterior of a fit by NUTS.
 
     Args:
@@ -126,8 +93,6 @@ def sample_posterior(
     Raises InputError without the extra, or where there is no machine code.
     """
     check_extra()
-    from blackjax import diagnostics  # pyright: ignore[reportMissingImports]
-
     progress = as_progress(progress)
     inflation = fitted.uncertainty.inflation
     if fitted.objective.engine.kernel is None:
@@ -137,27 +102,37 @@ def sample_posterior(
         fitted.objective, fitted.points, inflation, seed=seed, progress=progress
     )
     objective = fitted.objective.at(draws.accuracy)
-    host = _Host(objective, inflation, progress, chains * (warmup + count))
-    rows = _run_chains(host, draws, len(fitted.names), chains, warmup, count, seed)
-    position, *others = (np.stack(part, axis=1) for part in zip(*rows, strict=True))
-    x = objective.bounds.at_fraction(expit(position))
+    groups = laplace(objective, fitted.points, inflation)
+    host = _Host(objective, groups, progress)
+    rows = _run_chains(host, draws, chains, warmup, count, seed)
+    position, log_density, divergent, acceptance, steps = (
+        np.stack(part, axis=1) for part in zip(*rows, strict=True)
+    )
+    unknowns = host.unknowns(position)
+    arviz, each = _arviz(), np.moveaxis(unknowns, -1, 0)
+    scale_reduction = np.array([float(arviz.rhat(values)) for values in each])
+    effective = np.array([float(arviz.ess(values)) for values in each])
+    x, sds = host.split(unknowns.reshape(chains * count, -1))
+    cost, predicted, _ = objective.values_by_parts(x, progress.within("sampled: "))
     progress("sampling: some of the draws again, more accurately")
-    every = -(-chains * count // CHECKED)
-    chosen = x.reshape(-1, x.shape[-1])[::every]
-    return Samples(
-        fitted.names,
-        objective.bounds.parameter(x),
-        x,
-        *others,
-        scale_reduction=np.atleast_1d(
-            diagnostics.potential_scale_reduction(jnp.asarray(x))
-        ),
-        effective=np.atleast_1d(diagnostics.effective_sample_size(jnp.asarray(x))),
-        evaluations=host.calls,
-        seconds=time.perf_counter() - begin,
+    every = -(-len(x) // CHECKED)
+    return Draws(
+        x=x,
+        group_sds=dict(zip(groups.names, sds.T, strict=True)),
+        log_weights=np.zeros(len(x)),
+        cost=cost,
+        predicted=predicted,
+        effective_fraction=np.minimum(1.0, [np.min(effective) / len(x)]),
         accuracy=objective.accuracy,
-        error=error_of_costs(
-            objective, chosen, objective.values(chosen).cost, inflation
+        error=error_of_costs(objective, x[::every], cost[::every], inflation),
+        chains=Chains(
+            log_density=log_density,
+            divergent=divergent,
+            acceptance=acceptance,
+            steps=steps,
+            scale_reduction=scale_reduction,
+            effective=effective,
+            seconds=time.perf_counter() - begin,
         ),
     )
 
@@ -165,7 +140,6 @@ def sample_posterior(
 def _run_chains(
     host: "_Host",
     draws: Draws,
-    size: int,
     chains: int,
     warmup: int,
     count: int,
@@ -175,9 +149,9 @@ def _run_chains(
     number of steps of each draw."""
     import blackjax  # pyright: ignore[reportMissingImports]
 
-    log_density = _as_function(host, size)
+    y = host.unbounded(draws)
+    log_density = _as_function(host, y.shape[1])
     chosen = np.random.default_rng(seed).choice(len(draws.x), chains, p=draws.weights)
-    y = _unbounded(host.objective, draws.x)
     apart = y - draws.weights @ y
     mass = (apart.T * draws.weights) @ apart
     mass = mass + 1e-9 * np.trace(mass) * np.eye(len(mass))
@@ -235,17 +209,25 @@ def check_extra() -> None:
             )
 
 
-def _unbounded(objective: Objective, x: np.ndarray) -> np.ndarray:
-    """Convert x to y."""
-    return logit(np.clip(objective.bounds.fraction(x), EDGE, 1.0 - EDGE))
+def _arviz() -> Any:
+    """Import ArviZ, which takes two seconds."""
+    with warnings.catch_warnings():
+        # It announces its next version whenever it is imported.
+        warnings.simplefilter("ignore", FutureWarning)
+        import arviz  # pyright: ignore[reportMissingImports]
+
+    return arviz
 
 
 class _Host:
     """Density and gradient in y, computed by NumPy and machine code."""
 
-    def __init__(self, objective, inflation, progress, wanted):
-        self.objective, self.inflation = objective, inflation
-        self.progress, self.wanted = progress, wanted
+    def __init__(self, objective: Objective, groups: GroupSds, progress: Progress):
+        self.objective, self.groups, self.progress = objective, groups, progress
+        ends = np.log(groups.values[[0, -1]])
+        bounds, count = objective.bounds, len(groups.names)
+        self.low = np.append(bounds.low, np.full(count, ends[0]))
+        self.range = np.append(bounds.high, np.full(count, ends[1])) - self.low
         self.calls, self.kept, self.talked = 0, 0, 0.0
         self.raised: BaseException | None = None
 
@@ -261,20 +243,37 @@ class _Host:
         # Such a trajectory diverges, and sampling ends soon.
         return np.full(y.shape[:-1], -np.inf), np.zeros(y.shape)
 
+    def unbounded(self, draws: Draws) -> np.ndarray:
+        """Convert draws to y."""
+        logarithms = [np.log(sds) for sds in draws.group_sds.values()]
+        unknowns = np.column_stack([draws.x, *logarithms])
+        fraction = (unknowns - self.low) / self.range
+        return logit(np.clip(fraction, EDGE, 1.0 - EDGE))
+
+    def unknowns(self, y: np.ndarray) -> np.ndarray:
+        """Convert y to x and logarithms of the standard deviations of groups."""
+        return self.low + self.range * expit(y)
+
+    def split(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Part x from the standard deviations of groups, each shape (rows, ...)."""
+        count = len(self.objective.bounds.lower)
+        return unknowns[:, :count], np.exp(unknowns[:, count:])
+
     def check(self) -> None:
         """Raise the exception of a callback, if there was one."""
         if self.raised is not None:
             raise self.raised
 
     def _evaluate(self, y: np.ndarray):
-        part = expit(np.atleast_2d(y))
-        bounds = self.objective.bounds
-        points = self.objective(bounds.at_fraction(part))
-        slope = (bounds.high - bounds.low) * part * (1.0 - part)
-        value = -points.cost / self.inflation + np.sum(
-            np.log(np.maximum(part * (1.0 - part), 1e-300)), axis=1
-        )
-        gradient = -points.gradient / self.inflation * slope + 1.0 - 2.0 * part
+        rows = np.atleast_2d(y)
+        x, sds = self.split(self.unknowns(rows))
+        points, inflation = self.objective(x), self.groups.inflation
+        part = expit(rows)
+        value = -points.cost / inflation + self.groups.log_ratio(x, sds)
+        value = value + np.sum(np.log(np.maximum(part * (1.0 - part), 1e-300)), axis=1)
+        by_x, by_s = self.groups.slopes(x, sds)
+        slopes = np.append(by_x - points.gradient / inflation, by_s, axis=1)
+        gradient = slopes * self.range * part * (1.0 - part) + 1.0 - 2.0 * part
         self.calls += 1
         now = time.monotonic()
         if now - self.talked > TALK_EVERY:
@@ -302,7 +301,7 @@ def _as_function(host: _Host, size: int):
 
 
 def to_inference_data(
-    fitted: VariantResult, samples: Samples, *, seed: int = 0
+    fitted: VariantResult, samples: Draws, *, seed: int = 0
 ) -> "arviz.InferenceData":
     """Convert the chains for ArviZ: posterior, posterior predictive, log likelihood.
 
@@ -311,14 +310,13 @@ def to_inference_data(
     limits are left out. Parameters have the attribute `units`.
 
     Args:
+        samples: result of `sample_posterior`.
         seed: seed of the scatter of the posterior predictive.
     """
     check_extra()
-    with warnings.catch_warnings():
-        # ArviZ announces its next version whenever it is imported.
-        warnings.simplefilter("ignore", FutureWarning)
-        import arviz  # pyright: ignore[reportMissingImports]
-
+    chains = samples.chains
+    if chains is None:
+        raise InputError("ArviZ needs chains: the result of sample_posterior")
     objective = fitted.objective.at(samples.accuracy)
     study = objective.study
     tests, targets = np.nonzero(study.known & (study.censored == 0))
@@ -326,20 +324,24 @@ def to_inference_data(
         f"{study.tests.name(test)}: {study.targets[target]}"
         for test, target in zip(tests, targets, strict=True)
     ]
-    predictive, log_likelihood = _predictive(fitted, objective, samples, seed)
+    shape = chains.divergent.shape
+    parameters = objective.bounds.parameter(samples.x)
+    posterior = dict(zip(fitted.names, parameters.T, strict=True))
+    for name, sds in samples.group_sds.items():
+        posterior[f"group_sd[{name}]"] = sds
     sample_stats = {
-        "lp": samples.log_density,
-        "diverging": samples.divergent,
-        "acceptance_rate": samples.acceptance,
-        "n_steps": samples.steps,
+        "lp": chains.log_density,
+        "diverging": chains.divergent,
+        "acceptance_rate": chains.acceptance,
+        "n_steps": chains.steps,
     }
-    data: Any = arviz.from_dict(
-        posterior={
-            name: samples.values[:, :, index]
-            for index, name in enumerate(samples.names)
-        },
-        posterior_predictive={"measured": predictive},
-        log_likelihood={"measured": log_likelihood},
+    measured = {
+        name: {"measured": values.reshape(*shape, -1)}
+        for name, values in _predictive(fitted, samples, seed).items()
+    }
+    data: Any = _arviz().from_dict(
+        posterior={n: values.reshape(shape) for n, values in posterior.items()},
+        **measured,
         sample_stats=sample_stats,
         observed_data={"measured": study.measured[tests, targets]},
         coords={"measurement": names},
@@ -357,7 +359,7 @@ def to_inference_data(
     columns = [parameter.name for parameter in study.parameters]
     for nuisance in study.nuisances:
         columns += [nuisance.name] * len(nuisance.groups)
-    for name, column in zip(samples.names, columns, strict=True):
+    for name, column in zip(fitted.names, columns, strict=True):
         data.posterior[name].attrs["units"] = known[column].unit
     units = [TARGET_COLUMNS[study.targets[target]].unit for target in targets]
     data.assign_coords(
@@ -368,34 +370,33 @@ def to_inference_data(
     return data
 
 
-def _predictive(fitted: VariantResult, objective: Objective, samples: Samples, seed):
-    """Sample the measurements that the chains predict, and compute the log likelihood
-    of those made, both of shape (chains, draws, measurements)."""
-    study = objective.study
+def _predictive(fitted: VariantResult, samples: Draws, seed: int) -> dict:
+    """Sample the measurements that the draws predict, and compute the log likelihood of
+    those made, both of shape (draws, measurements)."""
+    objective, study = fitted.objective, fitted.objective.study
     tests, targets = np.nonzero(study.known & (study.censored == 0))
-    chains, count, size = samples.x.shape
-    predicted = objective.values(samples.x.reshape(-1, size)).predicted
-    predicted = predicted[:, tests, targets]
+    predicted = samples.predicted[:, tests, targets]
     sigma = objective.sigma[tests, targets] * np.sqrt(fitted.uncertainty.inflation)
     scatter = np.random.default_rng(seed).normal(size=predicted.shape)
     u = (predicted - study.measured[tests, targets]) / sigma
     loss = losses(u, np.zeros(u.shape, int), study.loss).value
     log_likelihood = -loss - np.log(sigma * np.sqrt(2.0 * np.pi))
-    shape = chains, count, len(tests)
-    return (predicted + sigma * scatter).reshape(shape), log_likelihood.reshape(shape)
+    sampled = predicted + sigma * scatter
+    return {"posterior_predictive": sampled, "log_likelihood": log_likelihood}
 
 
-def compare_errors(fitted: VariantResult, draws: Draws, samples: Samples) -> list[str]:
+def compare_errors(fitted: VariantResult, draws: Draws, samples: Draws) -> list[str]:
     """Compare standard errors, draws and NUTS of each parameter, and say which to use.
 
     All in x. The mean of n independent draws of standard deviation s has the error s /
     sqrt(n), their standard deviation the relative error 1 / sqrt(2 n), if normal.
     """
     count = len(fitted.verdicts)
-    names = np.array(samples.names[:count])
-    flat = samples.x.reshape(-1, samples.x.shape[-1])[:, :count]
-    mean, deviation = np.mean(flat, axis=0), np.std(flat, axis=0)
-    effective = samples.effective[:count]
+    names = np.array([verdict.name for verdict in fitted.verdicts])
+    mean = samples.mean()[:count]
+    deviation = np.sqrt(np.diag(samples.covariance())[:count])
+    assert samples.chains is not None
+    effective = samples.chains.effective[:count]
     error = fitted.uncertainty.standard_errors[:count]
     best = fitted.points.x[0][:count]
     drawn = draws.effective_fraction[-1] * len(draws.x)

@@ -17,7 +17,7 @@ from scipy.special import ndtr, ndtri, stdtrit
 
 from ...quantities import NEVER_NEGATIVE
 from ..problem.objective import Objective
-from .importance_sampling import Draws
+from .posterior import Draws
 from .uncertainty import CONFIDENCE
 
 # Not scipy.stats, which takes 0.6 s to import.

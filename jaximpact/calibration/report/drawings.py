@@ -26,7 +26,7 @@ from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import Examination
 from ..diagnostics.further_tests import Suggestions
 from ..diagnostics.identifiability import LikelihoodProfile
-from ..diagnostics.importance_sampling import Draws
+from ..diagnostics.posterior import Draws
 from ..diagnostics.predictive import Bands
 from ..diagnostics.residuals import Residuals, varying_inputs
 from ..diagnostics.results import StudyResult, VariantResult

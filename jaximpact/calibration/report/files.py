@@ -22,8 +22,9 @@ from ..comparison.other_laws import NO_OTHERS, OtherLaws
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import Examination, fit_of_target
 from ..diagnostics.further_tests import Suggestions
-from ..diagnostics.importance_sampling import Draws, freedom_of_targets, weights_of
-from ..diagnostics.nuts import Samples, to_inference_data
+from ..diagnostics.importance_sampling import freedom_of_targets, weights_of
+from ..diagnostics.nuts import to_inference_data
+from ..diagnostics.posterior import Draws
 from ..diagnostics.results import StudyResult, VariantResult
 from ..estimation.sigma import relative_sigma
 from ..fitted_ground import FILES
@@ -355,8 +356,8 @@ def _examination(
             }
             for trend in diagnostics.residuals.trends
         ],
-        "draws": _draws(variant, diagnostics.draws),
-        "posterior": None if samples is None else _samples(samples),
+        "draws": _draws(variant, diagnostics.posterior),
+        "posterior": None if samples is None else _samples(variant, samples),
         "left_out": {
             what: _left_out(result.study, left)
             for what, left in (
@@ -387,24 +388,26 @@ def _draws(variant: VariantResult, draws: Draws) -> dict:
     }
 
 
-def _samples(samples: Samples) -> dict:
-    low, high = np.quantile(samples.values, (0.025, 0.975), axis=(0, 1))
+def _samples(variant: VariantResult, samples: Draws) -> dict:
+    chains, values = samples.chains, variant.bounds.parameter(samples.x)
+    assert chains is not None
+    low, high = np.quantile(values, (0.025, 0.975), axis=0)
     about = {
         "blackjax": version_of("blackjax"),
         "accuracy": dataclasses.asdict(samples.accuracy),
         "error_of_log_density": _plain(samples.error),
-        "divergent": int(np.sum(samples.divergent)),
-        "seconds": samples.seconds,
+        "divergent": int(np.sum(chains.divergent)),
+        "seconds": chains.seconds,
     }
     return about | {
         name: {
-            "mean": _plain(np.mean(samples.values[:, :, index])),
-            "standard_deviation": _plain(np.std(samples.values[:, :, index])),
+            "mean": _plain(np.mean(values[:, index])),
+            "standard_deviation": _plain(np.std(values[:, index])),
             "interval_95": [_plain(low[index]), _plain(high[index])],
-            "scale_reduction": _plain(samples.scale_reduction[index]),
-            "effective_draws": _plain(samples.effective[index]),
+            "scale_reduction": _plain(chains.scale_reduction[index]),
+            "effective_draws": _plain(chains.effective[index]),
         }
-        for index, name in enumerate(samples.names)
+        for index, name in enumerate(variant.names)
     }
 
 

@@ -8,8 +8,8 @@ from ...io.display import Rows
 from ...quantities import columns_of
 from ..diagnostics.examination import Examination
 from ..diagnostics.identifiability import LikelihoodProfile, interval_text
-from ..diagnostics.importance_sampling import Draws
-from ..diagnostics.nuts import Samples, compare_errors
+from ..diagnostics.nuts import compare_errors
+from ..diagnostics.posterior import Draws
 from ..diagnostics.results import StudyResult, VariantResult
 from ..diagnostics.uncertainty import USELESS_ERROR
 
@@ -186,7 +186,7 @@ def about_draws(result: StudyResult, variant: VariantResult, draws: Draws) -> st
     return f"{words} {_accuracy(draws)}"
 
 
-def _accuracy(of: Draws | Samples) -> str:
+def _accuracy(of: Draws) -> str:
     return (
         f"Impacts at {of.accuracy.name}; computed again more accurately, costs "
         f"differed by at most {of.error:.1g}."
@@ -197,35 +197,37 @@ def about_posterior(variant: VariantResult, diagnostics: Examination) -> dict:
     """Collect what the samples by NUTS say."""
     samples = diagnostics.samples
     assert samples is not None
+    assert samples.chains is not None
+    told, parameters = samples.chains, variant.bounds.parameter(samples.x)
     rows: Rows = [
         ("parameter", "mean", "median", "95 %", "R-hat", "effective sample size")
     ]
-    for index in range(len(variant.verdicts)):
-        values = samples.values[:, :, index]
+    for index, verdict in enumerate(variant.verdicts):
+        values = parameters[:, index]
         low, middle, high = np.quantile(values, (0.025, 0.5, 0.975))
         rows.append(
             (
-                samples.names[index],
+                verdict.name,
                 f"{np.mean(values):.4g}",
                 f"{middle:.4g}",
                 f"{low:.4g} to {high:.4g}",
-                f"{samples.scale_reduction[index]:.3f}",
-                f"{samples.effective[index]:.0f}",
+                f"{told.scale_reduction[index]:.3f}",
+                f"{told.effective[index]:.0f}",
             )
         )
-    chains, count = samples.divergent.shape
+    chains, count = told.divergent.shape
     words = (
         f"{chains} chains of {count} draws by NUTS. Without a prior of the study the "
         "prior is uniform in the logarithm between the bounds; intervals of parameters "
         "that are not identifiable are those of the bounds."
     )
-    divergent = int(np.sum(samples.divergent))
+    divergent = int(np.sum(told.divergent))
     if divergent:
         words += (
             f" {divergent} draws diverged, as at a change of outcome: the posterior "
             "beyond may be missed."
         )
-    if np.max(samples.scale_reduction) > AGREE:
+    if np.max(told.scale_reduction) > AGREE:
         words += f" The chains do not agree (R-hat above {AGREE}): sample more."
     comparison = compare_errors(variant, diagnostics.draws, samples)
     words = f"{words} {_accuracy(samples)}"

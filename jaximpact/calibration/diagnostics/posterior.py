@@ -1,0 +1,107 @@
+"""Draws of a posterior, weighted or in chains."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...accuracy import Accuracy
+
+FEWEST = 0.1
+"""Effective sample size, as a fraction of the draws, below which they are not to be
+trusted."""
+ROUGH = 0.05
+"""Largest tolerated error of a cost over s^2: the relative error of a weight."""
+
+
+class Chains(NamedTuple):
+    """What chains of NUTS tell beside their draws."""
+
+    log_density: np.ndarray
+    """Logarithm of the density up to a constant, shape (chains, draws)."""
+    divergent: np.ndarray
+    """Mask of divergent trajectories, as at discontinuities, shape (chains, draws)."""
+    acceptance: np.ndarray
+    """Mean acceptance probability of each trajectory, shape (chains, draws)."""
+    steps: np.ndarray
+    """Number of leapfrog steps of each trajectory, shape (chains, draws)."""
+    scale_reduction: np.ndarray
+    """R-hat of the unknowns and of estimated standard deviations of groups, shape
+    (unknowns and these,): near 1 where the chains agree."""
+    effective: np.ndarray
+    """Effective sample sizes, the same shape."""
+    seconds: float
+    """Wall time [s]."""
+
+
+class Draws(NamedTuple):
+    """Draws of the posterior, and the predictions at them."""
+
+    x: np.ndarray
+    """Unknowns, shape (draws, unknowns); chain after chain."""
+    group_sds: dict[str, np.ndarray]
+    """Estimated standard deviations of groups' factors, by parameter, shape (draws,);
+    the cost is that with their best values."""
+    log_weights: np.ndarray
+    """Logarithms of the weights up to a constant, shape (draws,)."""
+    cost: np.ndarray
+    """Objective function, shape (draws,)."""
+    predicted: np.ndarray
+    """Predictions, shape (draws, tests, targets); NaN where there is none."""
+    effective_fraction: np.ndarray
+    """Effective sample size as a fraction of the draws, of each round of importance
+    sampling; the last belongs to these draws, the first tells how near to normal the
+    posterior is."""
+    accuracy: Accuracy
+    """Accuracy of the impacts."""
+    error: float
+    """Largest error of a cost over s^2 among the draws computed again."""
+    chains: Chains | None = None
+    """Of draws by NUTS."""
+
+    @property
+    def weights(self) -> np.ndarray:
+        """Weights, shape (draws,); their sum is 1."""
+        return normalised(self.log_weights)
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the effective sample size is large enough."""
+        return bool(self.effective_fraction[-1] >= FEWEST)
+
+    @property
+    def rough(self) -> bool:
+        """Whether errors of the costs are too large in spite of that."""
+        return self.error > ROUGH
+
+    def thinned(self, count: int) -> "Draws":
+        """Return at most so many of the draws, one of several equally far apart."""
+        step = -(-len(self.x) // count)
+        if step == 1:
+            return self
+        return self._replace(
+            x=self.x[::step],
+            group_sds={name: sds[::step] for name, sds in self.group_sds.items()},
+            log_weights=self.log_weights[::step],
+            cost=self.cost[::step],
+            predicted=self.predicted[::step],
+        )
+
+    def mean(self) -> np.ndarray:
+        """Compute the posterior mean of x."""
+        return moments(self.x, self.weights)[0]
+
+    def covariance(self) -> np.ndarray:
+        """Compute the posterior covariance of x."""
+        return moments(self.x, self.weights)[1]
+
+
+def normalised(log_weights: np.ndarray) -> np.ndarray:
+    """Compute weights whose sum is 1 from their logarithms."""
+    weights = np.exp(log_weights - np.max(log_weights))
+    return weights / np.sum(weights)
+
+
+def moments(x: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Compute mean and covariance of weighted rows."""
+    apart = x - weights @ x
+    return weights @ x, (apart.T * weights) @ apart
