@@ -26,7 +26,7 @@ NOTHING_ELSE = SimpleNamespace(
     residuals=SimpleNamespace(trends=[]),
     each=None,
     campaigns=None,
-    draws=SimpleNamespace(trusted=True, rough=False),
+    posterior=SimpleNamespace(trusted=True, rough=False),
     samples=None,
 )
 
