@@ -89,9 +89,9 @@ A slope to fit, slope.toml, is a study of `jaximpact runout` with two tables mor
     blocks              number released, if more than were observed
 All blocks are taken as independent samples of the releases and blocks of the study. Of
 more than 400 a random part is used. Written are report.html, report.txt (also printed),
-fit.json with a manifest, samples.csv (the posterior) and exceedance.csv (curves at
-collectors, lines and barriers). Simulated data sets are kept in DIR/unfinished until
-then."""
+fit.json with a manifest, samples.csv (the posterior), exceedance.csv (curves at
+collectors, lines and barriers) and, with [[barriers]], barriers.csv (shares and design
+values). Simulated data sets are kept in DIR/unfinished until then."""
 PREDICT = """\
 Predict tests with the ground that `jaximpact calibrate` fitted, and score what was
 measured of them.

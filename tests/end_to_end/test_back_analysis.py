@@ -12,9 +12,13 @@ from text_files import rows_of
 from jaximpact import calibrate
 from jaximpact.cli import main
 from jaximpact.errors import InputError
+from jaximpact.progress import Progress
 from jaximpact.runout import calibrate_slope, read_slope_study, run_slope_study
 from jaximpact.runout.back_analysis import predictive, rounds
+from jaximpact.runout.back_analysis.data_sets import _seed
+from jaximpact.runout.back_analysis.predictive import predict
 from jaximpact.runout.back_analysis.report import warnings_of
+from jaximpact.runout.study.barrier_results import estimates_of
 
 pytestmark = pytest.mark.slow
 
@@ -125,6 +129,90 @@ def test_curves_fall_and_lie_in_their_bands(fitted):
     assert curve.names == ("fence",)
 
 
+def plain_study(observed, tmp_path, count, seed, friction=TRUE):
+    """A study on known ground."""
+    extra = f"roughness_deg = 3\nrolling_friction_angle_deg = {friction}"
+    text = SLOPE.replace("roughness_deg = 3", extra).replace(
+        "seed = 3", f"seed = {seed}"
+    )
+    path = tmp_path / "plain.toml"
+    path.write_text(f"count = {count}\n" + text)
+    return run_slope_study(read_slope_study(path))
+
+
+def test_barriers_stop_what_they_stop_on_the_true_ground(fitted, observed, tmp_path):
+    """The true share and design values, of 20 000 blocks, lie in their intervals, which
+    hold what 15 blocks leave open of the ground."""
+    (found,) = fitted.predicted.barriers
+    (truth,) = estimates_of(plain_study(observed, tmp_path, 20_000, 11))
+    assert found.barrier == truth.barrier
+    assert truth.estimates["share_stopped_of_all"].value > 0.2
+    for name in (
+        *("share_arriving", "share_stopped_of_all", "share_over_of_arriving"),
+        *("share_broken_of_arriving", "energy_kJ_p95", "centre_height_m_p95"),
+    ):
+        ours, true = found.estimates[name], truth.estimates[name]
+        assert ours.low <= true.value <= ours.high
+        # Not by being of no use: the shares of all grounds of the prior differ by 0.9.
+        if name.startswith("share"):
+            assert ours.high - ours.low < 0.6
+    assert ours.blocks > 1000
+
+
+def test_a_posterior_of_one_ground_gives_a_plain_study(fitted, observed, tmp_path):
+    """The same blocks, shares and intervals."""
+    u = fitted.posterior.u[:1]
+    (friction,) = fitted.fit.values(u)[0]
+    one = dataclasses.replace(fitted.posterior, u=u)
+    found = predict(fitted.fit, one, None, Progress())
+    blocks, seed = found.blocks, _seed(fitted.fit, predictive.STREAM, 0)
+    (truth,) = estimates_of(plain_study(observed, tmp_path, blocks, seed, friction))
+    for name, estimate in found.barriers[0].estimates.items():
+        ours, theirs = estimate[1:], truth.estimates[name][1:]
+        # Energies went through kJ.
+        np.testing.assert_allclose(
+            np.array(ours, float), np.array(theirs, float), rtol=1e-14
+        )
+    energy = next(c for c in found.curves if c.names and c.quantity == "energy_kJ")
+    of_study = truth.estimates["energy_kJ_p95"]
+    expected = of_study.value, of_study.low, of_study.high
+    np.testing.assert_allclose(energy.design[95], expected, rtol=1e-14)
+
+
+def test_a_coefficient_of_restitution_is_found_again(observed, tmp_path, monkeypatch):
+    """A parameter of the contact law, from speeds and heights at a collector."""
+    monkeypatch.setattr(predictive, "LEAST_BLOCKS", 20)
+    true = 0.45
+    text = SLOPE.replace("e_n = 0.35", f"e_n = {true}").replace("seed = 3", "seed = 5")
+    (tmp_path / "truth.toml").write_text("count = 60\ncollectors_m = [57]\n" + text)
+    study = run_slope_study(read_slope_study(tmp_path / "truth.toml"))
+    columns = (
+        study.passage_speed_mps.values[:, 0],
+        study.passage_centre_height_m.values[:, 0],
+    )
+    rows = [f"57,{v},{h}" for v, h in zip(*columns, strict=True) if np.isfinite(v)]
+    head = "collector_m,speed_mps,height_m"
+    (tmp_path / "passages.csv").write_text("\n".join((head, *rows)) + "\n")
+    fit = """
+[fit]
+data_sets = 200
+
+[fit.contacts]
+e_n = { from = 0.1, to = 0.8 }
+
+[observed]
+passages = "passages.csv"
+blocks = 60
+"""
+    (tmp_path / "slope.toml").write_text(SLOPE.replace("e_n = 0.35\n", "") + fit)
+    found = calibrate_slope(tmp_path / "slope.toml")
+    (parameter,) = found.posterior.fitted
+    assert parameter.parameter.name == "contacts.e_n"
+    assert parameter.low < true < parameter.high
+    assert parameter.determined
+    assert found.predicted.check.explained
+
+
 def test_intervals_that_are_too_narrow_are_told(fitted):
     """Of 50 data sets left out 40 lie inside, which is no chance."""
     (parameter,) = fitted.posterior.fitted
@@ -178,6 +266,15 @@ def test_the_command_writes_a_report_and_goes_on_where_it_was(
     assert set(tree["manifest"]["files"]) == {"slope.toml", "stops.csv", "passages.csv"}
     assert len(rows_of(out / "samples.csv")) == len(fitted.posterior.values)
     assert rows_of(out / "exceedance.csv")
+    rows = {row["quantity"]: row for row in rows_of(out / "barriers.csv")}
+    (barrier,) = tree["barriers"]
+    assert set(barrier["estimates"]) == set(rows)
+    stopped = barrier["estimates"]["share_stopped_of_all"]
+    assert float(rows["share_stopped_of_all"]["value"]) == stopped["value"]
+    of_arriving = barrier["estimates"]["share_stopped_of_arriving"]
+    told = f"{of_arriving['low']:.1%} to {of_arriving['high']:.1%}"
+    assert told in printed
+    assert told in page
 
 
 def test_data_of_another_mechanism_are_not_explained(observed, tmp_path, monkeypatch):

@@ -152,7 +152,9 @@ def test_failed_blocks_are_in_no_share(results):
     arrived = dataset.barrier_effect.values[:, 0] != "not reached"
     dataset["ending"] = dataset.ending.astype("U12")
     dataset.ending.values[np.flatnonzero(arrived)[:5]] = str(Ending.failed)
-    first = output_module.barriers_in_json(dataset)[0]["estimates"]["share_arriving"]
+    first = output_module.barriers_in_json(output_module.estimates_of(dataset))[0][
+        "estimates"
+    ]["share_arriving"]
     assert (first["count"], first["blocks"]) == (arrived.sum() - 5, 85)
 
 
@@ -216,7 +218,9 @@ def test_ends_and_collectors_on_the_map(results):
     for feature in places:
         x, y = feature["properties"]["x_m"], feature["geometry"]["coordinates"][2]
         assert y == pytest.approx(study.profile.height(x), abs=6e-4)
-    estimates = output_module.barriers_in_json(dataset)[0]["estimates"]
+    estimates = output_module.barriers_in_json(output_module.estimates_of(dataset))[0][
+        "estimates"
+    ]
     for name in ("share_over_of_all", "energy_kJ_p95"):
         assert places[2]["properties"][name] == estimates[name]["value"]
 

@@ -38,8 +38,9 @@ def calibrate_slope(
     Args:
         study: file of a slope with the tables [fit] and [observed], as
             `jaximpact calibrate --help` describes it.
-        out: directory for report.html, report.txt, fit.json, samples.csv and
-            exceedance.csv; an interrupted call continues there.
+        out: directory for report.html, report.txt, fit.json, samples.csv,
+            exceedance.csv and, where there are barriers, barriers.csv; an interrupted
+            call continues there.
         executor: simulates in other processes, as for `simulate_batch`; no number
             changes by it.
         progress: called with lines of text, or as `progress(done, data sets)`.
@@ -60,10 +61,11 @@ def calibrate_slope(
     if out is None:
         return _calibrate(fit, None, told, executor)
     # Late imports: Matplotlib and Jinja are for the report alone.
-    from .report import FILES, write_report
+    from .report import BARRIER_FILE, FILES, write_report
 
     directory = Path(out)
-    with output_directory(directory, "calibrate", FILES, inputs=fit.inputs) as new:
+    files = (*FILES, BARRIER_FILE) if fit.barriers else FILES
+    with output_directory(directory, "calibrate", files, inputs=fit.inputs) as new:
         folder = directory / UNFINISHED
         make_directory(folder, option="the directory")
         store = Store(folder)

@@ -23,6 +23,7 @@ from ..contacts.contact_models import ClosedForm
 from ..scheduler import WIDTH, follow
 from ..state import State
 from ..trajectory import Ending, stretches_of
+from .observed import PER_PLACE
 from .problem import CONTACTS, SlopeFit
 
 CHUNK = 4096
@@ -51,9 +52,10 @@ def simulate_data_sets(
         executor: computes chunks in other processes; the results are the same.
 
     Returns:
-        `(data sets, blocks, 1 + 3 * places)`: x where a block stopped [m], and at each
-        place speed [m/s], height of the centre [m] and kinetic energy [kJ] at the first
-        passage; NaN for a block that does not stop, or does not come there.
+        `(data sets, blocks, 1 + 4 * places + 1)`: x where a block stopped [m]; at each
+        place speed [m/s], height of the centre [m], kinetic energy [kJ] and height of
+        the lowest point [m] at the first passage; 1 for a block that failed, else 0.
+        NaN for a block that does not stop, or does not come there.
     """
     size, progress = max(1, CHUNK // blocks), progress or Progress()
     parts = [u[start : start + size] for start in range(0, len(u), size)]
@@ -111,6 +113,8 @@ def _simulate(fit: SlopeFit, u: np.ndarray, blocks: int, seed: int) -> np.ndarra
     for x in fit.places:
         _, first = first_passages(passages(runs, x, stretches), len(values))
         columns += [first.speed, first.centre_height, 1e-3 * first.energy]
+        columns.append(first.lowest_height)
+    columns.append(runs.ending == Ending.failed)
     return np.stack(columns, axis=1).reshape(len(u), blocks, -1)
 
 
@@ -122,7 +126,7 @@ def _seed(fit: SlopeFit, stream: int, number: int) -> int:
 def _key(fit: SlopeFit, u: np.ndarray, blocks: int, stream: int, number: int) -> str:
     digest = hashlib.sha256(fit.identity.encode())
     digest.update(repr((versions(), np.__version__)).encode())
-    about = [fit.slope.seed, stream, number, blocks, fit.places]
+    about = [fit.slope.seed, stream, number, blocks, fit.places, PER_PLACE]
     digest.update(json.dumps(about).encode())
     for parameter in fit.parameters:
         digest.update(parameter.key.encode())

@@ -20,8 +20,9 @@ STOP_COLUMN, COLLECTOR_COLUMN = "x_m", "collector_m"
 PASSAGE_COLUMNS = ("speed_mps", "height_m", "energy_kJ")
 """Speed, height of the centre above the ground, and kinetic energy of translation and
 rotation, at the first passage."""
-PER_PLACE = len(PASSAGE_COLUMNS)
-"""Number of quantities at a place."""
+PER_PLACE = len(PASSAGE_COLUMNS) + 1
+"""Number of quantities at a place of simulated data sets: of what can be observed, then
+the height of the lowest point, which tells what barriers do."""
 MOST_BLOCKS = 400
 """Number of blocks of a data set from which on a random part of them is used."""
 FARTHEST = 1e9

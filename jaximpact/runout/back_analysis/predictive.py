@@ -1,5 +1,5 @@
 """What the fitted ground predicts: data sets like the observed one, values at
-collectors, and curves of exceedance at barriers, each with its interval."""
+collectors, curves of exceedance, and what barriers do, each with its interval."""
 
 import concurrent.futures
 from typing import NamedTuple
@@ -8,21 +8,29 @@ import numpy as np
 
 from ...progress import Progress
 from ...store import Store
+from ..study.barrier_results import BarrierEstimates, estimates_at
+from ..study.barriers import Barrier
+from ..study.intervals import (
+    percentile_interval_over_grounds,
+    share_intervals_over_grounds,
+)
 from .data_sets import simulate_data_sets
 from .observed import PASSAGE_COLUMNS, PER_PLACE, STOP_COLUMN, Count, Passages, Stops
 from .posterior import TAILS, Posterior
 from .problem import SlopeFit
 from .summaries import observed_summary, simulated_summaries, summary_names
 
-DRAWS = 200
-"""Number of samples of the posterior behind a prediction."""
+DRAWS = 100
+"""Number of grounds, samples of the posterior, behind a prediction."""
+DATA_SETS = 5
+"""Number of data sets on each."""
 LEAST_BLOCKS = 200
-"""Least number of blocks released for each."""
+"""Least number of blocks released for each data set."""
 STREAM = 100
 """Stream of random numbers of predictions, which no round has."""
 GRID = 101
 PERCENTS = (50, 95)
-DESIGN_PERCENTS = (50, 95, 99)
+CURVE_PERCENTS = (50, 95, 99)
 RARE = 0.01
 """Probability of a worse deviation below which the model does not explain the
 observations."""
@@ -56,12 +64,12 @@ class Curve(NamedTuple):
     values: np.ndarray
     """`(values,)`, in that unit."""
     share: np.ndarray
-    """Mean over the posterior, `(values,)`."""
+    """Of the blocks on all grounds, `(values,)`."""
     low: np.ndarray
     """Lower end of the 95 % interval."""
     high: np.ndarray
     design: dict[int, tuple[float, float, float]]
-    """Lower end, median and upper end of each percentile of the blocks that arrive."""
+    """Each percentile of the blocks that arrive, and the ends of its interval."""
 
 
 class ChannelPrediction(NamedTuple):
@@ -93,9 +101,11 @@ class Predicted(NamedTuple):
     check: ModelCheck
     channels: tuple[ChannelPrediction, ...]
     curves: tuple[Curve, ...]
+    barriers: tuple[BarrierEstimates, ...]
     draws: int
+    """Number of grounds, samples of the posterior."""
     blocks: int
-    """Number of blocks released for each draw."""
+    """Number of blocks released on each."""
 
 
 def predict(
@@ -107,17 +117,19 @@ def predict(
 ) -> Predicted:
     """Simulate data sets for samples of the posterior, and compare and count."""
     released = fit.observed.released
-    blocks = max(released, LEAST_BLOCKS)
+    size = max(released, LEAST_BLOCKS)
+    blocks = DATA_SETS * size
     outcomes = simulate_data_sets(
         *(fit, posterior.u[:DRAWS], blocks, STREAM, store, progress),
         what="predicted data sets",
         executor=executor,
     )
+    data_sets = outcomes.reshape(-1, size, outcomes.shape[-1])
     names = {x: tuple(b.name for b in fit.barriers if b.x == x) for x in fit.places}
     return Predicted(
-        check=_check(fit, outcomes[:, :released]),
+        check=_check(fit, data_sets[:, :released]),
         channels=tuple(
-            ChannelPrediction(channel, _values(fit, channel, outcomes))
+            ChannelPrediction(channel, _values(fit, channel, data_sets))
             for channel in fit.observed.channels
             if not isinstance(channel, Count)
         ),
@@ -127,6 +139,7 @@ def predict(
             for quantity in PASSAGE_COLUMNS
             if (curve := _curve(fit, outcomes, x, names[x], quantity)) is not None
         ),
+        barriers=tuple(_at_barrier(fit, outcomes, b) for b in fit.barriers),
         draws=len(outcomes),
         blocks=blocks,
     )
@@ -183,16 +196,34 @@ def _curve(
         return None
     grid = np.linspace(0.0, np.max(values[there]), GRID)
     ordered = np.sort(np.where(there, values, -np.inf), axis=1)
-    blocks = values.shape[1]
-    shares = np.stack(
-        [1.0 - np.searchsorted(row, grid, "right") / blocks for row in ordered]
+    blocks = np.full(len(values), values.shape[1])
+    counts = np.stack(
+        [len(row) - np.searchsorted(row, grid, "right") for row in ordered]
     )
-    low, _, high = np.quantile(shares, TAILS, axis=0)
-    rows = [row[np.isfinite(row)] for row in values if np.any(np.isfinite(row))]
+    low, high = share_intervals_over_grounds(counts, blocks)
+    grounds = [row[np.isfinite(row)] for row in values]
     design = {
-        percent: tuple(
-            np.quantile([np.percentile(row, percent) for row in rows], TAILS).tolist()
+        percent: (
+            float(np.percentile(values[there], percent)),
+            *percentile_interval_over_grounds(grounds, percent),
         )
-        for percent in DESIGN_PERCENTS
+        for percent in CURVE_PERCENTS
     }
-    return Curve(x, names, quantity, grid, np.mean(shares, axis=0), low, high, design)
+    share = np.sum(counts, axis=0) / values.size
+    return Curve(x, names, quantity, grid, share, low, high, design)
+
+
+def _at_barrier(
+    fit: SlopeFit, outcomes: np.ndarray, barrier: Barrier
+) -> BarrierEstimates:
+    first = 1 + PER_PLACE * fit.places.index(barrier.x)
+    speed, centre, energy, lowest = np.moveaxis(
+        outcomes[..., first : first + PER_PLACE], -1, 0
+    )
+    passages = {
+        "energy": 1e3 * energy,
+        "speed": speed,
+        "centre_height": centre,
+        "lowest_height": lowest,
+    }
+    return estimates_at(barrier, outcomes[..., -1] == 0.0, passages)

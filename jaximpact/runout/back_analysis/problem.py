@@ -128,7 +128,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
         data_sets=data_sets,
         identity=json.dumps([rest, files, slope.laws[0].told], default=str),
     )
-    columns = 1 + PER_PLACE * len(fitted.places)
+    columns = 2 + PER_PLACE * len(fitted.places)
     check_memory(
         data_sets * observed.released * columns,
         f"{data_sets} data sets of {observed.released} blocks",

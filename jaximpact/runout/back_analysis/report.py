@@ -10,6 +10,16 @@ from ...calibration.report.render import render
 from ...io.display import Rows
 from ...io.files import write_text
 from ...io.output_files import NewFile
+from ..study.barrier_results import (
+    COLUMNS,
+    NOTE,
+    barrier_rows,
+    barriers_in_json,
+    design_rows,
+    effect_rows,
+    interval_text,
+    number_text,
+)
 from .drawings import draw_report
 from .observed import Count, Passages
 from .posterior import WIDE, FittedParameter
@@ -17,6 +27,7 @@ from .predictive import RARE
 from .result import SlopeCalibration
 
 FILES = ("report.html", "report.txt", "fit.json", "samples.csv", "exceedance.csv")
+BARRIER_FILE = "barriers.csv"
 PACKAGE = "jaximpact.runout.back_analysis"
 PERCENTILE_KEYS = ("percent", "observed", "low", "median", "high")
 
@@ -36,6 +47,10 @@ def write_report(found: SlopeCalibration, new: NewFile) -> None:
     write_text(new("fit.json"), json.dumps(as_json(found), indent=1) + "\n")
     write_text(new("samples.csv"), _samples(found))
     write_text(new("exceedance.csv"), _exceedance(found))
+    if barriers := found.predicted.barriers:
+        rows = (COLUMNS, *barrier_rows(barriers))
+        text = "\n".join(",".join(row) for row in rows)
+        write_text(new(BARRIER_FILE), text + "\n")
 
 
 def in_words(found: SlopeCalibration) -> str:
@@ -70,11 +85,18 @@ def contents_of(found: SlopeCalibration) -> dict:
         "somewhere. Percentiles below are those observed, and those of predicted data "
         "sets of the same size with their 95 % intervals.",
         "channels": _channels(found),
+        "barriers": effect_rows(predicted.barriers) if predicted.barriers else [],
+        "barrier_design": design_rows(predicted.barriers),
+        "barriers_words": f"{predicted.blocks} blocks are released on each of "
+        f"{predicted.draws} grounds, samples of the posterior. Shares and percentiles "
+        "are of all these blocks together. Their intervals of 95 % hold the "
+        "uncertainty of the fitted ground and the finite number of blocks on each; an "
+        "end for which too few blocks arrive is a dash. " + NOTE,
         "curves": _design(found),
         "curves_words": "Percentiles of the blocks that arrive, with intervals of "
         f"95 %, from {predicted.draws} samples of the posterior with "
         f"{predicted.blocks} blocks each. The intervals hold the uncertainty of the "
-        "fitted ground, and the chance of so many blocks. Curves show the share of all "
+        "fitted ground and the finite number of blocks. Curves show the share of all "
         "released blocks.",
         "coverage": _coverage(posterior.fitted),
         "coverage_words": f"The {posterior.left_out} data sets most like the observed "
@@ -173,8 +195,8 @@ def _design(found: SlopeCalibration) -> Rows:
     for curve in curves:
         place = ", ".join((*curve.names, f"x = {curve.place:g} m"))
         cells = [
-            f"{middle:.4g} ({low:.4g} to {high:.4g})"
-            for low, middle, high in curve.design.values()
+            f"{number_text(value)} ({interval_text(low, high)})"
+            for value, low, high in curve.design.values()
         ]
         rows.append((place, curve.quantity, *cells))
     return rows
@@ -247,6 +269,7 @@ def as_json(found: SlopeCalibration) -> dict:
             "worst": predicted.check.worst,
             "deviation": min(predicted.check.deviation, 1e300),
         },
+        "barriers": barriers_in_json(predicted.barriers),
         "held_out": [
             {
                 "x_m": p.channel.place,

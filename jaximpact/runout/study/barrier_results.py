@@ -14,7 +14,11 @@ import xarray as xr
 from ...io.display import Rows, align
 from ..trajectory import Ending
 from .barriers import Barrier
-from .intervals import least_blocks, percentile_interval, share_interval
+from .intervals import (
+    least_blocks,
+    percentile_interval_over_grounds,
+    share_intervals_over_grounds,
+)
 
 DESIGN_PERCENTILES = (95, 99)
 DESIGN_QUANTITIES = {
@@ -130,87 +134,115 @@ def barrier_variables(
     return variables, coordinates
 
 
-def estimates_at(dataset: xr.Dataset, barrier: str) -> list[Estimate]:
-    """Estimate shares and design values at a barrier, of the blocks that did not fail.
+class BarrierEstimates(NamedTuple):
+    """Estimates at a barrier."""
 
-    Shares are of all these blocks, and of those that arrive; design values of those
-    that arrive.
+    barrier: Barrier
+    estimates: dict[str, Estimate]
+    """By name."""
+
+
+def estimates_at(
+    barrier: Barrier, counted: np.ndarray, passages: Mapping[str, np.ndarray]
+) -> BarrierEstimates:
+    """Estimate shares and design values at a barrier.
+
+    Shares are of all blocks counted, and of those that arrive; design values of those
+    that arrive. On several grounds, equally likely, numbers are those of all blocks
+    together, and intervals hold that one of the grounds is the true one.
+
+    Args:
+        counted: False for blocks that failed, `(grounds, blocks)`.
+        passages: numbers by the names of `DESIGN_QUANTITIES`, in SI units; NaN for
+            blocks that do not arrive, `(grounds, blocks)`.
     """
-    valid = dataset.ending.values != str(Ending.failed)
-    here = dataset.sel(barrier=barrier)
-    effects = here.barrier_effect.values[valid]
-    arriving = int(np.sum(effects != str(BarrierEffect.none)))
-    found = [_share("arriving", arriving, len(effects))]
-    for of, blocks in (("all", len(effects)), ("arriving", arriving)):
+    effects = effects_of(barrier, passages["lowest_height"], passages["energy"])
+    arriving = counted & (effects != str(BarrierEffect.none))
+    every, there = np.sum(counted, axis=1), np.sum(arriving, axis=1)
+    found = [_share("arriving", there, every)]
+    for of, blocks in (("all", every), ("arriving", there)):
         for effect in list(BarrierEffect)[1:]:
-            count = int(np.sum(effects == str(effect)))
+            count = np.sum(counted & (effects == str(effect)), axis=1)
             found.append(_share(f"{effect.name}_of_{of}", count, blocks))
-    for name, (variable, unit, factor) in DESIGN_QUANTITIES.items():
-        values = factor * here[variable].values[valid]
-        values = values[np.isfinite(values)]
+    for name, (_, unit, factor) in DESIGN_QUANTITIES.items():
+        grounds = [
+            factor * values[own]
+            for values, own in zip(passages[name], arriving, strict=True)
+        ]
+        values = np.concatenate(grounds)
         for percent in DESIGN_PERCENTILES:
             value = float(np.percentile(values, percent)) if len(values) else np.nan
-            ends = percentile_interval(values, percent)
+            ends = percentile_interval_over_grounds(grounds, percent)
             quantity = f"{name}_{UNITS_IN_NAMES[unit]}_p{percent}"
             found.append(Estimate(quantity, len(values), None, value, *ends))
+    return BarrierEstimates(barrier, {e.quantity: e for e in found})
+
+
+def estimates_of(dataset: xr.Dataset) -> list[BarrierEstimates]:
+    """Estimate shares and design values at the barriers of a result; none where it has
+    none."""
+    counted, found = dataset.ending.values != str(Ending.failed), []
+    for name in dataset.barrier.values.tolist() if "barrier" in dataset.sizes else []:
+        here = dataset.sel(barrier=name)
+        numbers = (here.barrier_x_m, here.barrier_height_m, here.barrier_capacity_J)
+        passages = {
+            quantity: here[variable].values[None]
+            for quantity, (variable, _, _) in DESIGN_QUANTITIES.items()
+        }
+        barrier = Barrier(name, *map(float, numbers))
+        found.append(estimates_at(barrier, counted[None], passages))
     return found
 
 
-def _share(name: str, count: int, blocks: int) -> Estimate:
-    value = count / blocks if blocks else np.nan
-    ends = share_interval(count, blocks)
-    return Estimate(f"share_{name}", blocks, count, value, *ends)
+def _share(name: str, counts: np.ndarray, blocks: np.ndarray) -> Estimate:
+    count, of = int(np.sum(counts)), int(np.sum(blocks))
+    (low,), (high,) = share_intervals_over_grounds(counts[:, None], blocks)
+    value = count / of if of else np.nan
+    return Estimate(f"share_{name}", of, count, value, float(low), float(high))
 
 
-def barrier_names(dataset: xr.Dataset) -> list[str]:
-    """List the barriers of a result; none where it has none."""
-    return dataset.barrier.values.tolist() if "barrier" in dataset.sizes else []
-
-
-def barrier_rows(dataset: xr.Dataset) -> Rows:
+def barrier_rows(found: Sequence[BarrierEstimates]) -> Rows:
     """List the rows of barriers.csv, in the order of `COLUMNS`."""
     rows: Rows = []
-    for name in barrier_names(dataset):
-        x, height, capacity = _numbers_of(dataset, name)
-        quoted = '"' + name.replace('"', '""') + '"'
-        for estimate in estimates_at(dataset, name):
-            quantity, blocks, count, *values = estimate
-            cells = (x, height, capacity, quantity, blocks)
+    for barrier, estimates in found:
+        quoted = '"' + barrier.name.replace('"', '""') + '"'
+        for quantity, blocks, count, *values in estimates.values():
+            cells = (*_numbers_of(barrier), quantity, blocks)
             counted = "" if count is None else str(count)
             rows.append((quoted, *map(str, cells), counted, *map(str, values)))
     return rows
 
 
-def barriers_in_json(dataset: xr.Dataset) -> list[dict]:
+def barriers_in_json(found: Sequence[BarrierEstimates]) -> list[dict]:
     """Describe the barriers with their estimates, None for what is not known."""
-    found = []
-    for name in barrier_names(dataset):
-        x, height, capacity = _numbers_of(dataset, name)
-        estimates = {
-            e.quantity: {
+    told = []
+    for barrier, estimates in found:
+        x, height, capacity = _numbers_of(barrier)
+        by_name = {
+            quantity: {
                 key: None if value is None or np.isnan(value) else value
-                for key, value in e._asdict().items()
+                for key, value in estimate._asdict().items()
                 if key != "quantity"
             }
-            for e in estimates_at(dataset, name)
+            for quantity, estimate in estimates.items()
         }
-        told = {"name": name, "x_m": x, "height_m": height, "capacity_kJ": capacity}
-        found.append(told | {"estimates": estimates})
-    return found
+        of = {"name": barrier.name, "x_m": x, "height_m": height}
+        told.append(of | {"capacity_kJ": capacity, "estimates": by_name})
+    return told
 
 
-def barriers_in_words(dataset: xr.Dataset) -> list[str]:
+def barriers_in_words(found: Sequence[BarrierEstimates]) -> list[str]:
     """Report barriers as lines of text; none where there are none."""
-    if not barrier_names(dataset):
+    if not found:
         return []
     lines = ["barriers, blocks at first passage, with 95 % intervals", NOTE]
-    lines.append(align(effect_rows(dataset)))
+    lines.append(align(effect_rows(found)))
     lines.append("design values of the blocks that arrive, with 95 % intervals")
-    lines.append(align(design_rows(dataset)))
-    return lines + too_few(dataset)
+    lines.append(align(design_rows(found)))
+    return lines + too_few(found)
 
 
-def effect_rows(dataset: xr.Dataset) -> Rows:
+def effect_rows(found: Sequence[BarrierEstimates]) -> Rows:
     """Write what becomes of blocks at each barrier, the head first."""
     rows: Rows = [
         (
@@ -218,52 +250,47 @@ def effect_rows(dataset: xr.Dataset) -> Rows:
             *("", "blocks", "share", "interval"),
         )
     ]
-    for name in barrier_names(dataset):
-        first = (name, *(f"{value:g}" for value in _numbers_of(dataset, name)))
-        by_name = {e.quantity: e for e in estimates_at(dataset, name)}
+    for barrier, estimates in found:
+        first = (barrier.name, *(f"{value:g}" for value in _numbers_of(barrier)))
         for word, quantity in EFFECT_WORDS.items():
-            found = by_name[f"share_{quantity}"]
+            told = estimates[f"share_{quantity}"]
             share, ends = "-", "-"
-            if found.blocks:
-                share, ends = (
-                    f"{found.value:.1%}",
-                    f"{found.low:.1%} to {found.high:.1%}",
-                )
-            rows.append((*first, word, str(found.count), share, ends))
+            if told.blocks:
+                share, ends = f"{told.value:.1%}", f"{told.low:.1%} to {told.high:.1%}"
+            rows.append((*first, word, str(told.count), share, ends))
             first = ("", "", "", "")
     return rows
 
 
-def design_rows(dataset: xr.Dataset) -> Rows:
+def design_rows(found: Sequence[BarrierEstimates]) -> Rows:
     """Write the design values at each barrier, the head first."""
     heads = (
         cell for percent in DESIGN_PERCENTILES for cell in (f"{percent} %", "interval")
     )
     rows: Rows = [("barrier", "blocks", "", "unit", *heads)]
-    for name in barrier_names(dataset):
-        by_name = {e.quantity: e for e in estimates_at(dataset, name)}
-        first = (name, str(by_name["share_arriving"].count))
+    for barrier, estimates in found:
+        first = (barrier.name, str(estimates["share_arriving"].count))
         for word, (_, unit, _) in DESIGN_QUANTITIES.items():
             cells = []
             for percent in DESIGN_PERCENTILES:
-                found = by_name[f"{word}_{UNITS_IN_NAMES[unit]}_p{percent}"]
-                cells += [number_text(found.value), interval_text(*found[-2:])]
+                told = estimates[f"{word}_{UNITS_IN_NAMES[unit]}_p{percent}"]
+                cells += [number_text(told.value), interval_text(told.low, told.high)]
             rows.append((*first, word.replace("_", " "), unit, *cells))
             first = ("", "")
     return rows
 
 
-def too_few(dataset: xr.Dataset) -> list[str]:
-    """Say at which barriers there are too few blocks for an interval."""
+def too_few(found: Sequence[BarrierEstimates]) -> list[str]:
+    """Say at which barriers of a study there are too few blocks for an interval."""
     lines = []
-    for name in barrier_names(dataset):
-        count = estimates_at(dataset, name)[0].count or 0
+    for barrier, estimates in found:
+        count = estimates["share_arriving"].count or 0
         short = [p for p in DESIGN_PERCENTILES if count < least_blocks(p)]
         if short:
             needed = " and ".join(f"{least_blocks(p)} for {p} %" for p in short)
             lines.append(
-                f"{name}: {count} blocks arrive, too few for both ends of an interval; "
-                f"{needed} are needed"
+                f"{barrier.name}: {count} blocks arrive, too few for both ends of an "
+                f"interval; {needed} are needed"
             )
     return lines
 
@@ -283,11 +310,6 @@ def interval_text(low: float, high: float) -> str:
     return f"{number_text(low)} to {number_text(high)}"
 
 
-def _numbers_of(dataset: xr.Dataset, name: str) -> tuple[float, float, float]:
+def _numbers_of(barrier: Barrier) -> tuple[float, float, float]:
     """Give place [m], height [m] and capacity [kJ] of a barrier."""
-    here = dataset.sel(barrier=name)
-    return (
-        float(here.barrier_x_m),
-        float(here.barrier_height_m),
-        float(here.barrier_capacity_J) / 1e3,
-    )
+    return barrier.x, barrier.height, barrier.capacity / 1e3

@@ -3,17 +3,28 @@ r"""Confidence intervals of shares and percentiles, exact for any number of bloc
 Both take the blocks as independent random samples, and nothing else: no distribution of
 what is measured, and no large number. They tell how far another seed might lead, and
 nothing of errors of the model or of its inputs.
+
+Where the ground is uncertain, blocks are released on several grounds, which are equally
+likely. The ends of an interval of one ground are quantiles of two confidence
+distributions, which enclose the true one; those for uncertain ground are quantiles of
+their means over the grounds. They hold the uncertainty of the ground and the finite
+number of blocks on each, and are those of the one ground where all uncertainty is gone.
+With few blocks they are too wide, by up to a factor of the square root of 2, since
+grounds then differ by chance too.
 """
 
 import functools
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import bdtr, betaincinv
+from scipy.special import bdtr, betainc, betaincinv
 
 LEVEL = 0.95
 """Probability with which an interval holds the true value, at least."""
 TAIL = 0.5 * (1.0 - LEVEL)
+BISECTIONS = 34
+SMALLEST = 1e-9
+"""Share that counts as none: some times the accuracy of as many bisections."""
 
 
 def share_interval(count: int, blocks: int) -> tuple[float, float]:
@@ -35,6 +46,51 @@ def share_interval(count: int, blocks: int) -> tuple[float, float]:
     return float(low), float(high)
 
 
+def share_intervals_over_grounds(
+    counts: np.ndarray, blocks: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    r"""Find the intervals of shares on uncertain ground.
+
+    Their ends solve
+
+    $$ \overline{I_l(k, n - k + 1)} = \alpha/2, \qquad
+    \overline{I_h(k + 1, n - k)} = 1 - \alpha/2 $$
+
+    with the means over the grounds. Grounds without blocks do not count.
+
+    Args:
+        counts: numbers of blocks behind the shares, `(grounds, shares)`.
+        blocks: numbers of blocks, `(grounds,)`.
+
+    Returns:
+        Lower and upper ends, `(shares,)`; NaN where no ground has blocks.
+    """
+    counts, blocks = counts[blocks > 0], blocks[blocks > 0, None]
+    if len(blocks) == 1:
+        ends = [share_interval(int(k), int(blocks[0, 0])) for k in counts[0]]
+        return np.array([low for low, _ in ends]), np.array([high for _, high in ends])
+
+    def solve(probability: float, more: int) -> np.ndarray:
+        """Bisect for the share below which the mean distribution has a probability."""
+        none, all_ = counts + more == 0, counts + more == blocks + 1
+        a = np.where(none, 1, counts + more)
+        b = np.where(all_, 1, blocks - counts + 1 - more)
+        low, high = np.zeros(counts.shape[1]), np.ones(counts.shape[1])
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            below = np.where(none, 1.0, np.where(all_, 0.0, betainc(a, b, middle)))
+            is_low = np.mean(below, axis=0) < probability
+            low, high = np.where(is_low, middle, low), np.where(is_low, high, middle)
+        return 0.5 * (low + high)
+
+    if not len(blocks):
+        return np.full(counts.shape[1], np.nan), np.full(counts.shape[1], np.nan)
+    low, high = solve(TAIL, 0), solve(1.0 - TAIL, 1)
+    return np.where(low < SMALLEST, 0.0, low), np.where(
+        high > 1.0 - SMALLEST, 1.0, high
+    )
+
+
 @functools.cache
 def percentile_ranks(blocks: int, percent: float) -> tuple[int, int]:
     r"""Find the ranks, from 1, of the sorted values between which a percentile lies.
@@ -49,7 +105,7 @@ def percentile_ranks(blocks: int, percent: float) -> tuple[int, int]:
 
     Source: David and Nagaraja (2003), Order statistics, section 7.1.
     """
-    cumulative = bdtr(np.arange(blocks + 1), blocks, percent / 100.0)
+    cumulative = _cumulative(blocks, percent)
     low = int(np.searchsorted(cumulative, TAIL, "right"))
     return low, int(np.searchsorted(cumulative, 1.0 - TAIL)) + 1
 
@@ -65,6 +121,49 @@ def percentile_interval(values: np.ndarray, percent: float) -> tuple[float, floa
         float(finite[low - 1]) if low >= 1 else np.nan,
         float(finite[high - 1]) if high <= len(finite) else np.nan,
     )
+
+
+def percentile_interval_over_grounds(
+    grounds: Sequence[np.ndarray], percent: float
+) -> tuple[float, float]:
+    r"""Find the interval of a percentile on uncertain ground.
+
+    With c the number of values up to x of a ground, the ends are the largest value
+    below which the mean of F(c) is at most 0.025, and the first up to which that of
+    F(c - 1) is at least 0.975.
+
+    Args:
+        grounds: finite values on each ground; one without values does not count.
+
+    NaN for an end for which there are too few blocks.
+    """
+    grounds = [values for values in grounds if len(values)]
+    if len(grounds) == 1:
+        return percentile_interval(grounds[0], percent)
+    if not grounds:
+        return np.nan, np.nan
+    values = np.concatenate([np.sort(own) for own in grounds])
+    order = np.argsort(values, kind="stable")
+    values, below, up_to = values[order], [], []
+    for own in grounds:
+        cumulative = _cumulative(len(own), percent)
+        below.append(np.diff(cumulative))
+        up_to.append(np.diff(cumulative[:-1], prepend=0.0))
+    first = sum(_cumulative(len(own), percent)[0] for own in grounds)
+    rises = np.concatenate(below)[order]
+    before = (first + np.cumsum(rises) - rises) / len(grounds)
+    after = np.cumsum(np.concatenate(up_to)[order]) / len(grounds)
+    low, high = np.searchsorted(before, TAIL, "right"), np.searchsorted(after, 1 - TAIL)
+    return (
+        float(values[low - 1]) if low else np.nan,
+        float(values[high]) if high < len(values) else np.nan,
+    )
+
+
+@functools.cache
+def _cumulative(blocks: int, percent: float) -> np.ndarray:
+    """Give the binomial distribution of the number of blocks below a percentile."""
+    return bdtr(np.arange(blocks + 1), blocks, percent / 100.0)
 
 
 def percentile_intervals(

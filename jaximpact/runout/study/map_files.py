@@ -14,7 +14,7 @@ import xarray as xr
 from ...io.files import replacing
 from ...io.output_files import NewFile
 from ..trajectory import Runs
-from .barrier_results import DESIGN_PERCENTILES, barriers_in_json
+from .barrier_results import DESIGN_PERCENTILES, barriers_in_json, estimates_of
 from .map_formats import AddFeature, Feature, geojson, geopackage
 from .map_placement import MapPlacement
 from .run_study import simulate
@@ -232,7 +232,7 @@ def _collectors(dataset: xr.Dataset) -> Iterator[dict]:
 
 
 def _barriers(dataset: xr.Dataset) -> Iterator[dict]:
-    for barrier in barriers_in_json(dataset):
+    for barrier in barriers_in_json(estimates_of(dataset)):
         estimates = barrier.pop("estimates")
         passing = {"blocks_passing": estimates["share_arriving"]["count"]}
         values = {name: found["value"] for name, found in estimates.items()}

@@ -14,11 +14,11 @@ from ..trajectory import Ending
 from . import drawing
 from .barrier_results import (
     COLUMNS,
-    barrier_names,
     barrier_rows,
     barriers_in_json,
     barriers_in_words,
     effect_rows,
+    estimates_of,
 )
 from .intervals import percentile_interval
 from .map_files import names_of_map_files, write_map_files
@@ -95,12 +95,13 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> N
         rows = collector_rows(dataset)
         write_text(new("collectors.csv"), _csv(COLLECTOR_COLUMNS, rows))
         drawing.plot_collectors(dataset, new("collectors.png"))
+    at_barriers = estimates_of(dataset)
     if study.barriers:
-        write_text(new("barriers.csv"), _csv(COLUMNS, barrier_rows(dataset)))
+        write_text(new("barriers.csv"), _csv(COLUMNS, barrier_rows(at_barriers)))
     write_text(new("report.txt"), in_words(dataset) + "\n")
     manifest = {"title": dataset.title} | _attributes(dataset)
     if study.barriers:
-        manifest["barriers"] = barriers_in_json(dataset)
+        manifest["barriers"] = barriers_in_json(at_barriers)
     write_text(new("manifest.json"), json.dumps(manifest, indent=1) + "\n")
 
 
@@ -133,7 +134,7 @@ def in_words(dataset: xr.Dataset) -> str:
     if "collector" in dataset.sizes:
         lines += ["first passages of collectors, percentiles of the blocks that pass"]
         lines.append(align(_passage_rows(dataset, blocks - failed)))
-    lines += barriers_in_words(dataset)
+    lines += barriers_in_words(estimates_of(dataset))
     return "\n".join(lines)
 
 
@@ -202,7 +203,9 @@ def write_comparison(
         write_text(new("comparison_collectors.csv"), table)
         drawing.plot_compared_collectors(datasets, new("comparison_collectors.png"))
     if study.barriers:
-        table = _csv_of_laws(COLUMNS, datasets, barrier_rows)
+        table = _csv_of_laws(
+            COLUMNS, datasets, lambda dataset: barrier_rows(estimates_of(dataset))
+        )
         write_text(new("comparison_barriers.csv"), table)
     write_text(new("report.txt"), compare_in_words(datasets) + "\n")
     laws = {law: _attributes(dataset) for law, dataset in datasets.items()}
@@ -255,8 +258,8 @@ def compare_in_words(datasets: Mapping[str, xr.Dataset]) -> str:
         )
         lines.append(align(rows))
     for law, dataset in datasets.items():
-        if barrier_names(dataset):
-            lines += [f"barriers by {law}", align(effect_rows(dataset))]
+        if at_barriers := estimates_of(dataset):
+            lines += [f"barriers by {law}", align(effect_rows(at_barriers))]
     return "\n".join(lines)
 
 

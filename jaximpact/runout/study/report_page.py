@@ -16,7 +16,6 @@ from ..trajectory import Ending, Runs
 from . import barrier_results
 from .barrier_results import (
     DESIGN_PERCENTILES,
-    barrier_names,
     interval_text,
     number_text,
 )
@@ -128,9 +127,8 @@ def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
             f"{np.percentile(stopped, 95):.4g} m (95 % interval: "
             f"{interval_text(low, high)}), the farthest at {stopped.max():.4g} m."
         )
-    for name in barrier_names(dataset):
-        by_name = {e.quantity: e for e in barrier_results.estimates_at(dataset, name)}
-        arrive = by_name["share_arriving"]
+    for barrier, by_name in barrier_results.estimates_of(dataset):
+        name, arrive = barrier.name, by_name["share_arriving"]
         through = [by_name[f"share_{n}_of_all"].count or 0 for n in ("over", "broken")]
         lines.append(
             f"{name[:1].upper()}{name[1:]}: {arrive.count} blocks arrive, {through[0]} "
@@ -171,7 +169,8 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
             f"{cut} blocks were cut off by a limit and might have gone farther: shares "
             "that pass are lower bounds."
         )
-    lines += _few_at_collectors(dataset) + barrier_results.too_few(dataset)
+    at_barriers = barrier_results.estimates_of(dataset)
+    lines += _few_at_collectors(dataset) + barrier_results.too_few(at_barriers)
     if study.barriers:
         lines.append(barrier_results.NOTE)
     if study.placement is None:
@@ -211,13 +210,13 @@ def _results(dataset: xr.Dataset) -> dict:
             for p, v in zip(PERCENTILES, values, strict=True)
         )
         told += f", all by {stopped.max():.5g}."
-    any_barrier = bool(barrier_names(dataset))
+    at_barriers = barrier_results.estimates_of(dataset)
     return {
         "endings": rows,
         "stops": told,
         "collectors": _collectors(dataset),
-        "barriers": barrier_results.effect_rows(dataset) if any_barrier else [],
-        "design": barrier_results.design_rows(dataset) if any_barrier else [],
+        "barriers": barrier_results.effect_rows(at_barriers) if at_barriers else [],
+        "design": barrier_results.design_rows(at_barriers) if at_barriers else [],
     }
 
 
