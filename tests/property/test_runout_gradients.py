@@ -17,6 +17,7 @@ from jaximpact import (
     RigidEllipsoid,
     Soil,
 )
+from jaximpact.accuracy import Accuracy
 from jaximpact.errors import InputError
 from jaximpact.parameters import parameter
 from jaximpact.rebound import AbstractRebound, Rebound
@@ -242,6 +243,27 @@ def test_derivatives_of_the_model_are_those_of_differences(aspect_ratio):
         assert np.median(off[chosen]) < 1e-4
         assert np.quantile(off[chosen], 0.9) < 5e-3
         assert np.all(np.isnan(own[~chosen]))
+
+
+def test_a_blocks_numbers_are_of_one_tolerance():
+    """Which is told: those of a run of all blocks with it, to the last bit."""
+    release = blocks_on_short_slope(12, 1.5)
+    choice = {"parameters": ["gamma_v", "k_E"], "hop_threshold": 0.0}
+    found = runout_gradients(short_slope(), release, **choice)
+    assert found.block.values.tolist() == list(range(12))
+    tolerances = {2e-6, 1e-8}
+    assert set(found.tolerance.values.tolist()) == tolerances
+    for tolerance in tolerances:
+        accuracy = Accuracy("same", tolerance, 1e-2)
+        contacts = FullModel(accuracy)
+        same = runout_gradients(short_slope(), release, contacts, **choice, check=False)
+        own = found.tolerance.values == tolerance
+        np.testing.assert_array_equal(found.output_value[own], same.output_value[own])
+        given = found.isel(block=own).standing.values == Standing.confirmed
+        assert np.all(given) or tolerance == 1e-8
+        np.testing.assert_array_equal(
+            found.derivative[own].values[given], same.derivative[own].values[given]
+        )
 
 
 def test_the_ground_is_found_from_a_mean_run_out():

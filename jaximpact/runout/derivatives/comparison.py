@@ -1,13 +1,13 @@
 """Comparison of derivatives with differences of blocks that start a little apart."""
 
 import enum
-import itertools
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from ..blocks import select
+from ..contacts.contact_models import ClosedForm, FullModel
 from ..state import Limits
 from ..trajectory import Runs
 from .outputs import outputs_of
@@ -18,13 +18,27 @@ STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
 """Relative steps of the differences: each next one is for derivatives that the one
 before does not confirm. Below, integration errors are too large a part of a
 difference."""
-COMPARISONS = 2 * len(STEPS)
-"""Most comparisons: all parameters at once, then one by one, by each step."""
 AGREES_WITHIN = 1e-3
 """Relative difference between derivatives and differences that confirms them."""
 SMALL = 1e-4
 """Floor of the scale of comparison: relative change of an output per relative change of
 a parameter that counts as next to none."""
+
+
+class Attempt(NamedTuple):
+    """Comparison with differences, of what those before did not confirm."""
+
+    together: bool
+    """True if all parameters change at once, False for one by one."""
+    step: float
+    """Relative step."""
+    contacts: FullModel | ClosedForm
+    """Contact model of the differences."""
+
+
+def all_attempts(contacts: FullModel | ClosedForm) -> tuple[Attempt, ...]:
+    """List comparisons of all parameters at once, then one by one, by each step."""
+    return tuple(Attempt(t, s, contacts) for t in (True, False) for s in STEPS)
 
 
 class Standing(enum.IntEnum):
@@ -108,7 +122,11 @@ class Comparison(NamedTuple):
         return np.stack(sizes, axis=1)
 
 
-def judge(comparison: Comparison, progress: Callable[[int], None]) -> Judgement:
+def judge(
+    comparison: Comparison,
+    attempts: tuple[Attempt, ...],
+    progress: Callable[[int], None],
+) -> Judgement:
     """Compare derivatives with differences.
 
     First all parameters of a block change at once, each by a random part, from a half
@@ -121,25 +139,26 @@ def judge(comparison: Comparison, progress: Callable[[int], None]) -> Judgement:
     is compared parameter by parameter.
 
     Args:
-        progress: called with the number of comparisons made, of `COMPARISONS`.
+        attempts: comparisons, each of what those before did not confirm.
+        progress: called with the number of comparisons made.
     """
     blocks, _, count = comparison.slopes.shape
     found = Judgement.of_none(comparison.slopes.shape)
     random = np.random.default_rng(0)
-    for number, (together, step) in enumerate(itertools.product((True, False), STEPS)):
+    for number, attempt in enumerate(attempts):
         progress(number)
         weights = random.uniform(0.5, 1.0, (blocks, count))
         weights *= random.choice([-1.0, 1.0], (blocks, count))
         unconfirmed = comparison.known & (found.standing != Standing.confirmed)
         left = np.any(unconfirmed, axis=1)
-        if together:
+        if attempt.together:
             rows = np.flatnonzero(np.any(left, axis=1) & (count > 1))
             weights = np.where(left, weights, 0.0)[rows]
         else:
             rows, own = np.nonzero(left)
             weights = np.eye(count)[own]
         if len(rows):
-            _compare(comparison, found, rows, weights, step, together)
+            _compare(comparison, found, rows, weights, attempt)
     compared = ~np.isnan(found.same_within)[:, None]
     unsettled = (found.standing == Standing.unchecked) & compared
     found.standing[unsettled] = Standing.sequence_changes
@@ -151,8 +170,7 @@ def _compare(
     found: Judgement,
     rows: np.ndarray,
     weights: np.ndarray,
-    step: float,
-    together: bool,
+    attempt: Attempt,
 ) -> None:
     """Compare derivatives of some blocks with central differences.
 
@@ -160,9 +178,10 @@ def _compare(
         found: takes what is found.
         rows: blocks; one may stand there several times.
         weights: part of the step by which each parameter changes, `(rows, parameters)`.
-        together: the parameters of a block change at once, so that a disagreement tells
+        attempt: where the parameters of a block change at once, a disagreement tells
             nothing of one of them.
     """
+    together, step, contacts = attempt
     case, parameters, _, whole, slopes = comparison
     sizes = comparison.sizes[rows]
     chosen = case.of_blocks(rows)
@@ -173,7 +192,7 @@ def _compare(
         for parameter, amount in zip(parameters, amounts, strict=True)
     ]
     changes = np.where(in_range, weights, 0.0) * sizes
-    difference, until = _difference(comparison, rows, changes, step)
+    difference, until = _difference(comparison, rows, changes, step, contacts)
     own, changes = slopes[rows], changes[:, None]
     changing = changes != 0.0
     expected = np.sum(np.where(changing, own * changes, 0.0), axis=2)
@@ -197,7 +216,11 @@ def _compare(
 
 
 def _difference(
-    comparison: Comparison, rows: np.ndarray, changes: np.ndarray, step: float
+    comparison: Comparison,
+    rows: np.ndarray,
+    changes: np.ndarray,
+    step: float,
+    contacts: FullModel | ClosedForm,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Compute central differences of the outputs of some blocks.
 
@@ -211,7 +234,7 @@ def _difference(
     case, parameters, limits, whole, _ = comparison
     both = np.concatenate([rows, rows])
     amounts = step * np.concatenate([changes, -changes])
-    shifted = case.of_blocks(both)
+    shifted = case.of_blocks(both)._replace(contacts=contacts)
     for parameter, amount in zip(parameters, amounts.T, strict=True):
         if np.any(amount):
             shifted = parameter.shift(shifted, amount)

@@ -1,8 +1,9 @@
 """Derivatives of trajectories with respect to blocks, ground and releases."""
 
 import dataclasses
+import functools
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,7 +11,7 @@ import xarray as xr
 
 from ..._packages import versions
 from ..._precision import require_float64
-from ...accuracy import get_accuracy
+from ...accuracy import Accuracy, get_accuracy
 from ...errors import InputError
 from ...identity import part_names
 from ...parameters import Composite, parts_of
@@ -19,25 +20,33 @@ from ..blocks import Release
 from ..contacts.contact_models import ClosedForm, Contacts, FullModel
 from ..flight.placement import check_release
 from ..scheduler import checked_limits
-from ..state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT
+from ..state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits
 from ..terrain import Ground, Profile
 from ..trajectory import Ending, Runs, RunTangents
 from .comparison import (
     AGREES_WITHIN,
-    COMPARISONS,
     STEPS,
+    Attempt,
     Comparison,
     Judgement,
     Standing,
     Whole,
+    all_attempts,
     judge,
 )
 from .outputs import chosen_outputs, outputs_of
-from .parameters import Case, chosen_parameters
+from .parameters import Case, Parameter, chosen_parameters
 from .results import follow_case
 
 DEFAULT_PARAMETERS = ("c_v", "gamma_v", "k_E")
 DEFAULT_OUTPUTS = ("x_m", "time_s", "max_height_m")
+QUICK = FullModel(Accuracy("derivatives", 2e-6, 1e-2))
+"""Default contacts."""
+QUICK_STEPS = {1e-3: 2e-7, 1e-4: 1e-8}
+"""Steps by which their derivatives are compared, and tolerances of the contacts of the
+differences: errors are divided by the step."""
+EXACT = FullModel("reference")
+"""Default contacts of blocks whose derivatives that does not confirm."""
 
 
 def runout_gradients(
@@ -66,6 +75,11 @@ def runout_gradients(
     found; of several, whose errors cancel, one that is wrong by more than 100 % is
     missed with a probability below 1 % (see `derivatives.comparison.judge`).
 
+    By default contacts are integrated to a tolerance of 2e-6, and compared with
+    differences of more exact ones over steps of 1e-3 and 1e-4. Blocks of which that
+    does not confirm every derivative are computed again to 1e-8, and compared over all
+    steps. All numbers of a block are of one tolerance, which `tolerance` says.
+
     The longer a block bounces, the smaller is the change that leaves its contacts
     alike, and the steeper and less useful are derivatives: `same_sequence_within` gives
     a lower bound of their reach. Averaged over blocks they are **not** the derivative
@@ -73,8 +87,7 @@ def runout_gradients(
 
     Args:
         profile, release: as for `simulate_runout`.
-        contacts: contact model; `FullModel("reference")` if not given, since
-            differences of less accurate contacts are noise.
+        contacts: contact model of all blocks; as said above if not given.
         parameters: names of parameters: columns of soil or block, of all segments alike
             (a block of more mass is larger); `rolling_friction_angle_deg`; of the
             release `x_m`, `y_m`, `speed_mps`, `direction_deg`, `orientation_deg` and
@@ -97,7 +110,8 @@ def runout_gradients(
         (`Standing`); `derivative_by_differences`, in which other parameters that change
         at once take their part by their derivatives, and their `disagreement`,
         relative; `same_sequence_within`, the largest of `STEPS` within which the block
-        makes the same contacts as they change; `output_value`, `ending`, `contacts`.
+        makes the same contacts as they change; `output_value`, `ending`, `contacts`;
+        `tolerance` of the contacts, NaN for laws in closed form.
 
     The first use compiles for some 15 s. Afterwards three derivatives of a trajectory
     take about as long as five trajectories, without the comparison.
@@ -110,14 +124,53 @@ def runout_gradients(
         NotImplementedError: laws of the model without machine code.
     """
     progress = as_progress(progress)
-    case = _checked_case(profile, release, contacts, ground)
+    case = _checked_case(profile, release, contacts or QUICK, ground)
     limits = checked_limits(time_limit, event_limit, hop_threshold)
     if not check:
         _refuse_flat_faces(release, "give check=True, which compares with differences")
     chosen = chosen_parameters(case, parameters)
     units = chosen_outputs(outputs, collectors)
-    to_do = 1 + COMPARISONS * bool(check)
-    progress("runs", 0, to_do)
+    stages = [(case.contacts, all_attempts(case.contacts) if check else ())]
+    if check and contacts is None:
+        # Of one parameter by itself all at once says no more.
+        quick = (
+            Attempt(len(chosen) > 1, step, FullModel(Accuracy("differences", t, 1e-2)))
+            for step, t in QUICK_STEPS.items()
+        )
+        stages = [(QUICK, tuple(quick)), (EXACT, all_attempts(EXACT))]
+    to_do = sum(1 + len(attempts) for _, attempts in stages)
+    left, done, found = np.arange(release.count), 0, []
+    for own, attempts in stages:
+        part = case._replace(contacts=own).of_blocks(left)
+        tell = functools.partial(_tell, progress, done, to_do)
+        dataset = _judged(part, limits, chosen, units, attempts, tell)
+        dataset = dataset.assign_coords(block=left)
+        done += 1 + len(attempts)
+        good = np.isin(dataset.standing, (Standing.confirmed, Standing.no_value))
+        again = ~np.all(good, axis=(1, 2)) & (own is not stages[-1][0])
+        found.append(dataset.isel(block=~again))
+        left = left[again]
+        if not len(left):
+            break
+    progress("runs", to_do, to_do)
+    dataset = xr.concat(found, "block").sortby("block") if found[1:] else found[0]
+    return dataset.assign_attrs(_attributes(case, [own for own, _ in stages]))
+
+
+def _tell(progress: Progress, before: int, to_do: int, number: int) -> None:
+    progress("runs", before + number, to_do)
+
+
+def _judged(
+    case: Case,
+    limits: Limits,
+    chosen: tuple[Parameter, ...],
+    units: dict[str, str],
+    attempts: tuple[Attempt, ...],
+    progress: Callable[[int], None],
+) -> xr.Dataset:
+    """Compute derivatives of blocks, and compare them."""
+    progress(0)
     result = follow_case(case, limits, chosen)
     found_outputs = outputs_of(result, units)
     whole = Whole(
@@ -128,10 +181,7 @@ def runout_gradients(
     )
     slopes = np.stack([output.value.tangent for output in found_outputs], axis=2)
     comparison = Comparison(case, chosen, limits, whole, np.moveaxis(slopes, 0, 2))
-    judgement = Judgement.of_none(comparison.slopes.shape)
-    if check:
-        judgement = judge(comparison, lambda done: progress("runs", 1 + done, to_do))
-    progress("runs", to_do, to_do)
+    judgement = judge(comparison, attempts, lambda number: progress(1 + number))
     return _dataset(comparison, judgement)
 
 
@@ -148,7 +198,7 @@ def differentiate_runout(
 ) -> tuple[Runs, RunTangents]:
     """Simulate trajectories, with unchecked derivatives of all their numbers.
 
-    Args: as for `runout_gradients`.
+    Args: as for `runout_gradients`; contacts not given are to a tolerance of 2e-6.
 
     Returns:
         The trajectories, and their derivatives, `(parameters, ...)`, in SI units and
@@ -183,7 +233,7 @@ def _checked_case(
 ) -> Case:
     require_float64()
     check_release(release, profile)
-    contacts = contacts or FullModel("reference")
+    contacts = contacts or QUICK
     if not isinstance(contacts, FullModel | ClosedForm):
         raise ValueError(
             "derivatives of a run-out are for contacts by FullModel or ClosedForm, but "
@@ -234,6 +284,11 @@ def _dataset(comparison: Comparison, judgement: Judgement) -> xr.Dataset:
                 "block",
                 np.bincount(base.contacts.trajectory, minlength=len(values)),
             ),
+            "tolerance": (
+                "block",
+                np.full(len(values), _tolerance(case.contacts)),
+                {"long_name": "relative tolerance of the contacts"},
+            ),
         },
         {
             "block": np.arange(len(values)),
@@ -242,18 +297,28 @@ def _dataset(comparison: Comparison, judgement: Judgement) -> xr.Dataset:
             "output_unit": ("output", list(units.values())),
             "parameter_unit": ("parameter", [p.unit for p in parameters]),
         },
-        {
-            "title": "jaximpact: derivatives of run-outs",
-            "case": json.dumps(_in_words(case)),
-            "steps": json.dumps(STEPS),
-            "agrees_within": AGREES_WITHIN,
-            "versions": json.dumps(versions() | {"numpy": np.__version__}),
-        },
     )
 
 
-def _in_words(case: Case) -> dict:
-    """Describe a case, ready for JSON, in SI units and radians."""
+def _tolerance(contacts: FullModel | ClosedForm) -> float:
+    if isinstance(contacts, ClosedForm):
+        return np.nan
+    return get_accuracy(contacts.accuracy).tolerance
+
+
+def _attributes(case: Case, contacts: list[FullModel | ClosedForm]) -> dict:
+    return {
+        "title": "jaximpact: derivatives of run-outs",
+        "case": json.dumps(_in_words(case, contacts)),
+        "steps": json.dumps(STEPS),
+        "agrees_within": AGREES_WITHIN,
+        "versions": json.dumps(versions() | {"numpy": np.__version__}),
+    }
+
+
+def _in_words(case: Case, contacts: list[FullModel | ClosedForm]) -> dict:
+    """Describe a case, with contacts by one after the other, ready for JSON, in SI
+    units and radians."""
 
     def fields(module) -> dict:
         numbers = vars(module).items()
@@ -266,15 +331,20 @@ def _in_words(case: Case) -> dict:
             own |= fields(getattr(whole, slot))
         return own
 
-    profile, release, contacts, ground = case
-    if isinstance(contacts, FullModel):
-        accuracy = dataclasses.asdict(get_accuracy(contacts.accuracy))
+    profile, release, _, ground = case
+    first = contacts[0]
+    if isinstance(first, FullModel):
+        accuracies = [
+            dataclasses.asdict(get_accuracy(own.accuracy))
+            for own in contacts
+            if isinstance(own, FullModel)
+        ]
         how = {
             "laws": part_names(ground.soil, release.block),
-            "accuracy": accuracy,
+            "accuracies": accuracies,
         }
     else:
-        law = contacts.law
+        law = first.law
         how = {"law": type(law).__name__}
         if dataclasses.is_dataclass(law):
             how |= fields(law)
