@@ -47,6 +47,8 @@ from .parquet import csv_of_parquet, is_parquet
 
 SLICE_ROWS = 2_000
 """Rows converted at once: bounds the memory that cells take as Python strings."""
+NOT_MEASURED = ("", "nan", "na", "n/a")
+"""Cells of results that were not measured, in small letters."""
 SIGMA_COLUMNS = tuple(SIGMA_PREFIX + name for name in TARGET_COLUMNS)
 LIMITS = {">": 1, "<": -1}
 """Signs of a measured value of which only a limit is known -> where the true value
@@ -381,9 +383,13 @@ def _without_signs(cells: _Cells) -> tuple[_Cells, np.ndarray]:
 
 
 def _present(cells: _Cells) -> np.ndarray:
-    """A column's cells as checked numbers, NaN for the empty ones."""
+    """A column's cells as checked numbers, NaN for what was not measured."""
     values = np.full(len(cells.texts), np.nan)
-    filled = [index for index, text in enumerate(cells.texts) if text.strip()]
+    filled = [
+        index
+        for index, text in enumerate(cells.texts)
+        if text.strip().casefold() not in NOT_MEASURED
+    ]
     values[filled] = _numbers(cells.some(filled))
     return values
 
@@ -415,7 +421,10 @@ def _numbers(cells: _Cells, column: InputColumn | None = None) -> np.ndarray:
 
 def _problem_with_number(name: str, column: InputColumn | None, cell: str) -> str:
     if not cell.strip():
-        return "is empty, but a number is needed"
+        return (
+            "is empty, but a number is needed; without this column all rows have the "
+            "default"
+        )
     if not reads_as_number(cell):
         hint = "; write decimals with a point" if "," in cell else ""
         return f"must be a number, but is {cell!r}{hint}"

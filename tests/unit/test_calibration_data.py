@@ -10,6 +10,7 @@ from scipy.stats import norm
 from text_files import write_rows
 
 from jaximpact.calibration import fit_study, read_study
+from jaximpact.calibration.diagnostics.results import StudyResult
 from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.estimation.least_squares import FINE
 from jaximpact.calibration.estimation.sigma import settle
@@ -22,6 +23,7 @@ from jaximpact.calibration.problem.noise import (
     true_curvature,
 )
 from jaximpact.calibration.problem.objective import names_of, start_of
+from jaximpact.calibration.report.contents import contents_of
 from jaximpact.cli import main
 from jaximpact.progress import Progress
 
@@ -44,6 +46,20 @@ TARGETS = "e_n,e_t,max_sinking_m"
 HEADER = f"mass_kg,speed_mps,angle_deg,{TARGETS}"
 NORTH = ((100, 8, 40), (400, 12, 50), (800, 10, 30), (200, 15, 60))
 SOUTH = ((300, 10, 45), (600, 14, 35), (150, 9, 55))
+
+
+def test_what_was_not_measured_may_be_written_so(tmp_path):
+    """A column without any measurement is no target, and is named."""
+    head = "speed_mps,angle_deg,e_n,e_t,max_sinking_m"
+    rows = "10,20,0.2,NaN,", "12,30,nan,0.6,n/a", "15,40,NA,>0.5,nan"
+    (tmp_path / "tests.csv").write_text("\n".join((head, *rows)))
+    study = read_study(tmp_path / "tests.csv")
+    assert study.targets == ("e_n", "e_t")
+    np.testing.assert_array_equal(
+        study.known, [[True, False], [False, True], [False, True]]
+    )
+    words = contents_of(StudyResult(study, [], 0.0, ""), [])["about"]
+    assert any("Without any measurement: max_sinking_m." in line for line in words)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

@@ -55,13 +55,18 @@ def doubts(columns, **content):
     return warnings_of(result, result.variants[0], NOTHING_ELSE), result
 
 
-def test_angles_in_radians_and_parts_in_per_cent():
+def test_angles_in_radians_parts_in_per_cent_and_depths_in_millimetres():
     angles = [0.2, 0.9, 1.2]
     (words,) = doubtful_units(study({"angle_deg": angles, "e_n": [0.2, 0.3, 0.4]}))
     assert "angle_deg is between 0.2 and 1.2" in words
     assert "radians?" in words
     (words,) = doubtful_units(study({"angle_deg": [9.0, 40.0], "e_n": [20.0, 31.0]}))
     assert "per cent?" in words
+    # A block of 100 kg has a diameter of 0.42 m.
+    depths = {"angle_deg": [9.0, 40.0], "max_sinking_m": [100.0, 210.0]}
+    (words,) = doubtful_units(study(depths))
+    assert "max_sinking_m are above 369 diameters" in words
+    assert not doubtful_units(study(depths | {"max_sinking_m": [0.1, 2.1]}))
     for fine in ([0.0, 0.0], [0.0, 1.0], [0.5, 12.0]):
         assert not doubtful_units(study({"angle_deg": fine, "e_n": [0.2, 1.2]}))
     assert not doubtful_units(study({"speed_mps": [5.0], "e_n": [0.2]}))

@@ -51,6 +51,14 @@ ANGLES = {"angle_deg": np.pi / 2, "orientation_deg": np.pi}
 """Columns in degrees, and the largest value that they would have in radians."""
 FRACTIONS = {"e_n": 2.0, "e_t": 2.0, "e_contact": 2.0, "e_bar": 2.0}
 """Results that are ratios, and what half of their measurements do not exceed."""
+DEPTHS = (
+    "max_penetration_m",
+    "max_sinking_m",
+    "final_penetration_m",
+    "final_sinking_m",
+)
+MOST_DIAMETERS = 10.0
+"""Depth over the block's mean diameter that half of the measurements do not exceed."""
 TOO_FEW_FOR_SIGMA = (
     "There are too few measurements to estimate their errors: standard errors follow "
     "from the nominal sigmas, a guess."
@@ -285,6 +293,18 @@ def doubtful_units(study: Study) -> list[str]:
             lines.append(
                 f"Half of the measurements of {name} are above {middle:.3g}, and are "
                 "read as ratios: are these per cent?"
+            )
+    semi_axes = np.asarray(study.scene_of(study.variants[0]).block.semi_axes)
+    diameter = 2.0 * np.cbrt(np.prod(semi_axes, axis=0))
+    for name in study.targets:
+        if name not in DEPTHS:
+            continue
+        middle = np.nanmedian(study.tests.measured[name] / diameter)
+        if middle > MOST_DIAMETERS:
+            lines.append(
+                f"Half of the measurements of {name} are above {middle:.3g} diameters "
+                "of the block, and are read as metres: are these millimetres or "
+                "centimetres, or is mass_kg in tonnes?"
             )
     return lines
 

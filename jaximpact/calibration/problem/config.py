@@ -415,14 +415,14 @@ def _check_fitted_once(path, tests, parameters, nuisances, fixed, variants) -> N
 
 def _targets(path: Path, content: dict, tests: Measurements, nuisances):
     first = tests.files[0].path
-    present = list(tests.measured)
-    if not present:
+    present = [n for n, values in tests.measured.items() if np.any(np.isfinite(values))]
+    if not tests.measured:
         raise InputError(
             "has no measured result to fit; add a column like e_n, or any of "
             f"{', '.join(list(RESULT_COLUMNS)[1:])}",
             file=first,
         )
-    targets = typed(path, content, "targets", list, present)
+    targets = typed(path, content, "targets", list, present or [*tests.measured])
     if not targets:
         raise InputError("names no result to fit", file=path, key="targets")
     for name in targets:
@@ -432,7 +432,7 @@ def _targets(path: Path, content: dict, tests: Measurements, nuisances):
                 file=path,
                 key="targets",
             )
-        if name not in present:
+        if name not in tests.measured:
             raise InputError(
                 f"{name} is no column of {first.name}", file=path, key="targets"
             )

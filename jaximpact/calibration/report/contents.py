@@ -128,6 +128,9 @@ def _about_tests(study: Study) -> list[str]:
     parts += [f"{censored} are limits"] if censored else []
     if parts:
         line += f" Of {np.sum(study.comparable)} measurements {' and '.join(parts)}."
+    empty = [n for n, m in study.tests.measured.items() if not np.any(np.isfinite(m))]
+    if empty:
+        line += f" Without any measurement: {', '.join(empty)}."
     return [line, _about_sigma(study)]
 
 
