@@ -27,7 +27,7 @@ import numpy as np
 from jaximpact.calibration.diagnostics.jumps import shares_of, without_jumps
 from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.estimation.branches import NEAR
-from jaximpact.calibration.estimation.least_squares import ROUGH
+from jaximpact.calibration.estimation.least_squares import ROUGH, Fits
 from jaximpact.calibration.estimation.starts import fit, fit_starts, one_of, polish
 from jaximpact.calibration.problem.forward_model import engine_of
 from jaximpact.calibration.problem.objective import Objective
@@ -71,7 +71,7 @@ def find(twins: int, starts: int) -> None:
             flush=True,
         )
         reasons = Counter(reason.name for reason in fitted.start_reasons)
-        print(f"    {dict(reasons)}, near a jump {np.sum(fitted.jumps > NEAR)} tests")
+        print(f"    {dict(reasons)}, near a jump {_near(fitted.jumps)} tests")
 
 
 def repeat(twins: int, repeats: int, keep: Path | None) -> None:
@@ -99,16 +99,10 @@ def repeat(twins: int, repeats: int, keep: Path | None) -> None:
 
 def _summarise(rows: list[dict]) -> None:
     """Print coverage, and standard errors over the scatter of the estimates."""
-    all_covered = []
     for seed in sorted({row["twin"] for row in rows}):
         of_twin = [row for row in rows if row["twin"] == seed]
-        x, reach, errors, true = (
-            np.array([row[name] for row in of_twin])
-            for name in ("x", "reach", "errors", "true")
-        )
-        covered = np.abs(x - true) <= reach
-        all_covered.append(covered)
-        ratio = np.sqrt(np.mean(errors**2, axis=0)) / np.std(x, axis=0, ddof=1)
+        covered, errors, apart = _compared(of_twin)
+        ratio = np.sqrt(np.mean(errors**2, axis=0)) / np.std(apart, axis=0, ddof=1)
         print(
             f"twin {seed}, {len(of_twin)} repeats, "
             f"{sum(row['seconds'] for row in of_twin):.0f} s, near a jump "
@@ -121,8 +115,34 @@ def _summarise(rows: list[dict]) -> None:
                 f"    {name:20} covered {100 * np.mean(covered[:, place]):5.1f} %, "
                 f"standard error over scatter {ratio[place]:.2f}"
             )
-    everything = np.concatenate(all_covered)
-    print(f"all: {100 * np.mean(everything):.1f} % of {everything.size} intervals")
+    for key, where in (("near", "the estimate"), ("near_at_truth", "the truth")):
+        for few, many in ((0, 0), (1, 3), (4, np.inf)):
+            _print_all(
+                f"{few} to {many} tests near a jump at {where}",
+                [row for row in rows if few <= row[key] <= many],
+            )
+    _print_all("all", rows)
+
+
+def _print_all(name: str, rows: list[dict]) -> None:
+    """Print the coverage of some repeats, and how far they are from the truth."""
+    if rows:
+        covered, errors, apart = _compared(rows)
+        size = np.sqrt(np.mean((apart / errors) ** 2))
+        print(
+            f"{name}: {len(rows)} repeats, {100 * np.mean(covered):.1f} % of "
+            f"{covered.size} intervals, {size:.2f} standard errors from the truth"
+        )
+
+
+def _compared(rows: list[dict]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Compute which intervals cover the truth, standard errors, and estimates less
+    truth, shape (repeats, parameters) each."""
+    x, reach, errors, true = (
+        np.array([row[name] for row in rows])
+        for name in ("x", "reach", "errors", "true")
+    )
+    return np.abs(x - true) <= reach, errors, x - true
 
 
 def _repeated(twin: Twin, engine, number: int) -> dict:
@@ -138,8 +158,15 @@ def _repeated(twin: Twin, engine, number: int) -> dict:
         # A jump has stopped the fit: from several starts, as `jaximpact calibrate`.
         starts = np.concatenate([true[None], starts_of(objective)])
         ends = fit_starts(objective, starts, study.method, Progress())
-    best = one_of(ends, ends.best)
+    judged = judge(objective, one_of(ends, ends.best), true)
+    return judged | {"seconds": time.process_time() - begin}
+
+
+def judge(objective: Objective, best: Fits, true: np.ndarray) -> dict:
+    """Compute the errors of a fit, and how many tests are near a jump at it and at the
+    truth."""
     share = shares_of(objective, best)
+    at_truth = shares_of(objective, best._replace(points=objective(true[None])))
     smooth = without_jumps(objective, share)
     found = estimate(smooth, smooth.reevaluate(best.points))
     errors = found.standard_errors
@@ -148,11 +175,16 @@ def _repeated(twin: Twin, engine, number: int) -> dict:
         "reach": (found.quantile * errors).tolist(),
         "errors": errors.tolist(),
         "true": true.tolist(),
-        "near": int(np.sum(share > NEAR)),
+        "near": _near(share),
+        "near_at_truth": _near(at_truth),
         "at_minimum": best.reasons[0].at_minimum,
         "cost": float(best.points.cost[0]),
-        "seconds": time.process_time() - begin,
     }
+
+
+def _near(share: np.ndarray) -> int:
+    """Count the tests near a jump."""
+    return int(np.sum(np.any(share > NEAR, axis=1)))
 
 
 if __name__ == "__main__":

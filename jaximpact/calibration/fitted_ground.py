@@ -92,6 +92,8 @@ class FittedGround(NamedTuple):
     """Soil parameters that are expressions of others."""
     simple: tuple[FittedLaw, ...] = ()
     """Simple laws fitted to the same tests."""
+    compared: tuple[str, ...] = ()
+    """What a comparison of laws says, if the calibration made one."""
 
 
 DAMAGED = (LookupError, TypeError, AttributeError, ValueError, ArithmeticError)
@@ -179,6 +181,7 @@ def fitted_of(
             for entry in tree.get("simple_laws", ())
             if entry["law"] in SIMPLE_LAWS
         ),
+        compared=tuple(tree.get("comparison", {}).get("verdict", ())),
     )
 
 

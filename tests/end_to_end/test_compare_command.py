@@ -80,6 +80,9 @@ def test_a_study_compares_laws(tmp_path, capsys):
     text = capsys.readouterr().out
     assert "Simple laws fitted to the same tests" in text
     assert "constant coefficients" in text
+    assert "Laws compared: Halving predicts a test that it has not seen" in " ".join(
+        text.split()
+    )
 
 
 @pytest.mark.parametrize(

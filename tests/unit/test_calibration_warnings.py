@@ -13,6 +13,7 @@ from jaximpact.calibration.diagnostics.examination import (
     doubtful_units,
     freedom_text,
     warnings_of,
+    worse_than_mean,
 )
 from jaximpact.calibration.diagnostics.identifiability import Verdict
 from jaximpact.calibration.problem.config import study_of
@@ -101,6 +102,21 @@ def test_sigmas_that_are_guesses_are_called_so():
     assert any(x.startswith("0 degrees of freedom") for x in found)
     assert any("a guess" in x for x in found)
     assert "(guessed)" in target_rows(result, result.variants[0])[1][-1]
+
+
+def test_a_fit_that_predicts_worse_than_the_mean_of_the_other_tests():
+    """Of 0.2, 0.3 and 0.4 the mean of the other two is off by 0.15, 0 and 0.15."""
+    known = study({"angle_deg": [9.0, 20.0, 40.0], "e_n": [0.2, 0.3, 0.4]})
+    of_mean = 0.15 * np.sqrt(2.0 / 3.0)
+
+    def words(error):
+        predicted = known.measured + np.array([[error], [-error], [error]])
+        return worse_than_mean(known, SimpleNamespace(predicted=predicted), 0)
+
+    (text,) = words(1.2 * of_mean)
+    assert "its rms error is 0.122, that of the fit 0.147" in text
+    assert words(1.05 * of_mean) == []
+    assert worse_than_mean(known, None, 0) == []
 
 
 def test_no_freedom_is_none_whatever_rounding_leaves():

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...progress import Progress, ProgressFunction, as_progress
+from ...quantities import CURVE_COLUMNS
 from ..estimation.sigma import LEAST_FREEDOM, LEAST_PART, leverages
 from ..problem.config import Study
 from ..problem.forward_model import for_each_variant
@@ -202,7 +203,9 @@ def warnings_of(
     if not variant.reason.at_minimum:
         lines.append(f"The best fit is no minimum: {variant.reason.words}.")
     for target, name in enumerate(result.study.targets):
-        lines += _large_misfit(result, variant, target, name)
+        lines += _large_misfit(result, variant, target, name) or worse_than_mean(
+            result.study, diagnostics.each, target
+        )
     trends = diagnostics.residuals.trends
     biased = dict.fromkeys(trend.target for trend in trends)
     lines += doubtful_scatter(variant.objective, variant.points, biased)
@@ -339,6 +342,35 @@ def _large_misfit(
             "are more accurate than that, the model is biased: state their sigma."
         ]
     return []
+
+
+def worse_than_mean(study: Study, left: LeftOut | None, place: int) -> list[str]:
+    """Warn of a target that the mean of the other tests predicts better than the fit to
+    them.
+
+    Args:
+        left: cross-validation test by test, if there is one.
+        place: index of the target.
+    """
+    name = study.targets[place]
+    if left is None or name in CURVE_COLUMNS:
+        return []
+    predicted = left.predicted[:, place]
+    exact = study.known[:, place] & (study.censored[:, place] == 0)
+    exact &= np.isfinite(predicted)
+    count = int(np.sum(exact))
+    if count < FEWEST_FOR_MEAN:
+        return []
+    measured = study.measured[exact, place]
+    of_mean = float(np.std(measured)) * count / (count - 1.0)
+    rms = float(np.sqrt(np.mean((predicted[exact] - measured) ** 2)))
+    if rms <= WORSE * of_mean:
+        return []
+    return [
+        f"The mean of the other tests predicts {name} of a test left out better than "
+        f"the fit to them: its rms error is {of_mean:.3g}, that of the fit {rms:.3g}. "
+        "Find a law that predicts better (--compare), or take the mean."
+    ]
 
 
 def doubtful_scatter(

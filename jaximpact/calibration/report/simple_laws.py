@@ -34,14 +34,16 @@ def simple_scores(
 def simple_remarks(prediction: PredictedTests) -> list[str]:
     """Say what the simple laws predict, and where one predicts better than the
     model."""
+    compared = [f"Laws compared: {words}" for words in prediction.ground.compared[:1]]
     if not prediction.simple:
         return [
             "None: laws of rebound predict none of the fitted targets, or the fit is "
-            "of an earlier version."
+            "of an earlier version.",
+            *compared,
         ]
     names = " and ".join(law.name for law in prediction.simple)
     targets = ", ".join(prediction.simple[0].targets)
-    lines = [f"{names}, fitted to {targets} of the tests of the fit."]
+    lines = [f"{names}, fitted to {targets} of the tests of the fit.", *compared]
     for variant in prediction.variants:
         of_model = score(prediction, variant)
         several = len(prediction.variants) > 1
