@@ -68,8 +68,10 @@ def test_angles_in_radians_parts_in_per_cent_and_depths_in_millimetres():
     (words,) = doubtful_units(study(depths))
     assert "max_sinking_m are above 369 diameters" in words
     assert not doubtful_units(study(depths | {"max_sinking_m": [0.1, 2.1]}))
+    (words,) = doubtful_units(study({"angle_deg": [9.0, 40.0], "e_n": [0.2, 1.2]}))
+    assert words.startswith("e_n is above 1 in row 3: ")
     for fine in ([0.0, 0.0], [0.0, 1.0], [0.5, 12.0]):
-        assert not doubtful_units(study({"angle_deg": fine, "e_n": [0.2, 1.2]}))
+        assert not doubtful_units(study({"angle_deg": fine, "e_n": [0.2, 0.9]}))
     assert not doubtful_units(study({"speed_mps": [5.0], "e_n": [0.2]}))
 
 

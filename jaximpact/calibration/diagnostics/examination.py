@@ -27,6 +27,7 @@ from .cross_validation import LeftOut, leave_out_campaigns, leave_out_each
 from .cross_validation import in_words as cross_validation_in_words
 from .further_tests import Suggestions, suggest_tests
 from .importance_sampling import COUNT, draw
+from .jumps import MOST_NAMED
 from .jumps import in_words as jumps_in_words
 from .nuts import sample_posterior
 from .posterior import FEWEST as FEWEST_DRAWS
@@ -297,6 +298,16 @@ def doubtful_units(study: Study) -> list[str]:
                 f"Half of the measurements of {name} are above {middle:.3g}, and are "
                 "read as ratios: are these per cent?"
             )
+    e_n = study.tests.measured["e_n"] if "e_n" in study.targets else np.zeros(1)
+    in_per_cent = np.nanmedian(e_n) > FRACTIONS["e_n"]
+    above = [] if in_per_cent else np.flatnonzero(e_n > 1.0)
+    if len(above):
+        names = ", ".join(study.tests.name(test) for test in above[:MOST_NAMED])
+        more = f" and {len(above) - MOST_NAMED} more" * (len(above) > MOST_NAMED)
+        lines.append(
+            f"e_n is above 1 in {names}{more}: only an elongated or a spinning block "
+            "can leave the ground faster than it came. Is the speed before right?"
+        )
     semi_axes = np.asarray(study.scene_of(study.variants[0]).block.semi_axes)
     diameter = 2.0 * np.cbrt(np.prod(semi_axes, axis=0))
     for name in study.targets:
