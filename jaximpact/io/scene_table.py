@@ -374,7 +374,7 @@ def _without_signs(cells: _Cells) -> tuple[_Cells, np.ndarray]:
     texts = [text.strip() for text in cells.texts]
     signs = np.array([LIMITS.get(text[:1], 0) for text in texts])
     for index, text in enumerate(texts):
-        if text in LIMITS:
+        if signs[index] and _is_missing(text[1:]):
             raise cells.error(index, "has a sign without a number")
     plain = [
         text[1:] if sign else text for text, sign in zip(texts, signs, strict=True)
@@ -382,14 +382,14 @@ def _without_signs(cells: _Cells) -> tuple[_Cells, np.ndarray]:
     return cells._replace(texts=plain), signs
 
 
+def _is_missing(cell: str) -> bool:
+    return cell.strip().casefold() in NOT_MEASURED
+
+
 def _present(cells: _Cells) -> np.ndarray:
     """A column's cells as checked numbers, NaN for what was not measured."""
     values = np.full(len(cells.texts), np.nan)
-    filled = [
-        index
-        for index, text in enumerate(cells.texts)
-        if text.strip().casefold() not in NOT_MEASURED
-    ]
+    filled = [i for i, text in enumerate(cells.texts) if not _is_missing(text)]
     values[filled] = _numbers(cells.some(filled))
     return values
 

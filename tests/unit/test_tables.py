@@ -189,7 +189,8 @@ def test_measured_values_are_read_with_their_uncertainty(table_of):
 @pytest.mark.parametrize(
     ("content", "needed"),
     [
-        ("e_n\n0.5\nnan\n", "row 3, column e_n: must be finite, but is nan"),
+        ("e_n\n0.5\ninf\n", "row 3, column e_n: must be finite, but is inf"),
+        ("e_n\n0.5\n>nan\n", "row 3, column e_n: has a sign without a number"),
         ("e_n\n0.5\n>\n", "row 3, column e_n: has a sign without a number"),
         ("e_n\n0.5\n>=0.3\n", "row 3, column e_n: must be a number, but is '=0.3'"),
         ("sigma_e_n\n>0.1\n", "row 2, column sigma_e_n: must be a number"),
