@@ -1,6 +1,7 @@
 """Coverage of back-analyses: twins of three slopes, whose ground is known.
 
     python -m benchmarks.back_analysis DIR [REPEATS [SLOPE ...]]
+        [--workers N | --scheduler ADDRESS]
 
 In each repeat blocks are released on the true ground, observed, and fitted anew;
 counted is how often each parameter lies in its stated interval. Data sets are kept in
@@ -12,16 +13,18 @@ import os
 
 os.environ["JAX_ENABLE_X64"] = "1"
 
+import argparse
 import csv
 import dataclasses
 import itertools
-import sys
 import time
+from concurrent.futures import Executor
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from jaximpact.cli import options
 from jaximpact.progress import Progress
 from jaximpact.runout.back_analysis.data_sets import simulate_data_sets
 from jaximpact.runout.back_analysis.observed import Count, Passages, Stops
@@ -157,8 +160,22 @@ def observe(fit: SlopeFit, blocks: np.ndarray, quantities, most: int) -> SlopeFi
     return dataclasses.replace(fit, observed=observed)
 
 
-def main(folder: Path, repeats: int, names: list[str]) -> None:
-    """Repeat the twins of each slope."""
+def main() -> None:
+    """Repeat what the command line says."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, metavar="DIR")
+    parser.add_argument("repeats", type=int, nargs="?", default=100)
+    parser.add_argument("names", nargs="*", metavar="SLOPE", default=[*SLOPES])
+    options.add_engine(parser)
+    arguments = parser.parse_args()
+    with options.engine_of(arguments) as executor:
+        repeat_twins(arguments.folder, arguments.repeats, arguments.names, executor)
+
+
+def repeat_twins(
+    folder: Path, repeats: int, names: list[str], executor: Executor | None
+) -> None:
+    """Repeat the twins of each slope; an executor computes their data sets."""
     folder.mkdir(parents=True, exist_ok=True)
     results = folder / "coverage.csv"
     if not results.exists():
@@ -175,7 +192,7 @@ def main(folder: Path, repeats: int, names: list[str]) -> None:
         _, _, quantities, most, truth = SLOPES[name]
         true = fit.values(np.array(truth))
         twin = observe(fit, blocks[repeat], quantities, most)
-        found = posterior_of(twin, search(twin, store, Progress()))
+        found = posterior_of(twin, search(twin, store, Progress(), executor))
         inside = np.abs(np.mean(found.values < true, axis=0) - 0.5) < 0.34
         with open(results, "a") as file:
             for i, p in enumerate(found.fitted):
@@ -218,5 +235,4 @@ def _make_twins(folder: Path, name: str, repeats: int) -> tuple[SlopeFit, np.nda
 
 
 if __name__ == "__main__":
-    _, place, *rest = sys.argv
-    main(Path(place), int(rest[0]) if rest else 100, rest[1:] or [*SLOPES])
+    main()

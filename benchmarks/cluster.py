@@ -1,8 +1,8 @@
 """What a cluster costs: `python -m benchmarks.cluster 1e6 --workers 2`.
 
-A sweep is computed in this process on one thread (`--workers 0`), or by a LocalCluster
-of Dask whose workers have one thread each, into memory or into a store of Zarr
-(`--into`). Printed is one line of JSON: seconds by the clock, processor time of the
+A sweep is computed in this process on some threads (`--workers 0 --threads 2`), or by
+the workers of the command line, which have one thread each, into memory or into a store
+of Zarr (`--into`). Printed is one line of JSON: seconds by the clock, processor time of the
 workers and of this process, which has the scheduler, and the largest memory of each.
 Processor time is what can be compared on a machine that is not idle. `--kills 5` kills
 workers at random moments while a store is written, then compares it with the sweep in
@@ -27,6 +27,7 @@ import numpy as np
 import xarray as xr
 
 from jaximpact import Scene, sweep, write_zarr
+from jaximpact.cli.options import engine_of
 
 ORIENTATIONS = np.linspace(0.0, 100.0, 4)
 RATIOS = np.linspace(1.0, 3.0, 5)
@@ -89,9 +90,9 @@ def alarm(*_) -> None:
     raise TimeoutError
 
 
-def on_one_thread(asked: argparse.Namespace, axes: dict, chunks: dict) -> dict:
+def on_threads(asked: argparse.Namespace, axes: dict, chunks: dict) -> dict:
     """Measure the sweep in this process."""
-    os.environ["JAXIMPACT_THREADS"] = "1"
+    os.environ["JAXIMPACT_THREADS"] = str(asked.threads)
     sweep(Scene(), axes_of(100), accuracy=asked.accuracy)  # compiles
     if not asked.into:
         return measure(lambda: sweep(Scene(), axes, accuracy=asked.accuracy))
@@ -103,17 +104,9 @@ def on_one_thread(asked: argparse.Namespace, axes: dict, chunks: dict) -> dict:
 
 
 def on_workers(asked: argparse.Namespace, axes: dict, chunks: dict) -> dict:
-    """Measure the sweep on the workers of a LocalCluster."""
-    import dask
-    from distributed import Client, LocalCluster
-
-    with (
-        dask.config.set({"distributed.deploy.lost-worker-timeout": "10 minutes"}),
-        LocalCluster(
-            n_workers=asked.workers, threads_per_worker=1, dashboard_address=":0"
-        ) as cluster,
-        Client(cluster) as client,
-    ):
+    """Measure the sweep on the workers of the command line."""
+    with engine_of(asked) as executor:
+        client = executor._client
         warm = sweep(Scene(), axes_of(4000), accuracy=asked.accuracy, chunks=5)
         warm.compute()
         # Until here compiled and loaded.
@@ -141,20 +134,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("size", type=float)
     parser.add_argument("--workers", type=int, default=0)
+    parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--accuracy", default="balanced")
     parser.add_argument("--block", type=int, default=100_000)
     parser.add_argument("--into", type=Path)
     parser.add_argument("--kills", type=int, default=0)
     parser.add_argument("--every", type=float, default=5.0)
     parser.add_argument("--seconds", type=int, default=0)
-    asked = parser.parse_args()
+    asked = parser.parse_args(namespace=argparse.Namespace(scheduler=None))
     axes = axes_of(int(asked.size))
     each = len(RATIOS) * len(ORIENTATIONS)
     told = {"impacts": len(axes["angle_deg"]) * each, "workers": asked.workers}
     chunks = {"angle_deg": max(1, asked.block // each)}
     signal.signal(signal.SIGALRM, alarm)
     signal.alarm(asked.seconds)
-    measured = on_workers if asked.workers else on_one_thread
+    measured = on_workers if asked.workers else on_threads
     print(json.dumps(told | measured(asked, axes, chunks)), flush=True)
 
 

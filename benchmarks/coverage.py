@@ -1,7 +1,7 @@
 """How often intervals of 95 % cover the truth.
 
     python -m benchmarks.coverage [--repeats 200] [--starts 2] [--twin NAME]
-        [--sigmas stated|estimated]
+        [--sigmas stated|estimated] [--workers N | --scheduler ADDRESS]
 
 Targets of the twins (`calibration/twins`) get noise of 2 %, again and again, and are
 fitted as `jaximpact calibrate` fits them, once with the sigmas stated and once with
@@ -28,46 +28,53 @@ def main() -> None:
 
     from jaximpact.calibration.problem.config import read_study
     from jaximpact.calibration.problem.forward_model import engine_of
+    from jaximpact.calibration.problem.objective import Objective
+    from jaximpact.cli import options
+    from jaximpact.tasks import call_each
 
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=200)
     parser.add_argument("--starts", type=int, default=2)
     parser.add_argument("--twin", choices=make.TWINS, help="one alone")
     parser.add_argument("--sigmas", choices=("stated", "estimated"), help="one alone")
+    options.add_engine(parser)
     arguments = parser.parse_args()
     print("twin        sigmas     parameter  covered  median error  median interval")
     engine = None
     chosen = [arguments.twin] if arguments.twin else make.TWINS
-    for name in chosen:
-        soil = make.TWINS[name]
-        study = read_study(FOLDER / name / "study.toml")
-        study = dataclasses.replace(study, starts=arguments.starts)
-        engine = engine or engine_of(study)
-        for stated in (True, False):
-            if arguments.sigmas not in (None, "stated" if stated else "estimated"):
-                continue
-            begin = time.perf_counter()
-            rows = [
-                _repeat(study, engine, make.noisy(study.measured, seed), stated)
-                for seed in range(1, arguments.repeats + 1)
-            ]
-            _print(name, soil, stated, rows, time.perf_counter() - begin)
+    with options.engine_of(arguments) as executor:
+        for name in chosen:
+            study = read_study(FOLDER / name / "study.toml")
+            study = dataclasses.replace(study, starts=arguments.starts)
+            engine = engine or engine_of(study)
+            sigma = make.NOISE * np.where(study.known, np.abs(study.measured), 1.0)
+            for stated in (True, False):
+                if arguments.sigmas not in (None, "stated" if stated else "estimated"):
+                    continue
+                begin, rows = time.perf_counter(), {}
+                known = dataclasses.replace(
+                    study, sigma=sigma, sigma_given=np.full(len(study.targets), True)
+                )
+                studies = (
+                    dataclasses.replace(
+                        known if stated else study,
+                        measured=make.noisy(study.measured, seed),
+                    )
+                    for seed in range(1, arguments.repeats + 1)
+                )
+                objectives = ((Objective(s, s.variants[0], engine),) for s in studies)
+                call_each(_repeat, objectives, rows.__setitem__, executor)
+                seconds = time.perf_counter() - begin
+                in_order = [rows[place] for place in sorted(rows)]
+                _print(name, make.TWINS[name], stated, in_order, seconds)
 
 
-def _repeat(study, engine, measured, stated: bool):
+def _repeat(objective):
     """Fit and interval of one repeat, in x, and whether the fit is a minimum."""
-    from make import NOISE
-
     from jaximpact.calibration.diagnostics.uncertainty import estimate
-    from jaximpact.calibration.problem.objective import Objective
     from jaximpact.calibration.study import best_fit
 
-    true = np.where(study.known, np.abs(study.measured), 1.0)
-    study = dataclasses.replace(study, measured=measured)
-    if stated:
-        given = np.full(len(study.targets), True)
-        study = dataclasses.replace(study, sigma=NOISE * true, sigma_given=given)
-    objective, _, best = best_fit(Objective(study, study.variants[0], engine))
+    objective, _, best = best_fit(objective)
     found = estimate(objective, best.points)
     x = best.points.x[0]
     return x, found.quantile * found.standard_errors, best.reasons[0].at_minimum
@@ -92,4 +99,7 @@ def _print(name, soil, stated, rows, seconds) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    # Workers look for functions in this module, not in the one that is run.
+    from benchmarks import coverage
+
+    coverage.main()

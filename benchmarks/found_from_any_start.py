@@ -2,6 +2,7 @@
 
     python -m benchmarks.found_from_any_start [--twins 5] [--starts 16]
     python -m benchmarks.found_from_any_start --repeats 100 [--twins 5] [--keep FILE]
+        [--workers N | --scheduler ADDRESS]
 
 The first fits each twin of `realistic_twins` as `jaximpact calibrate` does, from starts
 anywhere between the bounds. A start has found the best fit if its own fit ended there,
@@ -20,6 +21,7 @@ import itertools
 import json
 import time
 from collections import Counter
+from concurrent.futures import Executor
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +34,9 @@ from jaximpact.calibration.estimation.starts import fit, fit_starts, one_of, pol
 from jaximpact.calibration.problem.forward_model import engine_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.calibration.study import fit_study, starts_of
+from jaximpact.cli import options
 from jaximpact.progress import Progress
+from jaximpact.tasks import call_each
 
 from .realistic_twins import BOUNDS, Twin
 
@@ -43,9 +47,11 @@ def main() -> None:
     parser.add_argument("--starts", type=int, default=16)
     parser.add_argument("--repeats", type=int, default=0)
     parser.add_argument("--keep", type=Path, help="file of finished repeats")
+    options.add_engine(parser)
     arguments = parser.parse_args()
     if arguments.repeats:
-        repeat(arguments.twins, arguments.repeats, arguments.keep)
+        with options.engine_of(arguments) as executor:
+            repeat(arguments.twins, arguments.repeats, arguments.keep, executor)
     else:
         find(arguments.twins, arguments.starts)
 
@@ -74,12 +80,15 @@ def find(twins: int, starts: int) -> None:
         print(f"    {dict(reasons)}, near a jump {_near(fitted.jumps)} tests")
 
 
-def repeat(twins: int, repeats: int, keep: Path | None) -> None:
+def repeat(
+    twins: int, repeats: int, keep: Path | None, executor: Executor | None
+) -> None:
     """Fit each twin again and again with other noise, all twins in turn.
 
     Args:
         keep: file in which finished repeats stay, a line of JSON each: the same command
             goes on from there.
+        executor: makes the repeats in other processes.
     """
     rows = {}
     if keep is not None and keep.exists():
@@ -87,13 +96,18 @@ def repeat(twins: int, repeats: int, keep: Path | None) -> None:
         rows = {(row["twin"], row["number"]): row for row in kept}
     made = [Twin(seed) for seed in range(1, twins + 1)]
     engine = engine_of(made[0].study(0))
-    for number, seed in itertools.product(range(1, repeats + 1), range(1, twins + 1)):
-        if (seed, number) not in rows:
-            row = _repeated(made[seed - 1], engine, number)
-            rows[seed, number] = row = {"twin": seed, "number": number} | row
-            if keep is not None:
-                with keep.open("a") as file:
-                    file.write(json.dumps(row) + "\n")
+    every = itertools.product(range(1, repeats + 1), range(1, twins + 1))
+    missing = [(seed, number) for number, seed in every if (seed, number) not in rows]
+
+    def take(place: int, row: dict) -> None:
+        seed, number = missing[place]
+        rows[seed, number] = row = {"twin": seed, "number": number} | row
+        if keep is not None:
+            with keep.open("a") as file:
+                file.write(json.dumps(row) + "\n")
+
+    work = ((made[seed - 1], engine, number) for seed, number in missing)
+    call_each(_repeated, work, take, executor)
     _summarise(list(rows.values()))
 
 
@@ -188,4 +202,7 @@ def _near(share: np.ndarray) -> int:
 
 
 if __name__ == "__main__":
-    main()
+    # Workers look for functions in this module, not in the one that is run.
+    from benchmarks import found_from_any_start
+
+    found_from_any_start.main()

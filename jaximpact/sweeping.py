@@ -423,7 +423,7 @@ def read_sweep_study(path: Path) -> SweepStudy:
         for name, value in given.items()
     }
     with located(file=path):
-        check_axes(axes, base)
+        check_axes(axes, base, in_memory=False)  # which a store need not fit into
     return SweepStudy(base, axes, accuracy)
 
 

@@ -10,26 +10,37 @@ process pools of Python and joblib, MPI (mpi4py.futures), a client of Dask.
 """
 
 import concurrent.futures
+import contextlib
+import contextvars
 import functools
 import hashlib
 import io
 import os
 import pickle
-from collections.abc import Callable, Iterable
+import platform
+import threading
+import time
+import warnings
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import jax
 
 from ._jax_internals import setting
+from ._packages import versions
 from .backend.threads import one_thread
 from .backend.xla_compilation import keep_programs
-from .errors import IncompleteError, InputError
+from .errors import IncompleteError, InputError, NoWorkersWarning
 from .finding import class_of_file, file_of
 from .store import VARIABLE as CACHE_VARIABLE
 
 WAITING = 256
 """Tasks that an engine holds at once: enough for a hundred workers, few enough for the
 memory of the process that gives them out."""
+WORKERLESS = 10.0
+"""Seconds without anything that finishes after which workers are looked for."""
+POLL = 0.5
+"""Seconds between looks for workers, and for a reason to stop."""
 
 
 class Task:
@@ -54,10 +65,14 @@ class Task:
             ) from error
         self.payload = stream.getvalue()
         self.__name__ = function.__name__  # by which engines show it
-        self.cache = os.environ.get(CACHE_VARIABLE)
+        self.cache, self.versions = os.environ.get(CACHE_VARIABLE), _versions()
 
     def __call__(self, *further) -> Any:
-        """Call the function, with further arguments, on one thread."""
+        """Call the function, with further arguments, on one thread.
+
+        Raises InputError in a process that has other versions than the sender.
+        """
+        _check_versions(self.versions)
         set_up_process(self.cache)
         function, arguments = _unpickled(self.payload)
         with one_thread():
@@ -65,6 +80,23 @@ class Task:
 
     def __dask_tokenize__(self):
         return type(self).__name__, hashlib.sha256(self.payload).hexdigest()
+
+
+_versions = functools.cache(versions)
+
+
+def _check_versions(sent: dict[str, str]) -> None:
+    """Raise InputError unless this process has the versions of the sender."""
+    other = [
+        f"{name} {here} in place of {sent.get(name)}"
+        for name, here in _versions().items()
+        if here != sent.get(name)
+    ]
+    if other:
+        raise InputError(
+            f"a worker on {platform.node()} has {', '.join(other)}, but results depend "
+            "on versions; install the same ones there"
+        )
 
 
 def set_up_process(cache: str | None) -> None:
@@ -128,9 +160,14 @@ def run_tasks(
         tasks: made one by one as the executor has room, at most `WAITING` at a time.
         take: called as `take(place, result)`, in this thread; place counts the tasks.
 
-    Raises what a task raises, and IncompleteError where workers were lost for good; all
-    other results were taken by then.
+    Where a client of Dask has no workers left its tasks wait for others, with a
+    NoWorkersWarning after some seconds.
+
+    Raises what a task raises, InputError for a worker without packages or with others,
+    and IncompleteError where workers were lost for good; all other results were taken
+    by then.
     """
+    warn = WorkerlessWarner(getattr(executor, "_client", None))
     running: dict[concurrent.futures.Future, int] = {}
     lost: list[BaseException] = []
     numbered = enumerate(tasks)
@@ -144,11 +181,14 @@ def run_tasks(
                 else:
                     running[executor.submit(task)] = place
             done, _ = concurrent.futures.wait(
-                running, return_when=concurrent.futures.FIRST_COMPLETED
+                running, POLL, concurrent.futures.FIRST_COMPLETED
             )
+            warn(finished=bool(done))
+            if any(stop.is_set() for stop in _stops.get()):
+                raise Stopped
             for future in done:
                 place = running.pop(future)
-                error = future.exception()
+                error = error_of(future)
                 if error is None:
                     take(place, future.result())
                 elif is_loss(error):
@@ -169,6 +209,20 @@ def run_tasks(
         )
 
 
+def call_each(
+    function: Callable,
+    arguments: Iterable[tuple],
+    take: Callable[[int, Any], None],
+    executor: concurrent.futures.Executor | None,
+) -> None:
+    """Call a function with each of several arguments, here or by an executor, and take
+    each result as it comes. As `run_tasks`."""
+    if executor is not None:
+        return run_tasks(executor, (Task(function, *each) for each in arguments), take)
+    for place, each in enumerate(arguments):
+        take(place, function(*each))
+
+
 def run_task(executor: concurrent.futures.Executor, task: Callable[[], Any]) -> Any:
     """Run one task on an executor and return its result. Raises as `run_tasks`."""
     results: list = []
@@ -176,9 +230,75 @@ def run_task(executor: concurrent.futures.Executor, task: Callable[[], Any]) -> 
     return results[0]
 
 
+class Stopped(Exception):
+    """What runs side by side with this has failed, or was interrupted."""
+
+
+_stops: contextvars.ContextVar[tuple[threading.Event, ...]]
+_stops = contextvars.ContextVar("_stops", default=())
+
+
+@contextlib.contextmanager
+def stopped_by(event: threading.Event) -> Iterator[None]:
+    """Let `run_tasks` inside end with Stopped once an event is set, rather than wait
+    for its tasks. Threads in a copy of the context inherit that."""
+    token = _stops.set((*_stops.get(), event))
+    try:
+        yield
+    finally:
+        _stops.reset(token)
+
+
+class WorkerlessWarner:
+    """Function that warns where nothing finishes since a client has no workers left.
+
+    Args:
+        client: of Dask; None for engines that say themselves what they lack.
+    """
+
+    def __init__(self, client: Any):
+        self._client, self._last, self._warned = client, time.monotonic(), False
+
+    def __call__(self, *, finished: bool) -> None:
+        """Look for workers if nothing has finished for long; warn once if there are
+        none.
+
+        Args:
+            finished: whether anything has, since the last call.
+        """
+        now = time.monotonic()
+        if finished:
+            self._last, self._warned = now, False
+        elif self._client and not self._warned and now - self._last >= WORKERLESS:
+            self._last, self._warned = now, not self._client.nthreads()
+            if self._warned:
+                warnings.warn(
+                    "the client has no workers left: its work waits until it has some; "
+                    "of a cluster of Dask, cluster.scale(n) starts n",
+                    NoWorkersWarning,
+                    stacklevel=3,
+                )
+
+
+def error_of(future: Any) -> BaseException | None:
+    """Error of a future that has finished, an InputError where a package is missing."""
+    try:
+        error = future.exception()
+    except concurrent.futures.CancelledError as cancelled:
+        error = cancelled  # by Dask, as the scheduler is gone
+    if isinstance(error, ModuleNotFoundError):
+        missing = InputError(
+            f"a worker or the scheduler has no package {error.name}; install the same "
+            "packages there as here"
+        )
+        missing.__cause__ = error
+        return missing
+    return error
+
+
 def is_loss(error: BaseException) -> bool:
     """Whether a worker died, and not what it was computing."""
     names = {kind.__name__ for kind in type(error).__mro__}
     return isinstance(error, concurrent.futures.BrokenExecutor) or bool(
-        names & {"KilledWorker", "CommClosedError"}
+        names & {"KilledWorker", "CommClosedError", "CancelledError"}
     )

@@ -286,7 +286,6 @@ def _compute(
 ) -> None:
     """Compute and write the regions that are missing."""
     array = needed("dask.array", "a store of Zarr")
-    base = needed("dask.base", "a store of Zarr")
     total, rank = math.prod(layout.shape), len(layout.dims)
     places = array.from_array(layout.regions(), chunks=1)
     operands: list = [places, layout.dims]
@@ -309,9 +308,7 @@ def _compute(
         adjust_chunks=dict.fromkeys(layout.dims, 1),
         meta=np.empty((0,) * rank, bool),
     )
-    regions = written.to_delayed().ravel()[missing].tolist()
-    engine = base.get_scheduler(collections=[written])
-    compute_regions(engine, regions, lambda done: told("regions", found + done, total))
+    compute_regions(written, missing, lambda done: told("regions", found + done, total))
 
 
 def _finish(path: Path, dataset: xr.Dataset) -> None:

@@ -10,13 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from ..accuracy import Accuracy
 from ..impact.events import Outcome
 from ..io.files import replacing
 from ..io.output_files import replacing_with_manifest
-from ..plotting.style import in_style, log_scale, panels, png_bytes
 from ..progress import Progress, ProgressFunction
 from ..quantities import INPUT_COLUMNS, OUTCOME_COLUMN, RESULT_COLUMNS
 from ..scene import Block, Impact, Scene, Soil
@@ -25,8 +23,6 @@ from ..units import DEGREE
 
 COEFFICIENTS = ("e_n", "e_t", "e_bar")
 DIMENSIONS = ("speed_mps", "angle_deg", "angular_velocity_degps")
-SHOWN = (5, 95)
-"""Percentiles of a map's values between which its colours change."""
 STATISTICS = {
     "mean": "mean",
     "sd": "standard deviation",
@@ -139,6 +135,10 @@ def write_map(path: Path, dataset: xr.Dataset) -> None:
 
     Raises OSError where the file system refuses.
     """
+    # Late imports of Matplotlib: run-outs with tables draw no map.
+    from ..plotting.style import png_bytes
+    from .map_drawing import draw_map
+
     path = Path(path)
     decoded = ("base", "accuracy", "laws", "versions")
     manifest = {
@@ -152,59 +152,6 @@ def write_map(path: Path, dataset: xr.Dataset) -> None:
     ):
         drawing.write_bytes(png_bytes(draw_map(dataset)))
         dataset.to_dataframe().to_csv(temporary, na_rep="nan", lineterminator="\n")
-
-
-@in_style
-def draw_map(dataset: xr.Dataset) -> Figure:
-    """Draw mean and standard deviation of each coefficient over speed and angle, a row
-    of panels for each spin and coefficient."""
-    spins = dataset.angular_velocity_degps.values
-    shown = [(n, spin, name) for n, spin in enumerate(spins) for name in COEFFICIENTS]
-    figure, axes = panels(
-        len(shown),
-        2,
-        height=2.3,
-        sharex=True,
-        sharey=True,
-        title=f"Restitution over {dataset.attrs['orientations']} orientations, all "
-        "equally likely",
-    )
-    speeds, angles = _edges(dataset.speed_mps.values), _edges(dataset.angle_deg.values)
-    for row, (place, spin, name) in enumerate(shown):
-        for panel, key in zip(axes[2 * row : 2 * row + 2], ("mean", "sd"), strict=True):
-            values = dataset[f"{name}_{key}"].transpose(*DIMENSIONS).values
-            finite = values[np.isfinite(values)]
-            # At grazing incidence coefficients grow without bounds.
-            low, high = np.percentile(finite, SHOWN) if finite.size else (0.0, 1.0)
-            image = panel.pcolormesh(
-                angles,
-                speeds,
-                np.ma.masked_invalid(values[..., place]),
-                cmap="viridis" if key == "mean" else "cividis",
-                vmin=low,
-                vmax=high,
-            )
-            panel.set_facecolor("0.85")
-            panel.grid(visible=False)
-            of_spin = f", {spin:g} deg/s" if len(spins) > 1 or spin else ""
-            panel.set_title(f"{name}, {STATISTICS[key]}{of_spin}")
-            figure.colorbar(image, ax=panel, label=f"{name} [-]", extend="both")
-        axes[2 * row].set_ylabel("speed [m/s]")
-    log_scale(axes[0], "y")
-    for panel in axes[-2:]:
-        panel.set_xlabel("impact angle [deg]")
-    return figure
-
-
-def _edges(centres: np.ndarray) -> np.ndarray:
-    """Return the edges of cells around values that ascend."""
-    if len(centres) == 1:
-        return centres[0] + np.array([-0.5, 0.5]) * max(abs(centres[0]), 1.0)
-    middles = 0.5 * (centres[1:] + centres[:-1])
-    first = max(centres[0] - (middles[0] - centres[0]), 0.5 * min(centres[0], 0.0))
-    first = first if centres[0] <= 0.0 else max(first, 0.5 * centres[0])
-    last = centres[-1] + (centres[-1] - middles[-1])
-    return np.concatenate([[first], middles, [last]])
 
 
 def map_in_words(dataset: xr.Dataset) -> str:

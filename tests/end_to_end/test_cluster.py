@@ -8,15 +8,22 @@ cluster and one kernel, and the worker that is killed is the last to be needed.
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
+import threading
+import time
 import warnings
 from concurrent.futures import Executor, ProcessPoolExecutor
+from types import SimpleNamespace
 
 import dask
 import distributed
 import joblib
 import numpy as np
+import psutil
 import pytest
 import xarray as xr
+from calibration_studies import Linear, write_study_of
 from own_laws import FLOW
 from runout_scenes import SLOPE_STUDY
 
@@ -28,13 +35,17 @@ from jaximpact import (
     read_netcdf,
     simulate_batch,
     sweep,
+    tasks,
     write_zarr,
 )
+from jaximpact.calibration import read_study
+from jaximpact.calibration.estimation.starts import fit
+from jaximpact.calibration.problem.forward_model import for_each
 from jaximpact.cli import main
 from jaximpact.errors import NoWorkersWarning
 from jaximpact.finding import find_part
 from jaximpact.laws import AbstractFlow
-from jaximpact.lazy import regions as computing
+from jaximpact.progress import Progress
 from jaximpact.runout import read_slope_study, run_slope_study
 from jaximpact.store import open_cache
 
@@ -44,6 +55,26 @@ AXES = {
     "angle_deg": np.linspace(10.0, 80.0, 30),
     "orientation_deg": [20.0, 50.0, 100.0],
 }
+TWO_SOILS = (
+    """
+    data = "tests.csv"
+    starts = 2
+    [parameters]
+    c_v = { lower = 0.1, upper = 10.0 }
+    [default_sigma]
+    e_n = 0.01
+    [[variants]]
+    name = "loose"
+    relative_density = 0.3
+    [[variants]]
+    name = "dense"
+    relative_density = 0.9
+    """,
+    ("mass_kg", "speed_mps", "e_n"),
+    [(100.0, 6.0, 0.2), (500.0, 15.0, 0.25), (50.0, 25.0, 0.3)],
+)
+"""Text of a study of two variants, columns and rows of its tests."""
+ONE_WORKER = "--out", "out", "--workers", "1"
 BLOCK = Block(mass=np.linspace(50.0, 500.0, 300), aspect_ratio=2.0)
 IMPACT = Impact.from_degrees(angle=30.0, orientation=20.0)
 
@@ -68,6 +99,15 @@ def client():
 @pytest.fixture(scope="module")
 def at_once():
     return sweep(Scene(), AXES)
+
+
+def linear_objective(folder):
+    """A linear model of three tests and one parameter, whose fits are quick."""
+    text, columns, rows = TWO_SOILS
+    study = read_study(write_study_of(folder, text, columns, rows))
+    objective = Linear(study, study.variants[0], None)
+    objective.matrix = np.array([[0.2], [0.3], [0.1]])
+    return objective
 
 
 def assert_same_bits(received, expected):
@@ -160,20 +200,101 @@ def test_a_killed_worker_loses_nothing(client, at_once, tmp_path):
     assert_same_bits(there, at_once)
 
 
+def test_a_worker_killed_in_a_fit_costs_its_task_alone(client, tmp_path):
+    """The fit is made again elsewhere, the others go on, and none is sent twice."""
+    objective = linear_objective(tmp_path)
+    starts = np.linspace(-0.5, 0.5, 5)[:, None, None]
+    expected = [fit(objective, x).points.x for x in starts]
+    executor, sent = client.get_executor(pure=False), []
+    objective.executor = SimpleNamespace(
+        submit=lambda task: sent.append(task) or executor.submit(task),
+        _client=client,
+    )
+    objective.seconds = 0.1
+    (address, *_), pids = client.scheduler_info()["workers"], client.run(os.getpid)
+
+    def kill_at_work():
+        while not client.processing()[address]:
+            time.sleep(0.01)
+        os.kill(pids[address], signal.SIGKILL)
+
+    killer = threading.Thread(target=kill_at_work)
+    killer.start()
+    found = for_each(
+        lambda x, _: fit(objective, x).points.x, starts, Progress(), executor
+    )
+    killer.join()
+    np.testing.assert_array_equal(found, expected)
+    assert len(sent) == len(starts)
+
+
+def test_an_interrupted_fit_lets_its_workers_go(client, tmp_path):
+    """KeyboardInterrupt ends the call at once, not after the fits that it waits for;
+    and fits that had begun are of no use to anybody."""
+    objective = linear_objective(tmp_path)
+    objective.executor = client.get_executor(pure=False)
+    objective.seconds = 0.5  # for each of some ten evaluations
+
+    def fitted(x, _):
+        if x > 0.0:
+            while not any(client.processing().values()):
+                time.sleep(0.01)
+            raise KeyboardInterrupt
+        fit(objective, np.array([[x]]))
+
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        for_each(fitted, [-0.5, -0.4, -0.3, 0.5], Progress(), objective.executor)
+    assert time.monotonic() - begin < 30.0  # fits take a minute
+    while any(client.processing().values()):
+        assert time.monotonic() - begin < 60.0
+        time.sleep(0.05)
+
+
+def test_an_interrupted_command_keeps_its_fits_and_leaves_no_workers(folder):
+    path = write_study_of(folder, *TWO_SOILS)
+    run = subprocess.Popen(
+        [*(sys.executable, "-m", "jaximpact", "calibrate", path), *ONE_WORKER],
+        stderr=subprocess.PIPE,
+        text=True,
+        # Tests in the background ignore Ctrl-C, which a command inherits.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    while not [*folder.glob("out/unfinished/fit-*")]:
+        assert run.poll() is None, run.communicate()[1]
+        time.sleep(0.05)
+    workers = psutil.Process(run.pid).children(recursive=True)
+    run.send_signal(signal.SIGINT)
+    assert "finished fits are kept in out" in run.communicate(timeout=60)[1]
+    assert run.returncode == 130
+    assert workers
+    assert psutil.wait_procs(workers, timeout=30)[1] == []
+
+
 def test_a_client_without_workers_is_told_and_goes_on_with_new_ones(
     tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(computing, "WORKERLESS", 0.1)
+    monkeypatch.setattr(tasks, "WORKERLESS", 0.1)
     lazy = sweep(Scene(), {"angle_deg": [30.0, 40.0]}, chunks=1)
-    quiet = {"dashboard_address": ":0", "silence_logs": 50}
+    quiet, told = {"dashboard_address": ":0", "silence_logs": 50}, []
     with (
         distributed.LocalCluster(n_workers=0, processes=False, **quiet) as cluster,
         distributed.Client(cluster),
         warnings.catch_warnings(),
     ):
+
+        def show(message, *_):
+            told.append(message)
+            cluster.scale(1)
+
+        # Without a warning the call would wait for ever, and the test with it.
+        late = threading.Timer(30.0, cluster.scale, [1])
+        late.start()
         warnings.filterwarnings("always", category=NoWorkersWarning)
-        monkeypatch.setattr(warnings, "showwarning", lambda *_: cluster.scale(1))
+        monkeypatch.setattr(warnings, "showwarning", show)
         regions = write_zarr(tmp_path / "a.zarr", lazy)
+        late.cancel()
+    assert [type(message) for message in told] == [NoWorkersWarning]
     assert regions.computed == 2
 
 

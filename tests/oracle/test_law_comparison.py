@@ -1,6 +1,9 @@
 """Comparison of laws: densities of what was left out against exact refits and closed
 forms, ties, stacking, and laws that are found in data that they made."""
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -179,11 +182,9 @@ def test_densities_are_those_of_scipy():
     assert found == pytest.approx(np.array(expected), rel=1e-10)
 
 
-@pytest.mark.parametrize("exact", [True, False])
-def test_densities_of_a_linear_model_are_exact(exact, tmp_path):
-    """With sigma given, each left-out density is that of Bayesian linear regression."""
+def fitted_linear_model(count, sigma):
+    """Matrix, measurements and objective of a linear model, and its fit."""
     random = np.random.default_rng(3)
-    count, sigma = 14, 0.1
     matrix = random.normal(size=(count, 2))
     measured = matrix @ [0.5, -0.4] + sigma * random.normal(size=count)
     tests = {"speed_mps": np.linspace(5, 12, count), "e_n": measured}
@@ -195,14 +196,21 @@ def test_densities_of_a_linear_model_are_exact(exact, tmp_path):
     objective = objective_of(study, Contender("constant", ConstantCoefficients))
     linear = Linear.__new__(Linear)
     vars(linear).update(vars(objective))
-    linear.study = study
+    linear.study, linear.engine = study, None
     linear.bounds = linear.bounds._replace(
         lower=np.full(2, -1e3), upper=np.full(2, 1e3), logarithmic=np.zeros(2, bool)
     )
     # Half the range is the unit of x.
     linear.matrix = matrix * linear.bounds.half
     solution = np.linalg.lstsq(matrix, measured, rcond=None)[0]
-    points = linear((solution / linear.bounds.half)[None])
+    return matrix, measured, linear, linear((solution / linear.bounds.half)[None])
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_densities_of_a_linear_model_are_exact(exact):
+    """With sigma given, each left-out density is that of Bayesian linear regression."""
+    count, sigma = 14, 0.1
+    matrix, measured, linear, points = fitted_linear_model(count, sigma)
     found = held_out(
         linear, points, estimate(linear, points), np.arange(count), exact=exact
     )
@@ -231,6 +239,31 @@ def test_the_short_way_agrees_with_exact_refits(truth):
     assert exact.refitted == 12
     assert short.refitted < 12
     assert np.sum(short.density) == pytest.approx(np.sum(exact.density), abs=0.4)
+
+
+class Together(ThreadPoolExecutor):
+    """Begins no task before all have come."""
+
+    def __init__(self, count):
+        super().__init__(count)
+        self._all = threading.Barrier(count, timeout=60.0)
+
+    def submit(self, task):
+        def run():
+            self._all.wait()
+            return task()
+
+        return super().submit(run)
+
+
+def test_an_executor_refits_all_groups_left_out_at_a_time():
+    _, _, linear, points = fitted_linear_model(6, 0.1)
+    arguments = linear, points, estimate(linear, points), np.arange(6)
+    here = held_out(*arguments, exact=True)
+    with Together(6) as linear.executor:
+        there = held_out(*arguments, exact=True)
+    np.testing.assert_array_equal(there.density, here.density)
+    np.testing.assert_array_equal(there.predicted, here.predicted)
 
 
 def test_stacking_weights_are_the_best_mixture():

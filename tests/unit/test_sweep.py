@@ -205,6 +205,13 @@ def study(tmp_path):
     return write
 
 
+def test_a_study_may_be_larger_than_memory_if_its_results_need_not_fit(study):
+    axis = "{ from = 0.1, to = 1, count = 1000000 }"
+    base, axes, _ = study(f"[axes]\nc_v = {axis}\nalpha_s = {axis}\n")
+    with pytest.raises(InputError, match="10{12} points would take"):
+        sweep(base, axes)
+
+
 def test_a_study_file_gives_base_and_axes(study):
     base, axes, accuracy = study(
         """

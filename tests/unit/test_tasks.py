@@ -4,14 +4,17 @@ import concurrent.futures
 import multiprocessing
 import os
 import signal
+import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
-from jaximpact import Block, Impact, Soil, simulate_batch
+from jaximpact import Block, Impact, Soil, simulate_batch, tasks
 from jaximpact.backend.threads import thread_count
-from jaximpact.errors import IncompleteError, InputError
+from jaximpact.calibration.problem.forward_model import run_in_threads
+from jaximpact.errors import IncompleteError, InputError, NoWorkersWarning
+from jaximpact.progress import Progress
 from jaximpact.tasks import WAITING, Task, check_executor, run_tasks
 
 BLOCK = Block(mass=np.linspace(50.0, 500.0, 300))
@@ -65,6 +68,68 @@ def test_a_pool_that_breaks_is_told_after_what_it_gave():
         with pytest.raises(IncompleteError, match="lost their workers"):
             run_tasks(pool, [int, die], lambda place, _: found.append(place))
     assert found in ([0], [])
+
+
+class Executor(ThreadPoolExecutor):
+    """Threads as workers of a client of Dask, which has none left."""
+
+    @property
+    def _client(self):
+        return self
+
+    def nthreads(self):
+        return {}
+
+
+def test_a_client_without_workers_is_told_once(monkeypatch):
+    monkeypatch.setattr(tasks, "WORKERLESS", 0.02)
+    monkeypatch.setattr(tasks, "POLL", 0.01)
+    last = threading.Event()
+    threading.Timer(0.5, last.set).start()
+    with Executor(1) as pool, pytest.warns(NoWorkersWarning, match="no workers") as got:
+        run_tasks(pool, [last.wait], lambda *_: None)
+    assert len(got) == 1
+
+
+def test_who_waits_for_tasks_stops_when_another_fails(monkeypatch):
+    """Also where it waits within threads of one that waits."""
+    monkeypatch.setattr(tasks, "POLL", 0.01)
+    never, waits = threading.Event(), threading.Barrier(3, timeout=10.0)
+
+    def wait(item, progress):
+        waits.wait()
+        run_tasks(pool, [never.wait], lambda *_: None)
+
+    def work(item, progress):
+        if item == 0:
+            run_in_threads(wait, range(2), progress)
+        waits.wait()
+        raise KeyboardInterrupt
+
+    with ThreadPoolExecutor(2) as pool:
+        try:
+            with pytest.raises(KeyboardInterrupt):
+                run_in_threads(work, range(2), Progress())
+        finally:
+            never.set()  # or the pool would wait for its threads
+
+
+def test_a_worker_with_other_versions_or_without_packages_is_told(monkeypatch):
+    task = Task(int)
+    here = tasks.versions()
+    monkeypatch.setattr(tasks, "_versions", lambda: here | {"jax": "0.0.1"})
+    expected = f"has jax 0.0.1 in place of {here['jax']}, .* install the same"
+    with pytest.raises(InputError, match=expected):
+        task()
+
+    def missing():
+        raise ModuleNotFoundError("No module named 'jaximpact'", name="jaximpact")
+
+    with (
+        ThreadPoolExecutor(1) as pool,
+        pytest.raises(InputError, match="no package jaximpact; install"),
+    ):
+        run_tasks(pool, [missing], lambda *_: None)
 
 
 @pytest.mark.parametrize(

@@ -3,12 +3,13 @@ study alone."""
 
 import json
 
-import dask
+import dask.array
+import dask.callbacks
 import numpy as np
 import pytest
 import xarray as xr
 
-from jaximpact import Block, Scene, sweep, write_zarr
+from jaximpact import Block, Scene, simulate_dataset, sweep, write_zarr
 from jaximpact.errors import InputError
 from jaximpact.lazy import WrittenRegions, impacts
 
@@ -44,6 +45,29 @@ def test_a_store_is_the_sweep(tmp_path):
     there = xr.open_zarr(tmp_path / "a.zarr").load()
     xr.testing.assert_identical(there, sweep(BASE, AXES))
     assert {path.name for path in tmp_path.iterdir()} == {"a.zarr"}
+
+
+def test_a_region_is_one_task_and_what_several_need_is_computed_once(tmp_path):
+    run, needed = [], []
+
+    def needed_by_all(speed):
+        needed.append(speed)
+        return speed
+
+    speed = xr.Variable((), dask.array.from_array(np.array(11.0)))
+    scenes = xr.Dataset({"angle_deg": ("x", [0.0, 10.0, 20.0])}).chunk(x=1)
+    scenes["speed_mps"] = speed.copy(data=speed.data.map_blocks(needed_by_all))
+    lazy = simulate_dataset(scenes).drop_vars("speed_mps")
+    needed.clear()  # Dask calls it to learn what it returns
+    with dask.callbacks.Callback(posttask=lambda key, *_: run.append(key)):
+        assert write_zarr(tmp_path / "a.zarr", lazy).computed == 3
+    assert needed == [11.0]
+    # Dask puts the regions together at the end.
+    assert len(run) == 3 + 1 + 1
+    run.clear()
+    with dask.callbacks.Callback(posttask=lambda key, *_: run.append(key)):
+        write_zarr(tmp_path / "b.zarr", sweep(BASE, AXES, chunks=CHUNKS))
+    assert len(run) == 3 + 1
 
 
 def test_a_store_is_taken_up_where_it_stopped(tmp_path, computed):

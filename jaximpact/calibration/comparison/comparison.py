@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import InputError, nearest
 from ...progress import Progress, ProgressFunction, as_progress
 from ..problem.config import Study
-from ..problem.forward_model import run_in_threads
+from ..problem.forward_model import for_each
 from .contenders import Contender, Law, contenders_of
 from .fitted_law import FittedLaw, LawFit, fit_law, of_targets, predicted_by_rebound
 from .held_out import HeldOut, held_out
@@ -116,7 +116,8 @@ def compare_study(
         exact: whether each fit without a test is made to the end. Otherwise one step
             from the fit to all stands for it where it is short; laws of rebound are
             always fitted to the end.
-        executor: makes fits in other processes, those of all laws at a time.
+        executor: makes fits in other processes, those of all laws, and of all groups
+            left out, at a time.
         progress: called with lines of text.
 
     Raises InputError for laws or columns that cannot be used, and where no law can be
@@ -150,11 +151,7 @@ def compare_study(
             return str(error)
         return _score(contender, found, groups, exact, within)
 
-    numbers = range(len(contenders))
-    if executor is None:
-        every = [fitted(number, progress) for number in numbers]
-    else:
-        every = run_in_threads(fitted, numbers, progress)
+    every = for_each(fitted, range(len(contenders)), progress, executor)
     named = zip((contender.name for contender in contenders), every, strict=True)
     refused = {name: found for name, found in named if isinstance(found, str)}
     scored = [found for found in every if not isinstance(found, str)]

@@ -27,6 +27,7 @@ from ..diagnostics.importance_sampling import freedom_of_targets
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
 from ..estimation.sigma import estimate_sigma
 from ..estimation.starts import SILENT, fit
+from ..problem.forward_model import for_each
 from ..problem.objective import Objective, Points
 
 # Not scipy.stats, which takes 0.6 s to import.
@@ -66,7 +67,8 @@ def held_out(
     """Predict each group of tests by the fit to the others.
 
     Args:
-        objective: objective with the sigmas of the fit to all.
+        objective: objective with the sigmas of the fit to all; where it has an
+            executor, all groups are refitted at a time.
         best: the fit to all, of one lane.
         uncertainty: uncertainty of that fit.
         group: index of the group of each test, shape (tests,).
@@ -82,9 +84,10 @@ def held_out(
     shape = study.measured.shape
     predicted, deviation = np.full(shape, np.nan), np.full(shape, np.nan)
     cells = np.zeros(shape)
-    for number, tests in enumerate(left):
+
+    def predict(number: int, progress: Progress) -> None:
         progress("groups left out", number, len(groups))
-        rest = objective.without(tests)
+        tests, rest = left[number], objective.without(left[number])
         if refitted[number]:
             found = fit(rest, best.x, rule=LEFT_OUT)
             points = found.points.take([found.best])
@@ -93,6 +96,8 @@ def held_out(
         of_rest = _predict(rest, points, tests)
         predicted[tests], deviation[tests] = points.predicted[0, tests], of_rest[0]
         cells[tests] = of_rest[1]
+
+    for_each(predict, range(len(groups)), progress, objective.executor)
     known = study.known
     return HeldOut(
         density=np.sum(np.where(known, cells, 0.0), axis=1),

@@ -24,7 +24,7 @@ from scipy.special import bdtr
 from ..estimation.least_squares import Progress, Reason, StoppingRule, bounded_step
 from ..estimation.sigma import sizes
 from ..estimation.starts import SILENT, fit
-from ..problem.forward_model import run_in_threads
+from ..problem.forward_model import for_each
 from ..problem.objective import Objective, Points
 from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 
@@ -217,11 +217,7 @@ def _leave_out(
         ends[number] = best.x[0]
         return reason
 
-    numbers = range(len(names))
-    if executor is None:
-        reasons = [leave_out(number, progress) for number in numbers]
-    else:
-        reasons = run_in_threads(leave_out, numbers, progress)
+    reasons = for_each(leave_out, range(len(names)), progress, executor)
     moved = (ends - points.x[0]) / np.where(errors < 1e6, errors, np.nan)
     quantile = uncertainty.quantile
     return LeftOut(names, group, ends, reasons, moved, predicted, deviation, quantile)

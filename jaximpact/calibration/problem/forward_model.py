@@ -6,6 +6,7 @@ and other devices, are computed by XLA in programs for a fixed number of impacts
 """
 
 import concurrent.futures
+import contextvars
 import copy
 import functools
 import threading
@@ -39,6 +40,7 @@ from ...quantities import (
     leaf_places,
 )
 from ...scene import Scene
+from ...tasks import Stopped, stopped_by
 from .bounds import Bounds
 from .config import Study, Variant
 from .derived_targets import WithRate, base_columns, derive
@@ -509,7 +511,8 @@ def run_in_threads(
 
     Args:
         function: called with an item and with its progress; once one call has failed
-            the others end the next time that they tell their progress.
+            the others end the next time that they tell their progress, or while they
+            wait for an executor.
         items: one thread each.
         progress: called by one thread at a time.
     """
@@ -519,11 +522,17 @@ def run_in_threads(
         def __call__(self, what, done=None, total=None):
             with speaking:
                 if stop.is_set():
-                    raise _Stopped
+                    raise Stopped
                 progress(what, done, total) if total is not None else progress(what)
 
+    def call(item: Item) -> Result:
+        with stopped_by(stop):
+            return function(item, Shared())
+
     with concurrent.futures.ThreadPoolExecutor(len(items)) as pool:
-        running = [pool.submit(function, item, Shared()) for item in items]
+        running = [
+            pool.submit(contextvars.copy_context().run, call, item) for item in items
+        ]
         try:
             for ended in concurrent.futures.as_completed(running):
                 ended.result()
@@ -534,8 +543,17 @@ def run_in_threads(
         return [ended.result() for ended in running]
 
 
-class _Stopped(Exception):
-    """Another item has failed, or the run was interrupted."""
+def for_each(
+    function: Callable[[Item, Progress], Result],
+    items: Sequence[Item],
+    progress: Progress,
+    executor: concurrent.futures.Executor | None,
+) -> list[Result]:
+    """Call a function of every item: one after another, or in threads that wait side by
+    side where an executor does most of the work."""
+    if executor is None:
+        return [function(item, progress) for item in items]
+    return run_in_threads(function, items, progress)
 
 
 def for_each_variant(

@@ -17,7 +17,7 @@ import numpy as np
 from ..._packages import versions
 from ...progress import Progress
 from ...store import Store
-from ...tasks import Task, run_tasks
+from ...tasks import call_each
 from ..analysis import first_passages, passages
 from ..contacts.contact_models import ClosedForm
 from ..scheduler import WIDTH, follow
@@ -74,11 +74,7 @@ def simulate_data_sets(
         progress(what, _count(found), len(u))
 
     progress(what, _count(found), len(u))
-    if executor is None:
-        for place, arguments in enumerate(work):
-            take(place, _simulate(*arguments))
-    else:
-        run_tasks(executor, (Task(_simulate, *arguments) for arguments in work), take)
+    call_each(_simulate, work, take, executor)
     return np.concatenate([outcomes for outcomes in found if outcomes is not None])
 
 
