@@ -127,13 +127,21 @@ def result_help() -> str:
     return f"Columns that are appended:\n{align(rows)}"
 
 
-LOST = 10
-"""Workers that may die over a part before Dask gives it up."""
-STARTING = "10 minutes"
-"""How long a worker that died may take to start again before it is given up; a busy
-machine takes longer than the 15 s of Dask, and then nobody computes."""
-PATIENCE = "20s"
-"""How long a scheduler that does not answer is waited for."""
+SETTINGS = {
+    # A worker that died may take long to start again: a busy machine takes more than
+    # the 15 s of Dask, and then nobody would compute.
+    "distributed.deploy.lost-worker-timeout": "10 minutes",
+    # Workers that may die over a part before Dask gives it up.
+    "distributed.scheduler.allowed-failures": 10,
+    "distributed.comm.timeouts.connect": "20s",
+    "distributed.admin.large-graph-warning-threshold": "1GB",
+    # A worker of one thread that asks itself 100 times a second what it is doing, and
+    # 50 times whether it answers, loses some 3 % of its time to that.
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "500ms",
+    "distributed.worker.memory.monitor-interval": "500ms",
+}
+"""Settings of Dask, of which workers of this machine inherit all."""
 
 
 def add_engine(parser: argparse.ArgumentParser) -> None:
@@ -177,13 +185,7 @@ def engine_of(arguments: argparse.Namespace) -> Iterator[Executor | None]:
 
     option = "--workers" if arguments.scheduler is None else "--scheduler"
     dask, distributed = needed("dask", option), needed("distributed", option)
-    settings = {
-        "distributed.deploy.lost-worker-timeout": STARTING,
-        "distributed.scheduler.allowed-failures": LOST,
-        "distributed.comm.timeouts.connect": PATIENCE,
-        "distributed.admin.large-graph-warning-threshold": "1GB",
-    }
-    with dask.config.set(settings), contextlib.ExitStack() as stack:
+    with dask.config.set(SETTINGS), contextlib.ExitStack() as stack:
         address = arguments.scheduler
         if address is None:
             address = stack.enter_context(

@@ -55,26 +55,13 @@ AXES = {
     "angle_deg": np.linspace(10.0, 80.0, 30),
     "orientation_deg": [20.0, 50.0, 100.0],
 }
-TWO_SOILS = (
-    """
-    data = "tests.csv"
-    starts = 2
-    [parameters]
-    c_v = { lower = 0.1, upper = 10.0 }
-    [default_sigma]
-    e_n = 0.01
-    [[variants]]
-    name = "loose"
-    relative_density = 0.3
-    [[variants]]
-    name = "dense"
-    relative_density = 0.9
-    """,
-    ("mass_kg", "speed_mps", "e_n"),
-    [(100.0, 6.0, 0.2), (500.0, 15.0, 0.25), (50.0, 25.0, 0.3)],
-)
-"""Text of a study of two variants, columns and rows of its tests."""
-ONE_WORKER = "--out", "out", "--workers", "1"
+FIT = """
+data = "tests.csv"
+[parameters]
+c_v = { lower = 0.1, upper = 10.0 }
+[default_sigma]
+e_n = 0.01
+"""
 BLOCK = Block(mass=np.linspace(50.0, 500.0, 300), aspect_ratio=2.0)
 IMPACT = Impact.from_degrees(angle=30.0, orientation=20.0)
 
@@ -103,8 +90,8 @@ def at_once():
 
 def linear_objective(folder):
     """A linear model of three tests and one parameter, whose fits are quick."""
-    text, columns, rows = TWO_SOILS
-    study = read_study(write_study_of(folder, text, columns, rows))
+    rows = [(6.0, 0.2), (15.0, 0.25), (25.0, 0.3)]
+    study = read_study(write_study_of(folder, FIT, ("speed_mps", "e_n"), rows))
     objective = Linear(study, study.variants[0], None)
     objective.matrix = np.array([[0.2], [0.3], [0.1]])
     return objective
@@ -251,23 +238,31 @@ def test_an_interrupted_fit_lets_its_workers_go(client, tmp_path):
         time.sleep(0.05)
 
 
-def test_an_interrupted_command_keeps_its_fits_and_leaves_no_workers(folder):
-    path = write_study_of(folder, *TWO_SOILS)
-    run = subprocess.Popen(
-        [*(sys.executable, "-m", "jaximpact", "calibrate", path), *ONE_WORKER],
-        stderr=subprocess.PIPE,
-        text=True,
-        # Tests in the background ignore Ctrl-C, which a command inherits.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
-    while not [*folder.glob("out/unfinished/fit-*")]:
-        assert run.poll() is None, run.communicate()[1]
-        time.sleep(0.05)
-    workers = psutil.Process(run.pid).children(recursive=True)
-    run.send_signal(signal.SIGINT)
-    assert "finished fits are kept in out" in run.communicate(timeout=60)[1]
-    assert run.returncode == 130
-    assert workers
+BUSY = """
+import argparse, time
+from jaximpact.cli.options import engine_of
+from jaximpact.interruption import ending_on_signals
+
+asked = argparse.Namespace(workers=1, scheduler=None)
+with ending_on_signals(), engine_of(asked) as executor:
+    executor.submit(time.sleep, 60)
+    print("ready", flush=True)
+    time.sleep(60)
+"""
+
+
+def test_an_interrupted_command_takes_its_workers_with_it():
+    # Tests in the background ignore Ctrl-C, which a command inherits.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    with subprocess.Popen(
+        [sys.executable, "-c", BUSY], stdout=subprocess.PIPE, text=True
+    ) as run:
+        signal.signal(signal.SIGINT, before)
+        assert run.stdout.readline() == "ready\n"
+        workers = psutil.Process(run.pid).children(recursive=True)
+        run.send_signal(signal.SIGINT)
+        assert run.wait(timeout=60) == 130
+    assert len(workers) > 1  # and a process of Python that tracks resources
     assert psutil.wait_procs(workers, timeout=30)[1] == []
 
 

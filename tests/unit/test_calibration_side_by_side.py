@@ -4,7 +4,7 @@ them when one fails."""
 import dataclasses
 import multiprocessing
 import threading
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from jaximpact import PRESETS
 from jaximpact.calibration import fit_study, read_study
 from jaximpact.calibration.comparison.comparison import compare_study
 from jaximpact.calibration.diagnostics.examination import examine
+from jaximpact.calibration.estimation.fit_cache import FitCache
 from jaximpact.calibration.problem.forward_model import engine_of, run_in_threads
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.progress import Progress
@@ -74,6 +75,32 @@ def test_fits_of_an_executor_are_those_of_this_process(tmp_path, monkeypatch):
     one, other = compared
     assert [law.name for law in one.laws] == [law.name for law in other.laws]
     np.testing.assert_array_equal(one.by_test.scores, other.by_test.scores)
+
+
+class Interrupted(ThreadPoolExecutor):
+    """An executor at whose fourth fit Ctrl-C is pressed."""
+
+    fits = 0
+
+    def submit(self, task):
+        self.fits += 1
+        if self.fits > 3:
+            raise KeyboardInterrupt
+        return super().submit(task)
+
+
+def test_an_interrupted_fit_goes_on_from_what_its_executor_had_finished(tmp_path):
+    study, cache = two_variants(tmp_path), FitCache(tmp_path / "fits")
+    with Interrupted(1) as pool, pytest.raises(KeyboardInterrupt):
+        fit_study(study, cache=cache, executor=pool)
+    kept = len([*cache.folder.iterdir()])
+    assert kept > 0
+    with ThreadPoolExecutor(1) as pool:
+        found = fit_study(study, cache=cache, executor=pool).variants
+    assert cache.found >= kept
+    for one, other in zip(found, fit_study(study).variants, strict=True):
+        np.testing.assert_array_equal(one.parameters, other.parameters)
+        np.testing.assert_array_equal(one.start_costs, other.start_costs)
 
 
 def test_results_stand_in_the_order_of_the_items():

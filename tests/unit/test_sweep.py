@@ -208,7 +208,7 @@ def study(tmp_path):
 def test_a_study_may_be_larger_than_memory_if_its_results_need_not_fit(study):
     axis = "{ from = 0.1, to = 1, count = 1000000 }"
     base, axes, _ = study(f"[axes]\nc_v = {axis}\nalpha_s = {axis}\n")
-    with pytest.raises(InputError, match="10{12} points would take"):
+    with pytest.raises(InputError, match=r"10{12} points would take"):
         sweep(base, axes)
 
 
