@@ -90,7 +90,7 @@ def _owners(
         needs: tasks that each task needs at once.
         shared: tasks that are nobody's own.
     """
-    owners: dict[Hashable, Hashable] = dict.fromkeys(shared)
+    owners: dict[Hashable, Any] = dict.fromkeys(shared)
     for key in keys:
         todo = [key]
         while todo:

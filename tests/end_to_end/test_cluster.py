@@ -38,6 +38,7 @@ from jaximpact import (
     tasks,
     write_zarr,
 )
+from jaximpact.backend.xla_compilation import keep_programs
 from jaximpact.calibration import read_study
 from jaximpact.calibration.estimation.starts import fit
 from jaximpact.calibration.problem.forward_model import for_each
@@ -69,6 +70,7 @@ IMPACT = Impact.from_degrees(angle=30.0, orientation=20.0)
 @pytest.fixture(scope="module")
 def client():
     # A busy machine takes longer than 15 s to start a worker that was killed again.
+    keep_programs()  # what one process compiles the others read
     patience = {"distributed.deploy.lost-worker-timeout": "10 minutes"}
     with (
         dask.config.set(patience),
