@@ -3,7 +3,7 @@
 A sweep is computed in this process on some threads (`--workers 0 --threads 2`), or by
 the workers of the command line, which have one thread each, into memory or into a store
 of Zarr (`--into`). Printed is one line of JSON: seconds by the clock, processor time of
-the workers and of this process, which has the scheduler, and the largest memory of each.
+the workers and of this process, with the scheduler, and the largest memory of each.
 Processor time is what can be compared on a machine that is not idle. `--kills 5` kills
 workers at random moments while a store is written, then compares it with the sweep in
 this process, bit by bit. `--seconds` stops a sweep that would take too long.

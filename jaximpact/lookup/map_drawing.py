@@ -5,10 +5,12 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from ..plotting.style import in_style, log_scale, panels
-from .orientation_map import COEFFICIENTS, DIMENSIONS, STATISTICS
 
+DIMENSIONS = ("speed_mps", "angle_deg", "angular_velocity_degps")
 SHOWN = (5, 95)
 """Percentiles of a map's values between which its colours change."""
+DRAWN = (("mean", "mean", "viridis"), ("sd", "standard deviation", "cividis"))
+"""Statistics that are drawn: suffix of their variables, words, and colours."""
 
 
 @in_style
@@ -16,7 +18,9 @@ def draw_map(dataset: xr.Dataset) -> Figure:
     """Draw mean and standard deviation of each coefficient over speed and angle, a row
     of panels for each spin and coefficient."""
     spins = dataset.angular_velocity_degps.values
-    shown = [(n, spin, name) for n, spin in enumerate(spins) for name in COEFFICIENTS]
+    of_mean = [str(name) for name in dataset if str(name).endswith("_mean")]
+    names = [name.removesuffix("_mean") for name in of_mean]
+    shown = [(n, spin, name) for n, spin in enumerate(spins) for name in names]
     figure, axes = panels(
         len(shown),
         2,
@@ -28,7 +32,8 @@ def draw_map(dataset: xr.Dataset) -> Figure:
     )
     speeds, angles = _edges(dataset.speed_mps.values), _edges(dataset.angle_deg.values)
     for row, (place, spin, name) in enumerate(shown):
-        for panel, key in zip(axes[2 * row : 2 * row + 2], ("mean", "sd"), strict=True):
+        both = zip(axes[2 * row : 2 * row + 2], DRAWN, strict=True)
+        for panel, (key, words, colours) in both:
             values = dataset[f"{name}_{key}"].transpose(*DIMENSIONS).values
             finite = values[np.isfinite(values)]
             # At grazing incidence coefficients grow without bounds.
@@ -37,14 +42,14 @@ def draw_map(dataset: xr.Dataset) -> Figure:
                 angles,
                 speeds,
                 np.ma.masked_invalid(values[..., place]),
-                cmap="viridis" if key == "mean" else "cividis",
+                cmap=colours,
                 vmin=low,
                 vmax=high,
             )
             panel.set_facecolor("0.85")
             panel.grid(visible=False)
             of_spin = f", {spin:g} deg/s" if len(spins) > 1 or spin else ""
-            panel.set_title(f"{name}, {STATISTICS[key]}{of_spin}")
+            panel.set_title(f"{name}, {words}{of_spin}")
             figure.colorbar(image, ax=panel, label=f"{name} [-]", extend="both")
         axes[2 * row].set_ylabel("speed [m/s]")
     log_scale(axes[0], "y")
