@@ -173,7 +173,7 @@ def test_bands_of_what_is_never_negative(tmp_path):
     study = dataclasses.replace(objective.study, targets=("max_penetration_m",))
     objective.study, value = study, 0.5 * SIGMA + 0.04 * np.arange(6.0)
     one = draw(objective, points, 1.0, count=1)
-    one = one._replace(predicted=value[None, :, None], weights=np.ones(1))
+    one = one._replace(predicted=value[None, :, None])
     found = bands_of(objective, one, 4.0)
     shape = np.sqrt(np.log1p((2.0 * SIGMA / np.maximum(value, SIGMA)) ** 2))
     scale = np.maximum(value, SIGMA) * np.exp(-0.5 * shape**2)

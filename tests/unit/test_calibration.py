@@ -723,7 +723,7 @@ def test_bad_target_names_row_and_column(tmp_path, capsys):
     path = write_study(tmp_path)
     table = tmp_path / "tests.csv"
     lines = table.read_text().splitlines()
-    lines[2] = "500.0,15.0,nan,1.0,1.0"
+    lines[2] = "500.0,15.0,inf,1.0,1.0"
     table.write_text("\n".join(lines))
     assert main(["calibrate", str(path), "--out", str(tmp_path / "out")]) == 2
     assert_one_line_error(capsys, "tests.csv", "row 3", "column e_n", "finite")
