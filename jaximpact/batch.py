@@ -13,8 +13,9 @@ import dataclasses
 import hashlib
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Union
 
 import jax
 import numpy as np
@@ -26,12 +27,6 @@ from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .backend.derivative_rules import effort
 from .backend.native_backend import NativeWorker, compile_native, computes_on_cpu
 from .backend.threads import thread_count
-from .backend.xla_backend import (
-    MarchingWorker,
-    compile_programs,
-    lanes_of_worker,
-    worker_devices,
-)
 from .errors import InputError
 from .identity import part_names
 from .impact.problem import Assembly
@@ -45,6 +40,10 @@ from .shapes import MixedShapes
 from .simulation import ImpactResult
 from .tasks import Task, check_executor, run_tasks
 
+if TYPE_CHECKING:
+    from .backend.xla_backend import MarchingWorker
+
+Worker = Union[NativeWorker, "MarchingWorker"]
 PARTS = 32
 """Parts that an executor gets of a batch, if they are neither small nor large."""
 LEAST_PART = 256
@@ -390,11 +389,18 @@ def _groups(
 
 def _workers(
     scene: Scene, assembly: Assembly, chosen: np.ndarray, accuracy: Accuracy
-) -> list[NativeWorker] | list[MarchingWorker]:
+) -> Sequence[Worker]:
     """Workers for the chosen scenes, with what they run compiled."""
     kernel = compile_native(assembly) if computes_on_cpu() else None
     if kernel is not None:
         return [NativeWorker(kernel, scene, accuracy)] * thread_count()
+    from .backend.xla_backend import (  # loads diffrax, which takes a while
+        MarchingWorker,
+        compile_programs,
+        lanes_of_worker,
+        worker_devices,
+    )
+
     devices = worker_devices()
     width = lanes_of_worker(len(chosen), devices)
     different = list(dict.fromkeys(devices))
@@ -407,7 +413,7 @@ def _workers(
 
 
 def _run_side_by_side(
-    workers: list[NativeWorker] | list[MarchingWorker],
+    workers: Sequence[Worker],
     chosen: np.ndarray,
     keep: Callable,
 ) -> None:
@@ -426,7 +432,7 @@ def _run_side_by_side(
                 return
             yield part
 
-    def work(worker: NativeWorker | MarchingWorker) -> None:
+    def work(worker: Worker) -> None:
         for places, numbers in worker.run(take(), stop):
             keep(places, numbers)
 

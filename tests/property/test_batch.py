@@ -82,8 +82,9 @@ assert jax.local_device_count() == int(sys.argv[1])
 from impact_scenes import mixed_scenes
 from jaximpact import simulate_batch
 from jaximpact import batch
+from jaximpact.backend.xla_backend import worker_devices
 batch.computes_on_cpu = lambda: False  # as on other devices
-assert len(set(batch.worker_devices())) == int(sys.argv[1])
+assert len(set(worker_devices())) == int(sys.argv[1])
 result = simulate_batch(mixed_scenes(60), accuracy="fast")
 np.save(sys.argv[2], [result.e_n, result.max_moment, result.steps])
 """

@@ -26,7 +26,6 @@ from ...backend.native_backend import (
     with_setting,
 )
 from ...backend.threads import thread_count
-from ...backend.xla_backend import compute_lanes
 from ...backend.xla_compilation import unfused_jit
 from ...impact.problem import Assembly
 from ...impact.reduced_models import PLANAR, PLANAR_DAMPED
@@ -263,6 +262,8 @@ def _fields_of(targets: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _along(assembly, leaves, directions, tolerance, floor):
+    from ...backend.xla_backend import compute_lanes  # loads diffrax
+
     structure = assembly.structure
 
     def of_leaves(rows):
