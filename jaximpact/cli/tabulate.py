@@ -38,7 +38,7 @@ What to tabulate is a TOML file; what it does not say has its default:
     [table]
     slopes_deg = [0, 29.9]          # default [0]; between them the table is linear
     total_speeds_mps = [0.1, 120]   # first and last
-    nodes = { speed = 12, elevation = 20, azimuth = 33, orientation = 13 }
+    nodes = { speed = 12, elevation = 20, azimuth = 37, orientation = 20 }
 
     [map]
     speeds_mps = [5, 10, 20, 40]

@@ -21,7 +21,7 @@ from ..quantities import OUTCOME_COLUMN
 from ..scene import Scene
 from ..scene_quantities import scene_of_values, scene_values
 from ..units import DEGREE
-from .table import ReboundTable, TableError, gravity_speed
+from .table import ReboundTable, TableError, gravity_speed, slip_factor_of
 from .tabulation import axes_of, impacts_at
 
 DIMENSIONS = (
@@ -65,6 +65,13 @@ def read_table(path: Path) -> ReboundTable:
     path = Path(path)
     dataset = read_netcdf(path)
     try:
+        factor = slip_factor_of(dataset.sizes["orientation_deg"])
+        if json.loads(dataset.attrs["slip_factor"]) != factor:
+            raise InputError(
+                f"was made with azimuths of another factor than {factor:g}; tabulate "
+                "again",
+                file=path,
+            )
         scene = _scene(path, dataset)
         entries = np.stack([dataset[name].values for name in ENTRIES], axis=-1)
         return ReboundTable(
@@ -185,5 +192,6 @@ def _provenance(table: ReboundTable) -> dict:
         "accuracy": dataclasses.asdict(table.accuracy),
         "error": {name: float(x) for name, x in table.error._asdict().items()},
         "laws": part_names(table.soil, table.block),
+        "slip_factor": slip_factor_of(table.outcomes.shape[3]),
         "versions": versions(),
     }

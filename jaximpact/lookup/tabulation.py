@@ -27,7 +27,6 @@ from ..scene_quantities import scene_values
 from .table import (
     BEND,
     FLATTEST,
-    SLIP_FACTOR,
     STEEPEST,
     Direction,
     ReboundTable,
@@ -35,6 +34,7 @@ from .table import (
     gravity_speed,
     impact_from,
     look_up_many,
+    slip_factor_of,
 )
 
 
@@ -70,16 +70,18 @@ def random_impacts(table: ReboundTable, count: int, seed: int = 0) -> Impact:
     generator = np.random.default_rng(seed)
     low, high = max(SLOWEST, float(table.speeds[0])), float(table.speeds[-1])
     closing, slip, turning = generator.normal(size=(3, count))
+    factor = slip_factor_of(table.outcomes.shape[3])
     direction = Direction(
         np.exp(generator.uniform(np.log(low), np.log(high), count)),
         np.arctan2(np.abs(closing), np.hypot(slip, turning)),
-        np.arctan2(turning, SLIP_FACTOR * slip),
+        np.arctan2(turning, factor * slip),
     )
     return impact_from(
         table.block,
         direction,
         generator.uniform(0.0, np.pi, count),
         generator.uniform(float(table.slopes[0]), float(table.slopes[-1]), count),
+        factor,
     )
 
 
@@ -174,8 +176,8 @@ class Nodes(NamedTuple):
 
     speed: int = 12
     elevation: int = 20
-    azimuth: int = 33
-    orientation: int = 13
+    azimuth: int = 37
+    orientation: int = 20
     """Nodes of orientation; a round block has 1, whatever is asked for."""
 
 
@@ -261,6 +263,7 @@ def _opened(journal: Path | None, block, soil, accuracy: Accuracy, axes):
         "table": scene_values(Scene(block, soil)),
         "laws": part_names(soil, block),
         "axes": [axis.tolist() for axis in axes],
+        "slip_factor": slip_factor_of(len(axes[3])),
         "accuracy": dataclasses.asdict(accuracy),
         "versions": versions(),
     }
@@ -281,7 +284,8 @@ def impacts_at(block: Block, axes: list[np.ndarray]) -> tuple[list[np.ndarray], 
         grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")
     ]
     direction = Direction(speed, elevation, azimuth)
-    impact = impact_from(block, direction, orientation, slope)
+    factor = slip_factor_of(len(axes[3]))
+    impact = impact_from(block, direction, orientation, slope, factor)
     return places, jax.tree.map(np.asarray, impact)
 
 
