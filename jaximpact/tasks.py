@@ -286,13 +286,15 @@ def error_of(future: Any) -> BaseException | None:
         error = future.exception()
     except concurrent.futures.CancelledError as cancelled:
         error = cancelled  # by Dask, as the scheduler is gone
-    if isinstance(error, ModuleNotFoundError):
-        missing = InputError(
-            f"a worker or the scheduler has no package {error.name}; install the same "
-            "packages there as here"
-        )
-        missing.__cause__ = error
-        return missing
+    # Of a scheduler that cannot unpickle a task Dask tells the reason as the cause.
+    for one in (error, getattr(error, "__cause__", None)):
+        if isinstance(one, ModuleNotFoundError):
+            missing = InputError(
+                f"a worker or the scheduler has no module {one.name}; install the same "
+                "packages there as here"
+            )
+            missing.__cause__ = error
+            return missing
     return error
 
 

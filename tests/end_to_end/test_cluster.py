@@ -174,16 +174,16 @@ def test_commands_on_a_scheduler(client, folder, capsys):
 
 
 def test_a_killed_worker_loses_nothing(client, at_once, tmp_path):
-    lazy = sweep(Scene(), AXES, chunks={"angle_deg": 1})
+    lazy = sweep(Scene(), AXES, chunks={"angle_deg": 3})
     workers = [*client.run(os.getpid).values()]
 
     def kill(done: int, regions: int) -> None:
-        if workers and done == 5:
+        if workers and done == 3:
             os.kill(workers.pop(), signal.SIGKILL)
 
     regions = write_zarr(tmp_path / "a.zarr", lazy, progress=kill)
     assert len(workers) == 1
-    assert regions.total == regions.computed == 30
+    assert regions.total == regions.computed == 10
     there = xr.open_zarr(tmp_path / "a.zarr").load()
     xr.testing.assert_identical(there, at_once)
     assert_same_bits(there, at_once)

@@ -125,11 +125,18 @@ def test_a_worker_with_other_versions_or_without_packages_is_told(monkeypatch):
     def missing():
         raise ModuleNotFoundError("No module named 'jaximpact'", name="jaximpact")
 
-    with (
-        ThreadPoolExecutor(1) as pool,
-        pytest.raises(InputError, match="no package jaximpact; install"),
-    ):
-        run_tasks(pool, [missing], lambda *_: None)
+    def missing_in_the_scheduler():
+        try:
+            missing()
+        except ModuleNotFoundError as error:
+            raise RuntimeError("Error during deserialization") from error
+
+    for fails in (missing, missing_in_the_scheduler):
+        with (
+            ThreadPoolExecutor(1) as pool,
+            pytest.raises(InputError, match="no module jaximpact; install"),
+        ):
+            run_tasks(pool, [fails], lambda *_: None)
 
 
 @pytest.mark.parametrize(
