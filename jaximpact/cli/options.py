@@ -136,7 +136,7 @@ SETTINGS = {
     "distributed.comm.timeouts.connect": "20s",
     "distributed.admin.large-graph-warning-threshold": "1GB",
     # A worker of one thread that asks itself 100 times a second what it is doing, and
-    # 50 times whether it answers, loses some 3 % of its time to that.
+    # 50 times whether it answers, loses 2 to 5 % of its time to that.
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "500ms",
     "distributed.worker.memory.monitor-interval": "500ms",
