@@ -139,6 +139,21 @@ def test_a_worker_with_other_versions_or_without_packages_is_told(monkeypatch):
             run_tasks(pool, [fails], lambda *_: None)
 
 
+class Gone(ThreadPoolExecutor):
+    """A client of Dask whose scheduler has died: it cancels all futures."""
+
+    def submit(self, task):
+        future = concurrent.futures.Future()
+        future.cancel()
+        future.set_running_or_notify_cancel()
+        return future
+
+
+def test_a_scheduler_that_dies_is_a_loss():
+    with Gone(1) as pool, pytest.raises(IncompleteError, match="1 parts lost"):
+        run_tasks(pool, [int], lambda *_: None)
+
+
 @pytest.mark.parametrize(
     ("executor", "message"),
     [("dask", "must have the interface"), (4, "must have the interface")],
