@@ -99,7 +99,7 @@ def find_peers(directory: Path | None, say: Callable[[str], None]) -> list[Metho
     """
     package = peers_package.__name__
     place = Path(peers_package.__path__[0])
-    if directory is not None:
+    if directory is not None and directory.resolve() != place.resolve():
         place = directory.resolve()
         package = place.name
         if str(place.parent) not in sys.path:
