@@ -1,5 +1,6 @@
 """Lazy sweeps: grids of impacts whose points are computed block by block."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,7 +10,7 @@ import xarray as xr
 from .._packages import needed
 from ..accuracy import Accuracy
 from ..errors import InputError
-from ..io.checks import check_scene
+from ..io.checks import check_memory, check_scene
 from ..io.datasets import impact_attributes, shapes_attribute
 from ..scene import Scene
 from ..scene_quantities import SHAPE, scene_values, scene_with, with_shapes
@@ -19,6 +20,8 @@ BLOCK_BYTES = 8 * 2**17
 """Bytes of one number of all impacts of a block where chunks are "auto": 131 072
 impacts, some seconds of work of a core, which a scheduler can wait for and a worker may
 lose. All numbers of them take 26 MB."""
+NUMBERS_PER_BLOCK = 256
+"""Least memory that Dask needs for a block's tasks, in numbers of eight bytes."""
 Chunks = int | str | tuple | Mapping[str, Any]
 """Lengths of blocks: as `xarray.Dataset.chunk` and `dask.array` take them."""
 
@@ -41,7 +44,8 @@ def lazy_grid(
         coordinates: of the dataset.
         chunks: a length for all dimensions, `"auto"`, or lengths by dimension.
 
-    Raises InputError for chunks that do not fit, and where Dask is not installed.
+    Raises InputError for chunks that do not fit or are too many, and where Dask is not
+    installed.
     """
     kinds = [kind for axis in axes.values() for kind in axis.get(SHAPE, ())]
     different = tuple(dict.fromkeys(kinds))
@@ -53,6 +57,11 @@ def lazy_grid(
     _warn_of_unusual(base, kinds, along)
     sizes = {name: len(next(iter(of.values()))) for name, of in axes.items()}
     lengths = _lengths(sizes, chunks)
+    blocks = math.prod(map(len, lengths.values()))
+    check_memory(
+        blocks * NUMBERS_PER_BLOCK,
+        f"tasks for {blocks} blocks (larger chunks make fewer)",
+    )
     arrays = {}
     for name, (dimension, values) in along.items():
         if name == SHAPE:

@@ -139,6 +139,13 @@ def test_chunks_that_do_not_fit_are_refused(how, message):
         sweep(BASE, AXES, **how)
 
 
+def test_more_blocks_than_the_memory_has_room_for_are_refused():
+    names = ("mass_kg", "speed_mps", "k_E", "gamma_v")
+    axes = dict.fromkeys(names, np.linspace(1.0, 10.0, 1000))
+    with pytest.raises(InputError, match=r"1000000000000 blocks .* would take"):
+        sweep(BASE, axes, chunks=1)
+
+
 def test_without_dask_the_cure_is_told(monkeypatch):
     for name in [name for name in sys.modules if name.partition(".")[0] == "dask"]:
         monkeypatch.delitem(sys.modules, name)
