@@ -60,11 +60,12 @@ e_t = 0.8
             2,
             "JAX cannot be set up: invalid truth value 'maybe'",
         ),
-        (
+        pytest.param(
             "runout slope.toml --out out >/dev/null",
             {"PYTHONIOENCODING": "latin-1:strict", "MPLBACKEND": "none"},
             0,
             "jaximpact: tables and drawings written to out",
+            marks=pytest.mark.slow,
         ),
     ],
 )

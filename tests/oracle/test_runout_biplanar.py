@@ -87,6 +87,7 @@ def test_the_sphere_comes_down_where_its_parabola_does(runs):
     assert np.max(off_the_parabola(runs)) < 1e-9
 
 
+@pytest.mark.slow
 def test_energy_is_kept_in_flight(runs):
     start = runs.energy_of_pieces()
     p, (mass, inertia) = runs.pieces, runs.release.mass_properties
@@ -116,6 +117,7 @@ def test_a_sphere_that_drops_jumps_by_the_square_of_its_coefficient():
     assert not flights.after_contact.any()
 
 
+@pytest.mark.slow
 def test_heights_are_the_largest_on_the_way(flying):
     """Over the toe too, where the ground bends: against 400 samples of each flight,
     which can miss the top by (duration/800)^2 g/2."""
@@ -180,6 +182,7 @@ def test_coefficients_before_the_climb_are_those_of_the_impact(runs):
 # --- what claims are judged by
 
 
+@pytest.mark.slow
 def test_paths_are_apart_by_what_they_are_seen_to_be(runs):
     apart = paths_apart(runs)
     assert apart[0] == 0.0
@@ -200,6 +203,7 @@ def test_paths_are_apart_by_what_they_are_seen_to_be(runs):
     np.testing.assert_allclose(apart, found, rtol=0.0, atol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", ["runs", "flying"])
 def test_bounces_are_the_flights_before_a_block_rolls(which, request):
     runs = request.getfixturevalue(which)

@@ -125,6 +125,7 @@ def test_a_sphere_meets_planes_and_edges_when_geometry_says():
     np.testing.assert_allclose(normal, [0.0, 1.0], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_line_of_many_segments_is_that_line():
     generator = np.random.default_rng(0)
     n = 50

@@ -274,6 +274,7 @@ def test_a_table_is_read_as_it_was_written(of_elongated, tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_a_table_of_other_coordinates_is_refused(of_elongated, tmp_path):
     path = tmp_path / "table.nc"
     write_table(path, of_elongated)
@@ -284,6 +285,7 @@ def test_a_table_of_other_coordinates_is_refused(of_elongated, tmp_path):
         read_table(path)
 
 
+@pytest.mark.slow
 def test_the_rows_for_other_programs_are_the_models_impacts(of_elongated, tmp_path):
     path = tmp_path / "table.csv"
     write_csv(path, of_elongated)

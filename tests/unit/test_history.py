@@ -188,6 +188,7 @@ def test_derivatives_of_a_misfit():
         assert float(derivative) == pytest.approx(expected, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_curve_gives_back_its_parameters():
     """A measured curve, here without noise, is fitted by Gauss and Newton's method; the
     truth costs nothing, so it is found to the tolerance asked."""
