@@ -183,6 +183,7 @@ def test_left_out_has_the_sigma_of_what_the_rest_predicts():
         assert found.deviation[k, 0] == pytest.approx(expected, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_left_out_tests_lie_in_their_intervals_at_every_size():
     """3 % of values from 1 to 30. Constant scatter covers too much of the small ones
     and too little of the large."""
@@ -349,6 +350,7 @@ def test_a_twin_shows_its_noise(result):
     assert 0.0 < sigma.absolute < part * np.max(variant.predicted)
 
 
+@pytest.mark.slow
 def test_it_goes_on_from_memory(result):
     """Every fit is found again, and the numbers are the same."""
     first, memory = result

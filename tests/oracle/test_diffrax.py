@@ -313,6 +313,7 @@ def test_what_is_gathered_over_the_steps_of_any_solver(kind):
     assert float(end.fold.peak_times.penetration) == pytest.approx(when, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_too_many_steps_are_a_failure():
     problem = KelvinVoigt(*BY, TIGHT, max_steps=20)
     solve = unfused_jit(lambda problem: integrate(problem, problem.start, Rodas5P()))
@@ -355,6 +356,7 @@ def test_contact_in_closed_form_in_machine_code():
     )
 
 
+@pytest.mark.slow
 def test_contact_in_closed_form_through_diffrax_in_reverse():
     def restitution(by):
         stiffness, damping = by

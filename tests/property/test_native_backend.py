@@ -319,6 +319,7 @@ def test_kept_machine_code_runs(cache, monkeypatch):
     compile_native.cache_clear()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "compiled",
     [compile_native, pytest.param(compile_native_along, marks=pytest.mark.slow)],

@@ -289,6 +289,7 @@ def test_laws_can_be_replaced_one_by_one():
     assert "test_simulate.TwiceAsStrong (" in theirs.manifest()["laws"]["bearing"]
 
 
+@pytest.mark.slow
 def test_history_follows_the_impact_to_its_end():
     result = simulate(
         Block(aspect_ratio=2.0), Soil(), impact(angle_deg=40.0), history=True

@@ -95,6 +95,7 @@ def test_what_a_file_says(slope):
     np.testing.assert_allclose(fit.values(np.array([0.5, 0.5])), [4.0, 25.0], rtol=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings(UNUSED)
 def test_parameters_of_a_law_are_fitted(slope):
     """Each data set meets the law of its own candidate, whatever the others have."""

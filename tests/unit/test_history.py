@@ -123,6 +123,7 @@ def test_forces_after_other_ends():
     np.testing.assert_array_equal(result.history.in_contact[:, 1], [True, True, False])
 
 
+@pytest.mark.slow
 def test_batch_is_one_by_one():
     """Lanes of different durations, by threads, in jit and vmap: to the last bit."""
     speed = np.linspace(3.0, 20.0, 19)

@@ -287,6 +287,7 @@ def test_a_dataset_is_that_of_a_sweep(grid):
         assert of_sweep.attrs[name] == expected.attrs[name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["batch", "of_shapes"])
 def test_a_dataset_is_written_and_computed_again(name, request, tmp_path):
     dataset = request.getfixturevalue(name).to_xarray()
