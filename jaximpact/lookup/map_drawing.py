@@ -6,7 +6,6 @@ from matplotlib.figure import Figure
 
 from ..plotting.style import in_style, log_scale, panels
 
-DIMENSIONS = ("speed_mps", "angle_deg", "angular_velocity_degps")
 SHOWN = (5, 95)
 """Percentiles of a map's values between which its colours change."""
 DRAWN = (("mean", "mean", "viridis"), ("sd", "standard deviation", "cividis"))
@@ -34,14 +33,15 @@ def draw_map(dataset: xr.Dataset) -> Figure:
     for row, (place, spin, name) in enumerate(shown):
         both = zip(axes[2 * row : 2 * row + 2], DRAWN, strict=True)
         for panel, (key, words, colours) in both:
-            values = dataset[f"{name}_{key}"].transpose(*DIMENSIONS).values
-            finite = values[np.isfinite(values)]
+            variable = dataset[f"{name}_{key}"]
+            values = variable.isel(angular_velocity_degps=place)
+            finite = variable.values[np.isfinite(variable.values)]
             # At grazing incidence coefficients grow without bounds.
             low, high = np.percentile(finite, SHOWN) if finite.size else (0.0, 1.0)
             image = panel.pcolormesh(
                 angles,
                 speeds,
-                np.ma.masked_invalid(values[..., place]),
+                np.ma.masked_invalid(values.transpose("speed_mps", "angle_deg")),
                 cmap=colours,
                 vmin=low,
                 vmax=high,

@@ -23,6 +23,7 @@ LEVEL = 0.95
 """Probability with which an interval holds the true value, at least."""
 TAIL = 0.5 * (1.0 - LEVEL)
 BISECTIONS = 34
+"""Number of bisections, which leave an error of 6e-11 in a share."""
 SMALLEST = 1e-9
 """Share that counts as none: some times the accuracy of as many bisections."""
 
@@ -160,7 +161,7 @@ def percentile_interval_over_grounds(
     )
 
 
-@functools.cache
+@functools.lru_cache(maxsize=256)  # of arrays as long as there are blocks
 def _cumulative(blocks: int, percent: float) -> np.ndarray:
     """Give the binomial distribution of the number of blocks below a percentile."""
     return bdtr(np.arange(blocks + 1), blocks, percent / 100.0)
