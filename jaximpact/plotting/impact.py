@@ -168,7 +168,8 @@ def _mark_peak(axes: Axes, time, value, colour: str, *, above) -> None:
     axes.annotate(
         f"{value:.3g}",
         (time, value),
-        xytext=(0, 7 if above else -7),
+        # At the end, clear of the frame and the ticks beyond it
+        xytext=(-6 if at_the_end else 0, 7 if above else -7),
         textcoords="offset points",
         ha="right" if at_the_end else "center",
         va="bottom" if above else "top",
