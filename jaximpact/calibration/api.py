@@ -19,8 +19,13 @@ from ..quantities import columns_of_part
 from ..scene import Block, Soil
 from ..tasks import check_executor
 from .arguments import study_of_arguments, table_given
-from .comparison.comparison import check_comparison, compare_study
-from .comparison.other_laws import NO_OTHERS, OtherLaws, fit_simple
+from .comparison.comparison import (
+    NO_OTHERS,
+    OtherLaws,
+    check_comparison,
+    compare_study,
+)
+from .comparison.fitted_law import fit_simple
 from .diagnostics.examination import Examination, examine
 from .diagnostics.nuts import check_extra
 from .diagnostics.results import StudyResult, VariantResult
@@ -66,9 +71,8 @@ class Calibration:
         lines = [f"<Calibration: {len(study.tests)} tests of {study.title}"]
         for variant in contents["variants"]:
             lines += [f"{variant['name']}:"] if contents["several"] else []
-            for name, unit, value, error, interval, _ in variant["parameters_short"][
-                1:
-            ]:
+            _, *rows = variant["parameters_short"]
+            for name, unit, value, error, interval, _ in rows:
                 unit = "" if unit == "-" else f" {unit}"
                 error = error if error[0] == "n" else f"standard error {error}"
                 lines.append(f"  {name} = {value}{unit}, {error}, 95 %: {interval}")
@@ -159,12 +163,11 @@ class Calibration:
 
     def write(self, out: str | os.PathLike) -> None:
         """Write the report and its numbers, as `jaximpact calibrate` does."""
-        sampled = any(found.samples is not None for found in self.examined)
-        study, compared = self.result.study, self.others.compared is not None
-        directory = study_directory(
-            study, Path(out), posterior=sampled, compared=compared
-        )
-        with directory as new:
+        with study_directory(
+            *(self.result.study, Path(out)),
+            posterior=any(found.samples is not None for found in self.examined),
+            compared=self.others.compared is not None,
+        ) as new:
             write_all(self.result, self.examined, new, self.others)
 
     def _chosen(self, name: str | None) -> VariantResult:
@@ -335,14 +338,9 @@ def run_study(
     """
     require_float64()
     study = read_study(study_path)
-    result, *_ = fit_and_examine(
-        *(study, Path(out_dir)),
-        posterior=posterior,
-        compare=compare,
-        executor=executor,
-        progress=progress,
-    )
-    return result
+    how: dict = dict(posterior=posterior, compare=compare)
+    how |= dict(executor=executor, progress=progress)
+    return fit_and_examine(study, Path(out_dir), **how)[0]
 
 
 def fit_and_examine(
@@ -363,41 +361,31 @@ def fit_and_examine(
         check_executor(executor)
     progress = as_progress(progress)
     compare = compare or study.compare is not None
+    stated = study.compare or CompareTable()
     if compare:
         # Before the fit, which takes its time.
-        stated = study.compare or CompareTable()
         check_comparison(study, stated.laws, stated.by)
-    how = posterior, compare, executor, progress
+
+    def computed(cache: FitCache | None) -> tuple:
+        result = fit_study(study, cache=cache, executor=executor, progress=progress)
+        examined = examine(
+            result, posterior=posterior, executor=executor, progress=progress
+        )
+        others = OtherLaws(fit_simple(study, progress.within("simple laws: ")))
+        if compare:
+            compared = compare_study(
+                study, stated.laws, by=stated.by, executor=executor, progress=progress
+            )
+            others = others._replace(compared=compared)
+        return result, examined, others
+
     if out_dir is None:
-        return _fitted_and_examined(study, None, *how)
+        return computed(None)
     directory = study_directory(study, out_dir, posterior=posterior, compared=compare)
     with directory as new:
         cache = FitCache(out_dir / UNFINISHED)
-        result, examined, others = _fitted_and_examined(study, cache, *how)
+        result, examined, others = computed(cache)
         progress("drawing")
         write_all(result, examined, new, others)
         cache.forget()
     return result, examined, others
-
-
-def _fitted_and_examined(
-    study: Study,
-    cache: FitCache | None,
-    posterior: bool,
-    compare: bool,
-    executor: Executor | None,
-    progress: Progress,
-) -> tuple[StudyResult, list[Examination], OtherLaws]:
-    """Fit and examine a study, fit the simple laws, and compare many where wanted."""
-    result = fit_study(study, cache=cache, executor=executor, progress=progress)
-    examined = examine(
-        result, posterior=posterior, executor=executor, progress=progress
-    )
-    simple = fit_simple(study, progress.within("simple laws: "))
-    if not compare:
-        return result, examined, OtherLaws(simple)
-    stated = study.compare or CompareTable()
-    compared = compare_study(
-        study, stated.laws, by=stated.by, executor=executor, progress=progress
-    )
-    return result, examined, OtherLaws(simple, compared)

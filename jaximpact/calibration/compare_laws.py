@@ -1,16 +1,19 @@
-"""Comparison of laws in one call: tests in, which law they prefer out."""
+"""Comparison of laws in one call: tests in, which law they prefer out, and what all of
+them predict."""
 
 import base64
+import dataclasses
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from .._checks import expect
 from .._precision import require_float64
+from ..io.display import align
 from ..io.files import replacing, write_text
 from ..io.output_files import output_directory
 from ..parameters import Part
@@ -21,16 +24,19 @@ from ..tasks import check_executor
 from .arguments import study_of_arguments, table_given
 from .comparison.comparison import Compared, ScoredLaw, compare_study
 from .comparison.contenders import Law
-from .comparison.stacked import StackedPrediction, predict_stacked
-from .comparison.verdict import ranking, verdict
-from .problem.dataset import joined_tables
+from .comparison.fitted_law import LawPrediction, predict_law
+from .diagnostics.predictive import Predictive
+from .diagnostics.uncertainty import CONFIDENCE
+from .problem.dataset import Measurements, joined_tables
 from .problem.laws import scene_of
+from .problem.nuisance import entries_of, open_nuisances
 from .report.comparison import (
     comparison_contents,
     comparison_csv,
     comparison_json,
     comparison_picture,
     draw_comparison,
+    verdict,
 )
 from .report.files import in_lines
 from .report.render import render
@@ -43,6 +49,98 @@ FILES = (
     *("comparison.html", "comparison.txt", "comparison.csv", "comparison.json"),
     "comparison.png",
 )
+LEAST_WEIGHT = 1e-4
+"""Weight below which a law has no part in the stacked prediction."""
+
+
+class StackedPrediction(NamedTuple):
+    """Predictions of tests; arrays of shape (tests, targets), NaN where there is
+    none."""
+
+    tests: Measurements
+    targets: tuple[str, ...]
+    laws: tuple[LawPrediction, ...]
+    """Predictions of each law, the best predictor of the fitted tests first."""
+    weights: np.ndarray
+    """Stacking weights, shape (laws,)."""
+    middle: np.ndarray
+    """Median of the stacked prediction of a measurement."""
+    low: np.ndarray
+    """Lower end of its 95 % interval; `high` the upper."""
+    high: np.ndarray
+
+    def __str__(self) -> str:
+        rows = [("test", *self.targets)]
+        for test in range(len(self.tests)):
+            cells = (
+                f"{self.middle[test, target]:.3g} ({self.low[test, target]:.3g} to "
+                f"{self.high[test, target]:.3g})"
+                for target in range(len(self.targets))
+            )
+            rows.append((self.tests.name(test), *cells))
+        return f"Stacked prediction: median (95 %)\n{align(rows)}\n"
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Make a table with one row for each test and target: `predicted`, `low_95` and
+        `high_95` of the stacked prediction, and the prediction of each law under its
+        name. Needs pandas."""
+        import pandas as pd
+
+        rows = [
+            {
+                "test": self.tests.name(test),
+                "target": name,
+                "predicted": self.middle[test, target],
+                "low_95": self.low[test, target],
+                "high_95": self.high[test, target],
+            }
+            | {law.name: law.best[test, target] for law in self.laws}
+            for test in range(len(self.tests))
+            for target, name in enumerate(self.targets)
+        ]
+        return pd.DataFrame(rows)
+
+
+def predict_stacked(compared: Compared, tests: Measurements) -> StackedPrediction:
+    """Predict tests with every law, and with all of them by their weights."""
+    study = compared.study
+    shape = len(tests), len(study.targets)
+    added = {n: v for n, v in study.block.items() if n not in tests.inputs}
+    tests = tests.with_inputs(added)
+    new = dataclasses.replace(
+        study,
+        path=tests.files[0].path,
+        tests=tests,
+        nuisances=open_nuisances(
+            entries_of(study.nuisances, study.tests), tests, study.soil
+        ),
+        measured=np.full(shape, np.nan),
+        censored=np.zeros(shape, int),
+        sigma=np.ones(shape),
+    )
+    laws = tuple(predict_law(law.fitted, law.contender, new) for law in compared.laws)
+    found = np.full((3, *shape), np.nan)
+    tail = (1.0 - CONFIDENCE) / 2.0
+    for cell in np.ndindex(*shape):
+        mixture = _mixture(laws, compared.weights, cell)
+        if mixture is not None:
+            found[:, *cell] = [mixture.quantile(p) for p in (0.5, tail, 1.0 - tail)]
+    return StackedPrediction(tests, study.targets, laws, compared.weights, *found)
+
+
+def _mixture(laws, weights: np.ndarray, cell) -> Predictive | None:
+    """Mix the distributions of one measurement; None where no law has one."""
+    parts = [
+        (found, weight)
+        for law, weight in zip(laws, weights, strict=True)
+        if weight > LEAST_WEIGHT and (found := law.distribution(*cell)) is not None
+    ]
+    if not parts:
+        return None
+    atoms = np.concatenate([found.atoms for found, _ in parts])
+    of_atoms = np.concatenate([weight * found.weights for found, weight in parts])
+    order = np.argsort(atoms, kind="stable")
+    return Predictive(atoms[order], of_atoms[order] / np.sum(of_atoms))
 
 
 class Comparison:
@@ -75,18 +173,17 @@ class Comparison:
     @property
     def best(self) -> str:
         """Name of the law that predicts best, whether or not others tie with it."""
-        return self.laws[ranking(self.compared, self.compared.by_test).best]
+        return self.laws[self.compared.ranking().best]
 
     @property
     def ties(self) -> tuple[str, ...]:
         """Names of the laws that predict as well as the best, the best among them."""
-        found = ranking(self.compared, self.compared.by_test)
-        return tuple(self.laws[place] for place in found.ties)
+        return tuple(self.laws[place] for place in self.compared.ranking().ties)
 
     @property
     def preferred(self) -> str:
         """Name of the law with the fewest parameters among the ties."""
-        return self.laws[ranking(self.compared, self.compared.by_test).preferred]
+        return self.laws[self.compared.ranking().preferred]
 
     @property
     def weights(self) -> dict[str, float]:
@@ -103,14 +200,13 @@ class Comparison:
         return self.compared.laws[self.laws.index(name)]
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Make a table with one row a law: its number of `parameters` that have
-        an influence, `score` (the log predictive density of all tests), `difference`
-        to the best and its
-        `standard_error`, stacking `weight`, and `rms` and `rms_left_out` of each
-        target. Needs pandas."""
+        """Make a table with one row a law: its number of `parameters` that have an
+        influence, `score` (the log predictive density of all tests), `difference` to
+        the best and its `standard_error`, stacking `weight`, and `rms` and
+        `rms_left_out` of each target. Needs pandas."""
         import pandas as pd
 
-        found = ranking(self.compared, self.compared.by_test)
+        found = self.compared.ranking()
         columns = {
             "parameters": [law.count for law in self.compared.laws],
             "score": self.compared.by_test.totals,
@@ -131,7 +227,8 @@ class Comparison:
         Args:
             path: file to save the figure in too; replaced once the new one is whole.
         """
-        return save_figure(draw_comparison(self.compared), _path(path))
+        figure = draw_comparison(self.compared)
+        return save_figure(figure, None if path is None else Path(path))
 
     def predict(self, tests: str | os.PathLike | Mapping) -> StackedPrediction:
         """Predict tests with every law, and with all of them by their stacking
@@ -161,10 +258,6 @@ class Comparison:
             write_text(new(FILES[1]), str(self))
             write_text(new(FILES[2]), comparison_csv(self.compared))
             write_text(new(FILES[3]), in_lines(comparison_json(self.compared)) + "\n")
-
-
-def _path(path: str | os.PathLike | None) -> Path | None:
-    return None if path is None else Path(path)
 
 
 def compare(

@@ -11,8 +11,7 @@ from ..accuracy import Accuracy
 from ..errors import InputError
 from ..io.files import read_text
 from ..parameters import Part
-from .comparison.fitted_law import FittedLaw, law_of_json
-from .comparison.other_laws import SIMPLE_LAWS
+from .comparison.fitted_law import SIMPLE_LAWS, FittedLaw, law_of_json
 from .diagnostics.posterior import FEWEST
 from .problem.config import Variant
 from .problem.expressions import Tied

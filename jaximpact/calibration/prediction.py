@@ -24,8 +24,7 @@ from ..impact.events import Outcome
 from ..progress import Progress
 from ..quantities import NEVER_NEGATIVE
 from ..scene_quantities import SHAPE
-from .comparison.fitted_law import LawPrediction
-from .comparison.other_laws import predict_simple
+from .comparison.fitted_law import LawPrediction, predict_simple
 from .diagnostics.predictive import CONFIDENCES, Predictive, predictive
 from .estimation.starts import SILENT
 from .fitted_ground import FittedGround, FittedVariant

@@ -32,12 +32,12 @@ from jaximpact.calibration.comparison.fitted_law import (
     predict_law,
 )
 from jaximpact.calibration.comparison.held_out import held_out, log_densities
-from jaximpact.calibration.comparison.rebound_objective import ReboundObjective
-from jaximpact.calibration.comparison.stacking import (
+from jaximpact.calibration.comparison.ranking import (
     difference,
     is_tie,
     stacking_weights,
 )
+from jaximpact.calibration.comparison.rebound_objective import ReboundObjective
 from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.errors import InputError
 from jaximpact.parameters import parameter

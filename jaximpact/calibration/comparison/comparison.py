@@ -9,18 +9,24 @@ import numpy as np
 
 from ...errors import InputError, nearest
 from ...progress import Progress, ProgressFunction, as_progress
+from ...scene_quantities import SHAPE
 from ..problem.config import Study
+from ..problem.dataset import CAMPAIGN
 from ..problem.forward_model import for_each
 from .contenders import Contender, Law, contenders_of
 from .fitted_law import FittedLaw, LawFit, fit_law, of_targets, predicted_by_rebound
 from .held_out import HeldOut, held_out
-from .stacking import stacking_weights
+from .ranking import Ranking, ranking, stacking_weights
 
-CAMPAIGN, SHAPE, TEST = "campaign", "shape", "test"
+TEST = "test"
 MOST_VALUES = 12
 """Different numbers in a column up to which each is a group."""
 PARTS = 5
 """Groups of equal count of a column with more different numbers."""
+
+Groups = tuple[str, tuple[str, ...], np.ndarray]
+"""Column whose groups are left out, names of the groups, and index of the group of each
+test, -1 for a test without measurement."""
 
 
 class ScoredLaw(NamedTuple):
@@ -87,14 +93,32 @@ class Compared(NamedTuple):
     refused: dict[str, str]
     """Laws that could not be fitted, with the reason."""
 
+    def ranking(self, by: GroupScores | None = None) -> Ranking:
+        """Rank the laws, by their predictions of single tests unless others are
+        given."""
+        scores = (by or self.by_test).scores
+        return ranking(scores, [law.count for law in self.laws])
+
+
+class OtherLaws(NamedTuple):
+    """Laws beside those of a calibration."""
+
+    simple: tuple[FittedLaw, ...] = ()
+    """Simple laws fitted to the same tests; none where they predict no target, or
+    cannot be fitted."""
+    compared: Compared | None = None
+    """Comparison of many laws, where one was asked for."""
+
+
+NO_OTHERS = OtherLaws()
+
 
 def check_comparison(
     study: Study, laws: Iterable[Law] | None, by: str | Sequence[str] | None
 ) -> None:
     """Raise InputError for laws or columns that `compare_study` would refuse."""
     contenders_of(laws, study)
-    for name in _columns(study, by):
-        _groups(study, name)
+    _groups_left_out(study, by)
 
 
 def compare_study(
@@ -125,21 +149,19 @@ def compare_study(
     """
     progress = as_progress(progress)
     contenders = contenders_of(laws, study)
-    common = predicted_by_rebound(study)
-    chosen = any(contender.is_rebound for contender in contenders)
-    if chosen and not common:
-        if laws is not None:
+    targets = study.targets
+    if any(contender.is_rebound for contender in contenders):
+        common = predicted_by_rebound(study)
+        if not common and laws is not None:
             raise InputError(
                 f"laws of rebound predict none of {', '.join(study.targets)}; name "
                 "laws of the ground alone, or measure velocities or coefficients too"
             )
-        contenders = [c for c in contenders if not c.is_rebound]
-        chosen = False
-    targets = common if chosen else study.targets
+        targets = common or targets
+        contenders = [c for c in contenders if common or not c.is_rebound]
     left_out = tuple(name for name in study.targets if name not in targets)
     study = of_targets(study, targets)
-    groups = [(TEST, *_each(study))]
-    groups += [(name, *_groups(study, name)) for name in _columns(study, by)]
+    groups = [_each_test(study), *_groups_left_out(study, by)]
 
     def fitted(number: int, progress: Progress) -> tuple[ScoredLaw, list] | str:
         contender = contenders[number]
@@ -149,7 +171,7 @@ def compare_study(
             found = fit_law(study, contender, within, executor)
         except InputError as error:
             return str(error)
-        return _score(contender, found, groups, exact, within)
+        return _scored(contender, found, groups, exact, within)
 
     every = for_each(fitted, range(len(contenders)), progress, executor)
     named = zip((contender.name for contender in contenders), every, strict=True)
@@ -175,101 +197,86 @@ def compare_study(
     )
 
 
-def _score(
-    contender: Contender, found: LawFit, groups: list, exact: bool, progress: Progress
+def _scored(
+    contender: Contender,
+    found: LawFit,
+    groups: list[Groups],
+    exact: bool,
+    progress: Progress,
 ) -> tuple[ScoredLaw, list[np.ndarray]]:
     """Score a law by each kind of groups left out; log densities of these."""
-    held = [
-        held_out(
+    held, densities = [], []
+    for name, _, group in groups:
+        one = held_out(
             *(found.objective, found.points, found.uncertainty, group),
             exact=exact or contender.is_rebound or name != TEST,
             progress=progress,
         )
-        for name, _, group in groups
-    ]
-    densities = [_summed(one, g) for one, (_, _, g) in zip(held, groups, strict=True)]
-    return _scored(contender, found, held[0]), densities
-
-
-def _scored(contender: Contender, found: LawFit, left: HeldOut) -> ScoredLaw:
-    study = found.objective.study
-    exact = study.known & (study.censored == 0)
+        inside = group >= 0
+        held.append(one)
+        densities.append(np.bincount(group[inside], one.density[inside]))
+    study, points = found.objective.study, found.points
+    measured = study.known & (study.censored == 0)
 
     def rms(predicted: np.ndarray) -> np.ndarray:
-        there = exact & np.isfinite(predicted)
+        there = measured & np.isfinite(predicted)
         squares = np.where(there, (predicted - study.measured) ** 2, 0.0)
         return np.sqrt(np.sum(squares, axis=0) / np.maximum(np.sum(there, axis=0), 1))
 
-    points, count = found.points, found.fitted.parameters
+    count = found.fitted.parameters
     acts = np.any(points.jacobian[0][study.known] != 0.0, axis=0)[:count]
-    return ScoredLaw(
+    law = ScoredLaw(
         contender=contender,
         fitted=found.fitted,
         rms=rms(points.predicted[0]),
-        rms_left_out=rms(left.predicted),
-        left_out=left,
-        acts=tuple(bool(one) for one in acts),
+        rms_left_out=rms(held[0].predicted),
+        left_out=held[0],
+        acts=tuple(acts.tolist()),
         bounds_reached=tuple(found.objective.bounds.bound_reached(points.x[0])[:count]),
     )
+    return law, densities
 
 
-def _summed(held: HeldOut, group: np.ndarray) -> np.ndarray:
-    """Sum log densities within the groups, shape (groups,)."""
-    inside = group >= 0
-    return np.bincount(group[inside], held.density[inside])
-
-
-def _each(study: Study) -> tuple[tuple[str, ...], np.ndarray]:
-    """Number the tests that have a measurement; -1 for the others."""
+def _each_test(study: Study) -> Groups:
     there = np.any(study.known, axis=1)
     group = np.where(there, np.cumsum(there) - 1, -1)
     names = tuple(study.tests.name(int(test)) for test in np.flatnonzero(there))
-    return names, group
+    return TEST, names, group
 
 
-def _columns(study: Study, by: str | Sequence[str] | None) -> list[str]:
-    """List the columns whose groups are left out."""
+def _groups_left_out(study: Study, by: str | Sequence[str] | None) -> list[Groups]:
+    """Group the tests by each column."""
     if by is None:
-        several = [
-            name for name in (CAMPAIGN, SHAPE) if len(set(_labels(study, name))) > 1
-        ]
-        return several
-    return [by] if isinstance(by, str) else list(by)
+        labels = {CAMPAIGN: study.tests.labels[CAMPAIGN], SHAPE: study.tests.shapes}
+        by = [name for name, of_tests in labels.items() if len(set(of_tests)) > 1]
+    return [_groups(study, name) for name in ([by] if isinstance(by, str) else by)]
 
 
-def _labels(study: Study, name: str) -> list[str]:
-    return study.tests.shapes if name == SHAPE else study.tests.labels[name]
-
-
-def _groups(study: Study, name: str) -> tuple[tuple[str, ...], np.ndarray]:
+def _groups(study: Study, name: str) -> Groups:
     """Group the tests by a column. Raises InputError for one that is not there, or has
     one value alone."""
     tests = study.tests
-    texts = [*tests.labels, SHAPE]
+    texts = tests.labels | {SHAPE: tests.shapes}
     if name in texts:
-        labels = _labels(study, name)
+        labels = texts[name]
     elif name in tests.inputs:
         labels = _labels_of_numbers(tests.inputs[name])
     else:
-        known = [*texts, *tests.inputs]
         raise InputError(
             f"by names {name!r}, which is no column of the tests; did you mean "
-            f"{nearest(name, known)!r}?",
+            f"{nearest(name, [*texts, *tests.inputs])!r}?",
             file=study.path,
         )
     there = np.any(study.known, axis=1)
-    used = [label for label, one in zip(labels, there, strict=True) if one]
-    names = tuple(dict.fromkeys(used))
+    names = tuple(dict.fromkeys(np.array(labels)[there].tolist()))
     if len(names) < 2:
         raise InputError(
             f"by names {name!r}, which has one value in all tests; name a column with "
             "several",
             file=study.path,
         )
-    group = [
-        names.index(n) if one else -1 for n, one in zip(labels, there, strict=True)
-    ]
-    return names, np.array(group)
+    group = [names.index(n) if n in names else -1 for n in labels]
+    return name, names, np.where(there, group, -1)
 
 
 def _labels_of_numbers(values: np.ndarray) -> list[str]:

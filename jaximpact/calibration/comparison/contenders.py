@@ -1,15 +1,15 @@
 """Laws that are compared: grounds of the model, and laws of rebound."""
 
+import contextlib
 import dataclasses
-from collections.abc import Iterable
-from pathlib import Path
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from ..._checks import expect
 from ...errors import InputError, nearest
 from ...finding import find_class, shipped
 from ...parameters import Part, parts_of
-from ...quantities import BASES, SLOTS, USUAL, shipped_parts
+from ...quantities import BASES, USUAL, shipped_parts
 from ...rebound import (
     AbstractRebound,
     AnglePowerLaw,
@@ -20,9 +20,10 @@ from ...rebound import (
 from ...scene import Soil
 from ...scene_quantities import part_named
 from ..problem.config import Study, Variant
-from ..problem.laws import unusual
+from ..problem.laws import in_words, unusual
 
 MODEL = "model"
+SOIL_SLOTS = tuple(parts_of(Soil))
 SIMPLE = (ConstantCoefficients, PfeifferBowen)
 """Laws of rebound that stand beside every prediction."""
 REBOUND = (*SIMPLE, AnglePowerLaw, RigidEllipsoid)
@@ -48,12 +49,13 @@ def default_contenders(study: Study) -> list[Contender]:
     """List the model as the study has it, its named alternatives, and laws of
     rebound."""
     first = study.variants[0]
-    found = [_of_variant(v, study) for v in study.variants]
-    for slot in (slot for slot, whole in SLOTS.items() if whole == "soil"):
-        used = first.laws.get(slot, study.parts.get(slot))
-        for kind in shipped_parts(slot):
-            if type(used) is not kind:
-                found.append(_replacing(first, slot, kind()))
+    used = {slot: type(part) for slot, part in (study.parts | first.laws).items()}
+    found = [_of_variant(variant, study) for variant in study.variants]
+    found += [
+        _replacing(first, slot, kind())
+        for slot, kind in _laws_of_ground()
+        if used.get(slot) is not kind
+    ]
     return found + [Contender(law.words, law) for law in REBOUND]
 
 
@@ -88,18 +90,16 @@ def contenders_of(laws: Iterable[Law] | None, study: Study) -> list[Contender]:
 
 def _given(law, study: Study) -> Contender:
     """Make a contender of an object."""
-    if isinstance(law, type) and issubclass(law, AbstractRebound):
-        return Contender(law.words or law.__name__, law)
-    if isinstance(law, AbstractRebound):
-        return Contender(law.words or type(law).__name__, type(law))
+    kind = law if isinstance(law, type) else type(law)
+    if issubclass(kind, AbstractRebound):
+        return Contender(kind.words or kind.__name__, kind)
     first = study.variants[0]
     if isinstance(law, Soil):
-        laws = {slot: getattr(law, slot) for slot in parts_of(Soil)}
-        told = unusual(laws)
-        name = ", ".join(f"{s} {type(p).__name__}" for s, p in told.items())
-        return Contender(name or "usual laws", Variant(name, dict(first.soil), laws))
-    for slot, base in BASES.items():
-        if isinstance(law, base) and SLOTS[slot] == "soil":
+        laws = {slot: getattr(law, slot) for slot in SOIL_SLOTS}
+        name = in_words(unusual(laws)) or "usual laws"
+        return Contender(name, Variant(name, dict(first.soil), laws))
+    for slot in SOIL_SLOTS:
+        if isinstance(law, BASES[slot]):
             return _replacing(first, slot, law)
     raise InputError(
         "laws must hold names, Soils, laws of the soil or laws of rebound, but holds "
@@ -112,50 +112,50 @@ def _named(text: str, study: Study) -> list[Contender]:
     several variants."""
     if _folded(text) == MODEL:
         return [_of_variant(variant, study) for variant in study.variants]
+    known = [MODEL]
     for law in shipped(AbstractRebound):
         if _folded(text) in (_folded(law.words), _folded(law.__name__)):
             return [Contender(law.words, law)]
-    directory = study.path.parent
+        known.append(law.words)
     if ":" in text:
-        return [_from_file(text, study, directory)]
-    for slot in (slot for slot, whole in SLOTS.items() if whole == "soil"):
+        return [_from_file(text, study)]
+    for slot, kind in _laws_of_ground():
+        if _folded(text) == _folded(kind.__name__):
+            return [_replacing(study.variants[0], slot, kind())]
+        known.append(kind.__name__)
+    raise InputError(f"law {text!r} is unknown; did you mean {nearest(text, known)!r}?")
+
+
+def _laws_of_ground() -> Iterator[tuple[str, type[Part]]]:
+    """Slots of the soil, each with every law of the package for it."""
+    for slot in SOIL_SLOTS:
         for kind in shipped_parts(slot):
-            if _folded(text) == _folded(kind.__name__):
-                return [_replacing(study.variants[0], slot, kind())]
+            yield slot, kind
+
+
+def _from_file(text: str, study: Study) -> Contender:
+    """Find a class of a user's file among laws of rebound and of every slot."""
+    directory = study.path.parent
+    with _other_base_allowed():
+        law = find_class("law of rebound", AbstractRebound, text, directory)
+        return Contender(law.__name__, law)
+    for slot in SOIL_SLOTS:
+        with _other_base_allowed():
+            part = part_named(slot, text, directory)
+            return _replacing(study.variants[0], slot, part)
     raise InputError(
-        f"law {text!r} is unknown; did you mean {nearest(text, known_names())!r}?"
+        f"law {text!r} derives from no law of the ground and from no law of rebound"
     )
 
 
-def known_names() -> list[str]:
-    """List the names by which the package's own laws can be compared."""
-    names = [MODEL, *(law.words for law in shipped(AbstractRebound))]
-    for slot in (slot for slot, whole in SLOTS.items() if whole == "soil"):
-        names += [kind.__name__ for kind in shipped_parts(slot)]
-    return names
-
-
-def _from_file(text: str, study: Study, directory: Path) -> Contender:
-    """Find a class of a user's file among laws of rebound and of every slot."""
-    refused: InputError | None = None
+@contextlib.contextmanager
+def _other_base_allowed() -> Iterator[None]:
+    """Pass over the InputError for a class that derives from another base."""
     try:
-        law = find_class("law of rebound", AbstractRebound, text, directory)
-        return Contender(law.__name__, law)
+        yield
     except InputError as error:
         if "must derive" not in str(error):
             raise
-        refused = error
-    for slot in (slot for slot, whole in SLOTS.items() if whole == "soil"):
-        try:
-            part = part_named(slot, text, directory)
-        except InputError as error:
-            if "must derive" not in str(error):
-                raise
-            continue
-        return _replacing(study.variants[0], slot, part)
-    raise InputError(
-        f"law {text!r} derives from no law of the ground and from no law of rebound"
-    ) from refused
 
 
 def _of_variant(variant: Variant, study: Study) -> Contender:
@@ -165,8 +165,7 @@ def _of_variant(variant: Variant, study: Study) -> Contender:
 
 def _replacing(variant: Variant, slot: str, part: Part) -> Contender:
     """Make the ground of a variant with one law replaced."""
-    words = slot.replace("_", " ")
-    name = f"{words} {type(part).__name__}"
+    name = f"{slot.replace('_', ' ')} {type(part).__name__}"
     if type(part) is USUAL[slot]:
         name += " (usual)"
     laws = {**variant.laws, slot: part}

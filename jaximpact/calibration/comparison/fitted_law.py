@@ -1,4 +1,5 @@
-"""One law fitted to the tests of a study, and its predictions of others."""
+"""One law fitted to the tests of a study, and its predictions of others; simple laws
+stand beside every calibration."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -7,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...errors import InputError
 from ...progress import Progress
 from ...quantities import NEVER_NEGATIVE
 from ..diagnostics.importance_sampling import freedom_of_targets
@@ -25,11 +27,13 @@ from ..problem.noise import least_size
 from ..problem.nuisance import EACH_TEST, group_sds
 from ..problem.objective import Objective, Points, names_of
 from ..study import best_fit
-from .contenders import Contender
+from .contenders import SIMPLE, Contender
 from .rebound_objective import PREDICTED, ReboundObjective
 
 STARTS = 16
 """Starts of a law of rebound, whose cost has few minima."""
+SIMPLE_LAWS = {law.words: Contender(law.words, law) for law in SIMPLE}
+"""Simple laws by name."""
 
 
 class FittedLaw(NamedTuple):
@@ -63,30 +67,28 @@ class FittedLaw(NamedTuple):
         return self.sigma * np.where(np.isinf(self.least_size), 1.0, sizes)
 
     def as_json(self) -> dict:
-        """Collect the numbers as plain values; None for what is not finite."""
+        """Collect the numbers for fit.json, as `law_of_json` takes them."""
         return {
             "law": self.name,
-            "unknowns": list(self.unknowns),
+            "unknowns": self.unknowns,
             "parameters": self.parameters,
-            "values": self.values.tolist(),
-            "covariance": self.covariance.tolist(),
-            "targets": list(self.targets),
-            "sigma": self.sigma.tolist(),
-            "least_size": _finite(self.least_size),
-            "degrees_of_freedom": _finite(self.freedom),
+            "values": self.values,
+            "covariance": self.covariance,
+            "targets": self.targets,
+            "sigma": self.sigma,
+            "least_size": self.least_size,
+            "degrees_of_freedom": self.freedom,
         }
 
 
-def _finite(values: np.ndarray) -> list[float | None]:
-    return [float(value) if np.isfinite(value) else None for value in values]
-
-
-def _infinite(values: list[float | None]) -> np.ndarray:
-    return np.array([np.inf if value is None else value for value in values])
-
-
 def law_of_json(entry: dict) -> FittedLaw:
-    """Read what `FittedLaw.as_json` wrote."""
+    """Make a fit of the numbers of fit.json."""
+
+    def numbers(key: str) -> np.ndarray:
+        # What is infinite is None in the file, and NaN here.
+        values = np.array(entry[key], float)
+        return np.where(np.isnan(values), np.inf, values)
+
     return FittedLaw(
         name=entry["law"],
         unknowns=tuple(entry["unknowns"]),
@@ -95,8 +97,8 @@ def law_of_json(entry: dict) -> FittedLaw:
         covariance=np.array(entry["covariance"], float),
         targets=tuple(entry["targets"]),
         sigma=np.array(entry["sigma"], float),
-        least_size=_infinite(entry["least_size"]),
-        freedom=_infinite(entry["degrees_of_freedom"]),
+        least_size=numbers("least_size"),
+        freedom=numbers("degrees_of_freedom"),
     )
 
 
@@ -197,30 +199,26 @@ class LawPrediction(NamedTuple):
     def distribution(self, test: int, target: int) -> Predictive | None:
         """Make the distribution of one measurement; None where there is none."""
         cell = test, target
-        values, one = np.array([self.best[cell]]), np.ones(1)
         return predictive(
-            *(values, one, float(self.deviation[cell]), float(self.freedom[target])),
+            *(self.best[cell][None], np.ones(1)),
+            *(float(self.deviation[cell]), float(self.freedom[target])),
             positive=self.targets[target] in NEVER_NEGATIVE,
         )
 
     def interval(self, test: int, target: int) -> tuple[float, float]:
         """Compute the 95 % interval of one measurement; NaN where there is none."""
-        found = self.distribution(test, target)
+        found, tail = self.distribution(test, target), (1.0 - CONFIDENCE) / 2.0
         if found is None:
-            return float("nan"), float("nan")
-        tail = (1.0 - CONFIDENCE) / 2.0
+            return np.nan, np.nan
         return found.quantile(tail), found.quantile(1.0 - tail)
 
 
 def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPrediction:
-    """Predict the tests of a study, which is not fitted.
+    """Predict the tests of a study, which is not fitted; its targets beyond those of
+    the law are left out.
 
     A nuisance parameter of a group that the fit knows has the fit's value; that of
     another group the mean and the standard deviation of its prior.
-
-    Args:
-        contender: the law that was fitted.
-        study: tests; its targets beyond the fitted ones are left out.
     """
     study = of_targets(study, fitted.targets)
     objective = objective_of(study, contender)
@@ -240,24 +238,47 @@ def predict_law(fitted: FittedLaw, contender: Contender, study: Study) -> LawPre
 
 def _unknowns(fitted: FittedLaw, study: Study) -> tuple[np.ndarray, np.ndarray]:
     """Find values and covariance of the unknowns of new tests."""
-    places: list[int | None] = list(range(fitted.parameters))
-    values = [*fitted.values[: fitted.parameters]]
-    variances = [0.0] * fitted.parameters
+    count = fitted.parameters
+    # Index of each unknown among those of the fit; None for a new group.
+    places: list[int | None] = list(range(count))
+    values, variances = [*fitted.values[:count]], [0.0] * count
     for nuisance in study.nuisances:
-        named = nuisance.by != EACH_TEST
+        sd = fitted.group_sd.get(nuisance.name, nuisance.prior.sd)
         for group in range(len(nuisance.groups)):
             label = nuisance.label(group)
-            known = named and label in fitted.unknowns
-            place = fitted.unknowns.index(label) if known else None
-            places.append(place)
-            values.append(
-                nuisance.prior.mean if place is None else fitted.values[place]
-            )
-            sd = fitted.group_sd.get(nuisance.name, nuisance.prior.sd)
-            variances.append(sd**2 if place is None else 0.0)
+            if nuisance.by != EACH_TEST and label in fitted.unknowns:
+                places.append(fitted.unknowns.index(label))
+                values.append(fitted.values[places[-1]])
+                variances.append(0.0)
+            else:
+                places.append(None)
+                values.append(nuisance.prior.mean)
+                variances.append(sd**2)
     covariance = np.diag(variances)
-    for row, first in enumerate(places):
-        for column, second in enumerate(places):
-            if first is not None and second is not None:
-                covariance[row, column] = fitted.covariance[first, second]
+    new = [row for row, place in enumerate(places) if place is not None]
+    old = [place for place in places if place is not None]
+    covariance[np.ix_(new, new)] = fitted.covariance[np.ix_(old, old)]
     return np.array(values), covariance
+
+
+def fit_simple(study: Study, progress: Progress = SILENT) -> tuple[FittedLaw, ...]:
+    """Fit constant coefficients, and Pfeiffer and Bowen, to the targets that they
+    predict."""
+    targets, found = predicted_by_rebound(study), []
+    if not targets:
+        return ()
+    study = of_targets(study, targets)
+    for name, contender in SIMPLE_LAWS.items():
+        progress(name)
+        try:
+            found.append(fit_law(study, contender).fitted)
+        except InputError:
+            continue  # the predictions say that it is not there
+    return tuple(found)
+
+
+def predict_simple(
+    simple: tuple[FittedLaw, ...], study: Study
+) -> tuple[LawPrediction, ...]:
+    """Predict the tests of a study, which is not fitted, with simple laws."""
+    return tuple(predict_law(law, SIMPLE_LAWS[law.name], study) for law in simple)

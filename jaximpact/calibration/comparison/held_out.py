@@ -92,7 +92,9 @@ def held_out(
             found = fit(rest, best.x, rule=LEFT_OUT)
             points = found.points.take([found.best])
         else:
-            points = _moved(rest, best, steps[number])
+            step = steps[number]  # with the model linearised
+            linear = best.predicted + best.jacobian @ step
+            points = rest.evaluate(best.x + step, linear, best.outcomes, best.jacobian)
         of_rest = _predict(rest, points, tests)
         predicted[tests], deviation[tests] = points.predicted[0, tests], of_rest[0]
         cells[tests] = of_rest[1]
@@ -106,12 +108,6 @@ def held_out(
         refitted=int(np.sum(refitted)),
         unpredicted=int(np.sum(known & ~np.isfinite(predicted))),
     )
-
-
-def _moved(objective: Objective, points: Points, step: np.ndarray) -> Points:
-    """Move points of one lane by a step, with the model linearised."""
-    x, predicted = points.x + step, points.predicted + points.jacobian @ step
-    return objective.evaluate(x, predicted, points.outcomes, points.jacobian)
 
 
 def _predict(
@@ -132,17 +128,11 @@ def _predict(
         study.sigma_given, np.inf, np.maximum(freedom_of_targets(rest, points), 1.0)
     )
     # `without` has taken the measurements away.
-    measured, censored = _measurements(rest, tests)
-    u = (measured - points.predicted[0, tests]) / deviation
+    measured = np.stack([study.tests.measured[n] for n in study.targets], axis=1)
+    u = (measured[tests] - points.predicted[0, tests]) / deviation
     missing = ~np.isfinite(points.predicted[0, tests])
     u = np.where(missing, MISSED_BY, u)
-    return deviation, log_densities(u, deviation, censored, freedom)
-
-
-def _measurements(rest: Objective, tests: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    study = rest.study
-    measured = np.stack([study.tests.measured[n] for n in study.targets], axis=1)
-    return measured[tests], study.censored[tests]
+    return deviation, log_densities(u, deviation, study.censored[tests], freedom)
 
 
 def log_densities(

@@ -28,6 +28,8 @@ from ...shapes import AbstractShape, MixedShapes
 from .force_curves import with_curves
 
 CAMPAIGN = "campaign"
+LIMITS = {1: ">", -1: "<", 0: ""}
+"""Sign of a limit, as tables write it, for each code in `censored`."""
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The comparison of laws as contents of the report, as a table and as numbers."""
+"""The comparison of laws in words, as tables, as numbers and as a picture."""
 
 import base64
 import csv
@@ -11,12 +11,85 @@ from matplotlib.figure import Figure
 from ...io.display import Rows
 from ...plotting.style import BLUE, GREY, VERMILION, in_style, panels, plain, png_bytes
 from ..comparison.comparison import Compared, GroupScores
-from ..comparison.verdict import RULE, ranking, verdict
+from ..comparison.ranking import (
+    ERRORS,
+    FEWEST_UNITS,
+    SMALL_DIFFERENCE,
+    Ranking,
+)
 
 CSV_COLUMNS = (
     *("law", "row", "test", "log_density", "target", "measured", "left_out"),
     "left_out_deviation",
 )
+RULE = (
+    f"Two laws tie where their scores differ by less than {ERRORS:g} standard errors, "
+    f"or by less than {SMALL_DIFFERENCE:g}."
+)
+
+
+def verdict(compared: Compared) -> list[str]:
+    """Say which law to use, first by single tests, then by groups."""
+    found = compared.ranking()
+    lines = [_in_words(compared, found)]
+    lines += [_by_group(compared, scores, found) for scores in compared.by_group]
+    weights = [
+        f"{law.name} {weight:.2f}"
+        for law, weight in zip(compared.laws, compared.weights, strict=True)
+        if weight >= 0.05
+    ]
+    lines.append(f"Stacking weights: {', '.join(weights)}.")
+    return lines
+
+
+def _in_words(compared: Compared, found: Ranking) -> str:
+    names = [law.name for law in compared.laws]
+    counts = [law.count for law in compared.laws]
+    best, preferred = names[found.best], found.preferred
+    if len(names) == 1:
+        return f"{best} was compared with no other law."
+    others = [names[i] for i in found.ties if i != found.best]
+    if not others:
+        return f"{best} predicts a test that it has not seen better than all others."
+    known = np.all(np.isfinite(found.error))
+    few = "" if known else " (the standard errors need more tests)"
+    text = f"A tie: {best} and {_listed(others)} predict equally well{few}."
+    if preferred == found.best:
+        return (
+            f"{text} Prefer {best}: no law of the tie has fewer fitted parameters "
+            f"({counts[preferred]})."
+        )
+    return (
+        f"{text} Prefer {names[preferred]}, the simplest of them: "
+        f"{counts[preferred]} fitted parameters against {counts[found.best]} of {best}."
+    )
+
+
+def _by_group(compared: Compared, scores: GroupScores, whole: Ranking) -> str:
+    found = compared.ranking(scores)
+    names = [law.name for law in compared.laws]
+    text = f"By {scores.by} ({len(scores.groups)} groups left out one by one): "
+    text += f"{names[found.best]} predicts best"
+    if len(scores.groups) < FEWEST_UNITS:
+        text += (
+            f"; with fewer than {FEWEST_UNITS} groups the differences have no standard "
+            "error"
+        )
+    elif len(found.ties) > 1:
+        others = [names[i] for i in found.ties if i != found.best]
+        text += f", in a tie with {_listed(others)}"
+    else:
+        text += ", better than all others"
+    if whole.preferred not in found.ties:
+        text += (
+            f". {names[whole.preferred]}, preferred by single tests, predicts a new "
+            f"{scores.by} worse"
+        )
+    return text + "."
+
+
+def _listed(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def comparison_contents(compared: Compared) -> dict[str, Any]:
@@ -49,15 +122,9 @@ def comparison_contents(compared: Compared) -> dict[str, Any]:
     }
 
 
-def comparison_part(compared: Compared | None) -> dict[str, Any]:
-    """Collect what the report of a study says of a comparison, if there is one."""
-    contents = None if compared is None else comparison_contents(compared)
-    return {"comparison": contents, "comparison_pictures": []}
-
-
 def score_rows(compared: Compared) -> Rows:
     """Write the laws with their scores, the best first."""
-    found, targets = ranking(compared, compared.by_test), compared.study.targets
+    found, targets = compared.ranking(), compared.study.targets
     head = ("law", "parameters", "score", "less than the best", "weight")
     rows: Rows = [(*head, *(f"rms left out {name}" for name in targets))]
     for place, law in enumerate(compared.laws):
@@ -76,7 +143,7 @@ def score_rows(compared: Compared) -> Rows:
 
 def group_rows(compared: Compared, scores: GroupScores) -> Rows:
     """Write the scores of one way of leaving groups out."""
-    found = ranking(compared, scores)
+    found = compared.ranking(scores)
     rows: Rows = [("law", "score", "less than the best", "worst predicted")]
     for place in np.argsort(-scores.totals, kind="stable"):
         worst = scores.groups[int(np.argmin(scores.scores[:, place]))]
@@ -121,39 +188,32 @@ def parameter_rows(compared: Compared) -> Rows:
 
 
 def comparison_json(compared: Compared) -> dict:
-    """Collect the numbers of a comparison as plain values."""
-    found = ranking(compared, compared.by_test)
+    """Collect the numbers of a comparison."""
+    found = compared.ranking()
     return {
-        "targets": list(compared.study.targets),
-        "targets_left_out": list(compared.targets_left_out),
+        "targets": compared.study.targets,
+        "targets_left_out": compared.targets_left_out,
         "verdict": verdict(compared),
         "preferred": compared.laws[found.preferred].name,
         "ties": [compared.laws[place].name for place in found.ties],
         "laws": [
             law.fitted.as_json()
             | {
-                "score": float(compared.by_test.totals[place]),
-                "difference": float(found.apart[place]),
-                "standard_error": _finite(found.error[place]),
-                "weight": float(compared.weights[place]),
-                "rms": law.rms.tolist(),
-                "rms_left_out": law.rms_left_out.tolist(),
+                "score": compared.by_test.totals[place],
+                "difference": found.apart[place],
+                "standard_error": found.error[place],
+                "weight": compared.weights[place],
+                "rms": law.rms,
+                "rms_left_out": law.rms_left_out,
             }
             for place, law in enumerate(compared.laws)
         ],
         "groups": {
-            scores.by: {
-                "names": list(scores.groups),
-                "scores": scores.scores.T.tolist(),
-            }
+            scores.by: {"names": scores.groups, "scores": scores.scores.T}
             for scores in compared.by_group
         },
         "refused": compared.refused,
     }
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
 
 
 def comparison_csv(compared: Compared) -> str:
@@ -196,7 +256,7 @@ def comparison_picture(compared: Compared) -> dict[str, str]:
 @in_style
 def draw_comparison(compared: Compared) -> Figure:
     """Draw the difference of each law to the best, with two standard errors."""
-    found = ranking(compared, compared.by_test)
+    found = compared.ranking()
     count = len(compared.laws)
     figure, (axes,) = panels(1, 1, height=0.9 + 0.28 * count)
     places = np.arange(count)

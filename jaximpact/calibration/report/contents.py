@@ -1,6 +1,7 @@
 """Contents of the report: sentences and tables of a calibration as plain values, which
 the layouts in templates/ arrange. A table is a list of rows, its head first."""
 
+import collections
 import dataclasses
 import itertools
 
@@ -11,6 +12,7 @@ from ...accuracy import PRESETS
 from ...identity import name_of
 from ...io.display import Rows
 from ...quantities import INPUT_COLUMNS
+from ..comparison.comparison import Compared
 from ..diagnostics import cross_validation, further_tests, residuals
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import (
@@ -25,6 +27,7 @@ from ..estimation.least_squares import Reason
 from ..estimation.sigma import LEAST_FREEDOM, relative_sigma
 from ..problem.config import Study
 from ..problem.laws import in_words, unusual
+from .comparison import comparison_contents
 from .parameters import (
     NOT_IDENTIFIABLE,
     about_draws,
@@ -44,7 +47,9 @@ ONE_ROW = 1e-3
 """Relative difference of costs within which starts share a row."""
 
 
-def contents_of(result: StudyResult, examined: list[Examination]) -> dict:
+def contents_of(
+    result: StudyResult, examined: list[Examination], compared: Compared | None = None
+) -> dict:
     """Collect everything that the report says, without its pictures."""
     study = result.study
     return {
@@ -57,6 +62,8 @@ def contents_of(result: StudyResult, examined: list[Examination]) -> dict:
             _variant(result, variant, diagnostics)
             for variant, diagnostics in zip(result.variants, examined, strict=True)
         ],
+        "comparison": None if compared is None else comparison_contents(compared),
+        "comparison_pictures": [],
         "origin": _origin(result),
     }
 
@@ -67,6 +74,7 @@ def _variant(
     values = diagnostics.residuals.values
     return {
         "name": variant.variant.name,
+        "pictures": collections.defaultdict(list),
         "verdict": verdict(variant, len(result.variants) > 1),
         "warnings": warnings_of(result, variant, diagnostics),
         "parameters": parameter_rows(variant),

@@ -205,14 +205,13 @@ def _over_input(axes, result, variant, bands, target, along) -> None:
     order = np.argsort(x, kind="stable")
     order = order[np.isfinite(bands.middle[order, target])]
 
-    def band(low, high, opacity, label):
+    def band(low, high, **style):
         ends = low[order, target], high[order, target]
-        axes.fill_between(
-            x[order], *ends, color=BLUE, alpha=opacity, linewidth=0, label=label
-        )
+        axes.fill_between(x[order], *ends, color=BLUE, linewidth=0, **style)
 
-    band(bands.measured_low, bands.measured_high, WIDE_BAND, "measurement, 95 %")
-    band(bands.low, bands.high, BAND, "model, 95 %")
+    of_measured = bands.measured_low, bands.measured_high
+    band(*of_measured, alpha=WIDE_BAND, label="measurement, 95 %")
+    band(bands.low, bands.high, alpha=BAND, label="model, 95 %")
     axes.plot(x[order], variant.predicted[order, target], color=BLUE, label="best fit")
     censored = study.censored[:, target]
     for sign, marker, label in (
@@ -236,19 +235,13 @@ def _over_measured(axes, result, variant, bands, target) -> None:
     low, high = np.nanmin(ends), np.nanmax(ends)
     axes.axline((low, low), (high, high + (high == low)), color=GREY, linewidth=1)
 
-    def bars(low, high, width, opacity, label):
-        axes.vlines(
-            measured[known],
-            low[known, target],
-            high[known, target],
-            color=BLUE,
-            alpha=opacity,
-            linewidth=width,
-            label=label,
-        )
+    def bars(low, high, **style):
+        ends = low[known, target], high[known, target]
+        axes.vlines(measured[known], *ends, color=BLUE, **style)
 
-    bars(bands.measured_low, bands.measured_high, 1.2, 0.6, "measurement, 95 %")
-    bars(bands.low, bands.high, 4.0, 0.5, "model, 95 %")
+    of_measured = bands.measured_low, bands.measured_high
+    bars(*of_measured, linewidth=1.2, alpha=0.6, label="measurement, 95 %")
+    bars(bands.low, bands.high, linewidth=4.0, alpha=0.5, label="model, 95 %")
     exact = known & (study.censored[:, target] == 0)
     style: dict[str, Any] = dict(color=BLUE, linestyle="none", marker="o", markersize=4)
     axes.plot(measured[exact], fitted[exact], label="best fit", **style)
@@ -311,45 +304,36 @@ def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
     the parabola of its standard error."""
     figure, axes = _panel()
     index = variant.names.index(found.name)
-    bounds, uncertainty = variant.bounds, variant.uncertainty
+    uncertainty = variant.uncertainty
+    bounds = Bounds(*(part[index] for part in variant.bounds))
     most = max(MOST_RATIO, 1.5 * uncertainty.quantile**2)
     low, high = _shown(found, most)
     # The signed root is nearly straight, so that its interpolation is smooth.
-    along = _coordinate(bounds, index, found.values)
+    along = bounds.coordinate(found.values)
     side = np.sign(np.arange(len(along)) - np.argmin(found.rise))
     root = PchipInterpolator(along, side * np.sqrt(np.maximum(found.rise, 0.0)))
-    ends = _coordinate(bounds, index, np.array([low, high]))
+    ends = bounds.coordinate([low, high])
     fine = np.linspace(ends[0], ends[1], 300)
-    axes.plot(_parameter(bounds, index, fine), root(fine) ** 2, color=BLUE)
+    axes.plot(bounds.parameter(fine), root(fine) ** 2, color=BLUE)
     style: dict[str, Any] = dict(color=BLUE, marker="o", markersize=4, linestyle="none")
     axes.plot(found.values, found.rise, label="others fitted again", **style)
     if variant.verdicts[index].determined:
         reach = np.sqrt(most) * np.linspace(-1.0, 1.0, 61)
         x = variant.points.x[0, index] + reach * uncertainty.standard_errors[index]
-        by_error = _parameter(bounds, index, x)
+        by_error = bounds.parameter(x)
         axes.plot(by_error, reach**2, "--", color=GREY, label="by the standard error")
     for level, words in ((1.0, "68 %"), (uncertainty.quantile**2, "95 %")):
         axes.axhline(level, color=VERMILION, linewidth=0.8)
         at: dict[str, Any] = dict(ha="right", va="center", color=VERMILION)
         at["bbox"] = dict(facecolor="white", edgecolor="none", pad=1.0)
         axes.annotate(words, (1.0, level), xycoords=("axes fraction", "data"), **at)
-    _scale(axes, "x", low, high, bounds.logarithmic[index])
+    _scale(axes, "x", low, high, variant.bounds.logarithmic[index])
     axes.set_xlim(low, high)
     axes.set_ylim(-0.02 * most, most)
     axes.set_xlabel(label_of(found.name, columns_of(variant.objective.scene)))
     axes.set_ylabel("likelihood ratio 2 ΔC / s² [-]")
     axes.legend(loc="upper center")
     return figure
-
-
-def _coordinate(bounds: Bounds, index: int, values: np.ndarray) -> np.ndarray:
-    """Convert values of one parameter to x."""
-    return np.log(values) if bounds.logarithmic[index] else values / bounds.half[index]
-
-
-def _parameter(bounds: Bounds, index: int, x: np.ndarray) -> np.ndarray:
-    """Convert x of one parameter to its values."""
-    return np.exp(x) if bounds.logarithmic[index] else x * bounds.half[index]
 
 
 def _shown(found: LikelihoodProfile, most: float) -> tuple[float, float]:
@@ -395,8 +379,7 @@ def draw_pair(variant: VariantResult, draws: Draws, first: int, second: int) -> 
     for index, of_axis, which in zip(pair, values.T, "xy", strict=True):
         ends = np.min(of_axis), np.max(of_axis)
         _scale(axes, which, *ends, bounds.logarithmic[index])
-        label = label_of(variant.names[index], columns)
-        axes.set(**{f"{which}label": label})
+        axes.set(**{f"{which}label": label_of(variant.names[index], columns)})
     return figure
 
 
@@ -407,12 +390,12 @@ def draw_left_out(result: StudyResult, left: LeftOut) -> Figure:
     figure, axes = _panel()
     axes.axhspan(-left.quantile, left.quantile, color=GREY, alpha=0.15, linewidth=0)
     axes.axhline(0.0, color=GREY, linewidth=1)
-    values = left.standardised(study.measured)
+    exact = study.censored == 0
+    values = np.where(exact, left.standardised(study.measured), np.nan)
     number = np.arange(1, len(study.tests) + 1)
     for target, name in enumerate(study.targets):
-        y = np.where(study.censored[:, target] == 0, values[:, target], np.nan)
         style: dict[str, Any] = dict(linestyle="none", markersize=5, label=name)
-        axes.plot(number, y, **style, **points(target))
+        axes.plot(number, values[:, target], **style, **points(target))
     if len(number) <= MOST_NAMED:
         names = [plain(study.tests.name(test)) for test in range(len(number))]
         axes.set_xticks(number, names, rotation=45, ha="right")
@@ -429,20 +412,18 @@ def draw_candidates(found: Suggestions) -> Figure:
     """Draw the gain of the next test over the first quantity, a line for each value of
     the second; the best of the others and of the ways to measure."""
     figure, axes = _panel()
-    names = list(found.candidates)
-    best = np.max(found.volumes, axis=1)
-    along = found.candidates[names[0]]
-    lines = found.candidates[names[1]] if len(names) > 1 else np.zeros(len(along))
+    first, *others = found.candidates
+    best, along = np.max(found.volumes, axis=1), found.candidates[first]
+    lines = found.candidates[others[0]] if others else np.zeros(len(along))
     for number, value in enumerate(np.unique(lines)):
         of_line = lines == value
         x = np.unique(along[of_line])
         y = [np.max(best[of_line & (along == at)]) for at in x]
-        label = f"{value:g}" if len(names) > 1 else None
-        axes.plot(x, y, markersize=5, label=label, **points(number))
-    axes.set_xlabel(label_of(names[0], found.columns))
+        axes.plot(x, y, markersize=5, label=f"{value:g}", **points(number))
+    axes.set_xlabel(label_of(first, found.columns))
     axes.set_ylabel("factor by which the\nmean error shrinks [-]")
-    if len(names) > 1:
-        axes.legend(title=label_of(names[1], found.columns))
+    if others:
+        axes.legend(title=label_of(others[0], found.columns))
     return figure
 
 
@@ -459,9 +440,7 @@ def _waterfall(axes: Axes, variant: VariantResult, color, marker, label, other) 
     order = np.argsort(variant.start_costs, kind="stable")
     costs = np.maximum(variant.start_costs[order], LEAST_COST)
     rank, reached = np.arange(1, len(costs) + 1), variant.reached[order]
-    style: dict[str, Any] = dict(
-        color=color, marker=marker, linestyle="none", markersize=4
-    )
+    style: dict[str, Any] = dict(color=color, marker=marker, ls="none", markersize=4)
     axes.plot(rank, costs, color=color, linewidth=0.8)
     axes.plot(rank[reached], costs[reached], label=label, **style)
     if not np.all(reached):

@@ -2,7 +2,6 @@
 report.txt, fit.json, fitted.csv and fit.png."""
 
 import base64
-import collections
 import contextlib
 import dataclasses
 import json
@@ -18,7 +17,7 @@ from ...accuracy import PRESETS
 from ...identity import part_names
 from ...io.files import replacing, write_text
 from ...io.output_files import NewFile, output_directory
-from ..comparison.other_laws import NO_OTHERS, OtherLaws
+from ..comparison.comparison import NO_OTHERS, OtherLaws
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import Examination, fit_of_target
 from ..diagnostics.further_tests import Suggestions
@@ -29,15 +28,11 @@ from ..diagnostics.results import StudyResult, VariantResult
 from ..estimation.sigma import relative_sigma
 from ..fitted_ground import FILES
 from ..problem.config import Study
+from ..problem.dataset import LIMITS
 from ..problem.laws import as_entries, unusual
 from ..problem.noise import SCATTERS, least_size
 from ..problem.nuisance import entries_of, group_sds
-from .comparison import (
-    comparison_csv,
-    comparison_json,
-    comparison_part,
-    comparison_picture,
-)
+from .comparison import comparison_csv, comparison_json, comparison_picture
 from .contents import contents_of
 from .render import render
 
@@ -84,18 +79,18 @@ def write_all(
     # Matplotlib takes half a second to import, which a fit alone need not wait for.
     from .drawings import draw_report, plot_study
 
-    contents = contents_of(result, examined) | comparison_part(others.compared)
-    pictures = draw_report(result, examined)
+    contents = contents_of(result, examined, others.compared)
+    drawn = draw_report(result, examined)
     if others.compared is not None:
         contents["comparison_pictures"] = [comparison_picture(others.compared)]
         write_text(new(COMPARISON), comparison_csv(others.compared))
     # First, since their names, which depend on the fit, are not checked beforehand.
-    drawn = [p for one in pictures for group in one.values() for p in group]
-    for picture in drawn + contents["comparison_pictures"]:
+    pictures = [p for groups in drawn for group in groups.values() for p in group]
+    for picture in pictures + contents["comparison_pictures"]:
         with replacing(new(picture["path"])) as temporary:
             temporary.write_bytes(base64.b64decode(picture["base64"]))
-    for variant, of_variant in zip(contents["variants"], pictures, strict=True):
-        variant["pictures"] = collections.defaultdict(list, of_variant)
+    for variant, groups in zip(contents["variants"], drawn, strict=True):
+        variant["pictures"] |= groups
     for kind in ("html", "md", "txt"):
         write_text(new(f"report.{kind}"), render("report", kind, contents))
     for number, (variant, diagnostics) in enumerate(
@@ -107,19 +102,15 @@ def write_all(
                 to_inference_data(variant, samples).to_netcdf(str(temporary))
     write_text(new("fit.json"), in_lines(as_json(result, examined, others)) + "\n")
     write_text(new("fitted.csv"), as_csv(result, examined))
-    figure = plot_study(result)
     with replacing(new("fit.png")) as temporary:
-        figure.savefig(temporary, dpi=120)
+        plot_study(result).savefig(temporary, dpi=120)
 
 
 def as_text(
     result: StudyResult, examined: list[Examination], others: OtherLaws = NO_OTHERS
 ) -> str:
     """Render report.txt."""
-    contents = contents_of(result, examined) | comparison_part(others.compared)
-    for variant in contents["variants"]:
-        variant["pictures"] = collections.defaultdict(list)
-    return render("report", "txt", contents)
+    return render("report", "txt", contents_of(result, examined, others.compared))
 
 
 def _posterior_name(number: int, variants: int) -> str:
@@ -128,9 +119,21 @@ def _posterior_name(number: int, variants: int) -> str:
 
 def in_lines(tree: dict) -> str:
     """Write JSON with each list of numbers, thousands of them, in one line."""
-    text = json.dumps(tree, indent=1, allow_nan=False)
+    text = json.dumps(plain(tree), indent=1, allow_nan=False)
     # A line end within brackets stands in no string, where it would be escaped.
     return NUMBERS.sub(lambda found: f"[{' '.join(found[1].split())}]", text)
+
+
+def plain(tree) -> Any:
+    """Convert a tree of dictionaries, sequences and numbers to what JSON can hold: None
+    for what is not finite."""
+    if isinstance(tree, dict):
+        return {key: plain(value) for key, value in tree.items()}
+    if isinstance(tree, np.ndarray | np.generic):
+        tree = tree.tolist()
+    if isinstance(tree, list | tuple):
+        return [plain(value) for value in tree]
+    return None if isinstance(tree, float) and not math.isfinite(tree) else tree
 
 
 def as_csv(result: StudyResult, examined: list[Examination]) -> str:
@@ -155,7 +158,7 @@ def as_csv(result: StudyResult, examined: list[Examination]) -> str:
             nothing if left is None else left.deviation,
         )
         for row, target in zip(*np.nonzero(study.known), strict=True):
-            limit = {1: ">", -1: "<", 0: ""}[int(study.censored[row, target])]
+            limit = LIMITS[int(study.censored[row, target])]
             file = _quoted(study.tests.place(int(row))[0].name)
             cells = (name, str(row + 1), file, study.targets[target], limit)
             numbers = (f"{float(column[row, target]):.9g}" for column in columns)
@@ -172,12 +175,11 @@ def as_json(
 ) -> dict:
     """Collect every number, as a tree of plain values; None for what is not finite."""
     study, compared = result.study, others.compared
-    given = dict(zip(study.targets, map(bool, study.sigma_given), strict=True))
-    return {
+    tree = {
         "title": study.title,
         "source": study.source,
         "notes": study.notes,
-        "sigma_given": given,
+        "sigma_given": dict(zip(study.targets, study.sigma_given, strict=True)),
         "fitted_tests": _fitted_tests(study),
         "variants": [
             _variant(result, variant) | _examination(result, variant, diagnostics)
@@ -187,6 +189,7 @@ def as_json(
         **_if_any("comparison", {} if compared is None else comparison_json(compared)),
         "manifest": _manifest(result),
     }
+    return plain(tree)
 
 
 def _manifest(result: StudyResult) -> dict:
@@ -203,7 +206,7 @@ def _manifest(result: StudyResult) -> dict:
         "laws": part_names(study.tests.base.soil, study.tests.base.block),
         "parameters": {
             p.name: {"start": p.start, "lower": p.lower, "upper": p.upper}
-            | ({"prior": dataclasses.asdict(p.prior)} if p.prior else {})
+            | _if_any("prior", p.prior and dataclasses.asdict(p.prior))
             for p in study.parameters
         },
         **_if_any(
@@ -214,8 +217,8 @@ def _manifest(result: StudyResult) -> dict:
             },
         ),
         "nuisances": entries_of(study.nuisances, study.tests),
-        "targets": list(study.targets),
-        "weights": dict(zip(study.targets, _plain(study.weights), strict=True)),
+        "targets": study.targets,
+        "weights": dict(zip(study.targets, study.weights, strict=True)),
         "scatter": {
             name: SCATTERS[int(study.proportional[target])]
             for target, name in enumerate(study.targets)
@@ -231,7 +234,7 @@ def _manifest(result: StudyResult) -> dict:
     }
 
 
-def _if_any(key: str, entries: dict) -> dict:
+def _if_any(key: str, entries: dict | None) -> dict:
     return {key: entries} if entries else {}
 
 
@@ -241,23 +244,23 @@ def _fitted_tests(study: Study) -> dict:
     results = {}
     for target, name in enumerate(study.targets):
         exact = measured[np.isfinite(measured[:, target]), target]
-        spread = np.std(exact, ddof=1) if len(exact) > 1 else math.nan
         results[name] = {
             "count": len(exact),
-            "mean": _plain(np.mean(exact)) if len(exact) else None,
-            "standard_deviation": _plain(spread),
+            "mean": np.mean(exact) if len(exact) else None,
+            "standard_deviation": np.std(exact, ddof=1) if len(exact) > 1 else None,
         }
-    ranges = {
-        name: [float(np.min(values)), float(np.max(values))]
-        for name, values in study.tests.columns(study.soil).items()
+    columns = study.tests.columns(study.soil)
+    return {
+        "count": len(study.tests),
+        "ranges": {n: (np.min(v), np.max(v)) for n, v in columns.items()},
+        "shapes": sorted(set(study.tests.shapes)),
+        "results": results,
     }
-    shapes = sorted(set(study.tests.shapes))
-    found = {"count": len(study.tests), "ranges": ranges, "shapes": shapes}
-    return found | {"results": results}
 
 
 def _variant(result: StudyResult, variant: VariantResult) -> dict:
     uncertainty, count = variant.uncertainty, len(variant.verdicts)
+    of_profile = "values", "rise", "low", "high", "low_95", "high_95"
     return {
         "name": variant.variant.name,
         "soil": variant.variant.soil,
@@ -265,44 +268,37 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
         "parameters": _parameters(variant),
         "nuisances": {
             variant.names[index]: {
-                "value": float(variant.parameters[index]),
+                "value": variant.parameters[index],
                 "standard_error": variant.standard_error(index),
             }
             for index in range(count, len(variant.names))
         },
         **_if_any("group_sd", group_sds(variant.objective.study.nuisances)),
         "unknowns": variant.names,
-        "covariance_of_logarithms_or_half_ranges": _plain(uncertainty.covariance),
-        "correlation": _plain(uncertainty.correlation[:count, :count]),
-        "eigenvalues": _plain(uncertainty.eigenvalues),
-        "eigenvectors": _plain(uncertainty.eigenvectors.T),
+        "covariance_of_logarithms_or_half_ranges": uncertainty.covariance,
+        "correlation": uncertainty.correlation[:count, :count],
+        "eigenvalues": uncertainty.eigenvalues,
+        "eigenvectors": uncertainty.eigenvectors.T,
         "directions": variant.directions,
         "profiles": {
-            name: {
-                "values": _plain(found.values),
-                "rise": _plain(found.rise),
-                "low": found.low,
-                "high": found.high,
-                "low_95": found.low_95,
-                "high_95": found.high_95,
-            }
+            name: {key: getattr(found, key) for key in of_profile}
             for name, found in variant.profiles.items()
         },
         "fit": _targets(result, variant),
         "cost": variant.cost,
         "degrees_of_freedom": uncertainty.degrees_of_freedom,
-        "reduced_chi_square": _plain(uncertainty.reduced_chi_square),
+        "reduced_chi_square": uncertainty.reduced_chi_square,
         "inflation": uncertainty.inflation,
         "failed_predictions": variant.failed,
         "stopped": variant.reason.words,
         "starts": [
             {
-                "start": _plain(variant.start_parameters[i]),
-                "end": _plain(variant.end_parameters[i]),
-                "cost": _plain(variant.start_costs[i]),
-                "steps": int(variant.start_steps[i]),
-                "begun_anew": int(variant.start_restarts[i]),
-                "found_best": bool(variant.reached[i]),
+                "start": variant.start_parameters[i],
+                "end": variant.end_parameters[i],
+                "cost": variant.start_costs[i],
+                "steps": variant.start_steps[i],
+                "begun_anew": variant.start_restarts[i],
+                "found_best": variant.reached[i],
                 "stopped": variant.start_reasons[i].words,
             }
             for i in np.argsort(variant.start_costs, kind="stable")
@@ -315,10 +311,10 @@ def _parameters(variant: VariantResult) -> dict:
     for index, verdict in enumerate(variant.verdicts):
         known = verdict.determined
         parameters[verdict.name] = {
-            "value": float(variant.parameters[index]),
+            "value": variant.parameters[index],
             "determined": known,
             "standard_error": variant.standard_error(index) if known else None,
-            "interval_95": list(variant.interval(index)) if known else None,
+            "interval_95": variant.interval(index) if known else None,
             "reason": verdict.reason or None,
         }
     return parameters
@@ -332,12 +328,12 @@ def _targets(result: StudyResult, variant: VariantResult) -> dict:
     fit = {}
     for target, name in enumerate(study.targets):
         fit[name] = fit_of_target(result, variant, target) | {
-            "sigma": _plain(np.median(variant.sigma[:, target])),
-            "degrees_of_freedom": _plain(freedom[target]),
+            "sigma": np.median(variant.sigma[:, target]),
+            "degrees_of_freedom": freedom[target],
         }
         if study.proportional[target]:
-            fit[name]["part_of_size"] = _plain(relative[target])
-            fit[name]["least_size"] = _plain(least[target])
+            fit[name]["part_of_size"] = relative[target]
+            fit[name]["least_size"] = least[target]
     return fit
 
 
@@ -345,6 +341,7 @@ def _examination(
     result: StudyResult, variant: VariantResult, diagnostics: Examination
 ) -> dict:
     samples = diagnostics.samples
+    left_out = {"test": diagnostics.each, "campaign": diagnostics.campaigns}
     return {
         "residuals_follow": [
             {
@@ -360,10 +357,7 @@ def _examination(
         "posterior": None if samples is None else _samples(variant, samples),
         "left_out": {
             what: _left_out(result.study, left)
-            for what, left in (
-                ("test", diagnostics.each),
-                ("campaign", diagnostics.campaigns),
-            )
+            for what, left in left_out.items()
             if left is not None
         },
         "further_tests": {
@@ -377,11 +371,11 @@ def _draws(variant: VariantResult, draws: Draws) -> dict:
     weights = weights_of(variant.objective, variant.points, draws)
     return {
         "count": len(draws.x),
-        "effective_parts": _plain(draws.effective_fraction),
+        "effective_parts": draws.effective_fraction,
         "accuracy": dataclasses.asdict(draws.accuracy),
-        "error_of_costs": _plain(draws.error),
-        "mean": _plain(draws.mean()),
-        "covariance": _plain(draws.covariance()),
+        "error_of_costs": draws.error,
+        "mean": draws.mean(),
+        "covariance": draws.covariance(),
         "weights": _short(weights),
         "values": [_short(row) for row in variant.bounds.parameter(draws.x)],
         **_if_any("group_sd", {n: _short(v) for n, v in draws.group_sds.items()}),
@@ -391,21 +385,20 @@ def _draws(variant: VariantResult, draws: Draws) -> dict:
 def _samples(variant: VariantResult, samples: Draws) -> dict:
     chains, values = samples.chains, variant.bounds.parameter(samples.x)
     assert chains is not None
-    low, high = np.quantile(values, (0.025, 0.975), axis=0)
     about = {
         "blackjax": version_of("blackjax"),
         "accuracy": dataclasses.asdict(samples.accuracy),
-        "error_of_log_density": _plain(samples.error),
-        "divergent": int(np.sum(chains.divergent)),
+        "error_of_log_density": samples.error,
+        "divergent": np.sum(chains.divergent),
         "seconds": chains.seconds,
     }
     return about | {
         name: {
-            "mean": _plain(np.mean(values[:, index])),
-            "standard_deviation": _plain(np.std(values[:, index])),
-            "interval_95": [_plain(low[index]), _plain(high[index])],
-            "scale_reduction": _plain(chains.scale_reduction[index]),
-            "effective_draws": _plain(chains.effective[index]),
+            "mean": np.mean(values[:, index]),
+            "standard_deviation": np.std(values[:, index]),
+            "interval_95": np.quantile(values[:, index], (0.025, 0.975)),
+            "scale_reduction": chains.scale_reduction[index],
+            "effective_draws": chains.effective[index],
         }
         for index, name in enumerate(variant.names)
     }
@@ -416,9 +409,9 @@ def _left_out(study: Study, left: LeftOut) -> list[dict]:
     return [
         {
             "name": name,
-            "standardised": _plain(values[left.group == number]),
-            "fit": _plain(left.x[number]),
-            "moved_in_standard_errors": _plain(left.moved[number]),
+            "standardised": values[left.group == number],
+            "fit": left.x[number],
+            "moved_in_standard_errors": left.moved[number],
             "stopped": left.reasons[number].words,
         }
         for number, name in enumerate(left.groups)
@@ -430,15 +423,15 @@ def _further(found: Suggestions) -> dict:
         "criterion": found.criterion,
         "measure": {name: sigma._asdict() for name, sigma in found.measure.items()},
         "in_common": found.fixed,
-        "errors_now": dict(zip(found.names, _plain(found.now), strict=True)),
+        "errors_now": dict(zip(found.names, found.now, strict=True)),
         "errors_of_the_bounds": found.stood_in,
         "chosen": [
             {
                 "test": one.scene,
                 "measured": one.measured,
-                "expected": {n: _plain(v) for n, v in one.predicted.items()},
-                "errors": dict(zip(found.names, _plain(one.errors), strict=True)),
-                "divided_by": dict(zip(found.names, _plain(one.factors), strict=True)),
+                "expected": one.predicted,
+                "errors": dict(zip(found.names, one.errors, strict=True)),
+                "divided_by": dict(zip(found.names, one.factors, strict=True)),
                 "mean_divided_by": one.volume,
             }
             for one in found.chosen
@@ -450,10 +443,3 @@ def _further(found: Suggestions) -> dict:
 def _short(values) -> list[float]:
     """Convert random numbers to floats of the six digits that they need."""
     return [float(f"{value:.6g}") for value in values]
-
-
-def _plain(values) -> Any:
-    """Convert arrays to lists of floats, with None for what is not finite."""
-    if np.ndim(values):
-        return [_plain(value) for value in values]
-    return float(values) if math.isfinite(values) else None

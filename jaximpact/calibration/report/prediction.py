@@ -1,4 +1,4 @@
-"""Predictions as text, as a table, and as numbers."""
+"""Predictions of the model and of simple laws, in words, tables and numbers."""
 
 import csv
 import io
@@ -9,22 +9,20 @@ import numpy as np
 
 from ..._packages import versions
 from ...identity import part_names
+from ...io.display import Rows
 from ...io.files import refuse_inputs, replacing
 from ...io.output_files import manifest_path
+from ..comparison.fitted_law import LawPrediction
 from ..diagnostics.cross_validation import too_few
 from ..diagnostics.predictive import CONFIDENCES, predictive
 from ..fitted_ground import FittedVariant
 from ..prediction import Outside, PredictedTests, Scores, VariantPrediction, score
-from .simple_laws import (
-    simple_remarks,
-    simple_rows,
-    simple_score_rows,
-    simple_scores,
-)
+from ..problem.dataset import LIMITS
 
 MOST_TESTS = 30
 """Number of tests up to which they are listed one by one."""
 MOST_NAMES = 6
+"""Number of tests that are named in a sentence."""
 FAR_ENOUGH = 0.5
 """Fraction of the 95 % profile-likelihood interval that draws must cover."""
 CSV_COLUMNS = (
@@ -66,21 +64,17 @@ def _of_variant(prediction: PredictedTests, variant: VariantPrediction) -> dict:
     }
 
 
-def _score_rows(scores: dict[str, Scores]) -> list[tuple[str, ...]]:
+def _score_rows(scores: dict[str, Scores]) -> Rows:
     head = ("target", "tests", "rms", "bias", "in 50 %", "in 95 %", "CRPS")
-    rows: list[tuple[str, ...]] = [(*head, "rms of mean", "CRPS of mean", "skill")]
-    for name, one in scores.items():
-        rows.append(
-            (
-                name,
-                str(one.count),
-                *(_number(value) for value in (one.rms, one.bias)),
-                *(str(count) for count in (one.inside_50, one.inside_95)),
-                *(_number(v) for v in (one.crps, one.mean_rms, one.mean_crps)),
-                "none" if one.skill is None else f"{one.skill:+.2f}",
-            )
+    return [(*head, "rms of mean", "CRPS of mean", "skill")] + [
+        (
+            *(name, str(one.count), _number(one.rms), _number(one.bias)),
+            *(str(one.inside_50), str(one.inside_95), _number(one.crps)),
+            *(_number(one.mean_rms), _number(one.mean_crps)),
+            "none" if one.skill is None else f"{one.skill:+.2f}",
         )
-    return rows
+        for name, one in scores.items()
+    ]
 
 
 def remarks_on(
@@ -192,30 +186,112 @@ def _named(prediction: PredictedTests, tests: np.ndarray) -> str:
     return ", ".join(names) + more
 
 
-def _rows(
-    prediction: PredictedTests, variant: VariantPrediction
-) -> list[tuple[str, ...]]:
-    rows = [("test", "outcome", *prediction.targets)]
+def _rows(prediction: PredictedTests, variant: VariantPrediction) -> Rows:
+    rows: Rows = [("test", "outcome", *prediction.targets)]
     for test in range(len(prediction.tests)):
         cells = []
         for target in range(len(prediction.targets)):
             cell = test, target
-            text = "none"
-            if np.isfinite(variant.middle[cell]):
-                text = (
-                    f"{variant.middle[cell]:.3g} ({variant.low_95[cell]:.3g} to "
-                    f"{variant.high_95[cell]:.3g})"
-                )
+            ends = variant.low_95[cell], variant.high_95[cell]
+            text = _with_interval(variant.middle[cell], *ends)
             if np.isfinite(prediction.measured[cell]):
-                sign = _limit(prediction, cell)
+                sign = LIMITS[int(prediction.censored[cell])]
                 text += f"; {sign}{prediction.measured[cell]:.3g}"
             cells.append(text)
         rows.append((prediction.tests.name(test), variant.outcomes[test], *cells))
     return rows
 
 
-def _limit(prediction: PredictedTests, cell) -> str:
-    return {1: ">", -1: "<", 0: ""}[int(prediction.censored[cell])]
+def _with_interval(value: float, low: float, high: float) -> str:
+    return f"{value:.3g} ({low:.3g} to {high:.3g})" if np.isfinite(value) else "none"
+
+
+def simple_scores(
+    prediction: PredictedTests, law: LawPrediction
+) -> dict[str, tuple[float, float]]:
+    """Compute the root mean square error and the mean CRPS of each target that a
+    simple law predicts and of which anything was measured."""
+    found = {}
+    for place, name in enumerate(law.targets):
+        target = prediction.targets.index(name)
+        exact = prediction.censored[:, target] == 0
+        exact &= np.isfinite(prediction.measured[:, target])
+        tests = np.flatnonzero(exact & np.isfinite(law.best[:, place]))
+        if not len(tests):
+            continue
+        measured = prediction.measured[tests, target]
+        apart = law.best[tests, place] - measured
+        scores = []
+        for test, value in zip(tests, measured, strict=True):
+            distribution = law.distribution(int(test), place)
+            assert distribution is not None  # its best value is finite
+            scores.append(distribution.crps(float(value)))
+        found[name] = float(np.sqrt(np.mean(apart**2))), float(np.mean(scores))
+    return found
+
+
+def simple_remarks(prediction: PredictedTests) -> list[str]:
+    """Say what the simple laws predict, and where one predicts better than the
+    model."""
+    compared = [f"Laws compared: {words}" for words in prediction.ground.compared[:1]]
+    if not prediction.simple:
+        return [
+            "None: laws of rebound predict none of the fitted targets, or the fit is "
+            "of an earlier version.",
+            *compared,
+        ]
+    names = " and ".join(law.name for law in prediction.simple)
+    targets = ", ".join(prediction.simple[0].targets)
+    lines = [f"{names}, fitted to {targets} of the tests of the fit.", *compared]
+    for variant in prediction.variants:
+        of_model = score(prediction, variant)
+        several = len(prediction.variants) > 1
+        which = f"model {variant.fitted.variant.name}" if several else "model"
+        for law in prediction.simple:
+            for name, (_, crps) in simple_scores(prediction, law).items():
+                own = of_model[name].crps if name in of_model else None
+                if own is not None and crps < own:
+                    lines.append(
+                        f"{name}: {law.name} better than the {which}, CRPS {crps:.3g} "
+                        f"against {own:.3g}."
+                    )
+    return lines
+
+
+def simple_score_rows(prediction: PredictedTests) -> Rows:
+    """Write rms and CRPS of the model and of every simple law, target by target."""
+    laws = [(law, simple_scores(prediction, law)) for law in prediction.simple]
+    names = list(dict.fromkeys(name for _, found in laws for name in found))
+    if not names:
+        return []
+    several = len(prediction.variants) > 1
+    rows: Rows = [("target", "law", "rms", "CRPS")]
+    for name in names:
+        for variant in prediction.variants:
+            own = score(prediction, variant).get(name)
+            label = variant.fitted.variant.name if several else "model"
+            if own is not None and own.rms is not None and own.crps is not None:
+                rows.append((name, label, f"{own.rms:.3g}", f"{own.crps:.3g}"))
+        for law, found in laws:
+            if name in found:
+                rms, crps = found[name]
+                rows.append((name, law.name, f"{rms:.3g}", f"{crps:.3g}"))
+    return rows
+
+
+def simple_rows(prediction: PredictedTests) -> Rows:
+    """Write the predictions of the simple laws, test by test."""
+    if not prediction.simple:
+        return []
+    rows: Rows = [("test", "law", *prediction.simple[0].targets)]
+    for test in range(len(prediction.tests)):
+        for law in prediction.simple:
+            cells = (
+                _with_interval(law.best[test, place], *law.interval(test, place))
+                for place in range(len(law.targets))
+            )
+            rows.append((prediction.tests.name(test), law.name, *cells))
+    return rows
 
 
 def as_csv(prediction: PredictedTests) -> str:
@@ -235,25 +311,21 @@ def as_csv(prediction: PredictedTests) -> str:
         for test in range(len(prediction.tests))
     ]
     for variant in prediction.variants:
+        name = variant.fitted.variant.name
         columns = (
             *(prediction.measured, variant.best, variant.middle, variant.low_50),
             *(variant.high_50, variant.low_95, variant.high_95, variant.model_low),
             *(variant.model_high, variant.sigma, variant.missing_part, variant.crps),
             *(variant.mean_crps, variant.limit_chance),
         )
-        for cell in np.ndindex(*prediction.measured.shape):
-            test, target = cell
-            numbers = [_digits(column[cell]) for column in columns]
+        for test, target in np.ndindex(*prediction.measured.shape):
             writer.writerow(
                 (
-                    variant.fitted.variant.name,
-                    test + 1,
-                    prediction.tests.name(test),
-                    variant.outcomes[test],
-                    _digits(variant.outcome_share[test]),
+                    *(name, test + 1, prediction.tests.name(test)),
+                    *(variant.outcomes[test], _digits(variant.outcome_share[test])),
                     prediction.targets[target],
-                    _limit(prediction, cell),
-                    *numbers,
+                    LIMITS[int(prediction.censored[test, target])],
+                    *(_digits(column[test, target]) for column in columns),
                     beyond[test],
                 )
             )

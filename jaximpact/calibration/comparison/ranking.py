@@ -1,4 +1,4 @@
-r"""Scores of several laws: differences with their standard errors, and stacking.
+r"""Ranking of laws by their scores: differences, ties, and stacking weights.
 
 With $l_{ik}$ the log predictive density of unit i by law k (a test, or a group of
 tests), the expected log predictive density is $\sum_i l_{ik}$, and the difference of
@@ -9,6 +9,8 @@ $$ \max_w \sum_i \ln \sum_k w_k \exp l_{ik}, \qquad w_k \ge 0, \ \sum_k w_k = 1 
 
 (Yao, Vehtari, Simpson and Gelman 2018, Bayesian Analysis 13, 917-1007).
 """
+
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
@@ -23,20 +25,39 @@ FEWEST_UNITS = 5
 """Number of units below which no standard error of a difference is estimated."""
 
 
+class Ranking(NamedTuple):
+    """Ranking of laws by one way of leaving tests out."""
+
+    best: int
+    """Index of the law that predicts best."""
+    apart: np.ndarray
+    """Difference of each law to the best, shape (laws,); not positive."""
+    error: np.ndarray
+    """Standard error of the difference; NaN with too few groups."""
+    ties: tuple[int, ...]
+    """Indices of the laws that tie with the best, the best among them."""
+    preferred: int
+    """Index of the law with the fewest parameters among them; of several the best."""
+
+
+def ranking(scores: np.ndarray, counts: list[int]) -> Ranking:
+    """Rank laws by their log predictive densities, shape (units, laws), and the number
+    of their parameters."""
+    totals = np.sum(scores, axis=0)
+    best = int(np.argmax(totals))
+    pairs = [difference(scores, law, best) for law in range(len(counts))]
+    apart, error = (np.array(part) for part in zip(*pairs, strict=True))
+    ties = tuple(i for i, pair in enumerate(pairs) if i == best or is_tie(*pair))
+    preferred = min(ties, key=lambda i: (counts[i], -totals[i]))
+    return Ranking(best, apart, error, ties, preferred)
+
+
 def difference(scores: np.ndarray, law: int, other: int) -> tuple[float, float]:
-    """Compute the difference of the score of a law to another, and its standard error.
-
-    Args:
-        scores: log predictive densities, shape (units, laws).
-
-    Returns:
-        Sum over the units of law less other, and its standard error; NaN with fewer
-        than `FEWEST_UNITS` units.
-    """
-    apart = scores[:, law] - scores[:, other]
-    count = len(apart)
+    """Sum the scores, shape (units, laws), of a law less those of another; also the
+    standard error, NaN with fewer than `FEWEST_UNITS` units."""
     if law == other:
         return 0.0, 0.0
+    apart, count = scores[:, law] - scores[:, other], len(scores)
     if count < FEWEST_UNITS:
         return float(np.sum(apart)), float("nan")
     return float(np.sum(apart)), float(np.sqrt(count) * np.std(apart, ddof=1))
@@ -44,9 +65,8 @@ def difference(scores: np.ndarray, law: int, other: int) -> tuple[float, float]:
 
 def is_tie(apart: float, error: float) -> bool:
     """Test whether a difference of scores leaves open which law predicts better."""
-    if abs(apart) < SMALL_DIFFERENCE:
-        return True
-    return bool(abs(apart) < ERRORS * error) or not np.isfinite(error)
+    small = abs(apart) < SMALL_DIFFERENCE or abs(apart) < ERRORS * error
+    return bool(small or not np.isfinite(error))
 
 
 def stacking_weights(scores: np.ndarray) -> np.ndarray:
@@ -59,8 +79,6 @@ def stacking_weights(scores: np.ndarray) -> np.ndarray:
         Weights, shape (laws,); none is negative, their sum is 1.
     """
     laws = scores.shape[1]
-    if laws == 1:
-        return np.ones(1)
     relative = scores - np.max(scores, axis=1, keepdims=True)
 
     def cost(z: np.ndarray) -> tuple[float, np.ndarray]:
