@@ -45,26 +45,33 @@ def name_of(kind: type[Part]) -> str:
 
 
 def described(tree) -> tuple | None:
-    """Everything of a tree of modules that a program compiled for it depends on:
-    classes, digests of those that are not the package's, and static fields; None if the
-    source of a class is not known."""
-    if not isinstance(tree, eqx.Module):
-        return ("value", jax.tree.structure(tree).num_leaves)
-    digest = source_digest(type(tree))
-    if digest is None:
+    """Everything of a tree that a program compiled for it depends on: classes, digests
+    of those that are not the package's, and static fields; None if that is not known:
+    of a class without source, of a static field that holds more than plain values, or
+    of a node that is neither a module nor a container of Python."""
+    if tree is None or jax.tree_util.all_leaves([tree]):
+        return ("value", tree is not None)
+    kind, static = type(tree), {}
+    if isinstance(tree, eqx.Module):
+        fields = {f.name: getattr(tree, f.name) for f in dataclasses.fields(tree)}
+        marked = (f.name for f in dataclasses.fields(tree) if f.metadata.get("static"))
+        static = {name: fields.pop(name) for name in marked}
+    elif isinstance(tree, tuple | list | dict):
+        fields = tree if isinstance(tree, dict) else dict(enumerate(tree))
+    else:
         return None
-    fields = []
-    for field in dataclasses.fields(tree):
-        value = getattr(tree, field.name)
-        if field.metadata.get("static"):
-            fields.append((field.name, repr(value)))
-            continue
-        inner = described(value)
-        if inner is None:
-            return None
-        fields.append((field.name, inner))
-    kind = type(tree)
-    return (kind.__module__, kind.__qualname__, digest, tuple(fields))
+    digest, inner = source_digest(kind), [described(x) for x in fields.values()]
+    if digest is None or None in inner or not _is_plain((*fields, *static.values())):
+        return None
+    name = kind.__module__, kind.__qualname__, digest
+    return *name, repr(static), tuple(zip(fields, inner, strict=True))
+
+
+def _is_plain(value) -> bool:
+    """Whether a value is told in full by how Python shows it."""
+    if type(value) is tuple:
+        return all(map(_is_plain, value))
+    return value is None or type(value) in (bool, int, float, str)
 
 
 @functools.cache

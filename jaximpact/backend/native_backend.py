@@ -4,6 +4,7 @@ import functools
 import hashlib
 import inspect
 import os
+import pickle
 import threading
 import warnings
 from collections.abc import Callable, Iterator
@@ -110,11 +111,10 @@ def _compiled(assembly: Assembly, directions: int, sampled: bool) -> Kernel:
 
         return code_of_lanes(assembly, directions, sampled)
 
-    key = _key(assembly, directions, sampled)
-    if key is None:
-        code = compile_lanes()
-    else:
-        code = Code.unpacked(kept(key, lambda: compile_lanes().packed()))
+    structure = assembly.structure
+    tree = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
+    what = assembly._replace(structure=None), directions, sampled
+    code = kept_code(what, tree, compile_lanes)
     numbers = empty_summary(assembly.ledger)
     results = (numbers, (numbers,) * directions) if directions else numbers
     structure = jax.tree.structure(numbers)
@@ -154,15 +154,22 @@ def _tell_slower_way(reason: str) -> None:
     )
 
 
-def _key(assembly: Assembly, *choices) -> str | None:
-    """Key of everything that the code of an assembly depends on; None if the source of
-    a user's law is not known, as in an interactive session."""
-    structure = assembly.structure
-    parts = described(jax.tree.unflatten(structure, list(range(structure.num_leaves))))
+def kept_code(what: tuple, tree, make: Callable[[], Any]) -> Any:
+    """Code that `make` compiles, or compiled another time for the same.
+
+    It is kept on disk under all that it depends on, unless that is not known, as of a
+    user's law in an interactive session.
+
+    Args:
+        what: names the code among all that is compiled for such a tree.
+        tree: inputs of the code; its leaves do not count.
+        make: gives what can be pickled.
+    """
+    parts = described(tree)
     if parts is None:
-        return None
-    named = assembly._replace(structure=None), parts, *choices
-    return repr((named, host(), *installed()))
+        return make()
+    key = repr((what, parts, host(), *installed()))
+    return pickle.loads(kept(key, lambda: pickle.dumps(make())))
 
 
 @functools.cache

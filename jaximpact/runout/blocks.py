@@ -108,14 +108,18 @@ def support(outline: BlockOutline, sin: Values, cos: Values) -> Support:
     return Support(shape.support(axes, sin, cos), shape.tangency_arm(axes, sin, cos))
 
 
-support_of = closed_form(
-    lambda outline, theta: support(outline, jnp.sin(theta), jnp.cos(theta))
-)
-"""`support` from the angle Theta itself, for arrays."""
+@closed_form
+def support_of(outline: BlockOutline, theta: Values) -> Support:
+    """Compute `support` from the angle Theta itself, for arrays."""
+    return support(outline, jnp.sin(theta), jnp.cos(theta))
+
+
+@closed_form
+def _mass_properties(block: Block) -> MassProperties:
+    return MassProperties(block.mass, block.inertia)
 
 
 _outline = closed_form(outline_of)
-_mass_properties = closed_form(lambda block: MassProperties(block.mass, block.inertia))
 
 
 @dataclasses.dataclass(frozen=True, init=False, repr=False)

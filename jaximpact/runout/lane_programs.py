@@ -11,7 +11,7 @@ and `root`: JAX cannot find them, or would find NaN where nothing changes.
 """
 
 import concurrent.futures
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
@@ -20,9 +20,10 @@ import numpy as np
 
 from .._gc_pause import collector_paused
 from .._jax_internals import is_variable
-from ..backend.native_backend import without_machine_code
-from ..backend.simd import Kernel, NoMachineCode, compile_kernel
+from ..backend.native_backend import kept_code, without_machine_code
+from ..backend.simd import Code, Kernel, NoMachineCode, compile_kernel
 from ..backend.threads import thread_count
+from ..identity import PACKAGE
 
 if TYPE_CHECKING:
     # The same formulas run on both; no union of them says so.
@@ -47,80 +48,90 @@ class Program:
         begin: gives the state at the start from the inputs, scalars.
         step: gives the next state, and whether the lane goes on.
         finish: gives the results, a tree, from the last state.
-        lanes_per_thread: number of lanes that are worth a thread.
 
     Called with trees of arrays that broadcast, a program gives the results as arrays of
     floats of their common shape. It is compiled, in some tenths of a second, on the
-    first call with trees of a structure.
+    first call with trees of a structure, and kept on disk.
     """
 
-    def __init__(
-        self,
-        begin: Callable,
-        step: Callable,
-        finish: Callable,
-        lanes_per_thread: int = LANES_PER_THREAD,
-    ):
+    def __init__(self, begin: Callable, step: Callable, finish: Callable):
         self.functions = begin, step, finish
-        self.lanes_per_thread = lanes_per_thread
         self._kernels: dict = {}
 
     def __call__(self, *inputs) -> Any:
         leaves, structure = jax.tree.flatten(inputs)
         if structure not in self._kernels:
-            self._kernels[structure] = self._compile(inputs)
+            self._kernels[structure] = self._kernel(inputs)
         kernel = self._kernels[structure]
-        shape = np.broadcast_shapes((1,), *(np.shape(leaf) for leaf in leaves))
-        rows = np.empty((len(leaves), *shape))
-        for row, leaf in enumerate(leaves):
-            rows[row] = leaf
-        results = self._run(kernel, rows.reshape(len(leaves), -1))
-        return jax.tree.map(lambda row: row.reshape(shape), results)
+        shape = np.broadcast_shapes((1,), *map(np.shape, leaves))
+        rows = _run(kernel, leaves, shape, LANES_PER_THREAD)
+        return jax.tree.unflatten(kernel.structure, rows)
 
-    def _run(self, kernel, rows: np.ndarray):
-        if isinstance(kernel, _ByXla):
-            return kernel.run(rows)
-        lanes = rows.shape[1]
-        threads = max(1, min(thread_count(), lanes // self.lanes_per_thread))
-        if threads == 1:
-            results = _in_order(*kernel.workspace().run(np.arange(lanes), rows, False))
-        else:
-            results = np.empty((kernel.code.result_rows, lanes))
-
-            def work(places: np.ndarray) -> None:
-                ended, found = kernel.workspace().run(places, rows[:, places], False)
-                results[:, ended] = found
-
-            parts = [np.arange(i, lanes, threads) for i in range(threads)]
-            with concurrent.futures.ThreadPoolExecutor(threads) as pool:
-                list(pool.map(work, parts))
-        return jax.tree.unflatten(kernel.structure, list(results))
-
-    def _lane_functions(self) -> tuple[Callable, Callable, Callable]:
-        """Give functions for `compile_kernel`, of arrays with one lane."""
+    def _kernel(self, inputs) -> "Kernel | _ByXla":
         begin, step, finish = map(jax.vmap, self.functions)
-        return lambda inputs: begin(*inputs), step, lambda _, state: finish(state)
-
-    def _compile(self, inputs) -> "Kernel | _ByXla":
         one = jax.ShapeDtypeStruct((1,), float)
+
+        def compiled() -> tuple[Code, Any]:
+            kernel = compile_kernel(
+                *(lambda given: begin(*given), step, lambda _, state: finish(state)),
+                jax.tree.map(lambda _: one, inputs),
+            )
+            return kernel.code, _template(kernel.structure)
+
         try:
-            with collector_paused():
-                return compile_kernel(
-                    *self._lane_functions(), jax.tree.map(lambda _: one, inputs)
-                )
+            code, results = _kept(self.functions, inputs, compiled)
         except NoMachineCode as problem:
             without_machine_code(problem)
             return _ByXla(self.functions, jax.tree.structure(inputs))
+        return Kernel(code, jax.tree.structure(results))
 
 
-def _in_order(ended: np.ndarray, found: np.ndarray) -> np.ndarray:
-    """Bring results into the order of the lanes' numbers, from 0; lanes of one step end
-    in order."""
-    if np.array_equal(ended, np.arange(len(ended))):
-        return found
-    results = np.empty(found.shape)
-    results[:, ended] = found
-    return results
+def _kept(functions: Sequence[Callable], tree, compiled: Callable, *what) -> Any:
+    """Keep what is compiled of functions for inputs, a tree.
+
+    Only of functions that the package defines under a name of their own: nothing tells
+    what others do. Raises NoMachineCode as `compiled` does.
+    """
+    names = [f"{f.__module__}.{f.__qualname__}" for f in functions]
+    with collector_paused():
+        if all(n.startswith(f"{PACKAGE}.") and "<" not in n for n in names):
+            return kept_code((*names, *what), tree, compiled)
+        return compiled()
+
+
+def _template(structure) -> Any:
+    """A tree of a structure, which can be pickled as the structure itself cannot."""
+    return jax.tree.unflatten(structure, range(structure.num_leaves))
+
+
+def _run(kernel, leaves: list, shape: tuple[int, ...], lanes_per_thread: int) -> list:
+    """Give the rows of results, of a shape, for rows of inputs that broadcast to it."""
+    rows = np.empty((len(leaves), *shape))
+    for row, leaf in enumerate(leaves):
+        rows[row] = leaf
+    rows = rows.reshape(len(leaves), -1)
+    if isinstance(kernel, _ByXla):
+        return [row.reshape(shape) for row in kernel.run(rows)]
+    lanes = rows.shape[1]
+    threads = max(1, min(thread_count(), lanes // lanes_per_thread))
+    results = np.empty((kernel.code.result_rows, lanes))
+
+    def work(places: np.ndarray) -> None:
+        ended, found = kernel.workspace().run(places, rows[:, places], False)
+        results[:, ended] = found
+
+    if threads == 1:
+        ended, found = kernel.workspace().run(np.arange(lanes), rows, False)
+        # Lanes of one step end in order.
+        if np.array_equal(ended, np.arange(lanes)):
+            results = found
+        else:
+            results[:, ended] = found
+    else:
+        parts = [np.arange(i, lanes, threads) for i in range(threads)]
+        with concurrent.futures.ThreadPoolExecutor(threads) as pool:
+            list(pool.map(work, parts))
+    return [row.reshape(shape) for row in results]
 
 
 class _ByXla:
@@ -136,50 +147,35 @@ class _ByXla:
             )
             return finish(state)
 
+        one = [jax.ShapeDtypeStruct((), float)] * structure.num_leaves
+        self.structure = jax.tree.structure(jax.eval_shape(run_lane, one))
         self._run = jax.jit(jax.vmap(run_lane, in_axes=1))
 
-    def run(self, rows: np.ndarray):
-        """Compute results from inputs `(rows, lanes)`."""
+    def run(self, rows: np.ndarray) -> list[np.ndarray]:
+        """Compute rows of results from inputs `(rows, lanes)`."""
         lanes = rows.shape[1]
         parts = []
         for start in range(0, max(lanes, 1), LANES_OF_XLA):
             part = rows[:, start : start + LANES_OF_XLA]
             missing = LANES_OF_XLA - part.shape[1]
             padded = np.pad(part, ((0, 0), (0, missing)), "edge" if lanes else "empty")
-            found = self._run(padded)
-            kept = LANES_OF_XLA - missing
-            parts.append(jax.tree.map(lambda x, k=kept: np.array(x[:k], float), found))
-        return jax.tree.map(lambda *x: np.concatenate(x), *parts)
-
-
-class _OneStep(Program):
-    """Program of a function without steps: all is done as a lane ends, so that nothing
-    is kept of it before."""
-
-    def __init__(self, function: Callable):
-        super().__init__(function, _stop, _as_it_is, LANES_PER_THREAD_OF_ONE_STEP)
-
-    def _lane_functions(self) -> tuple[Callable, Callable, Callable]:
-        function = jax.vmap(self.functions[0])
-        ended = np.zeros(1, bool)
-        return (
-            lambda inputs: (),
-            lambda state: (state, ended),
-            lambda inputs, _: function(*inputs),
-        )
+            found = jax.tree.leaves(self._run(padded))
+            parts.append([np.array(x[: LANES_OF_XLA - missing], float) for x in found])
+        return [np.concatenate(x) for x in zip(*parts, strict=True)]
 
 
 class _Plan(NamedTuple):
     """What of a function has to be computed, for inputs of one structure."""
 
-    program: _OneStep
-    """Gives the results that are not inputs, from the inputs that matter."""
     used: list[int]
-    """Places of those inputs among the leaves."""
+    """Places of the inputs that matter among the leaves."""
     passed: list[int | None]
     """For each result the place of the input that it is, or None."""
-    structure: Any
-    """Of the results."""
+    results: Any
+    """Template of the results."""
+    code: Code | None = None
+    """Computes the results that are not inputs, from the inputs that matter; None where
+    there are none, or no machine code."""
 
 
 class ClosedProgram:
@@ -193,7 +189,7 @@ class ClosedProgram:
         def in_floats(*inputs):
             return jax.tree.map(lambda x: jnp.asarray(x, float), function(*inputs))
 
-        self.function = in_floats
+        self.named, self.function = function, in_floats
         self._plans: dict = {}
 
     def __call__(self, *inputs) -> Any:
@@ -230,23 +226,54 @@ class ClosedProgram:
 
     def _run(self, function: Callable, inputs: tuple) -> Any:
         leaves, structure = jax.tree.flatten(inputs)
-        key = function == self.function, structure
+        key = function.__name__, structure
         if key not in self._plans:
-            self._plans[key] = _plan_of(function, structure)
-        plan = self._plans[key]
+            self._plans[key] = self._planned(function, inputs)
+        plan, kernel = self._plans[key]
         shape = np.broadcast_shapes((1,), *map(np.shape, leaves))
         computed = iter(())
-        if None in plan.passed:
-            computed = iter(plan.program(*(leaves[place] for place in plan.used)))
+        if kernel is not None:
+            used = [leaves[place] for place in plan.used]
+            own = np.broadcast_shapes((1,), *map(np.shape, used))
+            computed = iter(_run(kernel, used, own, LANES_PER_THREAD_OF_ONE_STEP))
         results = [
             np.asarray(next(computed) if place is None else leaves[place], float)
             for place in plan.passed
         ]
         spread = (x if x.shape == shape else np.broadcast_to(x, shape) for x in results)
-        return jax.tree.unflatten(plan.structure, list(spread))
+        return jax.tree.unflatten(jax.tree.structure(plan.results), list(spread))
+
+    def _planned(self, function: Callable, inputs: tuple) -> tuple:
+        """Give the plan, and what runs it."""
+        structure = jax.tree.structure(inputs)
+
+        def compiled() -> _Plan:
+            plan, reduced = _plan_of(function, structure)
+            if None not in plan.passed:
+                return plan
+            of_lanes, ended = jax.vmap(reduced), np.zeros(1, bool)
+            # All is done as a lane ends, so that nothing is kept of it before.
+            kernel = compile_kernel(
+                lambda given: (),
+                lambda state: (state, ended),
+                lambda given, _: of_lanes(*given),
+                [jax.ShapeDtypeStruct((1,), float)] * len(plan.used),
+            )
+            return plan._replace(code=kernel.code)
+
+        try:
+            plan = _kept([self.named], inputs, compiled, function.__name__)
+        except NoMachineCode as problem:
+            without_machine_code(problem)
+            plan, reduced = _plan_of(function, structure)
+            rows = jax.tree.structure([*plan.used])
+            return plan, _ByXla((reduced, _stop, lambda state: state), rows)
+        return plan, plan.code and Kernel(plan.code, None)
 
 
-def _plan_of(function: Callable, structure) -> _Plan:
+def _plan_of(function: Callable, structure) -> tuple[_Plan, Callable]:
+    """Give the plan of a function, and the function that has to be computed."""
+
     def flat(*leaves):
         return function(*jax.tree.unflatten(structure, leaves))
 
@@ -264,7 +291,7 @@ def _plan_of(function: Callable, structure) -> _Plan:
         found = jax.tree.leaves(flat(*(given.get(i, 0.0) for i in range(len(one)))))
         return [x for x, place in zip(found, passed, strict=True) if place is None]
 
-    return _Plan(_OneStep(reduced), used, passed, jax.tree.structure(results))
+    return _Plan(used, passed, _template(jax.tree.structure(results))), reduced
 
 
 def closed_form(function: Callable) -> ClosedProgram:
@@ -274,10 +301,6 @@ def closed_form(function: Callable) -> ClosedProgram:
 
 def _stop(state):
     return state, jnp.zeros((), bool)
-
-
-def _as_it_is(state):
-    return state
 
 
 def _product(slope: Values, change: Values) -> Values:

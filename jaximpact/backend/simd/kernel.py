@@ -7,7 +7,6 @@ lane's results do not depend, to the last bit, on what runs beside it.
 """
 
 import ctypes
-import json
 import math
 from collections.abc import Callable, Sequence
 from itertools import count
@@ -41,15 +40,6 @@ class Code(NamedTuple):
     time_row: int = -1
     """Row of the state that holds the time reached; -1 where nothing is sampled."""
     sampled_rows: int = 0
-
-    def packed(self) -> bytes:
-        """The code as bytes, to be kept."""
-        return json.dumps(self[1:]).encode() + b"\n" + self.object_file
-
-    @classmethod
-    def unpacked(cls, content: bytes) -> "Code":
-        numbers, _, object_file = content.partition(b"\n")
-        return cls(object_file, *json.loads(numbers))
 
 
 class Retries(NamedTuple):

@@ -1,0 +1,155 @@
+"""Programs of run-outs on disk: found again by another process, and by no other law."""
+
+import os
+import subprocess
+import sys
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from runout_scenes import SLOPE_STUDY, ellipse
+
+from jaximpact import Block, Impact
+from jaximpact.finding import find_part
+from jaximpact.identity import described
+from jaximpact.rebound import AbstractRebound
+from jaximpact.runout import blocks, lane_programs
+from jaximpact.runout.contacts import contact_models
+from jaximpact.runout.flight import time_of_impact
+from jaximpact.runout.lane_programs import ClosedProgram, Program
+from jaximpact.store import open_cache
+
+LAW = """
+from jaximpact.parameters import parameter
+from jaximpact.rebound import AbstractRebound, Rebound
+
+class Sticky(AbstractRebound):
+    e_n: object = parameter(0.5, "-", "[0, 1]", "normal restitution")
+
+    def __call__(self, block, impact):
+        return Rebound(-self.e_n * impact.normal_velocity, CONSTANT, 0.0)
+"""
+OUTLINE, THETA = ellipse(np.array([2.0, 1.5]), np.ones(2)), np.array([0.3, 1.1])
+CHANGES = (jax.tree.map(lambda leaf: leaf[None], OUTLINE), np.ones((1, 2)))
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """An empty directory for what is compiled."""
+    monkeypatch.setenv("JAXIMPACT_CACHE_DIR", str(tmp_path / "cache"))
+    open_cache.cache_clear()
+    yield tmp_path / "cache"
+    open_cache.cache_clear()
+
+
+@pytest.fixture
+def compiled(monkeypatch):
+    """A list that grows by each program that is compiled."""
+    compile_kernel, made = lane_programs.compile_kernel, []
+
+    def counted(*arguments):
+        made.append(arguments)
+        return compile_kernel(*arguments)
+
+    monkeypatch.setattr(lane_programs, "compile_kernel", counted)
+    return made
+
+
+def of_a_new_process(program):
+    """The program without what this process has of it."""
+    if isinstance(program, Program):
+        return Program(*program.functions)
+    return ClosedProgram(program.named)
+
+
+def found():
+    support_of = of_a_new_process(blocks.support_of)
+    along = support_of.along((OUTLINE, THETA), CHANGES)
+    return jax.tree.leaves((support_of(OUTLINE, THETA), along))
+
+
+def test_a_program_is_compiled_once(cache, compiled):
+    made = found()
+    assert len(compiled) == 2
+    for expected, value in zip(made, found(), strict=True):
+        np.testing.assert_array_equal(value, expected)
+    assert len(compiled) == 2
+
+
+def test_a_damaged_file_is_made_again(cache, compiled):
+    made = found()
+    for path in cache.glob("machine-*"):
+        path.write_bytes(path.read_bytes()[:-1])
+    for expected, value in zip(made, found(), strict=True):
+        np.testing.assert_array_equal(value, expected)
+    assert len(compiled) == 4
+    found()
+    assert len(compiled) == 4
+
+
+def test_a_loop_is_kept_by_its_functions(cache, compiled):
+    body = blocks.Body(*(np.array([v]) for v in (0.0, 3.0, 5.0, 0.0, 0.4, 5.0)))
+    piece = time_of_impact.Piece(-50.0, 0.0, 50.0, 0.0)
+    given = body, ellipse(np.array([0.5]), np.array([0.2])), (piece,), 50.0, 1e3
+    expected = of_a_new_process(time_of_impact.search)(*given)
+    value = of_a_new_process(time_of_impact.search)(*given)
+    assert len(compiled) == 1
+    np.testing.assert_array_equal(value, expected)
+    begin, step, finish = time_of_impact.search.functions
+    Program(begin, lambda state: step(state), finish)(*given)
+    assert len(compiled) == 2
+
+
+def test_a_law_meets_no_program_of_another_constant(cache, compiled, tmp_path):
+    path = tmp_path / "my_rebound.py"
+    block, impact = Block(), Impact.from_degrees(speed=10.0, angle=30.0)
+    for number, constant in enumerate((0.25, 0.75, 0.25), 1):
+        path.write_text(LAW.replace("CONSTANT", str(constant)))
+        law = find_part("rebound", AbstractRebound, f"{path}:Sticky")
+        after = of_a_new_process(contact_models._rebound)(law, block, impact)
+        assert after.tangential_velocity == constant
+        assert len(compiled) == min(number, 2)
+
+
+def test_a_law_that_nothing_tells_is_not_kept(cache, compiled):
+    """A closure, whose variables are in no source."""
+    block, impact = Block(), Impact.from_degrees(speed=10.0, angle=30.0)
+    for constant in (0.25, 0.75):
+        law = jax.tree_util.Partial(
+            lambda block, impact, constant=constant: (0.0, jnp.asarray(constant), 0.0)
+        )
+        assert described(law) is None
+        after = of_a_new_process(contact_models._rebound)(law, block, impact)
+        assert after.tangential_velocity == constant
+    assert len(compiled) == 2
+
+
+@pytest.mark.slow
+def test_a_study_in_a_second_process_compiles_nothing(tmp_path):
+    """To the last bit what the first one computed."""
+    (tmp_path / "slope.toml").write_text(SLOPE_STUDY)
+    program = f"""
+import jax, sys
+jax.config.update("jax_enable_x64", True)
+from jaximpact.backend.simd import kernel
+from jaximpact.runout import read_slope_study, run_slope_study
+compile_text, made = kernel.compile_text, []
+kernel.compile_text = lambda text: made.append(text) or compile_text(text)
+found = run_slope_study(read_slope_study({str(tmp_path / "slope.toml")!r}))
+print(len(made), *(found[name].values.tobytes().hex() for name in found.data_vars))
+"""
+    variables = {"JAXIMPACT_CACHE_DIR": str(tmp_path / "cache")}
+    first, second = (
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env=os.environ | variables,
+            stdout=subprocess.PIPE,
+            text=True,
+            check=True,
+        ).stdout.split()
+        for _ in range(2)
+    )
+    assert int(first[0]) > 0
+    assert int(second[0]) == 0
+    assert first[1:] == second[1:]
