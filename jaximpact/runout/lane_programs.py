@@ -17,11 +17,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.extend.core import jaxpr_as_fun
 
 from .._gc_pause import collector_paused
 from .._jax_internals import is_variable
 from ..backend.native_backend import kept_code, without_machine_code
-from ..backend.simd import Code, Kernel, NoMachineCode, compile_kernel
+from ..backend.simd import (
+    Code,
+    Kernel,
+    NoMachineCode,
+    compile_code,
+    compile_kernel,
+    without_copies,
+)
 from ..backend.threads import thread_count
 from ..identity import PACKAGE
 
@@ -253,13 +261,14 @@ class ClosedProgram:
                 return plan
             of_lanes, ended = jax.vmap(reduced), np.zeros(1, bool)
             # All is done as a lane ends, so that nothing is kept of it before.
-            kernel = compile_kernel(
+            functions = without_copies(
                 lambda given: (),
                 lambda state: (state, ended),
                 lambda given, _: of_lanes(*given),
-                [jax.ShapeDtypeStruct((1,), float)] * len(plan.used),
             )
-            return plan._replace(code=kernel.code)
+            one = jax.ShapeDtypeStruct((1,), float)
+            code = compile_code(functions, [one] * len(plan.used))
+            return plan._replace(code=code)
 
         try:
             plan = _kept([self.named], inputs, compiled, function.__name__)
@@ -286,9 +295,11 @@ def _plan_of(function: Callable, structure) -> tuple[_Plan, Callable]:
     used = used or [0]  # A program needs some input.
     passed = [places.get(x) if is_variable(x) else None for x in traced.jaxpr.outvars]
 
+    function_traced = jaxpr_as_fun(traced)
+
     def reduced(*own):
         given = dict(zip(used, own, strict=True))
-        found = jax.tree.leaves(flat(*(given.get(i, 0.0) for i in range(len(one)))))
+        found = function_traced(*(given.get(i, 0.0) for i in range(len(one))))
         return [x for x, place in zip(found, passed, strict=True) if place is None]
 
     return _Plan(used, passed, _template(jax.tree.structure(results))), reduced

@@ -11,10 +11,11 @@ import pytest
 from runout_scenes import SLOPE_STUDY, ellipse
 
 from jaximpact import Block, Impact
+from jaximpact.backend.simd import kernel
 from jaximpact.finding import find_part
 from jaximpact.identity import described
 from jaximpact.rebound import AbstractRebound
-from jaximpact.runout import blocks, lane_programs
+from jaximpact.runout import blocks
 from jaximpact.runout.contacts import contact_models
 from jaximpact.runout.flight import time_of_impact
 from jaximpact.runout.lane_programs import ClosedProgram, Program
@@ -46,13 +47,13 @@ def cache(tmp_path, monkeypatch):
 @pytest.fixture
 def compiled(monkeypatch):
     """A list that grows by each program that is compiled."""
-    compile_kernel, made = lane_programs.compile_kernel, []
+    compile_text, made = kernel.compile_text, []
 
-    def counted(*arguments):
-        made.append(arguments)
-        return compile_kernel(*arguments)
+    def counted(text):
+        made.append(text)
+        return compile_text(text)
 
-    monkeypatch.setattr(lane_programs, "compile_kernel", counted)
+    monkeypatch.setattr(kernel, "compile_text", counted)
     return made
 
 

@@ -228,9 +228,8 @@ def compile_kernel(begin: Callable, step: Callable, finish: Callable, inputs) ->
     """Compile functions of lanes, as for `without_copies`, ready to run; inputs are as
     for `compile_code`."""
     functions = without_copies(begin, step, finish)
-    state = jax.eval_shape(begin, inputs)
-    results = jax.eval_shape(finish, inputs, state)
-    return Kernel(compile_code(functions, inputs), jax.tree.structure(results))
+    code, (results, _) = _compiled(functions, inputs)
+    return Kernel(code, jax.tree.structure(results))
 
 
 def compile_code(
@@ -249,6 +248,13 @@ def compile_code(
 
     Raises NoMachineCode if a function does what has no native code.
     """
+    return _compiled(functions, inputs, own_inputs, copies)[0]
+
+
+def _compiled(
+    functions: LaneFunctions, inputs, own_inputs=(), copies: int = 1
+) -> tuple[Code, tuple]:
+    """Give the code, and shapes of results and own results."""
     given = inputs, own_inputs
     begin, states = jax.make_jaxpr(functions.begin, return_shape=True)(*given)
     step = jax.make_jaxpr(functions.step)(*states)
@@ -283,7 +289,7 @@ def compile_code(
         ),
         strict=True,
     )
-    return Code(
+    code = Code(
         compile_text("\n".join([*text, DECLARATIONS])),
         sum(part.rows for part in at_given),
         at_given[0].rows,
@@ -293,6 +299,7 @@ def compile_code(
         time_row,
         sampled_rows,
     )
+    return code, results
 
 
 class _Part(NamedTuple):
