@@ -43,16 +43,9 @@ PROMISE = 5e-3
 
 
 def jumped(objective: Objective, fit: Points, points: Points) -> np.ndarray:
-    """Find the tests whose predictions have left their branch at a fit.
-
-    Args:
-        fit: one lane, with derivatives.
-        points: other lanes.
-
-    Returns:
-        Mask, shape (lanes, tests). A prediction that is missing in one of both has left
-        it.
-    """
+    """Find the tests whose predictions at points have left their branch at a fit (one
+    lane, with derivatives), shape (lanes, tests); one that is missing in one of both
+    has left it."""
     return np.any(_jumped_cells(objective, fit, points), axis=2)
 
 
@@ -88,15 +81,6 @@ def error_root(objective: Objective, fit: Points) -> np.ndarray:
     return vectors / np.sqrt(np.maximum(values, least))
 
 
-def _draws(objective: Objective, fit: Points) -> Points:
-    """Evaluate points about a fit, normally distributed with its covariance."""
-    random = np.random.default_rng(objective.study.seed)
-    root = error_root(objective, fit)
-    x = fit.x + random.standard_normal((DRAWS, len(root))) @ root.T
-    x = np.clip(x, objective.bounds.low, objective.bounds.high)
-    return objective.values(x)
-
-
 def jump_shares(objective: Objective, fit: Points) -> np.ndarray:
     """Compute the fraction of points about a fit, normally distributed with its
     covariance, at which each prediction has left its branch, shape (tests, targets).
@@ -109,10 +93,13 @@ def jump_shares(objective: Objective, fit: Points) -> np.ndarray:
     Args:
         fit: one lane, with derivatives.
     """
-    near = np.zeros(objective.study.known.shape, bool)
+    near, bounds = np.zeros(objective.study.known.shape, bool), objective.bounds
     for _ in range(SHARES_AGAIN):
         rest = objective.without(near)
-        draws = _draws(rest, rest.reevaluate(fit))
+        root = error_root(rest, rest.reevaluate(fit))
+        random = np.random.default_rng(objective.study.seed)
+        x = fit.x + random.standard_normal((DRAWS, len(root))) @ root.T
+        draws = rest.values(np.clip(x, bounds.low, bounds.high))
         beyond = _jumped_cells(objective, fit, draws)
         share = np.mean(_is_abrupt(objective, fit, draws, beyond), axis=0)
         if not np.any((share > NEAR) & ~near):
@@ -203,11 +190,7 @@ def descend_on_branches(objective: Objective, fits: Fits, progress: Progress) ->
 def _descend_along(
     objective: Objective, fits: Fits, near: np.ndarray, progress: Progress
 ) -> Fits:
-    """Descend along a jump.
-
-    Args:
-        near: mask of the tests near a jump, shape (tests,).
-    """
+    """Descend along a jump, which a mask of tests are near."""
     fit, taken = fits.points, 0
     random = np.random.default_rng(objective.study.seed)
     for number in range(1, ROUNDS + 1):

@@ -61,11 +61,9 @@ def evolve(
     best member first.
 
     Args:
-        objective: objective function whose robust cost is minimised.
         x: points, shape (points, unknowns), the best of which are half of the first
             population, or less where they are fewer.
         candidates: points the best of which are the rest of it.
-        progress: told a line of text after every generation.
 
     Equal arguments give equal numbers on one machine.
     """

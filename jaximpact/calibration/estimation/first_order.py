@@ -7,7 +7,7 @@ import optax
 
 from ...progress import Progress
 from ..problem.objective import Objective, Points
-from .least_squares import Fits, Reason
+from .least_squares import Fits, Reason, step_line
 
 STEPS = 300
 ADAM_RATE, ADAM_DECAY, ADAM_DECAY_STEPS = 0.1, 0.5, 60
@@ -34,7 +34,7 @@ def adam(objective: Objective, x: np.ndarray, progress: Progress) -> Fits:
     steps = np.zeros(len(x), int)
     for number in range(1, STEPS + 1):
         _stop(objective, now, reasons)
-        progress(_line(number, best.cost, reasons))
+        progress(step_line(number, best.cost, reasons))
         going = np.array([reason is None for reason in reasons])
         if not np.any(going):
             break
@@ -57,7 +57,7 @@ def l_bfgs(objective: Objective, x: np.ndarray, progress: Progress) -> Fits:
     steps = np.zeros(len(x), int)
     for number in range(1, STEPS + 1):
         _stop(objective, now, reasons)
-        progress(_line(number, now.cost, reasons))
+        progress(step_line(number, now.cost, reasons))
         going = np.array([reason is None for reason in reasons])
         if not np.any(going):
             break
@@ -98,10 +98,3 @@ def _stop(objective: Objective, points: Points, reasons: list) -> None:
         if reasons[lane] is None:
             failed = np.any(objective.failed(points.predicted[lane]))
             reasons[lane] = Reason.failed if failed else Reason.converged
-
-
-def _line(number: int, cost: np.ndarray, reasons: list) -> str:
-    going = sum(reason is None for reason in reasons)
-    return f"step {number}: {going} of {len(cost)} fits go on, lowest cost " + (
-        f"{np.min(cost):.6g}"
-    )

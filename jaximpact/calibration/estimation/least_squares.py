@@ -1,6 +1,7 @@
 """The Levenberg-Marquardt method between bounds, for many fits side by side."""
 
 import enum
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -110,6 +111,14 @@ class Fits(NamedTuple):
         joined = [reason in followed for reason in self.reasons]
         return int(np.lexsort((np.array(joined), self.points.cost))[0])
 
+    def ending(self, lanes, points: Points, reasons: Iterable[Reason]) -> "Fits":
+        """Replace points and reasons of some lanes."""
+        replaced = list(self.reasons)
+        for lane, reason in zip(lanes, reasons, strict=True):
+            replaced[lane] = reason
+        points = self.points.put(lanes, points)
+        return self._replace(points=points, reasons=replaced)
+
 
 def levenberg_marquardt(
     objective: Objective,
@@ -140,19 +149,13 @@ def levenberg_marquardt(
         room = here, free[going], low - here.x, high - here.x
         _, promise = bounded_step(*room, np.zeros(len(going)))
         variance = objective.variance(here.cost)
+        failed = np.any(objective.failed(here.predicted), axis=(1, 2))
         for at, lane in enumerate(going):
-            state.reasons[lane] = _reason(
-                state,
-                lane,
-                here.cost[at],
-                variance[at],
-                promise[at],
-                bool(np.any(objective.failed(here.predicted[at]))),
-                rule,
-            )
+            found = here.cost[at], variance[at], promise[at], failed[at]
+            state.reasons[lane] = _reason(state, lane, *found, rule)
         if rule.joins and all_free:
             _join(objective, points, state)
-        progress(_line(number, points.cost, int(np.sum(state.going))))
+        progress(step_line(number, points.cost, state.reasons))
         if number == rule.steps or not np.any(state.going):
             break
         on = state.going[going]
@@ -218,7 +221,7 @@ def bounded_step(
     Args:
         free: which unknowns may change, shape (lanes, unknowns).
         down, up: distances to the bounds, <= 0 and >= 0.
-        damping: shape (lanes,).
+        damping: damping over the Hessian's largest diagonal entry, shape (lanes,).
     """
     gradient, hessian = points.gradient, points.hessian
     size = gradient.shape[1]
@@ -243,20 +246,15 @@ def bounded_step(
     least, most = np.where(free, least, 0.0), np.where(free, most, 0.0)
     step = np.clip(step, least, most)
     for lane in np.flatnonzero(beyond):
-        step[lane] = _least_between(
-            gradient[lane], damped[lane], least[lane], most[lane]
-        )
+        model = gradient[lane], damped[lane], least[lane], most[lane]
+        step[lane] = _least_between(*model)
     linear = np.einsum("lp,lp->l", gradient, step)
     square = np.einsum("lp,lpq,lq->l", step, hessian, step)
     return step, -(linear + 0.5 * square)
 
 
 def is_near(
-    objective: Objective,
-    points: Points,
-    lane: int | np.integer,
-    others: np.ndarray,
-    place: float,
+    objective: Objective, points: Points, lane, others: np.ndarray, place: float
 ) -> np.ndarray:
     """Find which of the others, of equal or lower cost, are at the minimum of a lane:
     within `place` in x, and a difference in cost that the data cannot resolve."""
@@ -285,15 +283,12 @@ def _join(objective: Objective, points: Points, state: _State) -> None:
 
 def _with_leaders(fits: Fits, leader: np.ndarray) -> Fits:
     """Replace fits that joined another by the end of that one."""
-    points, reasons = fits.points, list(fits.reasons)
-    for lane in np.flatnonzero(leader != np.arange(len(leader))):
-        last = leader[lane]
-        while leader[last] != last:
-            last = leader[last]
-        points = points.put([lane], points.take([last]))
-        found = fits.reasons[last]
-        reasons[lane] = Reason.joined if found.at_minimum else found
-    return Fits(points, reasons, fits.steps)
+    lanes = np.flatnonzero(leader != np.arange(len(leader)))
+    while np.any(leader[leader] != leader):
+        leader = leader[leader]
+    ends = [fits.reasons[last] for last in leader[lanes]]
+    reasons = [Reason.joined if end.at_minimum else end for end in ends]
+    return fits.ending(lanes, fits.points.take(leader[lanes]), reasons)
 
 
 def _least_between(gradient, hessian, least, most) -> np.ndarray:
@@ -332,21 +327,10 @@ def _least_between(gradient, hessian, least, most) -> np.ndarray:
 
 
 def _reason(
-    state: _State,
-    lane: int | np.integer,
-    cost: float,
-    variance: float,
-    promise: float,
-    failed: bool,
-    rule: StoppingRule,
+    state: _State, lane, cost, variance, promise, failed, rule: StoppingRule
 ) -> Reason | None:
-    """Apply the stopping rule; None to continue.
-
-    Args:
-        variance: s^2 at this cost.
-        promise: predicted fall of the cost by a full step.
-        failed: whether a prediction is missing.
-    """
+    """Apply the stopping rule, with s^2 at this cost, the fall of the cost that a full
+    step promises, and whether a prediction is missing; None to continue."""
     rejected, falls = state.rejected[lane], state.falls[lane]
     if promise <= max(rule.promise, rule.part * variance):
         return Reason.failed if failed else Reason.converged
@@ -364,8 +348,9 @@ def _reason(
     return None
 
 
-def _line(number: int, cost: np.ndarray, going: int) -> str:
+def step_line(number: int, cost: np.ndarray, reasons: list[Reason | None]) -> str:
+    """Say how far fits are, those without a reason to stop still going."""
     return (
-        f"step {number}: {going} of {len(cost)} fits go on, lowest cost "
+        f"step {number}: {reasons.count(None)} of {len(cost)} fits go on, lowest cost "
         f"{np.min(cost):.6g}"
     )

@@ -31,7 +31,7 @@ from ..problem.config import Study
 from ..problem.noise import least_size, losses, root_mean_square, scale_of_normal
 from ..problem.nuisance import LEAST_GROUP_SD, MOST_GROUP_SD, Nuisance
 from ..problem.objective import Objective, Points
-from .least_squares import FINE, Fits
+from .least_squares import Fits
 
 LEAST_PART = 1e-3
 """Sigma over the root mean square of a target, or over its size where scatter is
@@ -220,7 +220,7 @@ def settle(
 
     Args:
         fits: the best fit, of one lane.
-        fit: called as `fit(objective, x, rule=..., progress=...)`.
+        fit: called as `fit(objective, x, progress=...)`.
     """
     if all_given(objective.study):
         return objective, fits
@@ -239,10 +239,6 @@ def settle(
         fits = Fits(points, fits.reasons, fits.steps)
         if change <= SETTLED:
             break
-        fits = fit(
-            objective,
-            points.x,
-            rule=FINE,
-            progress=progress.within(f"errors of measurement, round {number}: "),
-        )
+        told = progress.within(f"errors of measurement, round {number}: ")
+        fits = fit(objective, points.x, progress=told)
     return objective, fits

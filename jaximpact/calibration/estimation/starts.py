@@ -3,11 +3,13 @@
 from collections.abc import Callable
 
 import numpy as np
+from scipy.special import ndtri
 
 from ...progress import Progress
 from ...tasks import Task, run_task
+from ..problem.bounds import Bounds
 from ..problem.config import Study
-from ..problem.objective import Objective
+from ..problem.objective import Objective, Points
 from .branches import descend_on_branches, jumped
 from .evolution import Population, evolve, members_for, robust_of
 from .least_squares import (
@@ -19,8 +21,9 @@ from .least_squares import (
     is_near,
     levenberg_marquardt,
 )
-from .spread import spread_starts
 
+SPREAD = 0.02
+"""Distance of starts from the bounds, as a fraction of the range."""
 RUNNING = 1.02, 0.5
 """Starts whose rough cost is below a times the lowest plus b s^2 are fitted to the
 end."""
@@ -50,6 +53,27 @@ SAME = 1e-3
 count as having found it."""
 
 
+def spread_starts(
+    bounds: Bounds, start: np.ndarray, mean, sd, count: int, seed: int | tuple[int, ...]
+) -> np.ndarray:
+    """Sample starts (count, unknowns) in x: the given one, then a Latin hypercube.
+
+    The hypercube divides the range of each unknown into as many strata as there are
+    points; of an unknown with a prior (`sd` finite), its prior distribution.
+    """
+    random = np.random.default_rng(seed)
+    others, size = count - 1, len(start)
+    strata = np.stack([random.permutation(others) for _ in range(size)], axis=-1)
+    part = (strata + random.random((others, size))) / max(others, 1)
+    spread = bounds.at_fraction(SPREAD + (1.0 - 2.0 * SPREAD) * part)
+    has_prior = np.isfinite(sd)
+    drawn = mean + np.where(has_prior, sd, 0.0) * ndtri(np.clip(part, 1e-3, 1 - 1e-3))
+    drawn = np.clip(drawn, bounds.lower, bounds.upper)
+    drawn = bounds.coordinate(np.where(has_prior, drawn, bounds.lower))
+    spread = np.where(has_prior, drawn, spread)
+    return np.concatenate([np.asarray(start, float)[None], spread])
+
+
 def fit(
     objective: Objective,
     x: np.ndarray,
@@ -62,7 +86,6 @@ def fit(
     """Fit from every x until the stopping rule ends each fit.
 
     Args:
-        objective: objective function.
         x: starting points, shape (lanes, unknowns).
         free: mask of the unknowns that are fitted, the same shape; None for all. Only
             for Levenberg-Marquardt.
@@ -124,19 +147,12 @@ def fit_starts(
         ends = _fit_to_all(rough, part, fits, progress)
         if fits is not own:
             # What is best for some of the tests need not be for all.
-            ends = _lower(ends, _fit_to_all(rough, part, own, progress))
+            other = _fit_to_all(rough, part, own, progress)
+            lower = np.flatnonzero(other.points.cost < ends.points.cost)
+            reasons = [other.reasons[lane] for lane in lower]
+            ends = ends.ending(lower, other.points.take(lower), reasons)
         fits = ends
     return polish(objective, fits, progress)
-
-
-def _lower(first: Fits, second: Fits) -> Fits:
-    """Choose of two ends of every start the one of lower cost."""
-    lanes = np.flatnonzero(second.points.cost < first.points.cost)
-    reasons = list(first.reasons)
-    for lane in lanes:
-        reasons[lane] = second.reasons[lane]
-    points = first.points.put(lanes, second.points.take(lanes))
-    return first._replace(points=points, reasons=reasons)
 
 
 def some_tests(study: Study) -> np.ndarray:
@@ -160,7 +176,7 @@ def _search_together(
     the lowest of these where most of the population has come to its place; else only
     those whose members have, and the others stay as they are.
     """
-    cost, reasons = fits.points.cost, list(fits.reasons)
+    cost = fits.points.cost
     running = _is_running(objective, cost)
     alone = np.sum(running) == 1 and fits.reasons[fits.best] in STUCK
     left = np.arange(len(cost)) if alone else np.flatnonzero(~running)
@@ -176,23 +192,19 @@ def _search_together(
         found[:] = True
     found[0] = True
     left = left[found & (best.cost[0] < cost[left])]
-    points, steps = fits.points.put(left, best), fits.steps.copy()
-    restarts = np.zeros(len(reasons), int)
+    steps, restarts = fits.steps.copy(), np.zeros(len(cost), int)
     steps[left] += again.steps[again.best]
     restarts[left] += 1
-    for place, lane in enumerate(left):
-        reasons[lane] = Reason.searched if place else again.reasons[again.best]
-    return Fits(points, reasons, steps, restarts)
+    first = again.reasons[again.best]
+    reasons = [Reason.searched if place else first for place in range(len(left))]
+    return fits.ending(left, best, reasons)._replace(steps=steps, restarts=restarts)
 
 
 def _evolved(objective: Objective, x: np.ndarray, progress: Progress) -> Population:
     """Search from points x and from candidates spread as starts are."""
     study = objective.study
     candidates = spread_starts(
-        objective.bounds,
-        x[0],
-        objective.prior_mean,
-        objective.prior_sd,
+        *(objective.bounds, x[0], objective.prior_mean, objective.prior_sd),
         SCREENED * members_for(x.shape[1]),
         (study.seed, 1),
     )
@@ -261,24 +273,17 @@ def _at_accuracy(objective: Objective, fits: Fits, lanes: np.ndarray) -> Fits:
 
     It stays at the edge of its branches only if no test jumps between the accuracies.
     """
-    best, reasons = fits.best, list(fits.reasons)
-    coarse = fits.points.take([best])
-    point = objective(coarse.x)
-    if reasons[best] is Reason.edge and np.any(jumped(objective, point, coarse)):
-        reasons[best] = Reason.jump
-    points = fits.points.put(lanes, point)
-    return fits._replace(points=points, reasons=reasons)
+    best, coarse = fits.best, fits.points.take([fits.best])
+    point, reason = objective(coarse.x), fits.reasons[fits.best]
+    if reason is Reason.edge and np.any(jumped(objective, point, coarse)):
+        reason = Reason.jump
+    fits = fits._replace(points=fits.points.put(lanes, point))
+    return fits.ending([best], point, [reason])
 
 
-def fit_on(
-    objective: Objective,
-    x: np.ndarray,
-    *,
-    rule: StoppingRule = FINE,
-    progress: Progress = SILENT,
-) -> Fits:
+def fit_on(objective: Objective, x: np.ndarray, *, progress: Progress = SILENT) -> Fits:
     """Fit one lane from x, and along a jump where one stops it."""
-    fits = fit(objective, x, rule=rule, progress=progress)
+    fits = fit(objective, x, progress=progress)
     if fits.reasons[0].at_minimum:
         return fits
     return _descend(objective, fits, progress)
@@ -293,15 +298,10 @@ def _descend(objective: Objective, fits: Fits, progress: Progress) -> Fits:
 
 
 def with_origin(fits: Fits, origin: int, best: Fits) -> Fits:
-    """Let the fits at the place of one of them end where that one went on to.
-
-    Args:
-        origin: lane of the fit that went on.
-        best: its end, one lane.
-    """
-    same, reasons = _at_place(fits, origin), list(fits.reasons)
-    reasons[origin] = best.reasons[0]
-    return fits._replace(points=fits.points.put(same, best.points), reasons=reasons)
+    """Let the fits at the place of one of them, `origin`, end where that one went on
+    to."""
+    points = fits.points.put(_at_place(fits, origin), best.points)
+    return fits._replace(points=points).ending([origin], best.points, best.reasons)
 
 
 def _at_place(fits: Fits, lane: int) -> np.ndarray:
@@ -311,30 +311,31 @@ def _at_place(fits: Fits, lane: int) -> np.ndarray:
 
 def _descended(objective: Objective, fits: Fits, progress: Progress) -> Fits:
     """Continue the best fit along a jump that has stopped it."""
-    best, reasons, steps = fits.best, list(fits.reasons), fits.steps.copy()
+    best, steps = fits.best, fits.steps.copy()
     one = _descend(objective, one_of(fits, best), progress)
-    same = np.flatnonzero(_at_place(fits, best))
-    for lane in same:
-        if lane != best and reasons[lane] is not Reason.searched:
-            reasons[lane] = Reason.joined
-    reasons[best], steps[best] = one.reasons[0], one.steps[0]
-    points = fits.points.put(same, one.points)
-    return Fits(points, reasons, steps, fits.restarts)
+    steps[best] = one.steps[0]
+    fits = _joined(fits, _at_place(fits, best), one.points)._replace(steps=steps)
+    return fits.ending([best], one.points, one.reasons)
 
 
 def _join_on_branches(objective: Objective, fits: Fits) -> Fits:
     """Let fits on the branches of the best one, stopped by its jumps, be that one."""
-    best, reasons = fits.best, list(fits.reasons)
-    if reasons[best] is not Reason.edge:
+    best = fits.best
+    if fits.reasons[best] is not Reason.edge:
         return fits
     end = fits.points.take([best])
     near = _is_running(objective, fits.points.cost)
     near &= ~np.any(jumped(objective, end, fits.points), axis=1)
-    near &= [reason is not Reason.searched for reason in reasons]
-    near[best] = False
-    for lane in np.flatnonzero(near):
-        reasons[lane] = Reason.joined
-    return fits._replace(points=fits.points.put(near, end), reasons=reasons)
+    near &= [reason is not Reason.searched for reason in fits.reasons]
+    return _joined(fits, near, end).ending([best], end, [Reason.edge])
+
+
+def _joined(fits: Fits, same: np.ndarray, end: Points) -> Fits:
+    """Let fits, given by a mask, end at one point; a search may have found it too."""
+    lanes, searched = np.flatnonzero(same), Reason.searched
+    reasons = [fits.reasons[lane] for lane in lanes]
+    reasons = [one if one is searched else Reason.joined for one in reasons]
+    return fits.ending(lanes, end, reasons)
 
 
 def one_of(fits: Fits, lane: int) -> Fits:
@@ -360,18 +361,15 @@ def _continue(
     """Continue some lanes as their leaders, one fit for each leader."""
     leaders = np.unique(leader)
     again = fit(objective, fits.points.x[leaders], rule=rule, progress=progress)
-    reasons, steps = list(fits.reasons), fits.steps.copy()
-    for place, reason in zip(leaders, again.reasons, strict=True):
-        reasons[place] = reason
+    steps = fits.steps.copy()
     steps[leaders] += again.steps
-    points = fits.points.put(leaders, again.points)
-    for lane, place in zip(lanes, leader, strict=True):
-        if lane != place:
-            points = points.put([lane], points.take([place]))
-            if reasons[lane] is not Reason.searched:
-                alike = reasons[place].at_minimum
-                reasons[lane] = Reason.joined if alike else reasons[place]
-    return Fits(points, reasons, steps, fits.restarts)
+    fits = fits._replace(steps=steps).ending(leaders, again.points, again.reasons)
+    lanes, leader = lanes[lanes != leader], leader[lanes != leader]
+    reasons = [fits.reasons[lane] for lane in lanes]
+    for place, end in enumerate(fits.reasons[lane] for lane in leader):
+        if reasons[place] is not Reason.searched:
+            reasons[place] = Reason.joined if end.at_minimum else end
+    return fits.ending(lanes, fits.points.take(leader), reasons)
 
 
 def _leaders(objective: Objective, fits: Fits, lanes: np.ndarray) -> np.ndarray:
