@@ -22,7 +22,8 @@ def main(started: str, path: str) -> None:
 
     jax.config.update("jax_enable_x64", True)
     from jaximpact.calibration import fit_study, read_study
-    from jaximpact.calibration.problem.forward_model import Engine, engine_of
+    from jaximpact.calibration.problem.engine import Engine
+    from jaximpact.calibration.problem.forward_model import engine_of
 
     imported, begin = time.time() - float(started), time.perf_counter()
     study = read_study(Path(path))

@@ -21,8 +21,8 @@ import platform
 import threading
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, TypeVar
 
 import jax
 
@@ -32,6 +32,7 @@ from .backend.threads import one_thread
 from .backend.xla_compilation import keep_programs
 from .errors import IncompleteError, InputError, NoWorkersWarning
 from .finding import class_of_file, file_of
+from .progress import Progress
 from .store import VARIABLE as CACHE_VARIABLE
 
 WAITING = 256
@@ -41,6 +42,9 @@ WORKERLESS = 10.0
 """Seconds without anything that finishes after which workers are looked for."""
 POLL = 0.5
 """Seconds between looks for workers, and for a reason to stop."""
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 class Task:
@@ -247,6 +251,60 @@ def stopped_by(event: threading.Event) -> Iterator[None]:
         yield
     finally:
         _stops.reset(token)
+
+
+def run_in_threads(
+    function: Callable[[Item, Progress], Result],
+    items: Sequence[Item],
+    progress: Progress,
+) -> list[Result]:
+    """Call a function of every item in threads of their own; results in their order.
+
+    Args:
+        function: called with an item and with its progress; once one call has failed
+            the others end the next time that they tell their progress, or while they
+            wait for an executor.
+        items: one thread each.
+        progress: called by one thread at a time.
+    """
+    stop, speaking = threading.Event(), threading.Lock()
+
+    class Shared(Progress):
+        def __call__(self, what, done=None, total=None):
+            with speaking:
+                if stop.is_set():
+                    raise Stopped
+                progress(what, done, total) if total is not None else progress(what)
+
+    def call(item: Item) -> Result:
+        with stopped_by(stop):
+            return function(item, Shared())
+
+    with concurrent.futures.ThreadPoolExecutor(len(items)) as pool:
+        running = [
+            pool.submit(contextvars.copy_context().run, call, item) for item in items
+        ]
+        try:
+            for ended in concurrent.futures.as_completed(running):
+                ended.result()
+        except BaseException:
+            stop.set()
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+        return [ended.result() for ended in running]
+
+
+def for_each(
+    function: Callable[[Item, Progress], Result],
+    items: Sequence[Item],
+    progress: Progress,
+    executor: concurrent.futures.Executor | None,
+) -> list[Result]:
+    """Call a function of every item: one after another, or in threads that wait side by
+    side where an executor does most of the work."""
+    if executor is None:
+        return [function(item, progress) for item in items]
+    return run_in_threads(function, items, progress)
 
 
 class WorkerlessWarner:

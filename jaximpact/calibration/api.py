@@ -5,13 +5,13 @@ import os
 from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from .._checks import expect
 from .._precision import require_float64
-from ..errors import InputError, nearest
+from ..errors import InputError
 from ..io.files import replacing
 from ..parameters import Part
 from ..progress import Progress, ProgressFunction, as_progress
@@ -32,18 +32,15 @@ from .diagnostics.results import StudyResult, VariantResult
 from .estimation.fit_cache import FitCache
 from .fitted_ground import FittedGround, files_of_fit, fitted_of, read_fitted
 from .prediction import PredictedTests, predict_tests
-from .problem.compare_table import CompareTable
-from .problem.config import Study, read_study
+from .problem.config import CompareTable, Study, read_study
 from .problem.dataset import joined_tables
 from .problem.laws import scene_of
 from .report.contents import contents_of
 from .report.files import as_json, study_directory, write_all
+from .report.overview import plot_study
 from .report.prediction import prediction_contents, write_prediction
 from .report.render import render
 from .study import fit_study
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 UNFINISHED = "unfinished"
 """Folder of finished fits in the directory of a study that is not yet written."""
@@ -146,15 +143,12 @@ class Calibration:
         """Return every number, as in fit.json."""
         return as_json(self.result, self.examined, self.others)
 
-    def plot(self, path: str | os.PathLike | None = None) -> "Figure":
+    def plot(self, path: str | os.PathLike | None = None) -> Figure:
         """Draw the fit of every target, and the costs of the starts.
 
         Args:
             path: file to save the figure in too; replaced once the new one is whole.
         """
-        # Matplotlib takes half a second to import.
-        from .report.drawings import plot_study
-
         figure = plot_study(self.result)
         if path is not None:
             with replacing(Path(path)) as temporary:
@@ -175,12 +169,8 @@ class Calibration:
             raise InputError(
                 f"there are several variants; name one of {', '.join(self.variants)}"
             )
-        if name is not None and name not in self.variants:
-            raise InputError(
-                f"variant {name!r} is unknown; did you mean "
-                f"{nearest(name, self.variants)!r}?"
-            )
-        return self.result.variants[self.variants.index(name) if name else 0]
+        index = 0 if name is None else self.result.study.index_of(name)
+        return self.result.variants[index]
 
 
 class Prediction(PredictedTests):

@@ -54,22 +54,15 @@ def table_given(tests: str | os.PathLike | Mapping, base: Scene | None = None) -
     if isinstance(tests, str | os.PathLike):
         return read_table(Path(tests), measured=True, base=base)
     columns = _given_columns(tests, (*columns_of(base or Scene()), *NAMES))
-    lengths = {name: len(c) for name, c in columns.items() if c.ndim == 1}
+    count = max((len(c) for c in columns.values() if c.ndim == 1), default=1)
     for name, column in columns.items():
+        place = {"file": COLUMNS, "column": name}
         if column.ndim > 1:
-            raise InputError(
-                f"must be one value a test, but has shape {column.shape}",
-                file=COLUMNS,
-                column=name,
-            )
-    count = max(lengths.values(), default=1)
-    for name, length in lengths.items():
-        if length != count:
-            raise InputError(
-                f"holds {length} values, but another column {count}",
-                file=COLUMNS,
-                column=name,
-            )
+            problem = f"must be one value a test, but has shape {column.shape}"
+            raise InputError(problem, **place)
+        if column.shape not in ((), (count,)):
+            problem = f"holds {len(column)} values, but another column {count}"
+            raise InputError(problem, **place)
     if not columns:
         raise InputError("hold no column; tests are needed", file=COLUMNS)
     text = io.StringIO()
@@ -161,12 +154,11 @@ def study_given(tests, fit, ground, block, targets, sigma, scatter, seed) -> Stu
         fit = {name: {} for name in fit}
     _check_names("fit", fit, columns, known)
     _check_names("ground", of_ground.stated, columns, known)
+    parameters: dict[str, dict] = {}
     for name, entry in fit.items():
         expect(f"fit of {name}", entry, Mapping)
-    parameters = {name: dict(entry) for name, entry in fit.items()}
-    for name, entry in parameters.items():
-        if name in of_ground.values:
-            entry.setdefault("start", of_ground.values[name])
+        start = of_ground.values.get(name)
+        parameters[name] = ({} if start is None else {"start": start}) | dict(entry)
     held = {
         whole: given.stated
         | {
@@ -200,12 +192,8 @@ class _Given(NamedTuple):
 def _given(
     what: str, kind: type[Composite], given: Composite | Mapping | None
 ) -> _Given:
-    """Read laws, or a shape, and values from an argument.
-
-    Args:
-        what: name of the argument.
-        kind: class of the object that it may be.
-    """
+    """Read laws, or a shape, and values from an argument, which may be an object of a
+    class."""
     expect(what, given, kind, Mapping, type(None))
     if isinstance(given, kind):
         parts = {slot: getattr(given, slot) for slot in parts_of(kind)}
@@ -215,7 +203,9 @@ def _given(
     parts, stated = parts_and_values(COLUMNS, what, entries, whole, Path())
     objects = [slot for slot in parts if isinstance(entries[slot], Part)]
     values = _columns(what, kind(**parts), objects, own=False)
-    return _Given(parts, {n: _plain(v) for n, v in stated.items()}, values)
+    # Numbers of numpy and JAX as Python's.
+    stated = {n: v.item() if hasattr(v, "item") else v for n, v in stated.items()}
+    return _Given(parts, stated, values)
 
 
 def _columns(
@@ -240,22 +230,14 @@ def _columns(
     return values
 
 
-def _plain(value):
-    """Convert a number of numpy or JAX to Python's."""
-    return value.item() if hasattr(value, "item") else value
-
-
 def _check_names(
     what: str,
     names: Iterable[str],
     columns: Mapping[str, InputColumn],
     known: Mapping[str, InputColumn],
 ) -> None:
-    """Raise InputError for a name that is no column of the soil.
-
-    Args:
-        known: columns of the scene.
-    """
+    """Raise InputError for a name that is no column of the soil, with another hint for
+    the columns known of the scene."""
     for name in names:
         if name in columns:
             continue

@@ -141,12 +141,8 @@ def files_of_fit(path: Path) -> list[Path]:
 def fitted_of(
     tree: dict, parts: dict[str, Part], laws: list[dict[str, Part]]
 ) -> FittedGround:
-    """Make the fitted ground from the numbers of fit.json.
-
-    Args:
-        parts: laws and shape of the study.
-        laws: laws of each variant, where they differ.
-    """
+    """Make the fitted ground from the numbers of fit.json, laws and shape of the study,
+    and the laws in which each variant differs."""
     manifest = tree["manifest"]
     return FittedGround(
         title=tree["title"],
@@ -156,7 +152,8 @@ def fitted_of(
         ),
         parameters=tuple(
             Parameter(
-                name, entry["start"], entry["lower"], entry["upper"], _prior(entry)
+                *(name, entry["start"], entry["lower"], entry["upper"]),
+                Prior(**entry["prior"]) if "prior" in entry else None,
             )
             for name, entry in manifest["parameters"].items()
         ),
@@ -182,10 +179,6 @@ def fitted_of(
         ),
         compared=tuple(tree.get("comparison", {}).get("verdict", ())),
     )
-
-
-def _prior(entry: dict) -> Prior | None:
-    return Prior(**entry["prior"]) if "prior" in entry else None
 
 
 def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:

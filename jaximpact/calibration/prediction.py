@@ -31,7 +31,8 @@ from .fitted_ground import FittedGround, FittedVariant
 from .problem.candidates import Candidates
 from .problem.config import METHODS, Study
 from .problem.dataset import Measurements
-from .problem.forward_model import Engine, engines_of
+from .problem.engine import Engine
+from .problem.forward_model import engines_of
 from .problem.noise import LOSSES
 from .problem.nuisance import EACH_TEST, open_nuisances
 from .problem.objective import Objective, names_of
@@ -116,26 +117,13 @@ def predict_tests(
     inputs: list[Path],
     progress: Progress,
 ) -> PredictedTests:
-    """Predict tests with every variant of a fitted ground.
-
-    Args:
-        inputs: files from which the ground was read.
-    """
-    study = held_out_study(ground, measurements)
+    """Predict tests with every variant of a ground that was read from files."""
+    study, variants = held_out_study(ground, measurements), []
     progress("compiling once")
-    count, engines = len(ground.variants), engines_of(study)
-    variants = [
-        predict_variant(
-            study,
-            ground,
-            fitted,
-            engine,
-            progress.within(f"variant {number} of {count}: "),
-        )
-        for number, (fitted, engine) in enumerate(
-            zip(ground.variants, engines, strict=True), 1
-        )
-    ]
+    for fitted, engine in zip(ground.variants, engines_of(study), strict=True):
+        told = f"variant {len(variants) + 1} of {len(ground.variants)}: "
+        given = study, ground, fitted, engine
+        variants.append(predict_variant(*given, progress.within(told)))
     return PredictedTests(
         ground=ground,
         tests=study.tests,
@@ -216,12 +204,9 @@ def _check_laws(ground: FittedGround, tests: Measurements, path: Path) -> None:
 def unknowns(
     study: Study, fitted: FittedVariant, seed: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Sample the unknowns of the new tests, in the units of the columns.
-
-    Returns:
-        Best values (unknowns,), the prior's mean for a new group, draws (draws,
-        unknowns) and their weights.
-    """
+    """Sample the unknowns of the new tests, in the units of the columns: best values
+    (unknowns,), the prior's mean for a new group, draws (draws, unknowns) and their
+    weights."""
     random = np.random.default_rng(seed)
     soil, of_fit, weights = len(study.parameters), fitted.draws, fitted.weights
     if study.nuisances:
@@ -243,8 +228,7 @@ def unknowns(
                 best.append(fitted.best[known])
                 draws.append(of_fit[:, known])
                 continue
-            prior = nuisance.prior
-            sd = prior.sd
+            prior, sd = nuisance.prior, nuisance.prior.sd
             if nuisance.name in fitted.group_sd:
                 sd = fitted.group_sd[nuisance.name][chosen]
             drawn = random.normal(prior.mean, sd, len(weights))
@@ -263,42 +247,33 @@ def predict_variant(
     """Predict the tests of a study with one variant of a fitted ground."""
     objective = Objective(study, fitted.variant, engine, PRESETS[ground.accuracy])
     best, draws, weights = unknowns(study, fitted, ground.seed)
-    at_best = objective.values(_coordinates(objective, best[None]))
+    bounds = objective.bounds
+    best, draws = (
+        bounds.coordinate(np.clip(p, bounds.lower, bounds.upper)) for p in (best, draws)
+    )
+    at_best = objective.values(best[None])
     _, predicted, ends = objective.at(fitted.accuracy).values_by_parts(
-        _coordinates(objective, draws), lambda text: progress(f"{text} draws")
+        draws, lambda text: progress(f"{text} draws")
     )
     outcomes = at_best.outcomes[0]
-    alike = ends == outcomes
     sigma, freedom = scatter(study, fitted, predicted, weights)
-    cells = _of_cells(study, ground, weights, predicted, sigma, freedom, progress)
-    there = np.isfinite(predicted)
     return VariantPrediction(
         fitted=fitted,
         outcomes=[str(Outcome(int(code))) for code in outcomes],
-        outcome_share=weights @ alike,
+        outcome_share=weights @ (ends == outcomes),
         best=at_best.predicted[0],
         sigma=sigma,
-        missing_part=np.einsum("d,drt->rt", weights, ~there),
-        **cells,
+        missing_part=np.einsum("d,drt->rt", weights, ~np.isfinite(predicted)),
+        **_of_cells(study, ground, weights, predicted, sigma, freedom, progress),
     )
-
-
-def _coordinates(objective: Objective, parameters: np.ndarray) -> np.ndarray:
-    """Convert unknowns in the units of the columns to x."""
-    bounds = objective.bounds
-    return bounds.coordinate(np.clip(parameters, bounds.lower, bounds.upper))
 
 
 def scatter(
     study: Study, fitted: FittedVariant, predicted: np.ndarray, weights: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Compute sigma of a measurement about the model (tests, targets), 0 where unknown,
-    and the degrees of freedom from which it was estimated (targets,).
-
-    Args:
-        predicted: predictions of the draws, shape (draws, tests, targets).
-        weights: weights of the draws.
-    """
+    and the degrees of freedom from which it was estimated (targets,), with predictions
+    of the draws, shape (draws, tests, targets)."""
     sigma = np.zeros(study.measured.shape)
     freedom = np.full(len(study.targets), np.inf)
     for place, name in enumerate(study.targets):
@@ -306,8 +281,11 @@ def scatter(
         if fitted.estimated.get(name, False):
             sigma[:, place] = fitted.sigma[name]
             if name in fitted.proportional:
-                middle = _medians(predicted[:, :, place], weights)
-                sigma[:, place] = fitted.proportional[name].sigma(middle)
+                # Median of the draws for each test; 0 without any.
+                all_draws = predicted[:, :, place].T
+                found = [predictive(values, weights, 0.0) for values in all_draws]
+                middle = [0.0 if one is None else one.quantile(0.5) for one in found]
+                sigma[:, place] = fitted.proportional[name].sigma(np.array(middle))
             freedom[place] = max(fitted.freedom[name], 1.0)
             continue
         otherwise = fitted.sigma.get(name, 0.0)
@@ -316,12 +294,6 @@ def scatter(
             of_tests = of_tests * np.sqrt(fitted.inflation)
         sigma[:, place] = of_tests
     return sigma, freedom
-
-
-def _medians(predicted: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Compute the median of the draws for each test, shape (tests,); 0 without any."""
-    found = [predictive(values, weights, 0.0) for values in predicted.T]
-    return np.array([0.0 if one is None else one.quantile(0.5) for one in found])
 
 
 def _of_cells(
@@ -425,12 +397,12 @@ class Scores(NamedTuple):
 
 def score(prediction: PredictedTests, variant: VariantPrediction) -> dict[str, Scores]:
     """Score every target of which anything was measured."""
-    found = {}
-    for place, name in enumerate(prediction.targets):
-        known = np.isfinite(prediction.measured[:, place])
-        if np.any(known):
-            found[name] = _score(prediction, variant, name, place, known)
-    return found
+    known = np.isfinite(prediction.measured)
+    return {
+        name: _score(prediction, variant, name, place, known[:, place])
+        for place, name in enumerate(prediction.targets)
+        if np.any(known[:, place])
+    }
 
 
 def _score(prediction, variant, name: str, place: int, known) -> Scores:
@@ -439,25 +411,26 @@ def _score(prediction, variant, name: str, place: int, known) -> Scores:
     exact = known & ~limit & there
     measured = prediction.measured[exact, place]
     apart = variant.middle[exact, place] - measured
-    inside = [
-        (measured >= getattr(variant, f"low_{percent}")[exact, place])
-        & (measured <= getattr(variant, f"high_{percent}")[exact, place])
-        for percent in (50, 95)
-    ]
+    inside_50, inside_95 = (
+        (measured >= low[exact, place]) & (measured <= high[exact, place])
+        for low, high in (
+            (variant.low_50, variant.high_50),
+            (variant.low_95, variant.high_95),
+        )
+    )
     results = prediction.ground.results.get(name, {"count": 0})
     crps, mean_crps = (
         _mean(part[exact, place]) for part in (variant.crps, variant.mean_crps)
     )
-    mean_rms = _rms(results["mean"] - measured) if results["count"] else None
     return Scores(
         count=int(np.sum(exact)),
         unpredicted=int(np.sum(known & ~there)),
         rms=_rms(apart),
         bias=_mean(apart),
-        inside_50=int(np.sum(inside[0])),
-        inside_95=int(np.sum(inside[1])),
+        inside_50=int(np.sum(inside_50)),
+        inside_95=int(np.sum(inside_95)),
         crps=crps,
-        mean_rms=mean_rms,
+        mean_rms=_rms(results["mean"] - measured) if results["count"] else None,
         mean_crps=mean_crps,
         skill=1.0 - crps / mean_crps if crps is not None and mean_crps else None,
         limits=int(np.sum(limit & there)),
@@ -466,9 +439,8 @@ def _score(prediction, variant, name: str, place: int, known) -> Scores:
 
 
 def _mean(values) -> float | None:
-    return (
-        float(np.mean(values)) if len(values) and np.all(np.isfinite(values)) else None
-    )
+    known = len(values) and np.all(np.isfinite(values))
+    return float(np.mean(values)) if known else None
 
 
 def _rms(values) -> float | None:

@@ -31,7 +31,8 @@ from .estimation.starts import (
     with_origin,
 )
 from .problem.config import Study, Variant
-from .problem.forward_model import Engine, engines_of, for_each_variant
+from .problem.engine import Engine
+from .problem.forward_model import engines_of, for_each_variant
 from .problem.objective import Objective, names_of, start_of
 
 LOWER_BY = 1e-3
@@ -80,12 +81,8 @@ def fit_study(
 def best_fit(
     objective: Objective, progress: Progress = SILENT
 ) -> tuple[Objective, Fits, Fits]:
-    """Fit from all starts of a study.
-
-    Returns:
-        The objective with the estimated sigmas, the ends of all starts, and the best
-        fit alone.
-    """
+    """Fit from all starts of a study: the objective with the estimated sigmas, the ends
+    of all starts, and the best fit alone."""
     study = objective.study
     starts = starts_of(objective)
     ends = fit_starts(objective, starts, study.method, progress)
@@ -106,14 +103,9 @@ def best_fit(
 def starts_of(objective: Objective) -> np.ndarray:
     """Sample the starting points of a study, shape (starts, unknowns) in x."""
     study = objective.study
-    return spread_starts(
-        objective.bounds,
-        start_of(study),
-        objective.prior_mean,
-        objective.prior_sd,
-        study.starts,
-        study.seed,
-    )
+    prior = objective.prior_mean, objective.prior_sd
+    given = objective.bounds, start_of(study), *prior
+    return spread_starts(*given, study.starts, study.seed)
 
 
 def _fit_variant(

@@ -418,7 +418,7 @@ def test_dashpots_of_ones_own(tmp_path, monkeypatch):
     """They cost nothing where they do not act, and act where they are fitted."""
     # What is compiled is not looked at.
     monkeypatch.setattr(
-        "jaximpact.calibration.problem.forward_model.computes_on_cpu", lambda: False
+        "jaximpact.calibration.problem.engine.computes_on_cpu", lambda: False
     )
     text = """\
 data = "tests.csv"

@@ -17,9 +17,9 @@ from jaximpact import (
     simulate,
 )
 from jaximpact.calibration import read_study
+from jaximpact.calibration.problem.derived_targets import SIGN, as_stated
 from jaximpact.calibration.problem.forward_model import engine_of
 from jaximpact.calibration.problem.objective import Objective
-from jaximpact.calibration.problem.slope_correction import SIGN, as_stated
 from jaximpact.cli import main
 from jaximpact.shapes import Ellipsoid
 

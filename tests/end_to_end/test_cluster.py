@@ -41,7 +41,6 @@ from jaximpact import (
 from jaximpact.backend.xla_compilation import keep_programs
 from jaximpact.calibration import read_study
 from jaximpact.calibration.estimation.starts import fit
-from jaximpact.calibration.problem.forward_model import for_each
 from jaximpact.cli import main
 from jaximpact.errors import NoWorkersWarning
 from jaximpact.finding import find_part
@@ -49,6 +48,7 @@ from jaximpact.laws import AbstractFlow
 from jaximpact.progress import Progress
 from jaximpact.runout import read_slope_study, run_slope_study
 from jaximpact.store import open_cache
+from jaximpact.tasks import for_each
 
 pytestmark = pytest.mark.slow
 

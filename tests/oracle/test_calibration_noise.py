@@ -17,9 +17,10 @@ from jaximpact.calibration.estimation.fit_cache import FitCache
 from jaximpact.calibration.estimation.sigma import SETTLED, relative_sigma, settle
 from jaximpact.calibration.estimation.starts import fit
 from jaximpact.calibration.fitted_ground import read_fitted
-from jaximpact.calibration.problem.config import NOMINAL_SIGMA, study_of
+from jaximpact.calibration.problem.config import study_of
 from jaximpact.calibration.problem.dataset import joined_tables
 from jaximpact.calibration.problem.noise import LEAST_SIZE, LOSSES
+from jaximpact.calibration.problem.targets import NOMINAL_SIGMA
 from jaximpact.calibration.report.contents import target_rows
 from jaximpact.calibration.report.files import as_json, in_lines
 from jaximpact.errors import InputError

@@ -47,7 +47,7 @@ def test_machine_code_and_xla_agree(study, monkeypatch):
     x = usual.bounds.coordinate(SOILS)
     expected = usual(x)
     monkeypatch.setattr(
-        "jaximpact.calibration.problem.forward_model.computes_on_cpu", lambda: False
+        "jaximpact.calibration.problem.engine.computes_on_cpu", lambda: False
     )
     by_xla = engine_of(study)
     assert (usual.engine.name, by_xla.name) == ("machine code", "XLA")
@@ -79,7 +79,7 @@ def test_values_alone_are_the_same_numbers(study, monkeypatch):
     x = objective.bounds.coordinate(SOILS)
     expected = objective(x)
     for many in (1, 10**6):
-        monkeypatch.setattr("jaximpact.calibration.problem.forward_model.MANY", many)
+        monkeypatch.setattr("jaximpact.calibration.problem.engine.MANY", many)
         found = objective.values(x)
         for name in ("predicted", "outcomes", "cost"):
             np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))

@@ -8,7 +8,7 @@ from jaximpact.calibration.estimation.linear_algebra import (
     inverse_positive,
     solve_positive,
 )
-from jaximpact.calibration.problem.forward_model import Engine
+from jaximpact.calibration.problem.engine import Engine
 
 TESTS = {
     "mass_kg": [100.0, 100.0, 500.0, 500.0],

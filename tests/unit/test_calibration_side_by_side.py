@@ -15,9 +15,10 @@ from jaximpact.calibration import fit_study, read_study
 from jaximpact.calibration.comparison.comparison import compare_study
 from jaximpact.calibration.diagnostics.examination import examine
 from jaximpact.calibration.estimation.fit_cache import FitCache
-from jaximpact.calibration.problem.forward_model import engine_of, run_in_threads
+from jaximpact.calibration.problem.forward_model import engine_of
 from jaximpact.calibration.problem.objective import Objective
 from jaximpact.progress import Progress
+from jaximpact.tasks import run_in_threads
 
 pytestmark = pytest.mark.slow
 

@@ -12,10 +12,15 @@ import pytest
 
 from jaximpact import Block, Impact, Soil, simulate_batch, tasks
 from jaximpact.backend.threads import thread_count
-from jaximpact.calibration.problem.forward_model import run_in_threads
 from jaximpact.errors import IncompleteError, InputError, NoWorkersWarning
 from jaximpact.progress import Progress
-from jaximpact.tasks import WAITING, Task, check_executor, run_tasks
+from jaximpact.tasks import (
+    WAITING,
+    Task,
+    check_executor,
+    run_in_threads,
+    run_tasks,
+)
 
 BLOCK = Block(mass=np.linspace(50.0, 500.0, 300))
 

@@ -10,9 +10,9 @@ import numpy as np
 from ...errors import InputError, nearest
 from ...progress import Progress, ProgressFunction, as_progress
 from ...scene_quantities import SHAPE
+from ...tasks import for_each
 from ..problem.config import Study
 from ..problem.dataset import CAMPAIGN
-from ..problem.forward_model import for_each
 from .contenders import Contender, Law, contenders_of
 from .fitted_law import FittedLaw, LawFit, fit_law, of_targets, predicted_by_rebound
 from .held_out import HeldOut, held_out
@@ -130,19 +130,11 @@ def compare_study(
     executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> Compared:
-    """Fit laws to the tests of a study and score their predictions.
+    """Fit laws to the tests of a study and score their predictions; arguments are those
+    of `compare`.
 
-    Args:
-        study: tests, targets, errors of measurement and fitted parameters.
-        laws: laws that are compared; see `contenders_of`.
-        by: columns whose groups are left out too: of text, `shape`, or of numbers.
-            Default: `campaign` and `shape` where there are several.
-        exact: whether each fit without a test is made to the end. Otherwise one step
-            from the fit to all stands for it where it is short; laws of rebound are
-            always fitted to the end.
-        executor: makes fits in other processes, those of all laws, and of all groups
-            left out, at a time.
-        progress: called with lines of text.
+    Laws of rebound are always fitted to the end. An executor makes the fits of all
+    laws, and of all groups left out, at a time.
 
     Raises InputError for laws or columns that cannot be used, and where no law can be
     fitted.

@@ -22,12 +22,12 @@ import numpy as np
 from scipy.special import gammaln, log_ndtr, stdtr
 
 from ...progress import Progress
+from ...tasks import for_each
 from ..diagnostics.cross_validation import LEFT_OUT, SMALL_STEP, linearised
 from ..diagnostics.importance_sampling import freedom_of_targets
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
 from ..estimation.sigma import estimate_sigma
 from ..estimation.starts import SILENT, fit
-from ..problem.forward_model import for_each
 from ..problem.objective import Objective, Points
 
 # Not scipy.stats, which takes 0.6 s to import.
@@ -69,8 +69,7 @@ def held_out(
     Args:
         objective: objective with the sigmas of the fit to all; where it has an
             executor, all groups are refitted at a time.
-        best: the fit to all, of one lane.
-        uncertainty: uncertainty of that fit.
+        best, uncertainty: the fit to all, of one lane.
         group: index of the group of each test, shape (tests,).
         exact: whether every group is refitted.
     """

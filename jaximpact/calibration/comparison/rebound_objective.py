@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..._safe import safe_sqrt
-from ...accuracy import PRESETS, Accuracy
+from ...accuracy import PRESETS
 from ...backend.xla_compilation import unfused_jit
 from ...errors import InputError
 from ...impact.events import Outcome
@@ -23,14 +23,12 @@ from ...rebound import AbstractRebound, Rebound
 from ...restitution import defined_ratio
 from ...scene import Block, Impact
 from ..problem.config import Study
-from ..problem.derived_targets import DERIVED, base_columns
+from ..problem.derived_targets import DERIVED, base_columns, needed
+from ..problem.engine import XLA_AT_ONCE, Engine
 from ..problem.fitted_parameters import Parameter
-from ..problem.forward_model import Engine, UnknownColumn, bounds_of
+from ..problem.forward_model import UnknownColumn, bounds_of
 from ..problem.objective import Objective
-from ..problem.slope_correction import needed
 
-AT_ONCE = 256
-"""Impacts in a program of XLA."""
 NARROWER = {"friction_coefficient": (0.0, 2.0)}
 """Ranges of fits where a law allows much more than is found in the field."""
 
@@ -96,7 +94,8 @@ def parameters_of_law(law: type[AbstractRebound]) -> tuple[Parameter, ...]:
 
 
 class ReboundEngine(Engine):
-    """Law of rebound that computes impacts and their directional derivatives.
+    """Law of rebound that computes impacts and their directional derivatives; exact, so
+    that the accuracy has no meaning.
 
     Args:
         structure: tree structure of the scene and the law.
@@ -107,36 +106,15 @@ class ReboundEngine(Engine):
     def __init__(self, structure, targets: tuple[str, ...], places: dict[str, int]):
         self.structure, self.places = structure, places
         self._set_targets(targets)
-        self.kernel, self.name = None, "closed form"
+        self.kernel, self.name, self.valued = None, "closed form", 0
 
-    def run(
-        self, leaves: np.ndarray, directions: np.ndarray, accuracy: Accuracy
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Compute results and derivatives as `Engine.run` does; exact, so that the
-        accuracy has no meaning."""
-        del accuracy
-        count, parts = leaves.shape[1], []
-        for first in range(0, count, AT_ONCE):
-            places = np.arange(first, min(first + AT_ONCE, count))
-            filled = np.resize(places, AT_ONCE)  # repeats impacts to fill the program
-            values, along = _along(
-                self.structure, leaves[:, filled], directions[:, filled]
-            )
-            parts.append((values[:, : len(places)], along[:, : len(places)]))
-        values, along = (np.concatenate(p, axis=1) for p in zip(*parts, strict=True))
-        names = base_columns(self.targets)
-        rows = [ReboundResults._fields.index(name) for name in names]
-        found = self._derived(values[rows].T, along[rows].T, leaves, directions)
-        return *found, np.full(count, float(Outcome.detached))
-
-    def run_values(
-        self, leaves: np.ndarray, accuracy: Accuracy, of: int = 0
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Compute results without derivatives; the number of impacts to come, `of`, has
-        no meaning."""
-        del of
-        values, _, outcomes = self.run(leaves, np.zeros_like(leaves), accuracy)
-        return values, outcomes
+    def _in_xla(self, leaves, directions, places, accuracy) -> np.ndarray:
+        filled = np.resize(places, XLA_AT_ONCE)  # repeats impacts to fill the program
+        rows = jnp.asarray(leaves[:, filled]), jnp.asarray(directions[:, filled])
+        wanted = [ReboundResults._fields.index(n) for n in base_columns(self.targets)]
+        found = np.stack(_compiled(self.structure, *rows))[:, wanted, : len(places)]
+        outcomes = np.full((2, 1, len(places)), float(Outcome.detached))
+        return np.concatenate([found, outcomes], axis=1)
 
 
 def _results(structure, leaves):
@@ -156,19 +134,9 @@ def _with_derivatives(structure, leaves, directions):
 _compiled = unfused_jit(_with_derivatives, static_argnums=(0,))
 
 
-def _along(structure, leaves, directions) -> tuple[np.ndarray, np.ndarray]:
-    values, along = _compiled(structure, jnp.asarray(leaves), jnp.asarray(directions))
-    return np.asarray(values), np.asarray(along)
-
-
 class ReboundObjective(Objective):
-    """Objective function of a law of rebound.
-
-    Args:
-        study: tests and targets, all of which the law predicts; its own parameters are
-            not fitted.
-        law: class of the law.
-    """
+    """Objective function of a law of rebound, in place of the parameters of a study,
+    all of whose targets the law predicts."""
 
     def __init__(self, study: Study, law: type[AbstractRebound]):
         parameters, columns = parameters_of_law(law), own_columns(law)
@@ -181,37 +149,33 @@ class ReboundObjective(Objective):
             nuisances=tuple(n for n in study.nuisances if not n.pooled),
         )
         scene = without.scene_of(variant)
-        starts = {
-            column.field: column.factor * parameter.start
-            for column, parameter in zip(columns, parameters, strict=True)
-        }
-        template = law(**starts)
+        template = law(
+            **{
+                column.field: column.factor * parameter.start
+                for column, parameter in zip(columns, parameters, strict=True)
+            }
+        )
         structure = jax.tree.structure((scene, template))
         turned = any(nuisance.turns_ground for nuisance in study.nuisances)
         targets = needed(study.targets) if turned else study.targets
         engine = ReboundEngine(structure, targets, leaf_places(scene))
         super().__init__(without, variant, engine, PRESETS["balanced"])
-        count, first = len(parameters), len(self._leaves)
+        count, first, tests = len(parameters), len(self._leaves), len(study.tests)
         self.study = dataclasses.replace(without, parameters=parameters)
         self.bounds = bounds_of(self.study)
         self.prior_mean = np.concatenate([np.zeros(count), self.prior_mean])
         self.prior_sd = np.concatenate([np.full(count, np.inf), self.prior_sd])
-        inner = jax.tree.structure(template)
-        places = jax.tree.unflatten(inner, range(inner.num_leaves))
-        of_law = np.stack([np.asarray(x, float) for x in jax.tree.leaves(template)])
-        tests = len(study.tests)
-        self._leaves = np.concatenate(
-            [self._leaves, np.broadcast_to(of_law[:, None], (len(of_law), tests))]
-        )
-        own = [
+        of_law, inner = jax.tree.flatten(template)
+        places = jax.tree.unflatten(inner, range(len(of_law)))
+        own_leaves = [np.full(tests, float(leaf)) for leaf in of_law]
+        self._leaves = np.concatenate([self._leaves, own_leaves])
+        nothing = np.zeros(tests)
+        self._columns = [
             UnknownColumn(
-                first + getattr(places, column.field),
-                column.factor,
-                np.zeros(tests),
+                *(first + getattr(places, column.field), column.factor, nothing),
                 np.full(tests, index),
             )
             for index, column in enumerate(columns)
-        ]
-        self._columns = own + [
+        ] + [
             column._replace(unknown=column.unknown + count) for column in self._columns
         ]

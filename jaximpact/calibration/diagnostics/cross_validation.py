@@ -21,10 +21,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import bdtr
 
+from ...tasks import for_each
 from ..estimation.least_squares import Progress, Reason, StoppingRule, bounded_step
 from ..estimation.sigma import sizes
 from ..estimation.starts import SILENT, fit
-from ..problem.forward_model import for_each
 from ..problem.objective import Objective, Points
 from .uncertainty import CONFIDENCE, Uncertainty, regular_covariance
 

@@ -39,8 +39,8 @@ from ..problem.candidates import (
     checked_axes,
     checked_measure,
 )
+from ..problem.derived_targets import SIGN
 from ..problem.noise import least_size
-from ..problem.slope_correction import SIGN
 from .results import VariantResult
 from .uncertainty import bounds_information, regular_covariance
 

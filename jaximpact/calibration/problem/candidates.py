@@ -56,14 +56,10 @@ def checked_axes(
     key: str = "candidates",
     file: Path | None = None,
 ) -> dict[str, np.ndarray]:
-    """Check the values of each quantity.
+    """Check the values of each quantity, a column of the scene.
 
-    Args:
-        fitted: names of the fitted parameters.
-        columns: columns of the scene.
-        key, file: place of the candidates, named in errors.
-
-    Raises InputError for a quantity that is unknown, fitted or out of range.
+    Raises InputError, naming key and file, for a quantity that is unknown, fitted or
+    out of range.
     """
     axes = {}
     for name, given in candidates.items():
@@ -114,12 +110,8 @@ def read_candidates(
     fitted: tuple[str, ...],
     columns: Mapping[str, InputColumn],
 ) -> Candidates:
-    """Read the table `further_tests` of a study.
-
-    Args:
-        fitted: names of the fitted parameters.
-        columns: columns of the scene.
-    """
+    """Read the table `further_tests` of a study with these fitted parameters and
+    columns of the scene."""
     where = "further_tests"
     entries = known_table(path, content, where, KEYS)
     key = f"{where}.candidates"

@@ -1,78 +1,41 @@
 """Definition of a study: parameters, targets and tests, from TOML and CSV or a CSV."""
 
 import dataclasses
+import functools
+import itertools
+import operator
 from collections.abc import Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from ...accuracy import PRESETS
-from ...errors import InputError, nearest
+from ...errors import InputError, located, nearest
 from ...io.checks import check_memory
-from ...io.toml import (
-    check_keys,
-    choice,
-    load_toml,
-    number,
-    typed,
-    unknown,
-    whole,
-)
+from ...io.toml import check_keys, choice, known_table, load_toml, typed, whole
 from ...parameters import Part
 from ...quantities import (
     CURVE_COLUMNS,
-    RESULT_COLUMNS,
     SLOTS,
-    TARGET_COLUMNS,
     TIME_COLUMN,
     InputColumn,
     columns_of,
 )
 from ...scene import Scene
 from .candidates import Candidates, read_candidates
-from .compare_table import CompareTable, read_compare_table
 from .dataset import Measurements, read_tests
 from .expressions import Tied
-from .fitted_parameters import (
-    Parameter,
-    check_constants,
-    read_parameters,
-)
-from .force_curves import check_times
-from .laws import KINDS, checked_values, parts_and_values, scene_of
-from .noise import (
-    LOSSES,
-    PROPORTIONAL,
-    SCATTERS,
-    least_size,
-    root_mean_square,
-)
-from .nuisance import (
-    Nuisance,
-    read_nuisances,
-)
+from .fitted_parameters import Parameter, check_constants, read_parameters
+from .laws import KINDS, checked_values, in_words, parts_and_values, scene_of
+from .noise import LOSSES
+from .nuisance import Nuisance, read_nuisances
+from .targets import read_targets
 
 KEYS = (
-    "title",
-    "source",
-    "notes",
-    "data",
-    "targets",
-    "starts",
-    "seed",
-    "accuracy",
-    "method",
-    "loss",
-    "parameters",
-    "nuisance",
-    "soil",
-    "block",
-    "default_sigma",
-    "scatter",
-    "weights",
-    "variants",
-    "further_tests",
-    "compare",
+    *("title", "source", "notes", "data", "targets", "starts", "seed", "accuracy"),
+    *("method", "loss", "parameters", "nuisance", "soil", "block", "default_sigma"),
+    *("scatter", "weights", "variants", "further_tests", "compare"),
 )
 TOML = ".toml"
 METHODS = ("levenberg-marquardt", "adam", "l-bfgs")
@@ -80,9 +43,6 @@ STARTS = 64
 ACCURACY = "reference"
 """Derivatives of coarser impacts are sometimes wrong by a tenth, so that a fit stops
 beside its minimum. They only rank starts, whatever a study says."""
-NOMINAL_SIGMA = 0.05
-"""Nominal sigma, where none is given, over a target's root mean square, or over each
-value where scatter is proportional."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -93,6 +53,15 @@ class Variant:
     soil: dict[str, float]
     laws: dict[str, Part] = dataclasses.field(default_factory=dict)
     """Laws by slot; the others are the study's."""
+
+
+class CompareTable(NamedTuple):
+    """Laws that a study compares, and the groups that it leaves out."""
+
+    laws: tuple[str, ...] | None = None
+    """Names of the laws; None for the default."""
+    by: tuple[str, ...] | None = None
+    """Columns whose groups are left out; None for the default."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -151,6 +120,16 @@ class Study:
         tests = self.tests.with_laws(variant.laws)
         return tests.scene(self.soil | variant.soil)
 
+    def index_of(self, variant: str) -> int:
+        """Find a variant by its name; InputError for an unknown one."""
+        names = [known.name for known in self.variants]
+        if variant not in names:
+            raise InputError(
+                f"variant {variant!r} is unknown; did you mean "
+                f"{nearest(variant, names)!r}?"
+            )
+        return names.index(variant)
+
     @property
     def comparable(self) -> np.ndarray:
         """Mask of what a test can have measured, shape (tests, targets): forces at a
@@ -199,11 +178,9 @@ def read_study(path: Path) -> Study:
     for table in KINDS:
         entries = typed(path, content, table, dict, {})
         parts |= parts_and_values(path, table, entries, table, path.parent)[0]
-    try:
+    with located(file=path):  # two parameters of one name
         base = scene_of(parts)
         columns_of(base)
-    except InputError as error:  # two parameters of one name
-        raise InputError(str(error), file=path) from error
     tests = read_tests(_data(path, content), base)
     content.setdefault("title", path.resolve().parent.name)
     for slot in parts:
@@ -212,12 +189,8 @@ def read_study(path: Path) -> Study:
 
 
 def study_of(tests: Measurements, content: dict) -> Study:
-    """Make a study of given tests.
-
-    Args:
-        tests: tests of one or several tables, with laws and shape of the study.
-        content: content of a study file, without `data`, laws and shape.
-    """
+    """Make a study of given tests, which have its laws and shape, and of the content of
+    a study file without these and `data`."""
     path = tests.files[0].path
     return _study(path, {"title": path.stem} | content, tests)
 
@@ -226,7 +199,7 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
     check_keys(path, "", content, KEYS)
     variants = _variants(path, content, tests)
     grounds = [tests.with_laws(variant.laws).known_columns for variant in variants]
-    fixed = _held(path, content, "soil", _merged(grounds))
+    fixed = _held(path, content, "soil", functools.reduce(operator.or_, grounds))
     block = _held(path, content, "block", tests.known_columns)
     for name in block:
         _check_in_study_alone(path, tests, f"block.{name}", name)
@@ -237,14 +210,10 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
     _check_fitted_once(path, tests, (*parameters, *tied), nuisances, fixed, variants)
     nuisances += pooled
     check_constants(path, tied, [variant.soil for variant in variants])
-    targets = _targets(path, content, tests, nuisances)
-    sigma, sigma_given = _sigma(path, content, tests, targets)
-    proportional = _proportional(path, content, targets, sigma_given)
-    measured = np.stack([tests.measured[name] for name in targets], axis=1)
+    compared = read_targets(path, content, tests, nuisances)
     starts = whole(path, content, "starts", STARTS, 1)
-    numbers = starts * measured.size * len(parameters)
+    numbers = starts * compared["measured"].size * len(parameters)
     check_memory(numbers, f"{starts} starts", file=path, key="starts")
-    size = np.fmax(np.abs(measured), least_size(measured))
     return Study(
         path=path,
         title=typed(path, content, "title", str),
@@ -255,13 +224,7 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
         tied=tied,
         nuisances=nuisances,
         soil=fixed,
-        targets=targets,
-        measured=measured,
-        censored=np.stack([tests.censored[name] for name in targets], axis=1),
-        sigma=np.where(proportional, NOMINAL_SIGMA * size, sigma),
-        sigma_given=sigma_given,
-        proportional=proportional,
-        weights=_weights(path, content, targets),
+        **compared,
         loss=choice(path, content, "loss", LOSSES[0], LOSSES),
         starts=starts,
         seed=whole(path, content, "seed", 0, 0),
@@ -273,8 +236,25 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
         ),
         parts=tests.parts,
         block=block,
-        compare=read_compare_table(path, content),
+        compare=_compare(path, content),
     )
+
+
+def _compare(path: Path, content: dict) -> CompareTable | None:
+    """Read the table `compare`; None where there is none."""
+    if "compare" not in content:
+        return None
+    names, entries = {}, known_table(path, content, "compare", CompareTable._fields)
+    for key, given in entries.items():
+        given = [given] if isinstance(given, str) else given
+        if not isinstance(given, list) or not all(isinstance(n, str) for n in given):
+            raise InputError(
+                f"must be a name or a list of names, but is {given!r}",
+                file=path,
+                key=f"compare.{key}",
+            )
+        names[key] = tuple(given)
+    return CompareTable(**names)
 
 
 def _held(
@@ -287,34 +267,21 @@ def _held(
     return checked_values(path, whole, values, known)
 
 
-def _merged(grounds: list[dict[str, InputColumn]]) -> dict[str, InputColumn]:
-    return {name: column for ground in grounds for name, column in ground.items()}
-
-
 def _data(path: Path, content: dict) -> list[Path]:
     """List the tables that a study names."""
+    place = {"file": path, "key": "data"}
     if "data" not in content:
-        raise InputError(
-            "is missing; it names the table of tests", file=path, key="data"
-        )
-    names = content["data"]
-    names = names if isinstance(names, list) else [names]
+        raise InputError("is missing; it names the table of tests", **place)
+    given = content["data"]
+    names = given if isinstance(given, list) else [given]
     if not names or not all(isinstance(name, str) for name in names):
         raise InputError(
-            f"must be a file or a list of files, but is {content['data']!r}",
-            file=path,
-            key="data",
+            f"must be a file or a list of files, but is {given!r}", **place
         )
-    files = [path.parent / name for name in names]
-    for place, file in enumerate(files):
-        for before in range(place):
-            if _is_same(file, files[before]):
-                raise InputError(
-                    f"names one file twice: {names[before]} and {names[place]}",
-                    file=path,
-                    key="data",
-                )
-    return files
+    for first, second in itertools.combinations(names, 2):
+        if _is_same(path.parent / first, path.parent / second):
+            raise InputError(f"names one file twice: {first} and {second}", **place)
+    return [path.parent / name for name in names]
 
 
 def _is_same(first: Path, second: Path) -> bool:
@@ -334,19 +301,14 @@ def _variants(path: Path, content: dict, tests: Measurements) -> tuple[Variant, 
         where = f"variants[{place}]"
         if not isinstance(entry, dict):
             raise InputError(f"must be a table, but is {entry!r}", file=path, key=where)
-        named = dict(entry)
-        words = (
-            "as given" if not entry else ", ".join(f"{k} {v}" for k, v in entry.items())
-        )
-        name = typed(path, named, "name", str, words)
-        named.pop("name", None)
+        words = ", ".join(f"{k} {v}" for k, v in entry.items()) or "as given"
+        name = typed(path, entry, "name", str, words)
+        named = {key: value for key, value in entry.items() if key != "name"}
         laws, values = parts_and_values(path, where, named, "soil", path.parent)
         for slot in laws:
             _check_in_study_alone(path, tests, f"{where}.{slot}", slot)
-        try:
+        with located(file=path, key=where):  # two parameters of one name
             known = tests.with_laws(laws).known_columns
-        except InputError as error:  # two parameters of one name
-            raise InputError(str(error), file=path, key=where) from error
         known = {name: c for name, c in known.items() if c.part == "soil"}
         soil = checked_values(path, where, values, known)
         variants.append(Variant(name, soil, laws))
@@ -366,13 +328,10 @@ def _check_in_all(path, parameters, nuisances, variants, grounds) -> None:
     for variant, ground in zip(variants, grounds, strict=True):
         for key, name in fitted:
             if name not in ground:
-                laws = " and ".join(
-                    f"{slot} {type(law).__name__}" for slot, law in variant.laws.items()
-                )
+                laws = in_words(variant.laws, " and ") or "those of the study"
                 raise InputError(
                     f"is no parameter of variant {variant.name!r}, whose laws are "
-                    f"{laws or 'those of the study'}; leave it out, or fit the variant "
-                    "in a study of its own",
+                    f"{laws}; leave it out, or fit the variant in a study of its own",
                     file=path,
                     key=key,
                 )
@@ -411,129 +370,3 @@ def _check_fitted_once(path, tests, parameters, nuisances, fixed, variants) -> N
     for where, values in toml:
         for name in values:
             _check_in_study_alone(path, tests, f"{where}.{name}", name)
-
-
-def _targets(path: Path, content: dict, tests: Measurements, nuisances):
-    first = tests.files[0].path
-    present = [n for n, values in tests.measured.items() if np.any(np.isfinite(values))]
-    if not tests.measured:
-        raise InputError(
-            "has no measured result to fit; add a column like e_n, or any of "
-            f"{', '.join(list(RESULT_COLUMNS)[1:])}",
-            file=first,
-        )
-    targets = typed(path, content, "targets", list, present or [*tests.measured])
-    if not targets:
-        raise InputError("names no result to fit", file=path, key="targets")
-    for name in targets:
-        if name not in tuple(TARGET_COLUMNS):
-            raise InputError(
-                f"{name!r} is unknown; did you mean {nearest(name, TARGET_COLUMNS)}?",
-                file=path,
-                key="targets",
-            )
-        if name not in tests.measured:
-            raise InputError(
-                f"{name} is no column of {first.name}", file=path, key="targets"
-            )
-        if targets.count(name) > 1:
-            raise InputError(f"{name} stands twice", file=path, key="targets")
-        known = np.isfinite(tests.measured[name])
-        if not np.any(known):
-            raise InputError("holds no measurement; remove it", file=first, column=name)
-        if name in CURVE_COLUMNS:
-            times = tests.inputs.get(TIME_COLUMN, np.full(len(tests), np.nan))
-            check_times(first, times, known, name)
-    angles = tests.inputs.get("angle_deg", np.zeros(len(tests)))
-    moved = any(nuisance.name == "angle_deg" for nuisance in nuisances)
-    if "e_t" in targets and not moved:
-        along_normal = np.isfinite(tests.measured["e_t"]) & (angles == 0.0)
-        for test in np.flatnonzero(along_normal)[:1]:
-            file, row = tests.place(test)
-            raise InputError(
-                "e_t has no meaning at angle_deg 0; leave the cell empty",
-                file=file,
-                row=row,
-                column="e_t",
-            )
-    return tuple(targets)
-
-
-def _of_targets(path: Path, content: dict, key: str) -> dict[str, float]:
-    """Read a table of positive numbers for results."""
-    values = typed(path, content, key, dict, {})
-    for name, value in values.items():
-        where = f"{key}.{name}"
-        if name not in TARGET_COLUMNS:
-            unknown(path, where, name, TARGET_COLUMNS)
-        if not number(path, where, value) > 0.0:
-            raise InputError(f"must be above 0, but is {value}", file=path, key=where)
-    return values
-
-
-def _weights(path: Path, content: dict, targets) -> np.ndarray:
-    weights = _of_targets(path, content, "weights")
-    return np.array([float(weights.get(name, 1.0)) for name in targets])
-
-
-def _sigma(path, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
-    """Collect sigmas (tests, targets), and the mask of targets with given ones."""
-    defaults = _of_targets(path, content, "default_sigma")
-    columns, given = [], []
-    for name in targets:
-        measured = tests.measured[name]
-        sigma = tests.sigmas.get(name, np.full(len(tests), np.nan))
-        if name in defaults:
-            sigma = np.where(np.isfinite(sigma), sigma, float(defaults[name]))
-        stated = bool(np.any(np.isfinite(sigma)))
-        if not stated:
-            scale = root_mean_square(measured)
-            sigma = np.full(len(tests), NOMINAL_SIGMA * scale)
-        for test in np.flatnonzero(np.isfinite(measured) & ~np.isfinite(sigma))[:1]:
-            file, row = tests.place(test)
-            raise InputError(
-                f"has no sigma_{name}, but other rows have; give all, or a sigma for "
-                f"the rest, default_sigma.{name} in a study",
-                file=file,
-                row=row,
-                column=name,
-            )
-        # Without a measurement any number serves, but not NaN.
-        columns.append(np.where(np.isfinite(sigma), sigma, np.nanmedian(sigma)))
-        given.append(stated)
-    return np.stack(columns, axis=1), np.array(given)
-
-
-def _proportional(path, content, targets, sigma_given) -> np.ndarray:
-    """Find the targets whose scatter is stated as proportional, shape (targets,)."""
-    key = "scatter"
-    stated = content.get(key, {})
-    if isinstance(stated, str):
-        # One word holds for all targets whose sigmas are estimated.
-        choice(path, content, key, stated, SCATTERS)
-        if np.all(sigma_given):
-            raise InputError(
-                "is for sigmas that are estimated, but all are given",
-                file=path,
-                key=key,
-            )
-        return ~sigma_given & (stated == PROPORTIONAL)
-    if not isinstance(stated, dict):
-        raise InputError(
-            f"must be one of {', '.join(SCATTERS)}, or a table of them by target, but "
-            f"is {stated!r}",
-            file=path,
-            key=key,
-        )
-    for name, word in stated.items():
-        where = f"{key}.{name}"
-        if name not in TARGET_COLUMNS:
-            unknown(path, where, name, TARGET_COLUMNS)
-        choice(path, {where: word}, where, word, SCATTERS)
-        if name in targets and sigma_given[targets.index(name)]:
-            raise InputError(
-                f"is for a sigma that is estimated, but that of {name} is given",
-                file=path,
-                key=where,
-            )
-    return np.array([stated.get(name) == PROPORTIONAL for name in targets])

@@ -5,6 +5,7 @@ import dataclasses
 import itertools
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -188,46 +189,37 @@ def joined_tables(files: tuple[Table, ...]) -> Measurements:
     base = _joined_base(files)
     known = columns_of(base)
 
-    def joined(names, filling, of_table) -> dict[str, np.ndarray]:
-        present = [n for n in names if any(n in of_table(table) for table in files)]
+    def pieces(names, of_table: str, filling: Any) -> dict[str, list]:
+        """Columns that any table has, a piece from each."""
+        columns = [(getattr(table, of_table), len(table.rows)) for table in files]
         return {
-            name: np.concatenate(
-                [
-                    of_table(table).get(name, np.full(len(table.rows), filling(name)))
-                    for table in files
-                ]
-            )
-            for name in present
+            name: [own.get(name, [filling] * count) for own, count in columns]
+            for name in names
+            if any(name in own for own, _ in columns)
         }
 
-    def numbers(table: Table) -> dict[str, np.ndarray]:
-        return table.numbers
+    def joined(names, of_table="numbers", filling=np.nan) -> dict[str, np.ndarray]:
+        found = pieces(names, of_table, filling)
+        return {name: np.concatenate(parts) for name, parts in found.items()}
 
-    labels = {
-        name: _chained(
-            table.labels.get(name, [""] * len(table.rows)) for table in files
-        )
-        for name in LABEL_COLUMNS
-        if any(name in table.labels for table in files)
-    }
+    texts = pieces(LABEL_COLUMNS, "labels", "")
+    labels = {name: _chained(parts) for name, parts in texts.items()}
     stems = _chained([table.path.stem] * len(table.rows) for table in files)
     labels[CAMPAIGN] = [
         label or stem
         for label, stem in zip(labels.get(CAMPAIGN, stems), stems, strict=True)
     ]
-    sigmas = joined(
-        (SIGMA_PREFIX + name for name in TARGET_COLUMNS), lambda _: np.nan, numbers
-    )
+    sigmas = joined(SIGMA_PREFIX + name for name in TARGET_COLUMNS)
     return Measurements(
         files=files,
         base=base,
         inputs={
             name: _filled(base, known[name], values)
-            for name, values in joined(known, lambda _: np.nan, numbers).items()
+            for name, values in joined(known).items()
         }
-        | joined((TIME_COLUMN,), lambda _: np.nan, numbers),
-        measured=joined(TARGET_COLUMNS, lambda _: np.nan, numbers),
-        censored=joined(TARGET_COLUMNS, lambda _: 0, lambda table: table.censored),
+        | joined((TIME_COLUMN,)),
+        measured=joined(TARGET_COLUMNS),
+        censored=joined(TARGET_COLUMNS, "censored", 0),
         sigmas={name.removeprefix(SIGMA_PREFIX): v for name, v in sigmas.items()},
         labels=labels,
     )

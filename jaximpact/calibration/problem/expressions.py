@@ -118,17 +118,11 @@ def read_tied(
     constants: Mapping[str, float],
     column: InputColumn,
 ) -> Tied:
-    """Read the expression of a parameter.
+    """Read the expression of a parameter, `name`, from bounds of the fitted parameters
+    and values of fixed ones.
 
-    Args:
-        path, key: place of the expression, named in errors.
-        name: the parameter that it ties.
-        fitted: bounds of the fitted parameters by name.
-        constants: values of fixed parameters.
-        column: column of the tied parameter.
-
-    Raises InputError for what is no expression, names what is not known, or leaves the
-    range of the column within the bounds.
+    Raises InputError, naming path and key, for what is no expression, names what is not
+    known, or leaves the range of the column within the bounds.
     """
     place = {"file": path, "key": f"{key}.expression"}
     if not isinstance(text, str) or len(text) > LONGEST:

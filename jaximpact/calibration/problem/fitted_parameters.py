@@ -63,9 +63,7 @@ def read_parameters(
         for name, entry in [*chosen.items()]
         if isinstance(entry, dict) and "expression" in entry
     }
-    fitted = tuple(
-        _parameter(path, name, entry, columns) for name, entry in chosen.items()
-    )
+    fitted = tuple(_parameter(path, *named, columns) for named in chosen.items())
     ranges = {p.name: (p.lower, p.upper) for p in fitted}
     tied = []
     for name, entry in expressions.items():
@@ -120,11 +118,10 @@ def _parameter(
     entry = {name: entry[name] for name in entry if name in keys[:4]}
     column = columns[name]
     lower, upper = DEFAULT_BOUNDS.get(name, (None, None))
-    prior = (
-        read_prior(path, f"{key}.prior", entry["prior"]) if "prior" in entry else None
-    )
     values = {"start": column.default, "lower": lower, "upper": upper} | entry
-    values.pop("prior", None)
+    prior = None
+    if "prior" in values:
+        prior = read_prior(path, f"{key}.prior", values.pop("prior"))
     for inner, value in values.items():
         if value is None:
             raise InputError(
@@ -140,10 +137,10 @@ def _parameter(
             key=f"{key}.upper",
         )
     if not values["lower"] < values["start"] < values["upper"]:
-        stated = "is" if "start" in entry else "is not given, and the usual value is"
+        usual = "is" if "start" in entry else "is not given, and the usual value is"
         raise InputError(
             f"must lie between {values['lower']:g} and {values['upper']:g}, but "
-            f"{stated} {values['start']:g}",
+            f"{usual} {values['start']:g}",
             file=path,
             key=f"{key}.start",
         )
@@ -153,18 +150,15 @@ def _parameter(
 def check_constants(
     path: Path, tied: Iterable[Tied], soils: Iterable[Mapping[str, float]]
 ) -> None:
-    """Raise InputError where a variant changes a value that an expression holds fixed.
-
-    Args:
-        soils: values of the soil that each variant changes.
-    """
-    for soil in soils:
-        for one in tied:
-            for name in one.constants:
-                if name in soil:
-                    raise InputError(
-                        f"names {name}, which the variants change; fit them in studies "
-                        "of their own",
-                        file=path,
-                        key=f"parameters.{one.name}.expression",
-                    )
+    """Raise InputError where a variant changes a value of the soil that an expression
+    holds fixed."""
+    changed = {name for soil in soils for name in soil}
+    for one in tied:
+        for name in one.constants:
+            if name in changed:
+                raise InputError(
+                    f"names {name}, which the variants change; fit them in studies of "
+                    "their own",
+                    file=path,
+                    key=f"parameters.{one.name}.expression",
+                )

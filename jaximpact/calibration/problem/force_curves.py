@@ -5,7 +5,6 @@ Each time of a curve is a row of the tests, with the impact of its test, the tim
 """
 
 import dataclasses
-from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -97,21 +96,6 @@ def _read_curve(table: Table, row: int, name: str) -> Table:
             f"must have {TIME_COLUMN} and {' or '.join(CURVE_COLUMNS)}", file=path
         )
     return curve
-
-
-def check_times(path: Path, times: np.ndarray, known: np.ndarray, name: str) -> None:
-    """Raise InputError where a force has no time.
-
-    Args:
-        times, known: time of each test, and mask of those with the force.
-    """
-    if np.any(known & np.isnan(times)):
-        raise InputError(
-            f"needs {TIME_COLUMN} in its row, the time since first touch, or a file of "
-            f"its curve in the column {CURVE_FILE}",
-            file=path,
-            column=name,
-        )
 
 
 def forces_at(

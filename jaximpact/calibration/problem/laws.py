@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 
-from ...errors import InputError
+from ...errors import InputError, located
 from ...identity import source_digest
 from ...io.toml import quantity, unknown
 from ...parameters import Composite, Part
@@ -20,9 +20,9 @@ def unusual(parts: Mapping[str, Part]) -> dict[str, Part]:
     return {slot: part for slot, part in parts.items() if type(part) is not USUAL[slot]}
 
 
-def in_words(parts: Mapping[str, Part]) -> str:
+def in_words(parts: Mapping[str, Part], between: str = ", ") -> str:
     """Name the slot and the class of each."""
-    return ", ".join(f"{slot} {type(part).__name__}" for slot, part in parts.items())
+    return between.join(f"{slot} {type(part).__name__}" for slot, part in parts.items())
 
 
 def scene_of(parts: Mapping[str, Part]) -> Scene:
@@ -40,12 +40,8 @@ def scene_of(parts: Mapping[str, Part]) -> Scene:
 def parts_and_values(
     path: Path, where: str, entries: Mapping, whole: str, directory: Path
 ) -> tuple[dict[str, Part], dict]:
-    """Separate the laws and shapes in a table of a study from its other entries.
-
-    Args:
-        path, where: file and table, named in errors.
-        whole: "soil" or "block", to which the table belongs.
-        directory: directory to which files of laws are relative.
+    """Separate the laws and shapes in a table of a study, of "soil" or "block", from
+    its other entries. Files of laws are relative to the directory.
 
     Raises InputError, naming the key, for a law that cannot be had.
     """
@@ -58,10 +54,8 @@ def parts_and_values(
         if isinstance(given, BASES[name]):
             parts[name] = given
         elif isinstance(given, str):
-            try:
+            with located(**place):
                 parts[name] = part_named(name, given, directory)
-            except InputError as error:
-                raise InputError(str(error), **place) from error
         else:
             raise InputError(
                 f"must be a name, like {USUAL[name].__name__!r} or "

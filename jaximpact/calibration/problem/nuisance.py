@@ -3,7 +3,7 @@
 A nuisance parameter has a value for each group of tests: a slope for each campaign, an
 orientation for each test. Where the tables hold the column, it is added to their
 values; otherwise it is the value itself. A slope can turn the ground under a block
-whose trajectory in space is known (`slope_correction`).
+whose trajectory in space is known (`derived_targets`).
 """
 
 import dataclasses
@@ -17,7 +17,7 @@ from ...errors import InputError
 from ...io.toml import check_table, choice, number, typed, unknown
 from ...quantities import LABEL_COLUMNS
 from .dataset import Measurements
-from .slope_correction import ANGLE
+from .derived_targets import ANGLE
 
 SLOPE = "slope_deg"
 KEYS = ("by", "prior", "turns_ground")
@@ -112,27 +112,23 @@ def open_nuisances(
     Args:
         entries: `by`, `prior` and so on of each, and `added`: whether it was added to
             a column of the fitted tests.
-        tests: the new tests.
         soil: values of fixed parameters.
 
     Raises InputError for new tests without a column to which the fit has added.
     """
-    path, chosen = tests.files[0].path, {}
-    pooled = []
+    path, chosen, pooled = tests.files[0].path, {}, []
     for name, entry in entries.items():
         in_table = name in tests.inputs
         if entry.get("pooled"):
             sd = entry["prior"]["sd"]
             pooled.append(pooled_nuisance(path, name, entry["by"], sd, tests))
-            continue
-        if entry["added"] and not in_table:
+        elif entry["added"] and not in_table:
             raise InputError(
                 f"has no column {name}, to which the fit added what it found",
                 file=path,
             )
-        if in_table and not entry["added"]:
-            continue  # unknown in the fitted tests, known here
-        chosen[name] = {key: entry[key] for key in entry if key != "added"}
+        elif entry["added"] or not in_table:  # else known here, unlike in the fit
+            chosen[name] = {key: entry[key] for key in entry if key != "added"}
     return (*read_nuisances(path, {"nuisance": chosen}, tests, soil), *pooled)
 
 
@@ -164,11 +160,8 @@ def group_sds(nuisances: Iterable[Nuisance]) -> dict[str, float]:
 
 
 def entries_of(nuisances: Iterable[Nuisance], tests: Measurements) -> dict[str, dict]:
-    """Write nuisance parameters for fit.json, as `open_nuisances` takes them.
-
-    Args:
-        tests: the tests that they were fitted to.
-    """
+    """Write nuisance parameters of fitted tests for fit.json, as `open_nuisances` takes
+    them."""
     return {
         n.name: {"by": n.by, "prior": dataclasses.asdict(n.prior)}
         | {"added": n.name in tests.inputs}
@@ -195,32 +188,25 @@ def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisan
     prior = read_prior(path, f"{key}.prior", entry["prior"], known)
     base = tests.inputs.get(name, np.zeros(len(tests)))
     groups, group = _groups(path, key, by, tests)
-    column = columns[name]
     lower = np.full(len(groups), prior.mean - REACH * prior.sd)
     upper = np.full(len(groups), prior.mean + REACH * prior.sd)
     room = EDGE * 2.0 * REACH * prior.sd
-    np.maximum.at(lower, group, column.lower - base + room)
-    np.minimum.at(upper, group, column.upper - base - room)
-    _check_mean(path, key, column, prior, lower, upper)
-    turns = _turns_ground(path, key, name, entry, tests)
-    if turns:
-        angles = columns[ANGLE]
-        stated = tests.inputs.get(ANGLE, np.full(len(tests), angles.default))
-        np.maximum.at(lower, group, angles.lower - stated + room)
-        np.minimum.at(upper, group, angles.upper - stated - room)
-        _check_mean(path, key, angles, prior, lower, upper)
+    changed = [(columns[name], base)]
+    if turns := _turns_ground(path, key, name, entry, tests):
+        angle = columns[ANGLE]
+        stated = tests.inputs.get(ANGLE, np.full(len(tests), angle.default))
+        changed.append((angle, stated))
+    for column, values in changed:
+        np.maximum.at(lower, group, column.lower - values + room)
+        np.minimum.at(upper, group, column.upper - values - room)
+        if not np.all((lower < prior.mean) & (prior.mean < upper)):
+            raise InputError(
+                f"{column.name} must be {column.requirement}; the prior's mean puts it "
+                "outside",
+                file=path,
+                key=f"{key}.prior.mean",
+            )
     return Nuisance(name, by, groups, group, prior, base, lower, upper, turns)
-
-
-def _check_mean(path: Path, key: str, column, prior: Prior, lower, upper) -> None:
-    """Raise InputError where the prior's mean takes a column out of its range."""
-    if not np.all((lower < prior.mean) & (prior.mean < upper)):
-        raise InputError(
-            f"{column.name} must be {column.requirement}; the prior's mean puts it "
-            "outside",
-            file=path,
-            key=f"{key}.prior.mean",
-        )
 
 
 def _turns_ground(path: Path, key: str, name: str, entry: dict, tests) -> bool:

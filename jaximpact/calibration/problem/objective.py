@@ -20,7 +20,8 @@ import numpy as np
 from ...accuracy import PRESETS, Accuracy
 from ...identity import described
 from .config import Study, Variant
-from .forward_model import Engine, ForwardModel, bounds_of
+from .engine import Engine
+from .forward_model import ForwardModel, bounds_of
 from .noise import losses
 from .nuisance import Prior
 

@@ -12,10 +12,10 @@ from jax import Array
 
 from ..._checks import expect
 from ..._precision import require_float64
-from ...errors import InputError, nearest
+from ...errors import InputError
 from ...quantities import CURVE_COLUMNS, TARGET_COLUMNS
 from ...simulation import simulate
-from .config import Study, Variant, read_study
+from .config import Study, read_study
 from .derived_targets import DERIVED
 from .forward_model import unknown_columns
 
@@ -56,8 +56,8 @@ def residuals(
     if not isinstance(study, Study):
         study = read_study(Path(study))
     _check(study)
-    chosen = _variant(study, variant)
-    scene = study.scene_of(chosen)
+    chosen = 0 if variant is None else study.index_of(variant)
+    scene = study.scene_of(study.variants[chosen])
     names = [p.name for p in study.parameters] + [n.name for n in study.nuisances]
     columns = dict(zip(names, unknown_columns(study, scene), strict=True))
     leaves, structure = jax.tree.flatten(scene)
@@ -65,7 +65,10 @@ def residuals(
     weight = np.sqrt(study.weights[targets]) / study.sigma[tests, targets]
     measured = study.measured[tests, targets]
     fields = [TARGET_COLUMNS[name].field for name in study.targets]
-    priors = _priors(study)
+    fitted = [*study.parameters, *study.nuisances]
+    priors = {n.name: (n.prior.mean, n.prior.sd) for n in fitted if n.prior}
+    start: dict[str, Any] = {p.name: jnp.asarray(p.start) for p in study.parameters}
+    start |= {n.name: jnp.full(len(n.groups), n.prior.mean) for n in study.nuisances}
 
     def residual(tree: Tree) -> Array:
         changed = list(leaves)
@@ -83,7 +86,7 @@ def residuals(
         ]
         return jnp.concatenate(rows)
 
-    return residual, _start(study)
+    return residual, start
 
 
 def _check(study: Study) -> None:
@@ -109,26 +112,3 @@ def _check(study: Study) -> None:
                 f"{what}, which plain residuals do not; fit it with calibrate",
                 file=study.path,
             )
-
-
-def _variant(study: Study, name: str | None) -> Variant:
-    names = [variant.name for variant in study.variants]
-    if name is None:
-        return study.variants[0]
-    if name not in names:
-        raise InputError(
-            f"variant {name!r} is unknown; did you mean {nearest(name, names)!r}?"
-        )
-    return study.variants[names.index(name)]
-
-
-def _start(study: Study) -> Tree:
-    tree: dict[str, Any] = {p.name: jnp.asarray(p.start) for p in study.parameters}
-    for nuisance in study.nuisances:
-        tree[nuisance.name] = jnp.full(len(nuisance.groups), nuisance.prior.mean)
-    return tree
-
-
-def _priors(study: Study) -> dict[str, tuple[float, float]]:
-    known = [*study.parameters, *study.nuisances]
-    return {n.name: (n.prior.mean, n.prior.sd) for n in known if n.prior}

@@ -1,6 +1,5 @@
 """The comparison of laws in words, as tables, as numbers and as a picture."""
 
-import base64
 import csv
 import io
 from typing import Any
@@ -9,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ...io.display import Rows
-from ...plotting.style import BLUE, GREY, VERMILION, in_style, panels, plain, png_bytes
+from ...plotting.style import BLUE, GREY, VERMILION, in_style, panels, plain
 from ..comparison.comparison import Compared, GroupScores
 from ..comparison.ranking import (
     ERRORS,
@@ -17,6 +16,7 @@ from ..comparison.ranking import (
     SMALL_DIFFERENCE,
     Ranking,
 )
+from .drawings import picture
 
 CSV_COLUMNS = (
     *("law", "row", "test", "log_density", "target", "measured", "left_out"),
@@ -241,16 +241,14 @@ def comparison_csv(compared: Compared) -> str:
     return text.getvalue()
 
 
-def comparison_picture(compared: Compared) -> dict[str, str]:
-    """Draw the picture of the report, with `path`, `base64` (the PNG), `description`
-    and `caption`."""
-    return {
-        "path": "report/comparison.png",
-        "base64": base64.b64encode(png_bytes(draw_comparison(compared))).decode(),
-        "description": "Scores of the laws, less that of the best",
-        "caption": "Score of each law less that of the best, with two standard errors; "
-        "red: preferred, blue: ties, grey: worse.",
-    }
+def comparison_picture(compared: Compared) -> dict:
+    """Draw the picture of the report, as `picture` does."""
+    return picture(
+        *("comparison", draw_comparison(compared)),
+        "Scores of the laws, less that of the best",
+        "Score of each law less that of the best, with two standard errors; red: "
+        "preferred, blue: ties, grey: worse.",
+    )
 
 
 @in_style

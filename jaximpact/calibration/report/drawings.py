@@ -1,4 +1,4 @@
-"""Drawings of a calibration: the pictures of the report, and fit.png."""
+"""The pictures of the report of a calibration, each of one variant."""
 
 import base64
 import itertools
@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy.interpolate import PchipInterpolator
 
 from ...plotting.style import (
     BLUE,
@@ -31,6 +30,7 @@ from ..diagnostics.predictive import Bands
 from ..diagnostics.residuals import Residuals, varying_inputs
 from ..diagnostics.results import StudyResult, VariantResult
 from ..problem.bounds import Bounds
+from ..problem.config import Study
 
 Picture = tuple[str, str, Figure, str, str]
 """Group, name, figure, description and caption of a picture."""
@@ -54,29 +54,29 @@ ELLIPSE = 2.448
 def draw_report(
     result: StudyResult, examined: list[Examination]
 ) -> list[dict[str, list[dict]]]:
-    """Draw the pictures of every variant, by their place in the report.
-
-    A picture has `path`, `base64` (the PNG), `description` and `caption`.
-    """
+    """Draw the pictures of every variant, by their place in the report."""
     found: list[dict[str, list[dict]]] = []
-    for number, (variant, diagnostics) in enumerate(
-        zip(result.variants, examined, strict=True), 1
-    ):
+    for number, both in enumerate(zip(result.variants, examined, strict=True), 1):
         prefix = f"{number}-" if len(result.variants) > 1 else ""
         groups: dict[str, list[dict]] = {}
         for group, name, figure, description, caption in (
-            *_fit_pictures(result, variant, diagnostics),
-            *_residual_pictures(result, variant, diagnostics),
+            *_fit_pictures(result, *both),
+            *_residual_pictures(result, *both),
         ):
-            picture = {
-                "path": f"report/{prefix}{name}.png",
-                "base64": base64.b64encode(png_bytes(figure)).decode(),
-                "description": description,
-                "caption": caption,
-            }
-            groups.setdefault(group, []).append(picture)
+            shown = picture(prefix + name, figure, description, caption)
+            groups.setdefault(group, []).append(shown)
         found.append(groups)
     return found
+
+
+def picture(name: str, figure: Figure, description: str, caption: str) -> dict:
+    """Collect what a report needs to show a figure; `base64` is the PNG."""
+    return {
+        "path": f"report/{name}.png",
+        "base64": base64.b64encode(png_bytes(figure)).decode(),
+        "description": description,
+        "caption": caption,
+    }
 
 
 def _fit_pictures(
@@ -259,30 +259,35 @@ def draw_residuals(
 ) -> Figure:
     """Draw residuals over an input, or over "prediction" (of several targets, each over
     its largest)."""
-    study = result.study
-    several = len(study.targets) > 1
+    study, values = result.study, residuals.values
+    if against != "prediction":
+        along = np.broadcast_to(study.tests.inputs[against][:, None], values.shape)
+        label = label_of(against, study.tests.known_columns)
+    elif len(study.targets) == 1:
+        along, label = variant.predicted, f"predicted {label_of(study.targets[0])}"
+    else:
+        shown = np.where(np.isfinite(values), np.abs(variant.predicted), np.nan)
+        along = variant.predicted / np.nanmax(shown, axis=0)
+        label = "prediction over the largest of its target [-]"
+    figure, axes = _about_zero(study, along, values, 2.0)
+    axes.set_xlabel(label)
+    axes.set_ylabel("residual [standard deviations]")
+    return figure
+
+
+def _about_zero(
+    study: Study, along: np.ndarray, values: np.ndarray, band: float
+) -> tuple[Figure, Axes]:
+    """Draw values of all tests and targets about a grey band."""
     figure, axes = _panel()
-    axes.axhspan(-2.0, 2.0, color=GREY, alpha=0.15, linewidth=0)
+    axes.axhspan(-band, band, color=GREY, alpha=0.15, linewidth=0)
     axes.axhline(0.0, color=GREY, linewidth=1)
     for target, name in enumerate(study.targets):
-        y = residuals.values[:, target]
-        if against != "prediction":
-            x = study.tests.inputs[against]
-        else:
-            x = variant.predicted[:, target]
-            if several:
-                x = x / np.nanmax(np.abs(np.where(np.isfinite(y), x, np.nan)))
-        axes.plot(x, y, linestyle="none", markersize=5, label=name, **points(target))
-    if against != "prediction":
-        axes.set_xlabel(label_of(against, study.tests.known_columns))
-    elif several:
-        axes.set_xlabel("prediction over the largest of its target [-]")
-    else:
-        axes.set_xlabel(f"predicted {label_of(study.targets[0])}")
-    axes.set_ylabel("residual [standard deviations]")
-    if several:
+        style: dict[str, Any] = dict(linestyle="none", markersize=5, label=name)
+        axes.plot(along[:, target], values[:, target], **style, **points(target))
+    if len(study.targets) > 1:
         axes.legend()
-    return figure
+    return figure, axes
 
 
 @in_style
@@ -302,6 +307,9 @@ def draw_quantiles(residuals: Residuals) -> Figure:
 def draw_profile(variant: VariantResult, found: LikelihoodProfile) -> Figure:
     """Draw the likelihood ratio where a parameter is fixed and, if it is identifiable,
     the parabola of its standard error."""
+    # Which only reports need: it takes its time to import.
+    from scipy.interpolate import PchipInterpolator
+
     figure, axes = _panel()
     index = variant.names.index(found.name)
     uncertainty = variant.uncertainty
@@ -387,23 +395,17 @@ def draw_pair(variant: VariantResult, draws: Draws, first: int, second: int) -> 
 def draw_left_out(result: StudyResult, left: LeftOut) -> Figure:
     """Draw measured less predicted by the fit to the other tests."""
     study = result.study
-    figure, axes = _panel()
-    axes.axhspan(-left.quantile, left.quantile, color=GREY, alpha=0.15, linewidth=0)
-    axes.axhline(0.0, color=GREY, linewidth=1)
-    exact = study.censored == 0
-    values = np.where(exact, left.standardised(study.measured), np.nan)
-    number = np.arange(1, len(study.tests) + 1)
-    for target, name in enumerate(study.targets):
-        style: dict[str, Any] = dict(linestyle="none", markersize=5, label=name)
-        axes.plot(number, values[:, target], **style, **points(target))
+    values = left.standardised(study.measured)
+    values = np.where(study.censored == 0, values, np.nan)
+    number = np.arange(1, len(values) + 1)
+    along = np.broadcast_to(number[:, None], values.shape)
+    figure, axes = _about_zero(study, along, values, left.quantile)
     if len(number) <= MOST_NAMED:
         names = [plain(study.tests.name(test)) for test in range(len(number))]
         axes.set_xticks(number, names, rotation=45, ha="right")
     else:
         axes.set_xlabel("test, in the order of the tables")
     axes.set_ylabel("measured less predicted\n[standard deviations]")
-    if len(study.targets) > 1:
-        axes.legend()
     return figure
 
 
@@ -429,14 +431,17 @@ def draw_candidates(found: Suggestions) -> Figure:
 
 @in_style
 def draw_waterfall(variant: VariantResult) -> Figure:
-    """Draw the costs of the starts in order; hollow those not at the best fit."""
     figure, axes = _panel()
-    _waterfall(axes, variant, BLUE, "o", "found the best fit", "elsewhere or stuck")
+    plot_waterfall(axes, variant, BLUE, "o", "found the best fit", "elsewhere or stuck")
     axes.legend()
     return figure
 
 
-def _waterfall(axes: Axes, variant: VariantResult, color, marker, label, other) -> None:
+def plot_waterfall(
+    axes: Axes, variant: VariantResult, color, marker, label, other
+) -> None:
+    """Add the costs of the starts in order to axes; hollow those not at the best
+    fit."""
     order = np.argsort(variant.start_costs, kind="stable")
     costs = np.maximum(variant.start_costs[order], LEAST_COST)
     rank, reached = np.arange(1, len(costs) + 1), variant.reached[order]
@@ -448,78 +453,3 @@ def _waterfall(axes: Axes, variant: VariantResult, color, marker, label, other) 
     log_scale(axes, "y")
     axes.set_xlabel("start, best first")
     axes.set_ylabel("cost at the end [-]")
-
-
-# --- fit.png: all targets and variants. ---
-
-
-@in_style
-def plot_study(result: StudyResult) -> Figure:
-    """Draw the fit of every target, and the costs of the starts.
-
-    A target stands over the impact angle where the tests differ in it alone; otherwise
-    fitted stands over measured.
-    """
-    study = result.study
-    count = len(study.targets) + 1
-    columns = 2 if count in (2, 4) else 3
-    rows = -(-count // columns)
-    figure, axes = panels(
-        rows, columns, height=3.0, title=plain(study.title), count=count
-    )
-    over_angle = only_varying(result) == "angle_deg"
-    for target in range(len(study.targets)):
-        draw = _angle_panel if over_angle else _measured_panel
-        draw(axes[target], result, target)
-    for number, variant in enumerate(result.variants):
-        style = points(number)
-        name = plain(variant.variant.name)
-        _waterfall(axes[-1], variant, style["color"], style["marker"], name, None)
-    axes[-1].set_xlabel("start, best first (hollow: stuck)")
-    for panel in axes[:-1] if over_angle else ():
-        panel.legend()
-    if len(result.variants) > 1:
-        axes[-1].legend()
-    return figure
-
-
-def _angle_panel(axes: Axes, result: StudyResult, target: int) -> None:
-    study = result.study
-    angle = study.tests.inputs["angle_deg"]
-    order = np.argsort(angle, kind="stable")
-    measured, censored = study.measured[:, target], study.censored[:, target]
-    exact = censored == 0
-    style: dict[str, Any] = dict(color="black", linestyle="none")
-    sigma = study.sigma[exact, target] if study.sigma_given[target] else None
-    axes.errorbar(
-        angle[exact], measured[exact], sigma, marker="x", label="measured", **style
-    )
-    for sign, marker, word in ((1, "^", "above"), (-1, "v", "below")):
-        limits = censored == sign
-        if np.any(limits):
-            style |= dict(marker=marker, label=f"{word} this")
-            axes.plot(angle[limits], measured[limits], **style)
-    for number, variant in enumerate(result.variants):
-        name, fitted = plain(variant.variant.name), variant.predicted[order, target]
-        axes.plot(angle[order], fitted, label=name, markersize=4, **points(number))
-    axes.set_xlabel("impact angle from the normal [deg]")
-    axes.set_ylabel(label_of(study.targets[target]))
-
-
-def _measured_panel(axes: Axes, result: StudyResult, target: int) -> None:
-    study = result.study
-    measured, known = study.measured[:, target], study.known[:, target]
-    exact = (study.censored[:, target] == 0) & known
-    limits = known & ~exact
-    sigma = study.sigma[exact, target] if study.sigma_given[target] else None
-    for number, variant in enumerate(result.variants):
-        fitted = variant.predicted[:, target]
-        style: dict[str, Any] = dict(linestyle="none", markersize=4, **points(number))
-        axes.errorbar(measured[exact], fitted[exact], xerr=sigma, **style)
-        if np.any(limits):
-            # Hollow: only a limit of the measured value is known.
-            axes.plot(measured[limits], fitted[limits], mfc="none", **style)
-    low, high = axes.get_xlim()
-    axes.axline((low, low), (high, high), color=GREY, linewidth=1)
-    axes.set_xlabel(f"measured {label_of(study.targets[target])}")
-    axes.set_ylabel("fitted")

@@ -34,6 +34,8 @@ from ..problem.noise import SCATTERS, least_size
 from ..problem.nuisance import entries_of, group_sds
 from .comparison import comparison_csv, comparison_json, comparison_picture
 from .contents import contents_of
+from .drawings import draw_report
+from .overview import plot_study
 from .render import render
 
 NUMBERS = re.compile(r"\[\n\s*([^\[\]{}\"]+?)\n\s*\]")
@@ -67,18 +69,8 @@ def write_all(
     new: NewFile,
     others: OtherLaws = NO_OTHERS,
 ) -> None:
-    """Write the files, each whole or not at all.
-
-    Args:
-        examined: diagnostics of every variant.
-        new: returns the path of a file.
-        others: laws beside those of the study.
-
-    Raises OSError where the file system refuses.
-    """
-    # Matplotlib takes half a second to import, which a fit alone need not wait for.
-    from .drawings import draw_report, plot_study
-
+    """Write the files, each whole or not at all; OSError where the file system
+    refuses."""
     contents = contents_of(result, examined, others.compared)
     drawn = draw_report(result, examined)
     if others.compared is not None:

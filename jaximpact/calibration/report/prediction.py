@@ -35,7 +35,8 @@ CSV_COLUMNS = (
 
 def prediction_contents(prediction: PredictedTests) -> dict:
     """Collect scores, remarks, and the tests one by one where they are few."""
-    few = len(prediction.tests) <= MOST_TESTS
+    few, several = len(prediction.tests) <= MOST_TESTS, len(prediction.variants) > 1
+    scored = [(one, score(prediction, one)) for one in prediction.variants]
     return {
         "about": [
             f"{prediction.tests.described}, predicted by the fit of "
@@ -46,21 +47,21 @@ def prediction_contents(prediction: PredictedTests) -> dict:
                 for shape in prediction.new_shapes
             ),
         ],
-        "several": len(prediction.variants) > 1,
-        "variants": [_of_variant(prediction, v) for v in prediction.variants],
-        "simple": simple_remarks(prediction),
-        "simple_scores": simple_score_rows(prediction),
+        "several": several,
+        "variants": [
+            {
+                "name": variant.fitted.variant.name,
+                "scores": _score_rows(scores) if scores else [],
+                "remarks": remarks_on(prediction, variant, scores),
+                "tests": _rows(prediction, variant) if few else [],
+            }
+            for variant, scores in scored
+        ],
+        **_simple_laws(
+            prediction,
+            {one.fitted.variant.name if several else "": own for one, own in scored},
+        ),
         "simple_tests": simple_rows(prediction) if few else [],
-    }
-
-
-def _of_variant(prediction: PredictedTests, variant: VariantPrediction) -> dict:
-    scores, few = score(prediction, variant), len(prediction.tests) <= MOST_TESTS
-    return {
-        "name": variant.fitted.variant.name,
-        "scores": _score_rows(scores) if scores else [],
-        "remarks": remarks_on(prediction, variant, scores),
-        "tests": _rows(prediction, variant) if few else [],
     }
 
 
@@ -230,53 +231,49 @@ def simple_scores(
     return found
 
 
-def simple_remarks(prediction: PredictedTests) -> list[str]:
-    """Say what the simple laws predict, and where one predicts better than the
-    model."""
+def _simple_laws(
+    prediction: PredictedTests, models: dict[str, dict[str, Scores]]
+) -> dict:
+    """Compare the simple laws with the model: what they predict, where one predicts
+    better, and rms and CRPS target by target.
+
+    Args:
+        models: scores of each variant by its name, "" for the only one.
+    """
     compared = [f"Laws compared: {words}" for words in prediction.ground.compared[:1]]
     if not prediction.simple:
-        return [
+        missing = (
             "None: laws of rebound predict none of the fitted targets, or the fit is "
-            "of an earlier version.",
-            *compared,
-        ]
-    names = " and ".join(law.name for law in prediction.simple)
+            "of an earlier version."
+        )
+        return {"simple": [missing, *compared], "simple_scores": []}
+    laws = [(law.name, simple_scores(prediction, law)) for law in prediction.simple]
+    names = " and ".join(law for law, _ in laws)
     targets = ", ".join(prediction.simple[0].targets)
     lines = [f"{names}, fitted to {targets} of the tests of the fit.", *compared]
-    for variant in prediction.variants:
-        of_model = score(prediction, variant)
-        several = len(prediction.variants) > 1
-        which = f"model {variant.fitted.variant.name}" if several else "model"
-        for law in prediction.simple:
-            for name, (_, crps) in simple_scores(prediction, law).items():
-                own = of_model[name].crps if name in of_model else None
+    for model, scores in models.items():
+        for law, found in laws:
+            for name, (_, crps) in found.items():
+                own = scores[name].crps if name in scores else None
                 if own is not None and crps < own:
                     lines.append(
-                        f"{name}: {law.name} better than the {which}, CRPS {crps:.3g} "
-                        f"against {own:.3g}."
+                        f"{name}: {law} better than the {f'model {model}'.strip()}, "
+                        f"CRPS {crps:.3g} against {own:.3g}."
                     )
-    return lines
-
-
-def simple_score_rows(prediction: PredictedTests) -> Rows:
-    """Write rms and CRPS of the model and of every simple law, target by target."""
-    laws = [(law, simple_scores(prediction, law)) for law in prediction.simple]
-    names = list(dict.fromkeys(name for _, found in laws for name in found))
-    if not names:
-        return []
-    several = len(prediction.variants) > 1
-    rows: Rows = [("target", "law", "rms", "CRPS")]
-    for name in names:
-        for variant in prediction.variants:
-            own = score(prediction, variant).get(name)
-            label = variant.fitted.variant.name if several else "model"
-            if own is not None and own.rms is not None and own.crps is not None:
-                rows.append((name, label, f"{own.rms:.3g}", f"{own.crps:.3g}"))
+    rows: Rows = []
+    for name in dict.fromkeys(name for _, found in laws for name in found):
+        for model, scores in models.items():
+            one = scores.get(name)
+            if one is not None and one.rms is not None and one.crps is not None:
+                rows.append(
+                    (name, model or "model", f"{one.rms:.3g}", f"{one.crps:.3g}")
+                )
         for law, found in laws:
             if name in found:
                 rms, crps = found[name]
-                rows.append((name, law.name, f"{rms:.3g}", f"{crps:.3g}"))
-    return rows
+                rows.append((name, law, f"{rms:.3g}", f"{crps:.3g}"))
+    rows = [("target", "law", "rms", "CRPS"), *rows] if rows else []
+    return {"simple": lines, "simple_scores": rows}
 
 
 def simple_rows(prediction: PredictedTests) -> Rows:

@@ -1,0 +1,162 @@
+"""What a study compares with the tests: targets with weights, sigmas and scatter."""
+
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import InputError, nearest
+from ...io.toml import choice, number, typed, unknown
+from ...quantities import (
+    CURVE_COLUMNS,
+    CURVE_FILE,
+    RESULT_COLUMNS,
+    TARGET_COLUMNS,
+    TIME_COLUMN,
+)
+from .dataset import Measurements
+from .noise import PROPORTIONAL, SCATTERS, least_size, root_mean_square
+from .nuisance import Nuisance
+
+NOMINAL_SIGMA = 0.05
+"""Nominal sigma, where none is given, over a target's root mean square, or over each
+value where scatter is proportional."""
+
+
+def read_targets(
+    path: Path, content: dict, tests: Measurements, nuisances: tuple[Nuisance, ...]
+) -> dict:
+    """Read the fields of `Study` that hold targets, measurements, sigmas and
+    weights."""
+    targets = _targets(path, content, tests, nuisances)
+    sigma, sigma_given = _sigma(path, content, tests, targets)
+    proportional = _proportional(path, content, targets, sigma_given)
+    measured = np.stack([tests.measured[name] for name in targets], axis=1)
+    size = np.fmax(np.abs(measured), least_size(measured))
+    weights = _of_targets(path, content, "weights")
+    return dict(
+        targets=targets,
+        measured=measured,
+        censored=np.stack([tests.censored[name] for name in targets], axis=1),
+        sigma=np.where(proportional, NOMINAL_SIGMA * size, sigma),
+        sigma_given=sigma_given,
+        proportional=proportional,
+        weights=np.array([float(weights.get(name, 1.0)) for name in targets]),
+    )
+
+
+def _targets(path: Path, content: dict, tests: Measurements, nuisances):
+    first = tests.files[0].path
+    present = [n for n, values in tests.measured.items() if np.any(np.isfinite(values))]
+    if not tests.measured:
+        raise InputError(
+            "has no measured result to fit; add a column like e_n, or any of "
+            f"{', '.join(list(RESULT_COLUMNS)[1:])}",
+            file=first,
+        )
+    targets = typed(path, content, "targets", list, present or [*tests.measured])
+    place = {"file": path, "key": "targets"}
+    if not targets:
+        raise InputError("names no result to fit", **place)
+    for name in targets:
+        if name not in tuple(TARGET_COLUMNS):
+            near = nearest(name, TARGET_COLUMNS)
+            raise InputError(f"{name!r} is unknown; did you mean {near}?", **place)
+        if name not in tests.measured:
+            raise InputError(f"{name} is no column of {first.name}", **place)
+        if targets.count(name) > 1:
+            raise InputError(f"{name} stands twice", **place)
+        known = np.isfinite(tests.measured[name])
+        if not np.any(known):
+            raise InputError("holds no measurement; remove it", file=first, column=name)
+        times = tests.inputs.get(TIME_COLUMN, np.full(len(tests), np.nan))
+        if name in CURVE_COLUMNS and np.any(known & np.isnan(times)):
+            raise InputError(
+                f"needs {TIME_COLUMN} in its row, the time since first touch, or a "
+                f"file of its curve in the column {CURVE_FILE}",
+                file=first,
+                column=name,
+            )
+    angles = tests.inputs.get("angle_deg", np.zeros(len(tests)))
+    moved = any(nuisance.name == "angle_deg" for nuisance in nuisances)
+    if "e_t" in targets and not moved:
+        along_normal = np.isfinite(tests.measured["e_t"]) & (angles == 0.0)
+        for test in np.flatnonzero(along_normal)[:1]:
+            file, row = tests.place(test)
+            raise InputError(
+                "e_t has no meaning at angle_deg 0; leave the cell empty",
+                file=file,
+                row=row,
+                column="e_t",
+            )
+    return tuple(targets)
+
+
+def _of_targets(path: Path, content: dict, key: str) -> dict[str, float]:
+    """Read a table of positive numbers for results."""
+    values = typed(path, content, key, dict, {})
+    for name, value in values.items():
+        where = f"{key}.{name}"
+        if name not in TARGET_COLUMNS:
+            unknown(path, where, name, TARGET_COLUMNS)
+        if not number(path, where, value) > 0.0:
+            raise InputError(f"must be above 0, but is {value}", file=path, key=where)
+    return values
+
+
+def _sigma(path, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
+    """Collect sigmas (tests, targets), and the mask of targets with given ones."""
+    defaults = _of_targets(path, content, "default_sigma")
+    columns, given = [], []
+    for name in targets:
+        measured = tests.measured[name]
+        sigma = tests.sigmas.get(name, np.full(len(tests), np.nan))
+        if name in defaults:
+            sigma = np.where(np.isfinite(sigma), sigma, float(defaults[name]))
+        stated = bool(np.any(np.isfinite(sigma)))
+        if not stated:
+            scale = root_mean_square(measured)
+            sigma = np.full(len(tests), NOMINAL_SIGMA * scale)
+        for test in np.flatnonzero(np.isfinite(measured) & ~np.isfinite(sigma))[:1]:
+            file, row = tests.place(test)
+            raise InputError(
+                f"has no sigma_{name}, but other rows have; give all, or a sigma for "
+                f"the rest, default_sigma.{name} in a study",
+                file=file,
+                row=row,
+                column=name,
+            )
+        # Without a measurement any number serves, but not NaN.
+        columns.append(np.where(np.isfinite(sigma), sigma, np.nanmedian(sigma)))
+        given.append(stated)
+    return np.stack(columns, axis=1), np.array(given)
+
+
+def _proportional(path, content, targets, sigma_given) -> np.ndarray:
+    """Find the targets whose scatter is stated as proportional, shape (targets,)."""
+    key, stated = "scatter", content.get("scatter", {})
+    place = {"file": path, "key": key}
+    if isinstance(stated, str):
+        # One word holds for all targets whose sigmas are estimated.
+        choice(path, content, key, stated, SCATTERS)
+        if np.all(sigma_given):
+            problem = "is for sigmas that are estimated, but all are given"
+            raise InputError(problem, **place)
+        return ~sigma_given & (stated == PROPORTIONAL)
+    if not isinstance(stated, dict):
+        raise InputError(
+            f"must be one of {', '.join(SCATTERS)}, or a table of them by target, but "
+            f"is {stated!r}",
+            **place,
+        )
+    for name, word in stated.items():
+        where = f"{key}.{name}"
+        if name not in TARGET_COLUMNS:
+            unknown(path, where, name, TARGET_COLUMNS)
+        choice(path, {where: word}, where, word, SCATTERS)
+        if name in targets and sigma_given[targets.index(name)]:
+            raise InputError(
+                f"is for a sigma that is estimated, but that of {name} is given",
+                file=path,
+                key=where,
+            )
+    return np.array([stated.get(name) == PROPORTIONAL for name in targets])
