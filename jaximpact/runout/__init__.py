@@ -7,6 +7,7 @@ from .back_analysis.result import SlopeCalibration
 from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
 from .derivatives.gradients import Standing, differentiate_runout, runout_gradients
+from .hop_friction import rolling_friction_of_hops
 from .profile_files import read_profile
 from .random_inputs import Lognormal, Normal, PowerLaw, Uniform, draw
 from .scheduler import simulate_runout
@@ -56,6 +57,7 @@ __all__ = [
     "read_profile",
     "read_slope_studies",
     "read_slope_study",
+    "rolling_friction_of_hops",
     "run_slope_study",
     "runout_gradients",
     "simulate_runout",

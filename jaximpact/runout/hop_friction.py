@@ -1,0 +1,131 @@
+r"""Rolling friction that loses as much energy as the hops of a block.
+
+A block that is not round rolls by striking with one end after another. Where each of
+these hops is an impact, it loses the kinetic and potential energy $\Delta E$ over a
+distance L along level ground, as much as by the angle of rolling friction
+
+$$ \tan\varphi_r = \frac{\Delta E}{m g L} $$
+
+This depends on the block more than on the ground, and on the speed: see
+`docs/limits.md`.
+"""
+
+import jax
+import numpy as np
+
+from .._checks import expect, real_number
+from ..accuracy import Accuracy
+from ..scene import GRAVITY, Block, Soil
+from ..shapes import RoundBlock
+from .blocks import Release, outline_of, support_of
+from .contacts.contact_models import FullModel
+from .lane_programs import closed_form
+from .scheduler import simulate_runout
+from .terrain import Ground, Profile
+from .trajectory import MotionMode, Runs
+
+ORIENTATIONS = 32
+"""Orientations at the start of each block, evenly over half a turn."""
+CLEARANCE = 1e-3
+"""Height over the ground at the start [m]."""
+ROUNDING = 1e-9
+"""Heave, as a fraction of the radius, that is rounding."""
+
+
+def rolling_friction_of_hops(
+    block: Block,
+    soil: Soil,
+    speed: float = 10.0,
+    accuracy: str | Accuracy = "fast",
+) -> np.ndarray:
+    """Angle of rolling friction that loses as much energy as hops [rad], `(blocks,)`.
+
+    Each block is released rolling on level ground, at 32 orientations, and followed by
+    the full model with each hop an impact (`hop_threshold` 0) until it rolls or slides;
+    the losses from its second contact on are added up.
+
+    Args:
+        block, soil: fields that broadcast to `(blocks,)`.
+        speed: speed at the start [m/s], from 0. A block loses the more over a distance
+            the slower it is, so take the speed at which it rolls on the slope.
+        accuracy: accuracy of the impacts.
+
+    Returns:
+        Angles; NaN for round blocks, which do not hop, and for blocks that make no
+        three contacts before they roll. To some hundredths of their tangents: more
+        orientations change them by as much.
+
+    Raises InputError for a speed below 0, and for what is no block or soil.
+    """
+    expect("block", block, Block)
+    expect("soil", soil, Soil)
+    speed = real_number("speed", speed, least=0.0)
+    count = max(np.size(leaf) for leaf in jax.tree.leaves((block, soil)))
+
+    def repeated(leaf):
+        return np.repeat(
+            np.broadcast_to(np.asarray(leaf, float), (count,)), ORIENTATIONS
+        )
+
+    blocks, soils = jax.tree.map(repeated, (block, soil))
+    rolling = _round_block(blocks)
+    turns = (np.arange(ORIENTATIONS) + 0.5) / ORIENTATIONS * np.pi
+    theta = np.tile(turns, count)
+    release = Release(
+        blocks,
+        x=0.0,
+        y=support_of(_outline(blocks), theta).radius + CLEARANCE,
+        v_x=speed,
+        orientation=theta,
+        angular_velocity=speed / rolling.radius,
+    )
+    far = 100.0 * (1.0 + speed**2 / GRAVITY)
+    runs = simulate_runout(
+        Profile([-far, far], [0.0, 0.0]),
+        release,
+        FullModel(accuracy),
+        ground=Ground(jax.tree.map(lambda leaf: leaf[:, None], soils)),
+        hop_threshold=0.0,
+    )
+    lost, way = _losses(runs).reshape(2, count, ORIENTATIONS).sum(axis=2)
+    is_round = rolling.tallest <= (1.0 + ROUNDING) * rolling.radius
+    hops = (way > 0.0) & ~is_round[::ORIENTATIONS]
+    return np.where(hops, np.arctan(lost / np.where(hops, way, 1.0)), np.nan)
+
+
+def _losses(runs: Runs) -> np.ndarray:
+    """Energy lost over the weight, and the way on which it was lost [m], `(2, blocks)`,
+    from the second contact to the last one before the block rolls or slides."""
+    contacts, pieces = runs.contacts, runs.pieces
+    mass, inertia = runs.release.mass_properties
+    found = np.zeros((2, runs.release.count))
+    on_ground = np.isin(pieces.motion, [MotionMode.rolling, MotionMode.sliding])
+    first = np.full(runs.release.count, np.inf)
+    np.minimum.at(first, pieces.trajectory[on_ground], pieces.time[on_ground])
+    hops = contacts.time <= first[contacts.trajectory]
+    lanes = np.arange(runs.release.count)
+    begin, end = (
+        np.searchsorted(contacts.trajectory[hops], lanes, side)
+        for side in ("left", "right")
+    )
+    lanes = lanes[end - begin > 2]
+    row = np.flatnonzero(hops)
+    squared = (
+        contacts.normal_velocity_before**2
+        + contacts.tangential_velocity_before**2
+        + (inertia / mass)[contacts.trajectory] * contacts.angular_velocity_before**2
+    )
+    energy = 0.5 * squared / GRAVITY + contacts.y
+    second, last = row[begin[lanes] + 1], row[end[lanes] - 1]
+    found[0, lanes] = energy[second] - energy[last]
+    found[1, lanes] = np.abs(contacts.x[last] - contacts.x[second])
+    return found
+
+
+_outline = closed_form(outline_of)
+
+
+@closed_form
+def _round_block(block: Block) -> RoundBlock:
+    outline = outline_of(block)
+    return outline.shape.round_block(outline.axes)
