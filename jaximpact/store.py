@@ -287,8 +287,11 @@ def _place() -> tuple[Path, bool] | None:
         return Path(stated), False
     caches = os.environ.get("XDG_CACHE_HOME", "")
     if not os.path.isabs(caches):
-        # `~` itself where there is no home.
-        caches = os.path.expanduser("~/.cache")
+        # `~` itself where there is no home; one that is not there is not made.
+        home = os.path.expanduser("~")
+        if not os.path.isdir(home):
+            return None
+        caches = os.path.join(home, ".cache")
     return (Path(caches, "jaximpact"), True) if os.path.isabs(caches) else None
 
 

@@ -15,7 +15,7 @@ import logging
 from collections.abc import Iterator
 from concurrent.futures import Executor
 
-from ..errors import InputError
+from ..errors import IncompleteError, InputError
 
 
 def add_command(
@@ -176,7 +176,7 @@ def engine_of(arguments: argparse.Namespace) -> Iterator[Executor | None]:
     Inside the block its client is the one that lazy arrays are computed by.
 
     Raises InputError for a scheduler that does not answer, and where Dask is not
-    installed.
+    installed; IncompleteError for a worker that died as it was started.
     """
     if arguments.workers is None and arguments.scheduler is None:
         yield None
@@ -188,14 +188,20 @@ def engine_of(arguments: argparse.Namespace) -> Iterator[Executor | None]:
     with dask.config.set(SETTINGS), contextlib.ExitStack() as stack:
         address = arguments.scheduler
         if address is None:
-            address = stack.enter_context(
-                distributed.LocalCluster(
-                    n_workers=arguments.workers,
-                    threads_per_worker=1,
-                    dashboard_address=":0",
-                    silence_logs=logging.CRITICAL,
+            try:
+                address = stack.enter_context(
+                    distributed.LocalCluster(
+                        n_workers=arguments.workers,
+                        threads_per_worker=1,
+                        dashboard_address=":0",
+                        silence_logs=logging.CRITICAL,
+                    )
                 )
-            )
+            except RuntimeError as error:
+                raise IncompleteError(
+                    f"a worker died as it was started: {error} The same command "
+                    "starts others"
+                ) from None
         try:
             client = stack.enter_context(distributed.Client(address))
         except (OSError, ValueError) as error:

@@ -98,13 +98,24 @@ def replacing(path: Path) -> Iterator[Path]:
     """
     target = _target(path)
     temporary = _temporary(target)
-    with unfinished(temporary):
+    with unfinished(temporary), naming(path):
         try:
             yield temporary
             os.replace(temporary, target)
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
+
+
+@contextlib.contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Have an OSError that names no file, as that of a full disk, name this one."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is not None and error.filename is None:
+            error.filename = str(path)
+        raise
 
 
 def write_text(path: Path, text: str) -> None:

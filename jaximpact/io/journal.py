@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from .files import check_writable, locked
+from .files import check_writable, locked, naming
 
 HEAD = struct.Struct("<QI")
 """Head of a block: count of rows, CRC-32 of their bytes."""
@@ -50,7 +50,8 @@ class Journal:
                 raise InputError(
                     f"cannot be written: {error.strerror}", file=self.path
                 ) from error
-            self._cut_off_unfinished()
+            with naming(self.path):
+                self._cut_off_unfinished()
             self._open = stack.pop_all()
 
     def __enter__(self) -> "Journal":
@@ -65,8 +66,9 @@ class Journal:
         rows = np.empty(len(indices), self.row)
         rows["index"], rows["numbers"] = indices, numbers
         data = rows.tobytes()
-        self.file.write(HEAD.pack(len(rows), zlib.crc32(data)) + data)
-        self.file.flush()
+        with naming(self.path):
+            self.file.write(HEAD.pack(len(rows), zlib.crc32(data)) + data)
+            self.file.flush()
 
     def rows(self) -> tuple[np.ndarray, np.ndarray]:
         """Places and numbers of all rows that are there."""

@@ -22,7 +22,7 @@ from ..errors import IncompleteError, InputError
 from ..impact.events import Outcome
 from ..interruption import unfinished
 from ..io.datasets import OUTCOMES
-from ..io.files import check_writable, locked
+from ..io.files import check_writable, locked, naming
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import OUTCOME_COLUMN
 from .regions import compute_regions
@@ -180,20 +180,24 @@ def _begin(path: Path, dataset: xr.Dataset, layout: _Layout) -> None:
             variable.encoding["chunks"] = variable.shape
     new = path.with_name(f".{path.name}.{os.getpid()}.partial")
     shutil.rmtree(new, ignore_errors=True)
-    with unfinished(new / ".zgroup"):
-        template.to_zarr(
-            new, encoding=encoding, compute=False, zarr_format=FORMAT, mode="w"
-        )
-        count = math.prod(layout.shape)
-        marks = zarr.open_group(str(new), mode="r+", use_consolidated=False)
-        marks.create_group(MARKS).create_array(
-            "outcomes",
-            shape=(count, len(Outcome)),
-            chunks=(1, len(Outcome)),
-            dtype="int64",
-            fill_value=-1,
-        )
-        os.rename(new, path)
+    with unfinished(new / ".zgroup"), naming(path):
+        try:
+            template.to_zarr(
+                new, encoding=encoding, compute=False, zarr_format=FORMAT, mode="w"
+            )
+            count = math.prod(layout.shape)
+            marks = zarr.open_group(str(new), mode="r+", use_consolidated=False)
+            marks.create_group(MARKS).create_array(
+                "outcomes",
+                shape=(count, len(Outcome)),
+                chunks=(1, len(Outcome)),
+                dtype="int64",
+                fill_value=-1,
+            )
+            os.rename(new, path)
+        except BaseException:
+            shutil.rmtree(new, ignore_errors=True)
+            raise
 
 
 def _check_same(path: Path, dataset: xr.Dataset, layout: _Layout) -> None:
@@ -256,6 +260,11 @@ class _Writer:
 
     def __call__(self, place: np.ndarray, *values: np.ndarray) -> np.ndarray:
         number, start, stop = place.item()
+        with naming(self.path):
+            self._write(number, start, stop, values)
+        return np.ones(place.shape, bool)
+
+    def _write(self, number: int, start, stop, values: tuple[np.ndarray, ...]) -> None:
         region = {
             dim: slice(int(first), int(end))
             for dim, first, end in zip(self.dims, start, stop, strict=True)
@@ -273,7 +282,6 @@ class _Writer:
                 words = values[self.names.index(OUTCOME_COLUMN)]
                 counts[:] = [np.sum(words == str(outcome)) for outcome in Outcome]
         _marks(self.path, "r+")[number] = counts
-        return np.ones(place.shape, bool)
 
 
 def _compute(

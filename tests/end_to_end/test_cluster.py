@@ -24,6 +24,7 @@ import psutil
 import pytest
 import xarray as xr
 from calibration_studies import Linear, write_study_of
+from error_messages import assert_one_line_error
 from own_laws import FLOW
 from runout_scenes import SLOPE_STUDY
 
@@ -275,6 +276,18 @@ def test_an_interrupted_command_takes_its_workers_with_it():
         assert run.wait(timeout=60) == 130
     assert len(workers) > 1  # and a process of Python that tracks resources
     assert psutil.wait_procs(workers, timeout=30)[1] == []
+
+
+def test_a_worker_that_dies_as_it_starts_is_told_in_one_line(
+    folder, monkeypatch, capsys
+):
+    def start(**_):
+        raise RuntimeError("Nanny failed to start.")
+
+    monkeypatch.setattr(distributed, "LocalCluster", start)
+    (folder / "study.toml").write_text("[axes]\nangle_deg = [10, 20]\n")
+    assert main(["sweep", "study.toml", "--out", "a.nc", "--workers", "1"]) == 1
+    assert_one_line_error(capsys, "a worker died as it was started: Nanny failed")
 
 
 def test_a_client_without_workers_is_told_and_goes_on_with_new_ones(

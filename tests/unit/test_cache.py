@@ -220,6 +220,7 @@ def place(tmp_path, monkeypatch):
         ({"HOME": "relative"}, None),
         ({"HOME": "{}/file"}, None),
         ({"HOME": "/proc/none"}, None),
+        ({"HOME": "{}/missing"}, None),
         ({"HOME": "{}", "JAXIMPACT_CACHE_DIR": "{}/own"}, "own"),
         ({"HOME": "{}", "JAXIMPACT_CACHE_DIR": ""}, None),
         ({"JAXIMPACT_CACHE_DIR": "{}/file"}, None),

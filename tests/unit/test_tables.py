@@ -272,6 +272,17 @@ def test_an_interrupted_file_leaves_the_old_one_and_nothing_else(tmp_path, error
     assert os.listdir(tmp_path) == ["results.csv"]
 
 
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="Linux has a full disk")
+def test_a_full_disk_is_told_with_the_file(tmp_path):
+    def write_to_full_disk():
+        with replacing(tmp_path / "results.csv"), open("/dev/full", "w") as full:
+            full.write("half of")
+
+    with pytest.raises(OSError, match=r"No space left on device: '.*results\.csv'"):
+        write_to_full_disk()
+    assert os.listdir(tmp_path) == []
+
+
 def test_a_link_is_followed_when_a_file_is_replaced(tmp_path):
     (tmp_path / "real.csv").write_text("old")
     (tmp_path / "link.csv").symlink_to(tmp_path / "real.csv")

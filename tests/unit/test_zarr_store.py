@@ -1,6 +1,7 @@
 """Stores of Zarr written by region: whole, taken up where they stopped, and of one
 study alone."""
 
+import errno
 import json
 
 import dask.array
@@ -145,3 +146,14 @@ def test_chunks_of_no_size_are_regions_too(tmp_path):
     there = xr.open_zarr(tmp_path / "a.zarr").load()
     assert json.loads(there.attrs["outcomes"]) == {"detached": 10}
     xr.testing.assert_identical(there, sweep(BASE, AXES))
+
+
+def test_a_store_that_cannot_be_begun_leaves_nothing(tmp_path, monkeypatch):
+    def full(dataset, path, **_):
+        path.mkdir()
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(xr.Dataset, "to_zarr", full)
+    with pytest.raises(OSError, match=r"No space left on device: '.*a\.zarr'"):
+        write_zarr(tmp_path / "a.zarr", sweep(BASE, AXES, chunks=CHUNKS))
+    assert [*tmp_path.iterdir()] == []
