@@ -37,6 +37,11 @@ class ImpactResponse(NamedTuple):
     """Penetration of the lowest point at the end of the contact [m]."""
 
 
+FIELDS = (
+    *("normal_velocity", "tangential_velocity", "angular_velocity"),
+    *("duration", "rotation", "final_sinking", "outcome_code"),
+)
+"""Fields of an impact's summary, in the order of `ImpactResponse`, and its outcome."""
 COLUMNS = (*ImpactResponse._fields, "outcome")
 """Names of the numbers of an impact that `respond` keeps."""
 
@@ -68,15 +73,7 @@ def respond(
     collector = Collector(len(COLUMNS), lanes, journal, as_progress(progress))
 
     def keep(places: np.ndarray, summary: ImpactSummary) -> None:
-        columns = [
-            summary.normal_velocity,
-            summary.tangential_velocity,
-            summary.angular_velocity,
-            summary.duration,
-            summary.rotation,
-            summary.final_sinking,
-            summary.outcome_code,
-        ]
+        columns = [getattr(summary, name) for name in FIELDS]
         collector.take(places, np.stack(columns, axis=-1))
 
     missing = None if journal is None else np.flatnonzero(collector.missing)

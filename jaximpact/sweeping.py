@@ -25,7 +25,7 @@ from .io.datasets import (
     shape_coordinate,
 )
 from .io.toml import check_keys, choice, load_toml, number, scene_from, typed, whole
-from .lazy.grids import lazy_grid
+from .lazy.impacts import Chunks, lazy_grid
 from .progress import Progress, ProgressFunction
 from .quantities import OUTCOME_COLUMN, SLOTS, InputColumn, columns_of, why_unknown
 from .scene import Scene, SceneLike, as_scene
@@ -66,7 +66,7 @@ def sweep(
     model_tolerance: float = 0.0,
     journal: Path | None = None,
     progress: Progress | ProgressFunction | None = None,
-    chunks: int | str | tuple | Mapping[str, Any] | None = None,
+    chunks: Chunks | None = None,
     executor: concurrent.futures.Executor | None = None,
 ) -> xr.Dataset:
     """Compute impacts at every combination of the values along the axes.
@@ -102,13 +102,21 @@ def sweep(
     check_scene(base)
     setting = get_accuracy(accuracy)
     grid = check_axes(axes, base, in_memory=chunks is None)
+    kinds = [kind for axis in grid for kind in axis.values.get(SHAPE, ())]
     if chunks is not None:
         if not (journal is None and progress is None and executor is None):
             raise InputError(
                 "a sweep in chunks is computed later: give it no journal, progress or "
                 "executor, but write_zarr, which has progress and can be interrupted"
             )
-        return _in_chunks(base, grid, setting, model_tolerance, chunks)
+        return lazy_grid(
+            base,
+            {axis.name: axis.values for axis in grid},
+            coordinates_of(grid, with_shapes(base, kinds) if kinds else base),
+            setting,
+            real_number("model_tolerance", model_tolerance, least=0.0),
+            chunks,
+        )
     shape = tuple(axis.length for axis in grid)
     scene = spread(base, grid, shape)
     result = simulate_batch(
@@ -128,22 +136,7 @@ def sweep(
         coordinates_of(grid, scene),
         base,
         scene_values(base),
-        [kind for axis in grid for kind in axis.values.get(SHAPE, ())],
-    )
-
-
-def _in_chunks(
-    base: Scene, grid: list[_Axis], accuracy: Accuracy, model_tolerance: float, chunks
-) -> xr.Dataset:
-    kinds = [kind for axis in grid for kind in axis.values.get(SHAPE, ())]
-    scene = with_shapes(base, kinds) if kinds else base
-    return lazy_grid(
-        base,
-        {axis.name: axis.values for axis in grid},
-        coordinates_of(grid, scene),
-        accuracy,
-        real_number("model_tolerance", model_tolerance, least=0.0),
-        chunks,
+        kinds,
     )
 
 

@@ -23,7 +23,7 @@ from ...errors import InputError
 from ...impact.events import Outcome
 from ...impact.problem import Assembly
 from ...impact.reduced_models import MODELS, model_places
-from ...impact_response import ImpactResponse, ImpactResponses, respond
+from ...impact_response import FIELDS, ImpactResponse, ImpactResponses, respond
 from ...rebound import Rebound
 from ...scene import Block, Impact, Scene, Soil
 from ..lane_programs import Carried, call, closed_form
@@ -33,11 +33,6 @@ NOT_TRACED = (
     *(jax.errors.TracerBoolConversionError, jax.errors.TracerIntegerConversionError),
 )
 """Errors that NumPy, `float` and `if` raise for traced numbers."""
-FIELDS = (
-    *("normal_velocity", "tangential_velocity", "angular_velocity"),
-    *("duration", "rotation", "final_sinking"),
-)
-"""Fields of an impact's summary, in the order of `ImpactResponse`."""
 PART = 256
 """Number of impacts that a core takes at a time."""
 
@@ -209,8 +204,8 @@ def differentiate_impacts(
         parts = [alike[i : i + PART] for i in range(0, len(alike), PART)]
         firsts = range(0, count, together)
         jobs += [(kernel, first, part) for first in firsts for part in parts]
-    found = np.full((len(FIELDS) + 1, lanes), np.nan)
-    tangents = np.full((len(FIELDS), count, lanes), np.nan)
+    found = np.full((len(FIELDS), lanes), np.nan)
+    tangents = np.full((len(FIELDS) - 1, count, lanes), np.nan)
 
     def solve(job) -> None:
         kernel, first, lane = job
@@ -218,9 +213,11 @@ def differentiate_impacts(
         unused = np.zeros((together - len(along), *along.shape[1:]))
         inputs = with_setting(values[:, lane], accuracy)
         numbers, changes = solve_rows(kernel, np.concatenate([inputs, *along, *unused]))
-        found[:, lane] = [getattr(numbers, n) for n in (*FIELDS, "outcome_code")]
+        found[:, lane] = [getattr(numbers, name) for name in FIELDS]
         for parameter, change in enumerate(changes[: len(along)], first):
-            tangents[:, parameter, lane] = [getattr(change, name) for name in FIELDS]
+            tangents[:, parameter, lane] = [
+                getattr(change, name) for name in FIELDS[:-1]
+            ]
 
     with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
         list(pool.map(solve, jobs))
