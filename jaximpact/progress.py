@@ -31,6 +31,10 @@ class Progress:
         return _Within(self, step)
 
 
+SILENT = Progress()
+"""Progress for work that nobody watches."""
+
+
 class _Within(Progress):
     def __init__(self, whole: Progress, step: str):
         self._whole, self._step = whole, step

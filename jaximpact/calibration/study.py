@@ -6,7 +6,7 @@ from concurrent.futures import Executor
 import numpy as np
 
 from ..errors import InputError
-from ..progress import Progress, ProgressFunction, as_progress
+from ..progress import SILENT, Progress, ProgressFunction, as_progress
 from .diagnostics.combinations import directions
 from .diagnostics.identifiability import (
     LikelihoodProfile,
@@ -20,7 +20,6 @@ from .estimation.fit_cache import FitCache
 from .estimation.least_squares import Fits
 from .estimation.sigma import all_given, settle
 from .estimation.starts import (
-    SILENT,
     fit,
     fit_on,
     fit_starts,

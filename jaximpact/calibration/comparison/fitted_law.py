@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import InputError
-from ...progress import Progress
+from ...progress import SILENT, Progress
 from ...quantities import NEVER_NEGATIVE
 from ..diagnostics.importance_sampling import freedom_of_targets
 from ..diagnostics.predictive import Predictive, predictive
@@ -20,7 +20,6 @@ from ..diagnostics.uncertainty import (
     regular_covariance,
 )
 from ..estimation.sigma import relative_sigma
-from ..estimation.starts import SILENT
 from ..problem.config import Study
 from ..problem.forward_model import engine_of
 from ..problem.noise import least_size

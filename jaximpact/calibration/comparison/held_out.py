@@ -21,13 +21,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import gammaln, log_ndtr, stdtr
 
-from ...progress import Progress
+from ...progress import SILENT, Progress
 from ...tasks import for_each
 from ..diagnostics.cross_validation import LEFT_OUT, SMALL_STEP, linearised
 from ..diagnostics.importance_sampling import freedom_of_targets
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
 from ..estimation.sigma import estimate_sigma
-from ..estimation.starts import SILENT, fit
+from ..estimation.starts import fit
 from ..problem.objective import Objective, Points
 
 # Not scipy.stats, which takes 0.6 s to import.

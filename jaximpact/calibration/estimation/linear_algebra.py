@@ -1,13 +1,16 @@
 """Linear algebra with positive matrices that may be singular, never an exception.
 
-A matrix is scaled to a unit diagonal first, so that unknowns of very different
-influence keep their digits beside each other.
+Inverse and solution scale a matrix to a unit diagonal first, so that unknowns of very
+different influence keep their digits beside each other; the pseudo-inverse leaves out
+what vanishes beside the largest.
 """
 
 import numpy as np
 
 LEAST = 1e-14
 """Least eigenvalue of a scaled matrix: below is rounding."""
+LEAST_EIGENVALUE = 1e-12
+"""Fraction of the largest eigenvalue below which one counts as zero: rounding."""
 
 
 def _scaled(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -49,3 +52,13 @@ def solve_positive(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     along = np.einsum("...pq,...p->...q", vectors, right / root) * inverse
     least = np.einsum("...pq,...q->...p", vectors, along) / root
     return np.where(lost[..., None], least, found)
+
+
+def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
+    """Invert a positive matrix without the directions in which it vanishes."""
+    if not len(matrix):
+        return matrix
+    values, vectors = np.linalg.eigh(matrix)
+    empty = values <= LEAST_EIGENVALUE * max(values[-1], 0.0)
+    inverse = np.where(empty, 0.0, 1.0 / np.where(empty, 1.0, values))
+    return (vectors * inverse) @ vectors.T

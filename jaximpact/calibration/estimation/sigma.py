@@ -32,6 +32,7 @@ from ..problem.noise import least_size, losses, root_mean_square, scale_of_norma
 from ..problem.nuisance import LEAST_GROUP_SD, MOST_GROUP_SD, Nuisance
 from ..problem.objective import Objective, Points
 from .least_squares import Fits
+from .linear_algebra import LEAST_EIGENVALUE, pseudo_inverse
 
 LEAST_PART = 1e-3
 """Sigma over the root mean square of a target, or over its size where scatter is
@@ -45,8 +46,6 @@ SD_ROUNDS, SD_SETTLED = 1000, 1e-6
 change at which these end."""
 SETTLED = 3e-3
 """Relative change of every sigma at which the rounds end."""
-LEAST_EIGENVALUE = 1e-12
-"""Fraction of the largest eigenvalue below which one counts as zero: rounding."""
 
 
 def sizes(study: Study, values: np.ndarray) -> np.ndarray:
@@ -111,16 +110,6 @@ def standardised_rows(objective: Objective, points: Points):
     rows = np.where(used[:, None], jacobian.reshape(len(used), -1), 0.0)
     u = ((predicted - study.measured) / objective.sigma).ravel()
     return rows, used, np.where(used, u, 0.0)
-
-
-def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
-    """Invert a positive matrix without the directions in which it vanishes."""
-    if not len(matrix):
-        return matrix
-    values, vectors = np.linalg.eigh(matrix)
-    empty = values <= LEAST_EIGENVALUE * max(values[-1], 0.0)
-    inverse = np.where(empty, 0.0, 1.0 / np.where(empty, 1.0, values))
-    return (vectors * inverse) @ vectors.T
 
 
 def estimate_sigma(objective: Objective, points: Points) -> np.ndarray:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.special import ndtri
 
-from ...progress import Progress
+from ...progress import SILENT, Progress
 from ...tasks import Task, run_task
 from ..problem.bounds import Bounds
 from ..problem.config import Study
@@ -44,7 +44,6 @@ LAST = FINE._replace(steps=20)
 """Stopping rule of fits that go on at a finer accuracy: few steps are left."""
 POLISHED = 3
 """Places from which fits go on to the end that a jump has stopped."""
-SILENT = Progress()
 STUCK = Reason.stuck, Reason.jump, Reason.failed
 ONE_PLACE = 0.3
 """Distance in x within which ends of equal cost are at one minimum."""
