@@ -328,9 +328,14 @@ def run_study(
     """
     require_float64()
     study = read_study(study_path)
-    how: dict = dict(posterior=posterior, compare=compare)
-    how |= dict(executor=executor, progress=progress)
-    return fit_and_examine(study, Path(out_dir), **how)[0]
+    result, _, _ = fit_and_examine(
+        *(study, Path(out_dir)),
+        posterior=posterior,
+        compare=compare,
+        executor=executor,
+        progress=progress,
+    )
+    return result
 
 
 def fit_and_examine(
@@ -339,8 +344,8 @@ def fit_and_examine(
     *,
     posterior: bool = False,
     compare: bool = False,
-    executor: Executor | None = None,
-    progress: Progress | ProgressFunction | None = None,
+    executor: Executor | None,
+    progress: Progress | ProgressFunction | None,
 ) -> tuple[StudyResult, list[Examination], OtherLaws]:
     """Fit a study and compute its diagnostics, fit other laws beside it, and write the
     files of `run_study` if there is a directory for them."""

@@ -105,8 +105,7 @@ def predict_stacked(compared: Compared, tests: Measurements) -> StackedPredictio
     """Predict tests with every law, and with all of them by their weights."""
     study = compared.study
     shape = len(tests), len(study.targets)
-    added = {n: v for n, v in study.block.items() if n not in tests.inputs}
-    tests = tests.with_inputs(added)
+    tests = tests.with_inputs(study.block)
     new = dataclasses.replace(
         study,
         path=tests.files[0].path,

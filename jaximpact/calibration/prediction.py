@@ -21,21 +21,18 @@ from ..accuracy import PRESETS
 from ..errors import InputError
 from ..identity import name_of
 from ..impact.events import Outcome
-from ..progress import Progress
+from ..progress import SILENT, Progress
 from ..quantities import NEVER_NEGATIVE
 from ..scene_quantities import SHAPE
 from .comparison.fitted_law import LawPrediction, predict_simple
 from .diagnostics.predictive import CONFIDENCES, Predictive, predictive
-from .estimation.starts import SILENT
 from .fitted_ground import FittedGround, FittedVariant
-from .problem.candidates import Candidates
-from .problem.config import METHODS, Study
+from .problem.config import Study
 from .problem.dataset import Measurements
 from .problem.engine import Engine
 from .problem.forward_model import engines_of
-from .problem.noise import LOSSES
 from .problem.nuisance import EACH_TEST, open_nuisances
-from .problem.objective import Objective, names_of
+from .problem.objective import Objective
 
 BESIDE = 1e-6
 """Fraction of a range, or of its larger end, by which a test may lie outside."""
@@ -141,9 +138,7 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
     """Make a study of new tests with the parameters of a fit; it is not fitted."""
     path = tests.files[0].path
     _check_laws(ground, tests, path)
-    tests = tests.with_inputs(
-        {n: value for n, value in ground.block.items() if n not in tests.inputs}
-    )
+    tests = tests.with_inputs(ground.block)
     for parameter in (*ground.parameters, *ground.tied):
         if parameter.name in tests.inputs:
             raise InputError(
@@ -158,8 +153,6 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
     return Study(
         path=path,
         title=path.stem,
-        source="",
-        notes="",
         tests=tests,
         parameters=ground.parameters,
         tied=ground.tied,
@@ -176,13 +169,9 @@ def held_out_study(ground: FittedGround, tests: Measurements) -> Study:
         sigma_given=np.ones(len(targets), bool),
         proportional=np.zeros(len(targets), bool),
         weights=np.ones(len(targets)),
-        loss=LOSSES[0],
-        starts=1,
         seed=ground.seed,
         accuracy=ground.accuracy,
-        method=METHODS[0],
         variants=tuple(fitted.variant for fitted in ground.variants),
-        candidates=Candidates(),
         parts=tests.parts,
         block=ground.block,
     )
@@ -216,13 +205,12 @@ def unknowns(
         chosen = np.searchsorted(np.cumsum(weights), middles)
         of_fit, weights = of_fit[chosen], np.full(count, 1.0 / count)
     best, draws = [*fitted.best[:soil]], [*of_fit[:, :soil].T]
-    labels = names_of(study)[soil:]
     stated = study.tests.files[0].labels
     for nuisance in study.nuisances:
         # A file name in place of a campaign does not show that it is the same.
         named = nuisance.by != EACH_TEST and nuisance.by in stated
         for place in range(len(nuisance.groups)):
-            label = labels.pop(0)
+            label = nuisance.label(place)
             if named and label in fitted.unknowns:
                 known = fitted.unknowns.index(label)
                 best.append(fitted.best[known])

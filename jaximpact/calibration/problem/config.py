@@ -18,7 +18,6 @@ from ...parameters import Part
 from ...quantities import (
     CURVE_COLUMNS,
     SLOTS,
-    TIME_COLUMN,
     InputColumn,
     columns_of,
 )
@@ -64,14 +63,14 @@ class CompareTable(NamedTuple):
     """Columns whose groups are left out; None for the default."""
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Study:
     """Checked study."""
 
     path: Path
     title: str
-    source: str
-    notes: str
+    source: str = ""
+    notes: str = ""
     tests: Measurements
     parameters: tuple[Parameter, ...]
     nuisances: tuple[Nuisance, ...]
@@ -91,13 +90,13 @@ class Study:
     """Mask of the targets whose sigma is estimated as a fraction of the value."""
     weights: np.ndarray
     """Weights of the targets on the losses, shape (targets,)."""
-    loss: str
-    starts: int
-    seed: int
-    accuracy: str
-    method: str
+    loss: str = LOSSES[0]
+    starts: int = STARTS
+    seed: int = 0
+    accuracy: str = ACCURACY
+    method: str = METHODS[0]
     variants: tuple[Variant, ...]
-    candidates: Candidates
+    candidates: Candidates = dataclasses.field(default_factory=Candidates)
     """Candidates for further tests."""
     parts: dict[str, Part] = dataclasses.field(default_factory=dict)
     """Laws of the ground, and the shape unless the tests state theirs, by slot."""
@@ -134,8 +133,7 @@ class Study:
     def comparable(self) -> np.ndarray:
         """Mask of what a test can have measured, shape (tests, targets): forces at a
         time where it has one, else the other targets."""
-        nothing = np.full(len(self.tests), np.nan)
-        timed = np.isfinite(self.tests.inputs.get(TIME_COLUMN, nothing))
+        timed = np.isfinite(self.tests.times)
         return timed[:, None] == np.isin(self.targets, [*CURVE_COLUMNS])
 
     @property
@@ -225,11 +223,11 @@ def _study(path: Path, content: dict, tests: Measurements) -> Study:
         nuisances=nuisances,
         soil=fixed,
         **compared,
-        loss=choice(path, content, "loss", LOSSES[0], LOSSES),
+        loss=choice(path, content, "loss", Study.loss, LOSSES),
         starts=starts,
-        seed=whole(path, content, "seed", 0, 0),
-        accuracy=choice(path, content, "accuracy", ACCURACY, tuple(PRESETS)),
-        method=choice(path, content, "method", METHODS[0], METHODS),
+        seed=whole(path, content, "seed", Study.seed, 0),
+        accuracy=choice(path, content, "accuracy", Study.accuracy, tuple(PRESETS)),
+        method=choice(path, content, "method", Study.method, METHODS),
         variants=variants,
         candidates=read_candidates(
             path, content, tuple(p.name for p in parameters), grounds[0]

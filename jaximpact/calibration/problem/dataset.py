@@ -66,7 +66,7 @@ class Measurements:
 
     def name(self, test: int | np.integer) -> str:
         """Return the name of a test, or its file and row, with the time of a force."""
-        time = self.inputs.get(TIME_COLUMN, [np.nan] * (test + 1))[test]
+        time = self.times[test]
         at = f" at {time:.4g} s" if np.isfinite(time) else ""
         for column in ("name", "test", "id"):
             if self.labels.get(column, [""] * (test + 1))[test]:
@@ -74,6 +74,11 @@ class Measurements:
         path, row = self.place(test)
         file = f"{path.stem} " if len(self.files) > 1 else ""
         return f"{file}row {row}{at}"
+
+    @property
+    def times(self) -> np.ndarray:
+        """Time of the forces of each test [s], shape (tests,); NaN without one."""
+        return self.inputs.get(TIME_COLUMN, np.full(len(self), np.nan))
 
     @property
     def sources(self) -> list[Table]:
@@ -132,8 +137,13 @@ class Measurements:
         return dataclasses.replace(self, base=base)
 
     def with_inputs(self, values: Mapping[str, float]) -> "Measurements":
-        """Return the tests with further columns of one value each."""
-        added = {name: np.full(len(self), value) for name, value in values.items()}
+        """Return the tests with columns of one value each, where they do not have
+        them."""
+        added = {
+            name: np.full(len(self), value)
+            for name, value in values.items()
+            if name not in self.inputs
+        }
         return dataclasses.replace(self, inputs=self.inputs | added)
 
     def columns(self, held: Mapping[str, float]) -> dict[str, np.ndarray]:

@@ -11,7 +11,7 @@ from ...impact.problem import Assembly
 from ...impact.reduced_models import PLANAR, PLANAR_DAMPED
 from ...parameters import parameters_of
 from ...progress import Progress
-from ...quantities import CURVE_COLUMNS, TIME_COLUMN, columns_of, leaf_places
+from ...quantities import CURVE_COLUMNS, columns_of, leaf_places
 from ...scene import Scene
 from ...tasks import Item, Result, run_in_threads
 from .bounds import Bounds
@@ -89,8 +89,7 @@ class ForwardModel:
         self._leaf_of = leaf_places(self.scene)
         leaves = [np.asarray(x) for x in jax.tree.leaves(self.scene)]
         if {*study.targets} & {*CURVE_COLUMNS}:
-            nothing = np.full(len(study.tests), np.nan)
-            leaves.append(study.tests.inputs.get(TIME_COLUMN, nothing))
+            leaves.append(study.tests.times)
         self._leaves = np.stack(leaves)
         self._columns = unknown_columns(study, self.scene)
         columns = columns_of(self.scene)

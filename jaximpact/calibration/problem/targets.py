@@ -68,8 +68,7 @@ def _targets(path: Path, content: dict, tests: Measurements, nuisances):
         known = np.isfinite(tests.measured[name])
         if not np.any(known):
             raise InputError("holds no measurement; remove it", file=first, column=name)
-        times = tests.inputs.get(TIME_COLUMN, np.full(len(tests), np.nan))
-        if name in CURVE_COLUMNS and np.any(known & np.isnan(times)):
+        if name in CURVE_COLUMNS and np.any(known & np.isnan(tests.times)):
             raise InputError(
                 f"needs {TIME_COLUMN} in its row, the time since first touch, or a "
                 f"file of its curve in the column {CURVE_FILE}",

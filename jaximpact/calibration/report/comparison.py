@@ -126,43 +126,38 @@ def score_rows(compared: Compared) -> Rows:
     """Write the laws with their scores, the best first."""
     found, targets = compared.ranking(), compared.study.targets
     head = ("law", "parameters", "score", "less than the best", "weight")
-    rows: Rows = [(*head, *(f"rms left out {name}" for name in targets))]
-    for place, law in enumerate(compared.laws):
-        rows.append(
-            (
-                law.name + (" (tie)" if _tied(found, place) else ""),
-                str(law.count),
-                f"{compared.by_test.totals[place]:.1f}",
-                _difference(found, place),
-                f"{compared.weights[place]:.2f}",
-                *(f"{value:.3g}" for value in law.rms_left_out),
-            )
+    return [(*head, *(f"rms left out {name}" for name in targets))] + [
+        (
+            _marked(law.name, found, place),
+            str(law.count),
+            f"{compared.by_test.totals[place]:.1f}",
+            _difference(found, place),
+            f"{compared.weights[place]:.2f}",
+            *(f"{value:.3g}" for value in law.rms_left_out),
         )
-    return rows
+        for place, law in enumerate(compared.laws)
+    ]
 
 
 def group_rows(compared: Compared, scores: GroupScores) -> Rows:
     """Write the scores of one way of leaving groups out."""
     found = compared.ranking(scores)
-    rows: Rows = [("law", "score", "less than the best", "worst predicted")]
-    for place in np.argsort(-scores.totals, kind="stable"):
-        worst = scores.groups[int(np.argmin(scores.scores[:, place]))]
-        rows.append(
-            (
-                compared.laws[place].name + (" (tie)" if _tied(found, place) else ""),
-                f"{scores.totals[place]:.1f}",
-                _difference(found, int(place)),
-                worst,
-            )
+    return [("law", "score", "less than the best", "worst predicted")] + [
+        (
+            _marked(compared.laws[place].name, found, place),
+            f"{scores.totals[place]:.1f}",
+            _difference(found, place),
+            scores.groups[int(np.argmin(scores.scores[:, place]))],
         )
-    return rows
+        for place in np.argsort(-scores.totals, kind="stable")
+    ]
 
 
-def _tied(found, place: int | np.integer) -> bool:
-    return len(found.ties) > 1 and place in found.ties
+def _marked(name: str, found: Ranking, place) -> str:
+    return f"{name} (tie)" if len(found.ties) > 1 and place in found.ties else name
 
 
-def _difference(found, place: int) -> str:
+def _difference(found: Ranking, place) -> str:
     if place == found.best:
         return "0"
     error = found.error[place]

@@ -218,9 +218,7 @@ def target_rows(
     """Write the errors of each target, with those of tests left out if given."""
     study = result.study
     limits = bool(np.any(study.known & (study.censored != 0)))
-    head = ("target", "rms", *(("rms left out",) if left is not None else ()))
-    head += ("max", "bias", "sigma", *(("limits violated",) if limits else ()))
-    rows: Rows = [head]
+    rows: list[dict[str, str]] = []
     relative = relative_sigma(study, variant.sigma, variant.predicted)
     few = variant.uncertainty.degrees_of_freedom < LEAST_FREEDOM
     for target, name in enumerate(study.targets):
@@ -231,13 +229,15 @@ def target_rows(
         size = f"{np.median(sigma):.3g}"
         if study.proportional[target]:
             size = f"{100 * relative[target]:.3g} % of the value"
-        cells = [number_text(values["rms"])]
-        cells += [] if left is None else [_rms_left_out(study, left, target)]
-        cells += [number_text(values["max"]), number_text(values["bias"])]
-        cells += [f"{size} ({origin})"]
-        cells += [str(values["limits_broken"])] if limits else []
-        rows.append((name, *cells))
-    return rows
+        row = {"target": name, "rms": number_text(values["rms"])}
+        if left is not None:
+            row["rms left out"] = _rms_left_out(study, left, target)
+        row |= {key: number_text(values[key]) for key in ("max", "bias")}
+        row["sigma"] = f"{size} ({origin})"
+        if limits:
+            row["limits violated"] = str(values["limits_broken"])
+        rows.append(row)
+    return [tuple(rows[0]), *(tuple(row.values()) for row in rows)]
 
 
 def _rms_left_out(study: Study, left: LeftOut, target: int) -> str:

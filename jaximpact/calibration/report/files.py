@@ -49,7 +49,7 @@ CSV_COLUMNS = (
 
 
 def study_directory(
-    study: Study, out: Path, *, posterior: bool, compared: bool = False
+    study: Study, out: Path, *, posterior: bool, compared: bool
 ) -> contextlib.AbstractContextManager[NewFile]:
     """Open the directory of a study's files; see `output_directory`."""
     names, count = [*FILES], len(study.variants)
@@ -67,7 +67,7 @@ def write_all(
     result: StudyResult,
     examined: list[Examination],
     new: NewFile,
-    others: OtherLaws = NO_OTHERS,
+    others: OtherLaws,
 ) -> None:
     """Write the files, each whole or not at all; OSError where the file system
     refuses."""
@@ -98,9 +98,7 @@ def write_all(
         plot_study(result).savefig(temporary, dpi=120)
 
 
-def as_text(
-    result: StudyResult, examined: list[Examination], others: OtherLaws = NO_OTHERS
-) -> str:
+def as_text(result: StudyResult, examined: list[Examination], others: OtherLaws) -> str:
     """Render report.txt."""
     return render("report", "txt", contents_of(result, examined, others.compared))
 
