@@ -5,9 +5,9 @@ import os
 from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from .._checks import expect
 from .._precision import require_float64
@@ -37,10 +37,12 @@ from .problem.dataset import joined_tables
 from .problem.laws import scene_of
 from .report.contents import contents_of
 from .report.files import as_json, study_directory, write_all
-from .report.overview import plot_study
 from .report.prediction import prediction_contents, write_prediction
 from .report.render import render
 from .study import fit_study
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 UNFINISHED = "unfinished"
 """Folder of finished fits in the directory of a study that is not yet written."""
@@ -143,12 +145,14 @@ class Calibration:
         """Return every number, as in fit.json."""
         return as_json(self.result, self.examined, self.others)
 
-    def plot(self, path: str | os.PathLike | None = None) -> Figure:
+    def plot(self, path: str | os.PathLike | None = None) -> "Figure":
         """Draw the fit of every target, and the costs of the starts.
 
         Args:
             path: file to save the figure in too; replaced once the new one is whole.
         """
+        from .report.overview import plot_study
+
         figure = plot_study(self.result)
         if path is not None:
             with replacing(Path(path)) as temporary:

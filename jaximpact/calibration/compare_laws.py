@@ -17,7 +17,6 @@ from ..io.display import align
 from ..io.files import replacing, write_text
 from ..io.output_files import output_directory
 from ..parameters import Part
-from ..plotting.style import save_figure
 from ..progress import Progress, ProgressFunction
 from ..scene import Block, Soil
 from ..tasks import check_executor
@@ -34,8 +33,6 @@ from .report.comparison import (
     comparison_contents,
     comparison_csv,
     comparison_json,
-    comparison_picture,
-    draw_comparison,
     verdict,
 )
 from .report.files import in_lines
@@ -226,6 +223,9 @@ class Comparison:
         Args:
             path: file to save the figure in too; replaced once the new one is whole.
         """
+        from ..plotting.style import save_figure
+        from .report.overview import draw_comparison
+
         figure = draw_comparison(self.compared)
         return save_figure(figure, None if path is None else Path(path))
 
@@ -247,6 +247,8 @@ class Comparison:
 
         Raises InputError for a directory that cannot be used.
         """
+        from .report.overview import comparison_picture
+
         inputs = self.compared.study.inputs
         with output_directory(Path(out), "compare", FILES, inputs=inputs) as new:
             picture = comparison_picture(self.compared)

@@ -153,6 +153,12 @@ def test_the_command_line_starts_without_jax():
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
 
 
+def test_workers_of_a_fit_start_without_drawing():
+    """Matplotlib takes half a second to load."""
+    code = "import sys, jaximpact.calibration; sys.exit('matplotlib' in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
+
+
 def test_modules_are_short():
     lengths = {
         name: len(path.read_text(encoding="utf-8").splitlines())

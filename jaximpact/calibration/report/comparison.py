@@ -1,14 +1,12 @@
-"""The comparison of laws in words, as tables, as numbers and as a picture."""
+"""The comparison of laws in words, as tables and as numbers."""
 
 import csv
 import io
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from ...io.display import Rows
-from ...plotting.style import BLUE, GREY, VERMILION, in_style, panels, plain
 from ..comparison.comparison import Compared, GroupScores
 from ..comparison.ranking import (
     ERRORS,
@@ -16,7 +14,6 @@ from ..comparison.ranking import (
     SMALL_DIFFERENCE,
     Ranking,
 )
-from .drawings import picture
 
 CSV_COLUMNS = (
     *("law", "row", "test", "log_density", "target", "measured", "left_out"),
@@ -234,37 +231,3 @@ def comparison_csv(compared: Compared) -> str:
                 )
             )
     return text.getvalue()
-
-
-def comparison_picture(compared: Compared) -> dict:
-    """Draw the picture of the report, as `picture` does."""
-    return picture(
-        *("comparison", draw_comparison(compared)),
-        "Scores of the laws, less that of the best",
-        "Score of each law less that of the best, with two standard errors; red: "
-        "preferred, blue: ties, grey: worse.",
-    )
-
-
-@in_style
-def draw_comparison(compared: Compared) -> Figure:
-    """Draw the difference of each law to the best, with two standard errors."""
-    found = compared.ranking()
-    count = len(compared.laws)
-    figure, (axes,) = panels(1, 1, height=0.9 + 0.28 * count)
-    places = np.arange(count)
-    apart, error = found.apart, np.nan_to_num(2.0 * found.error)
-    for place in places:
-        tied = place in found.ties
-        colour = VERMILION if place == found.preferred else BLUE if tied else GREY
-        axes.errorbar(
-            apart[place], place, xerr=error[place], marker="o", color=colour, capsize=3
-        )
-    axes.axvline(0.0, color="black", lw=0.8)
-    names = [plain(law.name) for law in compared.laws]
-    axes.set_yticks(places, names)
-    axes.invert_yaxis()
-    axes.set_xlabel(
-        "log predictive density less that of the best, with two standard errors"
-    )
-    return figure

@@ -32,10 +32,8 @@ from ..problem.dataset import LIMITS
 from ..problem.laws import as_entries, unusual
 from ..problem.noise import SCATTERS, least_size
 from ..problem.nuisance import entries_of, group_sds
-from .comparison import comparison_csv, comparison_json, comparison_picture
+from .comparison import comparison_csv, comparison_json
 from .contents import contents_of
-from .drawings import draw_report
-from .overview import plot_study
 from .render import render
 
 NUMBERS = re.compile(r"\[\n\s*([^\[\]{}\"]+?)\n\s*\]")
@@ -71,6 +69,10 @@ def write_all(
 ) -> None:
     """Write the files, each whole or not at all; OSError where the file system
     refuses."""
+    # Matplotlib takes half a second to import, which workers need not.
+    from .drawings import draw_report
+    from .overview import comparison_picture, plot_study
+
     contents = contents_of(result, examined, others.compared)
     drawn = draw_report(result, examined)
     if others.compared is not None:

@@ -1,4 +1,4 @@
-"""fit.png: the fit of all targets and variants, and the costs of the starts."""
+"""Pictures of all variants: fit.png, and laws that were compared."""
 
 from typing import Any
 
@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...plotting.style import GREY, in_style, panels, plain, points
+from ...plotting.style import BLUE, GREY, VERMILION, in_style, panels, plain, points
+from ..comparison.comparison import Compared
 from ..diagnostics.results import StudyResult
-from .drawings import label_of, only_varying, plot_waterfall
+from .drawings import label_of, only_varying, picture, plot_waterfall
 
 
 @in_style
@@ -81,3 +82,37 @@ def _measured_panel(axes: Axes, result: StudyResult, target: int) -> None:
     axes.axline((low, low), (high, high), color=GREY, linewidth=1)
     axes.set_xlabel(f"measured {label_of(study.targets[target])}")
     axes.set_ylabel("fitted")
+
+
+def comparison_picture(compared: Compared) -> dict:
+    """Draw the picture of the report, as `picture` does."""
+    return picture(
+        *("comparison", draw_comparison(compared)),
+        "Scores of the laws, less that of the best",
+        "Score of each law less that of the best, with two standard errors; red: "
+        "preferred, blue: ties, grey: worse.",
+    )
+
+
+@in_style
+def draw_comparison(compared: Compared) -> Figure:
+    """Draw the difference of each law to the best, with two standard errors."""
+    found = compared.ranking()
+    count = len(compared.laws)
+    figure, (axes,) = panels(1, 1, height=0.9 + 0.28 * count)
+    places = np.arange(count)
+    apart, error = found.apart, np.nan_to_num(2.0 * found.error)
+    for place in places:
+        tied = place in found.ties
+        colour = VERMILION if place == found.preferred else BLUE if tied else GREY
+        axes.errorbar(
+            apart[place], place, xerr=error[place], marker="o", color=colour, capsize=3
+        )
+    axes.axvline(0.0, color="black", lw=0.8)
+    names = [plain(law.name) for law in compared.laws]
+    axes.set_yticks(places, names)
+    axes.invert_yaxis()
+    axes.set_xlabel(
+        "log predictive density less that of the best, with two standard errors"
+    )
+    return figure
