@@ -28,9 +28,8 @@ from jaximpact.cli import options
 from jaximpact.progress import Progress
 from jaximpact.runout.back_analysis.data_sets import simulate_data_sets
 from jaximpact.runout.back_analysis.observed import Count, Passages, Stops
-from jaximpact.runout.back_analysis.posterior import posterior_of
+from jaximpact.runout.back_analysis.posterior import posterior_of, search
 from jaximpact.runout.back_analysis.problem import SlopeFit, read_slope_fit
-from jaximpact.runout.back_analysis.rounds import search
 from jaximpact.store import Store
 
 SCREE = """

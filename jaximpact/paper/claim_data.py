@@ -11,12 +11,11 @@ from ..accuracy import DEFAULT_ACCURACY
 from ..batch import simulate_batch
 from ..progress import Progress
 from ..runout import Ending, FullModel, MotionMode, Runs, passages, simulate_runout
-from ..runout.analysis import Jumps, jumps, restitutions
-from ..runout.biplanar import ASPECT_RATIOS, SPINS_DEGPS
 from ..runout.trajectory import stretches_of
 from ..scene import GRAVITY, Scene
 from ..scene_quantities import scene_of_values, scene_values
 from ..sweeping import Axes, sweep
+from .biplanar import ASPECT_RATIOS, SPINS_DEGPS, Jumps, jumps, restitutions
 from .criteria import NotComputed
 from .readings import AS_IT_IS, Reading, SlopeReading, with_contact_at
 from .sets import TABLE_1, parametric_set, record_impacts

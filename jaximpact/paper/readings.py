@@ -14,10 +14,10 @@ import numpy as np
 import xarray as xr
 
 from ..restitution import vijayakumar_coefficient
-from ..runout.biplanar import SLOPE, BiplanarCase
 from ..runout.state import HOP_THRESHOLD
 from ..scene import Scene
 from ..units import DEGREE
+from .biplanar import SLOPE, BiplanarCase
 
 
 class ContactPoint(enum.Enum):

@@ -3,7 +3,7 @@
 from ..impact_response import ImpactResponse, ImpactResponses
 from .analysis import Maxima, Passages, first_passages, maxima_along, passages
 from .back_analysis.calibrate import calibrate_slope
-from .back_analysis.result import SlopeCalibration
+from .back_analysis.predictive import SlopeCalibration
 from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
 from .derivatives.gradients import Standing, differentiate_runout, runout_gradients
@@ -14,7 +14,7 @@ from .scheduler import simulate_runout
 from .study.barriers import Barrier
 from .study.law_choice import choose_contacts
 from .study.lazy_study import lazy_slope_study
-from .study.map_placement import MapPlacement
+from .study.profile_file import MapPlacement
 from .study.run_study import run_slope_study
 from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
 from .terrain import Ground, Profile

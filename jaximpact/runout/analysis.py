@@ -1,17 +1,15 @@
-"""Quantities derived from trajectories, exactly: passages of collectors, largest values
-along the slope, jumps, and coefficients of restitution."""
+"""Quantities derived from trajectories, exactly: passages of collectors, and largest
+values along the slope."""
 
+import enum
 from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 
-from ..scene import GRAVITY
 from .blocks import BlockOutline, MassProperties, select, support
-from .extremes import Follows, Moment, extremes, moving_time, stops_of
-from .lane_programs import Values, closed_form
+from .lane_programs import Values, closed_form, found_by_search, root
 from .trajectory import (
-    MotionMode,
     Pieces,
     Runs,
     Stretches,
@@ -19,6 +17,45 @@ from .trajectory import (
     stretches_of,
     time_at,
 )
+
+
+class Follows(enum.IntEnum):
+    """What a time on a piece follows as the piece changes."""
+
+    nothing = 0
+    end = 1
+    """The end of the piece."""
+    turn = 2
+    """The time at which x turns back."""
+    place = 3
+    """The time at which the centre is at a place x."""
+
+
+class Moment(NamedTuple):
+    """Time on a piece."""
+
+    time: Values
+    """From the start of the piece [s]."""
+    follows: Values
+    """Code of `Follows`."""
+
+
+def moving_time(piece: Pieces, moment: Moment) -> Values:
+    """Give a time on a piece, with its derivative."""
+    follows = moment.follows
+    then = state_after(piece, moment.time)
+    turning = -piece.v_x / jnp.where(piece.a_x == 0.0, 1.0, piece.a_x)
+    of_end = jnp.where(follows == Follows.end, piece.duration, turning)
+    moved = jnp.where(follows == Follows.place, then.x, of_end)
+    slope = jnp.where(follows == Follows.place, -1.0 / then.v_x, 1.0)
+    slope = jnp.where(follows == Follows.nothing, 0.0, slope)
+    return found_by_search(moment.time, moved, slope)
+
+
+def stops_of(runs: Runs, chosen: Stretches) -> Moment:
+    """Give the ends of stretches."""
+    goes_on = chosen.stop < runs.pieces.duration[chosen.piece]
+    return Moment(chosen.stop, np.where(goes_on, Follows.turn, Follows.end))
 
 
 class Passages(NamedTuple):
@@ -195,98 +232,137 @@ def maxima_along(
     return Maxima(*(np.where(np.isfinite(v), v, np.nan) for v in maxima))
 
 
-class Jumps(NamedTuple):
-    """Flights, arrays `(jumps,)`, trajectory after trajectory, in time."""
+def starts_of(chosen: Stretches) -> Moment:
+    """Give the starts of stretches."""
+    follows = np.where(chosen.start > 0.0, Follows.turn, Follows.nothing)
+    return Moment(chosen.start, follows)
+
+
+class Extremes(NamedTuple):
+    """Values among which the largest are, for each part of a trajectory over one bin
+    and segment; arrays `(parts,)`."""
 
     trajectory: np.ndarray
     """Number of the block, from 0."""
+    bin: np.ndarray
+    """Number of the bin, from 0."""
     piece: np.ndarray
-    """Index of the flight among the pieces of the trajectories."""
-    after_contact: np.ndarray
-    """False for the flight of the release, and for one that begins at a convex
-    break."""
-    height: np.ndarray
-    """Largest height of the centre above the ground below it [m]."""
-    rise: np.ndarray
-    """Largest height less that at the start of the flight [m]."""
+    """Number of the piece that the part is of."""
+    gradient: np.ndarray
+    """dy/dx of the segment [-]."""
+    moments: tuple[Moment, Moment, Moment]
+    """Both ends of the part, and the summit over its segment."""
+    heights: list[np.ndarray]
+    """Heights of the centre above the ground at these moments [m]."""
+    squared_speeds: list[np.ndarray]
+    """Squared speeds at both ends [m2/s2]."""
+    energies: list[np.ndarray]
+    """Kinetic energies at both ends [J]."""
 
 
-def jumps(runs: Runs) -> Jumps:
-    """Find the flights of trajectories, and the highest point of each, exactly."""
-    profile, all_pieces = runs.profile, runs.pieces
-    flights = np.flatnonzero(all_pieces.motion == MotionMode.flight)
-    p = select(runs.pieces, flights)
-    start = p.y - profile.height(p.x)
-    end = state_after(p, p.duration)
-    highest = np.maximum(start, end.y - profile.height(end.x))
-    gradients = np.diff(profile.y) / np.diff(profile.x)
-    for left, right, y, gradient in zip(
-        profile.x[:-1], profile.x[1:], profile.y[:-1], gradients, strict=True
-    ):
-        # The summit over the segment's line, and the flight at both ends of its column.
-        summit = (p.v_y - gradient * p.v_x) / -p.a_y
-        for time in (summit, _time_at(p, left), _time_at(p, right)):
-            then = state_after(p, np.clip(time, 0.0, p.duration))
-            over = (then.x >= left) & (then.x <= right)
-            height = then.y - (y + gradient * (then.x - left))
-            highest = np.where(over, np.maximum(highest, height), highest)
-    before = np.maximum(flights - 1, 0)
-    same = all_pieces.trajectory[before] == all_pieces.trajectory[flights]
-    follows = all_pieces.motion[before] == MotionMode.contact
-    return Jumps(
-        trajectory=p.trajectory.astype(int),
-        piece=flights,
-        after_contact=same & follows & (before < flights),
-        height=highest,
-        rise=highest - start,
+def extremes(
+    runs: Runs, edges: np.ndarray, stretches: Stretches | None = None
+) -> Extremes:
+    r"""Compute the values among which the largest are.
+
+    Over a part of a trajectory over one bin and segment the height of the centre above
+    the ground is a quadratic in time, and its largest value stands at an end or where
+    its derivative vanishes; squared speeds are convex, and largest at an end. So these
+    are exact, and no samples.
+    """
+    whole = stretches_of(runs) if stretches is None else stretches
+    inner = runs.profile.x[(runs.profile.x > edges[0]) & (runs.profile.x < edges[-1])]
+    cells = np.union1d(edges, inner)
+    of, cell, at_low, at_high = _over_cells(whole, cells)
+    part = select(whole, of)
+    begin, end = _ends_of_parts(runs, part, cells, cell, at_low, at_high)
+    middle = 0.5 * (cells[cell] + cells[cell + 1])
+    segment = np.clip(
+        np.searchsorted(runs.profile.x, middle) - 1, 0, runs.profile.segments - 1
+    )
+    gradient = (np.diff(runs.profile.y) / np.diff(runs.profile.x))[segment]
+    p = select(runs.pieces, part.piece)
+    moments = begin, end, _summit(p, gradient, begin, end)
+    bodies = [state_after(p, moment.time) for moment in moments]
+    trajectory = p.trajectory.astype(int)
+    mass, inertia = select(runs.release.mass_properties, trajectory)
+    speeds = [body.v_x**2 + body.v_y**2 for body in bodies[:2]]
+    bin_of = np.searchsorted(edges, 0.5 * (cells[1:] + cells[:-1])) - 1
+    return Extremes(
+        trajectory=trajectory,
+        bin=bin_of[cell],
+        piece=part.piece,
+        gradient=gradient,
+        moments=moments,
+        heights=[body.y - runs.profile.height(body.x) for body in bodies],
+        squared_speeds=speeds,
+        energies=[
+            0.5 * (mass * squared + inertia * body.angular_velocity**2)
+            for squared, body in zip(speeds, bodies[:2], strict=True)
+        ],
     )
 
 
-def _time_at(p, x: float) -> np.ndarray:
-    """Compute when flights pass x [s]; 0 for never."""
-    moves = p.v_x != 0.0
-    return np.where(moves, (x - p.x) / np.where(moves, p.v_x, 1.0), 0.0)
+def _over_cells(whole: Stretches, cells: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Divide stretches at the borders of cells.
 
-
-class Restitutions(NamedTuple):
-    """Apparent coefficients of restitution, arrays `(contacts,)`, as the record of
-    contacts."""
-
-    e_n: np.ndarray
-    """Normal coefficient; NaN where the centre does not come down to the plane: a block
-    that turns can strike while its centre rises."""
-    e_t: np.ndarray
-    """Tangential coefficient; NaN there too, and where the centre does not move along
-    the plane."""
-
-
-def restitutions(runs: Runs, *, out_of_the_crater: bool = True) -> Restitutions:
-    r"""Compute the apparent coefficients of restitution of every contact.
-
-    $$ e_n = -\frac{v_n}{v_n^{in}}, \qquad e_t = \frac{v_t}{v_t^{in}} $$
-
-    in the frame of the plane that is struck; NaN for touches that are no impact.
-
-    Args:
-        out_of_the_crater: take the velocities with which the trajectory continues; else
-            those at the end of the impact, before the climb out of the ground. A block
-            that cannot climb has stopped, with coefficients of zero, either way.
-
-    Source: Dattola et al. (2023), section 2.3.
+    Returns:
+        For each part its stretch and its cell, and whether it has the lower and the
+        upper end of the stretch.
     """
-    c = runs.contacts
-    fraction = np.ones_like(c.time)
-    if not out_of_the_crater:
-        mass, inertia = select(runs.release.mass_properties, c.trajectory.astype(int))
-        left = 0.5 * (
-            mass * (c.normal_velocity**2 + c.tangential_velocity**2)
-            + inertia * c.angular_velocity**2
+    low = np.minimum(whole.x_start, whole.x_stop)
+    high = np.maximum(whole.x_start, whole.x_stop)
+    last_cell = len(cells) - 2
+    first = np.clip(np.searchsorted(cells, low, "right") - 1, 0, last_cell)
+    last = np.clip(np.searchsorted(cells, high, "left") - 1, first, last_cell)
+    counts = last - first + 1
+    of = np.repeat(np.arange(len(counts)), counts)
+    cell = np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts - first, counts)
+    return of, cell, cell == first[of], cell == last[of]
+
+
+def _ends_of_parts(
+    runs: Runs,
+    part: Stretches,
+    cells: np.ndarray,
+    cell: np.ndarray,
+    at_low: np.ndarray,
+    at_high: np.ndarray,
+) -> tuple[Moment, Moment]:
+    """Find when parts are at the lower and the upper end of their cells."""
+    back = part.sign < 0.0
+    start, stop = starts_of(part), stops_of(runs, part)
+
+    def end(of_stretch: np.ndarray, is_stop: np.ndarray, border: np.ndarray) -> Moment:
+        own_time = np.where(is_stop, stop.time, start.time)
+        own_follows = np.where(is_stop, stop.follows, start.follows)
+        return Moment(
+            np.where(of_stretch, own_time, time_at(runs, part, cells[border])),
+            np.where(of_stretch, own_follows, Follows.place),
         )
-        climb = mass * GRAVITY * np.cos(c.slope) * np.maximum(c.sinking, 0.0)
-        fraction = np.sqrt(1.0 + climb / np.where(left > 0.0, left, np.inf))
-    comes_down = (c.outcome >= 0) & (c.normal_velocity_before > 0.0)
-    moves = comes_down & (c.tangential_velocity_before != 0.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        e_n = -fraction * c.normal_velocity / c.normal_velocity_before
-        e_t = fraction * c.tangential_velocity / c.tangential_velocity_before
-    return Restitutions(np.where(comes_down, e_n, np.nan), np.where(moves, e_t, np.nan))
+
+    return end(at_low, back, cell), end(at_high, ~back, cell + 1)
+
+
+def _summit(p: Pieces, gradient: np.ndarray, begin: Moment, end: Moment) -> Moment:
+    """Find when the height above the segment is stationary, or the nearest end. There
+    it does not change with time, so that the time need not follow anything."""
+    rising, bending = p.v_y - gradient * p.v_x, p.a_y - gradient * p.a_x
+    summit = np.where(bending < 0.0, -rising / np.where(bending < 0.0, bending, 1.0), 0)
+    low, high = np.minimum(begin.time, end.time), np.maximum(begin.time, end.time)
+    summit = np.clip(summit, low, high)
+    follows = np.where(summit == end.time, end.follows, Follows.nothing)
+    return Moment(summit, np.where(summit == begin.time, begin.follows, follows))
+
+
+@closed_form
+def values_at(
+    piece: Pieces, moment: Moment, gradient: Values, mass_properties: MassProperties
+) -> tuple[Values, Values, Values]:
+    """Compute the height of the centre above the ground's line, less that of the line
+    at x = 0 [m], speed [m/s] and kinetic energy [J] at a moment."""
+    mass, inertia = mass_properties
+    body = state_after(piece, moving_time(piece, moment))
+    squared = body.v_x**2 + body.v_y**2
+    energy = 0.5 * (mass * squared + inertia * body.angular_velocity**2)
+    return body.y - gradient * body.x, root(squared), energy

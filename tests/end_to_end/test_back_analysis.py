@@ -14,11 +14,12 @@ from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.progress import Progress
 from jaximpact.runout import calibrate_slope, read_slope_study, run_slope_study
-from jaximpact.runout.back_analysis import predictive, rounds
+from jaximpact.runout.back_analysis import posterior as posterior_module
+from jaximpact.runout.back_analysis import predictive
 from jaximpact.runout.back_analysis.data_sets import _seed
 from jaximpact.runout.back_analysis.predictive import predict
 from jaximpact.runout.back_analysis.report import warnings_of
-from jaximpact.runout.study.barrier_results import estimates_of
+from jaximpact.runout.study.barriers import estimates_of
 
 pytestmark = pytest.mark.slow
 
@@ -237,7 +238,7 @@ def test_the_command_writes_a_report_and_goes_on_where_it_was(
 ):
     out = tmp_path / "out"
     command = ["calibrate", str(observed / "slope.toml"), "--out", str(out)]
-    simulate, calls = rounds.simulate_data_sets, []
+    simulate, calls = posterior_module.simulate_data_sets, []
 
     def interrupted(*arguments, **named):
         if calls:
@@ -245,10 +246,10 @@ def test_the_command_writes_a_report_and_goes_on_where_it_was(
         calls.append(1)
         return simulate(*arguments, **named)
 
-    monkeypatch.setattr(rounds, "simulate_data_sets", interrupted)
+    monkeypatch.setattr(posterior_module, "simulate_data_sets", interrupted)
     with pytest.raises(KeyboardInterrupt):
         calibrate_slope(observed / "slope.toml", out)
-    monkeypatch.setattr(rounds, "simulate_data_sets", simulate)
+    monkeypatch.setattr(posterior_module, "simulate_data_sets", simulate)
     assert any((out / "unfinished").iterdir())
     assert main(command) == 0
     printed = capsys.readouterr().out

@@ -6,6 +6,15 @@ import pytest
 from runout_scenes import SPHERE, G, R
 
 from jaximpact import Block, ConstantCoefficients, Impact, Soil, simulate
+from jaximpact.paper.biplanar import (
+    ASPECT_RATIOS,
+    SLOPE,
+    SPEED,
+    SPINS_DEGPS,
+    BiplanarCase,
+    jumps,
+    restitutions,
+)
 from jaximpact.paper.claim_data import (
     COMPARED_X,
     bounces,
@@ -19,14 +28,6 @@ from jaximpact.runout import (
     Profile,
     Release,
     simulate_runout,
-)
-from jaximpact.runout.analysis import jumps, restitutions
-from jaximpact.runout.biplanar import (
-    ASPECT_RATIOS,
-    SLOPE,
-    SPEED,
-    SPINS_DEGPS,
-    BiplanarCase,
 )
 
 SHAPE = len(ASPECT_RATIOS), len(SPINS_DEGPS)

@@ -11,11 +11,10 @@ import pytest
 
 from jaximpact.errors import InputError
 from jaximpact.runout import Barrier, Profile
-from jaximpact.runout.study.barrier_results import effects_of
-from jaximpact.runout.study.barriers import read_barriers
-from jaximpact.runout.study.map_formats import Feature, geojson, geopackage
-from jaximpact.runout.study.map_placement import read_map_placement
+from jaximpact.runout.study.barriers import effects_of, read_barriers
+from jaximpact.runout.study.map_files import Feature, geojson, geopackage
 from jaximpact.runout.study.page_data import kept_ranks
+from jaximpact.runout.study.profile_file import read_map_placement
 
 PROFILE = Profile([0.0, 100.0, 200.0], [50.0, 0.0, 0.0])
 BARRIER = {"x_m": 120, "height_m": 3, "capacity_kJ": 250.5}

@@ -19,7 +19,7 @@ from jaximpact.runout import (
     run_slope_study,
     simulate_runout,
 )
-from jaximpact.runout.random_fields import RandomField
+from jaximpact.runout.random_inputs import RandomField
 from jaximpact.runout.terrain import subdivide
 
 COUNT = 4000

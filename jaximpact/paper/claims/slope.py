@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from ...runout.biplanar import COEFFICIENTS
+from ..biplanar import COEFFICIENTS
 from ..claim_data import SLOPE, Study, elongated
 from ..criteria import Judgement, between, condition, conditions, judge, key_of
 from ..goodness_of_fit import Fit, fit_exponential, fit_normal

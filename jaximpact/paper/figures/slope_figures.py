@@ -21,8 +21,10 @@ from ...plotting.style import (
 )
 from ...quantities import OUTCOME_COLUMN, columns_of_part
 from ...runout import Ending, MotionMode, Pieces, Runs
-from ...runout.analysis import jumps, restitutions
-from ...runout.biplanar import (
+from ...scene import GRAVITY
+from ...scene_quantities import scene_values
+from ...units import DEGREE
+from ..biplanar import (
     ASPECT_RATIOS,
     COEFFICIENTS,
     FLAT_LENGTH,
@@ -32,10 +34,9 @@ from ...runout.biplanar import (
     SPEED,
     SPINS_DEGPS,
     BiplanarCase,
+    jumps,
+    restitutions,
 )
-from ...scene import GRAVITY
-from ...scene_quantities import scene_values
-from ...units import DEGREE
 from ..goodness_of_fit import Fit, fit_exponential, fit_normal
 from .drawing import (
     ASPECT_RATIO,

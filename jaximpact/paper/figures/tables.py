@@ -19,9 +19,9 @@ from ...impact.events import Outcome
 from ...progress import Progress
 from ...quantities import OUTCOME_COLUMN
 from ...runout import FullModel, Runs, simulate_runout
-from ...runout.biplanar import BiplanarCase
 from ...scene import Scene
 from ...sweeping import Axes, sweep
+from ..biplanar import BiplanarCase
 from ..sets import TABLE_1, check_ground, parametric_set, record_impacts
 
 Table = Any

@@ -11,11 +11,9 @@ from ...io.output_files import output_directory
 from ...progress import Progress, ProgressFunction, as_progress
 from ...store import Store
 from ...tasks import check_executor
-from .posterior import posterior_of
-from .predictive import predict
+from .posterior import posterior_of, search
+from .predictive import SlopeCalibration, predict
 from .problem import SlopeFit, read_slope_fit
-from .result import SlopeCalibration
-from .rounds import search
 
 UNFINISHED = "unfinished"
 """Directory of simulated data sets, until the report is written."""

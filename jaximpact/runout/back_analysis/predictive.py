@@ -2,23 +2,28 @@
 collectors, curves of exceedance, and what barriers do, each with its interval."""
 
 import concurrent.futures
+import dataclasses
 from typing import NamedTuple
 
 import numpy as np
 
+from ...io.display import Rows, ShownAsTable
 from ...progress import Progress
 from ...store import Store
-from ..study.barrier_results import BarrierEstimates, estimates_at
-from ..study.barriers import Barrier
+from ..study.barriers import Barrier, BarrierEstimates, estimates_at
 from ..study.intervals import (
     percentile_interval_over_grounds,
     share_intervals_over_grounds,
 )
-from .data_sets import simulate_data_sets
+from .data_sets import (
+    observed_summary,
+    simulate_data_sets,
+    simulated_summaries,
+    summary_names,
+)
 from .observed import PASSAGE_COLUMNS, PER_PLACE, STOP_COLUMN, Count, Passages, Stops
-from .posterior import TAILS, Posterior
+from .posterior import TAILS, Posterior, Searched
 from .problem import SlopeFit
-from .summaries import observed_summary, simulated_summaries, summary_names
 
 DRAWS = 100
 """Number of grounds, samples of the posterior, behind a prediction."""
@@ -227,3 +232,21 @@ def _at_barrier(
         "lowest_height": lowest,
     }
     return estimates_at(barrier, outcomes[..., -1] == 0.0, passages)
+
+
+@dataclasses.dataclass(frozen=True, repr=False)
+class SlopeCalibration(ShownAsTable):
+    """Ground of a slope, fitted to where blocks stopped and how they passed."""
+
+    fit: SlopeFit
+    searched: Searched
+    posterior: Posterior
+    predicted: Predicted
+
+    def display_rows(self) -> tuple[str, Rows]:
+        """Give median and 95 % interval of each parameter."""
+        rows = [
+            (p.parameter.name, f"{p.median:.4g}", f"{p.low:.4g} to {p.high:.4g}")
+            for p in self.posterior.fitted
+        ]
+        return f"SlopeCalibration: {self.fit.title}", rows

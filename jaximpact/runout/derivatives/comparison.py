@@ -10,9 +10,8 @@ from ..blocks import select
 from ..contacts.contact_models import ClosedForm, FullModel
 from ..state import Limits
 from ..trajectory import Runs
-from .outputs import outputs_of
+from .outputs import follow_case, outputs_of
 from .parameters import Case, Parameter, replaced
-from .results import follow_case
 
 STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
 """Relative steps of the differences: each next one is for derivatives that the one

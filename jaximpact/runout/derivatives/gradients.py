@@ -34,9 +34,8 @@ from .comparison import (
     all_attempts,
     judge,
 )
-from .outputs import chosen_outputs, outputs_of
+from .outputs import chosen_outputs, follow_case, outputs_of
 from .parameters import Case, Parameter, chosen_parameters
-from .results import follow_case
 
 DEFAULT_PARAMETERS = ("c_v", "gamma_v", "k_E")
 DEFAULT_OUTPUTS = ("x_m", "time_s", "max_height_m")

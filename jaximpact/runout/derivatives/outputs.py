@@ -1,4 +1,5 @@
-"""Outputs of a run-out that can be differentiated, by name."""
+"""Trajectories with the derivatives that they carry, and outputs read off them by
+name."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -7,12 +8,56 @@ import numpy as np
 
 from ...errors import InputError
 from ...io.checks import checked_names
-from ..analysis import find_passages, passage
+from ...progress import Progress
+from ..analysis import Moment, extremes, find_passages, passage, values_at
 from ..blocks import BlockOutline, MassProperties, select
-from ..extremes import Moment, extremes, values_at
 from ..lane_programs import Carried, Values, call, closed_form, root
-from ..trajectory import Pieces, Stretches, stretches_of
-from .results import Result
+from ..scheduler import WIDTH, advance, result_of
+from ..state import Limits, State
+from ..trajectory import Pieces, Runs, Stretches, stretches_of
+from .parameters import Case, Parameter, directions_of
+
+
+class Ends(NamedTuple):
+    """Ends of trajectories, arrays `(blocks,)`."""
+
+    x: Values
+    y: Values
+    time: Values
+
+
+class Result(NamedTuple):
+    """Trajectories, with the derivatives that they carry."""
+
+    runs: Runs
+    ends: Carried
+    """`Ends`."""
+    contacts: Carried
+    """`ContactRecord`."""
+    pieces: Carried
+    """`Pieces`."""
+    constants: Carried
+    """`BlockConstants`."""
+
+
+def follow_case(
+    case: Case, limits: Limits, parameters: tuple[Parameter, ...] = ()
+) -> Result:
+    """Follow all blocks, with derivatives with respect to some parameters."""
+    directions = directions_of(case, parameters) if parameters else None
+    state = State.at_release(
+        case.profile, case.release, case.ground, limits, directions
+    )
+    advance(state, case.contacts, WIDTH, Progress())
+    blocks = state.blocks
+    return Result(
+        runs=result_of(state),
+        ends=blocks.map(lambda block: Ends(block.body.x, block.body.y, block.time)),
+        contacts=state.contacts.whole(),
+        pieces=state.pieces.whole(),
+        constants=state.constants,
+    )
+
 
 OF_ENDS = {"x_m": ("m", "x"), "y_m": ("m", "y"), "time_s": ("s", "time")}
 """Place and time of the end of a trajectory."""

@@ -1,19 +1,35 @@
-"""Barriers of a study: their table in the file.
+"""Barriers of a study: their table in the file, what becomes of blocks at them, and
+design values with their intervals.
 
 A barrier is a vertical screen at x, from the ground to its top. Its height is measured
 vertically, since a block passes it when its centre passes the vertical at x: there its
 motion is known exactly, and every point above the ground has one height, on a break of
 the profile too. A fence of length h across a slope of angle w stands h / cos(w) high
 over the ground below its top.
+
+Trajectories know nothing of barriers. A block is counted at its first passage and goes
+on as if no barrier stood there: what is stopped is counted, and not removed.
 """
 
+import enum
 import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+import xarray as xr
+
 from ...errors import InputError
+from ...io.display import Rows, align
 from ...io.toml import check_keys, number, typed
 from ..terrain import Profile
+from ..trajectory import Ending
+from .intervals import (
+    least_blocks,
+    percentile_interval_over_grounds,
+    share_intervals_over_grounds,
+)
 
 KEY = "barriers"
 KEYS = ("name", "x_m", "height_m", "capacity_kJ")
@@ -81,3 +97,298 @@ def _barrier(path: Path, where: str, table: dict, profile: Profile) -> Barrier:
     if not name.strip():
         raise InputError("must be a text, but is empty", file=path, key=key)
     return Barrier(name, x, height, 1e3 * capacity)
+
+
+DESIGN_PERCENTILES = (95, 99)
+DESIGN_QUANTITIES = {
+    "energy": ("barrier_energy_J", "kJ", 1e-3),
+    "speed": ("barrier_speed_mps", "m/s", 1.0),
+    "centre_height": ("barrier_centre_height_m", "m", 1.0),
+    "lowest_height": ("barrier_lowest_height_m", "m", 1.0),
+}
+"""Quantities of design values: variable, unit and factor."""
+UNITS_IN_NAMES = {"kJ": "kJ", "m/s": "mps", "m": "m"}
+COLUMNS = (
+    *("barrier", "x_m", "height_m", "capacity_kJ"),
+    *("quantity", "blocks", "count", "value", "low", "high"),
+)
+EFFECT_WORDS = {
+    "arrive, of all": "arriving",
+    "pass over, of these": "over_of_arriving",
+    "break it": "broken_of_arriving",
+    "are stopped": "stopped_of_arriving",
+}
+ROUNDING = 1e-9
+"""Number below which a text says 0."""
+NOTE = "A barrier changes no trajectory: blocks that it stops are counted, not removed."
+
+
+class BarrierEffect(enum.StrEnum):
+    """Effects of a barrier and a block on each other, at the block's first passage."""
+
+    none = "not reached"
+    over = "passes over"
+    broken = "breaks it"
+    stopped = "is stopped"
+
+
+class Estimate(NamedTuple):
+    """Number estimated from blocks, with its interval of 95 %."""
+
+    quantity: str
+    """Name with the unit, such as energy_kJ_p95."""
+    blocks: int
+    """Number of blocks behind it."""
+    count: int | None
+    """Number of blocks of a share; None for a percentile."""
+    value: float
+    low: float
+    """Lower end; NaN where there are too few blocks for one."""
+    high: float
+
+
+def effects_of(
+    barrier: Barrier, lowest_height: np.ndarray, energy: np.ndarray
+) -> np.ndarray:
+    """Decide what becomes of each block at a barrier, as text, `(blocks,)`.
+
+    A block passes over if its lowest point is above the top. Else it breaks the barrier
+    if its kinetic energy exceeds the capacity, and is stopped if not.
+
+    Args:
+        lowest_height: height of the lowest point at first passage [m]; NaN for blocks
+            that do not come there.
+        energy: kinetic energy there [J].
+    """
+    return np.select(
+        [
+            np.isnan(lowest_height),
+            lowest_height > barrier.height,
+            energy > barrier.capacity,
+        ],
+        [
+            str(e)
+            for e in (BarrierEffect.none, BarrierEffect.over, BarrierEffect.broken)
+        ],
+        str(BarrierEffect.stopped),
+    )
+
+
+def barrier_variables(
+    barriers: Sequence[Barrier], passages: Mapping[str, np.ndarray]
+) -> tuple[dict, dict]:
+    """Describe barriers and what becomes of each block there, as the variables and the
+    coordinates of a dataset; none without barriers.
+
+    Args:
+        passages: quantities of first passages by their names, `(blocks, barriers)`.
+    """
+    if not barriers:
+        return {}, {}
+    names, x, height, capacity = zip(*barriers, strict=True)
+    lowest, energy = passages["passage_lowest_height_m"], passages["passage_energy_J"]
+    effects = [
+        effects_of(barrier, lowest[:, place], energy[:, place])
+        for place, barrier in enumerate(barriers)
+    ]
+    meaning = "effect of barrier and block on each other, at first passage"
+    at, variables = ("block", "barrier"), {}
+    variables["barrier_effect"] = (at, np.stack(effects, 1), {"long_name": meaning})
+    for name, unit, words in (
+        ("energy_J", "J", "kinetic energy"),
+        ("speed_mps", "m/s", "speed"),
+        ("centre_height_m", "m", "height of the centre above the ground"),
+        ("lowest_height_m", "m", "height of the lowest point above the ground"),
+    ):
+        about = {"units": unit, "long_name": f"{words} at first passage of the barrier"}
+        variables[f"barrier_{name}"] = (at, passages[f"passage_{name}"], about)
+    coordinates: dict = {"barrier": np.array(names)}
+    for name, values, unit, words in (
+        ("barrier_x_m", x, "m", "x of the barrier"),
+        ("barrier_height_m", height, "m", "height above the ground, vertically"),
+        ("barrier_capacity_J", capacity, "J", "largest kinetic energy that it stops"),
+    ):
+        about = {"units": unit, "long_name": words}
+        coordinates[name] = ("barrier", np.array(values, float), about)
+    return variables, coordinates
+
+
+class BarrierEstimates(NamedTuple):
+    """Estimates at a barrier."""
+
+    barrier: Barrier
+    estimates: dict[str, Estimate]
+    """By name."""
+
+
+def estimates_at(
+    barrier: Barrier, counted: np.ndarray, passages: Mapping[str, np.ndarray]
+) -> BarrierEstimates:
+    """Estimate shares and design values at a barrier.
+
+    Shares are of all blocks counted, and of those that arrive; design values of those
+    that arrive. On several grounds, equally likely, numbers are those of all blocks
+    together, and intervals hold that one of the grounds is the true one.
+
+    Args:
+        counted: False for blocks that failed, `(grounds, blocks)`.
+        passages: numbers by the names of `DESIGN_QUANTITIES`, in SI units; NaN for
+            blocks that do not arrive, `(grounds, blocks)`.
+    """
+    effects = effects_of(barrier, passages["lowest_height"], passages["energy"])
+    arriving = counted & (effects != str(BarrierEffect.none))
+    every, there = np.sum(counted, axis=1), np.sum(arriving, axis=1)
+    found = [_share("arriving", there, every)]
+    for of, blocks in (("all", every), ("arriving", there)):
+        for effect in list(BarrierEffect)[1:]:
+            count = np.sum(counted & (effects == str(effect)), axis=1)
+            found.append(_share(f"{effect.name}_of_{of}", count, blocks))
+    for name, (_, unit, factor) in DESIGN_QUANTITIES.items():
+        grounds = [
+            factor * values[own]
+            for values, own in zip(passages[name], arriving, strict=True)
+        ]
+        values = np.concatenate(grounds)
+        for percent in DESIGN_PERCENTILES:
+            value = float(np.percentile(values, percent)) if len(values) else np.nan
+            ends = percentile_interval_over_grounds(grounds, percent)
+            quantity = f"{name}_{UNITS_IN_NAMES[unit]}_p{percent}"
+            found.append(Estimate(quantity, len(values), None, value, *ends))
+    return BarrierEstimates(barrier, {e.quantity: e for e in found})
+
+
+def estimates_of(dataset: xr.Dataset) -> list[BarrierEstimates]:
+    """Estimate shares and design values at the barriers of a result; none where it has
+    none."""
+    counted, found = dataset.ending.values != str(Ending.failed), []
+    for name in dataset.barrier.values.tolist() if "barrier" in dataset.sizes else []:
+        here = dataset.sel(barrier=name)
+        numbers = (here.barrier_x_m, here.barrier_height_m, here.barrier_capacity_J)
+        passages = {
+            quantity: here[variable].values[None]
+            for quantity, (variable, _, _) in DESIGN_QUANTITIES.items()
+        }
+        barrier = Barrier(name, *map(float, numbers))
+        found.append(estimates_at(barrier, counted[None], passages))
+    return found
+
+
+def _share(name: str, counts: np.ndarray, blocks: np.ndarray) -> Estimate:
+    count, of = int(np.sum(counts)), int(np.sum(blocks))
+    (low,), (high,) = share_intervals_over_grounds(counts[:, None], blocks)
+    value = count / of if of else np.nan
+    return Estimate(f"share_{name}", of, count, value, float(low), float(high))
+
+
+def barrier_rows(found: Sequence[BarrierEstimates]) -> Rows:
+    """List the rows of barriers.csv, in the order of `COLUMNS`."""
+    rows: Rows = []
+    for barrier, estimates in found:
+        quoted = '"' + barrier.name.replace('"', '""') + '"'
+        for quantity, blocks, count, *values in estimates.values():
+            cells = (*_numbers_of(barrier), quantity, blocks)
+            counted = "" if count is None else str(count)
+            rows.append((quoted, *map(str, cells), counted, *map(str, values)))
+    return rows
+
+
+def barriers_in_json(found: Sequence[BarrierEstimates]) -> list[dict]:
+    """Describe the barriers with their estimates, None for what is not known."""
+    told = []
+    for barrier, estimates in found:
+        x, height, capacity = _numbers_of(barrier)
+        by_name = {
+            quantity: {
+                key: None if value is None or np.isnan(value) else value
+                for key, value in estimate._asdict().items()
+                if key != "quantity"
+            }
+            for quantity, estimate in estimates.items()
+        }
+        of = {"name": barrier.name, "x_m": x, "height_m": height}
+        told.append(of | {"capacity_kJ": capacity, "estimates": by_name})
+    return told
+
+
+def barriers_in_words(found: Sequence[BarrierEstimates]) -> list[str]:
+    """Report barriers as lines of text; none where there are none."""
+    if not found:
+        return []
+    lines = ["barriers, blocks at first passage, with 95 % intervals", NOTE]
+    lines.append(align(effect_rows(found)))
+    lines.append("design values of the blocks that arrive, with 95 % intervals")
+    lines.append(align(design_rows(found)))
+    return lines + too_few(found)
+
+
+def effect_rows(found: Sequence[BarrierEstimates]) -> Rows:
+    """Write what becomes of blocks at each barrier, the head first."""
+    rows: Rows = [
+        (
+            *("barrier", "x [m]", "height [m]", "capacity [kJ]"),
+            *("", "blocks", "share", "interval"),
+        )
+    ]
+    for barrier, estimates in found:
+        first = (barrier.name, *(f"{value:g}" for value in _numbers_of(barrier)))
+        for word, quantity in EFFECT_WORDS.items():
+            told = estimates[f"share_{quantity}"]
+            share, ends = "-", "-"
+            if told.blocks:
+                share, ends = f"{told.value:.1%}", f"{told.low:.1%} to {told.high:.1%}"
+            rows.append((*first, word, str(told.count), share, ends))
+            first = ("", "", "", "")
+    return rows
+
+
+def design_rows(found: Sequence[BarrierEstimates]) -> Rows:
+    """Write the design values at each barrier, the head first."""
+    heads = (
+        cell for percent in DESIGN_PERCENTILES for cell in (f"{percent} %", "interval")
+    )
+    rows: Rows = [("barrier", "blocks", "", "unit", *heads)]
+    for barrier, estimates in found:
+        first = (barrier.name, str(estimates["share_arriving"].count))
+        for word, (_, unit, _) in DESIGN_QUANTITIES.items():
+            cells = []
+            for percent in DESIGN_PERCENTILES:
+                told = estimates[f"{word}_{UNITS_IN_NAMES[unit]}_p{percent}"]
+                cells += [number_text(told.value), interval_text(told.low, told.high)]
+            rows.append((*first, word.replace("_", " "), unit, *cells))
+            first = ("", "")
+    return rows
+
+
+def too_few(found: Sequence[BarrierEstimates]) -> list[str]:
+    """Say at which barriers of a study there are too few blocks for an interval."""
+    lines = []
+    for barrier, estimates in found:
+        count = estimates["share_arriving"].count or 0
+        short = [p for p in DESIGN_PERCENTILES if count < least_blocks(p)]
+        if short:
+            needed = " and ".join(f"{least_blocks(p)} for {p} %" for p in short)
+            lines.append(
+                f"{barrier.name}: {count} blocks arrive, too few for both ends of an "
+                f"interval; {needed} are needed"
+            )
+    return lines
+
+
+def number_text(value: float) -> str:
+    """Write a number with four digits, a dash where there is none."""
+    # What rounding leaves of 0, as of the height of a block that rolls, is 0.
+    return (
+        f"{0.0 if abs(value) < ROUNDING else value:.4g}" if np.isfinite(value) else "-"
+    )
+
+
+def interval_text(low: float, high: float) -> str:
+    """Write an interval; an end for which there are too few blocks is a dash."""
+    if np.isnan(low) and np.isnan(high):
+        return "-"
+    return f"{number_text(low)} to {number_text(high)}"
+
+
+def _numbers_of(barrier: Barrier) -> tuple[float, float, float]:
+    """Give place [m], height [m] and capacity [kJ] of a barrier."""
+    return barrier.x, barrier.height, barrier.capacity / 1e3

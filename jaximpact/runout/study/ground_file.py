@@ -12,8 +12,7 @@ from ...errors import InputError
 from ...io.toml import number, typed, unknown, with_named_parts
 from ...parameters import parts_of
 from ...scene import Soil
-from ..random_fields import RandomField
-from ..random_inputs import Quantity
+from ..random_inputs import Quantity, RandomField
 from ..terrain import Ground, ground_columns
 from .calibrated import Calibrated, read_calibrated
 from .ground_layout import GroundLayout, Part

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import InputError, nearest
-from ..random_fields import RandomField
-from ..random_inputs import Quantity
+from ..random_inputs import Quantity, RandomField
 from ..terrain import Profile, subdivide
 
 LEAST_PIECE = 0.1

@@ -12,7 +12,7 @@ from ...io.files import write_text
 from ...io.output_files import NewFile
 from ..trajectory import Ending
 from . import drawing
-from .barrier_results import (
+from .barriers import (
     COLUMNS,
     barrier_rows,
     barriers_in_json,

@@ -6,8 +6,15 @@ from typing import NoReturn
 from ...errors import InputError
 from ...io.toml import check_keys, number, quantity
 from ...quantities import InputColumn
-from ..random_fields import RandomField
-from ..random_inputs import Distribution, Lognormal, Normal, PowerLaw, Quantity, Uniform
+from ..random_inputs import (
+    Distribution,
+    Lognormal,
+    Normal,
+    PowerLaw,
+    Quantity,
+    RandomField,
+    Uniform,
+)
 
 BOUNDS = ("least", "most")
 KINDS = {

@@ -13,11 +13,15 @@ from ...scene_quantities import SHAPE
 from ..contacts.contact_models import ClosedForm
 from ..terrain import ROLLING_COLUMN, ROLLING_FRICTION_ANGLE
 from ..trajectory import Ending, Runs
-from . import barrier_results
-from .barrier_results import (
+from .barriers import (
     DESIGN_PERCENTILES,
+    NOTE,
+    design_rows,
+    effect_rows,
+    estimates_of,
     interval_text,
     number_text,
+    too_few,
 )
 from .drawing import grounds_of, stops_of, valid_blocks
 from .intervals import least_blocks, percentile_interval
@@ -48,7 +52,7 @@ CURVES = (
 BARRIERS = (
     "A block passes over if its lowest point, at its first passage of x, is above the "
     "top; else it breaks the barrier if its kinetic energy exceeds the capacity, and "
-    "is stopped if not. " + barrier_results.NOTE
+    "is stopped if not. " + NOTE
 )
 
 
@@ -127,7 +131,7 @@ def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
             f"{np.percentile(stopped, 95):.4g} m (95 % interval: "
             f"{interval_text(low, high)}), the farthest at {stopped.max():.4g} m."
         )
-    for barrier, by_name in barrier_results.estimates_of(dataset):
+    for barrier, by_name in estimates_of(dataset):
         name, arrive = barrier.name, by_name["share_arriving"]
         through = [by_name[f"share_{n}_of_all"].count or 0 for n in ("over", "broken")]
         lines.append(
@@ -169,10 +173,10 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
             f"{cut} blocks were cut off by a limit and might have gone farther: shares "
             "that pass are lower bounds."
         )
-    at_barriers = barrier_results.estimates_of(dataset)
-    lines += _few_at_collectors(dataset) + barrier_results.too_few(at_barriers)
+    at_barriers = estimates_of(dataset)
+    lines += _few_at_collectors(dataset) + too_few(at_barriers)
     if study.barriers:
-        lines.append(barrier_results.NOTE)
+        lines.append(NOTE)
     if study.placement is None:
         lines.append(NO_MAP)
     return lines
@@ -210,13 +214,13 @@ def _results(dataset: xr.Dataset) -> dict:
             for p, v in zip(PERCENTILES, values, strict=True)
         )
         told += f", all by {stopped.max():.5g}."
-    at_barriers = barrier_results.estimates_of(dataset)
+    at_barriers = estimates_of(dataset)
     return {
         "endings": rows,
         "stops": told,
         "collectors": _collectors(dataset),
-        "barriers": barrier_results.effect_rows(at_barriers) if at_barriers else [],
-        "design": barrier_results.design_rows(at_barriers) if at_barriers else [],
+        "barriers": effect_rows(at_barriers) if at_barriers else [],
+        "design": design_rows(at_barriers) if at_barriers else [],
     }
 
 

@@ -28,7 +28,7 @@ from ..blocks import Release
 from ..scheduler import WIDTH
 from ..terrain import ground_columns
 from ..trajectory import Ending
-from .barrier_results import barrier_variables
+from .barriers import barrier_variables
 from .block_rows import (
     BLOCK_NUMBERS,
     ENVELOPES,

@@ -36,8 +36,7 @@ from .block_file import (
 from .contact_laws import NamedLaw, check_law, read_laws
 from .ground_file import GroundInput
 from .ground_layout import GroundLayout
-from .map_placement import MapPlacement, read_map_placement
-from .profile_file import read_ground_profile
+from .profile_file import MapPlacement, read_ground_profile, read_map_placement
 
 TABLES = (
     *("profile", "ground", "block", "release", "contacts", "barriers"),
