@@ -13,9 +13,8 @@ from .random_inputs import Lognormal, Normal, PowerLaw, Uniform, draw
 from .scheduler import simulate_runout
 from .study.barriers import Barrier
 from .study.law_choice import choose_contacts
-from .study.lazy_study import lazy_slope_study
 from .study.profile_file import MapPlacement
-from .study.run_study import run_slope_study
+from .study.run_study import lazy_slope_study, run_slope_study
 from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
 from .terrain import Ground, Profile
 from .trajectory import ContactRecord, Ending, MotionMode, Pieces, Runs, RunTangents

@@ -189,6 +189,10 @@ class Release(ShownAsTable):
         """Number of blocks."""
         return len(self.x)
 
+    def of_blocks(self, chosen: np.ndarray) -> "Release":
+        """Select some blocks."""
+        return Release(select(self.block, chosen), *select(self.body, chosen))
+
     @property
     def body(self) -> Body:
         """Position and motion at release, arrays `(blocks,)`."""

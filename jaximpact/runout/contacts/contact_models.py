@@ -61,17 +61,6 @@ class FullModel:
     def __call__(self, block: Block, soil: Soil, impact: Impact) -> ImpactResponses:
         return respond(Scene(block, soil, impact), get_accuracy(self.accuracy))
 
-    def differentiate(
-        self, block: Carried, soil: Carried, impact: Carried, law_tangent=None
-    ) -> tuple[Carried, np.ndarray]:
-        """Compute impacts with the derivatives that their scenes carry; see
-        `differentiate_impacts`."""
-        scenes = Carried(
-            Scene(block.value, soil.value, impact.value),
-            Scene(block.tangent, soil.tangent, impact.tangent),
-        )
-        return differentiate_impacts(scenes, get_accuracy(self.accuracy))
-
 
 @dataclasses.dataclass(frozen=True)
 class ClosedForm:
@@ -108,12 +97,12 @@ class ClosedForm:
         return ImpactResponses(_without_duration(after), _outcome_of(after))
 
     def differentiate(
-        self, block: Carried, soil: Carried, impact: Carried, law_tangent
+        self, block: Carried, impact: Carried, law_tangent
     ) -> tuple[Carried, np.ndarray]:
         """Compute impacts with derivatives, also with respect to the law's parameters.
 
         Args:
-            block, soil, impact: as for a call, with derivatives.
+            block, impact: as for a call, with derivatives.
             law_tangent: derivatives of the law's parameters, `(parameters,)`.
 
         Returns:
@@ -142,8 +131,14 @@ def ask(
     if impact.tangent is None:
         found = contacts(block.value, soil.value, impact.value)
         return Carried(found.response), found.outcome
-    assert isinstance(contacts, FullModel | ClosedForm)
-    return contacts.differentiate(block, soil, impact, law_tangent)
+    if isinstance(contacts, ClosedForm):
+        return contacts.differentiate(block, impact, law_tangent)
+    assert isinstance(contacts, FullModel)
+    scenes = Carried(
+        Scene(block.value, soil.value, impact.value),
+        Scene(block.tangent, soil.tangent, impact.tangent),
+    )
+    return differentiate_impacts(scenes, get_accuracy(contacts.accuracy))
 
 
 @closed_form

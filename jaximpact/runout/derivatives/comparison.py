@@ -63,18 +63,6 @@ class Standing(enum.IntEnum):
         return self.name.replace("_", " ")
 
 
-class Whole(NamedTuple):
-    """Trajectories and their outputs."""
-
-    base: Runs
-    units: dict[str, str]
-    """Units of the outputs by name."""
-    values: np.ndarray
-    """Outputs, `(blocks, outputs)`."""
-    when: np.ndarray
-    """Times by which the outputs are settled [s], `(blocks, outputs)`."""
-
-
 class Judgement(NamedTuple):
     """Reliability of derivatives, arrays `(blocks, outputs, parameters)`."""
 
@@ -103,7 +91,13 @@ class Comparison(NamedTuple):
     case: Case
     parameters: tuple[Parameter, ...]
     limits: Limits
-    whole: Whole
+    base: Runs
+    units: dict[str, str]
+    """Units of the outputs by name."""
+    values: np.ndarray
+    """Outputs, `(blocks, outputs)`."""
+    when: np.ndarray
+    """Times by which the outputs are settled [s], `(blocks, outputs)`."""
     slopes: np.ndarray
     """Derivatives of the outputs, `(blocks, outputs, parameters)`, in SI units of the
     parameters."""
@@ -111,7 +105,7 @@ class Comparison(NamedTuple):
     @property
     def known(self) -> np.ndarray:
         """True where output and derivative have a value, as `slopes`."""
-        return np.isfinite(self.whole.values)[..., None] & np.isfinite(self.slopes)
+        return np.isfinite(self.values)[..., None] & np.isfinite(self.slopes)
 
     @property
     def sizes(self) -> np.ndarray:
@@ -181,26 +175,25 @@ def _compare(
             nothing of one of them.
     """
     together, step, contacts = attempt
-    case, parameters, _, whole, slopes = comparison
     sizes = comparison.sizes[rows]
-    chosen = case.of_blocks(rows)
+    chosen = comparison.case.of_blocks(rows)
     amounts = (step * weights * sizes).T
     in_range = [
         parameter.allows(parameter.shift(chosen, amount))
         and parameter.allows(parameter.shift(chosen, -amount))
-        for parameter, amount in zip(parameters, amounts, strict=True)
+        for parameter, amount in zip(comparison.parameters, amounts, strict=True)
     ]
     changes = np.where(in_range, weights, 0.0) * sizes
     difference, until = _difference(comparison, rows, changes, step, contacts)
-    own, changes = slopes[rows], changes[:, None]
+    own, changes = comparison.slopes[rows], changes[:, None]
     changing = changes != 0.0
     expected = np.sum(np.where(changing, own * changes, 0.0), axis=2)
     excess = (difference - expected)[..., None] / np.where(changing, changes, 1.0)
-    values = whole.values[rows][..., None]
+    values = comparison.values[rows][..., None]
     relative = _disagreement(own + excess, own, values, sizes[:, None])
     confirmed = found.standing[rows] == Standing.confirmed
     new = changing & comparison.known[rows] & ~confirmed
-    new &= (until[:, None] >= whole.when[rows])[..., None]
+    new &= (until[:, None] >= comparison.when[rows])[..., None]
     agrees = new & (relative <= AGREES_WITHIN)
     verdict = np.where(agrees, Standing.confirmed, Standing.differs)
     told = np.nonzero(agrees if together else new)
@@ -230,16 +223,17 @@ def _difference(
         Differences over the step, `(rows, outputs)`, and the times until which
         neighbours make the same contacts [s].
     """
-    case, parameters, limits, whole, _ = comparison
+    case, parameters = comparison.case, comparison.parameters
     both = np.concatenate([rows, rows])
     amounts = step * np.concatenate([changes, -changes])
     shifted = case.of_blocks(both)._replace(contacts=contacts)
     for parameter, amount in zip(parameters, amounts.T, strict=True):
         if np.any(amount):
             shifted = parameter.shift(shifted, amount)
-    result = follow_case(shifted, limits)
-    outputs = [output.value.value for output in outputs_of(result, whole.units)]
-    until = same_until(_only(whole.base, both), result.runs)
+    result = follow_case(shifted, comparison.limits)
+    found = outputs_of(result, comparison.units)
+    outputs = [output.value.value for output in found]
+    until = same_until(_only(comparison.base, both), result.runs)
     more, less = np.split(np.stack(outputs, axis=1), 2)
     return (more - less) / (2.0 * step), np.minimum(*np.split(until, 2))
 

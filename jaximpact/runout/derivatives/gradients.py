@@ -30,7 +30,6 @@ from .comparison import (
     Comparison,
     Judgement,
     Standing,
-    Whole,
     all_attempts,
     judge,
 )
@@ -172,14 +171,15 @@ def _judged(
     progress(0)
     result = follow_case(case, limits, chosen)
     found_outputs = outputs_of(result, units)
-    whole = Whole(
+    slopes = np.stack([output.value.tangent for output in found_outputs], axis=2)
+    comparison = Comparison(
+        *(case, chosen, limits),
         base=result.runs,
         units=units,
         values=np.stack([output.value.value for output in found_outputs], axis=1),
         when=np.stack([output.when for output in found_outputs], axis=1),
+        slopes=np.moveaxis(slopes, 0, 2),
     )
-    slopes = np.stack([output.value.tangent for output in found_outputs], axis=2)
-    comparison = Comparison(case, chosen, limits, whole, np.moveaxis(slopes, 0, 2))
     judgement = judge(comparison, attempts, lambda number: progress(1 + number))
     return _dataset(comparison, judgement)
 
@@ -210,9 +210,9 @@ def differentiate_runout(
     limits = checked_limits(time_limit, event_limit, hop_threshold)
     _refuse_flat_faces(release, "runout_gradients compares them with differences")
     result = follow_case(case, limits, chosen_parameters(case, parameters))
-    x, y, time = result.ends.tangent
-    found = RunTangents(x, y, time, result.contacts.tangent, result.pieces.tangent)
-    return result.runs, found
+    ends, records = result.blocks.tangent, (result.contacts, result.pieces)
+    of_records = (record.tangent for record in records)
+    return result.runs, RunTangents(ends.body.x, ends.body.y, ends.time, *of_records)
 
 
 def _refuse_flat_faces(release: Release, cure: str) -> None:
@@ -242,8 +242,7 @@ def _checked_case(
 
 
 def _dataset(comparison: Comparison, judgement: Judgement) -> xr.Dataset:
-    case, parameters, _, whole, slopes = comparison
-    base, units, values, _ = whole
+    case, parameters, _, base, units, values, _, slopes = comparison
     factors = np.array([parameter.factor for parameter in parameters])
     standing = judgement.standing
     standing[np.isfinite(values)[..., None] & ~comparison.known] = Standing.lost

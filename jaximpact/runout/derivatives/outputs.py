@@ -1,6 +1,7 @@
 """Trajectories with the derivatives that they carry, and outputs read off them by
 name."""
 
+import operator
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -18,20 +19,12 @@ from ..trajectory import Pieces, Runs, Stretches, stretches_of
 from .parameters import Case, Parameter, directions_of
 
 
-class Ends(NamedTuple):
-    """Ends of trajectories, arrays `(blocks,)`."""
-
-    x: Values
-    y: Values
-    time: Values
-
-
 class Result(NamedTuple):
     """Trajectories, with the derivatives that they carry."""
 
     runs: Runs
-    ends: Carried
-    """`Ends`."""
+    blocks: Carried
+    """`BlockState` at the end, arrays `(blocks,)`."""
     contacts: Carried
     """`ContactRecord`."""
     pieces: Carried
@@ -49,18 +42,17 @@ def follow_case(
         case.profile, case.release, case.ground, limits, directions
     )
     advance(state, case.contacts, WIDTH, Progress())
-    blocks = state.blocks
     return Result(
         runs=result_of(state),
-        ends=blocks.map(lambda block: Ends(block.body.x, block.body.y, block.time)),
+        blocks=state.blocks,
         contacts=state.contacts.whole(),
         pieces=state.pieces.whole(),
         constants=state.constants,
     )
 
 
-OF_ENDS = {"x_m": ("m", "x"), "y_m": ("m", "y"), "time_s": ("s", "time")}
-"""Place and time of the end of a trajectory."""
+OF_ENDS = {"x_m": ("m", "body.x"), "y_m": ("m", "body.y"), "time_s": ("s", "time")}
+"""Place and time of the end of a trajectory: unit, and field of `BlockState`."""
 LARGEST = {"max_height_m": "m", "max_speed_mps": "m/s", "max_energy_J": "J"}
 """Largest values on the whole trajectory: height of the centre above the ground, speed,
 kinetic energy."""
@@ -114,7 +106,8 @@ def outputs_of(result: Result, names: Iterable[str]) -> list[Output]:
     for name in names:
         kind, _, place = name.partition(" at ")
         if kind in OF_ENDS:
-            found.append(Output(result.ends.part(OF_ENDS[kind][1]), never))
+            field = operator.attrgetter(OF_ENDS[kind][1])
+            found.append(Output(result.blocks.map(field), never))
         elif kind in LARGEST:
             largest = largest or _largest(result, stretches)
             found.append(largest[kind])

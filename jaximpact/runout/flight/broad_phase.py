@@ -5,6 +5,7 @@ within the circle's radius of the segment's column and no higher over the segmen
 line: a parabola between two times, in closed form, for every segment of the profile.
 """
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,25 @@ class Candidates(NamedTuple):
     """Numbers of the segments, `(lanes, pieces)`; -1 where there is none."""
     until: np.ndarray
     """Time from which other segments might be reached [s], `(lanes,)`."""
+
+
+def watched_segments(
+    body: Body, largest: Values, profile: Profile
+) -> Iterator[tuple[np.ndarray, Candidates]]:
+    """Choose the segments that each lane has to watch to move by a good part of its
+    size.
+
+    Args:
+        body, largest: as for `earliest`.
+
+    Yields:
+        Which of the lanes have to watch as many, bool `(lanes,)`, and their segments.
+    """
+    times = earliest(body, largest, profile)
+    needed = _count_needed(body, largest, times)
+    for count in np.unique(needed):
+        chosen = needed == count
+        yield chosen, _nearest_segments(times[chosen], count, profile)
 
 
 def earliest(body: Body, largest: Values, profile: Profile) -> np.ndarray:
@@ -67,15 +87,9 @@ def earliest(body: Body, largest: Values, profile: Profile) -> np.ndarray:
     return np.where(reached, np.maximum(times * (1.0 - 1e-12) - 1e-12, 0.0), NEVER)
 
 
-def count_needed(body: Body, largest: Values, times: np.ndarray) -> np.ndarray:
-    """Count the segments each lane has to watch to move by a good part of its size.
-
-    The counts are powers of two, so that few programs are compiled.
-
-    Args:
-        body, largest: as for `earliest`.
-        times: result of `earliest`, `(lanes, segments)`.
-    """
+def _count_needed(body: Body, largest: Values, times: np.ndarray) -> np.ndarray:
+    """Count the segments that each lane has to watch: powers of two, so that few
+    programs are compiled."""
     speed = np.abs(body.v_x) + np.abs(body.v_y) + np.sqrt(GRAVITY * largest)
     horizon = AHEAD * largest / speed
     in_reach = np.count_nonzero(times <= horizon[:, None], axis=1)
@@ -85,13 +99,8 @@ def count_needed(body: Body, largest: Values, times: np.ndarray) -> np.ndarray:
     return needed
 
 
-def nearest_segments(times: np.ndarray, count: int, profile: Profile) -> Candidates:
-    """Choose the segments that can be reached first.
-
-    Args:
-        times: result of `earliest`, `(lanes, segments)`.
-        count: number of segments to watch.
-    """
+def _nearest_segments(times: np.ndarray, count: int, profile: Profile) -> Candidates:
+    """Choose the segments that can be reached first, at these times."""
     if count >= profile.segments:
         order = np.full((len(times), count), -1)
         order[:, : profile.segments] = np.arange(profile.segments)
@@ -102,13 +111,8 @@ def nearest_segments(times: np.ndarray, count: int, profile: Profile) -> Candida
         order = np.sort(nearest[:, :count], axis=1)
     pieces = []
     for segment in order.T:
-        ends = Piece(
-            profile.x[segment],
-            profile.y[segment],
-            profile.x[segment + 1],
-            profile.y[segment + 1],
-        )
-        there = segment >= 0
+        x, y, there = profile.x, profile.y, segment >= 0
+        ends = x[segment], y[segment], x[segment + 1], y[segment + 1]
         pieces.append(
             Piece(*(np.where(there, a, b) for a, b in zip(ends, FAR, strict=True)))
         )

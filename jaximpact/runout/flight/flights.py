@@ -23,7 +23,7 @@ from ..lane_programs import Values, call, closed_form, found_by_search
 from ..state import UNDER_WAY, BlockState, Limits, Phase, State
 from ..terrain import SAME_PLANE, Profile
 from ..trajectory import Ending, MotionMode, Pieces
-from .broad_phase import count_needed, earliest, nearest_segments
+from .broad_phase import Candidates, watched_segments
 from .narrow_phase import Gap, gap_along, normal_through
 from .time_of_impact import search
 
@@ -170,39 +170,27 @@ def follow_flights(
     A flight that ends neither in a contact nor at an end of the profile, nor fails, has
     come to the limit. A lane's end does not depend on the other lanes.
     """
-    lanes = len(body.x)
+    count = len(body.x)
     ends = FlightEnd(
-        time=np.zeros(lanes),
-        touched=np.zeros(lanes, bool),
-        left=np.zeros(lanes, bool),
-        failed=np.zeros(lanes, bool),
-        segment=np.full(lanes, -1),
-        normal_x=np.zeros(lanes),
-        normal_y=np.zeros(lanes),
-        gap=np.zeros(lanes),
+        time=np.zeros(count),
+        touched=np.zeros(count, bool),
+        left=np.zeros(count, bool),
+        failed=np.zeros(count, bool),
+        segment=np.full(count, -1),
+        normal_x=np.zeros(count),
+        normal_y=np.zeros(count),
+        gap=np.zeros(count),
     )
-    largest = outline.largest
     leaving = _time_to_leave(body, profile)
     limit = np.minimum(leaving, time_limit)
-    going = np.arange(lanes)
+    going = np.arange(count)
     for _ in range(TURNS):
         if not len(going):
             break
         now = fly(select(body, going), ends.time[going])
-        times = earliest(now, largest[going], profile)
-        needed = count_needed(now, largest[going], times)
-        for count in np.unique(needed):
-            chosen = needed == count
-            _search(
-                ends,
-                going[chosen],
-                select(now, chosen),
-                outline,
-                profile,
-                times[chosen],
-                count,
-                limit,
-            )
+        for chosen, watched in watched_segments(now, outline.largest[going], profile):
+            lanes, some = going[chosen], select(now, chosen)
+            _search(ends, lanes, some, outline, profile, watched, limit)
         going = going[~(ends.touched | ends.failed)[going] & (ends.time < limit)[going]]
     ends.failed[going] = True
     free = ~(ends.touched | ends.failed)
@@ -223,12 +211,10 @@ def _search(
     now: Body,
     outline: BlockOutline,
     profile: Profile,
-    times: np.ndarray,
-    count: int,
+    watched: Candidates,
     limit: np.ndarray,
 ) -> None:
-    """Advance some flights, as far as the given number of segments allows."""
-    watched = nearest_segments(times, count, profile)
+    """Advance some flights, as far as the segments that they watch allow."""
     left = limit[lanes] - ends.time[lanes]
     until = np.minimum(watched.until, left)
     size = np.maximum(

@@ -11,7 +11,7 @@ from ...shapes import AbstractElliptic
 from ..blocks import BlockOutline, Body, Release, select
 from ..lane_programs import closed_form
 from ..terrain import Ground, Profile
-from .broad_phase import count_needed, earliest, nearest_segments
+from .broad_phase import watched_segments
 from .flights import follow_flights
 from .time_of_impact import begin
 
@@ -40,13 +40,8 @@ def check_release(release: Release, profile: Profile) -> None:
             f"{profile.x[0]:g} to {profile.x[-1]:g}"
         )
     body, outline = release.body, release.outline
-    largest = outline.largest
-    times = earliest(body, largest, profile)
     depth = np.zeros(release.count)
-    needed = count_needed(body, largest, times)
-    for count in np.unique(needed):
-        chosen = needed == count
-        watched = nearest_segments(times[chosen], count, profile)
+    for chosen, watched in watched_segments(body, outline.largest, profile):
         found = _depths(
             select(body, chosen), select(outline, chosen), watched.pieces, 0.0, 0.0
         )

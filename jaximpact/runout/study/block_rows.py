@@ -9,7 +9,7 @@ import numpy as np
 from ...progress import Progress, ProgressFunction, as_progress
 from ...tasks import Task
 from ..analysis import first_passages, maxima_along, passages
-from ..blocks import Release, select
+from ..blocks import select
 from ..scheduler import WIDTH, follow
 from ..state import State
 from ..trajectory import Ending, Runs, state_after, stretches_of
@@ -54,12 +54,22 @@ def simulate(
     progress: Progress | ProgressFunction | None = None,
 ) -> Runs:
     """Simulate the trajectories of some blocks of a study."""
-    release = study.release
-    some = Release(select(release.block, chosen), *select(release.body, chosen))
+    return _simulate(_part_of(study, chosen), as_progress(progress))
+
+
+def _part_of(study: SlopeStudy, chosen: np.ndarray) -> SlopeStudy:
+    """Select some blocks of a study."""
+    return study._replace(
+        release=study.release.of_blocks(chosen),
+        ground=study.ground.of_blocks(chosen),
+        ground_samples={},
+    )
+
+
+def _simulate(study: SlopeStudy, progress: Progress) -> Runs:
     # All that `simulate_runout` checks was checked as the study was read.
-    ground = study.ground.of_blocks(chosen)
-    state = State.at_release(study.profile, some, ground, study.limits)
-    return follow(state, study.contacts, WIDTH, as_progress(progress))
+    start = study.profile, study.release, study.ground, study.limits
+    return follow(State.at_release(*start), study.contacts, WIDTH, progress)
 
 
 def edges_of(study: SlopeStudy) -> np.ndarray:
@@ -138,13 +148,8 @@ def columns_of_rows(study: SlopeStudy) -> list[str]:
 
 def task_of(study: SlopeStudy, chosen: np.ndarray) -> Task:
     """Make the task that computes the rows of some blocks, and holds no others."""
-    release = study.release
-    some = Release(select(release.block, chosen), *select(release.body, chosen))
-    part = study._replace(
-        release=some, ground=study.ground.of_blocks(chosen), ground_samples={}
-    )
-    return Task(_rows_of, part)
+    return Task(_rows_of, _part_of(study, chosen))
 
 
 def _rows_of(study: SlopeStudy) -> np.ndarray:
-    return summarise(study, simulate(study, np.arange(study.release.count)))
+    return summarise(study, _simulate(study, Progress()))

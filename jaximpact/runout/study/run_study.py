@@ -9,12 +9,15 @@ import concurrent.futures
 import contextlib
 import json
 import time
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from ..._packages import versions
+from ..._checks import whole_number
+from ..._packages import needed, versions
 from ...batch import Collector
 from ...io.journal import Journal
 from ...progress import Progress, ProgressFunction, as_progress
@@ -23,7 +26,6 @@ from ...scene_quantities import SHAPE, text_of
 from ...shapes import MixedShapes
 from ...tasks import check_executor, run_tasks
 from ...units import DEGREE
-from ..analysis import Maxima
 from ..blocks import Release
 from ..scheduler import WIDTH
 from ..terrain import ground_columns
@@ -35,7 +37,6 @@ from .block_rows import (
     PASSAGE_NUMBERS,
     columns_of_rows,
     edges_of,
-    places_of,
     simulate,
     summarise,
     task_of,
@@ -49,7 +50,8 @@ PORTIONS = 64
 """Number of portions that an executor gets, if they are neither small nor large."""
 LARGEST_PORTION = 1024
 """Largest number of blocks of such a portion, which a worker may lose."""
-ABOUT_ENDING = {"long_name": "why it ended"}
+CHUNK = 1024
+"""Blocks of a chunk of a lazy study, some seconds of work of a core."""
 QUICK = 2.0
 """Time of a portion [s] below which the next has twice the size."""
 
@@ -131,122 +133,129 @@ def _subject(study: SlopeStudy) -> dict:
     }
 
 
-def _dataset(study: SlopeStudy, rows: np.ndarray) -> xr.Dataset:
-    blocks, places = len(rows), len(places_of(study))
-    codes, rest = rows[:, 0].astype(int), rows[:, 1:]
-    sizes = [len(BLOCK_NUMBERS), places * len(PASSAGE_NUMBERS)]
-    of_block, of_passage, of_bins = np.split(rest, np.cumsum(sizes), axis=1)
-    of_passage = of_passage.reshape(blocks, places, len(PASSAGE_NUMBERS))
-    maxima = Maxima(*np.split(of_bins, len(ENVELOPES), axis=1))
+class _BlockRows:
+    """Numbers of blocks by name, from rows of NumPy or of Dask.
+
+    Args:
+        rows: in the order of `columns_of_rows`.
+    """
+
+    def __init__(self, study: SlopeStudy, rows: Any):
+        self.study, self.rows = study, rows
+        self.place = {name: i for i, name in enumerate(columns_of_rows(study))}
+
+    def of_block(self, name: str) -> Any:
+        """Give a number, `(blocks,)`."""
+        return self.rows[:, self.place[name]]
+
+    def at(self, name: str, places: Iterable[float]) -> Any:
+        """Give a number of first passages, `(blocks, places)`."""
+        return self.rows[:, [self.place[f"{name} at {x!r}"] for x in places]]
+
+    def in_bins(self, name: str) -> Any:
+        """Give a largest value in each bin, `(blocks, bins)`."""
+        bins = range(self.study.bins)
+        return self.rows[:, [self.place[f"{name} in bin {i}"] for i in bins]]
+
+    def block_variables(self, endings: Any) -> dict[str, tuple]:
+        """Describe endings, given in words, inputs, and numbers of each block."""
+        variables = {"ending": ("block", endings, {"long_name": "why it ended"})}
+        variables |= _inputs_of(self.study.release) | _ground_of(self.study)
+        for name, told in BLOCK_NUMBERS.items():
+            variables[name] = "block", self.of_block(name), _about(*told)
+        return variables
+
+    def passage_variable(self, name: str) -> tuple:
+        """Describe a number of the first passages of collectors."""
+        values = self.at(name, self.study.collectors.tolist())
+        return ("block", "collector"), values, _about(*PASSAGE_NUMBERS[name])
+
+    def bin_variable(self, name: str) -> tuple:
+        """Describe a largest value in each bin."""
+        unit, meaning = ENVELOPES[name]
+        meaning = f"{meaning} in the bin; nan for a block that is never there"
+        # Of half the size, and precise enough for curves.
+        values = self.in_bins(name).astype(np.float32)
+        return ("block", "bin"), values, _about(unit, meaning)
+
+
+def _dataset(study: SlopeStudy, numbers: np.ndarray) -> xr.Dataset:
+    rows, codes = _BlockRows(study, numbers), numbers[:, 0].astype(int)
     valid = codes != Ending.failed
-    variables: dict[str, tuple] = {
-        "ending": ("block", endings_in_words(codes), ABOUT_ENDING)
-    }
-    variables |= inputs_of(study.release) | ground_of(study)
-    for values, (name, words_of) in zip(of_block.T, BLOCK_NUMBERS.items(), strict=True):
-        variables[name] = ("block", values, about(*words_of))
+    variables = rows.block_variables(_endings_in_words(codes))
     # NetCDF 3 takes a dimension of no length for one that grows.
     if len(study.collectors):
-        here = np.searchsorted(places_of(study), study.collectors)
-        variables |= _passages(of_passage[:, here], valid)
-    here = [places_of(study).index(barrier.x) for barrier in study.barriers]
-    at_barriers = np.moveaxis(of_passage[:, here], 2, 0)
+        variables |= _passages(rows, valid)
+    places = [barrier.x for barrier in study.barriers]
     of_barriers, barriers = barrier_variables(
-        study.barriers, dict(zip(PASSAGE_NUMBERS, at_barriers, strict=True))
+        study.barriers, {name: rows.at(name, places) for name in PASSAGE_NUMBERS}
     )
-    variables |= of_barriers
-    variables |= _envelopes(maxima, valid)
-    return xr.Dataset(
-        variables,
-        coordinates_of(study)
-        | barriers
-        | {"percentile": ("percentile", np.array(PERCENTILES), about("%", ""))},
-        attributes_of(study, codes),
-    )
+    variables |= of_barriers | _envelopes(rows, valid)
+    percentiles = ("percentile", np.array(PERCENTILES), _about("%", ""))
+    coordinates = _coordinates_of(study) | barriers | {"percentile": percentiles}
+    return xr.Dataset(variables, coordinates, _attributes_of(study, codes))
 
 
-def endings_in_words(codes: np.ndarray) -> np.ndarray:
+def lazy_slope_study(study: SlopeStudy, chunks: int = CHUNK) -> xr.Dataset:
+    """Return the blocks of a study as a dataset that is computed chunk by chunk.
+
+    For studies larger than memory: `jaximpact.write_zarr` writes it and can be
+    interrupted. Chunks are computed by whatever scheduler or client of Dask there is,
+    one thread a chunk.
+
+    Args:
+        study: result of `read_slope_study`.
+        chunks: number of blocks of a chunk, from 1.
+
+    Returns:
+        A dataset over blocks, collectors if there are any, and bins, with what
+        `run_slope_study` gives of each block, to the last bit. Percentiles, counts and
+        barriers, which are of all blocks together, are not there.
+
+    Raises InputError where Dask is not installed.
+    """
+    array = needed("dask.array", "a study in chunks")
+    dask = needed("dask", "a study in chunks")
+    count, size = study.release.count, whole_number("chunks", chunks, 1)
+    width, parts = len(columns_of_rows(study)), []
+    for start in range(0, count, size):
+        chosen = np.arange(start, min(start + size, count))
+        part = dask.delayed(task_of(study, chosen), pure=True)()
+        parts.append(array.from_delayed(part, (len(chosen), width), float))
+    rows = _BlockRows(study, array.concatenate(parts))
+    kind = _endings_in_words(np.zeros(1)).dtype
+    endings = rows.of_block("ending").map_blocks(_endings_in_words, dtype=kind)
+    variables = rows.block_variables(endings)
+    for name in PASSAGE_NUMBERS if len(study.collectors) else ():
+        variables[name] = rows.passage_variable(name)
+    for name in ENVELOPES:
+        variables[f"{name}_in_bin"] = rows.bin_variable(name)
+    attributes = _attributes_of(study, np.zeros(count))
+    del attributes["endings"]
+    return xr.Dataset(variables, _coordinates_of(study), attributes)
+
+
+def _endings_in_words(codes: np.ndarray) -> np.ndarray:
     """Give the words of endings, as an array of the shape of their codes."""
     return np.array([str(ending) for ending in Ending])[codes.astype(int)]
 
 
-def coordinates_of(study: SlopeStudy) -> dict:
+def _coordinates_of(study: SlopeStudy) -> dict:
     """Describe blocks, collectors if there are any, and bins, as coordinates."""
     edges = edges_of(study)
-    at = {"collector": ("collector", study.collectors, about("m", "x"))}
+    at = {"collector": ("collector", study.collectors, _about("m", "x"))}
     return (at if len(study.collectors) else {}) | {
         "block": np.arange(study.release.count),
-        "bin": ("bin", 0.5 * (edges[1:] + edges[:-1]), about("m", "x, middle")),
-        "bin_left_m": ("bin", edges[:-1], about("m", "x, left end of the bin")),
-        "bin_right_m": ("bin", edges[1:], about("m", "x, right end of the bin")),
+        "bin": ("bin", 0.5 * (edges[1:] + edges[:-1]), _about("m", "x, middle")),
+        "bin_left_m": ("bin", edges[:-1], _about("m", "x, left end of the bin")),
+        "bin_right_m": ("bin", edges[1:], _about("m", "x, right end of the bin")),
     }
 
 
-def attributes_of(study: SlopeStudy, codes: np.ndarray) -> dict[str, str]:
-    """Describe title, inputs and endings as attributes of a dataset."""
-    told = provenance_of(study, codes)
-    return {"title": study.title, **{k: json.dumps(v) for k, v in told.items()}}
-
-
-def _envelopes(maxima: Maxima, valid: np.ndarray) -> dict:
-    """Describe largest values in bins: of each block, and percentiles of the valid
-    blocks' ones."""
-    variables: dict[str, tuple] = {}
-    variables["blocks_in_bin"] = (
-        "bin",
-        np.sum(np.isfinite(maxima.speed[valid]), axis=0),
-        about("-", "blocks that come into the bin, without those that failed"),
-    )
-    for values, (name, (unit, meaning)) in zip(maxima, ENVELOPES.items(), strict=True):
-        variables[f"envelope_{name}_percentiles"] = (
-            ("percentile", "bin"),
-            _percentiles(values[valid]),
-            about(unit, f"{meaning} in the bin: percentiles of the blocks in it"),
-        )
-        variables[f"envelope_{name}_max"] = (
-            "bin",
-            _percentiles(values[valid], (100,))[0],
-            about(unit, f"{meaning} in the bin, of all blocks"),
-        )
-        variables[f"max_{name}"] = (
-            "block",
-            _largest(values),
-            about(unit, f"{meaning} on its way"),
-        )
-        # Of half the size, and precise enough for curves.
-        variables[f"{name}_in_bin"] = (
-            ("block", "bin"),
-            values.astype(np.float32),
-            about(unit, f"{meaning} in the bin; nan for a block that is never there"),
-        )
-    return variables
-
-
-def _passages(of_passage: np.ndarray, valid: np.ndarray) -> dict:
-    """Describe first passages `(blocks, collectors, numbers)`, and percentiles of the
-    valid blocks' ones."""
-    variables = {}
-    for values, (name, (unit, meaning)) in zip(
-        np.moveaxis(of_passage, 2, 0), PASSAGE_NUMBERS.items(), strict=True
-    ):
-        variables[name] = (("block", "collector"), values, about(unit, meaning))
-        if name not in ("passages", "passage_time_s"):
-            variables[f"{name}_percentiles"] = (
-                ("percentile", "collector"),
-                _percentiles(values[valid]),
-                about(unit, f"{meaning}: percentiles of the blocks that pass"),
-            )
-    variables["blocks_passing"] = (
-        "collector",
-        np.sum(of_passage[valid, :, 0] > 0, axis=0),
-        about("-", "blocks that pass the collector, without those that failed"),
-    )
-    return variables
-
-
-def provenance_of(study: SlopeStudy, codes: np.ndarray) -> dict:
-    """Describe the inputs and endings of a result, ready for JSON."""
-    return {
+def _attributes_of(study: SlopeStudy, codes: np.ndarray) -> dict[str, str]:
+    """Describe title, inputs and endings as attributes of a dataset, in JSON."""
+    endings = (ending for ending in Ending if np.any(codes == ending))
+    told = {
         "files": study.checksums,
         "contacts": study.law,
         "laws": study.laws,
@@ -256,16 +265,60 @@ def provenance_of(study: SlopeStudy, codes: np.ndarray) -> dict:
         "time_limit_s": study.limits.time,
         "event_limit": study.limits.events,
         "hop_threshold": study.limits.hop_threshold,
-        "endings": {
-            str(ending): int(np.sum(codes == ending))
-            for ending in Ending
-            if np.any(codes == ending)
-        },
+        "endings": {str(e): int(np.sum(codes == e)) for e in endings},
         "versions": versions() | {"numpy": np.__version__},
     }
+    return {"title": study.title} | {k: json.dumps(v) for k, v in told.items()}
 
 
-def inputs_of(release: Release) -> dict:
+def _envelopes(rows: _BlockRows, valid: np.ndarray) -> dict[str, tuple]:
+    """Describe largest values in bins: of each block, and percentiles of the valid
+    blocks' ones."""
+    there = np.isfinite(rows.in_bins("speed_mps")[valid])
+    meaning = "blocks that come into the bin, without those that failed"
+    variables: dict[str, tuple] = {
+        "blocks_in_bin": ("bin", np.sum(there, axis=0), _about("-", meaning))
+    }
+    for name, (unit, meaning) in ENVELOPES.items():
+        values = rows.in_bins(name)
+        variables[f"envelope_{name}_percentiles"] = (
+            ("percentile", "bin"),
+            _percentiles(values[valid]),
+            _about(unit, f"{meaning} in the bin: percentiles of the blocks in it"),
+        )
+        variables[f"envelope_{name}_max"] = (
+            "bin",
+            _percentiles(values[valid], (100,))[0],
+            _about(unit, f"{meaning} in the bin, of all blocks"),
+        )
+        variables[f"max_{name}"] = (
+            "block",
+            np.fmax.reduce(values, axis=1),  # NaN only for a block without any
+            _about(unit, f"{meaning} on its way"),
+        )
+        variables[f"{name}_in_bin"] = rows.bin_variable(name)
+    return variables
+
+
+def _passages(rows: _BlockRows, valid: np.ndarray) -> dict[str, tuple]:
+    """Describe first passages of collectors, and percentiles of the valid blocks'
+    ones."""
+    variables = {}
+    for name, (unit, meaning) in PASSAGE_NUMBERS.items():
+        variables[name] = rows.passage_variable(name)
+        if name not in ("passages", "passage_time_s"):
+            variables[f"{name}_percentiles"] = (
+                ("percentile", "collector"),
+                _percentiles(variables[name][1][valid]),
+                _about(unit, f"{meaning}: percentiles of the blocks that pass"),
+            )
+    meaning = "blocks that pass the collector, without those that failed"
+    counts = np.sum(variables["passages"][1][valid] > 0, axis=0)
+    variables["blocks_passing"] = "collector", counts, _about("-", meaning)
+    return variables
+
+
+def _inputs_of(release: Release) -> dict:
     """List the samples of blocks and releases, in the units of their names."""
     variables = {}
     shape = release.block.shape
@@ -279,7 +332,7 @@ def inputs_of(release: Release) -> dict:
     )
     for column in columns_of_part("block", release.block).values():
         values = np.asarray(getattr(release.block, column.field)) / column.factor
-        variables[column.name] = ("block", values, about(column.unit, column.meaning))
+        variables[column.name] = ("block", values, _about(column.unit, column.meaning))
     for name, values, unit, meaning in (
         ("release_x_m", release.x, "m", "of the centre"),
         ("release_y_m", release.y, "m", "of the centre"),
@@ -298,11 +351,11 @@ def inputs_of(release: Release) -> dict:
             "clockwise",
         ),
     ):
-        variables[name] = ("block", values, about(unit, f"at release, {meaning}"))
+        variables[name] = ("block", values, _about(unit, f"at release, {meaning}"))
     return variables
 
 
-def ground_of(study: SlopeStudy) -> dict:
+def _ground_of(study: SlopeStudy) -> dict:
     """List the samples of the ground, in the units of the names."""
     variables, columns = {}, ground_columns(study.ground.soil)
     for name, values in study.ground_samples.items():
@@ -311,7 +364,7 @@ def ground_of(study: SlopeStudy) -> dict:
         column = columns[max(ends, key=len)]
         part = name.removesuffix(column.name).removesuffix("_")
         where = part.replace("_", " ", 1) or "the ground"
-        attributes = about(column.unit, f"of {where}: {column.meaning}")
+        attributes = _about(column.unit, f"of {where}: {column.meaning}")
         variables[f"ground_{name}"] = ("block", values, attributes)
     return variables
 
@@ -326,11 +379,5 @@ def _percentiles(values: np.ndarray, of: tuple[int, ...] = PERCENTILES) -> np.nd
     return found
 
 
-def _largest(values: np.ndarray) -> np.ndarray:
-    """Give the largest finite number of each row; NaN without any."""
-    largest = np.max(np.where(np.isfinite(values), values, -np.inf), axis=1)
-    return np.where(np.isfinite(largest), largest, np.nan)
-
-
-def about(unit: str, meaning: str) -> dict[str, str]:
+def _about(unit: str, meaning: str) -> dict[str, str]:
     return {"units": unit, "long_name": meaning}
