@@ -24,13 +24,14 @@ from ...impact.events import Outcome
 from ...impact_response import ImpactResponse
 from ...scene import GRAVITY
 from ..blocks import BlockOutline, Body, select, support, support_of
-from ..ground_motion.rolling import SMALL_RISE, begin_on_ground
+from ..ground_motion.rolling import begin_on_ground
 from ..lane_programs import Carried, Values, call, closed_form
 from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
 from ..terrain import SAME_PLANE, Profile
 from ..trajectory import ContactRecord, Ending, MotionMode, Pieces
 from .contact_models import ClosedForm, Contacts, ask
 from .plane_contact import (
+    Continuation,
     PlaneContact,
     PostImpact,
     Settled,
@@ -39,7 +40,7 @@ from .plane_contact import (
     settle,
     touch,
 )
-from .roughness import Lifted, lift, strike_facets
+from .roughness import lift_off_facet, strike_facets
 
 NO_IMPACT = -1
 """Outcome of a touch that is too slow to be an impact."""
@@ -195,26 +196,6 @@ class Seen(NamedTuple):
     """Angle of the segment [rad]."""
 
 
-class Continuation(NamedTuple):
-    """Motion of a block after its contact, seen from the segment that it touched."""
-
-    x: Values
-    """Centre [m]."""
-    y: Values
-    orientation: Values
-    """Angle Theta from the segment [rad]."""
-    tangential_velocity: Values
-    """Velocity along the segment [m/s]."""
-    over: Values
-    """Height above the segment [m]; more than 0 only after a facet was struck."""
-    rising: Values
-    """Velocity of the centre out of the segment [m/s]."""
-    leaves: Values
-    """True for a block whose lowest point leaves the ground."""
-    stuck: Values
-    """True for a block that lacks the energy to climb out of the ground."""
-
-
 @closed_form
 def depart(
     block: BlockState,
@@ -249,13 +230,12 @@ def depart(
         leaves=after.leaving >= touched.slow,
         stuck=after.climbs == 0.0,
     )
-    lifted = lift(constants, touched.contact, struck, block.gap, after)
-    off, on_segment = _lift_off_facet(lifted, after, on, constants, touched)
+    off, on_segment = lift_off_facet(constants, touched, struck, block.gap, after, on)
     after, on = choose(turned, off, after), choose(turned, on_segment, on)
     hops = on.leaves & ~on.stuck & _is_hop(constants, slope, on, limits)
     on = on._replace(leaves=on.leaves & ~hops)
     # A block that a facet left above its segment comes down to it.
-    drop = jnp.where(turned & ~on.leaves & ~on.stuck, lifted.over, 0.0)
+    drop = jnp.where(turned & ~on.leaves & ~on.stuck, on_segment.over, 0.0)
     on = on._replace(x=on.x - drop * jnp.sin(slope), y=on.y - drop * jnp.cos(slope))
     record, piece = _recorded(block, struck, response, after, on, seen, hops)
     continued = _continued(
@@ -289,30 +269,6 @@ def _travelled(
         settled.x + free * settled.along_x,
         settled.y + free * settled.along_y,
     )
-
-
-def _lift_off_facet(
-    lifted: Lifted,
-    after: PostImpact,
-    on: Continuation,
-    constants: BlockConstants,
-    touched: Touch,
-) -> tuple[PostImpact, Continuation]:
-    """Set a block that a facet left in its segment back on it."""
-    slope, slow = touched.contact.slope, touched.slow
-    leaves = (lifted.fraction * after.leaving >= slow) | (lifted.leaving >= slow)
-    leaves |= lifted.over > SMALL_RISE * constants.outline.smallest
-    on = Continuation(
-        x=on.x + lifted.lift * jnp.sin(slope),
-        y=on.y + lifted.lift * jnp.cos(slope),
-        orientation=lifted.orientation,
-        tangential_velocity=lifted.tangential_velocity,
-        over=lifted.over,
-        rising=lifted.rising,
-        leaves=leaves,
-        stuck=on.stuck | ~lifted.climbs,
-    )
-    return after.scaled(lifted.fraction), on
 
 
 def _is_hop(

@@ -213,3 +213,23 @@ def _after(
         leaving=-(v_n + arm * spin),
         climbs=(left > 0.0).astype(float),
     )
+
+
+class Continuation(NamedTuple):
+    """Motion of a block after its contact, seen from the segment that it touched."""
+
+    x: Values
+    """Centre [m]."""
+    y: Values
+    orientation: Values
+    """Angle Theta from the segment [rad]."""
+    tangential_velocity: Values
+    """Velocity along the segment [m/s]."""
+    over: Values
+    """Height above the segment [m]; more than 0 only after a facet was struck."""
+    rising: Values
+    """Velocity of the centre out of the segment [m/s]."""
+    leaves: Values
+    """True for a block whose lowest point leaves the ground."""
+    stuck: Values
+    """True for a block that lacks the energy to climb out of the ground."""

@@ -18,18 +18,17 @@ the ground.
 Touches too slow to be an impact, rolling and sliding see the segment.
 """
 
-from typing import NamedTuple
-
 import jax.numpy as jnp
 import numpy as np
 from scipy.special import ndtr, ndtri
 
 from ...scene import GRAVITY
 from ..blocks import support
+from ..ground_motion.rolling import SMALL_RISE
 from ..lane_programs import Carried, Values, call, root
 from ..random_inputs import key_of, uniforms_at
 from ..state import BlockConstants, State
-from .plane_contact import PlaneContact, PostImpact, touch_facet
+from .plane_contact import Continuation, PlaneContact, PostImpact, Touch, touch_facet
 
 CUT = 3.0
 """Number of standard deviations at which the distribution is truncated."""
@@ -94,47 +93,29 @@ def _truncated_normal(uniform: np.ndarray) -> np.ndarray:
     return ndtri(low + (high - low) * uniform)
 
 
-class Lifted(NamedTuple):
-    """Block after it struck a facet, seen from its segment."""
-
-    lift: Values
-    """Displacement along the segment's N, out of the ground [m]."""
-    over: Values
-    """Height above the segment [m]."""
-    fraction: Values
-    """Fraction of the velocities that is left after the lift."""
-    orientation: Values
-    """Angle Theta from the segment [rad]."""
-    tangential_velocity: Values
-    """Velocity along the segment [m/s]."""
-    rising: Values
-    """Velocity of its centre out of the segment [m/s]."""
-    leaving: Values
-    """Velocity at which its lowest point leaves the segment [m/s]."""
-    climbs: Values
-    """True where the energy suffices for the lift."""
-
-
-def lift(
+def lift_off_facet(
     constants: BlockConstants,
-    touched: PlaneContact,
+    touched: Touch,
     struck: PlaneContact,
     gap: Values,
     after: PostImpact,
-) -> Lifted:
+    on: Continuation,
+) -> tuple[PostImpact, Continuation]:
     """Set a block that a facet left in its segment back on it.
 
     Args:
-        touched: contact with the segment at touch.
+        touched: contact with the segment.
         struck, after: contact with the facet at touch, and the block on it after.
         gap: gap at touch [m].
+        on: the block as the facet leaves it.
     """
     outline, (mass, inertia) = constants.outline, constants.mass_properties
-    turn = struck.slope - touched.slope
+    contact, slow = touched
+    turn = struck.slope - contact.slope
     sin, cos = jnp.sin(turn), jnp.cos(turn)
     theta = after.orientation + turn
     before, _ = support(
-        outline, jnp.sin(touched.orientation), jnp.cos(touched.orientation)
+        outline, jnp.sin(contact.orientation), jnp.cos(contact.orientation)
     )
     radius, arm = support(outline, jnp.sin(theta), jnp.cos(theta))
     over = gap + before - radius + after.rise * cos - after.travel * sin
@@ -142,17 +123,22 @@ def lift(
     v_n, v_t = after.normal_velocity, after.tangential_velocity
     spin = after.angular_velocity
     kinetic = 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
-    left = kinetic - mass * GRAVITY * jnp.cos(touched.slope) * depth
+    left = kinetic - mass * GRAVITY * jnp.cos(contact.slope) * depth
     fraction = root(left / jnp.where(kinetic > 0.0, kinetic, 1.0))
     climbs = (left > 0.0) | (depth == 0.0)
+    lift, over = jnp.where(climbs, depth, 0.0), jnp.maximum(over, 0.0)
     rising = -v_n * cos - v_t * sin
-    return Lifted(
-        lift=jnp.where(climbs, depth, 0.0),
-        over=jnp.maximum(over, 0.0),
-        fraction=fraction,
+    leaves = fraction * after.leaving >= slow
+    leaves |= fraction * (rising - arm * spin) >= slow
+    leaves |= over > SMALL_RISE * outline.smallest
+    lifted = Continuation(
+        x=on.x + lift * jnp.sin(contact.slope),
+        y=on.y + lift * jnp.cos(contact.slope),
         orientation=theta,
         tangential_velocity=fraction * (v_t * cos - v_n * sin),
+        over=over,
         rising=fraction * rising,
-        leaving=fraction * (rising - arm * spin),
-        climbs=climbs,
+        leaves=leaves,
+        stuck=on.stuck | ~climbs,
     )
+    return after.scaled(fraction), lifted
