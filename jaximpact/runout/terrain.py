@@ -2,6 +2,8 @@
 
 import dataclasses
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import jax
 import numpy as np
@@ -165,10 +167,10 @@ class Profile(ShownAsTable):
             ("y", range_of(self.y), "m"),
             ("slope", range_of(self.slope / DEGREE + 0.0), "deg"),
         ]
-        for column in ground_columns(self.soil).values():
-            whole = self.soil if column.part == "soil" else self
-            values = getattr(whole, column.field) / column.factor
-            rows.append((column.name, range_of(values), column.unit))
+        columns = ground_columns(self.soil)
+        for name, values in ground_values(self).items():
+            shown = range_of(values / columns[name].factor)
+            rows.append((name, shown, columns[name].unit))
         return f"Profile: {self.segments} segments", rows
 
 
@@ -239,9 +241,9 @@ class Ground:
             fields[name] = np.asarray(values, float)
         for name, value in fields.items():
             object.__setattr__(self, name, value)
-        for column in ground_columns(self.soil).values():
-            whole = self.soil if column.part == "soil" else self
-            values = np.asarray(getattr(whole, column.field))
+        columns = ground_columns(self.soil)
+        for name, values in ground_values(self).items():
+            column = columns[name]
             allowed = column.is_allowed(values / column.factor)
             if not np.all(allowed):
                 value = float(values[~allowed].flat[0])
@@ -271,6 +273,43 @@ class Ground:
             self.seed,
             chosen if self.numbers is None else self.numbers[chosen],
         )
+
+
+def check_inside(profile: Profile, x: float, verb: str = "is", **place) -> None:
+    """Raise InputError, with its place in a file, for an x at or beyond the ends."""
+    if not profile.x[0] < x < profile.x[-1]:
+        raise InputError(
+            f"must lie between the ends of the profile, {profile.x[0]:g} and "
+            f"{profile.x[-1]:g}, but {verb} {x:g}",
+            **place,
+        )
+
+
+def ground_values(ground: Profile | Ground) -> dict[str, np.ndarray]:
+    """List the quantities of a ground by the names of their columns, in SI units."""
+    return {
+        name: np.asarray(
+            getattr(ground.soil if column.part == "soil" else ground, column.field)
+        )
+        for name, column in ground_columns(ground.soil).items()
+    }
+
+
+def with_ground_values(soil: Soil, values: Mapping[str, Any]) -> tuple[Soil, Any, Any]:
+    """Give soil, angle of rolling friction and roughness with other quantities.
+
+    Args:
+        soil: gives the laws, and the quantities that are not in `values`.
+        values: quantities by the names of their columns, in SI units; angles that are
+            not there have their defaults.
+    """
+    columns = columns_of_part("soil", soil)
+    own = {c.field: values[name] for name, c in columns.items() if name in values}
+    rolling, roughness = (
+        values.get(name, column.factor * column.default)
+        for name, column in ANGLE_COLUMNS.items()
+    )
+    return dataclasses.replace(soil, **own), rolling, roughness
 
 
 def spread(values: ArrayLike, blocks: int, segments: int) -> np.ndarray:

@@ -29,7 +29,15 @@ from ..contacts.contact_models import ClosedForm
 from ..scheduler import WIDTH, follow
 from ..state import State
 from ..trajectory import Ending, stretches_of
-from .observed import PASSAGE_COLUMNS, PER_PLACE, STOP_COLUMN, Count, Observed, Stops
+from .observed import (
+    PASSAGE_COLUMNS,
+    PER_PLACE,
+    STOP_COLUMN,
+    Count,
+    Observed,
+    Passages,
+    Stops,
+)
 from .problem import CONTACTS, SlopeFit
 
 CHUNK = 4096
@@ -183,24 +191,38 @@ def simulated_summaries(
     for channel in observed.fitted:
         if isinstance(channel, Count):
             of = outcomes[:, : channel.blocks]
-            speed = of[..., 1 + PER_PLACE * places.index(channel.place)]
+            speed = of[..., column_of(places, channel.place, PASSAGE_COLUMNS[0])]
             passed = np.sum(np.isfinite(speed), axis=1)
             parts.append(_logit_of_share(passed, channel.blocks)[:, None])
             continue
-        name, column = STOP_COLUMN, 0
-        if not isinstance(channel, Stops):
-            name = channel.quantity
-            column = 1 + PER_PLACE * places.index(channel.place)
-            column += PASSAGE_COLUMNS.index(name)
-        values = outcomes[..., column]
-        values = values + observed.sigma.get(name, 0.0) * rng.standard_normal(
-            values.shape
-        )
+        values = measured(observed, channel, outcomes, places, rng)
         if not isinstance(channel, Stops):
             # Errors can be larger than a small value: what is measured is above 0.
             values = np.log(np.maximum(values, 1e-3))
         parts.append(_statistics(values, channel.blocks))
     return np.concatenate(parts, axis=1)
+
+
+def measured(
+    observed: Observed,
+    channel: Stops | Passages,
+    outcomes: np.ndarray,
+    places: list[float],
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """Give the values of a channel in simulated data sets with errors of measurement,
+    `(data sets, blocks)`; see `simulated_summaries`."""
+    name, column = STOP_COLUMN, 0
+    if isinstance(channel, Passages):
+        name = channel.quantity
+        column = column_of(places, channel.place, name)
+    values = outcomes[..., column]
+    return values + observed.sigma.get(name, 0.0) * rng.standard_normal(values.shape)
+
+
+def column_of(places: list[float], place: float, quantity: str) -> int:
+    """Give the column of a quantity of `PASSAGE_COLUMNS` in simulated data sets."""
+    return 1 + PER_PLACE * places.index(place) + PASSAGE_COLUMNS.index(quantity)
 
 
 def _statistics(values: np.ndarray, blocks: int) -> np.ndarray:

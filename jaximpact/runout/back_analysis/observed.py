@@ -11,7 +11,7 @@ from ...errors import InputError
 from ...io.scene_table import reads_as_number
 from ...io.toml import check_keys, known_table, number, typed, whole
 from ..profile_files import records_of_file
-from ..terrain import Profile
+from ..terrain import Profile, check_inside
 
 TABLE = "observed"
 KEYS = ("blocks", "stops", "passages", "counts", "held_out_m", "sigma")
@@ -207,14 +207,7 @@ def _passages(
             f"needs one of the columns {', '.join(PASSAGE_COLUMNS)}", file=file
         )
     for line, x in zip(lines, places, strict=True):
-        if not profile.x[0] < x < profile.x[-1]:
-            raise InputError(
-                f"must lie between the ends of the profile, {profile.x[0]:g} and "
-                f"{profile.x[-1]:g}, but is {x:g}",
-                file=file,
-                row=line,
-                column=COLLECTOR_COLUMN,
-            )
+        check_inside(profile, x, file=file, row=line, column=COLLECTOR_COLUMN)
     found: list[Stops | Passages | Count] = []
     for name, values in columns.items():
         for line, value in zip(lines, values, strict=True):
@@ -282,13 +275,7 @@ def _counts(path: Path, table: dict, profile: Profile) -> list[Count]:
             if name not in entry:
                 raise InputError("is needed", file=path, key=f"{where}.{name}")
         x = number(path, f"{where}.x_m", entry["x_m"])
-        if not profile.x[0] < x < profile.x[-1]:
-            raise InputError(
-                f"must lie between the ends of the profile, {profile.x[0]:g} and "
-                f"{profile.x[-1]:g}, but is {x:g}",
-                file=path,
-                key=f"{where}.x_m",
-            )
+        check_inside(profile, x, file=path, key=f"{where}.x_m")
         blocks = whole(path, entry, "of", 1, 1)
         found.append(Count(x, whole(path, entry, "passed", 0, 0, blocks), blocks))
     return found

@@ -16,12 +16,14 @@ from ..study.intervals import (
     share_intervals_over_grounds,
 )
 from .data_sets import (
+    column_of,
+    measured,
     observed_summary,
     simulate_data_sets,
     simulated_summaries,
     summary_names,
 )
-from .observed import PASSAGE_COLUMNS, PER_PLACE, STOP_COLUMN, Count, Passages, Stops
+from .observed import PASSAGE_COLUMNS, PER_PLACE, Count, Passages, Stops
 from .posterior import TAILS, Posterior, Searched
 from .problem import SlopeFit
 
@@ -171,21 +173,13 @@ def _check(fit: SlopeFit, outcomes: np.ndarray) -> ModelCheck:
     return ModelCheck(float(probability), names[worst], float(ours[worst]))
 
 
-def _column(fit: SlopeFit, place: float, quantity: str) -> int:
-    return 1 + PER_PLACE * fit.places.index(place) + PASSAGE_COLUMNS.index(quantity)
-
-
 def _values(
     fit: SlopeFit, channel: Stops | Passages, outcomes: np.ndarray
 ) -> np.ndarray:
     """Give the first values of each data set with errors of measurement, sorted, as
     many as were observed."""
-    name, column = STOP_COLUMN, 0
-    if isinstance(channel, Passages):
-        name, column = channel.quantity, _column(fit, channel.place, channel.quantity)
-    values = outcomes[..., column]
-    noise = np.random.default_rng(STREAM).standard_normal(values.shape)
-    values = values + fit.observed.sigma.get(name, 0.0) * noise
+    rng = np.random.default_rng(STREAM)
+    values = measured(fit.observed, channel, outcomes, fit.places, rng)
     first = np.cumsum(np.isfinite(values), axis=1) <= channel.blocks
     values = np.sort(np.where(first, values, np.nan), axis=1)
     return values[:, : channel.blocks]
@@ -195,7 +189,7 @@ def _curve(
     fit: SlopeFit, outcomes: np.ndarray, x: float, names: tuple, quantity: str
 ) -> Curve | None:
     """Count exceedances at a place; None where no block comes."""
-    values = outcomes[..., _column(fit, x, quantity)]
+    values = outcomes[..., column_of(fit.places, x, quantity)]
     there = np.isfinite(values)
     if not np.any(there):
         return None
@@ -221,7 +215,7 @@ def _curve(
 def _at_barrier(
     fit: SlopeFit, outcomes: np.ndarray, barrier: Barrier
 ) -> BarrierEstimates:
-    first = 1 + PER_PLACE * fit.places.index(barrier.x)
+    first = column_of(fit.places, barrier.x, PASSAGE_COLUMNS[0])
     speed, centre, energy, lowest = np.moveaxis(
         outcomes[..., first : first + PER_PLACE], -1, 0
     )

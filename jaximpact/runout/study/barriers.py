@@ -23,7 +23,7 @@ import xarray as xr
 from ...errors import InputError
 from ...io.display import Rows, align
 from ...io.toml import check_keys, number, typed
-from ..terrain import Profile
+from ..terrain import Profile, check_inside
 from ..trajectory import Ending
 from .intervals import (
     least_blocks,
@@ -85,13 +85,7 @@ def _barrier(path: Path, where: str, table: dict, profile: Profile) -> Barrier:
         above = -math.inf if name == "x_m" else 0.0
         numbers[name] = number(path, key, table[name], above=above)
     x, height, capacity = numbers.values()
-    if not profile.x[0] < x < profile.x[-1]:
-        raise InputError(
-            f"must lie between the ends of the profile, {profile.x[0]:g} and "
-            f"{profile.x[-1]:g}, but is {x:g}",
-            file=path,
-            key=f"{where}.x_m",
-        )
+    check_inside(profile, x, file=path, key=f"{where}.x_m")
     key = f"{where}.name"
     name = typed(path, {key: table.get("name", f"barrier at {x:g} m")}, key, str)
     if not name.strip():

@@ -29,7 +29,7 @@ from ...plotting.style import (
     plain,
     save_figure,
 )
-from ..terrain import Profile, ground_columns
+from ..terrain import Profile, ground_columns, ground_values
 from ..trajectory import Ending, Runs
 
 SPACING = 0.02
@@ -331,15 +331,9 @@ def grounds_of(profile: Profile) -> tuple[list[int], list[list[str]]]:
 def _ground_values(profile: Profile) -> tuple[list[str], np.ndarray]:
     """Give the names of the ground's quantities and their values by segment, in the
     units of their names, `(segments, quantities)`."""
-    columns = list(ground_columns(profile.soil).values())
-    values = np.stack(
-        [
-            getattr(profile.soil if c.part == "soil" else profile, c.field) / c.factor
-            for c in columns
-        ],
-        axis=1,
-    )
-    return [column.name for column in columns], values
+    columns, values = ground_columns(profile.soil), ground_values(profile)
+    in_units = [values[name] / column.factor for name, column in columns.items()]
+    return list(columns), np.stack(in_units, axis=1)
 
 
 def bottom_of(profile: Profile) -> float:

@@ -1,6 +1,5 @@
 """Ground of a study, from its file."""
 
-import dataclasses
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,7 +12,7 @@ from ...io.toml import number, typed, unknown, with_named_parts
 from ...parameters import parts_of
 from ...scene import Soil
 from ..random_inputs import Quantity, RandomField
-from ..terrain import Ground, ground_columns
+from ..terrain import Ground, ground_columns, ground_values, with_ground_values
 from .calibrated import Calibrated, read_calibrated
 from .ground_layout import GroundLayout, Part
 from .quantity import read_ground_quantity
@@ -123,30 +122,19 @@ class GroundInput(NamedTuple):
         Args:
             samples: samples by the keys of `varied`, `fields` and `sampled_jointly`.
         """
-        ground = Ground.of_profile(layout.profile, seed)
-        columns = ground_columns(ground.soil)
-        soil = {
-            column.field: getattr(ground.soil, column.field)
-            for column in columns.values()
-            if column.part == "soil"
-        }
-        angles = {
-            name: getattr(ground, name)
-            for name in ("rolling_friction_angle", "roughness")
-        }
+        profile = layout.profile
+        columns, found = ground_columns(profile.soil), ground_values(profile)
         for key in (*self.sampled_jointly(), *self.varied(), *self.fields()):
-            column = columns[key.split(".")[-1]]
-            fields = soil if column.part == "soil" else angles
-            values = column.factor * samples[key].reshape(len(samples[key]), -1)
-            where = layout.where(key)
+            name = key.split(".")[-1]
+            own = samples[key].reshape(len(samples[key]), -1)
+            values, where = columns[name].factor * own, layout.where(key)
             if not np.all(where):
-                shape = (len(values), layout.profile.segments)
-                whole = np.array(np.broadcast_to(fields[column.field], shape))
+                whole = np.broadcast_to(found[name], (len(values), profile.segments))
+                whole = np.array(whole)
                 whole[:, where] = values
                 values = whole
-            fields[column.field] = values
-        soil = dataclasses.replace(ground.soil, **soil)
-        return Ground(soil, **angles, seed=seed)
+            found[name] = values
+        return Ground(*with_ground_values(profile.soil, found), seed)
 
 
 def _segments(path: Path, table: dict, soil: Soil) -> dict[str, Part]:

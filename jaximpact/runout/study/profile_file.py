@@ -1,7 +1,6 @@
 """Profile of a study, from its file and those that it names: its points and its ground,
 and its place on the map."""
 
-import dataclasses
 import hashlib
 import math
 import re
@@ -14,11 +13,10 @@ import numpy as np
 from ..._packages import needed
 from ...errors import InputError
 from ...io.toml import known_table, number, typed
-from ...quantities import columns_of_part
 from ...scene import Soil
 from ...units import DEGREE
 from ..profile_files import ProfileTable, read_dxf_points, read_profile_table
-from ..terrain import ROLLING_FRICTION_ANGLE, Profile, ground_columns
+from ..terrain import Profile, ground_columns, ground_values, with_ground_values
 from .ground_file import GroundInput
 from .ground_layout import GroundLayout, lay_out
 
@@ -41,20 +39,18 @@ def read_ground_profile(
         )
     if "layer" in table and "dxf" not in table:
         raise InputError("is of a dxf only", file=path, key="profile.layer")
-    fields, angles = _alike(ground.everywhere, ground.soil)
-    soil = dataclasses.replace(ground.soil, **fields)
-    angles.setdefault("rolling_friction_angle", ROLLING_FRICTION_ANGLE)
+    surface = with_ground_values(ground.soil, _alike(ground.everywhere, ground.soil))
     if "points_m" in table:
-        profile = _of_points(path, typed(path, table, "points_m", list), soil, angles)
+        profile = _of_points(path, typed(path, table, "points_m", list), surface)
         given = ProfileTable(profile, (), None)
     else:
         file = path.parent / typed(path, table, sources[0], str)
         if "csv" in table:
-            given = read_profile_table(file, soil, **angles)
+            given = read_profile_table(file, *surface)
             _check_said_once(ground, file, given)
         else:
             layer = typed(path, table, "layer", str) if "layer" in table else None
-            given = ProfileTable(_of_dxf(file, layer, soil, angles), (), None)
+            given = ProfileTable(_of_dxf(file, layer, surface), (), None)
         checksums[file] = hashlib.sha256(file.read_bytes()).hexdigest()
     layout = lay_out(
         path,
@@ -67,12 +63,12 @@ def read_ground_profile(
     return _with_parts(path, layout, ground)
 
 
-def _of_points(path: Path, points: list, soil: Soil, angles: dict) -> Profile:
+def _of_points(path: Path, points: list, surface: tuple) -> Profile:
     try:
         if not all(type(c) in (int, float) for point in points for c in point):
             raise TypeError
         x, y = np.array(points, float).reshape(len(points), 2).T
-        return Profile(x, y, soil, **angles)
+        return Profile(x, y, *surface)
     except (TypeError, ValueError) as error:
         told = str(error)
         if not told.startswith("a profile"):
@@ -80,24 +76,18 @@ def _of_points(path: Path, points: list, soil: Soil, angles: dict) -> Profile:
         raise InputError(told, file=path, key="profile.points_m") from None
 
 
-def _of_dxf(file: Path, layer: str | None, soil: Soil, angles: dict) -> Profile:
+def _of_dxf(file: Path, layer: str | None, surface: tuple) -> Profile:
     x, y = read_dxf_points(file, layer)
     try:
-        return Profile(x, y, soil, **angles)
+        return Profile(x, y, *surface)
     except ValueError as error:
         raise InputError(str(error), file=file) from None
 
 
-def _alike(quantities: dict, soil: Soil) -> tuple[dict, dict]:
-    """Select quantities that are one number: fields of the soil, and angles of the
-    ground, in SI units."""
-    of_soil, angles, columns = {}, {}, ground_columns(soil)
-    for name, value in quantities.items():
-        if isinstance(value, float):
-            column = columns[name]
-            fields = of_soil if column.part == "soil" else angles
-            fields[column.field] = column.factor * value
-    return of_soil, angles
+def _alike(quantities: dict, soil: Soil) -> dict[str, float]:
+    """Select the quantities that are one number, in SI units."""
+    columns, given = ground_columns(soil), quantities.items()
+    return {n: columns[n].factor * v for n, v in given if isinstance(v, float)}
 
 
 def _check_said_once(ground: GroundInput, csv: Path, given: ProfileTable) -> None:
@@ -123,21 +113,12 @@ def _check_said_once(ground: GroundInput, csv: Path, given: ProfileTable) -> Non
 def _with_parts(path: Path, layout: GroundLayout, ground: GroundInput) -> GroundLayout:
     """Give segments and materials the quantities that are numbers."""
     profile = layout.profile
-    fields = {
-        column.field: np.array(getattr(profile.soil, column.field))
-        for column in columns_of_part("soil", profile.soil).values()
-    }
-    angles = {
-        name: getattr(profile, name).copy()
-        for name in ("rolling_friction_angle", "roughness")
-    }
+    values = {name: np.array(v) for name, v in ground_values(profile).items()}
     for part in ground.parts.values():
-        of_soil, of_angles = _alike(part.quantities, profile.soil)
-        for values, given in ((fields, of_soil), (angles, of_angles)):
-            for field, value in given.items():
-                values[field][layout.places[part.key]] = value
-    soil = dataclasses.replace(profile.soil, **fields)
-    return layout._replace(profile=Profile(profile.x, profile.y, soil, **angles))
+        for name, value in _alike(part.quantities, profile.soil).items():
+            values[name][layout.places[part.key]] = value
+    surface = with_ground_values(profile.soil, values)
+    return layout._replace(profile=Profile(profile.x, profile.y, *surface))
 
 
 MAP_KEYS = ("origin", "azimuth_deg", "crs")

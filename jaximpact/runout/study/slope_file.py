@@ -21,6 +21,7 @@ from ..terrain import (
     ROUGHNESS_COLUMN,
     Ground,
     Profile,
+    check_inside,
     ground_columns,
 )
 from .barriers import Barrier, read_barriers
@@ -312,13 +313,7 @@ def _collectors(path: Path, content: dict, profile: Profile) -> np.ndarray:
     key = "collectors_m"
     places = [number(path, key, x) for x in typed(path, content, key, list, [])]
     for x in places:
-        if not profile.x[0] < x < profile.x[-1]:
-            raise InputError(
-                f"must lie between the ends of the profile, {profile.x[0]:g} and "
-                f"{profile.x[-1]:g}, but holds {x:g}",
-                file=path,
-                key=key,
-            )
+        check_inside(profile, x, "holds", file=path, key=key)
     if len(set(places)) < len(places):
         raise InputError("holds a place twice", file=path, key=key)
     return np.array(sorted(places))
