@@ -100,7 +100,7 @@ def plot_envelopes(dataset: xr.Dataset, profile: Profile, path: Path) -> None:
     title = f"{plain(dataset.title)}: largest values of the blocks in bins of x"
     figure, axes = panels(5, height=1.7, title=title, sharex=True)
     edges = _edges(dataset)
-    for panel, (name, label, factor) in zip(axes[:3], ENVELOPES, strict=True):
+    for panel, (name, _, factor) in zip(axes[:3], ENVELOPES, strict=True):
         largest = factor * dataset[f"{name}_max"].values
         panel.stairs(largest, edges, color=GREY, label="largest")
         for percentile, colour in zip((99, 95, 50), COLOURS, strict=False):
@@ -108,13 +108,10 @@ def plot_envelopes(dataset: xr.Dataset, profile: Profile, path: Path) -> None:
             panel.stairs(
                 factor * values, edges, color=colour, label=f"{percentile} % of blocks"
             )
-        panel.set_ylabel(label)
-        panel.set_ylim(bottom=0.0)
     axes[3].stairs(dataset.blocks_in_bin.values, edges, color="black")
     axes[3].set_ylabel("blocks\nin the bin")
     axes[3].set_ylim(bottom=0.0)
-    _draw_ground(axes[4], profile)
-    axes[4].set(xlabel="x [m]", ylabel="y [m]")
+    _finish_envelopes(axes[:3], axes[4], profile)
     figure.align_ylabels(axes)
     legend_outside(figure, [*axes[0].patches, *axes[4].patches][:4])
     save_figure(figure, path)
@@ -181,11 +178,7 @@ def plot_comparison(
             )
     axes[0].set_ylabel("fraction\nstopped by x [-]")
     axes[0].set_ylim(0.0, 1.02)
-    for panel, (_, label, _) in zip(axes[1:], ENVELOPES, strict=False):
-        panel.set_ylabel(label)
-        panel.set_ylim(bottom=0.0)
-    _draw_ground(axes[4], profile)
-    axes[4].set(xlabel="x [m]", ylabel="y [m]")
+    _finish_envelopes(axes[1:4], axes[4], profile)
     figure.align_ylabels(axes)
     legend_outside(figure, axes[0].lines, ncols=3)
     save_figure(figure, path)
@@ -240,6 +233,14 @@ def _draw_exceedance(
             label=plain(label),
             **look,
         )
+
+
+def _finish_envelopes(axes: list[Axes], ground: Axes, profile: Profile) -> None:
+    for panel, (_, label, _) in zip(axes, ENVELOPES, strict=True):
+        panel.set_ylabel(label)
+        panel.set_ylim(bottom=0.0)
+    _draw_ground(ground, profile)
+    ground.set(xlabel="x [m]", ylabel="y [m]")
 
 
 def _finish_exceedance(axes: list[Axes]) -> None:

@@ -167,13 +167,6 @@ def _cumulative(blocks: int, percent: float) -> np.ndarray:
     return bdtr(np.arange(blocks + 1), blocks, percent / 100.0)
 
 
-def percentile_intervals(
-    values: np.ndarray, percents: Sequence[float]
-) -> list[tuple[float, float]]:
-    """Find the interval of each percentile of the finite values."""
-    return [percentile_interval(values, percent) for percent in percents]
-
-
 def least_blocks(percent: float) -> int:
     """Count the blocks from which on a percentile has an interval with both ends."""
     share = percent / 100.0

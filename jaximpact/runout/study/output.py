@@ -41,6 +41,12 @@ QUANTITIES = (
 )
 
 
+SHOWN_PASSAGES = {
+    "passage_speed_mps": ("speed", "m/s", 1.0),
+    "passage_energy_J": ("energy", "kJ", 1e-3),
+    "passage_centre_height_m": ("height", "m", 1.0),
+}
+"""Quantities at collectors in texts: word, unit and factor."""
 STUDY_FILES = (
     *("blocks.nc", "stops.csv", "profile.png", "envelopes.png", "stops.png"),
     *("report.txt", "report.html", "manifest.json"),
@@ -139,11 +145,6 @@ def in_words(dataset: xr.Dataset) -> str:
 
 
 def _passage_rows(dataset: xr.Dataset, valid: int) -> list[tuple[str, ...]]:
-    names = {
-        "passage_speed_mps": ("speed", "m/s", 1.0),
-        "passage_energy_J": ("energy", "kJ", 1e-3),
-        "passage_centre_height_m": ("height", "m", 1.0),
-    }
     rows: list[tuple[str, ...]] = [
         ("x [m]", "pass", "share", "", "unit", *(f"{p} %" for p in PERCENTILES))
     ]
@@ -151,7 +152,7 @@ def _passage_rows(dataset: xr.Dataset, valid: int) -> list[tuple[str, ...]]:
         passing = int(dataset.blocks_passing.values[place])
         share = f"{passing / valid:.1%}" if valid else "-"
         where = (f"{x:g}", str(passing), share)
-        for name, (word, unit, factor) in names.items():
+        for name, (word, unit, factor) in SHOWN_PASSAGES.items():
             values = factor * dataset[f"{name}_percentiles"].values[:, place]
             numbers = (f"{v:.4g}" if np.isfinite(v) else "-" for v in values)
             rows.append((*where, word, unit, *numbers))
@@ -232,11 +233,6 @@ def compare_in_words(datasets: Mapping[str, xr.Dataset]) -> str:
     lines += ["endings, median impacts, and x where blocks stopped [m]", align(rows)]
     if any(_count(d, Ending.failed) for d in datasets.values()):
         lines.append("Blocks that failed are in no number but their count.")
-    quantities = {
-        "passage_speed_mps": 1.0,
-        "passage_energy_J": 1e-3,
-        "passage_centre_height_m": 1.0,
-    }
     collectors = first.collector.values if "collector" in first.sizes else ()
     for place, x in enumerate(collectors):
         rows: list[tuple[str, ...]] = [
@@ -247,7 +243,7 @@ def compare_in_words(datasets: Mapping[str, xr.Dataset]) -> str:
             passing = int(dataset.blocks_passing.values[place])
             values = [
                 factor * dataset[f"{name}_percentiles"].sel(percentile=p).values[place]
-                for name, factor in quantities.items()
+                for name, (_, _, factor) in SHOWN_PASSAGES.items()
                 for p in (50, 95)
             ]
             cells = (f"{v:.4g}" if np.isfinite(v) else "-" for v in values)

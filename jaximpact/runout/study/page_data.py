@@ -23,7 +23,7 @@ from ..blocks import select
 from ..terrain import Profile
 from ..trajectory import Pieces, Runs, state_after
 from .drawing import bottom_of, drawn_grounds, valid_blocks
-from .intervals import percentile_intervals
+from .intervals import percentile_interval
 from .run_study import PERCENTILES
 from .slope_file import SlopeStudy
 
@@ -246,10 +246,9 @@ def _percentiles(values: np.ndarray) -> list[list[float | None]]:
     if not len(values):
         return [[None, None, None] for _ in PERCENTILES]
     found = np.percentile(values, PERCENTILES)
-    intervals = percentile_intervals(values, PERCENTILES)
     return [
-        [_short(v), *map(_short, ends)]
-        for v, ends in zip(found, intervals, strict=True)
+        [_short(v), *map(_short, percentile_interval(values, percent))]
+        for v, percent in zip(found, PERCENTILES, strict=True)
     ]
 
 
