@@ -171,11 +171,13 @@ def _fitted(study, engine, targets):
     """The variant as it is fitted, and r of each target."""
     from jaximpact.calibration.diagnostics.importance_sampling import (
         draw,
-        freedom_of_targets,
         weights_of,
     )
     from jaximpact.calibration.diagnostics.uncertainty import estimate
-    from jaximpact.calibration.estimation.sigma import relative_sigma
+    from jaximpact.calibration.estimation.sigma import (
+        freedom_of_targets,
+        relative_sigma,
+    )
     from jaximpact.calibration.fitted_ground import FittedVariant
     from jaximpact.calibration.problem.noise import ProportionalScatter, least_size
     from jaximpact.calibration.problem.objective import Objective

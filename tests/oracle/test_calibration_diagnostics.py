@@ -861,7 +861,7 @@ def test_nuts_agrees_with_laplace(tmp_path, engine):
         variant, chains=4, warmup=60, count=150, seed=1, draws=drawn
     )
     chains = samples.chains
-    assert not np.any(chains.divergent)
+    assert not np.any(chains.statistics["diverging"])
     assert not samples.rough
     assert np.all(chains.scale_reduction < 1.05)
     effective = np.minimum(chains.effective, 600.0)

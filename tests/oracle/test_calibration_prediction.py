@@ -14,12 +14,11 @@ from jaximpact.calibration.arguments import table_given
 from jaximpact.calibration.diagnostics.cross_validation import too_few
 from jaximpact.calibration.diagnostics.importance_sampling import (
     draw,
-    freedom_of_targets,
     weights_of,
 )
 from jaximpact.calibration.diagnostics.predictive import predictive
 from jaximpact.calibration.diagnostics.uncertainty import estimate
-from jaximpact.calibration.estimation.sigma import settle
+from jaximpact.calibration.estimation.sigma import freedom_of_targets, settle
 from jaximpact.calibration.estimation.starts import fit
 from jaximpact.calibration.fitted_ground import FittedGround, FittedVariant, read_fitted
 from jaximpact.calibration.prediction import (

@@ -208,7 +208,7 @@ def _scored(
         held.append(one)
         densities.append(np.bincount(group[inside], one.density[inside]))
     study, points = found.objective.study, found.points
-    measured = study.known & (study.censored == 0)
+    measured = study.exact
 
     def rms(predicted: np.ndarray) -> np.ndarray:
         there = measured & np.isfinite(predicted)

@@ -11,7 +11,6 @@ import numpy as np
 from ...errors import InputError
 from ...progress import SILENT, Progress
 from ...quantities import NEVER_NEGATIVE
-from ..diagnostics.importance_sampling import freedom_of_targets
 from ..diagnostics.predictive import Predictive, predictive
 from ..diagnostics.uncertainty import (
     CONFIDENCE,
@@ -19,7 +18,7 @@ from ..diagnostics.uncertainty import (
     estimate,
     regular_covariance,
 )
-from ..estimation.sigma import relative_sigma
+from ..estimation.sigma import freedom_of_targets, relative_sigma
 from ..problem.config import Study
 from ..problem.forward_model import engine_of
 from ..problem.noise import least_size

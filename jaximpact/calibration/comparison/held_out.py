@@ -23,10 +23,9 @@ from scipy.special import gammaln, log_ndtr, stdtr
 
 from ...progress import SILENT, Progress
 from ...tasks import for_each
-from ..diagnostics.cross_validation import LEFT_OUT, SMALL_STEP, linearised
-from ..diagnostics.importance_sampling import freedom_of_targets
+from ..diagnostics.cross_validation import LEFT_OUT, SMALL_STEP, linearised, move
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
-from ..estimation.sigma import estimate_sigma
+from ..estimation.sigma import estimate_sigma, freedom_of_targets
 from ..estimation.starts import fit
 from ..problem.objective import Objective, Points
 
@@ -91,9 +90,7 @@ def held_out(
             found = fit(rest, best.x, rule=LEFT_OUT)
             points = found.points.take([found.best])
         else:
-            step = steps[number]  # with the model linearised
-            linear = best.predicted + best.jacobian @ step
-            points = rest.evaluate(best.x + step, linear, best.outcomes, best.jacobian)
+            points = move(rest, best, steps[number])
         of_rest = _predict(rest, points, tests)
         predicted[tests], deviation[tests] = points.predicted[0, tests], of_rest[0]
         cells[tests] = of_rest[1]

@@ -31,17 +31,13 @@ def directions(names, bounds: Bounds, uncertainty: Uncertainty) -> list[str]:
     """Describe the eigenvectors of the Fisher matrix and their errors, best known
     first."""
     lines = []
-    for value, vector in zip(
-        uncertainty.eigenvalues[::-1], uncertainty.eigenvectors.T[::-1], strict=True
-    ):
+    values, vectors = uncertainty.eigenvalues, uncertainty.eigenvectors.T
+    for value, vector in zip(values[::-1], vectors[::-1], strict=True):
         error = 1.0 / np.sqrt(max(value, 1e-300))
-        what = combination(names, bounds, vector)
+        known = f"known to {100 * error:.3g} % (eigenvalue {value:.4g})"
         if error > USELESS_ERROR:
-            lines.append(f"{what}: not identifiable (eigenvalue {value:.3g})")
-        else:
-            lines.append(
-                f"{what}: known to {100 * error:.3g} % (eigenvalue {value:.4g})"
-            )
+            known = f"not identifiable (eigenvalue {value:.3g})"
+        lines.append(f"{combination(names, bounds, vector)}: {known}")
     return lines
 
 

@@ -122,7 +122,8 @@ def leave_out_each(
     starts = points.x[0][None]
     return _leave_out(
         *(objective, points, uncertainty, names, group, starts, steps),
-        *("tests", executor, progress),
+        progress.within("tests left out: "),
+        executor,
     )
 
 
@@ -153,7 +154,8 @@ def leave_out_campaigns(
     steps = np.full((len(names), points.x.shape[1]), np.nan)
     return _leave_out(
         *(objective, points, uncertainty, names, group, starts, steps),
-        *("campaigns", executor, progress),
+        progress.within("campaigns left out: "),
+        executor,
     )
 
 
@@ -165,43 +167,29 @@ def linearised(objective: Objective, points: Points, left: np.ndarray) -> np.nda
         left: mask of the tests left out, shape (groups, tests).
     """
     bounds, x = objective.bounds, points.x
-    steps = []
-    for tests in left:
-        rest = objective.without(tests).reevaluate(points)
-        free = np.ones(x.shape, bool)
-        step, _ = bounded_step(rest, free, bounds.low - x, bounds.high - x, np.zeros(1))
-        steps.append(step[0])
-    return np.array(steps)
+    given = np.ones(x.shape, bool), bounds.low - x, bounds.high - x, np.zeros(1)
+    rests = (objective.without(tests).reevaluate(points) for tests in left)
+    return np.array([bounded_step(rest, *given)[0][0] for rest in rests])
 
 
 def _leave_out(
-    objective,
-    points,
-    uncertainty,
-    names,
-    group,
-    starts,
-    steps,
-    what,
-    executor,
-    progress,
+    objective, points, uncertainty, names, group, starts, steps, progress, executor
 ) -> LeftOut:
     """Predict each group without it: by its linearised step, or by a fit where that is
     NaN."""
     study, size = objective.study, points.x.shape[1]
-    predicted = np.full(study.measured.shape, np.nan)
-    deviation = np.full(study.measured.shape, np.nan)
+    predicted, deviation = np.full((2, *study.measured.shape), np.nan)
     ends = np.empty((len(names), size))
     of_whole = sizes(study, points.predicted[0])
     coarser = objective.no_finer_than_sigmas()
     errors = uncertainty.standard_errors
 
     def leave_out(number: int, progress: Progress) -> Reason:
-        progress(f"{what} left out: {number} of {len(names)}")
+        progress(f"{number} of {len(names)}")
         tests, step = group == number, steps[number]
         if np.all(np.isfinite(step)):
             rest, reason = objective.without(tests), Reason.converged
-            best = _moved(rest, points, step)
+            best = move(rest, points, step)
         else:
             rest = coarser.without(tests)
             rest.executor = executor
@@ -223,7 +211,7 @@ def _leave_out(
     return LeftOut(names, group, ends, reasons, moved, predicted, deviation, quantile)
 
 
-def _moved(objective: Objective, points: Points, step: np.ndarray) -> Points:
+def move(objective: Objective, points: Points, step: np.ndarray) -> Points:
     """Move points of one lane by a step, with the model linearised."""
     x, predicted = points.x + step, points.predicted + points.jacobian @ step
     return objective.evaluate(x, predicted, points.outcomes, points.jacobian)
@@ -236,12 +224,11 @@ def in_words(left: LeftOut, objective: Objective, what: str) -> list[str]:
         what: "test" or "campaign", which was left out.
     """
     study = objective.study
-    exact = study.known & (study.censored == 0) & (left.group >= 0)[:, None]
+    exact = study.exact & (left.group >= 0)[:, None]
     there = exact & np.isfinite(left.predicted)
     lines = []
-    if np.any(there):
+    if count := int(np.sum(there)):
         inside = int(np.sum(left.inside(study.measured) & there))
-        count = int(np.sum(there))
         lines.append(
             f"{inside} of {count} measurements lie within the {100 * CONFIDENCE:g} % "
             f"band of the fit without their {what}."
@@ -259,14 +246,9 @@ def in_words(left: LeftOut, objective: Objective, what: str) -> list[str]:
             f"{kept} of {int(np.sum(limits))} limits are satisfied by the fit without "
             f"their {what}."
         )
-    missing = int(np.sum(exact & ~np.isfinite(left.predicted)))
-    if missing:
+    if missing := int(np.sum(exact & ~there)):
         lines.append(f"{missing} of them cannot be predicted without their {what}.")
-    lost = [
-        name
-        for name, reason in zip(left.groups, left.reasons, strict=True)
-        if not reason.at_minimum
-    ]
-    if lost:
+    fits = zip(left.groups, left.reasons, strict=True)
+    if lost := [name for name, reason in fits if not reason.at_minimum]:
         lines.append(f"The fit without {', '.join(lost)} reached no minimum.")
     return lines

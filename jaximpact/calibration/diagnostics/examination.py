@@ -126,40 +126,29 @@ def _examine(
     progress: Progress,
 ) -> Examination:
     study, objective, points = result.study, variant.objective, variant.points
-    uncertainty = variant.uncertainty
-    inflation = uncertainty.inflation
-    draws = draw(objective, points, inflation, seed=study.seed, progress=progress)
-    each = None
+    seed, inflation = study.seed, variant.uncertainty.inflation
+    draws = draw(objective, points, inflation, seed=seed, progress=progress)
+    fit, each = (objective, points, variant.uncertainty), None
     if np.sum(np.any(study.known, axis=1)) > 1:
-        each = leave_out_each(
-            objective, points, uncertainty, executor=executor, progress=progress
-        )
+        each = leave_out_each(*fit, executor=executor, progress=progress)
     order = np.argsort(variant.start_costs, kind="stable")
     ends = variant.bounds.coordinate(variant.end_parameters[order])
-    campaigns = leave_out_campaigns(
-        *(objective, points, uncertainty, ends), executor=executor, progress=progress
-    )
+    campaigns = leave_out_campaigns(*fit, ends, executor=executor, progress=progress)
     progress("further tests")
     wanted = study.candidates
-
-    def suggested(together: bool) -> Suggestions:
-        return suggest_tests(
-            variant,
-            wanted.axes,
-            wanted.measure,
+    single, together = (
+        suggest_tests(
+            *(variant, wanted.axes, wanted.measure),
             together=together,
             count=wanted.count,
             criterion=wanted.criterion,
         )
-
-    samples = None
+        for together in (False, True)
+    )
+    best, samples = draws, None
     if posterior:
-        samples = sample_posterior(
-            variant, seed=study.seed, draws=draws, progress=progress
-        )
-    best = draws
-    if samples is not None and samples.trusted:
-        best = samples.thinned(COUNT)
+        samples = sample_posterior(variant, seed=seed, draws=draws, progress=progress)
+        best = samples.thinned(COUNT) if samples.trusted else draws
     return Examination(
         residuals=residuals_of(objective, points, inflation),
         draws=draws,
@@ -167,8 +156,8 @@ def _examine(
         bands=bands_of(objective, best, inflation),
         each=each,
         campaigns=campaigns,
-        single=suggested(False),
-        together=suggested(True),
+        single=single,
+        together=together,
         samples=samples,
     )
 
@@ -179,16 +168,13 @@ def fit_of_target(result: StudyResult, variant: VariantResult, target: int) -> d
     study = result.study
     difference = variant.predicted[:, target] - study.measured[:, target]
     censored = study.censored[:, target]
-    broken = int(np.sum((censored != 0) & (difference * censored < 0.0)))
     known = difference[np.isfinite(difference) & (censored == 0)]
-    if not len(known):
-        return {"rms": None, "max": None, "bias": None, "limits_broken": broken}
-    return {
-        "rms": float(np.sqrt(np.mean(known**2))),
-        "max": float(np.max(np.abs(known))),
-        "bias": float(np.mean(known)),
-        "limits_broken": broken,
-    }
+    found: dict = {"rms": None, "max": None, "bias": None}
+    if len(known):
+        rms, most = np.sqrt(np.mean(known**2)), np.max(np.abs(known))
+        found = dict(rms=float(rms), max=float(most), bias=float(np.mean(known)))
+    broken = (censored != 0) & (difference * censored < 0.0)
+    return found | {"limits_broken": int(np.sum(broken))}
 
 
 def freedom_text(freedom: float) -> str:
@@ -217,13 +203,12 @@ def warnings_of(
             f"The residuals of {target} depend on {' and '.join(against)}: the model "
             "is biased, and errors that take the misfit as random are too small."
         )
-    for left, what in (
-        (diagnostics.each, "test"),
-        (diagnostics.campaigns, "campaign"),
+    for what, left in (
+        ("test", diagnostics.each),
+        ("campaign", diagnostics.campaigns),
     ):
-        if left is not None:
-            words = cross_validation_in_words(left, variant.objective, what)
-            lines += [line for line in words if "fewer than chance" in line]
+        words = cross_validation_in_words(left, variant.objective, what) if left else []
+        lines += [line for line in words if "fewer than chance" in line]
     lines += jumps_in_words(variant.objective, variant.jumps, diagnostics.each)
     lines += _doubtful_draws(diagnostics)
     found, starts = np.sum(variant.reached), len(variant.start_costs)
@@ -328,7 +313,7 @@ def _large_misfit(
 ) -> list[str]:
     """Warn of a fit that is no better than the mean of the measurements."""
     study = result.study
-    exact = study.known[:, place] & (study.censored[:, place] == 0)
+    exact = study.exact[:, place]
     rms = fit_of_target(result, variant, place)["rms"]
     if np.sum(exact) < FEWEST_FOR_MEAN or rms is None:
         return []
@@ -367,8 +352,7 @@ def worse_than_mean(study: Study, left: LeftOut | None, place: int) -> list[str]
     if left is None or name in CURVE_COLUMNS:
         return []
     predicted = left.predicted[:, place]
-    exact = study.known[:, place] & (study.censored[:, place] == 0)
-    exact &= np.isfinite(predicted)
+    exact = study.exact[:, place] & np.isfinite(predicted)
     count = int(np.sum(exact))
     if count < FEWEST_FOR_MEAN:
         return []
@@ -402,7 +386,7 @@ def doubtful_scatter(
         return []
     predicted = points.predicted[0]
     left = 1.0 - leverages(objective, points)
-    exact = study.known & (study.censored == 0) & np.isfinite(predicted)
+    exact = study.exact & np.isfinite(predicted)
     least = least_size(study.measured)
     lines = []
     for target in np.flatnonzero(~study.sigma_given):
@@ -420,9 +404,8 @@ def doubtful_scatter(
         is_proportional = study.proportional[target]
         against = -for_proportional if is_proportional else for_proportional
         if against > CLEARLY:
-            lines.append(
-                _scatter_in_words(study.targets[target], is_proportional, against)
-            )
+            name = study.targets[target]
+            lines.append(_scatter_in_words(name, is_proportional, against))
     return lines
 
 
@@ -434,16 +417,16 @@ def log_ratio(residual: np.ndarray, size: np.ndarray) -> float:
 
 
 def _scatter_in_words(name: str, is_proportional: bool, against: float) -> str:
-    times = float(np.exp(min(against, np.log(MOST_TIMES))))
-    chance = f"{times:.0f} times as probable"
-    if against > np.log(MOST_TIMES):
-        chance = f"more than {MOST_TIMES:g} times as probable"
+    many = against > np.log(MOST_TIMES)
+    times = f"more than {MOST_TIMES:g}" if many else f"{np.exp(against):.0f}"
     if is_proportional:
         return (
             f"The residuals of {name} do not grow with its value: constant scatter is "
-            f'{chance} as one in proportion to it. Set scatter.{name} = "{CONSTANT}".'
+            f"{times} times as probable as one in proportion to it. Set "
+            f'scatter.{name} = "{CONSTANT}".'
         )
     return (
         f"The residuals of {name} grow with its value: scatter in proportion to it is "
-        f'{chance} as a constant one. Set scatter.{name} = "{PROPORTIONAL}".'
+        f"{times} times as probable as a constant one. Set "
+        f'scatter.{name} = "{PROPORTIONAL}".'
     )

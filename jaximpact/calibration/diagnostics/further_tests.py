@@ -192,11 +192,9 @@ def suggest_tests(
     objective = fitted.objective
     names = tuple(parameter.name for parameter in objective.study.parameters)
     common, columns = _common(fitted), columns_of(objective.scene)
-    axes = (
-        checked_axes(candidates, names, columns)
-        if candidates
-        else default_axes(common, objective.scene)
-    )
+    axes = default_axes(common, objective.scene)
+    if candidates:
+        axes = checked_axes(candidates, names, columns)
     sigmas = checked_measure(measure) if measure else default_measure(fitted)
     grid = np.meshgrid(*axes.values(), indexing="ij")
     scenes = {n: v.ravel() for n, v in zip(axes, grid, strict=True)}
@@ -235,13 +233,8 @@ def _information(
 ) -> np.ndarray:
     """Compute J^T J / sigma^2 of every candidate and result, shape (candidates,
     results, parameters, parameters)."""
-    spread = np.stack(
-        [
-            np.hypot(sigma.absolute, sigma.relative * np.abs(predicted[:, index]))
-            for index, sigma in enumerate(sigmas.values())
-        ],
-        axis=1,
-    )
+    given = np.array([(sigma.absolute, sigma.relative) for sigma in sigmas.values()])
+    spread = np.hypot(given[:, 0], given[:, 1] * np.abs(predicted))
     useful = np.isfinite(predicted) & (spread > 0.0)
     rows = jacobian / np.where(useful, spread, 1.0)[..., None]
     rows = np.where(useful[..., None] & np.isfinite(rows), rows, 0.0)
@@ -256,21 +249,12 @@ def _chosen(design: Design, scenes, ways, results, predicted) -> list[Suggestion
     chosen = []
     for number, best in enumerate(design.chosen, 1):
         candidate, way = divmod(best, len(ways))
-        expected = {
-            name: float(value)
-            for name, value in zip(results, predicted[candidate], strict=True)
-            if ways[way] in (name, ALL)
-        }
-        chosen.append(
-            Suggestion(
-                {name: float(values[candidate]) for name, values in scenes.items()},
-                ways[way],
-                expected,
-                errors[number],
-                errors[0] / errors[number],
-                float(np.exp(volumes[0] - volumes[number])),
-            )
-        )
+        values = zip(results, map(float, predicted[candidate]), strict=True)
+        expected = {n: value for n, value in values if ways[way] in (n, ALL)}
+        scene = {name: float(values[candidate]) for name, values in scenes.items()}
+        volume = float(np.exp(volumes[0] - volumes[number]))
+        shrunk = errors[number], errors[0] / errors[number], volume
+        chosen.append(Suggestion(scene, ways[way], expected, *shrunk))
     return chosen
 
 
@@ -313,23 +297,17 @@ def default_measure(fitted: VariantResult) -> dict[str, Sigma]:
             measure[name] = Sigma(relative=float(np.median(sigma) / np.median(size)))
         else:
             measure[name] = Sigma(absolute=float(np.median(sigma)))
-    return measure | {
-        name: Sigma(relative=GUESSED_ERROR) for name in GUESSED if name not in measure
-    }
+    guessed = (name for name in GUESSED if name not in measure)
+    return measure | {name: Sigma(relative=GUESSED_ERROR) for name in guessed}
 
 
 def _common(fitted: VariantResult) -> dict[str, float]:
     """Compute the median of each stated quantity of the tests, nuisances as fitted."""
     study = fitted.objective.study
     known = columns_of(fitted.objective.scene)
-    values = {
-        name: value
-        for name, value in (study.soil | fitted.variant.soil).items()
-        if name in known
-    }
-    values |= {
-        n: float(np.median(v)) for n, v in study.tests.inputs.items() if n in known
-    }
+    soil, inputs = study.soil | fitted.variant.soil, study.tests.inputs
+    values = {name: value for name, value in soil.items() if name in known}
+    values |= {n: float(np.median(v)) for n, v in inputs.items() if n in known}
     first = len(study.parameters)
     for nuisance in study.nuisances:
         fit = fitted.parameters[first : first + len(nuisance.groups)]
@@ -338,9 +316,8 @@ def _common(fitted: VariantResult) -> dict[str, float]:
             continue  # the logarithm of a factor on a fitted parameter
         values[nuisance.name] = float(np.median(nuisance.base + fit[nuisance.group]))
         for name, sign in SIGN.items() if nuisance.turns_ground else ():
-            stated = study.tests.inputs.get(name, known[name].default)
-            turned = stated + sign * fit[nuisance.group]
-            values[name] = float(np.median(turned))
+            stated = inputs.get(name, known[name].default)
+            values[name] = float(np.median(stated + sign * fit[nuisance.group]))
     return values
 
 
@@ -368,11 +345,8 @@ def _derivatives(fitted: VariantResult, common, scenes, targets):
         directions[leaf_of[name], index] = columns[name].factor
         for tied, (_, slopes) in ties.items():
             directions[leaf_of[tied], index] = columns[tied].factor * slopes[0, index]
-    predicted, derivatives, _ = engine.run(
-        np.tile(leaves, (1, len(names))),
-        directions.reshape(len(leaves), -1),
-        objective.accuracy,
-    )
+    lanes = np.tile(leaves, (1, len(names))), directions.reshape(len(leaves), -1)
+    predicted, derivatives, _ = engine.run(*lanes, objective.accuracy)
     slope = bounds.slope(fitted.points.x[0])[: len(names)]
     derivatives = derivatives.reshape(len(names), count, len(targets))
     jacobian = np.moveaxis(derivatives, 0, -1) * slope
@@ -382,21 +356,20 @@ def _derivatives(fitted: VariantResult, common, scenes, targets):
 def _most_frequent(scene: Scene) -> np.ndarray:
     """Find the most frequent value of each leaf of the tests' scene: the kind of shape,
     where there are several, has no median."""
-    found = []
-    for leaf in jax.tree.leaves(scene):
-        values, counts = np.unique(np.asarray(leaf), return_counts=True)
-        found.append(values[np.argmax(counts)])
-    return np.array(found)
+    leaves = jax.tree.leaves(scene)
+    each = (np.unique(np.asarray(leaf), return_counts=True) for leaf in leaves)
+    return np.array([values[np.argmax(counts)] for values, counts in each])
 
 
 def as_rows(found: Suggestions) -> list[tuple[str, ...]]:
     """Write the chosen tests as a table, its head first."""
     errors = (f"error of {name}" for name in found.names)
     rows = [("test", *found.candidates, "measured", *errors, "mean")]
-    present = [
-        "not identifiable" if name in found.undetermined else f"{100 * error:.3g} %"
-        for name, error in zip(found.names, found.now, strict=True)
-    ]
+    now = {
+        n: f"{100 * error:.3g} %"
+        for n, error in zip(found.names, found.now, strict=True)
+    }
+    present = (now | dict.fromkeys(found.undetermined, "not identifiable")).values()
     rows.append(("now", *("" for _ in found.candidates), "", *present, ""))
     for number, one in enumerate(found.chosen, 1):
         errors = [
@@ -420,18 +393,15 @@ def in_words(found: Suggestions) -> list[str]:
     if first.volume < 1.005:
         lines.append("No candidate would add information.")
     else:
-        order = np.argsort(-first.factors)
         shrunk = [
             f"that of {found.names[index]} by {first.factors[index]:.3g}"
-            for index in order
+            for index in np.argsort(-first.factors)
             if first.factors[index] >= 1.05
         ]
-        effect = (
-            f"It divides the standard error{'s: ' if len(shrunk) > 1 else ': '}"
-            + ", ".join(shrunk)
-            if shrunk
-            else "It shrinks no single error by more than 5 %"
-        )
+        effect = "It shrinks no single error by more than 5 %"
+        if shrunk:
+            plural = "s" * (len(shrunk) > 1)
+            effect = f"It divides the standard error{plural}: {', '.join(shrunk)}"
         lines.append(f"The next test: {where}, measuring {what}. {effect}.")
     measured = ", ".join(f"{name} to {sigma}" for name, sigma in found.measure.items())
     lines.append(f"Assumed measurable: {measured}.")

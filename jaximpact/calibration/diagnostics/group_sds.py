@@ -20,6 +20,7 @@ from ..estimation.linear_algebra import inverse_positive
 from ..estimation.sigma import places_of_estimated
 from ..problem.nuisance import LEAST_GROUP_SD, MOST_GROUP_SD, group_sds
 from ..problem.objective import Objective, Points
+from .posterior import normalised
 
 VALUES = 100
 """Values of each s between its limits, in steps of 5 %."""
@@ -75,9 +76,7 @@ class GroupSds:
         pull = self.information(self.best) / self.inflation * self.x
         cost = 0.5 * np.einsum("sp,pq,sq->s", apart, self.curvature, apart)
         log = 0.5 * np.linalg.slogdet(covariance)[1] - cost + apart @ pull
-        log = log + self.log_prior(x, sds)
-        shares = np.exp(log - np.max(log))
-        return shares / np.sum(shares)
+        return normalised(log + self.log_prior(x, sds))
 
     def of_unknowns(self, sds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Compute mean and covariance of the unknowns for given s, shape (rows,

@@ -92,22 +92,14 @@ def profile_all(
     doubtful = np.array([not reason.at_minimum for reason in fits.reasons])
     for number in range(1, AGAIN + 1):
         within = cost - np.min(cost) <= MATTERS * rough.unit(np.min(cost))
-        lanes, begin = _from_neighbours(
-            x, np.where(within, cost, np.inf), fixed, doubtful
-        )
+        known = np.where(within, cost, np.inf)
+        lanes, begin = _from_neighbours(x, known, fixed, doubtful)
         if not len(lanes):
             break
-        again = fit(
-            rough,
-            begin,
-            free[lanes],
-            rule=ROUGH,
-            progress=progress.within(f"again {number}, "),
-        )
+        tell = progress.within(f"again {number}, ")
+        again = fit(rough, begin, free[lanes], rule=ROUGH, progress=tell).points
         doubtful[:] = False
-        for lane, at, found in zip(
-            lanes, again.points.x, again.points.cost, strict=True
-        ):
+        for lane, at, found in zip(lanes, again.x, again.cost, strict=True):
             if found < cost[lane] - LOWER * rough.unit(found):
                 x[lane], cost[lane], doubtful[lane] = at, found, True
     return [
@@ -184,8 +176,8 @@ def _profile(
     along, first = np.unique(np.append(x[rows, index], x[-1, index]), return_index=True)
     costs = np.append(cost[rows], cost[-1])[first]
     rise = 2.0 * (costs - np.min(costs)) / uncertainty.inflation
-    one, most = ONE_SIGMA, uncertainty.quantile**2
-    ends = *_within(along, rise, one), *_within(along, rise, most)
+    limits = ONE_SIGMA, uncertainty.quantile**2
+    ends = (end for limit in limits for end in _within(along, rise, limit))
 
     def value(at: float | None) -> float | None:
         if at is None:
@@ -231,72 +223,16 @@ class Verdict(NamedTuple):
     """Reason why not; empty for an identifiable parameter."""
 
 
-def judge(
-    name: str,
-    error: float,
-    bound: str | None,
-    bound_value: float,
-    profile: LikelihoodProfile | None,
-    others: tuple[float, float] | None = None,
-    prior_error: float = np.inf,
-    at_minimum: bool = True,
-    partners: Sequence[str] = (),
-) -> Verdict:
-    """Judge whether a parameter is identifiable.
-
-    Args:
-        error: standard error, relative to the value or to half the range.
-        bound: "lower" or "upper" where the fit is at that bound, else None.
-        bound_value: value of that bound.
-        profile: likelihood profile, if there is one.
-        others: least and largest value at the ends of other starts of equal cost, if
-            any lies far away.
-        prior_error: standard error that the prior alone would give.
-        at_minimum: whether the best fit is a minimum.
-        partners: parameters that can compensate it.
-    """
-    reasons = []
-    if bound is not None:
-        reasons.append(f"the fit is at its {bound} bound, {bound_value:g}")
-    if not at_minimum:
-        reasons.append(
-            "the best fit is no minimum: the outcome of an impact changes there, or "
-            "the fit could not be finished, so that a standard error has no meaning"
-        )
-    if error > USELESS_ERROR:
-        reasons.append(_large_error(error, partners))
-    if error > SILENT * prior_error:
-        reasons.append("the tests add no information to its prior")
-    if profile is not None and (profile.low is None or profile.high is None):
-        reasons.append(_open_interval(profile.low, profile.high, "68 %"))
-    elif profile is not None and (profile.low_95 is None or profile.high_95 is None):
-        reasons.append(_open_interval(profile.low_95, profile.high_95, "95 %"))
-    elif profile is not None and reasons:
-        reasons.append(
-            f"68 % profile-likelihood interval: {profile.low:.3g} to {profile.high:.3g}"
-        )
-    if others is not None:
-        reasons.append(
-            f"starts of equal cost ended between {others[0]:.3g} and {others[1]:.3g}"
-        )
-    return Verdict(name, not reasons, "; ".join(reasons))
-
-
 def _large_error(error: float, partners: Sequence[str]) -> str:
-    if error > ENDLESS_ERROR and partners:
-        return (
-            f"it acts only together with {' and '.join(partners)}, as one combination"
-        )
-    if error > ENDLESS_ERROR:
-        return (
-            "it has no influence on the measured results, or none that the other "
-            "parameters could not compensate"
-        )
-    return f"its standard error is {error:.3g} times its value or half range"
-
-
-def _open_interval(low: float | None, high: float | None, level: str) -> str:
-    return f"{level} profile-likelihood interval: {interval_text(low, high)}"
+    if error <= ENDLESS_ERROR:
+        return f"its standard error is {error:.3g} times its value or half range"
+    if partners:
+        names = " and ".join(partners)
+        return f"it acts only together with {names}, as one combination"
+    return (
+        "it has no influence on the measured results, or none that the other "
+        "parameters could not compensate"
+    )
 
 
 def interval_text(low: float | None, high: float | None) -> str:
@@ -313,43 +249,54 @@ def judge_all(
     best: Fits,
     uncertainty: Uncertainty,
     profiles: dict[str, LikelihoodProfile],
-    ends: Fits | None = None,
+    ends: Fits,
 ) -> list[Verdict]:
-    """Judge the soil's parameters.
+    """Judge whether the soil's parameters are identifiable.
 
     Args:
         best: the reported fit, of one lane.
         ends: ends of the fits from all starts.
     """
     bounds, x = objective.bounds, best.points.x[0]
-    reached = bounds.bound_reached(x)
-    prior = objective.prior_information(x)
-    others = np.empty((0, len(x)))
-    if ends is not None:
-        allowed = 0.5 * uncertainty.inflation * uncertainty.quantile**2
-        alike = ends.points.cost <= best.points.cost[0] + allowed
-        others = ends.points.x[alike]
+    reached, prior = bounds.bound_reached(x), objective.prior_information(x)
+    allowed = 0.5 * uncertainty.inflation * uncertainty.quantile**2
+    others = ends.points.x[ends.points.cost <= best.points.cost[0] + allowed]
     verdicts = []
     for place, parameter in enumerate(objective.study.parameters):
-        error = float(uncertainty.standard_errors[place])
+        error, reasons = float(uncertainty.standard_errors[place]), []
+        if bound := reached[place]:
+            value = getattr(bounds, bound)[place]
+            reasons.append(f"the fit is at its {bound} bound, {value:g}")
+        if not best.reasons[0].at_minimum:
+            reasons.append(
+                "the best fit is no minimum: the outcome of an impact changes there, "
+                "or the fit could not be finished, so that a standard error has no "
+                "meaning"
+            )
+        if error > USELESS_ERROR:
+            reasons.append(_large_error(error, partners(objective, uncertainty, place)))
+        if prior[place] > 0.0 and error > SILENT * (1.0 / np.sqrt(prior[place])):
+            reasons.append("the tests add no information to its prior")
+        if profile := profiles.get(parameter.name):
+            reasons += _of_profile(profile, bool(reasons))
         apart = np.abs(others[:, place] - x[place])
         far = others[apart > max(FAR_OFF * error, FAR_OFF_AT_LEAST)]
-        span = None
         if len(far):
             values = bounds.parameter(np.concatenate([far, x[None]]))[:, place]
-            span = float(np.min(values)), float(np.max(values))
-        known = prior[place]
-        verdicts.append(
-            judge(
-                parameter.name,
-                error,
-                reached[place],
-                float(getattr(bounds, reached[place] or "lower")[place]),
-                profiles.get(parameter.name),
-                span,
-                float(1.0 / np.sqrt(known)) if known > 0.0 else np.inf,
-                best.reasons[0].at_minimum,
-                partners(objective, uncertainty, place),
+            reasons.append(
+                f"starts of equal cost ended between {np.min(values):.3g} and "
+                f"{np.max(values):.3g}"
             )
-        )
+        verdicts.append(Verdict(parameter.name, not reasons, "; ".join(reasons)))
     return verdicts
+
+
+def _of_profile(profile: LikelihoodProfile, doubtful: bool) -> list[str]:
+    """State the interval of the profile that reaches a bound, or of a parameter that is
+    doubtful for other reasons."""
+    level, ends = "68 %", (profile.low, profile.high)
+    if None not in ends and None in (profile.low_95, profile.high_95):
+        level, ends = "95 %", (profile.low_95, profile.high_95)
+    if None not in ends and not doubtful:
+        return []
+    return [f"{level} profile-likelihood interval: {interval_text(*ends)}"]

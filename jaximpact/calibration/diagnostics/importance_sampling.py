@@ -33,7 +33,7 @@ import numpy as np
 
 from ...accuracy import PRESETS, Accuracy
 from ...progress import Progress
-from ..estimation.sigma import LEAST_FREEDOM, leverages
+from ..estimation.sigma import LEAST_FREEDOM, freedom_of_targets
 from ..estimation.starts import SILENT
 from ..problem.noise import LOSSES
 from ..problem.objective import Objective, Points
@@ -109,14 +109,13 @@ def draw(
     assert best is not None
     tell = progress.within("some of the draws again, more accurately, ")
     best = best._replace(error=_error_of(best, objective, inflation, tell))
-    if not best.rough:
-        return best
-    closer = objective.at(LADDER[1])
-    tell = progress.within("all draws again, more accurately, ")
-    found = _weighted(closer, groups, of_best, inflation, tell)
-    parts = np.append(best.effective_fraction[:-1], found.effective_fraction)
-    found = found._replace(effective_fraction=parts)
-    return found._replace(error=_error_of(found, objective, inflation, tell))
+    if best.rough:
+        tell = progress.within("all draws again, more accurately, ")
+        found = _weighted(objective.at(LADDER[1]), groups, of_best, inflation, tell)
+        parts = np.append(best.effective_fraction[:-1], found.effective_fraction)
+        best = found._replace(effective_fraction=parts)
+        best = best._replace(error=_error_of(best, objective, inflation, tell))
+    return best
 
 
 class _Proposed(NamedTuple):
@@ -155,13 +154,8 @@ def _error_of(
     sums = np.cumsum(draws.weights)
     places = (np.arange(CHECKED) + 0.5) / CHECKED * sums[-1]
     chosen = np.unique(np.searchsorted(sums, places))
-    return error_of_costs(
-        objective.at(draws.accuracy),
-        draws.x[chosen],
-        draws.cost[chosen],
-        inflation,
-        progress,
-    )
+    x, cost = draws.x[chosen], draws.cost[chosen]
+    return error_of_costs(objective.at(draws.accuracy), x, cost, inflation, progress)
 
 
 def error_of_costs(
@@ -221,18 +215,6 @@ def _root(covariance: np.ndarray) -> np.ndarray:
     return vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
 
 
-def freedom_of_targets(objective: Objective, points: Points) -> np.ndarray:
-    """Compute the degrees of freedom of each target, shape (targets,): its exact
-    measurements less their leverages.
-
-    Args:
-        points: the best fit, of one lane.
-    """
-    exact = _exact(objective) & np.isfinite(points.predicted[0])
-    taken = np.where(exact, leverages(objective, points), 0.0)
-    return np.sum(exact, axis=0) - np.sum(taken, axis=0)
-
-
 def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray:
     """Compute weights of draws with every estimated sigma left uncertain; the sum is 1.
 
@@ -242,10 +224,9 @@ def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray
     study = objective.study
     if study.loss != LOSSES[0]:
         return draws.weights
-    exact = _exact(objective)
-    count = np.sum(exact, axis=0)
-    squares = _squares(objective, draws.predicted, exact)
-    least = _squares(objective, points.predicted, exact)[0]
+    count = np.sum(study.exact, axis=0)
+    squares = _squares(objective, draws.predicted)
+    least = _squares(objective, points.predicted)[0]
     freedom = freedom_of_targets(objective, points)
     # Not of the weights, which underflow where this density falls off more slowly.
     log_weights = draws.log_weights.copy()
@@ -265,12 +246,7 @@ def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray
     return normalised(log_weights)
 
 
-def _exact(objective: Objective) -> np.ndarray:
-    study = objective.study
-    return study.known & (study.censored == 0)
-
-
-def _squares(objective: Objective, predicted, exact) -> np.ndarray:
+def _squares(objective: Objective, predicted) -> np.ndarray:
     """Compute sums of squared residuals, shape (draws, targets)."""
     u = (predicted - objective.study.measured) / objective.sigma
-    return np.sum(np.where(exact & np.isfinite(u), u, 0.0) ** 2, axis=1)
+    return np.sum(np.where(objective.study.exact & np.isfinite(u), u, 0.0) ** 2, axis=1)

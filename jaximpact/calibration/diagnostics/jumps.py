@@ -54,11 +54,7 @@ def in_words(objective: Objective, share: np.ndarray, each: LeftOut | None) -> l
         return []
     names = []
     for test in near[np.argsort(-largest[near], kind="stable")][:MOST_NAMED]:
-        jumping = [
-            name
-            for name, part in zip(study.targets, share[test], strict=True)
-            if part > NEAR
-        ]
+        jumping = [study.targets[place] for place in np.flatnonzero(share[test] > NEAR)]
         text = (
             f"{study.tests.name(test)} ({', '.join(jumping)}: "
             f"{100 * largest[test]:.0f} % beyond it"

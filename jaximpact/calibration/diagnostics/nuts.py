@@ -42,7 +42,7 @@ from ..problem.noise import losses
 from ..problem.objective import Objective
 from .group_sds import GroupSds
 from .importance_sampling import CHECKED, draw, error_of_costs
-from .posterior import Chains, Draws
+from .posterior import Chains, Draws, moments
 from .results import VariantResult
 from .uncertainty import laplace
 
@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 EXTRA = "bayes"
 """Extra that holds arviz and blackjax, which pyright may not find."""
 CHAINS, WARMUP, KEPT = 4, 200, 500
+STATISTICS = "lp", "diverging", "acceptance_rate", "n_steps"
 KEEP_MASS = 25.0
 """Weight of the first mass matrix against draws of the warm-up."""
 MOST_DOUBLINGS = 8
@@ -98,16 +99,12 @@ def sample_posterior(
     if fitted.objective.engine.kernel is None:
         raise InputError("sampling needs machine code, which these laws have not")
     begin = time.perf_counter()
-    draws = draws or draw(
-        fitted.objective, fitted.points, inflation, seed=seed, progress=progress
-    )
+    at_best = fitted.objective, fitted.points, inflation
+    draws = draws or draw(*at_best, seed=seed, progress=progress)
     objective = fitted.objective.at(draws.accuracy)
     groups = laplace(objective, fitted.points, inflation)
     host = _Host(objective, groups, progress)
-    rows = _run_chains(host, draws, chains, warmup, count, seed)
-    position, log_density, divergent, acceptance, steps = (
-        np.stack(part, axis=1) for part in zip(*rows, strict=True)
-    )
+    position, statistics = _run_chains(host, draws, chains, warmup, count, seed)
     unknowns = host.unknowns(position)
     arviz, each = _arviz(), np.moveaxis(unknowns, -1, 0)
     scale_reduction = np.array([float(arviz.rhat(values)) for values in each])
@@ -126,34 +123,22 @@ def sample_posterior(
         accuracy=objective.accuracy,
         error=error_of_costs(objective, x[::every], cost[::every], inflation),
         chains=Chains(
-            log_density=log_density,
-            divergent=divergent,
-            acceptance=acceptance,
-            steps=steps,
-            scale_reduction=scale_reduction,
-            effective=effective,
-            seconds=time.perf_counter() - begin,
+            statistics, scale_reduction, effective, time.perf_counter() - begin
         ),
     )
 
 
 def _run_chains(
-    host: "_Host",
-    draws: Draws,
-    chains: int,
-    warmup: int,
-    count: int,
-    seed: int,
-) -> list[tuple]:
-    """Adapt and run the chains; position, log density, divergence, acceptance and
-    number of steps of each draw."""
+    host: "_Host", draws: Draws, chains: int, warmup: int, count: int, seed: int
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Adapt and run the chains; positions, shape (chains, draws, unknowns), and the
+    statistics of `Chains`."""
     import blackjax  # pyright: ignore[reportMissingImports]
 
     y = host.unbounded(draws)
     log_density = _as_function(host, y.shape[1])
     chosen = np.random.default_rng(seed).choice(len(draws.x), chains, p=draws.weights)
-    apart = y - draws.weights @ y
-    mass = (apart.T * draws.weights) @ apart
+    mass = moments(y, draws.weights)[1]
     mass = mass + 1e-9 * np.trace(mass) * np.eye(len(mass))
     key_warmup, key = jax.random.split(jax.random.key(seed))
     # Their types are made at run time, where pyright does not see them.
@@ -197,16 +182,15 @@ def _run_chains(
         rows.append(jax.device_get(row))
         host.check()
         host.kept = number + 1
-    return rows
+    position, *each = (np.stack(part, axis=1) for part in zip(*rows, strict=True))
+    return position, dict(zip(STATISTICS, each, strict=True))
 
 
 def check_extra() -> None:
     """Raise InputError unless the extra is installed."""
-    for package in ("blackjax", "arviz"):
-        if importlib.util.find_spec(package) is None:
-            raise InputError(
-                f"sampling needs {package}: pip install 'jaximpact[{EXTRA}]'"
-            )
+    for name in ("blackjax", "arviz"):
+        if importlib.util.find_spec(name) is None:
+            raise InputError(f"sampling needs {name}: pip install 'jaximpact[{EXTRA}]'")
 
 
 def _arviz() -> Any:
@@ -284,18 +268,12 @@ class _Host:
 
 def _as_function(host: _Host, size: int):
     """Wrap the host's density as a function of JAX with a gradient."""
-    shapes = (
-        jax.ShapeDtypeStruct((), jnp.float64),
-        jax.ShapeDtypeStruct((size,), jnp.float64),
-    )
+    shapes = tuple(jax.ShapeDtypeStruct(shape, jnp.float64) for shape in ((), (size,)))
 
     def both(y):
         return jax.pure_callback(host, shapes, y, vmap_method="broadcast_all")
 
-    @jax.custom_vjp
-    def log_density(y):
-        return both(y)[0]
-
+    log_density = jax.custom_vjp(lambda y: both(y)[0])
     log_density.defvjp(both, lambda gradient, change: (change * gradient,))
     return log_density
 
@@ -319,31 +297,29 @@ def to_inference_data(
         raise InputError("ArviZ needs chains: the result of sample_posterior")
     objective = fitted.objective.at(samples.accuracy)
     study = objective.study
-    tests, targets = np.nonzero(study.known & (study.censored == 0))
+    cells = np.nonzero(study.exact)
     names = [
         f"{study.tests.name(test)}: {study.targets[target]}"
-        for test, target in zip(tests, targets, strict=True)
+        for test, target in zip(*cells, strict=True)
     ]
-    shape = chains.divergent.shape
+    measured, predicted = study.measured[cells], samples.predicted[:, *cells]
+    sigma = objective.sigma[cells] * np.sqrt(fitted.uncertainty.inflation)
+    scatter = np.random.default_rng(seed).normal(size=predicted.shape)
+    u = (predicted - measured) / sigma
+    loss = losses(u, np.zeros(u.shape, int), study.loss).value
+    log_likelihood = -loss - np.log(sigma * np.sqrt(2.0 * np.pi))
+    shape = chains.statistics["lp"].shape
     parameters = objective.bounds.parameter(samples.x)
     posterior = dict(zip(fitted.names, parameters.T, strict=True))
     for name, sds in samples.group_sds.items():
         posterior[f"group_sd[{name}]"] = sds
-    sample_stats = {
-        "lp": chains.log_density,
-        "diverging": chains.divergent,
-        "acceptance_rate": chains.acceptance,
-        "n_steps": chains.steps,
-    }
-    measured = {
-        name: {"measured": values.reshape(*shape, -1)}
-        for name, values in _predictive(fitted, samples, seed).items()
-    }
+    sampled = (predicted + sigma * scatter).reshape(*shape, -1)
     data: Any = _arviz().from_dict(
         posterior={n: values.reshape(shape) for n, values in posterior.items()},
-        **measured,
-        sample_stats=sample_stats,
-        observed_data={"measured": study.measured[tests, targets]},
+        posterior_predictive={"measured": sampled},
+        log_likelihood={"measured": log_likelihood.reshape(*shape, -1)},
+        sample_stats=chains.statistics,
+        observed_data={"measured": measured},
         coords={"measurement": names},
         dims={"measured": ["measurement"]},
         attrs={
@@ -356,33 +332,15 @@ def to_inference_data(
         },
     )
     known = columns_of(objective.scene)
-    columns = [parameter.name for parameter in study.parameters]
-    for nuisance in study.nuisances:
-        columns += [nuisance.name] * len(nuisance.groups)
-    for name, column in zip(fitted.names, columns, strict=True):
-        data.posterior[name].attrs["units"] = known[column].unit
-    units = [TARGET_COLUMNS[study.targets[target]].unit for target in targets]
+    for name in fitted.names:
+        data.posterior[name].attrs["units"] = known[name.split("[")[0]].unit
+    units = [TARGET_COLUMNS[study.targets[target]].unit for target in cells[1]]
     data.assign_coords(
         unit=("measurement", units),
         groups=["posterior_predictive", "log_likelihood", "observed_data"],
         inplace=True,
     )
     return data
-
-
-def _predictive(fitted: VariantResult, samples: Draws, seed: int) -> dict:
-    """Sample the measurements that the draws predict, and compute the log likelihood of
-    those made, both of shape (draws, measurements)."""
-    objective, study = fitted.objective, fitted.objective.study
-    tests, targets = np.nonzero(study.known & (study.censored == 0))
-    predicted = samples.predicted[:, tests, targets]
-    sigma = objective.sigma[tests, targets] * np.sqrt(fitted.uncertainty.inflation)
-    scatter = np.random.default_rng(seed).normal(size=predicted.shape)
-    u = (predicted - study.measured[tests, targets]) / sigma
-    loss = losses(u, np.zeros(u.shape, int), study.loss).value
-    log_likelihood = -loss - np.log(sigma * np.sqrt(2.0 * np.pi))
-    sampled = predicted + sigma * scatter
-    return {"posterior_predictive": sampled, "log_likelihood": log_likelihood}
 
 
 def compare_errors(fitted: VariantResult, draws: Draws, samples: Draws) -> list[str]:
@@ -398,11 +356,10 @@ def compare_errors(fitted: VariantResult, draws: Draws, samples: Draws) -> list[
     assert samples.chains is not None
     effective = samples.chains.effective[:count]
     error = fitted.uncertainty.standard_errors[:count]
-    best = fitted.points.x[0][:count]
     drawn = draws.effective_fraction[-1] * len(draws.x)
     noise = deviation * np.sqrt(1.0 / effective + 1.0 / drawn)
     differ = np.abs(mean - draws.mean()[:count]) > CHANCE * noise
-    shift = np.abs(mean - best) / error
+    shift = np.abs(mean - fitted.points.x[0][:count]) / error
     allowed = SHIFT + CHANCE * deviation / (error * np.sqrt(effective))
     ratio = deviation / error
     widest = RATIO * (1.0 + CHANCE / np.sqrt(2.0 * effective))
@@ -422,13 +379,12 @@ def compare_errors(fitted: VariantResult, draws: Draws, samples: Draws) -> list[
             "on a mean."
         )
     skew &= known & ~differ
-    for index in np.flatnonzero(skew):
-        lines.append(
-            f"{names[index]}: the posterior mean is {shift[index]:.2g} standard errors "
-            "from the best fit, and the posterior standard deviation "
-            f"{ratio[index]:.2g} standard errors. Use the posterior, not the standard "
-            "error."
-        )
+    lines += [
+        f"{names[index]}: the posterior mean is {shift[index]:.2g} standard errors "
+        f"from the best fit, and the posterior standard deviation {ratio[index]:.2g} "
+        "standard errors. Use the posterior, not the standard error."
+        for index in np.flatnonzero(skew)
+    ]
     alike = known & ~(differ | skew)
     if np.any(alike):
         lines.append(

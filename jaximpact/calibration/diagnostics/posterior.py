@@ -16,14 +16,10 @@ ROUGH = 0.05
 class Chains(NamedTuple):
     """What chains of NUTS tell beside their draws."""
 
-    log_density: np.ndarray
-    """Logarithm of the density up to a constant, shape (chains, draws)."""
-    divergent: np.ndarray
-    """Mask of divergent trajectories, as at discontinuities, shape (chains, draws)."""
-    acceptance: np.ndarray
-    """Mean acceptance probability of each trajectory, shape (chains, draws)."""
-    steps: np.ndarray
-    """Number of leapfrog steps of each trajectory, shape (chains, draws)."""
+    statistics: dict[str, np.ndarray]
+    """Statistics of each trajectory by ArviZ's names, shape (chains, draws): logarithm
+    of the density up to a constant, divergence (as at discontinuities), mean acceptance
+    probability, number of leapfrog steps."""
     scale_reduction: np.ndarray
     """R-hat of the unknowns and of estimated standard deviations of groups, shape
     (unknowns and these,): near 1 where the chains agree."""
@@ -78,13 +74,10 @@ class Draws(NamedTuple):
         step = -(-len(self.x) // count)
         if step == 1:
             return self
-        return self._replace(
-            x=self.x[::step],
-            group_sds={name: sds[::step] for name, sds in self.group_sds.items()},
-            log_weights=self.log_weights[::step],
-            cost=self.cost[::step],
-            predicted=self.predicted[::step],
-        )
+        names = "x", "log_weights", "cost", "predicted"
+        rows = {name: getattr(self, name)[::step] for name in names}
+        sds = {name: values[::step] for name, values in self.group_sds.items()}
+        return self._replace(**rows, group_sds=sds)
 
     def mean(self) -> np.ndarray:
         """Compute the posterior mean of x."""

@@ -85,11 +85,11 @@ def predictive(
     if sigma > 0.0:
         parts = (np.arange(PLACES) + 0.5) / PLACES
         scatter = ndtri(parts) if freedom >= NORMAL_FROM else stdtrit(freedom, parts)
+        middle, spread = atoms[:, None], sigma
         if positive:
-            middle, spread = _logarithm(atoms[:, None], sigma)
-            atoms = np.exp(middle + spread * scatter).ravel()
-        else:
-            atoms = (atoms[:, None] + sigma * scatter).ravel()
+            middle, spread = _logarithm(middle, sigma)
+        atoms = (middle + spread * scatter).ravel()
+        atoms = np.exp(atoms) if positive else atoms
         weights = np.repeat(weights, PLACES)
     order = np.argsort(atoms, kind="stable")
     return Predictive(atoms[order], weights[order] / np.sum(weights))
@@ -166,11 +166,8 @@ def _quantile(values, weights, sigma, part: float) -> np.ndarray:
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         apart = middle - values
-        below = np.where(
-            sigma > 0.0,
-            ndtr(apart / np.where(sigma > 0.0, sigma, 1.0)),
-            (apart >= 0.0).astype(float),
-        )
+        smooth = ndtr(apart / np.where(sigma > 0.0, sigma, 1.0))
+        below = np.where(sigma > 0.0, smooth, (apart >= 0.0).astype(float))
         under = np.sum(weights * below, axis=0) < part
         low, high = np.where(under, middle, low), np.where(under, high, middle)
     return 0.5 * (low + high)

@@ -63,7 +63,7 @@ def residuals_of(objective: Objective, points: Points, inflation: float) -> Resi
     """Compute the residuals at a fit (points of one lane)."""
     study = objective.study
     predicted = points.predicted[0]
-    exact = study.known & (study.censored == 0) & np.isfinite(predicted)
+    exact = study.exact & np.isfinite(predicted)
     leverage = leverages(objective, points)
     left = 1.0 - leverage
     scale = objective.sigma * np.sqrt(inflation * np.maximum(left, LEAST_LEFT))
@@ -75,12 +75,8 @@ def residuals_of(objective: Objective, points: Points, inflation: float) -> Resi
 
 def varying_inputs(objective: Objective) -> dict[str, np.ndarray]:
     """Find the columns of the scene that differ among the tests."""
-    inputs = objective.study.tests.inputs
-    return {
-        name: values
-        for name, values in inputs.items()
-        if np.nanmax(values) > np.nanmin(values)
-    }
+    inputs = objective.study.tests.inputs.items()
+    return {name: v for name, v in inputs if np.nanmax(v) > np.nanmin(v)}
 
 
 def _trends(objective: Objective, values, predicted) -> tuple[list[Trend], int]:
@@ -115,18 +111,15 @@ def _rank_correlation(values: np.ndarray) -> tuple[float, float]:
     """Compute Spearman's correlation with the order, and its p-value by Student's
     distribution."""
     ranks, freedom = _ranks(values), len(values) - 2
-    correlation = np.corrcoef(np.arange(len(ranks)), ranks)[0, 1]
+    correlation = float(np.corrcoef(np.arange(len(ranks)), ranks)[0, 1])
     left = max((1.0 - correlation) * (1.0 + correlation), 0.0)
-    if left == 0.0:
-        return float(correlation), 0.0
-    deviation = abs(correlation) * np.sqrt(freedom / left)
-    return float(correlation), float(2.0 * stdtr(freedom, -deviation))
+    deviation = abs(correlation) * np.sqrt(freedom / left) if left else np.inf
+    return correlation, float(2.0 * stdtr(freedom, -deviation))
 
 
 def _autocorrelation(values: np.ndarray) -> tuple[float, float]:
     """Compute the lag-1 autocorrelation of ranks and its p-value (Bartels 1982)."""
-    ranks = _ranks(values)
-    count = len(ranks)
+    ranks, count = _ranks(values), len(values)
     ratio = np.sum(np.diff(ranks) ** 2) / np.sum((ranks - np.mean(ranks)) ** 2)
     # Bartels's approximation of the ratio's distribution: normal, mean 2.
     variance = 20.0 / (5.0 * count + 7.0)

@@ -86,13 +86,12 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
     soil = len(study.parameters)
     curvature, variance, squares, freedom = _parts(objective, points)
     reduced = squares / freedom if freedom > 0.5 else float("nan")
-    inflation = 1.0
     given = np.all(study.sigma_given)
-    if given and freedom > 0.5 and chdtrc(freedom, squares) < IMPROBABLE:
-        inflation = reduced
+    poor = given and freedom > 0.5 and chdtrc(freedom, squares) < IMPROBABLE
+    inflation = reduced if poor else 1.0
     covariance = _sandwich(curvature, variance) * inflation
     if group_sds(study.nuisances):
-        groups = _group_sds(objective, points, curvature, inflation)
+        groups = laplace(objective, points, inflation)
         covariance = _over_sds(groups, curvature, variance, inflation)
     scattered = not given or inflation > 1.0
     half = 0.5 + CONFIDENCE / 2.0
@@ -137,13 +136,9 @@ def laplace(objective: Objective, points: Points, inflation: float) -> GroupSds:
 
     It follows from the curvature alone, with the sigmas taken as true.
     """
-    curvature = _parts(objective, points)[0]
-    return _group_sds(objective, points, curvature, inflation)
-
-
-def _group_sds(objective, points, curvature, inflation) -> GroupSds:
+    curvature = _parts(objective, points)[0] / inflation
     weak = np.diag(bounds_information(objective))
-    return GroupSds(objective, points, curvature / inflation + weak, inflation)
+    return GroupSds(objective, points, curvature + weak, inflation)
 
 
 def _over_sds(

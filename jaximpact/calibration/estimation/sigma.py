@@ -95,6 +95,18 @@ def leverages(objective: Objective, points: Points) -> np.ndarray:
     )
 
 
+def freedom_of_targets(objective: Objective, points: Points) -> np.ndarray:
+    """Compute the degrees of freedom of each target, shape (targets,): its exact
+    measurements less their leverages.
+
+    Args:
+        points: a fit, of one lane.
+    """
+    exact = objective.study.exact & np.isfinite(points.predicted[0])
+    taken = np.where(exact, leverages(objective, points), 0.0)
+    return np.sum(exact, axis=0) - np.sum(taken, axis=0)
+
+
 def weights_of_cells(study: Study) -> np.ndarray:
     """Weight of every measurement, shape (cells,)."""
     return np.broadcast_to(study.weights, study.known.shape).ravel()
@@ -126,11 +138,10 @@ def estimate_sigma(objective: Objective, points: Points) -> np.ndarray:
     used = study.known & np.isfinite(predicted)
     u = np.where(used, (predicted - study.measured) / sigma, 0.0)
     work = np.where(used, u * losses(u, study.censored, study.loss).slope, 0.0)
-    exact = used & (study.censored == 0)
+    exact = used & study.exact
     of_exact = np.sum(np.where(exact, work, 0.0), axis=0)
     of_limits = np.sum(np.where(exact, 0.0, work), axis=0)
-    count = np.sum(exact, axis=0)
-    freedom = count - np.sum(np.where(exact, leverages(objective, points), 0.0), axis=0)
+    freedom = freedom_of_targets(objective, points)
     kappa = scale_of_normal(study.loss)
 
     def factor(targets) -> float:

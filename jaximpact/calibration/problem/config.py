@@ -141,6 +141,11 @@ class Study:
         """Mask of measurements and limits, shape (tests, targets)."""
         return np.isfinite(self.measured)
 
+    @property
+    def exact(self) -> np.ndarray:
+        """Mask of measurements that are no limits, shape (tests, targets)."""
+        return self.known & (self.censored == 0)
+
 
 SLOPE_KEYS = ("profile", "observed")
 """Keys of which a study of a slope has one, and one of impacts none."""

@@ -313,8 +313,7 @@ class Objective(ForwardModel):
 
     def variance(self, cost) -> np.ndarray:
         """Compute s^2, twice the cost over the degrees of freedom."""
-        study = self.study
-        freedom = np.sum(study.known & (study.censored == 0)) - len(study.parameters)
+        freedom = np.sum(self.study.exact) - len(self.study.parameters)
         return 2.0 * np.asarray(cost) / max(int(freedom), 1)
 
     def unit(self, cost) -> np.ndarray:

@@ -21,11 +21,11 @@ from ..comparison.comparison import NO_OTHERS, OtherLaws
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import Examination, fit_of_target
 from ..diagnostics.further_tests import Suggestions
-from ..diagnostics.importance_sampling import freedom_of_targets, weights_of
+from ..diagnostics.importance_sampling import weights_of
 from ..diagnostics.nuts import to_inference_data
 from ..diagnostics.posterior import Draws
 from ..diagnostics.results import StudyResult, VariantResult
-from ..estimation.sigma import relative_sigma
+from ..estimation.sigma import freedom_of_targets, relative_sigma
 from ..fitted_ground import FILES
 from ..problem.config import Study
 from ..problem.dataset import LIMITS
@@ -381,7 +381,7 @@ def _samples(variant: VariantResult, samples: Draws) -> dict:
         "blackjax": version_of("blackjax"),
         "accuracy": dataclasses.asdict(samples.accuracy),
         "error_of_log_density": samples.error,
-        "divergent": np.sum(chains.divergent),
+        "divergent": np.sum(chains.statistics["diverging"]),
         "seconds": chains.seconds,
     }
     return about | {

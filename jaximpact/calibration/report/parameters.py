@@ -215,13 +215,13 @@ def about_posterior(variant: VariantResult, diagnostics: Examination) -> dict:
                 f"{told.effective[index]:.0f}",
             )
         )
-    chains, count = told.divergent.shape
+    chains, count = told.statistics["lp"].shape
     words = (
         f"{chains} chains of {count} draws by NUTS. Without a prior of the study the "
         "prior is uniform in the logarithm between the bounds; intervals of parameters "
         "that are not identifiable are those of the bounds."
     )
-    divergent = int(np.sum(told.divergent))
+    divergent = int(np.sum(told.statistics["diverging"]))
     if divergent:
         words += (
             f" {divergent} draws diverged, as at a change of outcome: the posterior "
