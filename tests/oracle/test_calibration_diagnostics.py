@@ -766,7 +766,7 @@ def summary(mean, deviation, effective=np.inf):
     mean, deviation = np.atleast_1d(mean), np.atleast_1d(deviation)
     normal = np.random.default_rng(0).normal(size=(2, 2000, len(mean)))
     x = mean + deviation * (normal - normal.mean((0, 1))) / normal.std((0, 1))
-    ones, nothing = np.ones(len(mean)), np.zeros((2, 2000))
+    ones = np.ones(len(mean))
     return Draws(
         x=x.reshape(4000, -1),
         group_sds={},
@@ -776,7 +776,7 @@ def summary(mean, deviation, effective=np.inf):
         effective_fraction=np.ones(1),
         accuracy=PRESETS["balanced"],
         error=0.0,
-        chains=Chains(*[nothing] * 4, ones, min(effective, 4000.0) * ones, 0.0),
+        chains=Chains({}, ones, min(effective, 4000.0) * ones, 0.0),
     )
 
 
