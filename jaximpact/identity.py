@@ -14,6 +14,7 @@ from types import ModuleType
 import equinox as eqx
 import jax
 
+from .finding import READ_BY_NAME
 from .parameters import Composite, Part, parts_of
 
 PACKAGE = __name__.partition(".")[0]
@@ -47,8 +48,9 @@ def name_of(kind: type[Part]) -> str:
 def described(tree) -> tuple | None:
     """Everything of a tree that a program compiled for it depends on: classes, digests
     of those that are not the package's, and static fields; None if that is not known:
-    of a class without source, of a static field that holds more than plain values, or
-    of a node that is neither a module nor a container of Python."""
+    of a class without source, or whose source was edited since, of a static field that
+    holds more than plain values, or of a node that is neither a module nor a container
+    of Python."""
     if tree is None or jax.tree_util.all_leaves([tree]):
         return ("value", tree is not None)
     kind, static = type(tree), {}
@@ -62,6 +64,8 @@ def described(tree) -> tuple | None:
         return None
     digest, inner = source_digest(kind), [described(x) for x in fields.values()]
     if digest is None or None in inner or not _is_plain((*fields, *static.values())):
+        return None
+    if digest and _may_be_edited(kind):
         return None
     name = kind.__module__, kind.__qualname__, digest
     return *name, repr(static), tuple(zip(fields, inner, strict=True))
@@ -84,19 +88,41 @@ def source_digest(kind: type) -> str | None:
         digests = [source_digest(one) for one in kinds]
         known = [digest for digest in digests if digest is not None]
         return "".join(known) if len(known) == len(digests) else None
+    modules = _modules_of(kind)
+    sources = [*map(_source_of, modules or ())]
+    if modules is None or None in sources:
+        return None
+    digest = hashlib.sha256(b"".join(source for source in sources if source))
+    return digest.hexdigest() if modules else ""
+
+
+@functools.cache
+def _modules_of(kind: type) -> list[ModuleType] | None:
+    """Modules that `source_digest` reads, by their names; None if the class is in
+    none."""
     modules: dict[str, ModuleType] = {}
     for base in kind.__mro__:
         module = sys.modules.get(base.__module__)
         if not _holds(module, base):
             return None
         _gather(module, modules)
-    digest = hashlib.sha256()
-    for name in sorted(modules):
-        source = _source_of(modules[name])
-        if source is None:
-            return None
-        digest.update(source)
-    return digest.hexdigest() if modules else ""
+    return [modules[name] for name in sorted(modules)]
+
+
+def _may_be_edited(kind: type) -> bool:
+    """Whether a source may be newer than the class that was made of it, as in a
+    notebook that goes on after an edit: then its digest tells another law."""
+    if kinds := made_of(kind):
+        return any(map(_may_be_edited, kinds))
+    return not all(_is_as_read(module, kind) for module in _modules_of(kind) or ())
+
+
+def _is_as_read(module: ModuleType, kind: type) -> bool:
+    file = Path(module.__file__ or "")
+    if hasattr(module, READ_BY_NAME):
+        content = hashlib.sha256(file.read_bytes()).hexdigest()
+        return module.__name__ == f"{file.stem}_{content[:12]}"
+    return file.stat().st_mtime_ns <= getattr(kind, "made_at", 0)
 
 
 def made_of(kind: type) -> tuple[type[Part], ...]:

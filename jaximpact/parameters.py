@@ -10,6 +10,7 @@ import functools
 import html
 import inspect
 import math
+import time
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 
@@ -244,9 +245,13 @@ class Part(Module):
     `real_numbers`), TypeError for an unknown field, with the nearest known.
     """
 
+    made_at: ClassVar[int] = 0
+    """When the class was made [ns since 1970]."""
+
     def __init_subclass__(cls, **arguments):
         super().__init_subclass__(**arguments)
         _add_table(cls)
+        cls.made_at = time.time_ns()
 
     def __new__(cls, *given, **named):
         names = _names(cls)
