@@ -146,7 +146,7 @@ def predict(
             for quantity in PASSAGE_COLUMNS
             if (curve := _curve(fit, outcomes, x, names[x], quantity)) is not None
         ),
-        barriers=tuple(_at_barrier(fit, outcomes, b) for b in fit.barriers),
+        barriers=tuple(at_barrier(fit, outcomes, b) for b in fit.barriers),
         draws=len(outcomes),
         blocks=blocks,
     )
@@ -212,9 +212,10 @@ def _curve(
     return Curve(x, names, quantity, grid, share, low, high, design)
 
 
-def _at_barrier(
+def at_barrier(
     fit: SlopeFit, outcomes: np.ndarray, barrier: Barrier
 ) -> BarrierEstimates:
+    """Estimate what a barrier does, from data sets on one or several grounds."""
     first = column_of(fit.places, barrier.x, PASSAGE_COLUMNS[0])
     speed, centre, energy, lowest = np.moveaxis(
         outcomes[..., first : first + PER_PLACE], -1, 0
