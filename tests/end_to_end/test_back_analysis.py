@@ -298,7 +298,8 @@ def test_one_block_and_what_it_does_not_determine(observed, tmp_path, monkeypatc
     text += 'k_E = { from = 100, to = 1000 }\n[observed]\nstops = "stops.csv"\n'
     (tmp_path / "slope.toml").write_text(text)
     (tmp_path / "stops.csv").write_text("x_m\n60\n")
-    found = calibrate_slope(tmp_path / "slope.toml")
+    with pytest.warns(UserWarning, match="k_E: is a parameter of the soil"):
+        found = calibrate_slope(tmp_path / "slope.toml")
     friction, elasticity = found.posterior.fitted
     assert friction.determined
     assert not elasticity.determined

@@ -178,11 +178,11 @@ def test_of_many_blocks_a_random_part_is_used(slope):
         ),
         ("[fit.materials.meadow]", "[fit.materials.meadw]", "mean meadow"),
         ("{ from = 0, to = 8 }", "{ mean = 2, sd = 1 }", "roughness_deg.*reaches from"),
-        ("[fit]", "[fit]\ndata_sets = 10", "data_sets: must be at least 200"),
+        ("[fit]", "[fit]\ndata_sets = 10", "key fit.data_sets: must be at least 200"),
         ("stops =", "stop =", "observed.stop: is unknown.*stops"),
         ("stops.csv", "none.csv", "none.csv: cannot be read"),
         ("held_out_m = [80]", "held_out_m = [81]", "holds 81, where no passage"),
-        ("passed = 2", "passed = 4", "passed: must be at most 3"),
+        ("passed = 2", "passed = 4", "counts.1.passed: must be at most 3"),
         ("passed = 2, ", "", "counts.1.passed: is needed"),
         ("x_m = 60", "x_m = 600", "counts.1.x_m: must lie between"),
         ("sigma = { x_m = 1 }", "sigma = { x = 1 }", "sigma.x: is unknown"),
@@ -220,6 +220,15 @@ def test_bad_studies_are_refused(slope, old, new, told):
 def test_bad_tables_are_refused(slope, name, old, new, told):
     with pytest.raises(InputError, match=f"{name}.*{re.escape(told)}"):
         read_slope_fit(changed(slope, old, new, name))
+
+
+@pytest.mark.filterwarnings(UNUSED)
+def test_parameters_that_the_law_does_not_know_are_told(slope):
+    changed(
+        slope, "roughness_deg = {", "gamma_v = { from = 1, to = 8 }\nroughness_deg = {"
+    )
+    with pytest.warns(UserWarning, match="key fit.gamma_v: .*constant coefficients"):
+        read_slope_fit(slope)
 
 
 def test_the_command_refuses_in_one_line(slope, capsys):

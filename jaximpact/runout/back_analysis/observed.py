@@ -276,8 +276,10 @@ def _counts(path: Path, table: dict, profile: Profile) -> list[Count]:
                 raise InputError("is needed", file=path, key=f"{where}.{name}")
         x = number(path, f"{where}.x_m", entry["x_m"])
         check_inside(profile, x, file=path, key=f"{where}.x_m")
-        blocks = whole(path, entry, "of", 1, 1)
-        found.append(Count(x, whole(path, entry, "passed", 0, 0, blocks), blocks))
+        entry = {f"{where}.{name}": value for name, value in entry.items()}
+        blocks = whole(path, entry, f"{where}.of", 1, 1)
+        passed = whole(path, entry, f"{where}.passed", 0, 0, blocks)
+        found.append(Count(x, passed, blocks))
     return found
 
 

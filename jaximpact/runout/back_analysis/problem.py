@@ -4,6 +4,8 @@ observations."""
 import copy
 import dataclasses
 import json
+import warnings
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,7 @@ from ...io.files import read_input
 from ...io.toml import parse_toml, typed, unknown, whole
 from ...quantities import InputColumn
 from ...scene import Soil
+from ..contacts.contact_models import ClosedForm
 from ..random_inputs import Distribution
 from ..study.barriers import Barrier, read_barriers
 from ..study.contact_laws import columns_of_law
@@ -95,8 +98,9 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     if FIT not in content:
         raise InputError("needs a table [fit]", file=path, key=FIT)
     fit = dict(typed(path, content, FIT, dict))
-    data_sets = whole(path, fit, DATA_SETS_KEY, DATA_SETS, LEAST_DATA_SETS)
-    fit.pop(DATA_SETS_KEY, None)
+    key = f"{FIT}.{DATA_SETS_KEY}"
+    given = {key: fit.pop(DATA_SETS_KEY, DATA_SETS)}
+    data_sets = whole(path, given, key, DATA_SETS, LEAST_DATA_SETS)
     soil = GroundInput.read(path, content).soil
     ground = typed(path, content, "ground", dict, {})
     merged = copy.deepcopy(content)
@@ -111,6 +115,8 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
             f"names {len(slope.laws)} laws; a fit takes one", file=path, key="contacts"
         )
     (law,) = slope.laws
+    if isinstance(law.contacts, ClosedForm):
+        _warn_of_soil(path, law.name, parameters)
     told = law.told | dict.fromkeys((p.column.name for p in of_law), "fitted")
     slope = slope._replace(laws=[law._replace(told=told)])
     profile = slope.layout.profile
@@ -133,9 +139,21 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
         data_sets * observed.released * columns,
         f"{data_sets} data sets of {observed.released} blocks",
         file=path,
-        key=f"{FIT}.{DATA_SETS_KEY}",
+        key=key,
     )
     return fitted
+
+
+def _warn_of_soil(path: Path, law: str, parameters: Iterable[Parameter]) -> None:
+    """Warn of parameters that a law of rebound in closed form does not know."""
+    for parameter in parameters:
+        if parameter.column.part == "soil":
+            warnings.warn(
+                f"{path}, key {FIT}.{parameter.name}: is a parameter of the soil, "
+                f"which the law {law} does not know: it acts where blocks slide, if "
+                f"at all; [{FIT}.{CONTACTS}] takes the parameters of the law",
+                stacklevel=3,
+            )
 
 
 def _read_law_parameters(path: Path, fit: dict, merged: dict) -> list[Parameter]:
