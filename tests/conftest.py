@@ -30,6 +30,17 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """An empty directory for what is compiled."""
+    from jaximpact.store import open_cache
+
+    monkeypatch.setenv("JAXIMPACT_CACHE_DIR", str(tmp_path / "cache"))
+    open_cache.cache_clear()
+    yield tmp_path / "cache"
+    open_cache.cache_clear()
+
+
+@pytest.fixture
 def slope(folder, request):
     """The study `SLOPE` of the test's module, as slope.toml in an empty directory."""
     path = folder / "slope.toml"

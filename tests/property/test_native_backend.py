@@ -18,7 +18,7 @@ from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import MODELS
 from jaximpact.impact.specialize import depends
 from jaximpact.laws import Vesic
-from jaximpact.store import kept, open_cache
+from jaximpact.store import kept
 
 ONE = jax.ShapeDtypeStruct((1,), float)
 
@@ -282,15 +282,6 @@ def oblique_scenes(count):
             angular_velocity=draw(-50.0, 50.0, count),
         ),
     )
-
-
-@pytest.fixture
-def cache(tmp_path, monkeypatch):
-    """An empty directory for what is compiled."""
-    monkeypatch.setenv("JAXIMPACT_CACHE_DIR", str(tmp_path / "cache"))
-    open_cache.cache_clear()
-    yield tmp_path / "cache"
-    open_cache.cache_clear()
 
 
 def test_code_is_kept(cache):

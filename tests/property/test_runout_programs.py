@@ -21,7 +21,6 @@ from jaximpact.runout import blocks
 from jaximpact.runout.contacts import contact_models
 from jaximpact.runout.flight import time_of_impact
 from jaximpact.runout.lane_programs import ClosedProgram, Program
-from jaximpact.store import open_cache
 
 LAW = """
 from jaximpact.parameters import parameter
@@ -35,15 +34,6 @@ class Sticky(AbstractRebound):
 """
 OUTLINE, THETA = ellipse(np.array([2.0, 1.5]), np.ones(2)), np.array([0.3, 1.1])
 CHANGES = (jax.tree.map(lambda leaf: leaf[None], OUTLINE), np.ones((1, 2)))
-
-
-@pytest.fixture
-def cache(tmp_path, monkeypatch):
-    """An empty directory for what is compiled."""
-    monkeypatch.setenv("JAXIMPACT_CACHE_DIR", str(tmp_path / "cache"))
-    open_cache.cache_clear()
-    yield tmp_path / "cache"
-    open_cache.cache_clear()
 
 
 @pytest.fixture
