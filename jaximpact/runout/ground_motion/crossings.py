@@ -14,20 +14,25 @@ from ..trajectory import Ending
 from .rolling import SMALL_RISE, Crossing, begin_on_ground, cross_break
 
 
+class Side(NamedTuple):
+    """Segment at one side of an edge."""
+
+    exists: Values
+    """1 where there is one."""
+    segment: Values
+    """Its number."""
+    slope: Values
+    """Its angle [rad]."""
+
+
 class Edge(NamedTuple):
     """Break of the profile, or one of its ends, and the segments at both sides."""
 
     x: Values
     """The profile's point [m]."""
     y: Values
-    has_left: Values
-    """1 where there is a segment to the left."""
-    slope_left: Values
-    """Its angle [rad]."""
-    has_right: Values
-    """1 where there is a segment to the right."""
-    slope_right: Values
-    """Its angle [rad]."""
+    left: Side
+    right: Side
 
 
 class EdgeFrictions(NamedTuple):
@@ -35,15 +40,6 @@ class EdgeFrictions(NamedTuple):
 
     left: Values
     right: Values
-
-
-class _Side(NamedTuple):
-    """Segment at one side of an edge."""
-
-    exists: Values
-    segment: Values
-    slope: Values
-    rolling_friction: Values
 
 
 def cross_edges(state: State, lanes: np.ndarray) -> None:
@@ -61,8 +57,9 @@ def cross_edges(state: State, lanes: np.ndarray) -> None:
         blocks,
         state.constants.at(lanes),
         Edge(
-            *(profile.x[point], profile.y[point], point > 0, state.slope[left]),
-            *(point < profile.segments, state.slope[right]),
+            *(profile.x[point], profile.y[point]),
+            left=Side(point > 0, point - 1, state.slope[left]),
+            right=Side(point < profile.segments, point, state.slope[right]),
         ),
         state.ground.map(frictions),
         state.limits,
@@ -80,7 +77,7 @@ def _cross(
 ) -> BlockState:
     """Move a block over an edge, or back from it."""
     direction, plane = block.direction, block.plane
-    beyond = _side(block, edge, frictions, direction)
+    beyond, friction = _side(edge, frictions, direction)
     height = constants.centre_height(block.rolls)
     whole = 1.0 + constants.inertia_ratio(block.rolls)
     # Bringing the centre over the edge costs or gives energy.
@@ -107,7 +104,7 @@ def _cross(
     crossed = choose(
         crossing.flies > 0.0,
         _fly_off(block, constants, edge, crossing),
-        _begin_segment(block, constants, edge, beyond, crossing.speed),
+        _begin_segment(block, constants, edge, beyond, friction, crossing.speed),
     )
     crossed = choose(crossing.stays > 0.0, block.ended(Ending.stopped), crossed)
     back = _go_back(block, constants, edge, frictions, crossing.speed)
@@ -117,16 +114,12 @@ def _cross(
 
 
 def _side(
-    block: BlockState, edge: Edge, frictions: EdgeFrictions, direction: Values
-) -> _Side:
-    """Describe the segment beyond an edge in a direction."""
+    edge: Edge, frictions: EdgeFrictions, direction: Values
+) -> tuple[Side, Values]:
+    """Give the segment beyond an edge in a direction, and its rolling friction."""
     right = direction > 0.0
-    return _Side(
-        exists=jnp.where(right, edge.has_right, edge.has_left),
-        segment=jnp.where(right, block.edge, block.edge - 1.0),
-        slope=jnp.where(right, edge.slope_right, edge.slope_left),
-        rolling_friction=jnp.where(right, frictions.right, frictions.left),
-    )
+    side = choose(right, edge.right, edge.left)
+    return side, jnp.where(right, frictions.right, frictions.left)
 
 
 def _go_back(
@@ -139,7 +132,7 @@ def _go_back(
     """Return a block that does not get over a crest to the segment on this side of it;
     stop one that lacks the energy for it."""
     block = block._replace(direction=-block.direction)
-    side = _side(block, edge, frictions, block.direction)
+    side, friction = _side(edge, frictions, block.direction)
     height = constants.centre_height(block.rolls)
     # Loss of squared speed with height [m/s2].
     rate = 2.0 * GRAVITY / (1.0 + constants.inertia_ratio(block.rolls))
@@ -147,7 +140,7 @@ def _go_back(
     squared = speed**2 - rate * rise
     # Only rounding is left for a block that came from that segment.
     squared = jnp.where(jnp.abs(squared) < 1e-9 * rate * height, 0.0, squared)
-    goes = _begin_segment(block, constants, edge, side, root(squared))
+    goes = _begin_segment(block, constants, edge, side, friction, root(squared))
     back = choose(squared < 0.0, block.ended(Ending.stopped), goes)
     return choose(side.exists > 0.0, back, block.ended(Ending.left_profile))
 
@@ -178,7 +171,8 @@ def _begin_segment(
     block: BlockState,
     constants: BlockConstants,
     edge: Edge,
-    side: _Side,
+    side: Side,
+    rolling_friction: Values,
     speed: Values,
 ) -> BlockState:
     """Begin motion along a segment at an edge."""
@@ -190,6 +184,6 @@ def _begin_segment(
         phase=jnp.full_like(block.phase, float(Phase.grounded)),
     ).moved(x=edge.x + height * jnp.sin(slope), y=edge.y + height * jnp.cos(slope))
     return begin_on_ground(
-        *(begun, constants, slope, side.rolling_friction),
+        *(begun, constants, slope, rolling_friction),
         *(height, direction * speed, spin),
     )
