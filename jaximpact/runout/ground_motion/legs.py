@@ -21,27 +21,31 @@ from .rolling import (
 )
 
 
-class LocalGround(NamedTuple):
-    """Segment that a block is on, and the slopes of those beside it."""
+class End(NamedTuple):
+    """End of a segment, and the segment beyond it."""
 
-    left_x: Values
-    """Left end of the segment [m]."""
-    left_y: Values
-    right_x: Values
-    """Right end of the segment [m]."""
-    right_y: Values
+    point: Values
+    """Number of the profile's point."""
+    x: Values
+    """The point [m]."""
+    y: Values
+    exists: Values
+    """1 where there is a segment beyond it."""
+    segment: Values
+    """Its number."""
+    slope: Values
+    """Its angle [rad]."""
+
+
+class LocalGround(NamedTuple):
+    """Segment that a block is on."""
+
+    left: End
+    right: End
     length: Values
     """Length of the segment [m]."""
     slope: Values
     """Angle w of the segment [rad]."""
-    has_left: Values
-    """1 where there is a segment to the left."""
-    slope_left: Values
-    """Its angle [rad]."""
-    has_right: Values
-    """1 where there is a segment to the right."""
-    slope_right: Values
-    """Its angle [rad]."""
 
 
 class Frictions(NamedTuple):
@@ -56,17 +60,9 @@ class Frictions(NamedTuple):
 class _Break(NamedTuple):
     """End of the segment towards which a block moves."""
 
-    point: Values
-    """Number of the profile's point."""
-    segment: Values
-    """Number of the segment beyond it."""
-    x: Values
-    """The point [m]."""
-    y: Values
-    slope: Values
-    """Angle of the segment beyond it [rad]."""
+    end: End
     rolling_friction: Values
-    """Tangent of the angle of rolling friction there."""
+    """Tangent of the angle of rolling friction beyond it."""
     turn: Values
     """Angle by which the ground turns up there [rad]; 0 at the profile's ends."""
 
@@ -91,17 +87,16 @@ def move_along(state: State, lanes: np.ndarray) -> None:
         )
 
     x, y = state.profile.x, state.profile.y
+
+    def end(point: np.ndarray, beyond: np.ndarray, exists: np.ndarray) -> End:
+        slope = state.slope[np.clip(beyond, 0, last)]
+        return End(point, x[point], y[point], exists, beyond, slope)
+
     ground = LocalGround(
-        left_x=x[place],
-        left_y=y[place],
-        right_x=x[place + 1],
-        right_y=y[place + 1],
+        left=end(place, place - 1, place > 0),
+        right=end(place + 1, place + 1, place < last),
         length=state.length[place],
         slope=state.slope[place],
-        has_left=place > 0,
-        slope_left=state.slope[left],
-        has_right=place < last,
-        slope_right=state.slope[right],
     )
     moved = call(
         _move,
@@ -173,7 +168,7 @@ def _move(
     block, piece = _advanced(block, leg, slope, height)
     at_edge = block._replace(
         phase=jnp.full_like(block.phase, float(Phase.at_edge)),
-        edge=ahead.point,
+        edge=ahead.end.point,
         plane=slope,
     )
     corner_struck = _strike_corner(block, constants, ahead, slope, frictions)
@@ -195,7 +190,7 @@ def _roll_down_to_mean_height(
     """
     body, slope = block.body, ground.slope
     sin, cos = jnp.sin(slope), jnp.cos(slope)
-    foot = cos * (body.x - ground.left_x) - sin * (body.y - ground.left_y)
+    foot = cos * (body.x - ground.left.x) - sin * (body.y - ground.left.y)
     short = block.is_rolling & (block.speed_squared < 0.0)
     whole = 1.0 + constants.inertia_ratio(block.rolls)
     missing = jnp.where(short, -block.speed_squared, 0.0) * whole
@@ -214,19 +209,12 @@ def _break_ahead(
 ) -> _Break:
     """Describe the end of the segment towards which a block moves."""
     right = block.direction > 0.0
-    exists = jnp.where(right, ground.has_right, ground.has_left) > 0.0
-    after = jnp.where(right, ground.slope_right, ground.slope_left)
-    turn = block.direction * (ground.slope - after)
+    end = choose(right, ground.right, ground.left)
+    turn = block.direction * (ground.slope - end.slope)
     return _Break(
-        point=jnp.where(right, block.segment + 1.0, block.segment),
-        segment=jnp.where(right, block.segment + 1.0, block.segment - 1.0),
-        x=jnp.where(right, ground.right_x, ground.left_x),
-        y=jnp.where(right, ground.right_y, ground.left_y),
-        slope=after,
-        rolling_friction=jnp.where(
-            right, frictions.rolling_right, frictions.rolling_left
-        ),
-        turn=jnp.where(exists, turn, 0.0),
+        end,
+        jnp.where(right, frictions.rolling_right, frictions.rolling_left),
+        turn=jnp.where(end.exists > 0.0, turn, 0.0),
     )
 
 
@@ -302,12 +290,12 @@ def _strike_corner(
 ) -> BlockState:
     """Let a block at a concave break strike the next segment; one too slow for an
     impact continues along it or stops."""
-    body, direction, after = block.body, block.direction, ahead.slope
+    body, direction, after = block.body, block.direction, ahead.end.slope
     speed = root(block.speed_squared)
     spin = direction * speed / constants.centre_height(block.rolls)
     spin = jnp.where(block.is_rolling, spin, 0.0)
     sin, cos = jnp.sin(after), jnp.cos(after)
-    over = sin * (body.x - ahead.x) + cos * (body.y - ahead.y)
+    over = sin * (body.x - ahead.end.x) + cos * (body.y - ahead.end.y)
     closing = speed * jnp.sin(ahead.turn)
     small = small_speed(constants.outline.smallest, after)
     slow = closing < small
@@ -320,7 +308,7 @@ def _strike_corner(
     theta = jnp.where(turns_away & ~slow, upright, theta)
     reach, _ = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
     strikes = block._replace(
-        segment=ahead.segment,
+        segment=ahead.end.segment,
         phase=jnp.full_like(block.phase, float(Phase.touching)),
         normal_x=sin,
         normal_y=cos,
