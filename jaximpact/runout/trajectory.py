@@ -167,7 +167,8 @@ class Ending(enum.IntEnum):
     event_limit = 3
     """The block was still moving after the largest number of contacts and legs."""
     failed = 4
-    """A contact could not be integrated, or a search for contact was given up."""
+    """A contact could not be integrated, a search for contact was given up, or the
+    centre came into ground that leaves the block no room."""
 
     def __str__(self) -> str:
         return self.name.replace("_", " ")
