@@ -198,14 +198,23 @@ class PrivateStore(Store):
             raise Refused(f"others may write to {self.path}")
 
     def _get_key(self) -> bytes:
-        """The key of the directory, made where there is none. Of processes that make
-        one at once, one is lost, and what was kept with it is made again."""
+        """The key of the directory, made where there is none: by one of the processes
+        that start together, or what another keeps would count as not there."""
+        key = self._stored_key()
+        if key is None:
+            with self.making(KEY, KEY):
+                key = self._stored_key()
+                if key is None:
+                    self._write(KEY, secrets.token_bytes(KEY_BYTES), 0o600)
+        # Where the file system has no locks another process may have written its own.
+        return self._read(KEY, forbidden=OTHERS) if key is None else key
+
+    def _stored_key(self) -> bytes | None:
         with contextlib.suppress(FileNotFoundError):
             key = self._read(KEY, forbidden=OTHERS)
             if len(key) == KEY_BYTES:
                 return key
-        self._write(KEY, secrets.token_bytes(KEY_BYTES), 0o600)
-        return self._read(KEY, forbidden=OTHERS)
+        return None
 
     def _read(self, name: str, forbidden: int = OTHERS_WRITE) -> bytes:
         """A file of the user's own; Refused if it has any of the forbidden modes."""

@@ -311,3 +311,20 @@ assert kept("key", make) == b"code"
     assert [process.wait(60) for process in running] == [0, 0]
     assert made.read_text() == "x"
     assert not [*(tmp_path / "cache").glob("*.lock")]
+
+
+def test_all_who_open_a_new_directory_at_once_have_the_same_key(tmp_path):
+    def open_it(path):
+        ready.wait()
+        keys.append(PrivateStore(path, own=True)._key)
+
+    for number in range(20):
+        keys, ready = [], threading.Barrier(8)
+        arguments = (tmp_path / str(number),)
+        threads = [threading.Thread(target=open_it, args=arguments) for _ in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert len(keys) == 8 and len(set(keys)) == 1
+        assert [path.name for path in arguments[0].iterdir()] == ["key"]
