@@ -23,7 +23,7 @@ from .ground_motion.crossings import cross_edges
 from .ground_motion.legs import move_along
 from .state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, Phase, State
 from .terrain import Ground, Profile
-from .trajectory import Ending, Runs
+from .trajectory import Runs
 
 WIDTH = 8192
 """Number of blocks under way at once: enough for full cores, few enough for the
@@ -171,19 +171,3 @@ def _move_to_contacts(state: State, active: np.ndarray) -> None:
         for of, transition in transitions.items():
             if len(lanes[of]):
                 transition(state, lanes[of])
-                _fail_in_the_ground(state, lanes[of])
-
-
-def _fail_in_the_ground(state: State, lanes: np.ndarray) -> None:
-    """End blocks whose centre has come into the ground.
-
-    A block on the ground meets the segments beside its own and no others, so in a ditch
-    or a valley narrower than itself it may roll into the wall, or fly from there. Where
-    it stops is not known: it failed, and has no place.
-    """
-    profile, blocks = state.profile, state.blocks.value
-    x, y = blocks.body.x[lanes], blocks.body.y[lanes]
-    on_profile = (x > profile.x[0]) & (x < profile.x[-1])
-    lost = lanes[on_profile & (y < profile.height(x))]
-    blocks.phase[lost], blocks.ending[lost] = Phase.ended, Ending.failed
-    blocks.body.x[lost], blocks.body.y[lost] = np.nan, np.nan

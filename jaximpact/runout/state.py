@@ -12,6 +12,7 @@ from ..scene import Block, Soil
 from ..shapes import RoundBlock
 from .blocks import BlockOutline, Body, MassProperties, Release, outline_of
 from .lane_programs import Carried, Values, call, closed_form
+from .narrow_places import NarrowPlaces
 from .terrain import Ground, Profile, spread
 from .trajectory import ContactRecord, Ending, Pieces, Recorder
 
@@ -189,6 +190,7 @@ class State:
     """Slope angles of the segments [rad], `(segments,)`."""
     length: np.ndarray
     """Lengths of the segments [m], `(segments,)`."""
+    narrow: NarrowPlaces
     limits: Limits
     seed: int
     """Seed of the facets."""
@@ -224,23 +226,58 @@ class State:
         numbers = None if ground is None else ground.numbers
         parameters = None if directions is None else len(directions.body.x)
         block = Carried(release.block, directions and directions.block)
+        constants = call(_constants_of, block)
+        radius = constants.value.round.radius, constants.value.outline.smallest
         return cls(
             profile=profile,
             release=release,
             slope=profile.slope,
             length=profile.length,
+            narrow=NarrowPlaces.of(profile, float(np.max(radius))),
             limits=limits,
             seed=0 if ground is None else ground.seed,
             numbers=np.arange(n) if numbers is None else numbers,
             roughness=spread(surface.roughness, n, profile.segments),
             blocks=_at_release(release.body, directions),
-            constants=call(_constants_of, block),
+            constants=constants,
             block=block,
             ground=_ground_of_blocks(surface, n, profile.segments, directions),
             law_tangent=directions and directions.law,
             contacts=Recorder(ContactRecord, parameters),
             pieces=Recorder(Pieces, parameters),
         )
+
+    def move(
+        self,
+        lanes: np.ndarray,
+        after: Carried,
+        piece: Carried | None = None,
+        sinks: bool = False,
+    ) -> None:
+        """Move blocks on by a transition.
+
+        A block whose centre would come into the ground is wedged in a place narrower
+        than itself: it does not move, and has stopped.
+
+        Args:
+            after: the blocks after the transition.
+            piece: the motion, to be recorded.
+            sinks: whether a block may end in the ground, as in its crater.
+        """
+        x, y = after.value.body.x, after.value.body.y
+        on_profile = (x > self.profile.x[0]) & (x < self.profile.x[-1])
+        wedged = on_profile & (y < self.profile.height(x))
+        if sinks:
+            wedged &= after.value.phase != Phase.ended
+        stopped = self.blocks.at(lanes[wedged])
+        self.blocks.put(lanes, after)
+        if np.any(wedged):
+            stopped.value.phase[:] = Phase.ended
+            stopped.value.ending[:] = Ending.stopped
+            self.blocks.put(lanes[wedged], stopped)
+            lanes, piece = lanes[~wedged], piece and piece.at(~wedged)
+        if piece is not None:
+            self.pieces.add(lanes, piece)
 
 
 def _at_release(body: Body, directions: Directions | None) -> Carried:

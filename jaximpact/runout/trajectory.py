@@ -159,7 +159,8 @@ class Ending(enum.IntEnum):
     """Reasons why a trajectory ended."""
 
     stopped = 0
-    """The block came to rest, on the ground or in its crater."""
+    """The block came to rest, on the ground, in its crater, or wedged in a place
+    narrower than itself."""
     left_profile = 1
     """The centre passed an end of the profile."""
     time_limit = 2
@@ -167,8 +168,7 @@ class Ending(enum.IntEnum):
     event_limit = 3
     """The block was still moving after the largest number of contacts and legs."""
     failed = 4
-    """A contact could not be integrated, a search for contact was given up, or the
-    centre came into ground that leaves the block no room."""
+    """A contact could not be integrated, or a search for contact was given up."""
 
     def __str__(self) -> str:
         return self.name.replace("_", " ")

@@ -68,7 +68,10 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
         struck = struck.copy()
         turn = strike_facets(state, lanes, touched, struck, rough)
     response, outcome = _respond(state, lanes, struck, is_impact, contacts)
-    settled = call(settle, blocks, constants, struck, response)
+    settled = _held_up(
+        *(state.profile, segment, blocks, constants.value.outline),
+        call(settle, blocks, constants, struck, response),
+    )
     now, outline = settled.value, constants.value.outline
     free = free_fraction(
         *(state.profile, segment, blocks.value.body, outline, now.x, now.y),
@@ -82,7 +85,7 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
         state.limits,
     )
     after, record, piece = departed.split()
-    state.blocks.put(lanes, after)
+    state.move(lanes, after, sinks=True)
     state.contacts.add(lanes, record)
     takes_time = response.value.duration > 0.0
     if np.any(takes_time):
@@ -114,6 +117,39 @@ def _respond(
     return response, outcome
 
 
+def _held_up(
+    profile: Profile,
+    segment: np.ndarray,
+    blocks: Carried,
+    outline: BlockOutline,
+    settled: Carried,
+) -> Carried:
+    """Keep blocks that are set back out of the ground from being set back into other
+    ground, as between walls: their inscribed circle stays out of it."""
+    smallest = outline.smallest
+    lanes = np.flatnonzero(blocks.value.gap < -IN_THE_GROUND * smallest)
+    if not len(lanes):
+        return settled
+    body, now = select(blocks.value.body, lanes), select(settled.value, lanes)
+    rise = now.x - body.x, now.y - body.y
+    free = free_fraction(
+        *(profile, segment[lanes], body, select(outline, lanes)),
+        *(body.x, body.y, None, rise),
+    )
+    lanes, free = lanes[free < 1.0], free[free < 1.0]
+    if not len(lanes):
+        return settled
+    settled, begun = settled.copy(), blocks.part("body")
+    pairs = [(settled.value, begun.value)]
+    if settled.tangent is not None:
+        pairs.append((settled.tangent, begun.tangent))
+    for tree, start in pairs:
+        for name in ("x", "y"):
+            place, first = getattr(tree, name), getattr(start, name)[..., lanes]
+            place[..., lanes] = first + free * (place[..., lanes] - first)
+    return settled
+
+
 def _as_before(struck) -> ImpactResponse:
     return ImpactResponse(
         struck.normal_velocity.copy(),
@@ -130,7 +166,7 @@ def free_fraction(
     outline: BlockOutline,
     x: np.ndarray,
     y: np.ndarray,
-    orientation: np.ndarray,
+    orientation: np.ndarray | None,
     travel: tuple[np.ndarray, np.ndarray],
 ) -> np.ndarray:
     """Compute the fraction of its travel during a contact that a block can make.
@@ -141,7 +177,8 @@ def free_fraction(
     Args:
         segment: the segment that is struck, which is not in the way.
         body, outline: the block at touch.
-        x, y, orientation: the block after the contact, without its travel.
+        x, y, orientation: the block after the contact, without its travel; with no
+            orientation, it is its inscribed circle that has to stay free.
         travel: travel along x and y [m].
 
     Returns:
@@ -155,8 +192,10 @@ def free_fraction(
 
     def gap(lanes, place, x, y, theta):
         """Compute the gaps of blocks to the lines of segments [m]."""
-        slope = profile.slope[place]
-        reach = support_of(select(outline, lanes), theta[lanes] - slope).radius
+        reach = smallest[lanes]
+        if orientation is not None:
+            turned = theta[lanes] - profile.slope[place]
+            reach = support_of(select(outline, lanes), turned).radius
         height = normal_x[place] * (x[lanes] - profile.x[place])
         height += normal_y[place] * (y[lanes] - profile.y[place])
         return height - reach

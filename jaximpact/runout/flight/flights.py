@@ -244,8 +244,7 @@ def fly_on(state: State, lanes: np.ndarray) -> None:
     around = _surroundings(end, body, state.profile)
     landed = call(land, blocks, outline, end, around, state.limits)
     after, flight = landed.split()
-    state.blocks.put(lanes, after)
-    state.pieces.add(lanes, flight)
+    state.move(lanes, after, flight)
 
 
 def _surroundings(end: FlightEnd, body: Body, profile: Profile) -> Surroundings:

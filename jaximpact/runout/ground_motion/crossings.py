@@ -1,6 +1,7 @@
 """Transition of blocks over convex breaks: into the air, on, back, or off the
 profile."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -8,10 +9,14 @@ import numpy as np
 
 from ...scene import GRAVITY
 from ..blocks import support
-from ..lane_programs import Values, call, closed_form, root
+from ..lane_programs import ClosedProgram, Values, call, closed_form, root
+from ..narrow_places import NONE
 from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
+from ..terrain import SAME_PLANE
 from ..trajectory import Ending
+from .obstacles import Obstacle, obstacles_about, plane_at, turn_to
 from .rolling import SMALL_RISE, Crossing, begin_on_ground, cross_break
+from .running_into import run_into
 
 
 class Side(NamedTuple):
@@ -44,7 +49,52 @@ class EdgeFrictions(NamedTuple):
 
 def cross_edges(state: State, lanes: np.ndarray) -> None:
     """Move blocks over convex breaks, into the air, back, or off the profile."""
+    others = state.narrow.about[state.blocks.value.edge[lanes].astype(int)]
+    narrow = others[:, 0] != NONE
+    if np.any(narrow):
+        there, others = lanes[narrow], others[narrow]
+        meets, obstacle = _obstacles(state, there, others, 1.0)
+        behind, _ = _obstacles(state, there, others, -1.0)
+        _advance(state, _turn_to_obstacle, there[meets], obstacle.at(meets))
+        _advance(state, _cross_before_obstacle, there[behind & ~meets])
+        narrow[narrow] = meets | behind
+    _advance(state, _cross, lanes[~narrow])
+
+
+def _obstacles(
+    state: State, lanes: np.ndarray, others: np.ndarray, way: float
+) -> tuple[np.ndarray, Obstacle]:
+    """Find what blocks run into as they turn about points.
+
+    Args:
+        others: segments that they may touch, a row of `NarrowPlaces.about` for each.
+        way: 1 for the turn in the direction of motion, -1 for the turn back.
+    """
+    block, constants = state.blocks.at(lanes).value, state.constants.at(lanes).value
+    point, direction = block.edge.astype(int), way * block.direction
+    beyond = np.where(direction > 0.0, point, point - 1)
+    exists = (beyond >= 0) & (beyond < state.profile.segments)
+    after = direction * state.slope[np.where(exists, beyond, 0)]
+    meets, obstacle = obstacles_about(
+        *(state.profile, others, point, (direction * block.plane, after), direction),
+        height=np.where(
+            block.rolls > 0.0, constants.round.radius, constants.outline.smallest
+        ),
+    )
+    return meets & exists, obstacle
+
+
+def _advance(
+    state: State,
+    transition: ClosedProgram,
+    lanes: np.ndarray,
+    obstacle: Obstacle | None = None,
+) -> None:
+    """Move blocks over breaks by one of the transitions."""
+    if not len(lanes):
+        return
     profile, blocks = state.profile, state.blocks.at(lanes)
+    constants = state.constants.at(lanes)
     point = blocks.value.edge.astype(int)
     left, right = np.maximum(point - 1, 0), np.minimum(point, profile.segments - 1)
 
@@ -52,19 +102,20 @@ def cross_edges(state: State, lanes: np.ndarray) -> None:
         rolling = ground.rolling_friction
         return EdgeFrictions(rolling[..., lanes, left], rolling[..., lanes, right])
 
-    crossed = call(
-        _cross,
-        blocks,
-        state.constants.at(lanes),
-        Edge(
-            *(profile.x[point], profile.y[point]),
-            left=Side(point > 0, point - 1, state.slope[left]),
-            right=Side(point < profile.segments, point, state.slope[right]),
-        ),
-        state.ground.map(frictions),
-        state.limits,
+    edge = Edge(
+        *(profile.x[point], profile.y[point]),
+        left=Side(point > 0, point - 1, state.slope[left]),
+        right=Side(point < profile.segments, point, state.slope[right]),
     )
-    state.blocks.put(lanes, crossed)
+    more: tuple = ()
+    if obstacle is not None:
+        segment = obstacle.segment.astype(int)
+        more = obstacle, state.ground.part("rolling_friction").at(lanes, segment)
+    crossed = call(
+        *(transition, blocks, constants, edge, state.ground.map(frictions)),
+        *(*more, state.limits),
+    )
+    state.move(lanes, crossed)
 
 
 @closed_form
@@ -76,8 +127,119 @@ def _cross(
     limits: Limits,
 ) -> BlockState:
     """Move a block over an edge, or back from it."""
-    direction, plane = block.direction, block.plane
+    return _crossed(block, constants, edge, frictions, limits, _go_back)
+
+
+@closed_form
+def _cross_before_obstacle(
+    block: BlockState,
+    constants: BlockConstants,
+    edge: Edge,
+    frictions: EdgeFrictions,
+    limits: Limits,
+) -> BlockState:
+    """Move a block over an edge, or back from it where an obstacle is in that way."""
+    return _crossed(block, constants, edge, frictions, limits, _turn_back)
+
+
+def _crossed(
+    block: BlockState,
+    constants: BlockConstants,
+    edge: Edge,
+    frictions: EdgeFrictions,
+    limits: Limits,
+    go_back: Callable,
+) -> BlockState:
+    direction = block.direction
     beyond, friction = _side(edge, frictions, direction)
+    crossing = _crossing(block, constants, edge, direction * beyond.slope, limits)
+    crossed = choose(
+        crossing.flies > 0.0,
+        _fly_off(block, constants, edge, crossing),
+        _begin_segment(block, constants, edge, beyond, friction, crossing.speed),
+    )
+    crossed = choose(crossing.stays > 0.0, block.ended(Ending.stopped), crossed)
+    back = go_back(block, constants, edge, frictions, crossing.speed)
+    crossed = choose(crossing.goes_back > 0.0, back, crossed)
+    left = block.ended(Ending.left_profile)
+    return choose(beyond.exists > 0.0, crossed, left).counted(limits)
+
+
+@closed_form
+def _turn_to_obstacle(
+    block: BlockState,
+    constants: BlockConstants,
+    edge: Edge,
+    frictions: EdgeFrictions,
+    obstacle: Obstacle,
+    obstacle_friction: Values,
+    limits: Limits,
+) -> BlockState:
+    """Turn a block about an edge towards what it runs into before the end of the turn,
+    or back.
+
+    Args:
+        obstacle_friction: tangent of the angle of rolling friction there.
+    """
+    direction, height = block.direction, constants.centre_height(block.rolls)
+    _, friction = _side(edge, frictions, -direction)
+    angle = turn_to(obstacle, (edge.x, edge.y), direction, height)
+    angle = jnp.maximum(angle, direction * block.plane)
+    crossing = _crossing(block, constants, edge, angle, limits)
+    there = _turned(block, constants, edge, direction * angle, crossing.speed)
+    here = direction * angle
+    plane = plane_at(obstacle, there.body, here, direction, obstacle_friction)
+    crossed = choose(
+        crossing.flies > 0.0,
+        _fly_off(block, constants, edge, crossing),
+        run_into(there, constants, plane, here, friction),
+    )
+    crossed = choose(crossing.stays > 0.0, block.ended(Ending.stopped), crossed)
+    back = _turn_back(block, constants, edge, frictions, crossing.speed)
+    return choose(crossing.goes_back > 0.0, back, crossed).counted(limits)
+
+
+def _turn_back(
+    block: BlockState,
+    constants: BlockConstants,
+    edge: Edge,
+    frictions: EdgeFrictions,
+    speed: Values,
+) -> BlockState:
+    """Let a block that does not get over a crest turn back about the edge, where it may
+    run into something; one that came along the segment goes back there."""
+    side, _ = _side(edge, frictions, -block.direction)
+    on_side = jnp.abs(jnp.sin(block.plane - side.slope)) <= SAME_PLANE
+    turned = _turned(block, constants, edge, block.plane, speed)
+    turned = turned._replace(direction=-block.direction)
+    back = _go_back(block, constants, edge, frictions, speed)
+    return choose(on_side | (back.phase == Phase.ended), back, turned)
+
+
+def _turned(
+    block: BlockState,
+    constants: BlockConstants,
+    edge: Edge,
+    plane: Values,
+    speed: Values,
+) -> BlockState:
+    """Place a block on an edge, with a speed and the plane on which it rests."""
+    height = constants.centre_height(block.rolls)
+    return block._replace(plane=plane, speed_squared=speed**2).moved(
+        x=edge.x + height * jnp.sin(plane), y=edge.y + height * jnp.cos(plane)
+    )
+
+
+def _crossing(
+    block: BlockState,
+    constants: BlockConstants,
+    edge: Edge,
+    after: Values,
+    limits: Limits,
+) -> Crossing:
+    """Compute the motion of a block over an edge, to the plane of an angle `after`,
+    which descends in the direction of motion [rad]."""
+    direction, plane = block.direction, block.plane
     height = constants.centre_height(block.rolls)
     whole = 1.0 + constants.inertia_ratio(block.rolls)
     # Bringing the centre over the edge costs or gives energy.
@@ -92,25 +254,15 @@ def _cross(
     hop = jnp.maximum(
         limits.hop_threshold * outline.heave, SMALL_RISE * outline.smallest
     )
-    crossing = cross_break(
+    return cross_break(
         constants,
         speed_squared=squared,
         before=direction * plane,
-        after=direction * beyond.slope,
+        after=after,
         orientation=direction * block.body.orientation,
         rolls=block.rolls,
         hop=hop,
     )
-    crossed = choose(
-        crossing.flies > 0.0,
-        _fly_off(block, constants, edge, crossing),
-        _begin_segment(block, constants, edge, beyond, friction, crossing.speed),
-    )
-    crossed = choose(crossing.stays > 0.0, block.ended(Ending.stopped), crossed)
-    back = _go_back(block, constants, edge, frictions, crossing.speed)
-    crossed = choose(crossing.goes_back > 0.0, back, crossed)
-    left = block.ended(Ending.left_profile)
-    return choose(beyond.exists > 0.0, crossed, left).counted(limits)
 
 
 def _side(

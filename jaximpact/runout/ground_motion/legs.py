@@ -6,19 +6,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...scene import GRAVITY
-from ..blocks import support
 from ..lane_programs import Values, call, closed_form, root
+from ..narrow_places import NONE
 from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
 from ..terrain import SAME_PLANE
 from ..trajectory import Ending, MotionMode, Pieces
-from .rolling import (
-    Leg,
-    barrier,
-    begin_on_ground,
-    follow_segment,
-    lying_orientation,
-    small_speed,
-)
+from .obstacles import Obstacle, distance_to, obstacles_along, plane_at
+from .rolling import Leg, barrier, follow_segment, lying_orientation
+from .running_into import Plane, run_into
 
 
 class End(NamedTuple):
@@ -70,10 +65,39 @@ class _Break(NamedTuple):
 def move_along(state: State, lanes: np.ndarray) -> None:
     """Move blocks along their segments, to the end or as far as they get."""
     _find_segments(state, lanes)
-    blocks, place = (
-        state.blocks.at(lanes),
-        state.blocks.value.segment[lanes].astype(int),
+    place = state.blocks.value.segment[lanes].astype(int)
+    others = state.narrow.along[place]
+    narrow = others[:, 0] != NONE
+    if np.any(narrow):
+        meets, obstacle = _obstacles(state, lanes[narrow], others[narrow])
+        narrow[narrow] = meets
+        _advance(state, lanes[narrow], obstacle.at(meets))
+    _advance(state, lanes[~narrow])
+
+
+def _obstacles(
+    state: State, lanes: np.ndarray, others: np.ndarray
+) -> tuple[np.ndarray, Obstacle]:
+    """Find what blocks in narrow places run into on their way."""
+    block, constants = state.blocks.at(lanes).value, state.constants.at(lanes).value
+    own, profile = block.segment.astype(int), state.profile
+    start, foot = call(_start, block, constants, _local_ground(state, own)).value
+    right, length = start.direction > 0.0, state.length[own]
+    return obstacles_along(
+        *(profile, others, own, (start.body.x, start.body.y), start.direction),
+        height=np.where(
+            start.rolls > 0.0, constants.round.radius, constants.outline.smallest
+        ),
+        room=np.where(right, length - foot, foot),
     )
+
+
+def _advance(state: State, lanes: np.ndarray, obstacle: Obstacle | None = None) -> None:
+    """Move blocks along their segments, towards obstacles if there are any."""
+    if not len(lanes):
+        return
+    blocks, constants = state.blocks.at(lanes), state.constants.at(lanes)
+    place = blocks.value.segment.astype(int)
     last = state.profile.segments - 1
     left, right = np.maximum(place - 1, 0), np.minimum(place + 1, last)
 
@@ -86,29 +110,34 @@ def move_along(state: State, lanes: np.ndarray) -> None:
             rolling[..., lanes, right],
         )
 
-    x, y = state.profile.x, state.profile.y
+    ground = _local_ground(state, place), state.ground.map(frictions)
+    if obstacle is None:
+        moved = call(_move, blocks, constants, *ground, state.limits)
+    else:
+        there = obstacle.segment.astype(int)
+        friction = state.ground.part("rolling_friction").at(lanes, there)
+        moved = call(
+            *(_move_to_obstacle, blocks, constants, *ground),
+            *(obstacle, friction, state.limits),
+        )
+    after, leg = moved.split()
+    state.move(lanes, after, leg)
+
+
+def _local_ground(state: State, place: np.ndarray) -> LocalGround:
+    """Describe segments, and their ends."""
+    x, y, last = state.profile.x, state.profile.y, state.profile.segments - 1
 
     def end(point: np.ndarray, beyond: np.ndarray, exists: np.ndarray) -> End:
         slope = state.slope[np.clip(beyond, 0, last)]
         return End(point, x[point], y[point], exists, beyond, slope)
 
-    ground = LocalGround(
+    return LocalGround(
         left=end(place, place - 1, place > 0),
         right=end(place + 1, place + 1, place < last),
         length=state.length[place],
         slope=state.slope[place],
     )
-    moved = call(
-        _move,
-        blocks,
-        state.constants.at(lanes),
-        ground,
-        state.ground.map(frictions),
-        state.limits,
-    )
-    after, leg = moved.split()
-    state.blocks.put(lanes, after)
-    state.pieces.add(lanes, leg)
 
 
 def _find_segments(state: State, lanes: np.ndarray) -> None:
@@ -152,12 +181,78 @@ def _move(
     direction, height = block.direction, constants.centre_height(rolls)
     distance = jnp.where(direction > 0.0, ground.length - foot, foot)
     distance -= jnp.where(corner, height * jnp.tan(0.5 * ahead.turn), 0.0)
-    ratio = constants.inertia_ratio(rolls)
+    block, arrives, needed, piece = _follow(
+        block, constants, slope, frictions, distance
+    )
+    at_edge = block._replace(
+        phase=jnp.full_like(block.phase, float(Phase.at_edge)),
+        edge=ahead.end.point,
+        plane=slope,
+    )
+    next_segment = Plane(
+        *(ahead.end.x, ahead.end.y, ahead.end.slope, ahead.end.segment),
+        *(-1.0, ahead.rolling_friction, ahead.turn),
+    )
+    corner_struck = run_into(block, constants, next_segment, slope, frictions.rolling)
+    slow = _slow_down(block, constants, slope, frictions, needed)
+    arrived = choose(corner, corner_struck, at_edge)
+    moved = choose(arrives > 0.0, arrived, slow)
+    moved = moved.ended(Ending.time_limit, block.time > limits.time)
+    return moved.counted(limits), piece
+
+
+@closed_form
+def _move_to_obstacle(
+    block: BlockState,
+    constants: BlockConstants,
+    ground: LocalGround,
+    frictions: Frictions,
+    obstacle: Obstacle,
+    obstacle_friction: Values,
+    limits: Limits,
+) -> tuple[BlockState, Pieces]:
+    """Move a block along its segment towards what it runs into before the end.
+
+    Args:
+        obstacle_friction: tangent of the angle of rolling friction there.
+
+    Returns:
+        The block, and its motion along the segment.
+    """
+    slope = ground.slope
+    block, _ = _roll_down_to_mean_height(block, constants, ground)
+    direction, height = block.direction, constants.centre_height(block.rolls)
+    along = direction * jnp.cos(slope), -direction * jnp.sin(slope)
+    block, arrives, needed, piece = _follow(
+        *(block, constants, slope, frictions),
+        distance_to(obstacle, block.body, along, height),
+    )
+    plane = plane_at(obstacle, block.body, slope, direction, obstacle_friction)
+    struck = run_into(block, constants, plane, slope, frictions.rolling)
+    slow = _slow_down(block, constants, slope, frictions, needed)
+    moved = choose(arrives > 0.0, struck, slow)
+    moved = moved.ended(Ending.time_limit, block.time > limits.time)
+    return moved.counted(limits), piece
+
+
+def _follow(
+    block: BlockState,
+    constants: BlockConstants,
+    slope: Values,
+    frictions: Frictions,
+    distance: Values,
+) -> tuple[BlockState, Values, Values, Pieces]:
+    """Move a block along its segment by a distance, or as far as it gets.
+
+    Returns:
+        The block; 1 where it arrives; the least energy for rolling [J]; the motion.
+    """
+    ratio = constants.inertia_ratio(block.rolls)
     needed = barrier(constants, slope, frictions.rolling)
     needed = jnp.where(block.is_rolling, needed, 0.0)
     leg = follow_segment(
         speed=root(block.speed_squared),
-        descent=direction * slope,
+        descent=block.direction * slope,
         distance=distance,
         friction=jnp.where(block.is_rolling, frictions.rolling, frictions.sliding),
         inertia_ratio=ratio,
@@ -165,18 +260,9 @@ def _move(
             2.0 * needed / (constants.mass_properties.mass * (1.0 + ratio))
         ),
     )
+    height = constants.centre_height(block.rolls)
     block, piece = _advanced(block, leg, slope, height)
-    at_edge = block._replace(
-        phase=jnp.full_like(block.phase, float(Phase.at_edge)),
-        edge=ahead.end.point,
-        plane=slope,
-    )
-    corner_struck = _strike_corner(block, constants, ahead, slope, frictions)
-    slow = _slow_down(block, constants, slope, frictions, needed)
-    arrived = choose(corner, corner_struck, at_edge)
-    moved = choose(leg.arrives > 0.0, arrived, slow)
-    moved = moved.ended(Ending.time_limit, block.time > limits.time)
-    return moved.counted(limits), piece
+    return block, leg.arrives, needed, piece
 
 
 def _roll_down_to_mean_height(
@@ -202,6 +288,9 @@ def _roll_down_to_mean_height(
         direction=jnp.where(short, down, block.direction),
     ).moved(x=body.x + shift * cos, y=body.y - shift * sin)
     return rolled, foot + shift
+
+
+_start = closed_form(_roll_down_to_mean_height)
 
 
 def _break_ahead(
@@ -279,52 +368,3 @@ def _slow_down(
     )
     stands = choose(starts, started, block.ended(Ending.stopped))
     return choose(lies_down, flat, stands)
-
-
-def _strike_corner(
-    block: BlockState,
-    constants: BlockConstants,
-    ahead: _Break,
-    here: Values,
-    frictions: Frictions,
-) -> BlockState:
-    """Let a block at a concave break strike the next segment; one too slow for an
-    impact continues along it or stops."""
-    body, direction, after = block.body, block.direction, ahead.end.slope
-    speed = root(block.speed_squared)
-    spin = direction * speed / constants.centre_height(block.rolls)
-    spin = jnp.where(block.is_rolling, spin, 0.0)
-    sin, cos = jnp.sin(after), jnp.cos(after)
-    over = sin * (body.x - ahead.end.x) + cos * (body.y - ahead.end.y)
-    closing = speed * jnp.sin(ahead.turn)
-    small = small_speed(constants.outline.smallest, after)
-    slow = closing < small
-    theta = body.orientation - after
-    _, arm = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
-    # The round block strikes; where the ellipse in its place would turn away from the
-    # plane, it does so along its nearest axis.
-    turns_away = closing + arm * spin < small
-    upright = jnp.floor(theta / (0.5 * jnp.pi) + 0.5) * (0.5 * jnp.pi)
-    theta = jnp.where(turns_away & ~slow, upright, theta)
-    reach, _ = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
-    strikes = block._replace(
-        segment=ahead.end.segment,
-        phase=jnp.full_like(block.phase, float(Phase.touching)),
-        normal_x=sin,
-        normal_y=cos,
-        gap=over - reach,
-    ).moved(
-        v_x=direction * speed * jnp.cos(here),
-        v_y=-direction * speed * jnp.sin(here),
-        angular_velocity=spin,
-        orientation=theta + after,
-    )
-    goes_on = begin_on_ground(
-        strikes._replace(phase=jnp.full_like(block.phase, float(Phase.grounded))),
-        *(constants, after, ahead.rolling_friction, over),
-        *(direction * speed * jnp.cos(ahead.turn), spin),
-    )
-    rises = jnp.sin(direction * after) < frictions.rolling * cos
-    stops = (speed < small) & rises
-    slowly = choose(stops, strikes.ended(Ending.stopped), goes_on)
-    return choose(slow, slowly, strikes)

@@ -25,7 +25,8 @@ flight that would rise over the next segment by less than a hop,
 $v^2\sin^2(w_2 - w_1)/(2 g \cos w_2)$, is not followed: the block goes on along the
 ground.
 
-**At a concave break** it runs into the next segment.
+**At a concave break** it runs into the next segment; in places narrower than itself
+into whatever is in its way (`obstacles`).
 
 **Slow blocks.** A block comes to roll, to slide or to rest where it lies
 (`begin_on_ground`); below `small_speed` there is neither a hop nor an impact.
