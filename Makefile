@@ -33,12 +33,14 @@ calibrate: $(VENV)/.installed
 	    $(VENV)/bin/jaximpact calibrate calibration/$$study/study.toml --out $(OUT)/$$study; \
 	done
 
-# A file's tests share what they compile, so a file stays with one of the two workers.
+# A file's tests share what they compile, so a file stays with one of the two workers. Files
+# are begun by name, so that the last ones are the short ones of tests/unit and both workers
+# end at about the same time; xdist would begin with those of the most tests.
 test: $(VENV)/.installed
-	$(VENV)/bin/python -m pytest -n 2 --dist loadfile $(TESTS)
+	$(VENV)/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder $(TESTS)
 
 quick: $(VENV)/.installed
-	$(VENV)/bin/python -m pytest -n 2 --dist loadfile -m "not slow and not xla and not docs" $(TESTS)
+	$(VENV)/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -m "not slow and not xla and not docs" $(TESTS)
 
 lint: $(VENV)/.linter
 	$(VENV)/bin/ruff check .

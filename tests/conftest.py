@@ -10,11 +10,17 @@ import pytest
 from hypothesis import settings
 from text_files import write_changed
 
+from jaximpact.backend.xla_compilation import keep_programs
+
 jax.config.update("jax_enable_x64", True)
 
-# The commands keep what they compile; not in the home of whoever runs the tests.
-_CACHE = tempfile.TemporaryDirectory(prefix="jaximpact-tests-")
-os.environ["XDG_CACHE_HOME"] = _CACHE.name
+# Compiling is most of the time. What one worker of pytest-xdist, command or notebook
+# has compiled the others find: in a directory of the session, which workers inherit,
+# not in the home of whoever runs the tests.
+if "PYTEST_XDIST_WORKER" not in os.environ:
+    _CACHE = tempfile.TemporaryDirectory(prefix="jaximpact-tests-")
+    os.environ["XDG_CACHE_HOME"] = _CACHE.name
+keep_programs()
 
 # The first example of a property compiles, which no deadline allows for; a seed of its
 # own each run would make failures come and go.

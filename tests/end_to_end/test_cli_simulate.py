@@ -107,7 +107,7 @@ def test_a_bad_scene_is_one_line(folder, capsys):
 
 @pytest.mark.slow
 def test_compiled_program_is_kept_for_the_next_time(folder):
-    (folder / "scene.toml").write_text("angle_deg = 20\n")
+    (folder / "scene.toml").write_text("")
     command = ["simulate", "scene.toml", "--plot", "plot.png"]
     subprocess.run(
         [sys.executable, "-m", "jaximpact", *command],

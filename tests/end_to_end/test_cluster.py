@@ -6,6 +6,7 @@ cluster and one kernel, and the worker that is killed is the last to be needed.
 """
 
 import multiprocessing
+import multiprocessing.forkserver
 import os
 import signal
 import subprocess
@@ -39,7 +40,6 @@ from jaximpact import (
     tasks,
     write_zarr,
 )
-from jaximpact.backend.xla_compilation import keep_programs
 from jaximpact.calibration import read_study
 from jaximpact.calibration.estimation.starts import fit
 from jaximpact.cli import main
@@ -64,13 +64,27 @@ c_v = { lower = 0.1, upper = 10.0 }
 [default_sigma]
 e_n = 0.01
 """
+NEEDED_BY_WORKERS = (
+    "jaximpact.batch",
+    "jaximpact.calibration.estimation.starts",
+    "jaximpact.runout",
+    "jaximpact.sweeping",
+)
 BLOCK = Block(mass=np.linspace(50.0, 500.0, 300), aspect_ratio=2.0)
 IMPACT = Impact.from_degrees(angle=30.0, orientation=20.0)
 
 
 @pytest.fixture(scope="module")
-def client():
-    keep_programs()  # what one process compiles the others read
+def fork_server():
+    """The server from which workers are forked: it imports what each of them needs, and
+    meanwhile the tests compile."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["distributed", "pandas", *NEEDED_BY_WORKERS])
+    multiprocessing.forkserver.ensure_running()
+
+
+@pytest.fixture(scope="module")
+def client(fork_server, at_once):
     settings = {
         # A busy machine takes longer than 15 s to start a worker that was killed again.
         "distributed.deploy.lost-worker-timeout": "10 minutes",
@@ -91,7 +105,7 @@ def client():
 
 
 @pytest.fixture(scope="module")
-def at_once():
+def at_once(fork_server):
     return sweep(Scene(), AXES)
 
 
@@ -324,6 +338,8 @@ def test_a_pool_of_joblib_and_one_of_python():
         joblib.externals.loky.get_reusable_executor(max_workers=1),
         ProcessPoolExecutor(1, mp_context=spawn),
     ]
+    for pool in pools:  # both start at once
+        pool.submit(exec, "import jaximpact.batch")
     for pool in pools:
         with pool:
             received = simulate_batch(BLOCK, Soil(), IMPACT, executor=pool)

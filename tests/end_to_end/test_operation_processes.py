@@ -62,29 +62,23 @@ print(sum(event == "/jax/compilation_cache/cache_hits" for event in hits))
 """
 
 
-@pytest.fixture(scope="module")
-def run(tmp_path_factory):
-    """Runs Python, with one cache of machine code for all; gives what it printed."""
-    cache = tmp_path_factory.mktemp("cache")
-
-    def run(text: str, **variables: str) -> list[str]:
-        done = subprocess.run(
-            [sys.executable, "-c", COMMON + text],
-            env=os.environ | {"JAXIMPACT_CACHE_DIR": str(cache)} | variables,
-            capture_output=True,
-            text=True,
-        )
-        assert done.returncode == 0, done.stderr
-        return done.stdout.splitlines()
-
-    return run
+def run(text: str, **variables: str) -> list[str]:
+    """Runs Python and gives what it printed."""
+    done = subprocess.run(
+        [sys.executable, "-c", COMMON + text],
+        env=os.environ | variables,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
 
 
-def test_over_several_devices(run):
+def test_over_several_devices():
     run(SHARDED, XLA_FLAGS="--xla_force_host_platform_device_count=2")
 
 
-def test_programs_that_jax_has_kept(run, tmp_path):
+def test_programs_that_jax_has_kept(tmp_path):
     """Another process finds them, and the operation that they call."""
     kept = {
         "JAX_COMPILATION_CACHE_DIR": str(tmp_path),

@@ -47,6 +47,7 @@ def test_no_name_is_described_twice():
     assert len({id(value) for value in values}) == len(values)
 
 
+@pytest.mark.docs
 def test_the_site_builds_without_warnings(tmp_path):
     pytest.importorskip("sphinx", reason="the extra docs is not installed")
     pytest.importorskip("myst_nb", reason="the extra docs is not installed")

@@ -22,6 +22,7 @@ from jaximpact.calibration.problem.forward_model import engine_of
 from jaximpact.calibration.problem.nuisance import LEAST_GROUP_SD, MOST_GROUP_SD
 from jaximpact.calibration.problem.objective import Objective, names_of
 from jaximpact.errors import InputError
+from jaximpact.io.toml import Key
 from jaximpact.progress import Progress
 from jaximpact.quantities import INPUT_COLUMNS
 
@@ -108,7 +109,8 @@ def test_what_is_no_expression_is_refused(text, words, tmp_path):
     column = INPUT_COLUMNS["k_E"]
     with pytest.raises(InputError) as error:
         read_tied(
-            *(tmp_path / "study.toml", "parameters.k_E", "k_E", text),
+            Key(tmp_path / "study.toml", "parameters.k_E.expression"),
+            *("k_E", text),
             *({"c_v": (0.1, 10.0)}, {}, column),
         )
     assert_one_line(error.value, words, "parameters.k_E.expression")

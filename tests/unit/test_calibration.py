@@ -10,7 +10,7 @@ from error_messages import assert_one_line_error
 
 from jaximpact import PRESETS, Accuracy, Block, Impact, Soil, simulate
 from jaximpact.calibration import read_study, run_study
-from jaximpact.calibration.diagnostics.combinations import combination
+from jaximpact.calibration.diagnostics.identifiability import combination
 from jaximpact.calibration.diagnostics.jumps import in_words as jumps_in_words
 from jaximpact.calibration.diagnostics.jumps import shares_of, without_jumps
 from jaximpact.calibration.diagnostics.uncertainty import estimate

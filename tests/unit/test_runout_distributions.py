@@ -5,6 +5,7 @@ import pytest
 from scipy import stats
 
 from jaximpact.errors import InputError
+from jaximpact.io.toml import Key
 from jaximpact.runout import Lognormal, Normal, PowerLaw, Uniform, draw
 from jaximpact.runout.study.quantity import read_quantity
 
@@ -97,7 +98,7 @@ def test_a_power_law_of_no_exponent_is_uniform_in_the_logarithm():
     ],
 )
 def test_a_file_says_distributions(tmp_path, said, read):
-    assert read_quantity(tmp_path, "key", said, None) == read
+    assert read_quantity(Key(tmp_path, "key"), said, None) == read
 
 
 @pytest.mark.parametrize(
@@ -125,5 +126,5 @@ def test_a_file_says_distributions(tmp_path, said, read):
 )
 def test_bad_distributions_are_refused(tmp_path, said, parts):
     with pytest.raises(InputError) as error:
-        read_quantity(tmp_path / "s.toml", "key", said, None)
+        read_quantity(Key(tmp_path / "s.toml", "key"), said, None)
     assert parts in str(error.value)

@@ -9,7 +9,7 @@ from error_messages import assert_one_line_error
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.runout import read_slope_study
-from jaximpact.runout.profile_files import read_dxf_points
+from jaximpact.runout.profile_formats import read_dxf_points
 
 X, Y = [0.0, 400.0, 1000.0], [230.0, 0.0, 0.0]
 HEAD = "0\nSECTION\n2\nENTITIES\n"
