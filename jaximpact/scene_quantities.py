@@ -84,7 +84,9 @@ def scene_with(scene: Scene, values: Mapping[str, ArrayLike]) -> Scene:
     columns = columns_of(scene)
     changed: dict[str, dict] = {}
     for name, value in values.items():
-        column = known_column(columns, name)
+        if name not in columns:
+            raise InputError(f"{name} is unknown; {why_unknown(name, columns)}")
+        column = columns[name]
         si = column.factor * np.asarray(value, float)
         changed.setdefault(column.part, {})[column.field] = si
     parts = {part: getattr(scene, part) for part in PARTS}
@@ -140,10 +142,3 @@ def value_of(scene: Scene, column: InputColumn) -> np.ndarray:
     """Return a parameter of a scene in the unit of its column."""
     value = np.asarray(getattr(getattr(scene, column.part), column.field))
     return value / column.factor
-
-
-def known_column(columns: Mapping[str, InputColumn], name: str) -> InputColumn:
-    """Return the column of a name. Raises InputError, with what may have been meant."""
-    if name not in columns:
-        raise InputError(f"{name} is unknown; {why_unknown(name, columns)}")
-    return columns[name]

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from ._checks import expect, real_number, real_numbers
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
-from .errors import InputError, located
+from .errors import InputError
 from .identity import name_of, part_names
 from .io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from .io.datasets import (
@@ -24,7 +24,17 @@ from .io.datasets import (
     dataset_of,
     shape_coordinate,
 )
-from .io.toml import check_keys, choice, load_toml, number, scene_from, typed, whole
+from .io.toml import (
+    Key,
+    check_keys,
+    choice,
+    load_toml,
+    number,
+    of_kind,
+    scene_from,
+    typed,
+    whole,
+)
 from .lazy.impacts import Chunks, lazy_grid
 from .progress import Progress, ProgressFunction
 from .quantities import OUTCOME_COLUMN, SLOTS, InputColumn, columns_of, why_unknown
@@ -402,77 +412,70 @@ def read_sweep_study(path: Path) -> SweepStudy:
     Raises InputError, naming file and key, for whatever cannot be used.
     """
     path = Path(path)
-    content = load_toml(path)
+    top, content = Key(path), load_toml(path)
     base, accuracy = scene_from(path, content, (AXES_KEY,))
     if AXES_KEY not in content:
-        raise InputError(
-            "is needed: which quantities vary, and over what", file=path, key=AXES_KEY
-        )
-    given = _with_shapes(path, AXES_KEY, typed(path, content, AXES_KEY, dict))
-    with located(file=path):
+        raise top[AXES_KEY].error("is needed: which quantities vary, and over what")
+    given = _with_shapes(top[AXES_KEY], typed(top, content, AXES_KEY, dict))
+    with top.located():
         columns = columns_of_axes(given, base)
     axes = {
-        name: _axis(path, f"{AXES_KEY}.{name}", name, value, columns)
+        name: _axis(top[AXES_KEY][name], name, value, columns)
         for name, value in given.items()
     }
-    with located(file=path):
+    with top.located():
         check_axes(axes, base, in_memory=False)  # which a store need not fit into
     return SweepStudy(base, axes, accuracy)
 
 
-def _with_shapes(path: Path, key: str, axes: dict) -> dict:
+def _with_shapes(key: Key, axes: dict) -> dict:
     """Return the axes with classes in place of the names of shapes."""
     found = {}
     for name, value in axes.items():
-        where = f"{key}.{name}"
+        where = key[name]
         if name == SHAPE and isinstance(value, list):
-            texts = [typed(path, {where: text}, where, str) for text in value]
-            with located(file=path, key=where):
-                found[name] = [shape_named(x, path.parent) for x in texts]
+            texts = [of_kind(where, text, str) for text in value]
+            with where.located():
+                found[name] = [shape_named(x, key.file.parent) for x in texts]
         else:
             inner = isinstance(value, dict)
-            found[name] = _with_shapes(path, where, value) if inner else value
+            found[name] = _with_shapes(where, value) if inner else value
     return found
 
 
-def _axis(path: Path, key: str, name: str, value, columns):
+def _axis(key: Key, name: str, value, columns):
     if name in columns or name == SHAPE:
-        return _values(path, key, name, value)
+        return _values(key, name, value)
     if not isinstance(value, dict) or set(value) <= set(RANGE_KEYS):
-        raise InputError(
-            f"is unknown; {why_unknown_axis(name, columns)}", file=path, key=key
-        )
+        raise key.error(f"is unknown; {why_unknown_axis(name, columns)}")
     return {
-        quantity: _values(path, f"{key}.{quantity}", quantity, values)
+        quantity: _values(key[quantity], quantity, values)
         for quantity, values in value.items()
     }
 
 
-def _values(path: Path, key: str, name: str, value):
+def _values(key: Key, name: str, value):
     """Return a list of numbers, labels or shapes, or the values of a range."""
     if isinstance(value, list):
         is_text = name in (LABELS, SHAPE)
-        return value if is_text else [number(path, key, one) for one in value]
+        return value if is_text else [number(key, one) for one in value]
     if not isinstance(value, dict):
-        raise InputError(
+        raise key.error(
             "must be a list of numbers, or a range {from, to, count}, but is "
-            f"{value!r}",
-            file=path,
-            key=key,
+            f"{value!r}"
         )
-    check_keys(path, key, value, RANGE_KEYS)
+    check_keys(key, value, RANGE_KEYS)
     for name in ("from", "to", "count"):
         if name not in value:
-            raise InputError(f"needs {name}", file=path, key=key)
-    ends = [number(path, f"{key}.{end}", value[end]) for end in ("from", "to")]
-    count = whole(path, value, "count", 1, 1)
-    check_memory(count, f"{count} values", file=path, key=f"{key}.count")
-    spacing = choice(path, value, "spacing", "linear", tuple(SPACINGS))
+            raise key.error(f"needs {name}")
+    ends = [number(key[end], value[end]) for end in ("from", "to")]
+    top = Key(key.file)
+    count = whole(top, value, "count", 1, 1)
+    check_memory(count, f"{count} values", **key["count"].place)
+    spacing = choice(top, value, "spacing", "linear", tuple(SPACINGS))
     if spacing == "logarithmic" and min(ends) <= 0.0:
-        raise InputError(
+        raise key.error(
             f"must run between positive numbers to be logarithmic, but runs from "
-            f"{ends[0]:g} to {ends[1]:g}",
-            file=path,
-            key=key,
+            f"{ends[0]:g} to {ends[1]:g}"
         )
     return SPACINGS[spacing](*ends, count)

@@ -12,6 +12,7 @@ import numpy as np
 from .._checks import expect
 from ..errors import InputError
 from ..io.scene_table import SIGMA_COLUMNS, Table, read_table, table_of
+from ..io.toml import Key
 from ..parameters import Composite, Part, parts_of
 from ..quantities import (
     LABEL_COLUMNS,
@@ -200,7 +201,7 @@ def _given(
         return _Given(parts, {}, _columns(what, given, parts_of(kind)))
     whole = "soil" if kind is Soil else "block"
     entries: Any = given or {}
-    parts, stated = parts_and_values(COLUMNS, what, entries, whole, Path())
+    parts, stated = parts_and_values(Key(COLUMNS)[what], entries, whole, Path())
     objects = [slot for slot in parts if isinstance(entries[slot], Part)]
     values = _columns(what, kind(**parts), objects, own=False)
     # Numbers of numpy and JAX as Python's.

@@ -7,9 +7,9 @@ import numpy as np
 
 from ..errors import InputError
 from ..progress import SILENT, Progress, ProgressFunction, as_progress
-from .diagnostics.combinations import directions
 from .diagnostics.identifiability import (
     LikelihoodProfile,
+    directions,
     judge_all,
     profile_all,
 )

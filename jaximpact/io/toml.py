@@ -1,14 +1,16 @@
 """TOML files: values checked for kind, range and name, and scenes; each error in one
 line."""
 
+import dataclasses
 import math
 import re
 import sys
 import tomllib
 import warnings
 from collections.abc import Iterable, Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from ..accuracy import PRESETS
 from ..errors import InputError, UnusualValueWarning, check_choice, located
@@ -37,6 +39,31 @@ ACCURACY_KEY = "accuracy"
 Kind = TypeVar("Kind")
 
 
+@dataclasses.dataclass(frozen=True)
+class Key:
+    """Key of a file, as errors name it: `Key(path)["soil"]["c_v"]`."""
+
+    file: Path
+    name: str | None = None
+    """Key in full, such as soil.c_v; None for the file itself."""
+
+    def __getitem__(self, inner: str) -> "Key":
+        return Key(self.file, f"{self.name}.{inner}" if self.name else inner)
+
+    @property
+    def place(self) -> dict[str, Any]:
+        """Place of an InputError, by its arguments."""
+        return {"file": self.file, "key": self.name}
+
+    def error(self, problem: str) -> InputError:
+        """Make the error of its value."""
+        return InputError(problem, **self.place)
+
+    def located(self) -> AbstractContextManager[None]:
+        """Add the key to an InputError of a check that does not know it."""
+        return located(**self.place)
+
+
 # --- Files.
 
 
@@ -49,126 +76,120 @@ def parse_toml(path: Path, data: bytes) -> dict:
     """Parse the bytes of a file, so that every value can be shown and every text
     printed; InputError where that is not so."""
     text = as_text(path, data)
+    file = Key(path)
     if DOTTED.search(text):
-        raise InputError(TOO_DEEP, file=path)
+        raise file.error(TOO_DEEP)
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"is not valid TOML: {error}", file=path) from error
+        raise file.error(f"is not valid TOML: {error}") from error
     except RecursionError:
-        raise InputError(TOO_DEEP, file=path) from None
+        raise file.error(TOO_DEEP) from None
     except ValueError:
         # More digits than Python reads.
         found = DIGITS.search(text)
         row = text.count("\n", 0, found.start()) + 1 if found else None
         raise InputError(TOO_LARGE, file=path, row=row) from None
-    _check_value(path, "", content)
+    _check_value(file, content)
     return content
 
 
-def _check_value(path: Path, key: str, value: Any, depth: int = 0) -> None:
+def _check_value(key: Key, value: Any, depth: int = 0) -> None:
     """Raise InputError for what no key may hold."""
     if depth == DEEPEST:
-        raise InputError(TOO_DEEP, file=path)
+        raise Key(key.file).error(TOO_DEEP)
     if isinstance(value, dict):
         for name, inner in value.items():
-            where = f"{key}.{name}" if key else name
-            _check_text(path, where, name)
-            _check_value(path, where, inner, depth + 1)
+            _check_text(key[name], name)
+            _check_value(key[name], inner, depth + 1)
     elif isinstance(value, list):
         for inner in value:
-            _check_value(path, key, inner, depth + 1)
+            _check_value(key, inner, depth + 1)
     elif isinstance(value, str):
-        _check_text(path, key, value)
+        _check_text(key, value)
     elif isinstance(value, int) and abs(value) > LARGEST_WHOLE:
-        raise InputError(TOO_LARGE, file=path, key=key)
+        raise key.error(TOO_LARGE)
 
 
-def _check_text(path: Path, key: str, text: str) -> None:
+def _check_text(key: Key, text: str) -> None:
     # Tabs and line ends may stand in notes; an escape would command the terminal.
     if not text.isprintable() and CONTROLS.search(text):
-        raise InputError(
-            "holds a control character, such as an escape; remove it",
-            file=path,
-            key=key,
-        )
+        raise key.error("holds a control character, such as an escape; remove it")
 
 
 # --- Keys.
 
 
-def unknown(path: Path, key: str, name: str, known: Iterable[str]) -> NoReturn:
-    """Raise InputError for a name, with what may have been meant."""
-    raise InputError(f"is unknown; {why_unknown(name, known)}", file=path, key=key)
+def unknown(table: Key, name: str, known: Iterable[str]) -> InputError:
+    """Make the error for a name in a table, with what may have been meant."""
+    return table[name].error(f"is unknown; {why_unknown(name, known)}")
 
 
-def check_keys(path: Path, where: str, keys: Iterable[str], known) -> None:
-    """Raise InputError for a key that is unknown; `where` is the name of its table, ""
-    at the top of the file."""
-    for key in keys:
-        if key not in known:
-            unknown(path, f"{where}.{key}" if where else key, key, known)
+def check_keys(table: Key, names: Iterable[str], known) -> None:
+    """Raise InputError for a key of a table that is unknown."""
+    for name in names:
+        if name not in known:
+            raise unknown(table, name, known)
 
 
-def check_table(path: Path, key: str, entry, known, like: str) -> None:
+def check_table(key: Key, entry, known, like: str) -> None:
     """Raise InputError for a value that is no table, saying what it is like, or for an
     unknown key."""
     if not isinstance(entry, dict):
-        raise InputError(
-            f"must be a table like {like}, but is {entry!r}", file=path, key=key
-        )
-    check_keys(path, key, entry, known)
+        raise key.error(f"must be a table like {like}, but is {entry!r}")
+    check_keys(key, entry, known)
 
 
-def known_table(path: Path, content: dict, name: str, known: tuple[str, ...]) -> dict:
+def known_table(top: Key, content: dict, name: str, known: tuple[str, ...]) -> dict:
     """A table of the file, with known keys only; empty where there is none."""
-    table = typed(path, content, name, dict, {})
-    check_keys(path, name, table, known)
+    table = typed(top, content, name, dict, {})
+    check_keys(top[name], table, known)
     return table
 
 
-# --- Values.
+# --- Values: of a key, or of a name in a table, whose key is given.
 
 
-def typed(
-    path: Path, content: Mapping, key: str, kind: type[Kind], default: Any = REQUIRED
-) -> Kind:
-    """A value of one kind, or the default; InputError for another kind."""
-    value = content.get(key, default)
+def of_kind(key: Key, value: Any, kind: type[Kind]) -> Kind:
+    """A value of one kind; InputError for another kind."""
     # A TOML boolean is a Python integer.
     if not isinstance(value, kind) or isinstance(value, bool):
-        raise InputError(
-            f"must be {KIND_WORDS[kind]}, but is {value!r}", file=path, key=key
-        )
+        raise key.error(f"must be {KIND_WORDS[kind]}, but is {value!r}")
     return value
 
 
+def typed(
+    table: Key, content: Mapping, name: str, kind: type[Kind], default: Any = REQUIRED
+) -> Kind:
+    """A value of one kind, or the default; InputError for another kind."""
+    return of_kind(table[name], content.get(name, default), kind)
+
+
 def whole(
-    path: Path,
+    table: Key,
     content: dict,
-    key: str,
+    name: str,
     default: int,
     least: int,
     most: int = LARGEST_WHOLE,
 ) -> int:
     """A whole number from `least` to `most`."""
-    value = typed(path, content, key, int, default)
+    value = typed(table, content, name, int, default)
     if not least <= value <= most:
         end = f"least {least}" if value < least else f"most {most}"
-        raise InputError(f"must be at {end}, but is {value}", file=path, key=key)
+        raise table[name].error(f"must be at {end}, but is {value}")
     return value
 
 
-def choice(path: Path, content: dict, key: str, default: str, known) -> str:
+def choice(table: Key, content: dict, name: str, default: str, known) -> str:
     """One of the known words."""
-    value = typed(path, content, key, str, default)
-    check_choice("", value, known, file=path, key=key)
+    value = typed(table, content, name, str, default)
+    check_choice("", value, known, **table[name].place)
     return value
 
 
 def number(
-    path: Path,
-    key: str,
+    key: Key,
     value,
     *,
     above: float = -math.inf,
@@ -177,64 +198,57 @@ def number(
 ) -> float:
     """A finite number, above `above` and of at least `least`."""
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"must be a number, but is {value!r}", file=path, key=key)
+        raise key.error(f"must be a number, but is {value!r}")
     if abs(value) > sys.float_info.max or math.isnan(value):
-        raise InputError(f"must be finite, but is {value}", file=path, key=key)
+        raise key.error(f"must be finite, but is {value}")
     if not (value > above and value >= least):
         need = f"above {above:g}" if value <= above else f"at least {least:g}"
-        problem = f"must be {need} {unit}".rstrip() + f", but is {value:g}"
-        raise InputError(problem, file=path, key=key)
+        raise key.error(f"must be {need} {unit}".rstrip() + f", but is {value:g}")
     return float(value)
 
 
-def allowed(path: Path, key: str, column: InputColumn, value) -> float:
+def allowed(key: Key, column: InputColumn, value) -> float:
     """A number that the column may hold, in its unit."""
-    checked = number(path, key, value)
+    checked = number(key, value)
     if not column.holds(checked):
-        raise InputError(
-            f"must be {column.requirement}, but is {value}"
-            f"{column.hint(checked, column.unit)}",
-            file=path,
-            key=key,
-        )
+        hint = column.hint(checked, column.unit)
+        raise key.error(f"must be {column.requirement}, but is {value}{hint}")
     return checked
 
 
-def quantity(path: Path, key: str, column: InputColumn, value) -> float:
+def quantity(key: Key, column: InputColumn, value) -> float:
     """A number that the column may hold, in its unit, as something has it; warns of one
     that is unusual."""
-    checked = allowed(path, key, column, value)
+    checked = allowed(key, column, value)
     if not column.is_usual(checked):
-        text = f"{path}, key {key}: is {column.told(checked, column.unit)}"
+        told = column.told(checked, column.unit)
+        text = f"{key.file}, key {key.name}: is {told}"
         warnings.warn(UnusualValueWarning(text, column.name), stacklevel=2)
     return checked
 
 
-def with_named_parts(
-    path: Path, where: str, table: Mapping, whole: Composite
-) -> Composite:
+def with_named_parts(key: Key, table: Mapping, whole: Composite) -> Composite:
     """A soil or a block with the laws or the shape that a table names; its other keys
     are passed over.
 
     Args:
-        path: of the file, from whose directory files of laws are looked for.
-        where: name of the table.
+        key: of the table; files of laws are looked for from its file's directory.
 
     Raises InputError, naming file and key, for a name that cannot be used.
     """
     found = {
-        slot: _named_part(path, f"{where}.{slot}", slot, table[slot])
+        slot: _named_part(key[slot], slot, table[slot])
         for slot in parts_of(type(whole))
         if slot in table
     }
-    with located(file=path, key=where):
+    with key.located():
         return replaced_parts(whole, found)
 
 
-def _named_part(path: Path, key: str, slot: str, name) -> Part:
-    text = typed(path, {key: name}, key, str)
-    with located(file=path, key=key):
-        return part_named(slot, text, path.parent)
+def _named_part(key: Key, slot: str, name) -> Part:
+    text = of_kind(key, name, str)
+    with key.located():
+        return part_named(slot, text, key.file.parent)
 
 
 # --- Scenes.
@@ -277,36 +291,35 @@ def scene_from(path: Path, content: dict, others: tuple[str, ...] = ()) -> Scene
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """
+    top = Key(path)
     accuracy, numbers, names = None, {}, {}
     for key, value in content.items():
         if key in others:
             continue
         if key == ACCURACY_KEY:
-            check_choice("", value, PRESETS, file=path, key=key)
+            check_choice("", value, PRESETS, **top[key].place)
             accuracy = value
         elif key in PARTS:
-            for name, inner in typed(path, content, key, dict).items():
+            for name, inner in typed(top, content, key, dict).items():
                 if name in content:
-                    raise InputError(
-                        f"stands in [{key}] and before all tables; remove one",
-                        file=path,
-                        key=name,
+                    raise top[name].error(
+                        f"stands in [{key}] and before all tables; remove one"
                     )
                 (names if name in SLOTS else numbers)[name] = key, inner
         else:
             (names if key in SLOTS else numbers)[key] = None, value
-    base = _with_parts(path, names)
-    return SceneFile(scene_with(base, _values(path, numbers, base, others)), accuracy)
+    base = _with_parts(top, names)
+    return SceneFile(scene_with(base, _values(top, numbers, base, others)), accuracy)
 
 
-def _with_parts(path: Path, names: Found) -> Scene:
+def _with_parts(top: Key, names: Found) -> Scene:
     """The usual scene with the laws and the shape that a file names, by slot."""
     found: dict[str, dict[str, Part]] = {part: {} for part in PARTS}
     for slot, (table, name) in names.items():
-        _check_table(path, slot, table, SLOTS[slot])
-        found[SLOTS[slot]][slot] = _named_part(path, slot, slot, name)
+        _check_table(top[slot], table, SLOTS[slot])
+        found[SLOTS[slot]][slot] = _named_part(top[slot], slot, name)
     usual = Scene()
-    with located(file=path):
+    with top.located():
         scene = Scene(
             *(replaced_parts(getattr(usual, p), slots) for p, slots in found.items())
         )
@@ -315,22 +328,20 @@ def _with_parts(path: Path, names: Found) -> Scene:
 
 
 def _values(
-    path: Path, numbers: Found, base: Scene, others: tuple[str, ...]
+    top: Key, numbers: Found, base: Scene, others: tuple[str, ...]
 ) -> dict[str, float]:
     """The quantities of a file by their columns, checked."""
     columns, values = columns_of(base), {}
     for name, (table, value) in numbers.items():
         if name not in columns:
-            top = () if table else (*PARTS, ACCURACY_KEY, *others)
-            key = f"{table}.{name}" if table else name
-            unknown(path, key, name, (*columns, *SLOTS, *top))
-        _check_table(path, name, table, columns[name].part)
-        values[name] = quantity(path, name, columns[name], value)
+            more = () if table else (*PARTS, ACCURACY_KEY, *others)
+            where = top[table] if table else top
+            raise unknown(where, name, (*columns, *SLOTS, *more))
+        _check_table(top[name], table, columns[name].part)
+        values[name] = quantity(top[name], columns[name], value)
     return values
 
 
-def _check_table(path: Path, name: str, table: str | None, part: str) -> None:
+def _check_table(key: Key, table: str | None, part: str) -> None:
     if table not in (None, part):
-        raise InputError(
-            f"stands in [{table}], but belongs into [{part}]", file=path, key=name
-        )
+        raise key.error(f"stands in [{table}], but belongs into [{part}]")

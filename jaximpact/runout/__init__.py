@@ -8,7 +8,7 @@ from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
 from .derivatives.gradients import Standing, differentiate_runout, runout_gradients
 from .hop_friction import rolling_friction_of_hops
-from .profile_files import read_profile
+from .profile_formats import read_profile
 from .random_inputs import Lognormal, Normal, PowerLaw, Uniform, draw
 from .scheduler import simulate_runout
 from .study.barriers import Barrier

@@ -10,10 +10,18 @@ import xarray as xr
 
 from .._precision import require_float64
 from ..accuracy import DEFAULT_ACCURACY
-from ..errors import InputError, located
 from ..io.files import read_input, write_text
 from ..io.output_files import NewFile, output_directory
-from ..io.toml import allowed, check_table, choice, parse_toml, scene_from, typed, whole
+from ..io.toml import (
+    Key,
+    allowed,
+    check_table,
+    choice,
+    parse_toml,
+    scene_from,
+    typed,
+    whole,
+)
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import InputColumn
 from ..scene import Scene
@@ -80,49 +88,49 @@ def read_study(path: Path, method: str | None = None) -> SensitivityStudy:
     """
     path = Path(path)
     data = read_input(path)
-    content = parse_toml(path, data)
+    top, content = Key(path), parse_toml(path, data)
     base, accuracy = scene_from(path, content, KEYS)
     if "parameters" in content:
-        entries = typed(path, content, "parameters", dict)
+        entries = typed(top, content, "parameters", dict)
     else:
-        with located(file=path, key="parameters"):
+        with top["parameters"].located():
             entries = {name: {} for name in default_parameters(base)}
     parameters = tuple(entries)
-    with located(file=path, key="parameters"):
+    with top["parameters"].located():
         columns = parameter_columns(base, parameters)
     ranges = {}
     for column, (name, entry) in zip(columns, entries.items(), strict=True):
-        given = _range(path, column, entry)
+        given = _range(top, column, entry)
         if given is not None:
             ranges[name] = given
-    outputs = tuple(typed(path, content, "outputs", list, list(DEFAULT_OUTPUTS)))
-    with located(file=path, key="outputs"):
+    outputs = tuple(typed(top, content, "outputs", list, list(DEFAULT_OUTPUTS)))
+    with top["outputs"].located():
         output_columns(outputs)
     if method is None and "method" in content:
-        method = choice(path, content, "method", ALL, (*METHODS, ALL))
+        method = choice(top, content, "method", ALL, (*METHODS, ALL))
     study = SensitivityStudy(
         path=path,
         sha256=hashlib.sha256(data).hexdigest(),
-        title=typed(path, content, "title", str, path.stem),
+        title=typed(top, content, "title", str, path.stem),
         base=base,
         accuracy=accuracy,
-        methods=_methods(path, method, parameters, ranges),
+        methods=_methods(top, method, parameters, ranges),
         parameters=parameters,
         ranges=ranges,
         outputs=outputs,
-        blocks=whole(path, content, "blocks", DEFAULT_BLOCKS, 2),
-        trajectories=whole(path, content, "trajectories", DEFAULT_TRAJECTORIES, 2),
-        seed=whole(path, content, "seed", 0, 0, LARGEST_SEED),
+        blocks=whole(top, content, "blocks", DEFAULT_BLOCKS, 2),
+        trajectories=whole(top, content, "trajectories", DEFAULT_TRAJECTORIES, 2),
+        seed=whole(top, content, "seed", 0, 0, LARGEST_SEED),
     )
-    with located(file=path, key="blocks"):
+    with top["blocks"].located():
         check_blocks(study.blocks, len(parameters))
-    with located(file=path, key="trajectories"):
+    with top["trajectories"].located():
         check_trajectories(study.trajectories, len(parameters))
     return study
 
 
 def _methods(
-    path: Path, method: str | None, parameters: tuple[str, ...], ranges: dict
+    top: Key, method: str | None, parameters: tuple[str, ...], ranges: dict
 ) -> tuple[str, ...]:
     """Return the methods to compute. Raises InputError where ranges are missing."""
     ranged = len(ranges) == len(parameters) and len(ranges) > 1
@@ -132,35 +140,31 @@ def _methods(
         return (ELASTICITIES,)
     for name in parameters:
         if name not in ranges:
-            raise InputError(
+            raise top["parameters"][name].error(
                 f"needs a range like {{ lower = 0.1, upper = 10.0 }} for {method}; "
-                f"--method {ELASTICITIES} does without",
-                file=path,
-                key=f"parameters.{name}",
+                f"--method {ELASTICITIES} does without"
             )
     if not ranged:
-        raise InputError(
-            f"must name at least two for {method}, but names only {parameters[0]}",
-            file=path,
-            key="parameters",
+        raise top["parameters"].error(
+            f"must name at least two for {method}, but names only {parameters[0]}"
         )
     return METHODS if method == ALL else (method,)
 
 
-def _range(path: Path, column: InputColumn, entry) -> Range | None:
-    key = f"parameters.{column.name}"
+def _range(top: Key, column: InputColumn, entry) -> Range | None:
+    key = top["parameters"][column.name]
     like = f'{{ lower = 0.1, upper = 10.0, distribution = "{LOG_UNIFORM}" }}, or {{}}'
-    check_table(path, key, entry, RANGE_KEYS, like)
+    check_table(key, entry, RANGE_KEYS, like)
     if not entry:
         return None
     ends = []
     for inner in ("lower", "upper"):
         if inner not in entry:
-            raise InputError("is missing", file=path, key=f"{key}.{inner}")
-        ends.append(allowed(path, f"{key}.{inner}", column, entry[inner]))
-    distribution = choice(path, entry, "distribution", UNIFORM, DISTRIBUTIONS)
+            raise key[inner].error("is missing")
+        ends.append(allowed(key[inner], column, entry[inner]))
+    distribution = choice(top, entry, "distribution", UNIFORM, DISTRIBUTIONS)
     given = Range(ends[0], ends[1], distribution)
-    with located(file=path, key=key):
+    with key.located():
         check_range(column, given)
     return given
 

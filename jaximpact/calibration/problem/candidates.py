@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..._checks import real_numbers
 from ...errors import InputError, nearest
 from ...io.checks import NUMBERS_PER_IMPACT, check_memory
-from ...io.toml import check_keys, choice, known_table, number, typed, whole
+from ...io.toml import Key, check_keys, choice, known_table, number, typed, whole
 from ...quantities import CURVE_COLUMNS, TARGET_COLUMNS, InputColumn, why_unknown
 
 CRITERIA = ("D", "A")
@@ -105,39 +105,32 @@ def checked_measure(
 
 
 def read_candidates(
-    path: Path,
+    top: Key,
     content: dict,
     fitted: tuple[str, ...],
     columns: Mapping[str, InputColumn],
 ) -> Candidates:
     """Read the table `further_tests` of a study with these fitted parameters and
     columns of the scene."""
-    where = "further_tests"
-    entries = known_table(path, content, where, KEYS)
-    key = f"{where}.candidates"
-    axes = checked_axes(
-        typed(path, entries, "candidates", dict, {}),
-        fitted,
-        columns,
-        key=key,
-        file=path,
-    )
-    key = f"{where}.measure"
+    key = top["further_tests"]
+    entries = known_table(top, content, "further_tests", KEYS)
+    candidates = typed(top, entries, "candidates", dict, {})
+    axes = checked_axes(candidates, fitted, columns, **key["candidates"].place)
     sigmas = {
-        name: _sigma(path, f"{key}.{name}", entry)
-        for name, entry in typed(path, entries, "measure", dict, {}).items()
+        name: _sigma(key["measure"][name], entry)
+        for name, entry in typed(top, entries, "measure", dict, {}).items()
     }
     return Candidates(
         axes or None,
-        checked_measure(sigmas, key=key, file=path) or None,
-        whole(path, entries, "count", COUNT, 1, MOST),
-        choice(path, entries, "criterion", CRITERIA[0], CRITERIA),
+        checked_measure(sigmas, **key["measure"].place) or None,
+        whole(top, entries, "count", COUNT, 1, MOST),
+        choice(top, entries, "criterion", CRITERIA[0], CRITERIA),
     )
 
 
-def _sigma(path: Path, key: str, entry) -> Sigma:
+def _sigma(key: Key, entry) -> Sigma:
     """Read a number, or a table like { absolute = 0.01, relative = 0.1 }."""
     if not isinstance(entry, dict):
-        return Sigma(absolute=number(path, key, entry))
-    check_keys(path, key, entry, Sigma._fields)
-    return Sigma(**{n: number(path, f"{key}.{n}", v) for n, v in entry.items()})
+        return Sigma(absolute=number(key, entry))
+    check_keys(key, entry, Sigma._fields)
+    return Sigma(**{n: number(key[n], v) for n, v in entry.items()})

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...accuracy import PRESETS
-from ...errors import InputError, located, nearest
+from ...errors import InputError, nearest
 from ...io.checks import check_memory
-from ...io.toml import check_keys, choice, known_table, load_toml, typed, whole
+from ...io.toml import Key, check_keys, choice, known_table, load_toml, typed, whole
 from ...parameters import Part
 from ...quantities import (
     CURVE_COLUMNS,
@@ -168,123 +168,118 @@ def read_study(path: Path) -> Study:
     path = Path(path)
     if path.suffix.lower() != TOML:
         return study_of(read_tests([path], Scene()), {})
-    content = load_toml(path)
+    top, content = Key(path), load_toml(path)
     for key in SLOPE_KEYS:
         if key in content:
             raise SlopeStudyError(
                 "is a slope, and no table of tests; jaximpact.runout.calibrate_slope "
                 "fits it",
-                file=path,
-                key=key,
+                **top[key].place,
             )
     parts: dict[str, Part] = {}
     for table in KINDS:
-        entries = typed(path, content, table, dict, {})
-        parts |= parts_and_values(path, table, entries, table, path.parent)[0]
-    with located(file=path):  # two parameters of one name
+        entries = typed(top, content, table, dict, {})
+        parts |= parts_and_values(top[table], entries, table, path.parent)[0]
+    with top.located():  # two parameters of one name
         base = scene_of(parts)
         columns_of(base)
-    tests = read_tests(_data(path, content), base)
+    tests = read_tests(_data(top, content), base)
     content.setdefault("title", path.resolve().parent.name)
     for slot in parts:
-        _check_in_study_alone(path, tests, f"{SLOTS[slot]}.{slot}", slot)
-    return _study(path, content, tests)
+        _check_in_study_alone(top[SLOTS[slot]][slot], tests, slot)
+    return _study(top, content, tests)
 
 
 def study_of(tests: Measurements, content: dict) -> Study:
     """Make a study of given tests, which have its laws and shape, and of the content of
     a study file without these and `data`."""
     path = tests.files[0].path
-    return _study(path, {"title": path.stem} | content, tests)
+    return _study(Key(path), {"title": path.stem} | content, tests)
 
 
-def _study(path: Path, content: dict, tests: Measurements) -> Study:
-    check_keys(path, "", content, KEYS)
-    variants = _variants(path, content, tests)
+def _study(top: Key, content: dict, tests: Measurements) -> Study:
+    check_keys(top, content, KEYS)
+    variants = _variants(top, content, tests)
     grounds = [tests.with_laws(variant.laws).known_columns for variant in variants]
-    fixed = _held(path, content, "soil", functools.reduce(operator.or_, grounds))
-    block = _held(path, content, "block", tests.known_columns)
+    fixed = _held(top, content, "soil", functools.reduce(operator.or_, grounds))
+    block = _held(top, content, "block", tests.known_columns)
     for name in block:
-        _check_in_study_alone(path, tests, f"block.{name}", name)
+        _check_in_study_alone(top["block"][name], tests, name)
     tests = tests.with_inputs(block)
-    parameters, tied, pooled = read_parameters(path, content, grounds[0], fixed, tests)
-    nuisances = read_nuisances(path, content, tests.with_laws(variants[0].laws), fixed)
-    _check_in_all(path, (*parameters, *tied), nuisances, variants, grounds)
-    _check_fitted_once(path, tests, (*parameters, *tied), nuisances, fixed, variants)
+    parameters, tied, pooled = read_parameters(top, content, grounds[0], fixed, tests)
+    nuisances = read_nuisances(top, content, tests.with_laws(variants[0].laws), fixed)
+    _check_in_all(top, (*parameters, *tied), nuisances, variants, grounds)
+    _check_fitted_once(top, tests, (*parameters, *tied), nuisances, fixed, variants)
     nuisances += pooled
-    check_constants(path, tied, [variant.soil for variant in variants])
-    compared = read_targets(path, content, tests, nuisances)
-    starts = whole(path, content, "starts", STARTS, 1)
+    check_constants(top, tied, [variant.soil for variant in variants])
+    compared = read_targets(top, content, tests, nuisances)
+    starts = whole(top, content, "starts", STARTS, 1)
     numbers = starts * compared["measured"].size * len(parameters)
-    check_memory(numbers, f"{starts} starts", file=path, key="starts")
+    check_memory(numbers, f"{starts} starts", **top["starts"].place)
     return Study(
-        path=path,
-        title=typed(path, content, "title", str),
-        source=typed(path, content, "source", str, ""),
-        notes=typed(path, content, "notes", str, ""),
+        path=top.file,
+        title=typed(top, content, "title", str),
+        source=typed(top, content, "source", str, ""),
+        notes=typed(top, content, "notes", str, ""),
         tests=tests,
         parameters=parameters,
         tied=tied,
         nuisances=nuisances,
         soil=fixed,
         **compared,
-        loss=choice(path, content, "loss", Study.loss, LOSSES),
+        loss=choice(top, content, "loss", Study.loss, LOSSES),
         starts=starts,
-        seed=whole(path, content, "seed", Study.seed, 0),
-        accuracy=choice(path, content, "accuracy", Study.accuracy, tuple(PRESETS)),
-        method=choice(path, content, "method", Study.method, METHODS),
+        seed=whole(top, content, "seed", Study.seed, 0),
+        accuracy=choice(top, content, "accuracy", Study.accuracy, tuple(PRESETS)),
+        method=choice(top, content, "method", Study.method, METHODS),
         variants=variants,
         candidates=read_candidates(
-            path, content, tuple(p.name for p in parameters), grounds[0]
+            top, content, tuple(p.name for p in parameters), grounds[0]
         ),
         parts=tests.parts,
         block=block,
-        compare=_compare(path, content),
+        compare=_compare(top, content),
     )
 
 
-def _compare(path: Path, content: dict) -> CompareTable | None:
+def _compare(top: Key, content: dict) -> CompareTable | None:
     """Read the table `compare`; None where there is none."""
     if "compare" not in content:
         return None
-    names, entries = {}, known_table(path, content, "compare", CompareTable._fields)
+    names, entries = {}, known_table(top, content, "compare", CompareTable._fields)
     for key, given in entries.items():
         given = [given] if isinstance(given, str) else given
         if not isinstance(given, list) or not all(isinstance(n, str) for n in given):
-            raise InputError(
-                f"must be a name or a list of names, but is {given!r}",
-                file=path,
-                key=f"compare.{key}",
+            raise top["compare"][key].error(
+                f"must be a name or a list of names, but is {given!r}"
             )
         names[key] = tuple(given)
     return CompareTable(**names)
 
 
 def _held(
-    path: Path, content: dict, whole: str, columns: Mapping[str, InputColumn]
+    top: Key, content: dict, whole: str, columns: Mapping[str, InputColumn]
 ) -> dict[str, float]:
     """Read the numbers of the table `soil` or `block`."""
-    entries = typed(path, content, whole, dict, {})
+    entries = typed(top, content, whole, dict, {})
     values = {n: v for n, v in entries.items() if SLOTS.get(n) != whole}
     known = {name: c for name, c in columns.items() if c.part == whole}
-    return checked_values(path, whole, values, known)
+    return checked_values(top[whole], values, known)
 
 
-def _data(path: Path, content: dict) -> list[Path]:
+def _data(top: Key, content: dict) -> list[Path]:
     """List the tables that a study names."""
-    place = {"file": path, "key": "data"}
+    key, directory = top["data"], top.file.parent
     if "data" not in content:
-        raise InputError("is missing; it names the table of tests", **place)
+        raise key.error("is missing; it names the table of tests")
     given = content["data"]
     names = given if isinstance(given, list) else [given]
     if not names or not all(isinstance(name, str) for name in names):
-        raise InputError(
-            f"must be a file or a list of files, but is {given!r}", **place
-        )
+        raise key.error(f"must be a file or a list of files, but is {given!r}")
     for first, second in itertools.combinations(names, 2):
-        if _is_same(path.parent / first, path.parent / second):
-            raise InputError(f"names one file twice: {first} and {second}", **place)
-    return [path.parent / name for name in names]
+        if _is_same(directory / first, directory / second):
+            raise key.error(f"names one file twice: {first} and {second}")
+    return [directory / name for name in names]
 
 
 def _is_same(first: Path, second: Path) -> bool:
@@ -295,59 +290,55 @@ def _is_same(first: Path, second: Path) -> bool:
         return False
 
 
-def _variants(path: Path, content: dict, tests: Measurements) -> tuple[Variant, ...]:
-    entries = typed(path, content, "variants", list, [{}])
+def _variants(top: Key, content: dict, tests: Measurements) -> tuple[Variant, ...]:
+    entries = typed(top, content, "variants", list, [{}])
     if not entries:
-        raise InputError("holds no variant; leave it out", file=path, key="variants")
+        raise top["variants"].error("holds no variant; leave it out")
     variants = []
     for place, entry in enumerate(entries, 1):
-        where = f"variants[{place}]"
+        where = top[f"variants[{place}]"]
         if not isinstance(entry, dict):
-            raise InputError(f"must be a table, but is {entry!r}", file=path, key=where)
+            raise where.error(f"must be a table, but is {entry!r}")
         words = ", ".join(f"{k} {v}" for k, v in entry.items()) or "as given"
-        name = typed(path, entry, "name", str, words)
+        name = typed(top, entry, "name", str, words)
         named = {key: value for key, value in entry.items() if key != "name"}
-        laws, values = parts_and_values(path, where, named, "soil", path.parent)
+        laws, values = parts_and_values(where, named, "soil", top.file.parent)
         for slot in laws:
-            _check_in_study_alone(path, tests, f"{where}.{slot}", slot)
-        with located(file=path, key=where):  # two parameters of one name
+            _check_in_study_alone(where[slot], tests, slot)
+        with where.located():  # two parameters of one name
             known = tests.with_laws(laws).known_columns
         known = {name: c for name, c in known.items() if c.part == "soil"}
-        soil = checked_values(path, where, values, known)
+        soil = checked_values(where, values, known)
         variants.append(Variant(name, soil, laws))
     names = [variant.name for variant in variants]
     for place, name in enumerate(names, 1):
         if names.count(name) > 1:
-            raise InputError(
-                f"name {name!r} stands twice", file=path, key=f"variants[{place}]"
-            )
+            raise top[f"variants[{place}]"].error(f"name {name!r} stands twice")
     return tuple(variants)
 
 
-def _check_in_all(path, parameters, nuisances, variants, grounds) -> None:
+def _check_in_all(top, parameters, nuisances, variants, grounds) -> None:
     """Raise InputError for a fitted name that is no parameter of a variant's ground."""
-    fitted = [(f"parameters.{p.name}", p.name) for p in parameters]
-    fitted += [(f"nuisance.{n.name}", n.name) for n in nuisances]
+    fitted = [(top["parameters"], p.name) for p in parameters]
+    fitted += [(top["nuisance"], n.name) for n in nuisances]
     for variant, ground in zip(variants, grounds, strict=True):
-        for key, name in fitted:
+        for table, name in fitted:
             if name not in ground:
                 laws = in_words(variant.laws, " and ") or "those of the study"
-                raise InputError(
+                raise table[name].error(
                     f"is no parameter of variant {variant.name!r}, whose laws are "
-                    f"{laws}; leave it out, or fit the variant in a study of its own",
-                    file=path,
-                    key=key,
+                    f"{laws}; leave it out, or fit the variant in a study of its own"
                 )
 
 
-def _check_in_study_alone(path, tests: Measurements, key: str, name: str) -> None:
+def _check_in_study_alone(key: Key, tests: Measurements, name: str) -> None:
     """Raise InputError for a value in both the study and the tests' tables."""
     if name in tests.inputs or name in tests.slots:
         data = " or ".join(table.path.name for table in tests.files)
-        raise InputError(f"stands in {data} too; remove one", file=path, key=key)
+        raise key.error(f"stands in {data} too; remove one")
 
 
-def _check_fitted_once(path, tests, parameters, nuisances, fixed, variants) -> None:
+def _check_fitted_once(top, tests, parameters, nuisances, fixed, variants) -> None:
     """Raise InputError for a soil value that is stated twice."""
     data = " or ".join(table.path.name for table in tests.files)
     toml = (
@@ -357,19 +348,15 @@ def _check_fitted_once(path, tests, parameters, nuisances, fixed, variants) -> N
     for parameter in parameters:
         for place, values in (*toml, (data, tests.inputs)):
             if parameter.name in values:
-                raise InputError(
-                    f"is fitted, but stands in {place} too; remove one",
-                    file=path,
-                    key=f"parameters.{parameter.name}",
+                raise top["parameters"][parameter.name].error(
+                    f"is fitted, but stands in {place} too; remove one"
                 )
     fitted = {parameter.name for parameter in parameters}
     for nuisance in nuisances:
         if nuisance.name in fitted:
-            raise InputError(
-                "stands under parameters too; remove one",
-                file=path,
-                key=f"nuisance.{nuisance.name}",
+            raise top["nuisance"][nuisance.name].error(
+                "stands under parameters too; remove one"
             )
     for where, values in toml:
         for name in values:
-            _check_in_study_alone(path, tests, f"{where}.{name}", name)
+            _check_in_study_alone(top[where][name], tests, name)

@@ -9,11 +9,11 @@ import ast
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping
-from pathlib import Path
 
 import numpy as np
 
-from ...errors import InputError, nearest
+from ...errors import nearest
+from ...io.toml import Key
 from ...quantities import InputColumn
 
 LONGEST = 500
@@ -110,8 +110,7 @@ def _combined(operator: ast.operator, left: Dual, right: Dual) -> Dual:
 
 
 def read_tied(
-    path: Path,
-    key: str,
+    key: Key,
     name: str,
     text,
     fitted: Mapping[str, tuple[float, float]],
@@ -121,21 +120,16 @@ def read_tied(
     """Read the expression of a parameter, `name`, from bounds of the fitted parameters
     and values of fixed ones.
 
-    Raises InputError, naming path and key, for what is no expression, names what is not
+    Raises InputError, naming file and key, for what is no expression, names what is not
     known, or leaves the range of the column within the bounds.
     """
-    place = {"file": path, "key": f"{key}.expression"}
     if not isinstance(text, str) or len(text) > LONGEST:
-        raise InputError(
-            f"must be a text like '2 * c_v', but is {str(text)[:40]!r}", **place
-        )
+        raise key.error(f"must be a text like '2 * c_v', but is {str(text)[:40]!r}")
     try:
         tree = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise InputError(
-            f"{text!r} is no expression; write 2 * c_v", **place
-        ) from error
-    used = _names(tree, text, (*fitted, *constants), place)
+        raise key.error(f"{text!r} is no expression; write 2 * c_v") from error
+    used = _names(key, tree, text, (*fitted, *constants))
     tied = Tied(name, text, {n: constants[n] for n in used if n in constants})
     names = tuple(fitted)
     ends = np.array([fitted[n] for n in names])
@@ -145,15 +139,14 @@ def read_tied(
     values, _ = tied.evaluate(names, ends[:, 0] + corners * np.ptp(ends, axis=1))
     wrong = ~column.is_allowed(values)
     if np.any(wrong):
-        raise InputError(
+        raise key.error(
             f"{text!r} is {values[wrong][0]:.3g} within the bounds of its parameters, "
-            f"but {name} must be {column.requirement}; narrow the bounds",
-            **place,
+            f"but {name} must be {column.requirement}; narrow the bounds"
         )
     return tied
 
 
-def _names(tree: ast.expr, text: str, known: tuple[str, ...], place) -> list[str]:
+def _names(key: Key, tree: ast.expr, text: str, known: tuple[str, ...]) -> list[str]:
     """List the parameters that an expression names. Raises InputError for anything that
     it must not hold."""
     operators = ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow
@@ -162,22 +155,19 @@ def _names(tree: ast.expr, text: str, known: tuple[str, ...], place) -> list[str
         match node:
             case ast.Call(func=ast.Name(id=name) as function, args=[_], keywords=[]):
                 if name not in FUNCTIONS:
-                    raise InputError(
-                        f"calls {name}; known are {', '.join(FUNCTIONS)}", **place
-                    )
+                    raise key.error(f"calls {name}; known are {', '.join(FUNCTIONS)}")
                 called.add(function)
             case ast.Name(id=name):
                 if node in called:
                     continue
                 if name not in known:
-                    raise InputError(
+                    raise key.error(
                         f"names {name!r}, which is not fitted and has no fixed value; "
-                        f"did you mean {nearest(name, known)!r}?",
-                        **place,
+                        f"did you mean {nearest(name, known)!r}?"
                     )
                 found.append(name)
             case ast.Constant(value=bool()):
-                raise InputError(f"{text!r} holds a truth value", **place)
+                raise key.error(f"{text!r} holds a truth value")
             case ast.Constant(value=int() | float()):
                 pass
             case ast.BinOp(op=operator) if isinstance(operator, operators):
@@ -187,9 +177,8 @@ def _names(tree: ast.expr, text: str, known: tuple[str, ...], place) -> list[str
             case ast.operator() | ast.unaryop() | ast.expr_context():
                 pass
             case _:
-                raise InputError(
+                raise key.error(
                     f"{text!r} must hold numbers, parameters, + - * / ** and "
-                    f"{', '.join(FUNCTIONS)} alone",
-                    **place,
+                    f"{', '.join(FUNCTIONS)} alone"
                 )
     return list(dict.fromkeys(found))

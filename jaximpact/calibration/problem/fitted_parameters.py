@@ -2,10 +2,17 @@
 
 import dataclasses
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 
-from ...errors import InputError
-from ...io.toml import allowed, check_keys, check_table, choice, number, typed, unknown
+from ...io.toml import (
+    Key,
+    allowed,
+    check_keys,
+    check_table,
+    choice,
+    number,
+    typed,
+    unknown,
+)
 from ...quantities import LABEL_COLUMNS, InputColumn
 from .dataset import CAMPAIGN, Measurements
 from .expressions import Tied, read_tied
@@ -45,7 +52,7 @@ class Parameter:
 
 
 def read_parameters(
-    path: Path,
+    top: Key,
     content: dict,
     columns: Mapping[str, InputColumn],
     fixed: dict[str, float],
@@ -54,101 +61,91 @@ def read_parameters(
     """Read the fitted parameters, those tied to them, and deviations of groups."""
     columns = {name: c for name, c in columns.items() if c.part == "soil"}
     usual = {name: {} for name in DEFAULT_BOUNDS if name in columns}
-    chosen = typed(path, content, "parameters", dict, usual)
+    chosen = typed(top, content, "parameters", dict, usual)
     if not chosen:
-        raise InputError("names no parameter to fit", file=path, key="parameters")
+        raise top["parameters"].error("names no parameter to fit")
     chosen = dict(chosen)
     expressions = {
         name: chosen.pop(name)
         for name, entry in [*chosen.items()]
         if isinstance(entry, dict) and "expression" in entry
     }
-    fitted = tuple(_parameter(path, *named, columns) for named in chosen.items())
+    fitted = tuple(_parameter(top, *named, columns) for named in chosen.items())
     ranges = {p.name: (p.lower, p.upper) for p in fitted}
     tied = []
     for name, entry in expressions.items():
-        key = f"parameters.{name}"
+        key = top["parameters"][name]
         if name not in columns:
-            unknown(path, key, name, columns)
-        check_keys(path, key, entry, ("expression",))
+            raise unknown(top["parameters"], name, columns)
+        check_keys(key, entry, ("expression",))
         if not fitted:
-            raise InputError("names no fitted parameter", file=path, key=key)
-        given = key, name, entry["expression"]
-        tied.append(read_tied(path, *given, ranges, fixed, columns[name]))
-    pooled = (_pooled(path, p, chosen[p.name], tests) for p in fitted)
+            raise key.error("names no fitted parameter")
+        given = key["expression"], name, entry["expression"]
+        tied.append(read_tied(*given, ranges, fixed, columns[name]))
+    pooled = (_pooled(top, p, chosen[p.name], tests) for p in fitted)
     return fitted, tuple(tied), tuple(one for one in pooled if one is not None)
 
 
 def _pooled(
-    path: Path, parameter: Parameter, entry: dict, tests: Measurements
+    top: Key, parameter: Parameter, entry: dict, tests: Measurements
 ) -> Nuisance | None:
     """Read the groups of a parameter, if it has any."""
-    key = f"parameters.{parameter.name}"
+    key = top["parameters"][parameter.name]
     if "by" not in entry and "group_sd" not in entry:
         return None
     if "by" not in entry:
-        raise InputError(
-            "is missing: the column whose values are the groups of group_sd",
-            file=path,
-            key=f"{key}.by",
+        raise key["by"].error(
+            "is missing: the column whose values are the groups of group_sd"
         )
-    by = choice(path, entry, "by", CAMPAIGN, (*LABEL_COLUMNS, EACH_TEST))
+    by = choice(top, entry, "by", CAMPAIGN, (*LABEL_COLUMNS, EACH_TEST))
     stated = entry.get("group_sd", ESTIMATED)
     estimated = stated == ESTIMATED
-    sd = NOMINAL_GROUP_SD if estimated else number(path, f"{key}.group_sd", stated)
+    sd = NOMINAL_GROUP_SD if estimated else number(key["group_sd"], stated)
     if not (0.0 < sd <= MOST_GROUP_SD and parameter.logarithmic):
-        raise InputError(
+        raise key["group_sd"].error(
             f"must lie above 0 and up to {MOST_GROUP_SD:g}, for a parameter whose "
-            f"lower bound is above 0, but is {sd:g}",
-            file=path,
-            key=f"{key}.group_sd",
+            f"lower bound is above 0, but is {sd:g}"
         )
     sd = None if estimated else sd
-    return pooled_nuisance(path, parameter.name, by, sd, tests)
+    return pooled_nuisance(top, parameter.name, by, sd, tests)
 
 
 def _parameter(
-    path: Path, name: str, entry, columns: Mapping[str, InputColumn]
+    top: Key, name: str, entry, columns: Mapping[str, InputColumn]
 ) -> Parameter:
-    key = f"parameters.{name}"
+    key = top["parameters"][name]
     if name not in columns:
-        unknown(path, key, name, columns)
+        raise unknown(top["parameters"], name, columns)
     keys = "start", "lower", "upper", "prior", "by", "group_sd"
-    check_table(path, key, entry, keys, "{ start = 1.0, lower = 0.1, upper = 10.0 }")
+    check_table(key, entry, keys, "{ start = 1.0, lower = 0.1, upper = 10.0 }")
     entry = {name: entry[name] for name in entry if name in keys[:4]}
     column = columns[name]
     lower, upper = DEFAULT_BOUNDS.get(name, (None, None))
     values = {"start": column.default, "lower": lower, "upper": upper} | entry
     prior = None
     if "prior" in values:
-        prior = read_prior(path, f"{key}.prior", values.pop("prior"))
+        prior = read_prior(key["prior"], values.pop("prior"))
     for inner, value in values.items():
         if value is None:
-            raise InputError(
-                f"is missing; {name} has no default bounds: say lower and upper",
-                file=path,
-                key=f"{key}.{inner}",
+            raise key[inner].error(
+                f"is missing; {name} has no default bounds: say lower and upper"
             )
-        values[inner] = allowed(path, f"{key}.{inner}", column, value)
+        values[inner] = allowed(key[inner], column, value)
     if not values["lower"] < values["upper"]:
-        raise InputError(
-            f"must be above lower, {values['lower']:g}, but is {values['upper']:g}",
-            file=path,
-            key=f"{key}.upper",
+        raise key["upper"].error(
+            f"must be above lower, {values['lower']:g}, but is {values['upper']:g}"
         )
     if not values["lower"] < values["start"] < values["upper"]:
         usual = "is" if "start" in entry else "is not given, and the usual value is"
-        raise InputError(
+        raise key["start"].error(
             f"must lie between {values['lower']:g} and {values['upper']:g}, but "
-            f"{usual} {values['start']:g}",
-            file=path,
-            key=f"{key}.start",
+            f"{usual} {values['start']:g}"
         )
     return Parameter(name, **values, prior=prior)
 
 
 def check_constants(
-    path: Path, tied: Iterable[Tied], soils: Iterable[Mapping[str, float]]
+    top: Key, tied: Iterable[Tied], soils: Iterable[Mapping[str, float]]
 ) -> None:
     """Raise InputError where a variant changes a value of the soil that an expression
     holds fixed."""
@@ -156,9 +153,7 @@ def check_constants(
     for one in tied:
         for name in one.constants:
             if name in changed:
-                raise InputError(
+                raise top["parameters"][one.name]["expression"].error(
                     f"names {name}, which the variants change; fit them in studies of "
-                    "their own",
-                    file=path,
-                    key=f"parameters.{one.name}.expression",
+                    "their own"
                 )

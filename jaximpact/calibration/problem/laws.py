@@ -4,9 +4,9 @@ import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 
-from ...errors import InputError, located
+from ...errors import InputError
 from ...identity import source_digest
-from ...io.toml import quantity, unknown
+from ...io.toml import Key, quantity, unknown
 from ...parameters import Composite, Part
 from ...quantities import BASES, SLOTS, USUAL, InputColumn
 from ...scene import Block, Scene, Soil
@@ -38,7 +38,7 @@ def scene_of(parts: Mapping[str, Part]) -> Scene:
 
 
 def parts_and_values(
-    path: Path, where: str, entries: Mapping, whole: str, directory: Path
+    table: Key, entries: Mapping, whole: str, directory: Path
 ) -> tuple[dict[str, Part], dict]:
     """Separate the laws and shapes in a table of a study, of "soil" or "block", from
     its other entries. Files of laws are relative to the directory.
@@ -50,23 +50,21 @@ def parts_and_values(
         if SLOTS.get(name) != whole:
             values[name] = given
             continue
-        place = {"file": path, "key": f"{where}.{name}"}
         if isinstance(given, BASES[name]):
             parts[name] = given
         elif isinstance(given, str):
-            with located(**place):
+            with table[name].located():
                 parts[name] = part_named(name, given, directory)
         else:
-            raise InputError(
+            raise table[name].error(
                 f"must be a name, like {USUAL[name].__name__!r} or "
-                f"'my_laws.py:MyLaw', but is {given!r}",
-                **place,
+                f"'my_laws.py:MyLaw', but is {given!r}"
             )
     return parts, values
 
 
 def checked_values(
-    path: Path, where: str, values: Mapping, columns: Mapping[str, InputColumn]
+    table: Key, values: Mapping, columns: Mapping[str, InputColumn]
 ) -> dict[str, float]:
     """Check the numbers of a table, in the units of their columns.
 
@@ -74,10 +72,9 @@ def checked_values(
     """
     checked = {}
     for name, value in values.items():
-        key = f"{where}.{name}"
         if name not in columns:
-            unknown(path, key, name, columns)
-        checked[name] = quantity(path, key, columns[name], value)
+            raise unknown(table, name, columns)
+        checked[name] = quantity(table[name], columns[name], value)
     return checked
 
 

@@ -8,13 +8,12 @@ whose trajectory in space is known (`derived_targets`).
 
 import dataclasses
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...errors import InputError
-from ...io.toml import check_table, choice, number, typed, unknown
+from ...io.toml import Key, check_table, choice, number, typed, unknown
 from ...quantities import LABEL_COLUMNS
 from .dataset import Measurements
 from .derived_targets import ANGLE
@@ -70,36 +69,32 @@ class Nuisance:
         return f"{self.name}[{self.groups[group]}]"
 
 
-def read_prior(path: Path, key: str, entry, mean: float | None = None) -> Prior:
+def read_prior(key: Key, entry, mean: float | None = None) -> Prior:
     """Read a prior like `{ mean = 30.0, sd = 5.0 }`.
 
     Args:
         mean: default of the mean; without it one must be given.
     """
-    check_table(path, key, entry, ("mean", "sd"), "{ mean = 30.0, sd = 5.0 }")
+    check_table(key, entry, ("mean", "sd"), "{ mean = 30.0, sd = 5.0 }")
     values: dict[str, Any] = {"mean": mean} | entry
     for name in ("mean", "sd"):
         if values.get(name) is None:
-            raise InputError("is missing", file=path, key=f"{key}.{name}")
-        values[name] = number(path, f"{key}.{name}", values[name])
+            raise key[name].error("is missing")
+        values[name] = number(key[name], values[name])
     if not values["sd"] > 0.0:
-        raise InputError(
-            f"must be above 0, but is {values['sd']:g}", file=path, key=f"{key}.sd"
-        )
+        raise key["sd"].error(f"must be above 0, but is {values['sd']:g}")
     return Prior(**values)
 
 
 def read_nuisances(
-    path: Path, content: dict, tests: Measurements, soil: dict[str, float]
+    top: Key, content: dict, tests: Measurements, soil: dict[str, float]
 ) -> tuple[Nuisance, ...]:
     """Read the table `nuisance` of a study."""
-    entries = typed(path, content, "nuisance", dict, {})
-    found = tuple(_nuisance(path, n, e, tests, soil) for n, e in entries.items())
+    entries = typed(top, content, "nuisance", dict, {})
+    found = tuple(_nuisance(top, n, e, tests, soil) for n, e in entries.items())
     if ANGLE in entries and any(nuisance.turns_ground for nuisance in found):
-        raise InputError(
-            f"turns {ANGLE} too, which is a nuisance of its own; remove one",
-            file=path,
-            key=f"nuisance.{SLOPE}.turns_ground",
+        raise top["nuisance"][SLOPE]["turns_ground"].error(
+            f"turns {ANGLE} too, which is a nuisance of its own; remove one"
         )
     return found
 
@@ -116,24 +111,23 @@ def open_nuisances(
 
     Raises InputError for new tests without a column to which the fit has added.
     """
-    path, chosen, pooled = tests.files[0].path, {}, []
+    top, chosen, pooled = Key(tests.files[0].path), {}, []
     for name, entry in entries.items():
         in_table = name in tests.inputs
         if entry.get("pooled"):
             sd = entry["prior"]["sd"]
-            pooled.append(pooled_nuisance(path, name, entry["by"], sd, tests))
+            pooled.append(pooled_nuisance(top, name, entry["by"], sd, tests))
         elif entry["added"] and not in_table:
-            raise InputError(
-                f"has no column {name}, to which the fit added what it found",
-                file=path,
+            raise top.error(
+                f"has no column {name}, to which the fit added what it found"
             )
         elif entry["added"] or not in_table:  # else known here, unlike in the fit
             chosen[name] = {key: entry[key] for key in entry if key != "added"}
-    return (*read_nuisances(path, {"nuisance": chosen}, tests, soil), *pooled)
+    return (*read_nuisances(top, {"nuisance": chosen}, tests, soil), *pooled)
 
 
 def pooled_nuisance(
-    path: Path, name: str, by: str, sd: float | None, tests: Measurements
+    top: Key, name: str, by: str, sd: float | None, tests: Measurements
 ) -> Nuisance:
     """Make the groups' deviations from a fitted parameter: logarithms of factors, with
     a normal prior of mean 0.
@@ -144,7 +138,7 @@ def pooled_nuisance(
         sd: standard deviation of the prior; None where it is to be estimated.
     """
     estimated, sd = sd is None, NOMINAL_GROUP_SD if sd is None else sd
-    groups, group = _groups(path, f"parameters.{name}", by, tests)
+    groups, group = _groups(top["parameters"][name], by, tests)
     reach = np.full(len(groups), REACH * sd)
     prior, base = Prior(0.0, sd), np.zeros(len(tests))
     return Nuisance(
@@ -171,28 +165,26 @@ def entries_of(nuisances: Iterable[Nuisance], tests: Measurements) -> dict[str, 
     }
 
 
-def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisance:
-    key = f"nuisance.{name}"
+def _nuisance(top: Key, name: str, entry, tests: Measurements, soil) -> Nuisance:
+    key = top["nuisance"][name]
     columns = tests.known_columns
     if name not in columns:
-        unknown(path, key, name, columns)
+        raise unknown(top["nuisance"], name, columns)
     like = '{ by = "campaign", prior = { mean = 30.0, sd = 5.0 } }'
-    check_table(path, key, entry, KEYS, like)
-    by = choice(path, entry, "by", "campaign", (*LABEL_COLUMNS, EACH_TEST))
+    check_table(key, entry, KEYS, like)
+    by = choice(top, entry, "by", "campaign", (*LABEL_COLUMNS, EACH_TEST))
     if "prior" not in entry:
-        raise InputError(
-            "is missing, like { mean = 30.0, sd = 5.0 }", file=path, key=f"{key}.prior"
-        )
+        raise key["prior"].error("is missing, like { mean = 30.0, sd = 5.0 }")
     in_tables = name in tests.inputs
     known = 0.0 if in_tables else soil.get(name)
-    prior = read_prior(path, f"{key}.prior", entry["prior"], known)
+    prior = read_prior(key["prior"], entry["prior"], known)
     base = tests.inputs.get(name, np.zeros(len(tests)))
-    groups, group = _groups(path, key, by, tests)
+    groups, group = _groups(key, by, tests)
     lower = np.full(len(groups), prior.mean - REACH * prior.sd)
     upper = np.full(len(groups), prior.mean + REACH * prior.sd)
     room = EDGE * 2.0 * REACH * prior.sd
     changed = [(columns[name], base)]
-    if turns := _turns_ground(path, key, name, entry, tests):
+    if turns := _turns_ground(key["turns_ground"], name, entry, tests):
         angle = columns[ANGLE]
         stated = tests.inputs.get(ANGLE, np.full(len(tests), angle.default))
         changed.append((angle, stated))
@@ -200,43 +192,35 @@ def _nuisance(path: Path, name: str, entry, tests: Measurements, soil) -> Nuisan
         np.maximum.at(lower, group, column.lower - values + room)
         np.minimum.at(upper, group, column.upper - values - room)
         if not np.all((lower < prior.mean) & (prior.mean < upper)):
-            raise InputError(
+            raise key["prior"]["mean"].error(
                 f"{column.name} must be {column.requirement}; the prior's mean puts it "
-                "outside",
-                file=path,
-                key=f"{key}.prior.mean",
+                "outside"
             )
     return Nuisance(name, by, groups, group, prior, base, lower, upper, turns)
 
 
-def _turns_ground(path: Path, key: str, name: str, entry: dict, tests) -> bool:
+def _turns_ground(key: Key, name: str, entry: dict, tests) -> bool:
     """Read whether the ground turns; InputError without a slope to start from."""
     turns = entry.get("turns_ground", False)
-    place = {"file": path, "key": f"{key}.turns_ground"}
     if not isinstance(turns, bool):
-        raise InputError(f"must be true or false, but is {turns!r}", **place)
+        raise key.error(f"must be true or false, but is {turns!r}")
     if turns and name != SLOPE:
-        raise InputError(f"belongs to {SLOPE}, but stands under {name}", **place)
+        raise key.error(f"belongs to {SLOPE}, but stands under {name}")
     if turns and SLOPE not in tests.inputs:
-        raise InputError(
+        raise key.error(
             f"needs a column {SLOPE} in {tests.files[0].path.name}: the slope to which "
-            "its angles are stated",
-            **place,
+            "its angles are stated"
         )
     return turns
 
 
-def _groups(path: Path, key: str, by: str, tests: Measurements):
+def _groups(key: Key, by: str, tests: Measurements):
     """List the groups in the order of the tests, and the index of each test's."""
     if by == EACH_TEST:
         first, group = np.unique(tests.first_of_row, return_inverse=True)
         return tuple(tests.name(test) for test in first), group
     if by not in tests.labels:
-        raise InputError(
-            f"{by!r} is no column of {tests.files[0].path.name}",
-            file=path,
-            key=f"{key}.by",
-        )
+        raise key["by"].error(f"{by!r} is no column of {tests.files[0].path.name}")
     labels = tests.labels[by]
     if "" in labels:
         file, row = tests.place(labels.index(""))

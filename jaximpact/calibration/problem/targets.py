@@ -1,11 +1,9 @@
 """What a study compares with the tests: targets with weights, sigmas and scatter."""
 
-from pathlib import Path
-
 import numpy as np
 
 from ...errors import InputError, nearest
-from ...io.toml import choice, number, typed, unknown
+from ...io.toml import Key, choice, number, typed, unknown
 from ...quantities import (
     CURVE_COLUMNS,
     CURVE_FILE,
@@ -23,16 +21,16 @@ value where scatter is proportional."""
 
 
 def read_targets(
-    path: Path, content: dict, tests: Measurements, nuisances: tuple[Nuisance, ...]
+    top: Key, content: dict, tests: Measurements, nuisances: tuple[Nuisance, ...]
 ) -> dict:
     """Read the fields of `Study` that hold targets, measurements, sigmas and
     weights."""
-    targets = _targets(path, content, tests, nuisances)
-    sigma, sigma_given = _sigma(path, content, tests, targets)
-    proportional = _proportional(path, content, targets, sigma_given)
+    targets = _targets(top, content, tests, nuisances)
+    sigma, sigma_given = _sigma(top, content, tests, targets)
+    proportional = _proportional(top, content, targets, sigma_given)
     measured = np.stack([tests.measured[name] for name in targets], axis=1)
     size = np.fmax(np.abs(measured), least_size(measured))
-    weights = _of_targets(path, content, "weights")
+    weights = _of_targets(top, content, "weights")
     return dict(
         targets=targets,
         measured=measured,
@@ -44,7 +42,7 @@ def read_targets(
     )
 
 
-def _targets(path: Path, content: dict, tests: Measurements, nuisances):
+def _targets(top: Key, content: dict, tests: Measurements, nuisances):
     first = tests.files[0].path
     present = [n for n, values in tests.measured.items() if np.any(np.isfinite(values))]
     if not tests.measured:
@@ -53,18 +51,18 @@ def _targets(path: Path, content: dict, tests: Measurements, nuisances):
             f"{', '.join(list(RESULT_COLUMNS)[1:])}",
             file=first,
         )
-    targets = typed(path, content, "targets", list, present or [*tests.measured])
-    place = {"file": path, "key": "targets"}
+    targets = typed(top, content, "targets", list, present or [*tests.measured])
+    key = top["targets"]
     if not targets:
-        raise InputError("names no result to fit", **place)
+        raise key.error("names no result to fit")
     for name in targets:
         if name not in tuple(TARGET_COLUMNS):
             near = nearest(name, TARGET_COLUMNS)
-            raise InputError(f"{name!r} is unknown; did you mean {near}?", **place)
+            raise key.error(f"{name!r} is unknown; did you mean {near}?")
         if name not in tests.measured:
-            raise InputError(f"{name} is no column of {first.name}", **place)
+            raise key.error(f"{name} is no column of {first.name}")
         if targets.count(name) > 1:
-            raise InputError(f"{name} stands twice", **place)
+            raise key.error(f"{name} stands twice")
         known = np.isfinite(tests.measured[name])
         if not np.any(known):
             raise InputError("holds no measurement; remove it", file=first, column=name)
@@ -90,21 +88,21 @@ def _targets(path: Path, content: dict, tests: Measurements, nuisances):
     return tuple(targets)
 
 
-def _of_targets(path: Path, content: dict, key: str) -> dict[str, float]:
+def _of_targets(top: Key, content: dict, table: str) -> dict[str, float]:
     """Read a table of positive numbers for results."""
-    values = typed(path, content, key, dict, {})
+    values = typed(top, content, table, dict, {})
     for name, value in values.items():
-        where = f"{key}.{name}"
         if name not in TARGET_COLUMNS:
-            unknown(path, where, name, TARGET_COLUMNS)
-        if not number(path, where, value) > 0.0:
-            raise InputError(f"must be above 0, but is {value}", file=path, key=where)
+            raise unknown(top[table], name, TARGET_COLUMNS)
+        key = top[table][name]
+        if not number(key, value) > 0.0:
+            raise key.error(f"must be above 0, but is {value}")
     return values
 
 
-def _sigma(path, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
+def _sigma(top, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
     """Collect sigmas (tests, targets), and the mask of targets with given ones."""
-    defaults = _of_targets(path, content, "default_sigma")
+    defaults = _of_targets(top, content, "default_sigma")
     columns, given = [], []
     for name in targets:
         measured = tests.measured[name]
@@ -130,32 +128,26 @@ def _sigma(path, content, tests, targets) -> tuple[np.ndarray, np.ndarray]:
     return np.stack(columns, axis=1), np.array(given)
 
 
-def _proportional(path, content, targets, sigma_given) -> np.ndarray:
+def _proportional(top, content, targets, sigma_given) -> np.ndarray:
     """Find the targets whose scatter is stated as proportional, shape (targets,)."""
-    key, stated = "scatter", content.get("scatter", {})
-    place = {"file": path, "key": key}
+    key, stated = top["scatter"], content.get("scatter", {})
     if isinstance(stated, str):
         # One word holds for all targets whose sigmas are estimated.
-        choice(path, content, key, stated, SCATTERS)
+        choice(top, content, "scatter", stated, SCATTERS)
         if np.all(sigma_given):
-            problem = "is for sigmas that are estimated, but all are given"
-            raise InputError(problem, **place)
+            raise key.error("is for sigmas that are estimated, but all are given")
         return ~sigma_given & (stated == PROPORTIONAL)
     if not isinstance(stated, dict):
-        raise InputError(
+        raise key.error(
             f"must be one of {', '.join(SCATTERS)}, or a table of them by target, but "
-            f"is {stated!r}",
-            **place,
+            f"is {stated!r}"
         )
     for name, word in stated.items():
-        where = f"{key}.{name}"
         if name not in TARGET_COLUMNS:
-            unknown(path, where, name, TARGET_COLUMNS)
-        choice(path, {where: word}, where, word, SCATTERS)
+            raise unknown(key, name, TARGET_COLUMNS)
+        choice(key, stated, name, word, SCATTERS)
         if name in targets and sigma_given[targets.index(name)]:
-            raise InputError(
-                f"is for a sigma that is estimated, but that of {name} is given",
-                file=path,
-                key=where,
+            raise key[name].error(
+                f"is for a sigma that is estimated, but that of {name} is given"
             )
     return np.array([stated.get(name) == PROPORTIONAL for name in targets])

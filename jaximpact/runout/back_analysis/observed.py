@@ -9,8 +9,8 @@ import numpy as np
 
 from ...errors import InputError
 from ...io.scene_table import reads_as_number
-from ...io.toml import check_keys, known_table, number, typed, whole
-from ..profile_files import records_of_file
+from ...io.toml import Key, check_keys, known_table, number, typed, whole
+from ..profile_formats import records_of_file
 from ..terrain import Profile, check_inside
 
 TABLE = "observed"
@@ -122,35 +122,32 @@ def read_observed(path: Path, content: dict, profile: Profile, seed: int) -> Obs
     Raises InputError, naming file, row and key, for whatever cannot be used. Warns of
     columns that are not used.
     """
+    top = Key(path)
+    key = top[TABLE]
     if TABLE not in content:
-        raise InputError("needs a table [observed]", file=path, key=TABLE)
-    table = known_table(path, content, TABLE, KEYS)
+        raise key.error("needs a table [observed]")
+    table = known_table(top, content, TABLE, KEYS)
     channels: list[Stops | Passages | Count] = []
     inputs: list[Path] = []
     remarks: list[str] = []
-    key = f"{TABLE}.held_out_m"
-    places = typed(path, {key: table.get("held_out_m", [])}, key, list)
-    held_out = [number(path, key, x) for x in places]
+    places = typed(key, table, "held_out_m", list, [])
+    held_out = [number(key["held_out_m"], x) for x in places]
     for name, read in (("stops", _stops), ("passages", _passages)):
         if name in table:
-            inputs.append(path.parent / typed(path, table, name, str))
+            inputs.append(path.parent / typed(top, table, name, str))
             channels += read(inputs[-1], profile, held_out, remarks)
     known = {c.place for c in channels if isinstance(c, Passages)}
     for x in held_out:
         if x not in known:
-            raise InputError(f"holds {x:g}, where no passage is", file=path, key=key)
-    channels += _counts(path, table, profile)
+            raise key["held_out_m"].error(f"holds {x:g}, where no passage is")
+    channels += _counts(key, table, profile)
     if all(map(is_held_out, channels)):
-        raise InputError(
-            "needs stops, passages or counts that are fitted", file=path, key=TABLE
-        )
+        raise key.error("needs stops, passages or counts that are fitted")
     least = max(channel.blocks for channel in channels)
-    released = whole(path, table, "blocks", least, 1)
+    released = whole(top, table, "blocks", least, 1)
     if released < least:
-        raise InputError(
-            f"must be at least {least}, the blocks observed, but is {released}",
-            file=path,
-            key=f"{TABLE}.blocks",
+        raise key["blocks"].error(
+            f"must be at least {least}, the blocks observed, but is {released}"
         )
     if released > MOST_BLOCKS:
         share = MOST_BLOCKS / released
@@ -161,7 +158,7 @@ def read_observed(path: Path, content: dict, profile: Profile, seed: int) -> Obs
             "random, are used, so that intervals are those of so many"
         )
         released = max(MOST_BLOCKS, *(channel.blocks for channel in channels))
-    sigma = _sigma(path, table)
+    sigma = _sigma(key, table)
     for remark in remarks:
         warnings.warn(f"{path}: {remark}", stacklevel=2)
     return Observed(tuple(channels), sigma, released, tuple(inputs), tuple(remarks))
@@ -261,36 +258,29 @@ def _columns(
     return columns, [line for line, _ in rows]
 
 
-def _counts(path: Path, table: dict, profile: Profile) -> list[Count]:
-    key = f"{TABLE}.counts"
+def _counts(key: Key, table: dict, profile: Profile) -> list[Count]:
     found = []
-    for place, entry in enumerate(
-        typed(path, {key: table.get("counts", [])}, key, list), 1
-    ):
-        where = f"{key}.{place}"
+    for place, entry in enumerate(typed(key, table, "counts", list, []), 1):
+        where = key["counts"][str(place)]
         if not isinstance(entry, dict):
-            raise InputError(f"must be a table, but is {entry!r}", file=path, key=where)
-        check_keys(path, where, entry, COUNT_KEYS)
+            raise where.error(f"must be a table, but is {entry!r}")
+        check_keys(where, entry, COUNT_KEYS)
         for name in COUNT_KEYS:
             if name not in entry:
-                raise InputError("is needed", file=path, key=f"{where}.{name}")
-        x = number(path, f"{where}.x_m", entry["x_m"])
-        check_inside(profile, x, file=path, key=f"{where}.x_m")
-        entry = {f"{where}.{name}": value for name, value in entry.items()}
-        blocks = whole(path, entry, f"{where}.of", 1, 1)
-        passed = whole(path, entry, f"{where}.passed", 0, 0, blocks)
+                raise where[name].error("is needed")
+        x = number(where["x_m"], entry["x_m"])
+        check_inside(profile, x, **where["x_m"].place)
+        blocks = whole(where, entry, "of", 1, 1)
+        passed = whole(where, entry, "passed", 0, 0, blocks)
         found.append(Count(x, passed, blocks))
     return found
 
 
-def _sigma(path: Path, table: dict) -> dict[str, float]:
-    key, known = f"{TABLE}.sigma", (STOP_COLUMN, *PASSAGE_COLUMNS)
-    sigma = typed(path, {key: table.get("sigma", {})}, key, dict)
-    check_keys(path, key, sigma, known)
-    found = {n: number(path, f"{key}.{n}", value) for n, value in sigma.items()}
+def _sigma(observed: Key, table: dict) -> dict[str, float]:
+    key, sigma = observed["sigma"], typed(observed, table, "sigma", dict, {})
+    check_keys(key, sigma, (STOP_COLUMN, *PASSAGE_COLUMNS))
+    found = {n: number(key[n], value) for n, value in sigma.items()}
     for name, value in found.items():
         if value < 0.0:
-            raise InputError(
-                f"must be at least 0, but is {value:g}", file=path, key=f"{key}.{name}"
-            )
+            raise key[name].error(f"must be at least 0, but is {value:g}")
     return found

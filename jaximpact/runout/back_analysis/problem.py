@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import InputError, nearest
+from ...errors import nearest
 from ...io.checks import check_memory
 from ...io.files import read_input
-from ...io.toml import parse_toml, typed, unknown, whole
+from ...io.toml import Key, of_kind, parse_toml, typed, unknown, whole
 from ...quantities import InputColumn
 from ...scene import Soil
 from ..contacts.contact_models import ClosedForm
@@ -94,26 +94,24 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     Raises InputError, naming file and key, for whatever cannot be used.
     """
     path = Path(path)
+    top = Key(path)
     content = parse_toml(path, read_input(path))
     if FIT not in content:
-        raise InputError("needs a table [fit]", file=path, key=FIT)
-    fit = dict(typed(path, content, FIT, dict))
-    key = f"{FIT}.{DATA_SETS_KEY}"
-    given = {key: fit.pop(DATA_SETS_KEY, DATA_SETS)}
-    data_sets = whole(path, given, key, DATA_SETS, LEAST_DATA_SETS)
+        raise top[FIT].error("needs a table [fit]")
+    fit = dict(typed(top, content, FIT, dict))
+    given = {DATA_SETS_KEY: fit.pop(DATA_SETS_KEY, DATA_SETS)}
+    data_sets = whole(top[FIT], given, DATA_SETS_KEY, DATA_SETS, LEAST_DATA_SETS)
     soil = GroundInput.read(path, content).soil
-    ground = typed(path, content, "ground", dict, {})
+    ground = typed(top, content, "ground", dict, {})
     merged = copy.deepcopy(content)
-    of_law = _read_law_parameters(path, fit, merged)
-    parameters = (*_read_parameters(path, fit, ground, soil), *of_law)
+    of_law = _read_law_parameters(top, fit, merged)
+    parameters = (*_read_parameters(top, fit, ground, soil), *of_law)
     if not parameters:
-        raise InputError("names no parameter to fit", file=path, key=FIT)
+        raise top[FIT].error("names no parameter to fit")
     _merge(merged.setdefault("ground", {}), fit)
     slope = read_slope_input(path, merged, accuracy)
     if len(slope.laws) > 1:
-        raise InputError(
-            f"names {len(slope.laws)} laws; a fit takes one", file=path, key="contacts"
-        )
+        raise top["contacts"].error(f"names {len(slope.laws)} laws; a fit takes one")
     (law,) = slope.laws
     if isinstance(law.contacts, ClosedForm):
         _warn_of_soil(path, law.name, parameters)
@@ -126,7 +124,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     observed = read_observed(path, content, profile, slope.seed)
     fitted = SlopeFit(
         path=path,
-        title=typed(path, content, "title", str, path.stem),
+        title=typed(top, content, "title", str, path.stem),
         slope=slope,
         parameters=parameters,
         observed=observed,
@@ -138,8 +136,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     check_memory(
         data_sets * observed.released * columns,
         f"{data_sets} data sets of {observed.released} blocks",
-        file=path,
-        key=key,
+        **top[FIT][DATA_SETS_KEY].place,
     )
     return fitted
 
@@ -156,31 +153,29 @@ def _warn_of_soil(path: Path, law: str, parameters: Iterable[Parameter]) -> None
             )
 
 
-def _read_law_parameters(path: Path, fit: dict, merged: dict) -> list[Parameter]:
+def _read_law_parameters(top: Key, fit: dict, merged: dict) -> list[Parameter]:
     """Take the priors of a contact law out of `fit`, and put their medians into the
     study, which must have a value for each."""
     if CONTACTS not in fit:
         return []
-    priors = typed(path, fit, CONTACTS, dict)
+    priors = typed(top, fit, CONTACTS, dict)
     del fit[CONTACTS]
-    table = typed(path, merged, CONTACTS, dict, {})
-    columns, found = columns_of_law(path, table), []
+    table = typed(top, merged, CONTACTS, dict, {})
+    columns, found = columns_of_law(top, table), []
     if not columns:
-        raise InputError(
-            "is for a law in closed form, with parameters of its own",
-            file=path,
-            key=f"{FIT}.{CONTACTS}",
+        raise top[FIT][CONTACTS].error(
+            "is for a law in closed form, with parameters of its own"
         )
     for name, value in priors.items():
         if name not in columns:
-            unknown(path, f"{FIT}.{CONTACTS}.{name}", name, columns)
-        found.append(_parameter(path, f"{CONTACTS}.{name}", value, columns[name]))
+            raise unknown(top[FIT][CONTACTS], name, columns)
+        found.append(_parameter(top, f"{CONTACTS}.{name}", value, columns[name]))
         table[name] = float(found[-1].prior.values(ENDS)[1])
     return found
 
 
 def _read_parameters(
-    path: Path, fit: dict, ground: dict, soil: Soil
+    top: Key, fit: dict, ground: dict, soil: Soil
 ) -> tuple[Parameter, ...]:
     """Read the priors; InputError for names that are unknown and for what is no
     prior."""
@@ -189,42 +184,36 @@ def _read_parameters(
         if name not in PARTS:
             if name not in columns:
                 known = (*columns, *PARTS, CONTACTS, DATA_SETS_KEY)
-                unknown(path, f"{FIT}.{name}", name, known)
-            found.append(_parameter(path, f"ground.{name}", value, columns[name]))
+                raise unknown(top[FIT], name, known)
+            found.append(_parameter(top, f"ground.{name}", value, columns[name]))
             continue
-        for part, quantities in typed(path, fit, name, dict).items():
-            where = f"{FIT}.{name}.{part}"
+        for part, quantities in typed(top, fit, name, dict).items():
+            where = top[FIT][name][part]
             known = ground.get(name, {})
             if name == "materials" and part not in known:
                 hint = f"; did you mean {nearest(part, known)}?" if known else ""
-                raise InputError(
-                    f"is no material of [ground.materials]{hint}", file=path, key=where
-                )
-            for inner, prior in typed(path, {where: quantities}, where, dict).items():
+                raise where.error(f"is no material of [ground.materials]{hint}")
+            for inner, prior in of_kind(where, quantities, dict).items():
                 if inner not in columns:
-                    unknown(path, f"{where}.{inner}", inner, columns)
+                    raise unknown(where, inner, columns)
                 key = f"ground.{name}.{part}.{inner}"
-                found.append(_parameter(path, key, prior, columns[inner]))
+                found.append(_parameter(top, key, prior, columns[inner]))
     return tuple(found)
 
 
-def _parameter(path: Path, key: str, value, column: InputColumn) -> Parameter:
-    where = f"{FIT}.{key.removeprefix('ground.')}"
-    prior = read_ground_quantity(path, where, value, column)
+def _parameter(top: Key, key: str, value, column: InputColumn) -> Parameter:
+    where = top[FIT][key.removeprefix("ground.")]
+    prior = read_ground_quantity(where, value, column)
     if not isinstance(prior, Distribution):
-        raise InputError(
+        raise where.error(
             "must be a prior: { from, to }, { mean, sd } or { median, geometric_sd }, "
-            "the last two with least and most if wanted",
-            file=path,
-            key=where,
+            "the last two with least and most if wanted"
         )
     ends = prior.values(ENDS)
     if not np.all(column.is_allowed(ends)):
-        raise InputError(
+        raise where.error(
             f"must be {column.requirement}, but the prior reaches from {ends[0]:g} to "
-            f"{ends[-1]:g}; least and most truncate it",
-            file=path,
-            key=where,
+            f"{ends[-1]:g}; least and most truncate it"
         )
     return Parameter(key, prior, column)
 

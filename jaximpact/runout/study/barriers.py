@@ -20,9 +20,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from ...errors import InputError
 from ...io.display import Rows, align
-from ...io.toml import check_keys, number, typed
+from ...io.toml import Key, check_keys, number, typed
 from ..terrain import Profile, check_inside
 from ..trajectory import Ending
 from .intervals import (
@@ -57,39 +56,33 @@ def read_barriers(path: Path, content: dict, profile: Profile) -> tuple[Barrier,
     Raises InputError, naming file and key, for a barrier that is not on the profile,
     for heights and capacities that are not above 0, and for names that stand twice.
     """
-    tables = content.get(KEY, [])
+    key, tables = Key(path)[KEY], content.get(KEY, [])
     if not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
-        raise InputError(
-            "must be tables, each under a line [[barriers]]", file=path, key=KEY
-        )
+        raise key.error("must be tables, each under a line [[barriers]]")
     barriers: list[Barrier] = []
     for place, table in enumerate(tables, 1):
-        barrier = _barrier(path, f"{KEY}.{place}", table, profile)
+        barrier = _barrier(key[str(place)], table, profile)
         if barrier.name in [other.name for other in barriers]:
-            raise InputError(
-                f"{barrier.name!r} stands twice; name tells barriers apart",
-                file=path,
-                key=f"{KEY}.{place}.name",
+            raise key[str(place)]["name"].error(
+                f"{barrier.name!r} stands twice; name tells barriers apart"
             )
         barriers.append(barrier)
     return tuple(barriers)
 
 
-def _barrier(path: Path, where: str, table: dict, profile: Profile) -> Barrier:
-    check_keys(path, where, table, KEYS)
+def _barrier(key: Key, table: dict, profile: Profile) -> Barrier:
+    check_keys(key, table, KEYS)
     numbers = {}
     for name in KEYS[1:]:
-        key = f"{where}.{name}"
         if name not in table:
-            raise InputError("is needed", file=path, key=key)
+            raise key[name].error("is needed")
         above = -math.inf if name == "x_m" else 0.0
-        numbers[name] = number(path, key, table[name], above=above)
+        numbers[name] = number(key[name], table[name], above=above)
     x, height, capacity = numbers.values()
-    check_inside(profile, x, file=path, key=f"{where}.x_m")
-    key = f"{where}.name"
-    name = typed(path, {key: table.get("name", f"barrier at {x:g} m")}, key, str)
+    check_inside(profile, x, **key["x_m"].place)
+    name = typed(key, table, "name", str, f"barrier at {x:g} m")
     if not name.strip():
-        raise InputError("must be a text, but is empty", file=path, key=key)
+        raise key["name"].error("must be a text, but is empty")
     return Barrier(name, x, height, 1e3 * capacity)
 
 

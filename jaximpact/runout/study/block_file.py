@@ -8,8 +8,7 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from ...errors import InputError, located
-from ...io.toml import known_table, number, typed, with_named_parts
+from ...io.toml import Key, known_table, number, typed, with_named_parts
 from ...quantities import INPUT_COLUMNS, InputColumn, columns_of_part
 from ...scene import Block
 from ...scene_quantities import SHAPE, part_named, replaced_parts
@@ -69,46 +68,42 @@ class BlockInput(NamedTuple):
 
 def read_blocks(path: Path, content: dict) -> BlockInput:
     """Read the table [block] of a study."""
-    kinds, base = _shapes(path, content)
+    top = Key(path)
+    key, (kinds, base) = top["block"], _shapes(top, content)
     columns = columns_of_part("block", base)
-    table = known_table(path, content, "block", (*columns, VOLUME, SHAPE))
+    table = known_table(top, content, "block", (*columns, VOLUME, SHAPE))
     if MASS in table and VOLUME in table:
-        raise InputError(
+        raise key.error(
             "takes mass_kg or volume_m3, not both: the mass is density_kgm3 times the "
-            "volume",
-            file=path,
-            key="block",
+            "volume"
         )
     quantities, columns = {}, columns | {VOLUME: VOLUME_COLUMN}
     for name, value in table.items():
         if name != SHAPE:
-            key = f"block.{name}"
-            quantities[name] = read_quantity(path, key, value, columns[name])
+            quantities[name] = read_quantity(key[name], value, columns[name])
         elif isinstance(value, list):
             quantities[name] = tuple(map(float, range(len(value))))
     return BlockInput(kinds, base, quantities)
 
 
-def _shapes(path: Path, content: dict) -> tuple[tuple[type[AbstractShape], ...], Block]:
+def _shapes(top: Key, content: dict) -> tuple[tuple[type[AbstractShape], ...], Block]:
     """Read the shapes that the file names: one, or a list; give them, and a block with
     a shape of each."""
-    table = typed(path, content, "block", dict, {})
-    key = f"block.{SHAPE}"
+    table = typed(top, content, "block", dict, {})
+    key = top["block"]
     names = table.get(SHAPE)
     if not isinstance(names, list):
-        base = cast(Block, with_named_parts(path, "block", table, Block()))
+        base = cast(Block, with_named_parts(key, table, Block()))
         return (type(base.shape),), base
     if not names or not all(isinstance(name, str) for name in names):
-        raise InputError(
-            f"must be a name or a list of names, but is {names!r}", file=path, key=key
-        )
-    with located(path, key):
-        shapes = [part_named(SHAPE, name, path.parent) for name in names]
+        raise key[SHAPE].error(f"must be a name or a list of names, but is {names!r}")
+    with key[SHAPE].located():
+        shapes = [part_named(SHAPE, name, top.file.parent) for name in names]
         kinds = [type(cast(AbstractShape, shape)) for shape in shapes]
         one_of_each = {SHAPE: shape_of_each(kinds)}
         base = cast(Block, replaced_parts(Block(), one_of_each))
     if len(set(kinds)) < len(kinds):
-        raise InputError("holds a shape twice", file=path, key=key)
+        raise key[SHAPE].error("holds a shape twice")
     return tuple(kinds), base
 
 
@@ -130,17 +125,19 @@ MOST_PLACES = 100_000
 def read_release(path: Path, content: dict, profile: Profile) -> dict[str, Quantity]:
     """Read the table [release] of a study: its quantities by name. One named `LINE` is
     a distance along the ground from the profile's left end [m]."""
-    table = dict(known_table(path, content, "release", RELEASE_KEYS))
+    top = Key(path)
+    key = top["release"]
+    table = dict(known_table(top, content, "release", RELEASE_KEYS))
     spacing, line = table.pop(SPACING, None), table.pop(LINE, None)
     quantities = {
-        name: read_quantity(path, f"release.{name}", v, RELEASE_COLUMNS.get(name))
+        name: read_quantity(key[name], v, RELEASE_COLUMNS.get(name))
         for name, v in table.items()
     }
-    _check_alternatives(path, quantities, line is not None)
+    _check_alternatives(key, quantities, line is not None)
     if line is not None:
-        quantities[LINE] = _line(path, line, spacing, profile)
+        quantities[LINE] = _line(key, line, spacing, profile)
     elif spacing is not None:
-        raise InputError(f"needs {LINE} too", file=path, key=f"release.{SPACING}")
+        raise key[SPACING].error(f"needs {LINE} too")
     return quantities
 
 
@@ -177,7 +174,7 @@ def make_release(
         )
         check_release(release, profile)
     except ValueError as error:
-        raise InputError(str(error), file=path, key="release") from None
+        raise Key(path)["release"].error(str(error)) from None
     return release
 
 
@@ -186,54 +183,45 @@ def _along_ground(profile: Profile) -> np.ndarray:
     return np.concatenate([[0.0], np.cumsum(profile.length)])
 
 
-def _line(path: Path, line, spacing, profile: Profile) -> Quantity:
+def _line(key: Key, line, spacing, profile: Profile) -> Quantity:
     """Read a line of releases: uniform along the ground between two x, or places at
     equal spacing from the first on."""
-    key = f"release.{LINE}"
     if not isinstance(line, list) or len(line) != 2:
-        raise InputError(
-            f"must be a list of two x, [from, to], but is {line!r}", file=path, key=key
-        )
-    start, stop = (number(path, key, x) for x in line)
+        raise key[LINE].error(f"must be a list of two x, [from, to], but is {line!r}")
+    start, stop = (number(key[LINE], x) for x in line)
     if not profile.x[0] <= start < stop <= profile.x[-1]:
-        raise InputError(
+        raise key[LINE].error(
             f"must go up, between the ends of the profile, {profile.x[0]:g} and "
-            f"{profile.x[-1]:g}, but is {line!r}",
-            file=path,
-            key=key,
+            f"{profile.x[-1]:g}, but is {line!r}"
         )
     ends = np.interp([start, stop], profile.x, _along_ground(profile)).tolist()
     if spacing is None:
         return Uniform(*ends)
-    spacing = number(path, f"release.{SPACING}", spacing)
+    spacing = number(key[SPACING], spacing)
     length = ends[1] - ends[0]
     # The last place may be the end of the line, but for rounding.
     if not 0.0 < spacing <= length or length / spacing > MOST_PLACES:
-        raise InputError(
+        raise key[SPACING].error(
             f"must be above 0 and at most the line's length along the ground, "
-            f"{length:g} m, with at most {MOST_PLACES} places, but is {spacing:g}",
-            file=path,
-            key=f"release.{SPACING}",
+            f"{length:g} m, with at most {MOST_PLACES} places, but is {spacing:g}"
         )
     places = ends[0] + spacing * np.arange(int(length / spacing * (1.0 + 1e-12)) + 1)
     return tuple(np.minimum(places, ends[1]).tolist())
 
 
 def _check_alternatives(
-    path: Path, quantities: dict[str, Quantity], has_line: bool
+    key: Key, quantities: dict[str, Quantity], has_line: bool
 ) -> None:
     if ("x_m" in quantities) == has_line:
-        told = f"takes x_m or {LINE}, not both" if has_line else "is needed"
-        key = "release" if has_line else "release.x_m"
-        raise InputError(told, file=path, key=key)
+        if has_line:
+            raise key.error(f"takes x_m or {LINE}, not both")
+        raise key["x_m"].error("is needed")
     if ("y_m" in quantities) == ("clearance_m" in quantities):
-        raise InputError("needs y_m or clearance_m, not both", file=path, key="release")
+        raise key.error("needs y_m or clearance_m, not both")
     polar = [n for n in ("speed_mps", "direction_deg") if n in quantities]
     cartesian = [n for n in ("v_x_mps", "v_y_mps") if n in quantities]
     if polar and cartesian:
-        raise InputError(
+        raise key.error(
             f"takes speed_mps and direction_deg, or v_x_mps and v_y_mps, but has "
-            f"{polar[0]} and {cartesian[0]}",
-            file=path,
-            key="release",
+            f"{polar[0]} and {cartesian[0]}"
         )

@@ -9,10 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...accuracy import DEFAULT_ACCURACY, PRESETS
-from ...errors import InputError, located
 from ...finding import file_of, find_class, shipped
 from ...identity import name_of
-from ...io.toml import allowed, check_keys, choice, typed
+from ...io.toml import Key, allowed, check_keys, choice, typed
 from ...lookup import Tabulated, read_table
 from ...quantities import InputColumn, own_columns
 from ...rebound import AbstractRebound
@@ -52,90 +51,77 @@ def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]
         content: content of the file.
         accuracy: accuracy of the full model, in place of the file's.
     """
-    tables = content.get("contacts", {"law": FULL_MODEL})
+    top = Key(path)
+    key, tables = top["contacts"], content.get("contacts", {"law": FULL_MODEL})
     if isinstance(tables, list) and not tables:
-        raise InputError("is an empty list", file=path, key="contacts")
+        raise key.error("is an empty list")
     if not isinstance(tables, list):
-        tables = [typed(path, content, "contacts", dict, tables)]
-    laws = [_law(path, content, table, accuracy) for table in tables]
+        tables = [typed(top, content, "contacts", dict, tables)]
+    laws = [_law(top, content, table, accuracy) for table in tables]
     if "contact_error" in content:
-        laws += _full_model_if_missing(path, content, laws, accuracy)
+        laws += _full_model_if_missing(top, content, laws, accuracy)
     if (accuracy is not None or "accuracy" in content) and not any(
         isinstance(law.contacts, FullModel) for law in laws
     ):
-        raise InputError(
-            f"accuracy is of the full model; the law {laws[0].told['law']} takes none",
-            file=path,
-            key="contacts.law",
+        raise key["law"].error(
+            f"accuracy is of the full model; the law {laws[0].told['law']} takes none"
         )
     for place, law in enumerate(laws):
         if law.directory in [other.directory for other in laws[:place]]:
-            raise InputError(
-                f"{law.name!r} stands twice; name tells laws apart",
-                file=path,
-                key="contacts.name",
-            )
+            raise key["name"].error(f"{law.name!r} stands twice; name tells laws apart")
     return laws
 
 
 def _full_model_if_missing(
-    path: Path, content: dict, laws: list[NamedLaw], accuracy: str | None
+    top: Key, content: dict, laws: list[NamedLaw], accuracy: str | None
 ) -> list[NamedLaw]:
     """Make the full model, by which the errors of the others are measured."""
     given = [law for law in laws if isinstance(law.contacts, FullModel)]
     if len(given) > 1:
-        raise InputError(
-            "holds the full model twice; contact_error is measured by one",
-            file=path,
-            key="contacts",
+        raise top["contacts"].error(
+            "holds the full model twice; contact_error is measured by one"
         )
-    return [] if given else [_law(path, content, {"law": FULL_MODEL}, accuracy)]
+    return [] if given else [_law(top, content, {"law": FULL_MODEL}, accuracy)]
 
 
-def _law(path: Path, content: dict, table, accuracy: str | None) -> NamedLaw:
+def _law(top: Key, content: dict, table, accuracy: str | None) -> NamedLaw:
+    key = top["contacts"]
     if not isinstance(table, dict):
-        raise InputError(
-            f"must be a table, but is {table!r}", file=path, key="contacts"
-        )
-    law = typed(path, table, "law", str, FULL_MODEL)
-    own = _own_law(path, law) if ":" in law else None
-    law = own.__name__ if own else choice(path, table, "law", FULL_MODEL, LAWS)
-    name = typed(path, table, "name", str, law)
+        raise key.error(f"must be a table, but is {table!r}")
+    law = typed(top, table, "law", str, FULL_MODEL)
+    own = _own_law(top, law) if ":" in law else None
+    law = own.__name__ if own else choice(top, table, "law", FULL_MODEL, LAWS)
+    name = typed(top, table, "name", str, law)
     if not re.search("[A-Za-z0-9]", name):
-        raise InputError(
-            f"needs a letter or a digit, but is {name!r}",
-            file=path,
-            key="contacts.name",
-        )
+        raise key["name"].error(f"needs a letter or a digit, but is {name!r}")
     if law == TABLE:
-        check_keys(path, "contacts", table, ("law", "name", "files"))
-        return _tables(path, name, table)
+        check_keys(key, table, ("law", "name", "files"))
+        return _tables(top, name, table)
     if law == FULL_MODEL:
-        check_keys(path, "contacts", table, ("law", "name"))
+        check_keys(key, table, ("law", "name"))
         accuracy = accuracy or choice(
-            path, content, "accuracy", DEFAULT_ACCURACY, tuple(PRESETS)
+            top, content, "accuracy", DEFAULT_ACCURACY, tuple(PRESETS)
         )
         told = {"law": law, "accuracy": accuracy}
         return NamedLaw(name, FullModel(accuracy), told, {})
-    return _closed_form(path, table, law, name, own or CLOSED_FORMS[law])
+    return _closed_form(key, table, law, name, own or CLOSED_FORMS[law])
 
 
 def _closed_form(
-    path: Path, table: dict, law: str, name: str, kind: type[AbstractRebound]
+    key: Key, table: dict, law: str, name: str, kind: type[AbstractRebound]
 ) -> NamedLaw:
     """Make a closed-form law of its class and the parameters in its table."""
     columns = {column.name: column for column in own_columns(kind)}
-    check_keys(path, "contacts", table, ("law", "name", *columns))
+    check_keys(key, table, ("law", "name", *columns))
     values = {}
-    for key, column in columns.items():
-        where = f"contacts.{key}"
-        if key in table:
-            values[key] = allowed(path, where, column, table[key])
+    for own, column in columns.items():
+        if own in table:
+            values[own] = allowed(key[own], column, table[own])
         elif math.isnan(column.default):
-            raise InputError(f"is needed by the law {law}", file=path, key=where)
+            raise key[own].error(f"is needed by the law {law}")
         else:
-            values[key] = column.default
-    fields = {columns[key].field: columns[key].factor * v for key, v in values.items()}
+            values[own] = column.default
+    fields = {columns[own].field: columns[own].factor * v for own, v in values.items()}
     told, checksums = {"law": law} | values, {}
     if law not in CLOSED_FORMS:
         told["class"] = name_of(kind)
@@ -143,44 +129,39 @@ def _closed_form(
     try:
         contacts = ClosedForm(kind(**fields))
     except TypeError as error:
-        raise InputError(
+        raise key["law"].error(
             f"{law} cannot be made of its parameters alone: {error}; declare each "
-            "field as name: Scalar = parameter(default, unit, range, meaning)",
-            file=path,
-            key="contacts.law",
+            "field as name: Scalar = parameter(default, unit, range, meaning)"
         ) from error
     return NamedLaw(name, contacts, told, checksums)
 
 
-def columns_of_law(path: Path, table: dict) -> dict[str, InputColumn]:
+def columns_of_law(top: Key, table: dict) -> dict[str, InputColumn]:
     """List the parameters of the law in closed form that a table names, by name; none
     for another law."""
-    law = typed(path, table, "law", str, FULL_MODEL)
-    kind = _own_law(path, law) if ":" in law else CLOSED_FORMS.get(law)
+    law = typed(top, table, "law", str, FULL_MODEL)
+    kind = _own_law(top, law) if ":" in law else CLOSED_FORMS.get(law)
     return {column.name: column for column in own_columns(kind)} if kind else {}
 
 
-def _own_law(path: Path, text: str) -> type[AbstractRebound]:
+def _own_law(top: Key, text: str) -> type[AbstractRebound]:
     """Find the class of a user's law."""
-    with located(path, "contacts.law"):
-        return find_class("law", AbstractRebound, text, path.parent)
+    with top["contacts"]["law"].located():
+        return find_class("law", AbstractRebound, text, top.file.parent)
 
 
 def _checksum(file: Path) -> str:
     return hashlib.sha256(file.read_bytes()).hexdigest()
 
 
-def _tables(path: Path, name: str, table: dict) -> NamedLaw:
+def _tables(top: Key, name: str, table: dict) -> NamedLaw:
+    key = top["contacts"]["files"]
     if "files" not in table:
-        raise InputError("is needed by the law table", file=path, key="contacts.files")
-    names = typed(path, table, "files", list)
+        raise key.error("is needed by the law table")
+    names = typed(top, table, "files", list)
     if not names or not all(isinstance(n, str) for n in names):
-        raise InputError(
-            f"must be a list of files, but is {names!r}",
-            file=path,
-            key="contacts.files",
-        )
-    files = [path.parent / n for n in names]
+        raise key.error(f"must be a list of files, but is {names!r}")
+    files = [top.file.parent / n for n in names]
     tables = [read_table(file) for file in files]
     checksums = {file: _checksum(file) for file in files}
     errors = [table.error for table in tables if table.error is not None]
@@ -213,4 +194,4 @@ def check_law(
         most + widest,
     )
     if problem:
-        raise InputError(problem, file=path, key="contacts.files")
+        raise Key(path)["contacts"]["files"].error(problem)

@@ -7,8 +7,7 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from ...errors import InputError
-from ...io.toml import number, typed, unknown, with_named_parts
+from ...io.toml import Key, number, typed, unknown, with_named_parts
 from ...parameters import parts_of
 from ...scene import Soil
 from ..random_inputs import Quantity, RandomField
@@ -43,22 +42,21 @@ class GroundInput(NamedTuple):
     @classmethod
     def read(cls, path: Path, content: dict) -> "GroundInput":
         """Read the table [ground] of a study."""
-        table = typed(path, content, "ground", dict, {})
-        calibrated = _calibrated(path, table)
+        top = Key(path)
+        key, table = top["ground"], typed(top, content, "ground", dict, {})
+        calibrated = _calibrated(top, table)
         soil = calibrated.soil if calibrated else Soil()
-        soil = cast(Soil, with_named_parts(path, "ground", table, soil))
+        soil = cast(Soil, with_named_parts(key, table, soil))
         if all(kind in table for kind in PARTS):
-            raise InputError(
+            raise key.error(
                 "has segments and materials; say what differs along the slope by one "
-                "of them",
-                file=path,
-                key="ground",
+                "of them"
             )
-        parts = _segments(path, table, soil) | _materials(path, table, soil)
+        parts = _segments(top, table, soil) | _materials(top, table, soil)
         everywhere = {k: v for k, v in table.items() if k not in NO_QUANTITIES}
-        everywhere = _quantities(path, everywhere, "ground", soil)
+        everywhere = _quantities(key, everywhere, soil, NO_QUANTITIES)
         if calibrated is not None:
-            _check_calibrated(path, table, calibrated, everywhere)
+            _check_calibrated(key, table, calibrated, everywhere)
             everywhere = calibrated.fixed | everywhere
         return cls(path, soil, everywhere, parts, calibrated)
 
@@ -137,37 +135,29 @@ class GroundInput(NamedTuple):
         return Ground(*with_ground_values(profile.soil, found), seed)
 
 
-def _segments(path: Path, table: dict, soil: Soil) -> dict[str, Part]:
+def _segments(top: Key, table: dict, soil: Soil) -> dict[str, Part]:
     parts = {}
-    for name in typed(path, table, "segment", dict, {}):
-        key = f"ground.segment.{name}"
+    for name in typed(top, table, "segment", dict, {}):
+        key = top["ground"]["segment"][name]
         if not re.fullmatch(SEGMENT_NAME, name):
-            raise InputError("must be the number of a segment", file=path, key=key)
-        values = typed(path, table["segment"], name, dict)
-        quantities = _quantities(path, values, key, soil)
+            raise key.error("must be the number of a segment")
+        values = typed(top, table["segment"], name, dict)
+        quantities = _quantities(key, values, soil)
         parts[f"segment.{name}"] = Part(f"segment.{name}", quantities, int(name) - 1)
     return parts
 
 
-def _materials(path: Path, table: dict, soil: Soil) -> dict[str, Part]:
+def _materials(top: Key, table: dict, soil: Soil) -> dict[str, Part]:
     parts = {}
-    for name in typed(path, table, "materials", dict, {}):
-        key = f"ground.materials.{name}"
+    for name in typed(top, table, "materials", dict, {}):
+        key = top["ground"]["materials"][name]
         if not re.fullmatch(MATERIAL_NAME, name):
-            raise InputError(
-                "must be a name of letters, digits, _ and -", file=path, key=key
-            )
-        values = dict(typed(path, table["materials"], name, dict))
-        ends = [
-            number(path, f"{key}.{end}", values.pop(end))
-            for end in ENDS
-            if end in values
-        ]
-        quantities = _quantities(path, values, key, soil, ENDS)
+            raise key.error("must be a name of letters, digits, _ and -")
+        values = dict(typed(top, table["materials"], name, dict))
+        ends = [number(key[end], values.pop(end)) for end in ENDS if end in values]
+        quantities = _quantities(key, values, soil, ENDS)
         if len(ends) == 1 or (ends and not ends[0] < ends[1]):
-            raise InputError(
-                "needs from_x_m and to_x_m, the larger one", file=path, key=key
-            )
+            raise key.error("needs from_x_m and to_x_m, the larger one")
         parts[f"materials.{name}"] = Part(
             f"materials.{name}", quantities, ends=tuple(ends) or None
         )
@@ -175,7 +165,7 @@ def _materials(path: Path, table: dict, soil: Soil) -> dict[str, Part]:
 
 
 def _quantities(
-    path: Path, values: dict, where: str, soil: Soil, others: tuple = ()
+    table: Key, values: dict, soil: Soil, others: tuple = ()
 ) -> dict[str, Quantity | RandomField]:
     """Read quantities of the ground.
 
@@ -184,35 +174,32 @@ def _quantities(
     """
     columns = ground_columns(soil)
     for name in values:
-        key = f"{where}.{name}"
         if name in LAWS:
-            raise InputError(
+            raise table[name].error(
                 f"names a law of one part of the slope, but a slope has one {name} for "
-                "all; name it under [ground]",
-                file=path,
-                key=key,
+                "all; name it under [ground]"
             )
         if name not in columns:
-            known = others or (NO_QUANTITIES if where == "ground" else ())
-            unknown(path, key, name, (*columns, *known))
+            raise unknown(table, name, (*columns, *others))
     return {
-        name: read_ground_quantity(path, f"{where}.{name}", value, columns[name])
+        name: read_ground_quantity(table[name], value, columns[name])
         for name, value in values.items()
     }
 
 
-def _calibrated(path: Path, table: dict) -> Calibrated | None:
+def _calibrated(top: Key, table: dict) -> Calibrated | None:
     """Read the calibration that the table names, if it names one."""
     if "from" not in table:
         if "variant" in table:
-            raise InputError("needs from too", file=path, key="ground.variant")
+            raise top["ground"]["variant"].error("needs from too")
         return None
-    variant = typed(path, table, "variant", str) if "variant" in table else None
-    return read_calibrated(path.parent / typed(path, table, "from", str), variant)
+    variant = typed(top, table, "variant", str) if "variant" in table else None
+    directory = top.file.parent
+    return read_calibrated(directory / typed(top, table, "from", str), variant)
 
 
 def _check_calibrated(
-    path: Path, table: dict, calibrated: Calibrated, said: dict
+    key: Key, table: dict, calibrated: Calibrated, said: dict
 ) -> None:
     """Raise InputError for a law beside a calibration, for a parameter that is neither
     in the table nor identifiable, and for a fitted one that varies along the slope.
@@ -222,23 +209,17 @@ def _check_calibrated(
     """
     for slot in LAWS:
         if slot in table:
-            raise InputError(
-                "comes with the calibration that from names; remove it",
-                file=path,
-                key=f"ground.{slot}",
+            raise key[slot].error(
+                "comes with the calibration that from names; remove it"
             )
     for name, reason in calibrated.undetermined.items():
         if name not in said:
-            raise InputError(
-                f"must say {name}, which the tests do not determine: {reason}",
-                file=path,
-                key="ground",
+            raise key.error(
+                f"must say {name}, which the tests do not determine: {reason}"
             )
     for name in calibrated.names:
         if isinstance(said.get(name), RandomField):
-            raise InputError(
+            raise key[name].error(
                 "varies along the slope, but the calibration samples other parameters "
-                "conditional on it; leave out correlation_length_m",
-                file=path,
-                key=f"ground.{name}",
+                "conditional on it; leave out correlation_length_m"
             )

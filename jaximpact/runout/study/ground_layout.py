@@ -2,12 +2,12 @@
 
 import warnings
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from ...errors import InputError, nearest
+from ...errors import nearest
+from ...io.toml import Key
 from ..random_inputs import Quantity, RandomField
 from ..terrain import Profile, subdivide
 
@@ -70,7 +70,7 @@ class GroundLayout(NamedTuple):
 
 
 def lay_out(
-    path: Path,
+    key: Key,
     profile: Profile,
     materials: tuple[str, ...] | None,
     parts: Mapping[str, Part],
@@ -81,7 +81,7 @@ def lay_out(
     of fields begin and end.
 
     Args:
-        path: of the study.
+        key: of the table [ground].
         profile: as its file has it.
         materials: material of each segment, where the profile names them.
         parts: segments and materials, by key.
@@ -93,10 +93,10 @@ def lay_out(
     [ground] holds.
     """
     if materials is not None:
-        _check_names(path, materials, parts)
+        _check_names(key, materials, parts)
     ends = [end for part in parts.values() for end in part.ends or ()]
     owners: dict[str, list[str]] = {}
-    _check_cells(path, profile, fields)
+    _check_cells(key, profile, fields)
     for part in parts.values():
         for name in part.quantities:
             owners.setdefault(name, []).append(part.key)
@@ -104,9 +104,9 @@ def lay_out(
     layout = GroundLayout(whole, {}, owners)
     for part in parts.values():
         layout.places[part.key] = _segments_of(
-            path, part, profile, layout.middles, piece, materials
+            key[part.key], part, profile, layout.middles, piece, materials
         )
-    _check_cover(path, layout, parts, has_base)
+    _check_cover(key, layout, parts, has_base)
     # All cuts at once: cutting pieces again would undo the turns of the first cuts.
     cuts = np.concatenate([ends, *_boundaries(layout, fields)])
     final, _ = subdivide(profile, cuts)
@@ -117,7 +117,7 @@ def lay_out(
 
 
 def _segments_of(
-    path: Path,
+    key: Key,
     part: Part,
     given: Profile,
     middles: np.ndarray,
@@ -131,29 +131,22 @@ def _segments_of(
         middles, piece: of each segment after the cuts, x of its middle [m], and the
             index of the segment that it is a piece of.
     """
-    key = f"ground.{part.key}"
     if part.segment is not None:
         if not 0 <= part.segment < given.segments:
-            raise InputError(
-                f"must be the number of a segment, from 1 to {given.segments}",
-                file=path,
-                key=key,
+            raise key.error(
+                f"must be the number of a segment, from 1 to {given.segments}"
             )
         return piece == part.segment
     if materials is not None:
         if part.ends is not None:
-            raise InputError(
+            raise key.error(
                 "has from_x_m and to_x_m, but the profile has a column material; leave "
-                "one of them out",
-                file=path,
-                key=key,
+                "one of them out"
             )
         found = np.array(materials)[piece] == part.name
     elif part.ends is None:
-        raise InputError(
-            "needs from_x_m and to_x_m, or a column material in the profile's CSV",
-            file=path,
-            key=key,
+        raise key.error(
+            "needs from_x_m and to_x_m, or a column material in the profile's CSV"
         )
     else:
         found = (middles > part.ends[0]) & (middles < part.ends[1])
@@ -161,27 +154,23 @@ def _segments_of(
         where = "no row of the profile names it"
         if part.ends is not None:
             where = f"the profile goes from x = {given.x[0]:g} to {given.x[-1]:g}"
-        raise InputError(f"is nowhere on the slope: {where}", file=path, key=key)
+        raise key.error(f"is nowhere on the slope: {where}")
     return found
 
 
-def _check_names(
-    path: Path, materials: Iterable[str], parts: Mapping[str, Part]
-) -> None:
+def _check_names(key: Key, materials: Iterable[str], parts: Mapping[str, Part]) -> None:
     """Raise InputError for a material of the profile that the study does not define."""
     known = [part.name for part in parts.values() if part.segment is None]
     for name in materials:
         if name not in known:
             hint = f"; did you mean {nearest(name, known)!r}?" if known else ""
-            raise InputError(
-                f"must define the material {name!r} of the profile{hint}",
-                file=path,
-                key="ground.materials",
+            raise key["materials"].error(
+                f"must define the material {name!r} of the profile{hint}"
             )
 
 
 def _check_cover(
-    path: Path, layout: GroundLayout, parts: Mapping[str, Part], has_base: bool
+    key: Key, layout: GroundLayout, parts: Mapping[str, Part], has_base: bool
 ) -> None:
     """Raise InputError where materials overlap or leave ground without any; only warn
     of the latter where [ground] holds."""
@@ -193,23 +182,19 @@ def _check_cover(
     if np.any(times > 1):
         i = int(np.argmax(times > 1))
         first, second, *_ = (p.name for p in ours if layout.places[p.key][i])
-        raise InputError(
+        raise key["materials"].error(
             f"overlap: {first} and {second} are both at x = {x[i]:.10g} to "
-            f"{x[i + 1]:.10g} m",
-            file=path,
-            key="ground.materials",
+            f"{x[i + 1]:.10g} m"
         )
     if np.any(times == 0):
         gaps = _stretches(x, times == 0)
         if not has_base:
-            raise InputError(
+            raise key["materials"].error(
                 f"leave x = {gaps} without a material; let one of them reach so far, "
-                "or say under [ground] what is there",
-                file=path,
-                key="ground.materials",
+                "or say under [ground] what is there"
             )
         warnings.warn(
-            f"{path}, key ground.materials: no material is at x = {gaps}; what "
+            f"{key.file}, key ground.materials: no material is at x = {gaps}; what "
             "[ground] says holds there",
             stacklevel=2,
         )
@@ -222,17 +207,13 @@ def _stretches(x: np.ndarray, chosen: np.ndarray) -> str:
     return ", ".join(f"{x[left]:.10g} to {x[right]:.10g} m" for left, right in ends)
 
 
-def _check_cells(
-    path: Path, profile: Profile, fields: Mapping[str, RandomField]
-) -> None:
-    for key, field in fields.items():
+def _check_cells(key: Key, profile: Profile, fields: Mapping[str, RandomField]) -> None:
+    for name, field in fields.items():
         cells = (profile.x[-1] - profile.x[0]) / field.cell
         if cells > MOST_CELLS:
-            raise InputError(
+            raise Key(key.file)[name]["correlation_length_m"].error(
                 f"cuts the profile into {cells:.3g} cells of {field.cell:g} m; at most "
-                f"{MOST_CELLS} are computed, so a longer length is needed",
-                file=path,
-                key=f"{key}.correlation_length_m",
+                f"{MOST_CELLS} are computed, so a longer length is needed"
             )
 
 

@@ -12,10 +12,10 @@ import numpy as np
 
 from ..._packages import needed
 from ...errors import InputError
-from ...io.toml import known_table, number, typed
+from ...io.toml import Key, known_table, number, of_kind, typed
 from ...scene import Soil
 from ...units import DEGREE
-from ..profile_files import ProfileTable, read_dxf_points, read_profile_table
+from ..profile_formats import ProfileTable, read_dxf_points, read_profile_table
 from ..terrain import Profile, ground_columns, ground_values, with_ground_values
 from .ground_file import GroundInput
 from .ground_layout import GroundLayout, lay_out
@@ -31,29 +31,30 @@ def read_ground_profile(
     each ground holds; add the checksums of files that are read."""
     if ground.calibrated is not None:
         checksums[ground.calibrated.file] = ground.calibrated.checksum
-    table = known_table(path, content, "profile", (*SOURCES, "layer", *MAP_KEYS))
+    top = Key(path)
+    key = top["profile"]
+    table = known_table(top, content, "profile", (*SOURCES, "layer", *MAP_KEYS))
     sources = [name for name in SOURCES if name in table]
     if len(sources) != 1:
-        raise InputError(
-            "needs one of points_m, csv and dxf, and no other", file=path, key="profile"
-        )
+        raise key.error("needs one of points_m, csv and dxf, and no other")
     if "layer" in table and "dxf" not in table:
-        raise InputError("is of a dxf only", file=path, key="profile.layer")
+        raise key["layer"].error("is of a dxf only")
     surface = with_ground_values(ground.soil, _alike(ground.everywhere, ground.soil))
     if "points_m" in table:
-        profile = _of_points(path, typed(path, table, "points_m", list), surface)
+        points = typed(top, table, "points_m", list)
+        profile = _of_points(key["points_m"], points, surface)
         given = ProfileTable(profile, (), None)
     else:
-        file = path.parent / typed(path, table, sources[0], str)
+        file = path.parent / typed(top, table, sources[0], str)
         if "csv" in table:
             given = read_profile_table(file, *surface)
             _check_said_once(ground, file, given)
         else:
-            layer = typed(path, table, "layer", str) if "layer" in table else None
+            layer = typed(top, table, "layer", str) if "layer" in table else None
             given = ProfileTable(_of_dxf(file, layer, surface), (), None)
         checksums[file] = hashlib.sha256(file.read_bytes()).hexdigest()
     layout = lay_out(
-        path,
+        top["ground"],
         given.profile,
         given.materials,
         ground.parts,
@@ -63,7 +64,7 @@ def read_ground_profile(
     return _with_parts(path, layout, ground)
 
 
-def _of_points(path: Path, points: list, surface: tuple) -> Profile:
+def _of_points(key: Key, points: list, surface: tuple) -> Profile:
     try:
         if not all(type(c) in (int, float) for point in points for c in point):
             raise TypeError
@@ -73,7 +74,7 @@ def _of_points(path: Path, points: list, surface: tuple) -> Profile:
         told = str(error)
         if not told.startswith("a profile"):
             told = f"must be a list of [x, y], but is {points!r}"
-        raise InputError(told, file=path, key="profile.points_m") from None
+        raise key.error(told) from None
 
 
 def _of_dxf(file: Path, layer: str | None, surface: tuple) -> Profile:
@@ -93,20 +94,17 @@ def _alike(quantities: dict, soil: Soil) -> dict[str, float]:
 def _check_said_once(ground: GroundInput, csv: Path, given: ProfileTable) -> None:
     """Raise InputError for a distribution that a column of the profile would hide, and
     for a material's quantity that would hide a column."""
+    key = Key(ground.path)["ground"]
     varied = [*ground.varied(), *ground.fields(), *ground.sampled_jointly()]
     for name in given.quantities:
         if f"ground.{name}" in varied:
-            raise InputError(
-                f"differs from block to block, but {csv.name} has a column of it",
-                file=ground.path,
-                key=f"ground.{name}",
+            raise key[name].error(
+                f"differs from block to block, but {csv.name} has a column of it"
             )
         for part in ground.parts.values():
             if part.segment is None and name in part.quantities:
-                raise InputError(
-                    f"is also a column of {csv.name}; leave one of them out",
-                    file=ground.path,
-                    key=f"ground.{part.key}.{name}",
+                raise key[part.key][name].error(
+                    f"is also a column of {csv.name}; leave one of them out"
                 )
 
 
@@ -170,31 +168,25 @@ def read_map_placement(path: Path, content: dict) -> MapPlacement | None:
     given = [key for key in MAP_KEYS if key in table]
     if not given:
         return None
-    for key in MAP_KEYS:
-        if key not in table:
-            raise InputError(
-                f"is needed beside {given[0]}", file=path, key=f"profile.{key}"
-            )
-    key = "profile.origin"
-    pair = typed(path, {key: table["origin"]}, key, list)
+    key = Key(path)["profile"]
+    for name in MAP_KEYS:
+        if name not in table:
+            raise key[name].error(f"is needed beside {given[0]}")
+    origin = key["origin"]
+    pair = typed(key, table, "origin", list)
     if len(pair) != 2:
-        raise InputError(
-            f"must be [easting, northing], but is {pair!r}", file=path, key=key
-        )
-    easting, northing = (number(path, key, value) for value in pair)
-    azimuth = number(path, "profile.azimuth_deg", table["azimuth_deg"])
+        raise origin.error(f"must be [easting, northing], but is {pair!r}")
+    easting, northing = (number(origin, value) for value in pair)
+    azimuth = number(key["azimuth_deg"], table["azimuth_deg"])
     if not 0.0 <= azimuth <= 360.0:
-        raise InputError(
-            f"must be from 0, north, over 90, east, to 360, but is {azimuth:g}",
-            file=path,
-            key="profile.azimuth_deg",
+        raise key["azimuth_deg"].error(
+            f"must be from 0, north, over 90, east, to 360, but is {azimuth:g}"
         )
-    place = MapPlacement(easting, northing, DEGREE * azimuth, _crs(path, table))
+    crs = _crs(key["crs"], table["crs"])
+    place = MapPlacement(easting, northing, DEGREE * azimuth, crs)
     longitude, latitude = degrees_from(place.code)([easting], [northing])
     if not np.all(np.isfinite([longitude, latitude])):
-        raise InputError(
-            f"is no place of {place.crs}: {pair!r}", file=path, key="profile.origin"
-        )
+        raise origin.error(f"is no place of {place.crs}: {pair!r}")
     return place
 
 
@@ -213,26 +205,19 @@ def degrees_from(code: int) -> Callable:
     return found.transform
 
 
-def _crs(path: Path, table: dict) -> str:
-    key = "profile.crs"
-    crs = typed(path, {key: table["crs"]}, key, str)
+def _crs(key: Key, given) -> str:
+    crs = of_kind(key, given, str)
     if not re.fullmatch(r"EPSG:[1-9][0-9]{3,5}", crs):
-        raise InputError(
-            f'must be a code such as "EPSG:2056", but is {crs!r}', file=path, key=key
-        )
-    pyproj = needed("pyproj", key, "maps")
+        raise key.error(f'must be a code such as "EPSG:2056", but is {crs!r}')
+    pyproj = needed("pyproj", "profile.crs", "maps")
     try:
         system = pyproj.CRS(crs)
     except pyproj.exceptions.CRSError:
-        raise InputError(
-            f"is {crs}, which the EPSG's register does not hold", file=path, key=key
-        ) from None
+        raise key.error(f"is {crs}, which the EPSG's register does not hold") from None
     units = {axis.unit_name for axis in system.axis_info[:2]}
     if not system.is_projected or units != {"metre"}:
-        raise InputError(
+        raise key.error(
             f"must be a projected system in metres, but {crs} ({system.name}) is in "
-            f"{' and '.join(sorted(units))}",
-            file=path,
-            key=key,
+            f"{' and '.join(sorted(units))}"
         )
     return crs

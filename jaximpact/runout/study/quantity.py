@@ -1,10 +1,6 @@
 """Quantities of a study: numbers, lists and distributions from its file."""
 
-from pathlib import Path
-from typing import NoReturn
-
-from ...errors import InputError
-from ...io.toml import check_keys, number, quantity
+from ...io.toml import Key, check_keys, number, quantity
 from ...quantities import InputColumn
 from ..random_inputs import (
     Distribution,
@@ -29,7 +25,7 @@ LENGTH = "correlation_length_m"
 KEYS = tuple(name for names in KINDS.values() for name in names) + BOUNDS
 
 
-def read_quantity(path: Path, key: str, value, column: InputColumn | None) -> Quantity:
+def read_quantity(key: Key, value, column: InputColumn | None) -> Quantity:
     """Read a number, a list or a distribution from a file's value.
 
     Args:
@@ -40,57 +36,55 @@ def read_quantity(path: Path, key: str, value, column: InputColumn | None) -> Qu
 
     def one(value, key=key) -> float:
         if column is None:
-            return number(path, key, value)
-        return quantity(path, key, column, value)
+            return number(key, value)
+        return quantity(key, column, value)
 
     if isinstance(value, list):
         if not value:
-            raise InputError("is an empty list", file=path, key=key)
+            raise key.error("is an empty list")
         return tuple(one(v) for v in value)
     if not isinstance(value, dict):
         return one(value)
     if LENGTH in value:
-        _refuse(path, f"{key}.{LENGTH}", "is for quantities of the ground only")
-    check_keys(path, key, value, (*KEYS, LENGTH))
+        raise key[LENGTH].error("is for quantities of the ground only")
+    check_keys(key, value, (*KEYS, LENGTH))
     if set(value) == set(KINDS[Uniform]):
-        start, stop = (one(value[n], f"{key}.{n}") for n in KINDS[Uniform])
+        start, stop = (one(value[n], key[n]) for n in KINDS[Uniform])
         if not start < stop:
-            _refuse(path, key, f"must go up, but goes from {start:g} to {stop:g}")
+            raise key.error(f"must go up, but goes from {start:g} to {stop:g}")
         return Uniform(start, stop)
-    given = {n: number(path, f"{key}.{n}", v) for n, v in value.items()}
+    given = {n: number(key[n], v) for n, v in value.items()}
     for kind in (Normal, Lognormal, PowerLaw):
         if set(KINDS[kind]) <= set(given) <= {*KINDS[kind], *BOUNDS}:
             if kind is PowerLaw and len(given) < 3:
-                _refuse(path, key, "needs least and most beside its exponent")
+                raise key.error("needs least and most beside its exponent")
             distribution = kind(**given)
-            _check(path, key, distribution)
+            _check(key, distribution)
             return distribution
     if {*KINDS[Uniform]} < set(value) <= {*KINDS[Uniform], *BOUNDS}:
-        _refuse(path, key, "takes no least or most beside from and to, which are both")
-    _refuse(
-        path,
-        key,
+        raise key.error("takes no least or most beside from and to, which are both")
+    raise key.error(
         "must be a number, a list, { from, to }, { exponent, least, most }, "
         "{ mean, sd } or { median, geometric_sd }, the last two with least and most if "
-        f"wanted, but is {value!r}",
+        f"wanted, but is {value!r}"
     )
 
 
 def read_ground_quantity(
-    path: Path, key: str, value, column: InputColumn
+    key: Key, value, column: InputColumn
 ) -> Quantity | RandomField:
     """Read a quantity of the ground, which may vary along the slope; see
     `read_quantity`."""
     if not isinstance(value, dict) or LENGTH not in value:
-        return read_quantity(path, key, value, column)
-    length = number(path, f"{key}.{LENGTH}", value[LENGTH], above=0.0, unit="m")
+        return read_quantity(key, value, column)
+    length = number(key[LENGTH], value[LENGTH], above=0.0, unit="m")
     rest = {name: of for name, of in value.items() if name != LENGTH}
-    distribution = read_quantity(path, key, rest, column)
+    distribution = read_quantity(key, rest, column)
     assert isinstance(distribution, Distribution)
     return RandomField(distribution, length)
 
 
-def _check(path: Path, key: str, given: Normal | Lognormal | PowerLaw) -> None:
+def _check(key: Key, given: Normal | Lognormal | PowerLaw) -> None:
     """Raise InputError for parameters out of range, and bounds that leave nothing."""
     above = {"sd": 0.0, "median": 0.0, "geometric_sd": 1.0, "exponent": 0.0}
     if isinstance(given, PowerLaw):
@@ -98,22 +92,14 @@ def _check(path: Path, key: str, given: Normal | Lognormal | PowerLaw) -> None:
     values = given._asdict()
     for name, limit in above.items():
         if name in values and not values[name] > limit:
-            told = f"must be above {limit:g}, but is {values[name]:g}"
-            _refuse(path, f"{key}.{name}", told)
+            raise key[name].error(f"must be above {limit:g}, but is {values[name]:g}")
     least, most = values["least"], values["most"]
     if not least < most:
-        told = f"needs least below most, but they are {least:g} and {most:g}"
-        _refuse(path, key, told)
+        raise key.error(f"needs least below most, but they are {least:g} and {most:g}")
     if isinstance(given, PowerLaw) or given.probability_inside > 0.0:
         return
     centre, spread = (f"{name} {values[name]:g}" for name in KINDS[type(given)])
-    _refuse(
-        path,
-        key,
+    raise key.error(
         f"holds nothing between least and most, {least:g} and {most:g}, so far from a "
-        f"{centre} with {spread}",
+        f"{centre} with {spread}"
     )
-
-
-def _refuse(path: Path, key: str, told: str) -> NoReturn:
-    raise InputError(told, file=path, key=key)

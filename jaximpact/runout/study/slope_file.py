@@ -7,11 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...errors import InputError
 from ...identity import part_names
 from ...io.checks import NUMBERS_PER_IMPACT, check_memory
 from ...io.files import read_input
-from ...io.toml import check_keys, number, parse_toml, typed, whole
+from ...io.toml import Key, check_keys, number, parse_toml, typed, whole
 from ..blocks import Release
 from ..contacts.contact_models import Contacts
 from ..random_inputs import Quantity, combinations, draw, is_random
@@ -145,17 +144,17 @@ class SlopeInput(NamedTuple):
         samples = draw(rest, count, seed) | dict(given)
         samples |= self.ground.sample_jointly(samples, count, seed)
         fields = len(self.ground.fields())
+        top = Key(path)
         check_memory(
             count * profile.segments * fields,
             f"{count} blocks with ground of {profile.segments} cells each",
-            file=path,
-            key="ground",
+            **top["ground"].place,
         )
         samples |= self.ground.sample_fields(self.layout, count, seed)
         soil_columns = ground_columns(profile.soil)
         columns = {"ground": soil_columns, "block": self.blocks.columns}
         for name, values in samples.items():
-            _check_sample(path, name, values, columns)
+            _check_sample(top, name, values, columns)
         release = make_release(path, samples, profile, self.blocks)
         ground = self.ground.of_blocks(self.layout, samples, seed)
         for law in self.laws:
@@ -172,7 +171,8 @@ def read_slope_input(path: Path, content: dict, accuracy: str | None) -> SlopeIn
 
     Raises InputError, naming file and key, for whatever cannot be used.
     """
-    check_keys(path, "", content, (*TABLES, *NUMBERS))
+    top = Key(path)
+    check_keys(top, content, (*TABLES, *NUMBERS))
     checksums: dict[Path, str] = {}
     ground = GroundInput.read(path, content)
     layout = read_ground_profile(path, content, ground, checksums)
@@ -182,8 +182,8 @@ def read_slope_input(path: Path, content: dict, accuracy: str | None) -> SlopeIn
         ground=ground,
         layout=layout,
         laws=read_laws(path, content, accuracy),
-        seed=whole(path, content, "seed", 0, 0),
-        limits=_limits(path, content),
+        seed=whole(top, content, "seed", 0, 0),
+        limits=_limits(top, content),
         blocks=read_blocks(path, content),
         start=read_release(path, content, layout.profile),
     )
@@ -202,10 +202,8 @@ def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
     """
     studies = read_slope_studies(path, accuracy)
     if len(studies) > 1:
-        raise InputError(
-            f"names {len(studies)} laws; read_slope_studies reads them",
-            file=Path(path),
-            key="contacts",
+        raise Key(Path(path))["contacts"].error(
+            f"names {len(studies)} laws; read_slope_studies reads them"
         )
     return studies[0]
 
@@ -218,6 +216,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     and `choose_contacts`.
     """
     path = Path(path)
+    top = Key(path)
     data = read_input(path)
     content = parse_toml(path, data)
     given = read_slope_input(path, content, accuracy)
@@ -226,17 +225,16 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     seed, profile = given.seed, layout.profile
     jointly, fields = ground_input.sampled_jointly(), ground_input.fields()
     by_chance = bool(jointly or fields)
-    count = _count(path, content, given.quantities, profile, by_chance)
-    bins = whole(path, content, "bins", DEFAULT_BINS, 1)
+    count = _count(top, content, given.quantities, profile, by_chance)
+    bins = whole(top, content, "bins", DEFAULT_BINS, 1)
     check_memory(
         count * (bins + NUMBERS_PER_IMPACT),
         f"{count} blocks in {bins} bins of the envelopes",
-        file=path,
-        key="count",
+        **top["count"].place,
     )
     error = content.get("contact_error")
     if error is not None:
-        error = number(path, "contact_error", error, least=0.0)
+        error = number(top["contact_error"], error, least=0.0)
     samples, release, ground = given.sample(count, seed)
     inputs = [*checksums, *(file for law in laws for file in law.checksums)]
     return [
@@ -244,7 +242,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
             path=path,
             checksums={f.name: c for f, c in (checksums | law.checksums).items()},
             inputs=inputs,
-            title=typed(path, content, "title", str, path.stem),
+            title=typed(top, content, "title", str, path.stem),
             profile=profile,
             release=release,
             ground=ground,
@@ -259,13 +257,13 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
             law_name=law.name,
             law_directory=law.directory,
             seed=seed,
-            collectors=_collectors(path, content, profile),
+            collectors=_collectors(top, content, profile),
             bins=bins,
             limits=given.limits,
             barriers=read_barriers(path, content, profile),
             placement=read_map_placement(path, content),
             export_trajectories=whole(
-                path, content, "export_trajectories", DEFAULT_EXPORT, 1
+                top, content, "export_trajectories", DEFAULT_EXPORT, 1
             ),
             contact_error=error,
         )
@@ -273,18 +271,18 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     ]
 
 
-def _limits(path: Path, content: dict) -> Limits:
+def _limits(top: Key, content: dict) -> Limits:
     time = content.get("time_limit_s", TIME_LIMIT)
     threshold = content.get("hop_threshold", HOP_THRESHOLD)
     return Limits(
-        number(path, "time_limit_s", time, above=0.0, unit="s"),
-        whole(path, content, "event_limit", EVENT_LIMIT, 1),
-        number(path, "hop_threshold", threshold, least=0.0),
+        number(top["time_limit_s"], time, above=0.0, unit="s"),
+        whole(top, content, "event_limit", EVENT_LIMIT, 1),
+        number(top["hop_threshold"], threshold, least=0.0),
     )
 
 
 def _count(
-    path: Path,
+    top: Key,
     content: dict,
     quantities: dict[str, Quantity],
     profile: Profile,
@@ -297,7 +295,7 @@ def _count(
     )
     by_chance |= is_random(quantities) or bool(is_rough)
     count = DEFAULT_COUNT if by_chance else combinations(quantities)
-    return whole(path, content, "count", count, 1)
+    return whole(top, content, "count", count, 1)
 
 
 def _default_angles(profile: Profile) -> dict[str, float]:
@@ -309,18 +307,18 @@ def _default_angles(profile: Profile) -> dict[str, float]:
     }
 
 
-def _collectors(path: Path, content: dict, profile: Profile) -> np.ndarray:
-    key = "collectors_m"
-    places = [number(path, key, x) for x in typed(path, content, key, list, [])]
+def _collectors(top: Key, content: dict, profile: Profile) -> np.ndarray:
+    key = top["collectors_m"]
+    places = [number(key, x) for x in typed(top, content, "collectors_m", list, [])]
     for x in places:
-        check_inside(profile, x, "holds", file=path, key=key)
+        check_inside(profile, x, "holds", **key.place)
     if len(set(places)) < len(places):
-        raise InputError("holds a place twice", file=path, key=key)
+        raise key.error("holds a place twice")
     return np.array(sorted(places))
 
 
 def _check_sample(
-    path: Path, name: str, values: np.ndarray, columns: dict[str, dict]
+    top: Key, name: str, values: np.ndarray, columns: dict[str, dict]
 ) -> None:
     """Raise InputError for a sample of a distribution that is out of range.
 
@@ -340,9 +338,7 @@ def _check_sample(
         bad = (values < 0.0) & (name in NOT_NEGATIVE)
     if np.any(bad):
         place = np.unravel_index(np.argmax(bad), bad.shape)
-        raise InputError(
+        raise top[key].error(
             f"must be {needed}, but is {values[place]:g} for block {place[0]}; least "
-            "and most truncate a distribution",
-            file=path,
-            key=key,
+            "and most truncate a distribution"
         )
