@@ -13,14 +13,20 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from by_machine_code import computed_along
 from make_stability_scenes import DEGREE, ENDS, USUAL, inside, scene_of
 from paths import DATA
 from text_files import rows_of
 
-from jaximpact import PRESETS, Block, Impact, Outcome, Scene, Soil, simulate_batch
-from jaximpact.backend.xla_backend import compute_lanes
-from jaximpact.backend.xla_compilation import unfused_jit
-from jaximpact.impact.problem import Assembly
+from jaximpact import (
+    PRESETS,
+    Block,
+    Impact,
+    Outcome,
+    Scene,
+    Soil,
+    simulate_batch,
+)
 from jaximpact.impact.reduced_models import PLANAR
 from jaximpact.scene import GRAVITY
 
@@ -298,22 +304,9 @@ def test_derivatives_are_finite(results):
     assert len(few) > 100
     scene = scene_of({name: MAP[name][few] for name in USUAL})
     scene = jax.tree.map(lambda leaf: jnp.broadcast_to(leaf, few.shape), scene)
-    fast = PRESETS["fast"]
-
-    def outputs(scene):
-        numbers = compute_lanes(
-            Assembly(jax.tree.structure(scene), PLANAR, ledger=False),
-            scene,
-            fast.tolerance,
-            fast.floor,
-        )
-        names = ("e_n", "e_bar", "max_moment", "max_normal_force", "duration", "R_r")
-        return jnp.stack([getattr(numbers, name) for name in names])
-
     # Along all parameters at once: one that is lost makes the sum NaN.
-    along = jax.tree.map(jnp.ones_like, scene)
-    values, slopes = unfused_jit(lambda s, d: jax.jvp(outputs, (s,), (d,)))(
-        scene, along
-    )
+    found = computed_along(scene, jax.tree.map(np.ones_like, scene), PLANAR, "fast")
+    names = ("e_n", "e_bar", "max_moment", "max_normal_force", "duration", "R_r")
+    values, slopes = ([getattr(part, name) for name in names] for part in found)
     assert np.all(np.isfinite(values))
     assert np.all(np.isfinite(slopes))

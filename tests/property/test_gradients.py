@@ -1,12 +1,14 @@
 """Derivatives of an impact: against differences, forward against reverse, under
 vmap."""
 
+import dataclasses
 import math
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from by_machine_code import computed, computed_along
 
 from jaximpact import (
     PRESETS,
@@ -18,17 +20,10 @@ from jaximpact import (
     select_model,
     simulate,
 )
-from jaximpact.backend.native_backend import (
-    along_leaves,
-    compile_native_along,
-    kernel_inputs,
-    solve_rows,
-)
 from jaximpact.backend.xla_backend import compute
 from jaximpact.backend.xla_compilation import unfused_jit
 from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import PLANAR, PLANAR_DAMPED
-from jaximpact.quantities import leaf_places
 
 pytestmark = pytest.mark.slow
 
@@ -42,6 +37,7 @@ OUTPUTS = (
     "duration",
     "rotation",
 )
+REFERENCE = PRESETS["reference"]
 PARAMETERS = ("k_E", "gamma_v", "c_v")
 
 
@@ -67,42 +63,46 @@ def broadcast(scene, count):
     return jax.tree.map(lambda x: jnp.broadcast_to(x, (count,)), scene)
 
 
-def outputs_of_logs(logs, scene, tolerance):
-    """Outputs as a function of the logarithms of k_E, gamma_v and c_v."""
+def with_logs(scene, logs):
+    """A scene with other logarithms of k_E, gamma_v and c_v."""
     values = dict(zip(PARAMETERS, jnp.exp(logs), strict=True))
-    soil = {f: getattr(scene.soil, f) for f in Soil.__dataclass_fields__} | values
-    numbers = compute(
-        Assembly(jax.tree.structure(Scene()), PLANAR, False),
-        Scene(scene.block, Soil(**soil), scene.impact),
-        tolerance,
-        1e-2,
-    )
+    return dataclasses.replace(scene, soil=dataclasses.replace(scene.soil, **values))
+
+
+def outputs_of_logs(logs, scene):
+    """Outputs by XLA, and the outcome."""
+    assembly = Assembly(jax.tree.structure(Scene()), PLANAR, False)
+    numbers = compute(assembly, with_logs(scene, logs), REFERENCE.tolerance, 1e-2)
     return jnp.stack([getattr(numbers, name) for name in OUTPUTS]), numbers.outcome_code
 
 
 @pytest.fixture(scope="module")
 def jacobians():
-    """Values and Jacobians of random scenes by AD and by central differences."""
+    """Values of random scenes by machine code, and Jacobians by AD with XLA and by
+    central differences of the values."""
     count = 100
     scenes = broadcast(random_scenes(count, seed=3), count)
     logs = jnp.stack([jnp.log(getattr(scenes.soil, p)) for p in PARAMETERS], axis=1)
-    value = unfused_jit(jax.vmap(outputs_of_logs, in_axes=(0, 0, None)))
-    jacobian = unfused_jit(
-        jax.vmap(jax.jacfwd(outputs_of_logs, has_aux=True), in_axes=(0, 0, None))
+    exact, codes = unfused_jit(jax.vmap(jax.jacfwd(outputs_of_logs, has_aux=True)))(
+        logs, scenes
     )
-    tolerance = 1e-8  # of 'reference'
-    exact, codes = jacobian(logs, scenes, tolerance)
+
+    def values(logs):
+        numbers = computed(with_logs(scenes, logs.T), PLANAR, REFERENCE)
+        outputs = np.stack([getattr(numbers, name) for name in OUTPUTS], axis=1)
+        return outputs, numbers.outcome_code
+
     differences, same = [], np.ones(count, bool)
     # Values good to 1e-10 differ by steps of 2e-4: noise 1e-6 at worst.
     step = 2e-4
     for k in range(len(PARAMETERS)):
-        shift = step * jnp.eye(len(PARAMETERS))[k]
-        up, up_codes = value(logs + shift, scenes, tolerance)
-        down, down_codes = value(logs - shift, scenes, tolerance)
+        shift = step * np.eye(len(PARAMETERS))[k]
+        up, up_codes = values(logs + shift)
+        down, down_codes = values(logs - shift)
         differences.append((up - down) / (2 * step))
         same &= np.asarray((up_codes == codes) & (down_codes == codes))
-    base, _ = value(logs, scenes, tolerance)
-    return np.asarray(base), np.asarray(exact), np.stack(differences, -1), same
+    base, _ = values(logs)
+    return base, np.asarray(exact), np.stack(differences, -1), same
 
 
 def test_derivatives_agree_with_central_differences(jacobians):
@@ -208,17 +208,18 @@ def test_stages_beyond_the_end_keep_the_derivative(accuracy, allowed):
     logs = np.log(6.74) + 1e-3 * np.arange(-40, 41)
     soil = Soil(c_v=0.987, gamma_v=jnp.exp(logs), k_E=801.0)
     scene = broadcast(Scene(block, soil, impact), len(logs))
-    kernel = compile_native_along(
-        Assembly(jax.tree.structure(Scene()), select_model(block, soil, impact), False)
+    along = jax.tree.map(np.zeros_like, scene)
+    along = dataclasses.replace(
+        along, soil=dataclasses.replace(along.soil, gamma_v=np.ones(len(logs)))
     )
+    model = select_model(block, soil, impact)
 
     def solved(accuracy):
-        inputs = np.stack(kernel_inputs(scene, PRESETS[accuracy]))
-        return solve_rows(kernel, along_leaves(inputs, leaf_places(Scene())["gamma_v"]))
+        return computed_along(scene, along, model, accuracy)
 
     values = solved("reference")[0].e_n
     differences = (values[2:] - values[:-2]) / 2e-3
-    derivatives = solved(accuracy)[1][0].e_n
+    derivatives = solved(accuracy)[1].e_n
     by_log = (derivatives * np.exp(logs))[1:-1]
     np.testing.assert_allclose(by_log, differences, rtol=0.0, atol=allowed)
 
@@ -230,21 +231,26 @@ def test_accuracy_can_be_set_by_hand():
 
 
 def test_derivative_through_dashpots_is_that_of_differences():
-    def outputs(log_eta, tolerance):
+    def scene_of(log_eta):
         soil = Soil(eta_N=jnp.exp(log_eta), eta_T=0.1, eta_R=0.1)
+        return Scene(Block(aspect_ratio=2.0), soil, Impact(angle=0.7, orientation=0.5))
+
+    def outputs(log_eta):
+        assembly = Assembly(jax.tree.structure(Scene()), PLANAR_DAMPED, False)
         numbers = compute(
-            Assembly(jax.tree.structure(Scene()), PLANAR_DAMPED, False),
-            Scene(Block(aspect_ratio=2.0), soil, Impact(angle=0.7, orientation=0.5)),
-            tolerance,
-            1e-2,
+            assembly, scene_of(log_eta), accuracy.tolerance, accuracy.floor
         )
         return jnp.stack([getattr(numbers, name) for name in OUTPUTS])
 
-    point, step, tolerance = jnp.log(0.15), 1e-3, 1e-9
-    value = unfused_jit(outputs)
-    slope = unfused_jit(jax.jacfwd(outputs))(point, tolerance)
-    above, below = (value(point + side, tolerance) for side in (step, -step))
+    accuracy, point, step = Accuracy("1e-9", 1e-9, 1e-2), np.log(0.15), 1e-3
+    slope = unfused_jit(jax.jacfwd(outputs))(point)
+    numbers = computed(
+        broadcast(scene_of(point + step * np.array([1.0, -1.0])), 2),
+        PLANAR_DAMPED,
+        accuracy,
+    )
+    above, below = np.stack([getattr(numbers, name) for name in OUTPUTS], axis=1)
     expected = (above - below) / (2.0 * step)
     # The differences err by the square of the step, and by the tolerance over it.
-    slope, expected, size = map(np.asarray, (slope, expected, jnp.abs(above)))
+    slope, expected, size = np.asarray(slope), expected, np.abs(above)
     np.testing.assert_allclose(slope / size, expected / size, rtol=1e-4, atol=1e-5)

@@ -6,13 +6,20 @@ import math
 import jax
 import numpy as np
 import pytest
+from by_machine_code import computed
 from other_laws import other_laws
 
-from jaximpact import Block, Impact, Scene, Soil, select_model, simulate, simulate_batch
-from jaximpact.backend.xla_backend import compute_lanes
-from jaximpact.backend.xla_compilation import unfused_jit
+from jaximpact import (
+    PRESETS,
+    Block,
+    Impact,
+    Scene,
+    Soil,
+    select_model,
+    simulate,
+    simulate_batch,
+)
 from jaximpact.batch import broadcast_scene
-from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import (
     MODELS,
     PLANAR,
@@ -71,25 +78,22 @@ def vertical_scenes(count, *, damped):
     return broadcast_scene(scene)[0]
 
 
-@pytest.mark.xla
+@pytest.mark.slow
 @pytest.mark.parametrize("damped", [False, True])
 def test_vertical_model_is_the_planar_one(damped):
-    scene = vertical_scenes(48, damped=damped)
+    scene = vertical_scenes(500, damped=damped)
     pair = (VERTICAL_DAMPED, PLANAR_DAMPED) if damped else (VERTICAL, PLANAR)
-    cheap, whole = (
-        unfused_jit(compute_lanes, static_argnums=(0,))(
-            Assembly(jax.tree.structure(scene), model, ledger=False), scene, 1e-8, 1e-2
-        )
-        for model in pair
-    )
+    cheap, whole = (computed(scene, model, PRESETS["reference"]) for model in pair)
     np.testing.assert_array_equal(cheap.outcome_code, whole.outcome_code)
     for name in ("e_n", "e_bar", "max_penetration", "max_normal_force", "duration"):
         # Both err by the tolerance over some hundred steps; where the forces of
-        # springs and dashpots jump, by more.
+        # springs and dashpots jump, by more. A rebound may be next to nothing.
+        mine, theirs = getattr(cheap, name), getattr(whole, name)
         np.testing.assert_allclose(
-            getattr(cheap, name),
-            getattr(whole, name),
+            mine,
+            theirs,
             rtol=1e-3 if damped else 1e-5,
+            atol=1e-7 * np.max(np.abs(theirs)),
             err_msg=name,
         )
     assert np.all(np.asarray(cheap.rotation) == 0.0)

@@ -326,5 +326,6 @@ def test_all_who_open_a_new_directory_at_once_have_the_same_key(tmp_path):
             thread.start()
         for thread in threads:
             thread.join()
-        assert len(keys) == 8 and len(set(keys)) == 1
+        assert len(keys) == 8
+        assert len(set(keys)) == 1
         assert [path.name for path in arguments[0].iterdir()] == ["key"]
