@@ -469,10 +469,9 @@ def _values(key: Key, name: str, value):
         if name not in value:
             raise key.error(f"needs {name}")
     ends = [number(key[end], value[end]) for end in ("from", "to")]
-    top = Key(key.file)
-    count = whole(top, value, "count", 1, 1)
+    count = whole(key, value, "count", 1, 1)
     check_memory(count, f"{count} values", **key["count"].place)
-    spacing = choice(top, value, "spacing", "linear", tuple(SPACINGS))
+    spacing = choice(key, value, "spacing", "linear", tuple(SPACINGS))
     if spacing == "logarithmic" and min(ends) <= 0.0:
         raise key.error(
             f"must run between positive numbers to be logarithmic, but runs from "

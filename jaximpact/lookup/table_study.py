@@ -72,11 +72,11 @@ def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
         raise top["table"]["total_speeds_mps"].error(
             f"must be the first and the last, ascending from above 0, but is {ends}"
         )
-    counts = typed(top, table, "nodes", dict, {})
-    check_keys(top["table"]["nodes"], counts, Nodes._fields)
+    key, counts = top["table"]["nodes"], typed(top["table"], table, "nodes", dict, {})
+    check_keys(key, counts, Nodes._fields)
     nodes = Nodes(
         *(
-            whole(top, counts, name, default, 1 if name == "orientation" else 2)
+            whole(key, counts, name, default, 1 if name == "orientation" else 2)
             for name, default in Nodes()._asdict().items()
         )
     )
@@ -119,7 +119,7 @@ def _map_axes(top: Key, content: dict) -> MapAxes:
     ]
     slope = table.get("slope_deg", default.slope_deg)
     slope = allowed(top["map"]["slope_deg"], INPUT_COLUMNS["slope_deg"], slope)
-    orientations = whole(top, table, "orientations", default.orientations, 2)
+    orientations = whole(top["map"], table, "orientations", default.orientations, 2)
     _check_size(top["map"], (*map(len, axes), orientations))
     return MapAxes._make((*axes, slope, orientations))
 

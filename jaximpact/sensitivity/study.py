@@ -162,7 +162,7 @@ def _range(top: Key, column: InputColumn, entry) -> Range | None:
         if inner not in entry:
             raise key[inner].error("is missing")
         ends.append(allowed(key[inner], column, entry[inner]))
-    distribution = choice(top, entry, "distribution", UNIFORM, DISTRIBUTIONS)
+    distribution = choice(key, entry, "distribution", UNIFORM, DISTRIBUTIONS)
     given = Range(ends[0], ends[1], distribution)
     with key.located():
         check_range(column, given)

@@ -184,7 +184,7 @@ def test_the_slope_uses_the_table(here, made):
             ("18.69 to 48.69 deg for block 0 on segment 1",),
         ),
         ('["table.nc"]', '["tabel.nc"]', ("tabel.nc",)),
-        ('["table.nc"]', '"table.nc"', ("key files", "must be a list")),
+        ('["table.nc"]', '"table.nc"', ("key contacts.files", "must be a list")),
         ('["table.nc"]', "[]", ("contacts.files", "list of files")),
     ],
 )
@@ -239,7 +239,7 @@ def test_the_file_is_that_of_python(made):
         ("[-10, 0, 40]", "30", ("table.slopes_deg", "list of numbers")),
         ("[0.5, 40]", "[40, 0.5]", ("table.total_speeds_mps", "ascending")),
         ("azimuth = 9", "azimut = 9", ("nodes.azimut", "did you mean azimuth?")),
-        ("azimuth = 9", "azimuth = 1", ("key azimuth", "at least 2")),
+        ("azimuth = 9", "azimuth = 1", ("key table.nodes.azimuth", "at least 2")),
         ("angles_deg = [0, 40]", "angles_deg = [40, 0]", ("map.angles_deg", "ascend")),
         ("speeds_mps = [5, 10]", "speeds_mps = [0]", ("map.speeds_mps", "above 0")),
         ("[block]", 'accuracy = "best"\n[block]', ("key accuracy", "one of")),

@@ -134,7 +134,7 @@ def refused(capsys, *arguments):
         (
             "calibrate",
             STUDY + "[further_tests]\ncount = 10_000_000_000",
-            "key count: must be at most 1000",
+            "key further_tests.count: must be at most 1000",
         ),
         (
             "calibrate",

@@ -225,7 +225,7 @@ def test_undetermined_parameters_must_be_said(here, capsys):
     [
         ('from = "fot"', {}, ("fot", "cannot be read")),
         ('form = "fit"', {}, ("ground.form", "is unknown")),
-        ("from = 3", {}, ("key from", "must be a text")),
+        ("from = 3", {}, ("key ground.from", "must be a text")),
         ('variant = "a"', {}, ("ground.variant", "needs from too")),
         ('from = "fit"\nvariant = "a"', {}, ("no variant 'a'", "'as given'?")),
         ('from = "fit"\nc_v = 20', {}, ("c_v between 0.01 and 10", "it is 20")),

@@ -349,7 +349,7 @@ def test_the_full_model_takes_an_accuracy(changed):
         ("speed_mps = 5", "v_x_mps = 5", ("key release", "direction_deg and v_x_mps")),
         ("[1, 1.5, 2]", "[]", ("block.aspect_ratio", "empty list")),
         ("[1, 1.5, 2]", '"round"', ("block.aspect_ratio", "must be a number")),
-        ("frictional", "frictionless", ("key law", "did you mean frictional ell")),
+        ("frictional", "frictionless", ("contacts.law", "did you mean frictional ell")),
         ("e_contact = 0.3", "", ("contacts.e_contact", "is needed")),
         ("e_contact = 0.3", "e_contact = 1.3", ("contacts.e_contact", "in [0, 1]")),
         ("seed = 7", 'accuracy = "fast"', ("contacts.law", "takes none")),

@@ -297,7 +297,7 @@ def test_a_prior_on_a_parameter_counts_as_a_measurement(tmp_path, engine, predic
 BAD = {
     "unknown nuisance": ("slope_deg]", "slop_deg]", ("nuisance.slop_deg", "slope_deg")),
     "unknown key": ("by =", "buy =", ("nuisance.slope_deg.buy", "by")),
-    "unknown group": ('"campaign"', '"campain"', ("key by", "campaign")),
+    "unknown group": ('"campaign"', '"campain"', ("key nuisance.", ".by", "campaign")),
     "group without a column": ('"campaign"', '"test"', ("no column",)),
     "no prior": ("prior =", "# prior =", ("nuisance.slope_deg.prior", "missing")),
     "no mean": ("mean = 25.0, ", "", ("prior.mean", "missing")),

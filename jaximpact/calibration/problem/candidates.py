@@ -114,17 +114,17 @@ def read_candidates(
     columns of the scene."""
     key = top["further_tests"]
     entries = known_table(top, content, "further_tests", KEYS)
-    candidates = typed(top, entries, "candidates", dict, {})
+    candidates = typed(key, entries, "candidates", dict, {})
     axes = checked_axes(candidates, fitted, columns, **key["candidates"].place)
     sigmas = {
         name: _sigma(key["measure"][name], entry)
-        for name, entry in typed(top, entries, "measure", dict, {}).items()
+        for name, entry in typed(key, entries, "measure", dict, {}).items()
     }
     return Candidates(
         axes or None,
         checked_measure(sigmas, **key["measure"].place) or None,
-        whole(top, entries, "count", COUNT, 1, MOST),
-        choice(top, entries, "criterion", CRITERIA[0], CRITERIA),
+        whole(key, entries, "count", COUNT, 1, MOST),
+        choice(key, entries, "criterion", CRITERIA[0], CRITERIA),
     )
 
 

@@ -300,7 +300,7 @@ def _variants(top: Key, content: dict, tests: Measurements) -> tuple[Variant, ..
         if not isinstance(entry, dict):
             raise where.error(f"must be a table, but is {entry!r}")
         words = ", ".join(f"{k} {v}" for k, v in entry.items()) or "as given"
-        name = typed(top, entry, "name", str, words)
+        name = typed(where, entry, "name", str, words)
         named = {key: value for key, value in entry.items() if key != "name"}
         laws, values = parts_and_values(where, named, "soil", top.file.parent)
         for slot in laws:

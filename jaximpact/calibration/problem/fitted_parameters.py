@@ -97,7 +97,7 @@ def _pooled(
         raise key["by"].error(
             "is missing: the column whose values are the groups of group_sd"
         )
-    by = choice(top, entry, "by", CAMPAIGN, (*LABEL_COLUMNS, EACH_TEST))
+    by = choice(key, entry, "by", CAMPAIGN, (*LABEL_COLUMNS, EACH_TEST))
     stated = entry.get("group_sd", ESTIMATED)
     estimated = stated == ESTIMATED
     sd = NOMINAL_GROUP_SD if estimated else number(key["group_sd"], stated)

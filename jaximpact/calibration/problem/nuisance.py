@@ -172,7 +172,7 @@ def _nuisance(top: Key, name: str, entry, tests: Measurements, soil) -> Nuisance
         raise unknown(top["nuisance"], name, columns)
     like = '{ by = "campaign", prior = { mean = 30.0, sd = 5.0 } }'
     check_table(key, entry, KEYS, like)
-    by = choice(top, entry, "by", "campaign", (*LABEL_COLUMNS, EACH_TEST))
+    by = choice(key, entry, "by", "campaign", (*LABEL_COLUMNS, EACH_TEST))
     if "prior" not in entry:
         raise key["prior"].error("is missing, like { mean = 30.0, sd = 5.0 }")
     in_tables = name in tests.inputs

@@ -134,7 +134,7 @@ def read_observed(path: Path, content: dict, profile: Profile, seed: int) -> Obs
     held_out = [number(key["held_out_m"], x) for x in places]
     for name, read in (("stops", _stops), ("passages", _passages)):
         if name in table:
-            inputs.append(path.parent / typed(top, table, name, str))
+            inputs.append(path.parent / typed(key, table, name, str))
             channels += read(inputs[-1], profile, held_out, remarks)
     known = {c.place for c in channels if isinstance(c, Passages)}
     for x in held_out:
@@ -144,7 +144,7 @@ def read_observed(path: Path, content: dict, profile: Profile, seed: int) -> Obs
     if all(map(is_held_out, channels)):
         raise key.error("needs stops, passages or counts that are fitted")
     least = max(channel.blocks for channel in channels)
-    released = whole(top, table, "blocks", least, 1)
+    released = whole(key, table, "blocks", least, 1)
     if released < least:
         raise key["blocks"].error(
             f"must be at least {least}, the blocks observed, but is {released}"

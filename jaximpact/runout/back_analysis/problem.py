@@ -158,7 +158,7 @@ def _read_law_parameters(top: Key, fit: dict, merged: dict) -> list[Parameter]:
     study, which must have a value for each."""
     if CONTACTS not in fit:
         return []
-    priors = typed(top, fit, CONTACTS, dict)
+    priors = typed(top[FIT], fit, CONTACTS, dict)
     del fit[CONTACTS]
     table = typed(top, merged, CONTACTS, dict, {})
     columns, found = columns_of_law(top, table), []
@@ -187,7 +187,7 @@ def _read_parameters(
                 raise unknown(top[FIT], name, known)
             found.append(_parameter(top, f"ground.{name}", value, columns[name]))
             continue
-        for part, quantities in typed(top, fit, name, dict).items():
+        for part, quantities in typed(top[FIT], fit, name, dict).items():
             where = top[FIT][name][part]
             known = ground.get(name, {})
             if name == "materials" and part not in known:

@@ -186,8 +186,8 @@ def _turn_to_obstacle(
     angle = turn_to(obstacle, (edge.x, edge.y), direction, height)
     angle = jnp.maximum(angle, direction * block.plane)
     crossing = _crossing(block, constants, edge, angle, limits)
-    there = _turned(block, constants, edge, direction * angle, crossing.speed)
     here = direction * angle
+    there = _turned(block, constants, edge, here, crossing.speed)
     plane = plane_at(obstacle, there.body, here, direction, obstacle_friction)
     crossed = choose(
         crossing.flies > 0.0,

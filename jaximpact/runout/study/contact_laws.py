@@ -88,10 +88,10 @@ def _law(top: Key, content: dict, table, accuracy: str | None) -> NamedLaw:
     key = top["contacts"]
     if not isinstance(table, dict):
         raise key.error(f"must be a table, but is {table!r}")
-    law = typed(top, table, "law", str, FULL_MODEL)
+    law = typed(key, table, "law", str, FULL_MODEL)
     own = _own_law(top, law) if ":" in law else None
-    law = own.__name__ if own else choice(top, table, "law", FULL_MODEL, LAWS)
-    name = typed(top, table, "name", str, law)
+    law = own.__name__ if own else choice(key, table, "law", FULL_MODEL, LAWS)
+    name = typed(key, table, "name", str, law)
     if not re.search("[A-Za-z0-9]", name):
         raise key["name"].error(f"needs a letter or a digit, but is {name!r}")
     if law == TABLE:
@@ -139,7 +139,7 @@ def _closed_form(
 def columns_of_law(top: Key, table: dict) -> dict[str, InputColumn]:
     """List the parameters of the law in closed form that a table names, by name; none
     for another law."""
-    law = typed(top, table, "law", str, FULL_MODEL)
+    law = typed(top["contacts"], table, "law", str, FULL_MODEL)
     kind = _own_law(top, law) if ":" in law else CLOSED_FORMS.get(law)
     return {column.name: column for column in own_columns(kind)} if kind else {}
 
@@ -155,12 +155,12 @@ def _checksum(file: Path) -> str:
 
 
 def _tables(top: Key, name: str, table: dict) -> NamedLaw:
-    key = top["contacts"]["files"]
+    key = top["contacts"]
     if "files" not in table:
-        raise key.error("is needed by the law table")
-    names = typed(top, table, "files", list)
+        raise key["files"].error("is needed by the law table")
+    names = typed(key, table, "files", list)
     if not names or not all(isinstance(n, str) for n in names):
-        raise key.error(f"must be a list of files, but is {names!r}")
+        raise key["files"].error(f"must be a list of files, but is {names!r}")
     files = [top.file.parent / n for n in names]
     tables = [read_table(file) for file in files]
     checksums = {file: _checksum(file) for file in files}

@@ -44,7 +44,7 @@ class GroundInput(NamedTuple):
         """Read the table [ground] of a study."""
         top = Key(path)
         key, table = top["ground"], typed(top, content, "ground", dict, {})
-        calibrated = _calibrated(top, table)
+        calibrated = _calibrated(key, table)
         soil = calibrated.soil if calibrated else Soil()
         soil = cast(Soil, with_named_parts(key, table, soil))
         if all(kind in table for kind in PARTS):
@@ -52,7 +52,7 @@ class GroundInput(NamedTuple):
                 "has segments and materials; say what differs along the slope by one "
                 "of them"
             )
-        parts = _segments(top, table, soil) | _materials(top, table, soil)
+        parts = _segments(key, table, soil) | _materials(key, table, soil)
         everywhere = {k: v for k, v in table.items() if k not in NO_QUANTITIES}
         everywhere = _quantities(key, everywhere, soil, NO_QUANTITIES)
         if calibrated is not None:
@@ -135,25 +135,25 @@ class GroundInput(NamedTuple):
         return Ground(*with_ground_values(profile.soil, found), seed)
 
 
-def _segments(top: Key, table: dict, soil: Soil) -> dict[str, Part]:
-    parts = {}
-    for name in typed(top, table, "segment", dict, {}):
-        key = top["ground"]["segment"][name]
+def _segments(ground: Key, table: dict, soil: Soil) -> dict[str, Part]:
+    parts, segments = {}, typed(ground, table, "segment", dict, {})
+    for name in segments:
+        key = ground["segment"][name]
         if not re.fullmatch(SEGMENT_NAME, name):
             raise key.error("must be the number of a segment")
-        values = typed(top, table["segment"], name, dict)
+        values = typed(ground["segment"], segments, name, dict)
         quantities = _quantities(key, values, soil)
         parts[f"segment.{name}"] = Part(f"segment.{name}", quantities, int(name) - 1)
     return parts
 
 
-def _materials(top: Key, table: dict, soil: Soil) -> dict[str, Part]:
-    parts = {}
-    for name in typed(top, table, "materials", dict, {}):
-        key = top["ground"]["materials"][name]
+def _materials(ground: Key, table: dict, soil: Soil) -> dict[str, Part]:
+    parts, materials = {}, typed(ground, table, "materials", dict, {})
+    for name in materials:
+        key = ground["materials"][name]
         if not re.fullmatch(MATERIAL_NAME, name):
             raise key.error("must be a name of letters, digits, _ and -")
-        values = dict(typed(top, table["materials"], name, dict))
+        values = dict(typed(ground["materials"], materials, name, dict))
         ends = [number(key[end], values.pop(end)) for end in ENDS if end in values]
         quantities = _quantities(key, values, soil, ENDS)
         if len(ends) == 1 or (ends and not ends[0] < ends[1]):
@@ -187,15 +187,15 @@ def _quantities(
     }
 
 
-def _calibrated(top: Key, table: dict) -> Calibrated | None:
+def _calibrated(ground: Key, table: dict) -> Calibrated | None:
     """Read the calibration that the table names, if it names one."""
     if "from" not in table:
         if "variant" in table:
-            raise top["ground"]["variant"].error("needs from too")
+            raise ground["variant"].error("needs from too")
         return None
-    variant = typed(top, table, "variant", str) if "variant" in table else None
-    directory = top.file.parent
-    return read_calibrated(directory / typed(top, table, "from", str), variant)
+    variant = typed(ground, table, "variant", str) if "variant" in table else None
+    directory = ground.file.parent
+    return read_calibrated(directory / typed(ground, table, "from", str), variant)
 
 
 def _check_calibrated(

@@ -41,16 +41,16 @@ def read_ground_profile(
         raise key["layer"].error("is of a dxf only")
     surface = with_ground_values(ground.soil, _alike(ground.everywhere, ground.soil))
     if "points_m" in table:
-        points = typed(top, table, "points_m", list)
+        points = typed(key, table, "points_m", list)
         profile = _of_points(key["points_m"], points, surface)
         given = ProfileTable(profile, (), None)
     else:
-        file = path.parent / typed(top, table, sources[0], str)
+        file = path.parent / typed(key, table, sources[0], str)
         if "csv" in table:
             given = read_profile_table(file, *surface)
             _check_said_once(ground, file, given)
         else:
-            layer = typed(top, table, "layer", str) if "layer" in table else None
+            layer = typed(key, table, "layer", str) if "layer" in table else None
             given = ProfileTable(_of_dxf(file, layer, surface), (), None)
         checksums[file] = hashlib.sha256(file.read_bytes()).hexdigest()
     layout = lay_out(
