@@ -44,6 +44,8 @@ from .roughness import lift_off_facet, strike_facets
 
 NO_IMPACT = -1
 """Outcome of a touch that is too slow to be an impact."""
+NO_ENERGY = 1e-9
+"""Part of a block's kinetic energy that is rounding."""
 IN_THE_GROUND = 1e-6
 """Depth of a block in a segment, as a fraction of its smaller semi-axis, from which on
 that segment is behind or above it."""
@@ -55,7 +57,8 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     A block touches a segment, or strikes a facet where the ground is rough. The contact
     model gives its velocities after; what it costs to climb out of the ground is taken
     from them. During the contact it travels along the plane until other ground is in
-    its way. Then it flies on, moves along the ground, or has stopped.
+    its way, up-slope at most as far as the energy reaches that the contact took. Then
+    it flies on, moves along the ground, or has stopped.
     """
     blocks, constants = state.blocks.at(lanes), state.constants.at(lanes)
     segment = blocks.value.segment.astype(int)
@@ -261,13 +264,13 @@ def depart(
         trajectory, of no meaning where it takes no time.
     """
     slope, turned = touched.contact.slope, seen.turn != 0.0
-    after, x, y = _travelled(constants, settled, seen.free)
+    after, x, y, lacks = _travelled(block, constants, struck, settled, seen.free)
     on = Continuation(
         *(x, y, after.orientation, after.tangential_velocity),
         over=jnp.zeros_like(x),
         rising=-after.normal_velocity,
         leaves=after.leaving >= touched.slow,
-        stuck=after.climbs == 0.0,
+        stuck=(after.climbs == 0.0) | lacks,
     )
     off, on_segment = lift_off_facet(constants, touched, struck, block.gap, after, on)
     after, on = choose(turned, off, after), choose(turned, on_segment, on)
@@ -287,26 +290,53 @@ def depart(
 
 
 def _travelled(
-    constants: BlockConstants, settled: Settled, free: Values
-) -> tuple[PostImpact, Values, Values]:
+    block: BlockState,
+    constants: BlockConstants,
+    struck: PlaneContact,
+    settled: Settled,
+    free: Values,
+) -> tuple[PostImpact, Values, Values, Values]:
     """Move a block along the plane that it struck, until other ground is in the way.
 
-    A block that is held up stays higher than gravity had moved it; the energy for that
-    is taken from its velocities. Its derivatives are dropped: they are left to the
-    comparison with differences.
+    No block comes higher than its energy before the contact takes it. The travel is
+    that at the mean velocity, which is too long up-slope where a block soon stops, and
+    so ends where the energy that the contact took is used up. A block that is held up
+    stays higher than gravity had moved it; the energy for that is taken from its
+    velocities, and what they lack from its climb out of the ground. Derivatives of all
+    this are dropped: they are left to the comparison with differences.
+
+    Returns:
+        The block; its centre; and whether it lacks the energy to climb.
     """
     after, (mass, inertia) = settled.after, constants.mass_properties
-    v_n, v_t = after.normal_velocity, after.tangential_velocity
-    kinetic = 0.5 * (mass * (v_n**2 + v_t**2) + inertia * after.angular_velocity**2)
-    higher = (free - 1.0) * settled.along_y
-    lost = mass * GRAVITY * jnp.maximum(higher, 0.0)
+    weight = mass * GRAVITY
+
+    def kinetic_of(motion: PlaneContact | PostImpact) -> Values:
+        v_n, v_t = motion.normal_velocity, motion.tangential_velocity
+        spin = motion.angular_velocity
+        return 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
+
+    begun, kinetic = kinetic_of(struck), kinetic_of(after)
+    rise_y, up = settled.y - block.body.y, weight * settled.along_y
+    taken = jnp.maximum(begun - kinetic - weight * rise_y, 0.0)
+    ends = up > taken + NO_ENERGY * begun
+    most = jnp.where(ends, taken / jnp.where(ends, up, 1.0), 1.0)
+    free = jax.lax.stop_gradient(jnp.minimum(free, most))
+    lost = weight * jnp.maximum((free - 1.0) * settled.along_y, 0.0)
     left = jnp.maximum(kinetic - lost, 0.0)
     kept = left / jnp.where(kinetic > 0.0, kinetic, 1.0)
     kept = jax.lax.stop_gradient(jnp.sqrt(jnp.where(lost > 0.0, kept, 1.0)))
+
+    sin, cos = jnp.sin(struck.slope), jnp.cos(struck.slope)
+    rise = (settled.x - block.body.x) * sin + rise_y * cos
+    lacks = (lost > kinetic) & (rise > 0.0)
+    back = jnp.minimum((lost - kinetic) / (weight * cos), rise)
+    back = jax.lax.stop_gradient(jnp.where(lacks, back, 0.0))
     return (
         after.scaled(kept)._replace(leaving=kept * after.leaving),
-        settled.x + free * settled.along_x,
-        settled.y + free * settled.along_y,
+        settled.x + free * settled.along_x - back * sin,
+        settled.y + free * settled.along_y - back * cos,
+        lacks,
     )
 
 

@@ -169,7 +169,7 @@ def settle(
     that depth is taken from its kinetic energy, from all velocities alike, and so is a
     depth, or height above the plane, at contact. The model does not follow the travel
     along the plane during contact: it is the duration times the mean of v_t before and
-    after.
+    after; up-slope it ends where it would add energy, see `impact.depart`.
     """
     after = _after(constants, contact, block.gap, response)
     sin, cos = jnp.sin(contact.slope), jnp.cos(contact.slope)
