@@ -30,6 +30,7 @@ from jaximpact.calibration.estimation.starts import (
     fit,
     fit_starts,
     label_minima,
+    polish,
     spread_starts,
 )
 from jaximpact.calibration.problem.bounds import Bounds
@@ -575,6 +576,38 @@ def test_the_best_fit_along_a_jump_is_found(tmp_path):
     assert np.sum(found.points.x) <= 1.0
     best = 0.5 * (2.0 * 0.15**2 / 0.1**2)
     # Sampled steps end within some hundredths of the unit of costs, 1.
+    assert best <= found.points.cost[0] <= best + 0.05
+
+
+class JumpingDown(Linear):
+    """Linear but for the first test, whose prediction jumps down where x_0 + x_1 >
+    `jump`: the further beyond, the better it becomes."""
+
+    jump = 1.0
+
+    def _predict(self, x, wanted):
+        predicted, outcomes, jacobian = super()._predict(x, wanted)
+        beyond = np.sum(x, axis=1) > self.jump
+        predicted[:, 0, 0] -= np.where(beyond, 100.0, 0.0)
+        return predicted, outcomes, jacobian
+
+    def no_finer_than_sigmas(self):
+        coarse = self._changed()
+        coarse.jump = 1.01
+        return coarse
+
+
+def test_a_fit_beside_a_jump_that_accuracy_moves_stays_beside_it(tmp_path):
+    """At the higher accuracy the end at the lower one is beyond the jump, where the
+    first test is 1000 sigmas from its measurement."""
+    of_study = jumping(tmp_path)
+    objective = JumpingDown(of_study.study, of_study.study.variants[0], None)
+    objective.matrix = of_study.matrix
+    x = np.array([[0.2, 0.2]])
+    begin = Fits(objective(x), [Reason.stuck], np.zeros(1, int))
+    found = polish(objective, begin, Progress())
+    assert found.reasons == [Reason.edge]
+    best = 0.5 * (2.0 * 0.15**2 / 0.1**2)
     assert best <= found.points.cost[0] <= best + 0.05
 
 

@@ -228,6 +228,15 @@ def _steps(objective: Objective, fit: Points, random) -> np.ndarray:
     return steps[order][good]
 
 
+def best_about(objective: Objective, fit: Points) -> Points:
+    """Find the point of lowest cost among a fit (one lane, of an objective of another
+    accuracy) and many points about it."""
+    random = np.random.default_rng(objective.study.seed)
+    steps = _sampled_steps(objective, fit, STEPS, random)
+    x = np.concatenate([fit.x, fit.x + steps])
+    return objective(x[[np.argmin(objective.values(x).cost)]])
+
+
 def _sampled_steps(objective: Objective, fit: Points, count: int, random) -> np.ndarray:
     """Sample steps within the bounds about the way to the linear minimum, some close to
     it and some far, shape (count, unknowns)."""

@@ -10,7 +10,7 @@ from ...tasks import Task, run_task
 from ..problem.bounds import Bounds
 from ..problem.config import Study
 from ..problem.objective import Objective, Points
-from .branches import descend_on_branches, jumped
+from .branches import best_about, descend_on_branches, jumped
 from .evolution import Population, evolve, members_for, robust_of
 from .least_squares import (
     FINE,
@@ -270,12 +270,13 @@ def polish(objective: Objective, fits: Fits, progress: Progress) -> Fits:
 def _at_accuracy(objective: Objective, fits: Fits, lanes: np.ndarray) -> Fits:
     """Evaluate the best fit, at which some lanes are, at the accuracy of the objective.
 
-    It stays at the edge of its branches only if no test jumps between the accuracies.
+    Beside a jump a test may be on the other side of it at that accuracy: the fit then
+    goes on from the best of the points about it.
     """
     best, coarse = fits.best, fits.points.take([fits.best])
     point, reason = objective(coarse.x), fits.reasons[fits.best]
-    if reason is Reason.edge and np.any(jumped(objective, point, coarse)):
-        reason = Reason.jump
+    if np.any(jumped(objective, point, coarse)):
+        point, reason = best_about(objective, coarse), Reason.jump
     fits = fits._replace(points=fits.points.put(lanes, point))
     return fits.ending([best], point, [reason])
 
