@@ -11,7 +11,8 @@ tells how many did which.
 
 The second repeats the noise of each twin, fits from the true values, and compares the
 95 % intervals with the truth, and the standard errors with the scatter of the
-estimates, of those at a minimum. Where a jump stops that fit, eight more starts search too.
+estimates, of those at a minimum. Where a jump stops that fit, eight more starts search
+too.
 
 Times are processor times.
 """
