@@ -29,8 +29,13 @@ import pandas as pd
 
 from jaximpact.cli import options
 from jaximpact.progress import Progress
-from jaximpact.runout.back_analysis.data_sets import simulate_data_sets
-from jaximpact.runout.back_analysis.observed import Count, Passages, Stops
+from jaximpact.runout.back_analysis.data_sets import column_of, simulate_data_sets
+from jaximpact.runout.back_analysis.observed import (
+    PASSAGE_COLUMNS,
+    Count,
+    Passages,
+    Stops,
+)
 from jaximpact.runout.back_analysis.posterior import Posterior, posterior_of, search
 from jaximpact.runout.back_analysis.predictive import at_barrier, predict
 from jaximpact.runout.back_analysis.problem import SlopeFit, read_slope_fit
@@ -162,15 +167,14 @@ def observe(fit: SlopeFit, blocks: np.ndarray, quantities, most: int) -> SlopeFi
     and the counts themselves."""
     stops = blocks[np.isfinite(blocks[:, 0]), 0]
     channels: list = [Stops(stops)] if len(stops) else []
-    columns = {"speed_mps": 1, "height_m": 2, "energy_kJ": 3}
     lines = [c for c in fit.observed.channels if isinstance(c, Count)]
     for quantity in quantities:
-        values = blocks[:, columns[quantity] + 3 * fit.places.index(lines[0].place)]
+        values = blocks[:, column_of(fit.places, lines[0].place, quantity)]
         values = values[np.isfinite(values)][:most]
         if len(values):
             channels.append(Passages(lines[0].place, quantity, values, False))
     for line in lines:
-        passing = blocks[:, 1 + 3 * fit.places.index(line.place)]
+        passing = blocks[:, column_of(fit.places, line.place, PASSAGE_COLUMNS[0])]
         passed = int(np.sum(np.isfinite(passing)))
         channels.append(Count(line.place, passed, len(blocks)))
     observed = fit.observed._replace(channels=tuple(channels))

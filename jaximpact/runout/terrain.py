@@ -186,10 +186,14 @@ def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
     back = np.diff(x) <= 0.0
     if np.any(back):
         i = int(np.argmax(back))
-        wall = "; a wall needs some width, such as 0.01 m" if x[i] == x[i + 1] else ""
+        hint = ""
+        if x[i] == x[i + 1]:
+            hint = "; a wall needs some width, such as 0.01 m"
+            if y[i] == y[i + 1]:
+                hint = ", which is the point before once more"
         return (
             f"needs x that increases from point to point, but x goes from {x[i]:g} to "
-            f"{x[i + 1]:g} at point {i + 2}{wall}"
+            f"{x[i + 1]:g} at point {i + 2}{hint}"
         )
     return None
 

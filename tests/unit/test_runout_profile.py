@@ -27,6 +27,7 @@ def test_segments_descend_and_rise():
         (([0.0, 1.0], [0.0]), "needs as many y as x"),
         (([0.0, 2.0, 1.0], [0.0] * 3), "x goes from 2 to 1 at point 3"),
         (([0.0, 0.0], [0.0, 1.0]), "x goes from 0 to 0 at point 2; a wall"),
+        (([0.0, 0.0], [1.0, 1.0]), "at point 2, which is the point before once more"),
         (([0.0, 1.0], [0.0, np.nan]), "point 2 has none"),
         (
             ([0, 1], [0, 0], Soil(), np.radians(-6.0)),
