@@ -2,7 +2,7 @@
 that is killed. Workers start in float32, as JAX does.
 
 Processes that start, and whatever is compiled, cost seconds each: all tests share one
-cluster and one kernel, and the worker that is killed is the last to be needed.
+cluster and one kernel, that of a law in a file, and other processes start meanwhile.
 """
 
 import multiprocessing
@@ -15,6 +15,7 @@ import threading
 import time
 import warnings
 from concurrent.futures import Executor, ProcessPoolExecutor
+from functools import partial
 from types import SimpleNamespace
 
 import dask
@@ -43,13 +44,13 @@ from jaximpact import (
 from jaximpact.calibration import read_study
 from jaximpact.calibration.estimation.starts import fit
 from jaximpact.cli import main
-from jaximpact.errors import NoWorkersWarning
+from jaximpact.errors import IncompleteError, NoWorkersWarning
 from jaximpact.finding import find_part
 from jaximpact.laws import AbstractFlow
 from jaximpact.progress import Progress
 from jaximpact.runout import read_slope_study, run_slope_study
 from jaximpact.store import open_cache
-from jaximpact.tasks import for_each
+from jaximpact.tasks import for_each, run_tasks
 
 pytestmark = pytest.mark.slow
 
@@ -65,26 +66,86 @@ c_v = { lower = 0.1, upper = 10.0 }
 e_n = 0.01
 """
 NEEDED_BY_WORKERS = (
+    "dask.array",
+    "distributed",
     "jaximpact.batch",
     "jaximpact.calibration.estimation.starts",
     "jaximpact.runout",
     "jaximpact.sweeping",
+    "zarr",
 )
 BLOCK = Block(mass=np.linspace(50.0, 500.0, 300), aspect_ratio=2.0)
 IMPACT = Impact.from_degrees(angle=30.0, orientation=20.0)
 
 
 @pytest.fixture(scope="module")
+def laws(tmp_path_factory):
+    """A file with a law, which all scenes here have."""
+    path = tmp_path_factory.mktemp("laws") / "my_laws.py"
+    path.write_text(FLOW)
+    return path
+
+
+@pytest.fixture(scope="module")
+def soil(laws):
+    return Soil(flow=find_part("flow", AbstractFlow, f"{laws}:Creeping"))
+
+
+@pytest.fixture(scope="module")
 def fork_server():
-    """The server from which workers are forked: it imports what each of them needs, and
-    meanwhile the tests compile."""
+    """The server from which workers are forked: it imports what each of them needs."""
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["distributed", "pandas", *NEEDED_BY_WORKERS])
+    context.set_forkserver_preload([*NEEDED_BY_WORKERS])
     multiprocessing.forkserver.ensure_running()
 
 
 @pytest.fixture(scope="module")
-def client(fork_server, at_once):
+def pools() -> list[Executor]:
+    """Pools of one process each, which start."""
+    spawn = multiprocessing.get_context("spawn")
+    pools: list[Executor] = [
+        joblib.externals.loky.get_reusable_executor(max_workers=1),
+        ProcessPoolExecutor(1, mp_context=spawn),
+    ]
+    for pool in pools:
+        pool.submit(exec, "import jaximpact.batch")
+    return pools
+
+
+BUSY = """
+import argparse, time
+from jaximpact.cli.options import engine_of
+from jaximpact.interruption import ending_on_signals
+
+asked = argparse.Namespace(workers=1, scheduler=None)
+with ending_on_signals(), engine_of(asked) as executor:
+    executor.submit(time.sleep, 600)
+    print("ready", flush=True)
+    time.sleep(600)
+"""
+
+
+@pytest.fixture(scope="module")
+def command():
+    """A command that starts, and then waits for a worker of its own."""
+    # Tests in the background ignore Ctrl-C, which a command inherits.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    with subprocess.Popen(
+        [sys.executable, "-c", BUSY], stdout=subprocess.PIPE, text=True
+    ) as run:
+        signal.signal(signal.SIGINT, before)
+        yield run
+        run.terminate()
+
+
+@pytest.fixture(scope="module")
+def at_once(fork_server, pools, command, soil):
+    """The sweep of this process, in which it compiles while the others start."""
+    return sweep(Scene(soil=soil), AXES)
+
+
+@pytest.fixture(scope="module")
+def client(at_once):
     settings = {
         # A busy machine takes longer than 15 s to start a worker that was killed again.
         "distributed.deploy.lost-worker-timeout": "10 minutes",
@@ -104,11 +165,6 @@ def client(fork_server, at_once):
         yield client
 
 
-@pytest.fixture(scope="module")
-def at_once(fork_server):
-    return sweep(Scene(), AXES)
-
-
 def linear_objective(folder):
     """A linear model of three tests and one parameter, whose fits are quick."""
     rows = [(6.0, 0.2), (15.0, 0.25), (25.0, 0.3)]
@@ -123,12 +179,12 @@ def assert_same_bits(received, expected):
         assert received[name].values.tobytes() == expected[name].values.tobytes(), name
 
 
-def test_two_workers_give_the_same_bits(client, at_once):
-    lazy = sweep(Scene(), AXES, chunks={"angle_deg": 7})
+def test_two_workers_give_the_same_bits(client, at_once, soil):
+    lazy = sweep(Scene(soil=soil), AXES, chunks={"angle_deg": 7})
     assert_same_bits(lazy.compute(), at_once)
 
 
-def test_workers_keep_compiled_code_in_the_directory_that_they_are_told(client):
+def test_workers_keep_compiled_code_in_the_directory_that_they_are_told(client, soil):
     def settings():
         import jax
 
@@ -136,32 +192,29 @@ def test_workers_keep_compiled_code_in_the_directory_that_they_are_told(client):
 
         return jax.config.jax_enable_x64, str(store.open_cache().path)
 
-    sweep(Scene(), AXES, chunks={"angle_deg": 15}).compute()
+    sweep(Scene(soil=soil), AXES, chunks={"angle_deg": 15}).compute()
     for x64, path in client.run(settings).values():
         assert x64
         assert path == str(open_cache().path)
 
 
-def test_a_batch_on_a_client_is_taken_up_from_its_journal(client, tmp_path):
-    expected = simulate_batch(BLOCK, Soil(), IMPACT)
+def test_a_batch_on_a_client_is_taken_up_from_its_journal(client, soil, tmp_path):
+    expected = simulate_batch(BLOCK, soil, IMPACT)
     told, journal = [], tmp_path / "journal"
     how = {"journal": journal, "progress": lambda *done: told.append(done)}
     received = simulate_batch(
-        BLOCK, Soil(), IMPACT, executor=client.get_executor(pure=False), **how
+        BLOCK, soil, IMPACT, executor=client.get_executor(pure=False), **how
     )
     assert received.e_bar.tobytes() == expected.e_bar.tobytes()
     assert told[-1] == (300, 300)
     told.clear()
-    simulate_batch(BLOCK, Soil(), IMPACT, **how)
+    simulate_batch(BLOCK, soil, IMPACT, **how)
     assert told == [(300, 300)]
 
 
-def test_a_law_of_a_file_is_found_by_workers(client, tmp_path):
-    path = tmp_path / "my_laws.py"
-    path.write_text(FLOW)
-    soil = Soil(flow=find_part("flow", AbstractFlow, f"{path}:Creeping"))
-    expected = sweep(Scene(soil=soil), {"my_creep_share": [0.0, 0.1]})
-    lazy = sweep(Scene(soil=soil), {"my_creep_share": [0.0, 0.1]}, chunks=2)
+def test_a_law_of_a_file_is_found_by_workers(client, soil):
+    scene, axes = Scene(soil=soil, impact=IMPACT), {"my_creep_share": [0.0, 0.1]}
+    expected, lazy = sweep(scene, axes), sweep(scene, axes, chunks=2)
     assert_same_bits(lazy.compute(), expected)
 
 
@@ -183,8 +236,9 @@ def test_a_run_out_study_on_a_client(client, tmp_path):
     assert told[-1] == (12, 12)
 
 
-def test_commands_on_a_scheduler(client, folder, capsys):
-    study = "[axes]\nangle_deg = { from = 10, to = 60, count = 30 }\n"
+def test_commands_on_a_scheduler(client, laws, folder, capsys):
+    study = f"flow = '{laws}:Creeping'\n[axes]\n"
+    study += "angle_deg = { from = 10, to = 60, count = 30 }\n"
     (folder / "study.toml").write_text(study)
     address = ["--scheduler", client.scheduler.address]
     for out in (["here.nc"], ["there.nc", *address], ["there.zarr", *address]):
@@ -197,17 +251,17 @@ def test_commands_on_a_scheduler(client, folder, capsys):
     assert "0 of 1 regions computed, 1 were there" in capsys.readouterr().err
 
 
-def test_a_killed_worker_loses_nothing(client, at_once, tmp_path):
-    lazy = sweep(Scene(), AXES, chunks={"angle_deg": 5})
+def test_a_killed_worker_loses_nothing(client, at_once, soil, tmp_path):
+    lazy = sweep(Scene(soil=soil), AXES, chunks={"angle_deg": 8})
     workers = [*client.run(os.getpid).values()]
 
     def kill(done: int, regions: int) -> None:
-        if workers and done == 2:
+        if workers and done == 1:
             os.kill(workers.pop(), signal.SIGKILL)
 
     regions = write_zarr(tmp_path / "a.zarr", lazy, progress=kill)
     assert len(workers) == 1
-    assert regions.total == regions.computed == 6
+    assert regions.total == regions.computed == 4
     there = xr.open_zarr(tmp_path / "a.zarr").load()
     xr.testing.assert_identical(there, at_once)
     assert_same_bits(there, at_once)
@@ -264,51 +318,35 @@ def test_an_interrupted_fit_lets_its_workers_go(client, tmp_path):
         time.sleep(0.05)
 
 
-BUSY = """
-import argparse, time
-from jaximpact.cli.options import engine_of
-from jaximpact.interruption import ending_on_signals
-
-asked = argparse.Namespace(workers=1, scheduler=None)
-with ending_on_signals(), engine_of(asked) as executor:
-    executor.submit(time.sleep, 60)
-    print("ready", flush=True)
-    time.sleep(60)
-"""
-
-
-def test_an_interrupted_command_takes_its_workers_with_it():
-    # Tests in the background ignore Ctrl-C, which a command inherits.
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    with subprocess.Popen(
-        [sys.executable, "-c", BUSY], stdout=subprocess.PIPE, text=True
-    ) as run:
-        signal.signal(signal.SIGINT, before)
-        assert run.stdout.readline() == "ready\n"
-        workers = psutil.Process(run.pid).children(recursive=True)
-        run.send_signal(signal.SIGINT)
-        assert run.wait(timeout=60) == 130
+def test_an_interrupted_command_takes_its_workers_with_it(command):
+    assert command.stdout.readline() == "ready\n"
+    workers = psutil.Process(command.pid).children(recursive=True)
+    command.send_signal(signal.SIGINT)
+    assert command.wait(timeout=60) == 130
     assert len(workers) > 1  # and a process of Python that tracks resources
     assert psutil.wait_procs(workers, timeout=30)[1] == []
 
 
-def test_a_worker_that_dies_as_it_starts_is_told_in_one_line(
-    folder, monkeypatch, capsys
-):
+def test_workers_that_cannot_start_are_told_in_one_line(folder, monkeypatch, capsys):
     def start(**_):
         raise RuntimeError("Nanny failed to start.")
 
     monkeypatch.setattr(distributed, "LocalCluster", start)
     (folder / "study.toml").write_text("[axes]\nangle_deg = [10, 20]\n")
-    assert main(["sweep", "study.toml", "--out", "a.nc", "--workers", "1"]) == 1
+    command = ["sweep", "study.toml", "--out", "a.nc", "--workers"]
+    assert main([*command, "1"]) == 1
     assert_one_line_error(capsys, "a worker died as it was started: Nanny failed")
+    assert main([*command, "1000000"]) == 2
+    assert_one_line_error(capsys, "1000000 workers would take", "GiB of memory")
+    assert main([*command, "two"]) == 2
+    assert_one_line_error(capsys, "must be a whole number from 1, but is two")
 
 
 def test_a_client_without_workers_is_told_and_goes_on_with_new_ones(
-    tmp_path, monkeypatch
+    at_once, soil, tmp_path, monkeypatch
 ):
     monkeypatch.setattr(tasks, "WORKERLESS", 0.1)
-    lazy = sweep(Scene(), {"angle_deg": [30.0, 40.0]}, chunks=1)
+    lazy = sweep(Scene(soil=soil), {"angle_deg": [30.0, 40.0]}, chunks=1)
     quiet, told = {"dashboard_address": ":0", "silence_logs": 50}, []
     with (
         distributed.LocalCluster(n_workers=0, processes=False, **quiet) as cluster,
@@ -331,16 +369,18 @@ def test_a_client_without_workers_is_told_and_goes_on_with_new_ones(
     assert regions.computed == 2
 
 
-def test_a_pool_of_joblib_and_one_of_python():
-    expected = simulate_batch(BLOCK, Soil(), IMPACT)
-    spawn = multiprocessing.get_context("spawn")
-    pools: list[Executor] = [
-        joblib.externals.loky.get_reusable_executor(max_workers=1),
-        ProcessPoolExecutor(1, mp_context=spawn),
-    ]
-    for pool in pools:  # both start at once
-        pool.submit(exec, "import jaximpact.batch")
+def test_a_pool_of_joblib_and_one_of_python(pools, soil):
+    expected = simulate_batch(BLOCK, soil, IMPACT)
     for pool in pools:
-        with pool:
-            received = simulate_batch(BLOCK, Soil(), IMPACT, executor=pool)
+        received = simulate_batch(BLOCK, soil, IMPACT, executor=pool)
         assert received.e_bar.tobytes() == expected.e_bar.tobytes()
+    with pools[0]:
+        pass
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_a_pool_that_breaks_is_told_after_what_it_gave(pools):
+    die, found = partial(signal.raise_signal, signal.SIGKILL), []
+    with pools[1] as pool, pytest.raises(IncompleteError, match="lost their workers"):
+        run_tasks(pool, [int, die], lambda place, _: found.append(place))
+    assert found in ([0], [])

@@ -2,8 +2,6 @@
 
 import concurrent.futures
 import multiprocessing
-import os
-import signal
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
@@ -58,21 +56,6 @@ def test_results_come_with_their_places_and_few_tasks_wait():
 def test_an_error_of_a_task_ends_the_work():
     with ThreadPoolExecutor(1) as pool, pytest.raises(ZeroDivisionError):
         run_tasks(pool, [lambda: 1, lambda: 1 // 0], lambda *_: None)
-
-
-def die():
-    os.kill(os.getpid(), signal.SIGKILL)
-
-
-@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-def test_a_pool_that_breaks_is_told_after_what_it_gave():
-    found = []
-    spawn = multiprocessing.get_context("spawn")
-    with concurrent.futures.ProcessPoolExecutor(1, mp_context=spawn) as pool:
-        pool.submit(int).result()
-        with pytest.raises(IncompleteError, match="lost their workers"):
-            run_tasks(pool, [int, die], lambda place, _: found.append(place))
-    assert found in ([0], [])
 
 
 class Executor(ThreadPoolExecutor):
