@@ -203,12 +203,16 @@ def _tolerance(text: str) -> float:
 
 def run_batch(arguments: argparse.Namespace) -> None:
     """Compute the table."""
+    from .._packages import needed
     from ..batch import simulate_batch
+    from ..io.parquet import is_parquet
     from ..io.result_table import count_outcomes, write_results
     from ..io.scene_table import read_table
     from ..io.toml import read_scene
 
     scenes, base, out = arguments.scenes, arguments.base, arguments.out
+    if is_parquet(out):
+        needed("pyarrow", f"--out {out}")
     timing = {}
     manifest, journal = manifest_path(out), journal_path(out)
     files = output_files(

@@ -142,6 +142,8 @@ SETTINGS = {
     "distributed.worker.memory.monitor-interval": "500ms",
 }
 """Settings of Dask, of which workers of this machine inherit all."""
+NUMBERS_PER_WORKER = 25e6
+"""Least memory of a worker that has loaded JAX, in numbers of eight bytes."""
 
 
 def add_engine(parser: argparse.ArgumentParser) -> None:
@@ -163,9 +165,14 @@ def add_engine(parser: argparse.ArgumentParser) -> None:
 
 
 def _count(text: str) -> int:
-    count = int(text)
+    try:
+        count = int(text)
+    except ValueError:
+        count = 0
     if count < 1:
-        raise argparse.ArgumentTypeError(f"must be at least 1, but is {text}")
+        raise argparse.ArgumentTypeError(
+            f"must be a whole number from 1, but is {text}"
+        )
     return count
 
 
@@ -175,23 +182,26 @@ def engine_of(arguments: argparse.Namespace) -> Iterator[Executor | None]:
 
     Inside the block its client is the one that lazy arrays are computed by.
 
-    Raises InputError for a scheduler that does not answer, and where Dask is not
-    installed; IncompleteError for a worker that died as it was started.
+    Raises InputError for a scheduler that does not answer, for more workers than fit
+    into memory, and where Dask is not installed; IncompleteError for a worker that died
+    as it was started.
     """
     if arguments.workers is None and arguments.scheduler is None:
         yield None
         return
     from .._packages import needed
+    from ..io.checks import check_memory
 
     option = "--workers" if arguments.scheduler is None else "--scheduler"
     dask, distributed = needed("dask", option), needed("distributed", option)
     with dask.config.set(SETTINGS), contextlib.ExitStack() as stack:
-        address = arguments.scheduler
-        if address is None:
+        address, count = arguments.scheduler, arguments.workers
+        if count is not None:
+            check_memory(count * NUMBERS_PER_WORKER, f"{count} workers")
             try:
                 address = stack.enter_context(
                     distributed.LocalCluster(
-                        n_workers=arguments.workers,
+                        n_workers=count,
                         threads_per_worker=1,
                         dashboard_address=":0",
                         silence_logs=logging.CRITICAL,

@@ -77,10 +77,11 @@ def add_parser(commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Compute the sweep."""
     from ..io.datasets import write_netcdf
-    from ..paper.sets import parametric_set
     from ..sweeping import read_sweep_study, sweep
 
     if arguments.set is not None:
+        from ..paper.sets import parametric_set  # loads matplotlib, for a second
+
         (base, axes), accuracy = parametric_set(arguments.set), None
         name = f"set_{arguments.set}"
     else:

@@ -217,6 +217,10 @@ def _quantities(
                 f"{name} is a result, which the dataset must not hold already"
             )
         if name in columns:
+            if variable.dtype.kind not in "iuf":
+                raise InputError(
+                    f"{name} must hold numbers, but holds {variable.dtype}"
+                )
             found[str(name)] = variable.to_base_variable()
         elif name not in (SHAPE, *LABEL_COLUMNS) and name not in dataset.coords:
             raise InputError(f"{name} is unknown; {why_unknown(str(name), columns)}")

@@ -121,6 +121,7 @@ def write_zarr(
             f"{dataset.attrs['laws']}; write the class into a file"
         )
     path, told = Path(os.path.abspath(path)), as_progress(progress)
+    dataset = dataset.unify_chunks()
     layout = _layout_of(dataset)
     check_writable(path / "x" if path.is_dir() else path, option="the store")
     with locked(path.with_name(path.name + ".lock")):
@@ -205,7 +206,7 @@ def _check_same(path: Path, dataset: xr.Dataset, layout: _Layout) -> None:
     try:
         there = xr.open_zarr(path, chunks=None, consolidated=False, zarr_format=FORMAT)
         _read_marks(path)
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, RuntimeError) as error:
         raise InputError(
             f"is there, and is no store that was written by region: {error}; move it, "
             "or choose another name",
@@ -214,7 +215,9 @@ def _check_same(path: Path, dataset: xr.Dataset, layout: _Layout) -> None:
     stored = {k: v for k, v in there.attrs.items() if k != OUTCOMES}
     asked = {k: v for k, v in dataset.attrs.items() if k != OUTCOMES}
     for key in sorted({*stored, *asked}):
-        if stored.get(key) != asked.get(key):
+        # xarray takes what JSON gives back, such as a list for a tuple, as the same.
+        held, wanted = (xr.Dataset(attrs={key: of.get(key)}) for of in (stored, asked))
+        if not held.identical(wanted):
             raise InputError(
                 f"was begun with {key} {stored.get(key)}, but is asked for with "
                 f"{asked.get(key)}; move it, or choose another name",

@@ -108,6 +108,7 @@ def test_a_point_that_fails_ends_nothing():
         ({"angel_deg": 1.0}, "angel_deg is unknown; did you mean angle_deg"),
         ({"e_n": 0.5, "angle_deg": 1.0}, "e_n is a result"),
         ({"name": "a"}, "holds no quantity of a scene"),
+        ({"mass_kg": np.datetime64(1, "ns")}, "mass_kg must hold numbers, but holds d"),
         ({"angle_deg": 95.0}, "must be in \\(-90, 90\\) deg, but is 1.65806 rad = 95"),
     ],
 )

@@ -1,10 +1,14 @@
 """Tables in Parquet: the same scenes and results as in CSV, to the last bit."""
 
+import sys
+
 import numpy as np
 import pandas as pd
 import pytest
+from error_messages import assert_one_line_error
 
 from jaximpact import simulate_batch
+from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.io.result_table import write_results
 from jaximpact.io.scene_table import read_table
@@ -49,3 +53,11 @@ def test_what_is_no_parquet_is_refused(tmp_path):
     (tmp_path / "scenes.parquet").write_text("mass_kg\n1\n")
     with pytest.raises(InputError, match="is no table in Parquet"):
         read_table(tmp_path / "scenes.parquet")
+
+
+def test_without_pyarrow_nothing_is_computed_first(frame, folder, monkeypatch, capsys):
+    frame.to_csv("scenes.csv", index=False)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    assert main(["batch", "scenes.csv", "--out", "results.parquet"]) == 2
+    assert_one_line_error(capsys, "--out results.parquet needs the package pyarrow")
+    assert [path.name for path in folder.iterdir()] == ["scenes.csv"]

@@ -89,6 +89,19 @@ def test_a_store_is_taken_up_where_it_stopped(tmp_path, computed):
     xr.testing.assert_identical(xr.open_zarr(path).load(), sweep(BASE, AXES))
 
 
+def test_attributes_and_chunks_of_all_kinds_are_taken_up(tmp_path):
+    """JSON gives a list for a tuple or an array; NaN is not equal to itself."""
+    scenes = xr.Dataset(
+        {"angle_deg": ("x", [0.0, 10.0, 20.0]), "mass_kg": ("x", [1.0, 2.0, 3.0])},
+        attrs={"tuple": (1, 2), "array": np.array([1.0, np.nan]), "nan": np.nan},
+    )
+    for name, length in {"angle_deg": 1, "mass_kg": 3}.items():
+        scenes[name] = scenes[name].chunk(x=length)
+    lazy = simulate_dataset(scenes)
+    assert write_zarr(tmp_path / "a.zarr", lazy).computed == 3
+    assert write_zarr(tmp_path / "a.zarr", lazy).found == 3
+
+
 def test_a_region_that_was_cut_short_is_computed_again(tmp_path):
     """A kill between a region's numbers and its mark leaves the mark out."""
     path, lazy = tmp_path / "a.zarr", sweep(BASE, AXES, chunks=CHUNKS)
@@ -125,6 +138,14 @@ def test_a_directory_of_something_else_is_refused(tmp_path):
     with pytest.raises(InputError, match="no store that was written by region"):
         write_zarr(tmp_path / "a.zarr", sweep(BASE, AXES, chunks=CHUNKS))
     assert (tmp_path / "a.zarr" / "letter.txt").read_text() == "mine"
+
+
+def test_a_store_whose_marks_are_damaged_is_refused(tmp_path):
+    lazy = sweep(BASE, AXES, chunks=CHUNKS)
+    write_zarr(tmp_path / "a.zarr", lazy)
+    (tmp_path / "a.zarr" / "_regions" / "outcomes" / "1.0").write_bytes(b"cut")
+    with pytest.raises(InputError, match=r"no store that was written.*blosc"):
+        write_zarr(tmp_path / "a.zarr", lazy)
 
 
 @pytest.mark.parametrize(
