@@ -37,7 +37,12 @@ NUMBERS_PER_IMPACT = len(INPUT_COLUMNS) + len(RESULT_COLUMNS)
 
 
 def check_scene(
-    scene: Scene, *, batched: bool = False, warn: bool = False, of: str = "scene"
+    scene: Scene,
+    *,
+    batched: bool = False,
+    warn: bool = False,
+    of: str = "scene",
+    laws: bool = True,
 ) -> None:
     """Raise InputError, in one sentence, for the first value that is out of range, and
     for a part of another kind.
@@ -48,11 +53,13 @@ def check_scene(
         batched: allow arrays; else every field must be a scalar.
         warn: also warn of unusual values, in the name of the caller's caller.
         of: what messages call an entry of an array.
+        laws: also try laws of the user's, which takes half a second in each process.
     """
     expect("scene", scene, Scene)
     for part, kind in KINDS.items():
         expect(part, getattr(scene, part), kind)
-    check_laws(jax.tree.structure(scene.soil))
+    if laws:
+        check_laws(jax.tree.structure(scene.soil))
     check_shape(scene.block.shape)
     for column in columns_of(scene).values():
         value = getattr(getattr(scene, column.part), column.field)
