@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from text_files import rows_of
 
+from benchmarks.back_analysis import BENCHES, observe
 from jaximpact import calibrate
 from jaximpact.cli import main
 from jaximpact.errors import InputError
@@ -16,8 +17,10 @@ from jaximpact.progress import Progress
 from jaximpact.runout import calibrate_slope, read_slope_study, run_slope_study
 from jaximpact.runout.back_analysis import posterior as posterior_module
 from jaximpact.runout.back_analysis import predictive
-from jaximpact.runout.back_analysis.data_sets import _seed
+from jaximpact.runout.back_analysis.data_sets import _seed, simulate_data_sets
+from jaximpact.runout.back_analysis.observed import Count
 from jaximpact.runout.back_analysis.predictive import predict
+from jaximpact.runout.back_analysis.problem import read_slope_fit
 from jaximpact.runout.back_analysis.report import warnings_of
 from jaximpact.runout.study.barriers import estimates_of
 
@@ -327,3 +330,15 @@ def test_a_fit_of_a_slope_predicts_no_impacts(observed, tmp_path, capsys):
     command = ["predict", str(tmp_path), str(tmp_path / "tests.csv")]
     assert main(command) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_twins_count_the_blocks_past_each_line(tmp_path):
+    """Blocks that stop beyond a line have passed it, and none comes back."""
+    (tmp_path / "benches.toml").write_text(BENCHES)
+    fit = read_slope_fit(tmp_path / "benches.toml")
+    blocks = simulate_data_sets(fit, np.array([[0.45, 0.5]]), 30, stream=0)[0]
+    twin = observe(fit, blocks, ("energy_kJ",), 15)
+    counts = [c for c in twin.observed.channels if isinstance(c, Count)]
+    passed = [int(np.sum(~(blocks[:, 0] <= line.place))) for line in counts]
+    assert [count.passed for count in counts] == passed
+    assert 0 < passed[1] < passed[0]
