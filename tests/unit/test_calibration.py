@@ -681,6 +681,21 @@ def test_a_prediction_that_bends_does_not_jump(tmp_path):
     np.testing.assert_array_equal(jump_shares(objective, fit), 0.0)
 
 
+def test_beside_sigmas_that_are_far_too_small_not_all_is_a_jump(tmp_path):
+    """The misfit is 0.1, and sigma a ten-thousandth of it."""
+    straight = jumping(tmp_path)
+    x = np.array([[0.5, 0.5]])
+    exact = straight.values(x).predicted[0]
+    study = dataclasses.replace(
+        straight.study, measured=exact + 0.1 * np.array([[1.0], [-1.0], [1.0]])
+    )
+    objective = Bending(study, study.variants[0], None)
+    objective.matrix = straight.matrix
+    objective = objective.with_sigma(np.full((3, 1), 1e-5))
+    fits = Fits(objective(x), [Reason.flat], np.zeros(1, int))
+    np.testing.assert_array_equal(shares_of(objective, fits), 0.0)
+
+
 @pytest.mark.parametrize("method", ["adam", "l-bfgs"])
 def test_first_order_methods_lower_the_cost(
     tmp_path, predicted, engine, monkeypatch, method

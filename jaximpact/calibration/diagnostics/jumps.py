@@ -10,10 +10,11 @@ largest force and depth, which came before.
 
 import numpy as np
 
-from ..estimation.branches import NEAR, jump_shares
+from ..estimation.branches import NEAR, jump_shares, unit_without_jumps
 from ..estimation.least_squares import Fits
 from ..problem.objective import Objective
 from .cross_validation import LeftOut
+from .uncertainty import estimate
 
 FEWEST_LEFT = 2
 """Measurements away from jumps that there must be for each unknown; with fewer none is
@@ -26,9 +27,15 @@ def shares_of(objective: Objective, best: Fits) -> np.ndarray:
     """Compute the share of the confidence region beyond a jump of each prediction,
     shape (tests, targets).
 
+    Where the misfit is larger than the given sigmas allow, a jump is told by the
+    scatter that is left: beside sigmas that are far too small all is a jump.
+
     Args:
         best: the reported fit, of one lane.
     """
+    if estimate(objective, best.points).inflation > 1.0:
+        scale = np.sqrt(unit_without_jumps(objective, best.points))
+        objective = objective.with_sigma(scale * objective.sigma)
     return jump_shares(objective.no_finer_than_sigmas(), best.points)
 
 
