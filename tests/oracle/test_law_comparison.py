@@ -3,6 +3,7 @@ forms, ties, stacking, and laws that are found in data that they made."""
 
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
 
 import jax
 import jax.numpy as jnp
@@ -23,7 +24,11 @@ from jaximpact import (
 )
 from jaximpact.calibration import compare
 from jaximpact.calibration.arguments import study_given
-from jaximpact.calibration.comparison.comparison import compare_study
+from jaximpact.calibration.comparison.comparison import (
+    Compared,
+    GroupScores,
+    compare_study,
+)
 from jaximpact.calibration.comparison.contenders import Contender
 from jaximpact.calibration.comparison.fitted_law import (
     fit_law,
@@ -39,6 +44,8 @@ from jaximpact.calibration.comparison.ranking import (
 )
 from jaximpact.calibration.comparison.rebound_objective import ReboundObjective
 from jaximpact.calibration.diagnostics.uncertainty import estimate
+from jaximpact.calibration.problem.config import Variant
+from jaximpact.calibration.report.comparison import verdict, worse_than_others
 from jaximpact.errors import InputError
 from jaximpact.parameters import parameter
 from jaximpact.rebound import AbstractRebound, Rebound
@@ -318,6 +325,47 @@ def test_the_law_that_made_the_tests_is_preferred(truth):
     assert (set(found.ties) == {REBOUND[0], REBOUND[2]}) == nested
     assert ("A tie" in str(found)) == nested
     assert "0.02" in str(found.to_dataframe().loc[truth.words].round(2).to_list())
+
+
+def compared_with_model(tests, worse_by):
+    """The model, whose score is lower than that of constant coefficients in each of
+    some tests, and a little more so in each further one."""
+    model = Variant("", {})
+    scores = np.zeros((tests, 2))
+    scores[:, 1] = -worse_by - 0.1 * np.arange(tests)
+    laws = [
+        SimpleNamespace(name=name, contender=Contender(name, law), count=count)
+        for name, law, count in (
+            ("constant coefficients", ConstantCoefficients, 2),
+            ("model", model, 3),
+        )
+    ]
+    names = tuple(f"row {number}" for number in range(tests))
+    study = SimpleNamespace(variants=(model,))
+    by_test = GroupScores("test", names, scores)
+    return Compared(study, (), laws, by_test, [], np.array([1.0, 0.0]), {}), model
+
+
+def test_a_law_that_predicts_better_than_the_model_is_named():
+    compared, model = compared_with_model(tests=9, worse_by=2.0)
+    (words,) = worse_than_others(compared, model)
+    # Sum of 2.0, 2.1, ..., 2.8; nine times their variance, 0.075, is 0.82 squared.
+    assert words == (
+        "The model predicts worse: its score is 21.6 ± 0.8 less than that of constant "
+        "coefficients. Predict with constant coefficients."
+    )
+    assert verdict(compared)[0].endswith(words)
+    tie, model = compared_with_model(tests=9, worse_by=0.0)
+    assert worse_than_others(tie, model) == []
+
+
+def test_with_few_tests_no_law_is_preferred():
+    compared, model = compared_with_model(tests=4, worse_by=9.0)
+    assert worse_than_others(compared, model) == []
+    assert verdict(compared)[0] == (
+        "4 of the 5 tests that are needed to tell which law predicts best: none is "
+        "preferred."
+    )
 
 
 def test_groups_targets_and_refusals_are_named(tmp_path):

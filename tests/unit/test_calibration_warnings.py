@@ -19,7 +19,7 @@ from jaximpact.calibration.diagnostics.identifiability import Verdict
 from jaximpact.calibration.problem.config import study_of
 from jaximpact.calibration.problem.dataset import joined_tables
 from jaximpact.calibration.report.contents import target_rows
-from jaximpact.calibration.report.parameters import about_draws
+from jaximpact.calibration.report.parameters import about_draws, verdict
 
 ANGLES = [10.0, 25.0, 40.0, 50.0, 60.0, 35.0]
 SPEEDS = [8.0, 12.0, 10.0, 15.0, 20.0, 6.0]
@@ -76,17 +76,22 @@ def test_angles_in_radians_parts_in_per_cent_and_depths_in_millimetres():
 
 
 def test_a_good_fit_has_nothing_against_it(e_n):
-    found, _ = doubts(columns(e_n), parameters={"k_E": {}})
+    found, result = doubts(columns(e_n), parameters={"k_E": {}})
     assert found == []
+    (first, *_) = verdict(result, result.variants[0])
+    assert first.startswith("The tests identify k_E")
 
 
 def test_what_the_model_cannot_do_is_missed_by_more_than_the_mean(e_n):
     """No ground gives back 1.7 times the normal velocity at 10 degrees; the same with
     sigmas that nobody can keep."""
     for content in ({}, {"default_sigma": {"e_n": 0.01}}):
-        found, _ = doubts(columns(1.7 + 0.1 * e_n), parameters={"k_E": {}}, **content)
+        tests = columns(1.7 + 0.1 * e_n)
+        found, result = doubts(tests, parameters={"k_E": {}}, **content)
         (words,) = [x for x in found if "R2 of e_n" in x]
         assert "is below 0" in words
+        (first, *_) = verdict(result, result.variants[0])
+        assert first.startswith("The model does not describe e_n")
 
 
 def test_repeated_impacts_are_as_good_as_their_mean():

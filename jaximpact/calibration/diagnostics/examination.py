@@ -308,34 +308,68 @@ def doubtful_units(study: Study) -> list[str]:
     return lines
 
 
-def _large_misfit(
-    result: StudyResult, variant: VariantResult, place: int, name: str
-) -> list[str]:
-    """Warn of a fit that is no better than the mean of the measurements."""
+class _Misfit(NamedTuple):
+    """Errors of the fit of one target, beside the scatter of its measurements."""
+
+    rms: float
+    of_mean: float
+    """Standard deviation of the measurements."""
+    sigma: float
+    """Standard deviation of their errors, given or estimated."""
+    least: float
+    """Estimate below which there are no errors."""
+    given: bool
+
+    @property
+    def is_no_fit(self) -> bool:
+        """Whether the mean of the measurements would fit them better."""
+        least = self.sigma if self.given else self.least
+        return self.rms > max(WORSE * self.of_mean, least)
+
+
+def _misfit(result: StudyResult, variant: VariantResult, place: int) -> _Misfit | None:
+    """Compute the misfit of a target; None where it has too few measurements."""
     study = result.study
     exact = study.exact[:, place]
     rms = fit_of_target(result, variant, place)["rms"]
     if np.sum(exact) < FEWEST_FOR_MEAN or rms is None:
-        return []
+        return None
     measured = study.measured[exact, place]
-    of_mean = float(np.std(measured))
     sigma = float(np.median(variant.sigma[exact, place]))
     if study.proportional[place]:
         sigma = float(np.sqrt(np.mean(variant.sigma[exact, place] ** 2)))
-    given = study.sigma_given[place]
     least = LEAST_PART * float(np.sqrt(np.mean(measured**2)))
-    if rms > max(WORSE * of_mean, sigma if given else least):
+    given = bool(study.sigma_given[place])
+    return _Misfit(rms, float(np.std(measured)), sigma, least, given)
+
+
+def not_described(result: StudyResult, variant: VariantResult) -> list[str]:
+    """List the targets that their mean would fit better than the model does."""
+    found = [_misfit(result, variant, t) for t in range(len(result.study.targets))]
+    named = zip(result.study.targets, found, strict=True)
+    return [name for name, misfit in named if misfit is not None and misfit.is_no_fit]
+
+
+def _large_misfit(
+    result: StudyResult, variant: VariantResult, place: int, name: str
+) -> list[str]:
+    """Warn of a fit that is no better than the mean of the measurements."""
+    found = _misfit(result, variant, place)
+    if found is None:
+        return []
+    if found.is_no_fit:
         return [
-            f"R2 of {name} is below 0: the rms error of the fit is {rms:.3g}, the "
-            f"standard deviation of the measurements {of_mean:.3g}. The model does not "
-            "describe them, or inputs or units are wrong."
+            f"R2 of {name} is below 0: the rms error of the fit is {found.rms:.3g}, "
+            f"the standard deviation of the measurements {found.of_mean:.3g}. The "
+            "model does not describe them, or inputs or units are wrong."
         ]
-    if not given and sigma > max(HALF * of_mean, least):
-        mean = " on average" if study.proportional[place] else ""
+    if not found.given and found.sigma > max(HALF * found.of_mean, found.least):
+        mean = " on average" if result.study.proportional[place] else ""
         return [
-            f"The scatter estimated for {name}, {sigma:.3g}{mean}, is more than half "
-            f"of the standard deviation of its measurements, {of_mean:.3g}. If they "
-            "are more accurate than that, the model is biased: state their sigma."
+            f"The scatter estimated for {name}, {found.sigma:.3g}{mean}, is more than "
+            f"half of the standard deviation of its measurements, {found.of_mean:.3g}. "
+            "If they are more accurate than that, the model is biased: state their "
+            "sigma."
         ]
     return []
 

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import itertools
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from ..comparison.ranking import (
     SMALL_DIFFERENCE,
     Ranking,
 )
+from ..problem.config import Variant
 
 CSV_COLUMNS = (
     *("law", "row", "test", "log_density", "target", "measured", "left_out"),
@@ -28,7 +30,8 @@ RULE = (
 def verdict(compared: Compared) -> list[str]:
     """Say which law to use, first by single tests, then by groups."""
     found = compared.ranking()
-    lines = [_in_words(compared, found)]
+    worse = (worse_than_others(compared, one) for one in compared.study.variants)
+    lines = [" ".join([_in_words(compared, found), *itertools.chain(*worse)])]
     lines += [_by_group(compared, scores, found) for scores in compared.by_group]
     weights = [
         f"{law.name} {weight:.2f}"
@@ -45,12 +48,16 @@ def _in_words(compared: Compared, found: Ranking) -> str:
     best, preferred = names[found.best], found.preferred
     if len(names) == 1:
         return f"{best} was compared with no other law."
+    units = len(compared.by_test.groups)
+    if units < FEWEST_UNITS:
+        return (
+            f"{units} of the {FEWEST_UNITS} tests that are needed to tell which law "
+            "predicts best: none is preferred."
+        )
     others = [names[i] for i in found.ties if i != found.best]
     if not others:
         return f"{best} predicts a test that it has not seen better than all others."
-    known = np.all(np.isfinite(found.error))
-    few = "" if known else " (the standard errors need more tests)"
-    text = f"A tie: {best} and {_listed(others)} predict equally well{few}."
+    text = f"A tie: {best} and {_listed(others)} predict equally well."
     if preferred == found.best:
         return (
             f"{text} Prefer {best}: no law of the tie has fewer fitted parameters "
@@ -58,8 +65,20 @@ def _in_words(compared: Compared, found: Ranking) -> str:
         )
     return (
         f"{text} Prefer {names[preferred]}, the simplest of them: "
-        f"{counts[preferred]} fitted parameters against {counts[found.best]} of {best}."
+        f"{counts[preferred]} fitted parameter{'s' * (counts[preferred] > 1)} against "
+        f"{counts[found.best]} of {best}."
     )
+
+
+def worse_than_others(compared: Compared, variant: Variant) -> list[str]:
+    """Warn that another law predicts better than a variant of the study."""
+    found, names = compared.ranking(), [law.name for law in compared.laws]
+    return [
+        f"The {law.name} predicts worse: its score is {_difference(found, place)} less "
+        f"than that of {names[found.best]}. Predict with {names[found.preferred]}."
+        for place, law in enumerate(compared.laws)
+        if law.contender.law is variant and place not in found.ties
+    ]
 
 
 def _by_group(compared: Compared, scores: GroupScores, whole: Ranking) -> str:

@@ -27,7 +27,7 @@ from ..estimation.least_squares import Reason
 from ..estimation.sigma import LEAST_FREEDOM, relative_sigma
 from ..problem.config import Study
 from ..problem.laws import in_words, unusual
-from .comparison import comparison_contents
+from .comparison import comparison_contents, worse_than_others
 from .parameters import (
     NOT_IDENTIFIABLE,
     about_draws,
@@ -59,7 +59,7 @@ def contents_of(
         "about_short": [*_about_tests(study), _held(study)],
         "variant_rows": _variant_rows(result),
         "variants": [
-            _variant(result, variant, diagnostics)
+            _variant(result, variant, diagnostics, compared)
             for variant, diagnostics in zip(result.variants, examined, strict=True)
         ],
         "comparison": None if compared is None else comparison_contents(compared),
@@ -69,14 +69,20 @@ def contents_of(
 
 
 def _variant(
-    result: StudyResult, variant: VariantResult, diagnostics: Examination
+    result: StudyResult,
+    variant: VariantResult,
+    diagnostics: Examination,
+    compared: Compared | None,
 ) -> dict:
     values = diagnostics.residuals.values
+    warnings = warnings_of(result, variant, diagnostics)
+    if compared is not None:
+        warnings += worse_than_others(compared, variant.variant)
     return {
         "name": variant.variant.name,
         "pictures": collections.defaultdict(list),
-        "verdict": verdict(variant, len(result.variants) > 1),
-        "warnings": warnings_of(result, variant, diagnostics),
+        "verdict": verdict(result, variant),
+        "warnings": warnings,
         "parameters": parameter_rows(variant),
         "parameters_short": parameters_short(variant),
         "profiles": {n: profile_rows(found) for n, found in variant.profiles.items()},

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...io.display import Rows
 from ...quantities import columns_of
-from ..diagnostics.examination import Examination
+from ..diagnostics.examination import Examination, not_described
 from ..diagnostics.identifiability import LikelihoodProfile, interval_text
 from ..diagnostics.nuts import compare_errors
 from ..diagnostics.posterior import Draws
@@ -22,8 +22,9 @@ LEAST_CORRELATION = 0.1
 NOT_IDENTIFIABLE = "not identifiable"
 
 
-def verdict(variant: VariantResult, several: bool = False) -> list[str]:
-    """List which parameters are identifiable, with their intervals, and which not."""
+def verdict(result: StudyResult, variant: VariantResult) -> list[str]:
+    """List which parameters are identifiable, with their intervals, and which not;
+    first of all what the model does not describe."""
     known, unknown = [], []
     for index, of_one in enumerate(variant.verdicts):
         if of_one.determined:
@@ -36,10 +37,16 @@ def verdict(variant: VariantResult, several: bool = False) -> list[str]:
             unknown.append(
                 f"{of_one.name} is not identifiable from these tests: {of_one.reason}."
             )
-    name = f"{variant.variant.name}: " if several else ""
-    lines = [f"{name}No parameter is identifiable by itself."]
+    name = f"{variant.variant.name}: " if len(result.variants) > 1 else ""
+    first = "No parameter is identifiable by itself."
     if known:
-        lines = [f"{name}The tests identify {', '.join(known)}."]
+        first = f"The tests identify {', '.join(known)}."
+    if missed := not_described(result, variant):
+        first = (
+            f"The model does not describe {' and '.join(missed)}; its parameters mean "
+            f"little. {first}"
+        )
+    lines = [name + first]
     lines += unknown
     if unknown and variant.uncertainty.eigenvalues[-1] * USELESS_ERROR**2 > 1.0:
         lines.append(f"Best identifiable combination: {variant.directions[0]}.")
