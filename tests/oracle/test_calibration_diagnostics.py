@@ -167,10 +167,11 @@ def test_bands_of_a_line(tmp_path):
     assert np.all(found.failed_fraction == 0.0)
 
 
-def test_bands_of_what_is_never_negative(tmp_path):
+@pytest.mark.parametrize("target", ["max_penetration_m", "final_sinking_m"])
+def test_bands_of_what_is_never_negative(tmp_path, target):
     """Those of one draw are the quantiles of the lognormal distribution."""
     objective, points, _ = linear(tmp_path, *line(6))
-    study = dataclasses.replace(objective.study, targets=("max_penetration_m",))
+    study = dataclasses.replace(objective.study, targets=(target,))
     objective.study, value = study, 0.5 * SIGMA + 0.04 * np.arange(6.0)
     one = draw(objective, points, 1.0, count=1)
     one = one._replace(predicted=value[None, :, None])
