@@ -290,27 +290,27 @@ RESULT_COLUMNS = _results(
     ("e_contact", "-", "normal restitution at the contact"),
     ("e_bar", "-", "energetic restitution"),
     ("R_r", "-", "final rotational over total kinetic energy"),
-    ("max_penetration", "m", "largest u_n"),
-    ("max_sinking", "m", "largest u_D"),
-    ("max_normal_force", "N", "largest N"),
-    ("max_moment", "N m", "largest |M|"),
+    ("max_penetration", "m", "largest penetration of the centre"),
+    ("max_sinking", "m", "largest penetration of the lowest point"),
+    ("max_normal_force", "N", "largest normal force"),
+    ("max_moment", "N m", "largest magnitude of the moment"),
     ("duration", "s", "time in contact"),
     ("rotation", "rad", "rotation during contact"),
-    ("normal_velocity", "m/s", "final v_n, into the ground"),
-    ("tangential_velocity", "m/s", "final v_t, down-slope"),
-    ("angular_velocity", "rad/s", "final spin"),
+    ("normal_velocity", "m/s", "final normal velocity, into the ground"),
+    ("tangential_velocity", "m/s", "final tangential velocity, down-slope"),
+    ("angular_velocity", "rad/s", "final angular velocity, clockwise"),
 )
 """Results that a table of results holds, by the names of their columns."""
 FURTHER_COLUMNS = _results(
     ("e_n_vijayakumar", "-", "e_n of a rigid body"),
-    ("max_tangential_force", "N", "largest |T|"),
-    ("time_of_max_penetration", "s", "time of the largest u_n"),
-    ("time_of_max_sinking", "s", "time of the largest u_D"),
-    ("time_of_max_normal_force", "s", "time of the largest N"),
-    ("time_of_max_tangential_force", "s", "time of the largest |T|"),
-    ("time_of_max_moment", "s", "time of the largest |M|"),
-    ("final_penetration", "m", "u_n at the end"),
-    ("final_sinking", "m", "u_D at the end"),
+    ("max_tangential_force", "N", "largest magnitude of the tangential force"),
+    ("time_of_max_penetration", "s", "time of the largest penetration of the centre"),
+    ("time_of_max_sinking", "s", "time of the largest penetration of the lowest point"),
+    ("time_of_max_normal_force", "s", "time of the largest normal force"),
+    ("time_of_max_tangential_force", "s", "time of the largest magnitude of the tangential force"),
+    ("time_of_max_moment", "s", "time of the largest magnitude of the moment"),
+    ("final_penetration", "m", "penetration of the centre at the end"),
+    ("final_sinking", "m", "penetration of the lowest point at the end"),
     ("steps", "-", "steps of the integration"),
 )
 """Results that a table of results does not hold."""
@@ -328,8 +328,8 @@ TIME_COLUMN, CURVE_FILE = "time_s", "force_curve"
 """Columns of a table of tests: the time of a force since first touch, and the file of a
 curve of forces against time."""
 CURVE_COLUMNS = _results(
-    ("normal_force", "N", "N at the time of the row"),
-    ("tangential_force", "N", "T at the time of the row, down-slope"),
+    ("normal_force", "N", "normal force at the time of the row"),
+    ("tangential_force", "N", "tangential force at the time of the row, down-slope"),
 )
 """Forces at a time, which are fitted, no more."""
 TARGET_COLUMNS = {
@@ -372,7 +372,7 @@ OUTCOME_MEANING = (
 SIGMA_PREFIX = "sigma_"
 """Before the name of a result column: the standard deviation of a measured value."""
 LABEL_COLUMNS = (
-    *("name", "id", "test", "campaign", "source", "note", "comment"),
+    *("name", "id", "test", "date", "campaign", "source", "note", "comment"),
     CURVE_FILE,
 )
 """Columns of free text, which identify a row and are carried along."""

@@ -248,7 +248,10 @@ def _check_header(
         elif name in results and not measured:
             problem = "is a result; remove it, as it would stand twice in the output"
         elif name not in known:
-            problem = f"is unknown; {why_unknown(name, known)}"
+            problem = (
+                f"is unknown; {why_unknown(name, known)} (`jaximpact batch --help` "
+                "lists all columns)"
+            )
         else:
             continue
         raise InputError(problem, file=path, row=line, column=name or str(index + 1))

@@ -14,6 +14,7 @@ from ...plotting.style import (
     GREY,
     VERMILION,
     in_style,
+    legend_outside,
     log_scale,
     panels,
     plain,
@@ -195,7 +196,7 @@ def draw_target(
         _over_measured(axes, result, variant, bands, target)
     else:
         _over_input(axes, result, variant, bands, target, along)
-    axes.legend()
+    legend_outside(figure, ncols=2)
     return figure
 
 
@@ -286,7 +287,7 @@ def _about_zero(
         style: dict[str, Any] = dict(linestyle="none", markersize=5, label=name)
         axes.plot(along[:, target], values[:, target], **style, **points(target))
     if len(study.targets) > 1:
-        axes.legend()
+        legend_outside(figure, ncols=3)
     return figure, axes
 
 
@@ -425,7 +426,7 @@ def draw_candidates(found: Suggestions) -> Figure:
     axes.set_xlabel(label_of(first, found.columns))
     axes.set_ylabel("factor by which the\nmean error shrinks [-]")
     if others:
-        axes.legend(title=label_of(others[0], found.columns))
+        legend_outside(figure, title=label_of(others[0], found.columns))
     return figure
 
 

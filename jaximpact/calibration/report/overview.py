@@ -34,7 +34,7 @@ def plot_study(result: StudyResult) -> Figure:
         style = points(number)
         name = plain(variant.variant.name)
         plot_waterfall(axes[-1], variant, style["color"], style["marker"], name, None)
-    axes[-1].set_xlabel("start, best first (hollow: stuck)")
+    axes[-1].set_xlabel("start, best first (hollow: not at the best fit)")
     for panel in axes[:-1] if over_angle else ():
         panel.legend()
     if len(result.variants) > 1:
@@ -80,7 +80,8 @@ def _measured_panel(axes: Axes, result: StudyResult, target: int) -> None:
             axes.plot(measured[limits], fitted[limits], mfc="none", **style)
     low, high = axes.get_xlim()
     axes.axline((low, low), (high, high), color=GREY, linewidth=1)
-    axes.set_xlabel(f"measured {label_of(study.targets[target])}")
+    hollow = " (hollow: limit)" if np.any(limits) else ""
+    axes.set_xlabel(f"measured {label_of(study.targets[target])}{hollow}")
     axes.set_ylabel("fitted")
 
 

@@ -220,8 +220,8 @@ def draw_12(table: Table) -> Figure:
         fit = fit_exponential(heights)
         draw_histogram(each, heights, edges, fit, exponential, IMPACTS)
         label_counts(each, "height_m", "jumps [-]", heights, edges)
-        told = f"distance of the fit {distance_in_words(fit)}"
-        each.set_title(f"$A_r$ = {shape:g}: {len(heights)} jumps,\n{told}")
+        distance = f"distance of the fit {distance_in_words(fit)}"
+        each.set_title(f"$A_r$ = {shape:g}: {len(heights)} jumps,\n{distance}")
         ordered = np.sort(heights)
         fraction.step(
             ordered,
@@ -232,7 +232,9 @@ def draw_12(table: Table) -> Figure:
         )
     label_axes(fraction, "height_m", "height_m", "fraction that is higher [-]")
     log_scale(fraction, "y")
-    fraction.legend(title="$A_r$")
+    # Above the panel, where it covers no line.
+    above: dict[str, Any] = dict(loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    fraction.legend(title="$A_r$", ncols=5, columnspacing=1.0, **above)
     axes[0].set_xlim(edges[0], edges[-1])
     fit = Line2D([], [], label="exponential fit", **IMPACTS)
     legend_outside(figure, [fit], "upper center")
