@@ -45,7 +45,7 @@ def real_numbers(name: str, value) -> np.ndarray | jax.Array:
 
 
 def real_number(name: str, value, *, least: float = -math.inf) -> float:
-    """One finite number of at least `least`; InputError for anything else."""
+    """Return one finite number of at least `least`; InputError for anything else."""
     numbers = real_numbers(name, value)
     if numbers.ndim or not (math.isfinite(numbers) and numbers >= least):
         need = "" if least == -math.inf else f" of at least {least:g}"
@@ -54,7 +54,7 @@ def real_number(name: str, value, *, least: float = -math.inf) -> float:
 
 
 def whole_number(name: str, value, least: int, most: int = 2**63 - 1) -> int:
-    """A whole number from `least` to `most`; InputError for anything else."""
+    """Return a whole number from `least` to `most`; InputError for anything else."""
     if isinstance(value, bool) or not hasattr(value, "__index__"):
         raise InputError(f"{name} must be a whole number, but is {_told(value)}")
     if not least <= value <= most:
@@ -76,6 +76,6 @@ def _is_real(value) -> bool:
 
 
 def _told(value) -> str:
-    """A value with its type; of what has many fields the type alone."""
+    """Describe a value with its type; of what has many fields the type alone."""
     kind = type(value).__name__
     return f"of type {kind}" if isinstance(value, eqx.Module) else f"{value!r} ({kind})"

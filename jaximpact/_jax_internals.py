@@ -39,7 +39,7 @@ _EAGER_TRACES = {"EvalTrace", "LinearizeTrace", "JVPTrace", "JaxprTrace", "Batch
 
 
 def setting(name: str):
-    """A setting of `jax.config`, which type checkers do not see."""
+    """Read a setting of `jax.config`, which type checkers do not see."""
     return getattr(jax.config, name)
 
 
@@ -74,8 +74,8 @@ def namespace_of(*values) -> Any:
 
 
 def number_in(tracer: Tracer):
-    """The number that a tracer stands for, if it is known and the same in all lanes of
-    `jax.vmap`; else the tracer."""
+    """Find the number that a tracer stands for, if it is known and the same in all
+    lanes of `jax.vmap`; else the tracer."""
     value = tracer
     while isinstance(value, Tracer):
         # Of what is batched, and of what is differentiated
@@ -90,7 +90,7 @@ def number_in(tracer: Tracer):
 
 
 def called(equation) -> ClosedJaxpr | None:
-    """The function that an equation calls as it stands; None if it calls none."""
+    """Find the function that an equation calls as it stands; None if it calls none."""
     name = _CALLS.get(equation.primitive.name)
     return None if name is None else equation.params[name]
 
@@ -127,7 +127,7 @@ def walk(
 
 
 def scan_counts(equation) -> tuple[int, int]:
-    """How many of the operands of a `scan` are constants, and how many are carried."""
+    """Count the constants and the carried operands of a `scan`."""
     params = equation.params
     if "ft_in" in params:  # JAX 0.12 and later
         constants, carried, _ = params["ft_in"].update(equation.invars).unpack()
@@ -155,7 +155,7 @@ def place_of(equation) -> str:
 
 
 def is_inside_jit(*arguments) -> bool:
-    """Whether a call with these arguments is being traced for compilation.
+    """Tell whether a call with these arguments is being traced for compilation.
 
     Looks at the names of JAX's traces; a name it does not know counts as compilation,
     which costs speed and no correctness.

@@ -40,7 +40,7 @@ def float64_leaf(value) -> Float[Array, "..."]:
 
 @functools.lru_cache(maxsize=4096)
 def _number(value: float, sign: float) -> Float[Array, ""]:
-    """A plain number as an array; making one takes 20 microseconds, and a scene has
-    thirty, most of them defaults."""
+    """Turn a plain number as an array; making one takes 20 microseconds, and a scene
+    has thirty, most of them defaults."""
     with jax.ensure_compile_time_eval():
         return jnp.asarray(value, dtype=jnp.float64)

@@ -62,7 +62,7 @@ DEFAULT_ACCURACY = "balanced"
 
 
 def get_accuracy(accuracy: str | Accuracy) -> Accuracy:
-    """The named setting, or the one given.
+    """Return the named setting, or the one given.
 
     Raises ValueError for an unknown name, with the nearest known.
     """

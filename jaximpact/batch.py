@@ -53,7 +53,7 @@ LARGEST_PART = 16_384
 
 
 def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
-    """The scene with every field as an array of one length, and the length.
+    """Return the scene with every field as an array of one length, and the length.
 
     Raises ValueError if the fields do not broadcast to one axis, or there are none.
     """
@@ -72,7 +72,7 @@ def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
 
 
 def by_shape(scene: Scene) -> list[tuple[Scene, np.ndarray]]:
-    """The scenes as blocks of one shape each, and which lanes are of it.
+    """Split scenes into blocks of one shape each, with the lanes that are of it.
 
     Lanes of another shape have the defaults of that one. A scene with one shape for all
     is given back as it is.
@@ -305,7 +305,7 @@ class Collector:
 def _subject(
     scene: Scene, count: int, accuracy: Accuracy, model_tolerance: float
 ) -> dict:
-    """What the results depend on, ready for JSON."""
+    """Collect what the results depend on, ready for JSON."""
     digest = hashlib.sha256()
     for leaf in jax.tree.leaves(scene):
         digest.update(np.asarray(leaf).tobytes())

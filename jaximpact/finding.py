@@ -18,7 +18,7 @@ CURE = (
 
 
 def find_part(slot: str, base: type, text: str, directory: Path | None = None):
-    """A law or a shape, with its default parameters, by name.
+    """Find a law or a shape, with its default parameters, by name.
 
     Args:
         slot: what it is for, as in "flow"; named in errors.
@@ -41,7 +41,7 @@ def find_part(slot: str, base: type, text: str, directory: Path | None = None):
 
 
 def find_class(slot: str, base: type, text: str, directory: Path | None = None) -> type:
-    """The class that `find_part` makes a part of."""
+    """Find the class that `find_part` makes a part of."""
     place, colon, name = text.rpartition(":")
     if not colon:
         known = {_folded(kind.__name__): kind for kind in shipped(base)}
@@ -79,7 +79,8 @@ def find_class(slot: str, base: type, text: str, directory: Path | None = None) 
 
 
 def shipped(base: type) -> list[type]:
-    """The package's own classes that derive from one, in the order of their files."""
+    """List the package's own classes that derive from one, in the order of their
+    files."""
     kinds = []
     for kind in base.__subclasses__():
         # Not those that are made as a program runs, of several shapes.
@@ -96,8 +97,9 @@ def _folded(name: str) -> str:
 
 
 def file_of(kind: type) -> Path | None:
-    """The file by which a class is named: where it stands, if it was read from there or
-    from the program that runs; None for one of a module that can be imported."""
+    """Return the file by which a class is named: where it stands, if it was read from
+    there or from the program that runs; None for one of a module that can be
+    imported."""
     module = sys.modules.get(kind.__module__)
     is_program = (
         kind.__module__ == "__main__" and getattr(module, "__spec__", None) is None
@@ -106,7 +108,7 @@ def file_of(kind: type) -> Path | None:
 
 
 def class_of_file(path: str, name: str) -> type:
-    """The class of a file that `file_of` gave, in another process."""
+    """Return the class of a file that `file_of` gave, in another process."""
     return getattr(_module_of_file("class", Path(path)), name)
 
 
@@ -135,7 +137,7 @@ def _file(module) -> Path | None:
 
 @functools.cache
 def _loaded(path: Path, digest: str):
-    """The module of a file, once for each content. It is found under its name by
+    """Load the module of a file, once for each content. It is found under its name by
     `pickle` in this process."""
     name = f"{path.stem}_{digest[:12]}"
     being_read = sys.modules.get(name)

@@ -21,8 +21,8 @@ PACKAGE = __name__.partition(".")[0]
 
 
 def part_names(*wholes: Composite) -> dict[str, str]:
-    """The parts of soil and block as a manifest tells them: what each is for, its class
-    and, of one that is not the package's, a digest of its source."""
+    """Name the parts of soil and block as a manifest tells them: what each is for, its
+    class and, of one that is not the package's, a digest of its source."""
     return {
         slot: name_of(type(getattr(whole, slot)))
         for whole in wholes
@@ -72,7 +72,7 @@ def described(tree) -> tuple | None:
 
 
 def _is_plain(value) -> bool:
-    """Whether a value is told in full by how Python shows it."""
+    """Tell whether Python's text of a value says all of it."""
     if type(value) is tuple:
         return all(map(_is_plain, value))
     return value is None or type(value) in (bool, int, float, str)
@@ -126,7 +126,8 @@ def _is_as_read(module: ModuleType, kind: type) -> bool:
 
 
 def made_of(kind: type) -> tuple[type[Part], ...]:
-    """The classes that one which stands for several is made of, as `MixedShapes`."""
+    """List the classes that one which stands for several is made of, as
+    `MixedShapes`."""
     kinds = getattr(kind, "kinds", ())
     return kinds if isinstance(kinds, tuple) else ()
 
@@ -151,7 +152,7 @@ def _gather(module: ModuleType | None, found: dict[str, ModuleType]) -> None:
 
 
 def is_ours(kind: type) -> bool:
-    """Whether a class is the package's."""
+    """Tell whether a class is the package's."""
     return kind.__module__.partition(".")[0] == PACKAGE
 
 

@@ -1,4 +1,4 @@
-"""What impacts do to blocks, and many impacts side by side by the full model."""
+"""Effects of impacts on blocks, and many impacts side by side by the full model."""
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -21,7 +21,7 @@ else:
 
 
 class ImpactResponse(NamedTuple):
-    """What an impact does to a block; arrays `(lanes,)`."""
+    """Effects of impacts on blocks; arrays `(lanes,)`."""
 
     normal_velocity: Values
     """Velocity v_n of the centre after the impact [m/s], positive into the ground."""

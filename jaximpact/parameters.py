@@ -28,7 +28,7 @@ from .units import SIZES, SUFFIXES
 if TYPE_CHECKING:
 
     class Module:
-        """What type checkers see of `equinox.Module`.
+        """Signature of `equinox.Module` for type checkers.
 
         They would derive the constructor from the fields, which hold float64 arrays; it
         takes whatever `real_numbers` takes, and parameters of parts by their names.
@@ -140,7 +140,7 @@ def _ends(told: str, interval: str) -> tuple[float, float]:
 
 @functools.cache
 def declared_of(kind: type) -> dict[str, Declared]:
-    """The parameters that a class declares itself: field name to what is declared."""
+    """Return what a class declares itself of its parameters, by field name."""
     found = {}
     for field in dataclasses.fields(kind):
         declared = field.metadata.get("declared")
@@ -190,7 +190,9 @@ def _declared_cells(name: str, said: Declared) -> tuple[str, ...]:
 
 
 def with_unit(value, unit: str = "-", factor: float = 1.0) -> str:
-    """A number with its unit; of an array its smallest and largest value, and shape.
+    """Write a number with its unit.
+
+    Of an array the smallest and largest value, and the shape, are written.
 
     Args:
         value: in SI units; anything else than numbers is shown as it is.
@@ -231,7 +233,8 @@ def html_table(head: str, rows: Iterable[Row]) -> str:
 
 
 def _own_rows(whole: "Part | Composite") -> list[Row]:
-    """Name, value and meaning of the parameters that an object declares itself."""
+    """Return name, value and meaning of the parameters that an object declares
+    itself."""
     return [
         (name, with_unit(getattr(whole, name), said.unit, said.factor), said.meaning)
         for name, said in declared_of(type(whole)).items()
@@ -246,7 +249,7 @@ class Part(Module):
     """
 
     made_at: ClassVar[int] = 0
-    """When the class was made [ns since 1970]."""
+    """Time at which the class was made [ns since 1970]."""
 
     def __init_subclass__(cls, **arguments):
         super().__init_subclass__(**arguments)
@@ -298,7 +301,7 @@ def part(base: type[Part], default: type[Part]) -> Any:
 
 @functools.cache
 def parts_of(kind: type) -> dict[str, type[Part]]:
-    """The fields of a composite that hold parts, and the classes these derive from."""
+    """Return the fields of a composite that hold parts, with their base classes."""
     fields = dataclasses.fields(kind)
     return {f.name: f.metadata["base"] for f in fields if "base" in f.metadata}
 
@@ -370,7 +373,7 @@ class Composite(Module):
         return f"{type(self).__name__}({', '.join(inside)})"
 
     def __str__(self) -> str:
-        """A table of all parameters, with units and meanings, part by part."""
+        """Write a table of all parameters, with units and meanings, part by part."""
         lines, indent = [type(self).__name__], "  "
         for row in self.rows():
             if len(row) == 1:
@@ -384,8 +387,8 @@ class Composite(Module):
         return html_table(type(self).__name__, self.rows())
 
     def rows(self) -> list[Row]:
-        """Name, value and meaning of every parameter; above those of a part a row of
-        one cell with its field and class."""
+        """Return name, value and meaning of every parameter; above those of a part a
+        row of one cell with its field and class."""
         rows = _own_rows(self)
         for slot in parts_of(type(self)):
             held = getattr(self, slot)
@@ -393,8 +396,8 @@ class Composite(Module):
         return rows
 
     def path_of(self, name: str) -> tuple[str, ...]:
-        """Field names that lead to a parameter: that of the part that owns it, if one
-        does, and its own."""
+        """Return field names that lead to a parameter: that of the part that owns it,
+        if one does, and its own."""
         for slot in parts_of(type(self)):
             if name in parameters_of(vars(self)[slot]):
                 return slot, name
@@ -466,7 +469,8 @@ def _check(kind: type, name: str, value) -> None:
 
 
 def _unusual_parts(whole: Composite) -> str:
-    """The parts of a composite that are not its usual ones, to follow a message."""
+    """Name the parts of a composite that are not its usual ones, to follow a
+    message."""
     kind = type(whole)
     others = [
         f"{slot} {type(held).__name__}"
@@ -477,5 +481,5 @@ def _unusual_parts(whole: Composite) -> str:
 
 
 def parameters_of(part: Part) -> dict[str, Declared]:
-    """The parameters of a part: field name to what is declared of it."""
+    """Return the parameters of a part: field name to what is declared of it."""
     return declared_of(type(part))

@@ -1,4 +1,4 @@
-"""How long work tells how far it is, throughout the package.
+"""Progress of computations, in one protocol for the package.
 
 Inside the package progress is told as `progress(what)` or, where it is counted, as
 `progress(what, done, total)`. Users of the package give a plain function, or nothing:

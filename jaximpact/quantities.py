@@ -78,8 +78,8 @@ class InputColumn:
         return ""
 
     def told(self, number: float, unit: str, where: str = "") -> str:
-        """A number in `unit` in words, with the column's unit, its place, the usual
-        values if it is no error, and the unit that may be meant."""
+        """Write a number in `unit` in words, with the column's unit, its place, the
+        usual values if it is no error, and the unit that may be meant."""
         value = UNITS.get(self.unit, {}).get(unit, 1.0) * number
         text = f"{number:g} {unit}".removesuffix(" -")
         if unit != self.unit:
@@ -91,23 +91,23 @@ class InputColumn:
         return text + self.hint(number, unit)
 
     def is_usual(self, value: float) -> bool:
-        """Whether a value, in the column's unit, is within the usual ones."""
+        """Tell whether a value, in the column's unit, is within the usual ones."""
         low, high = self.usual
         return low <= value <= high
 
     def is_unusual(self, values) -> np.ndarray:
-        """Which values, in the column's unit, are beyond the usual ones."""
+        """Tell which values, in the column's unit, are beyond the usual ones."""
         low, high = self.usual
         return (values < low) | (values > high)
 
     def holds(self, value: float) -> bool:
-        """Whether one value, in the column's unit, is finite and in range."""
+        """Tell whether one value, in the column's unit, is finite and in range."""
         above = value >= self.lower if self.lower_allowed else value > self.lower
         below = value <= self.upper if self.upper_allowed else value < self.upper
         return above and below and math.isfinite(value)
 
     def is_allowed(self, values) -> np.ndarray:
-        """Which values, in the column's unit, are finite and in range."""
+        """Tell which values, in the column's unit, are finite and in range."""
         values = np.asarray(values, float)
         above = values >= self.lower if self.lower_allowed else values > self.lower
         below = values <= self.upper if self.upper_allowed else values < self.upper
@@ -133,19 +133,19 @@ def _column(part: str, field: str, declared: Declared) -> InputColumn:
 
 
 def own_columns(kind: type[Part]) -> list[InputColumn]:
-    """The columns of a law that belongs to no scene, as of rebound."""
+    """Return the columns of a law that belongs to no scene, as of rebound."""
     return [_column("law", *pair) for pair in declared_of(kind).items()]
 
 
 def columns_of(scene: Scene) -> dict[str, InputColumn]:
-    """The columns of a scene: those of its parts, with those of the laws and the shape
-    that it has."""
+    """Return the columns of a scene: those of its parts, with those of the laws and the
+    shape that it has."""
     wholes = ((part, getattr(scene, part)) for part in PARTS)
     return _columns_of(*((part, type(whole), *_held(whole)) for part, whole in wholes))
 
 
 def columns_of_part(part: str, whole: Composite) -> dict[str, InputColumn]:
-    """The columns of a soil or a block alone."""
+    """Return the columns of a soil or a block alone."""
     return _columns_of((part, type(whole), *_held(whole)))
 
 
@@ -201,7 +201,7 @@ def _by_name(columns: list[InputColumn]) -> dict[str, InputColumn]:
 
 
 def _default_kinds(whole: type) -> dict[str, Any]:
-    """The classes that the fields of a scene, block or soil have by default."""
+    """Return the classes that the fields of a scene, block or soil have by default."""
     return {field.name: field.default_factory for field in dataclasses.fields(whole)}
 
 
@@ -224,12 +224,12 @@ USUAL: dict[str, type[Part]] = {
 
 
 def shipped_parts(slot: str) -> list[type[Part]]:
-    """The package's own laws for a slot, or its shapes, the usual one first."""
+    """List the package's own laws for a slot, or its shapes, the usual one first."""
     return sorted(shipped(BASES[slot]), key=lambda kind: kind is not USUAL[slot])
 
 
 def columns_of_class(slot: str, kind: type[Part]) -> dict[str, InputColumn]:
-    """The columns of the parameters of a law or a shape alone."""
+    """Return the columns of the parameters of a law or a shape alone."""
     return _by_name([_column(SLOTS[slot], *pair) for pair in declared_of(kind).items()])
 
 
@@ -250,7 +250,7 @@ def why_unknown(name: str, known: Iterable[str]) -> str:
 
 
 def leaf_places(scene: Scene) -> dict[str, int]:
-    """Place of each column among the leaves of a scene."""
+    """Find the place of each column among the leaves of a scene."""
     structure = jax.tree.structure(scene)
     places = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
     return {
@@ -270,8 +270,8 @@ class ResultColumn:
 
 
 def _results(*rows: tuple[str, str, str]) -> dict[str, ResultColumn]:
-    """Columns of fields of `ImpactSummary`, of rows of field, unit and meaning; the
-    unit stands behind the name."""
+    """Make columns of fields of `ImpactSummary`, of rows of field, unit and meaning;
+    the unit stands behind the name."""
     stems = {
         "normal_velocity": "v_n",
         "tangential_velocity": "v_t",
@@ -293,7 +293,7 @@ RESULT_COLUMNS = _results(
     ("max_penetration", "m", "largest penetration of the centre"),
     ("max_sinking", "m", "largest penetration of the lowest point"),
     ("max_normal_force", "N", "largest normal force"),
-    ("max_moment", "N m", "largest magnitude of the moment"),
+    ("max_moment", "N m", "largest moment in magnitude"),
     ("duration", "s", "time in contact"),
     ("rotation", "rad", "rotation during contact"),
     ("normal_velocity", "m/s", "final normal velocity, into the ground"),
@@ -303,12 +303,12 @@ RESULT_COLUMNS = _results(
 """Results that a table of results holds, by the names of their columns."""
 FURTHER_COLUMNS = _results(
     ("e_n_vijayakumar", "-", "e_n of a rigid body"),
-    ("max_tangential_force", "N", "largest magnitude of the tangential force"),
+    ("max_tangential_force", "N", "largest tangential force in magnitude"),
     ("time_of_max_penetration", "s", "time of the largest penetration of the centre"),
     ("time_of_max_sinking", "s", "time of the largest penetration of the lowest point"),
     ("time_of_max_normal_force", "s", "time of the largest normal force"),
-    ("time_of_max_tangential_force", "s", "time of the largest magnitude of the tangential force"),
-    ("time_of_max_moment", "s", "time of the largest magnitude of the moment"),
+    ("time_of_max_tangential_force", "s", "time of the largest tangential force"),
+    ("time_of_max_moment", "s", "time of the largest moment"),
     ("final_penetration", "m", "penetration of the centre at the end"),
     ("final_sinking", "m", "penetration of the lowest point at the end"),
     ("steps", "-", "steps of the integration"),
@@ -385,4 +385,5 @@ INPUT_COLUMNS: dict[str, InputColumn] = _columns_of(
         for part, kind in _KINDS.items()
     )
 )
-"""Of a scene with the usual laws and shape; those of another are `columns_of` it."""
+"""Columns of a scene with the usual laws and shape; `columns_of` gives those of
+another."""

@@ -62,13 +62,13 @@ class Soil(Composite):
 
     @classmethod
     def very_dense_sand(cls) -> "Soil":
-        """The very dense sand of Dattola, Crosta and di Prisco (2023), Table 1: the
-        defaults."""
+        """Return the very dense sand of Dattola, Crosta and di Prisco (2023), Table 1:
+        the defaults."""
         return cls()
 
     @classmethod
     def supplement_gamma_v_1_70(cls) -> "Soil":
-        """The ground of the paper's supplementary material with c_v = 0.5 and
+        """Return the ground of the paper's supplementary material with c_v = 0.5 and
         gamma_v = 1.70 m/s; the rest is Table 1.
 
         Source: Dattola, Crosta and di Prisco (2023), discussion of the parametric sets.
@@ -77,8 +77,8 @@ class Soil(Composite):
 
     @classmethod
     def supplement_gamma_v_0_85(cls) -> "Soil":
-        """The ground of the supplementary material with gamma_v = 0.85 m/s: the slowest
-        flow, and the highest rebound, of the three."""
+        """Return the ground of the supplementary material with gamma_v = 0.85 m/s: the
+        slowest flow, and the highest rebound, of the three."""
         return cls(c_v=0.5, gamma_v=0.85)
 
 
@@ -209,7 +209,7 @@ class Scene(eqx.Module):
         )
 
     def __str__(self) -> str:
-        """A table of all parameters, with units and meanings."""
+        """Write a table of all parameters, with units and meanings."""
         return "\n".join(str(getattr(self, name)) for name in PARTS)
 
     def _repr_html_(self) -> str:
@@ -224,7 +224,7 @@ PARTS = tuple(field.name for field in dataclasses.fields(Scene))
 
 
 SceneLike = Scene | Block | tuple[Block, Soil, Impact]
-"""What `as_scene` makes a scene of."""
+"""Objects of which `as_scene` makes a scene."""
 
 
 def as_scene(
@@ -254,7 +254,7 @@ def as_scene(
 
 
 def shape_of(scene: Scene) -> tuple[int, ...]:
-    """The shape that the fields of a scene broadcast to.
+    """Find the shape that the fields of a scene broadcast to.
 
     Raises InputError if they do not.
     """
@@ -308,7 +308,7 @@ class Selection:
         return jax.tree.map(lambda leaf: self._entries(leaf, self._shape, 0), tree)
 
     def of_scene(self, scene: Scene) -> Scene:
-        """The scenes of the impacts selected.
+        """Return the scenes of the impacts selected.
 
         A field that is one number for all impacts stays one number. A single scene has
         its own shape in place of several.
@@ -349,7 +349,7 @@ class Selection:
 
 
 def _as_array(entry):
-    """An entry of an index as NumPy and JAX both take it."""
+    """Make an entry of an index one that NumPy and JAX both take."""
     if isinstance(entry, list):
         return np.asarray(entry) if entry else np.zeros(0, int)
     is_array = hasattr(entry, "__array__") and not isinstance(entry, Tracer)

@@ -198,8 +198,9 @@ class PrivateStore(Store):
             raise Refused(f"others may write to {self.path}")
 
     def _get_key(self) -> bytes:
-        """The key of the directory, made where there is none: by one of the processes
-        that start together, or what another keeps would count as not there."""
+        """Return the key of the directory, made where there is none: by one of the
+        processes that start together, or what another keeps would count as not
+        there."""
         key = self._stored_key()
         if key is None:
             with self.making(KEY, KEY):
@@ -217,7 +218,8 @@ class PrivateStore(Store):
         return None
 
     def _read(self, name: str, forbidden: int = OTHERS_WRITE) -> bytes:
-        """A file of the user's own; Refused if it has any of the forbidden modes."""
+        """Read a file of the user's own; Refused if it has any of the forbidden
+        modes."""
         # A pipe would wait for who writes to it.
         flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
         with open(os.open(name, flags, dir_fd=self._directory), "rb") as file:
@@ -286,7 +288,7 @@ def kept(key: str, make: Callable[[], bytes]) -> bytes:
 
 
 def _place() -> tuple[Path, bool] | None:
-    """The directory, and whether its name alone shows that it is for this."""
+    """Find the directory, and whether its name alone shows that it is for this."""
     stated = os.environ.get(VARIABLE)
     if stated == "" or os.name != "posix":
         return None

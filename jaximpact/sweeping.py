@@ -393,7 +393,7 @@ SPACINGS = {"linear": np.linspace, "logarithmic": np.geomspace}
 
 
 class SweepStudy(NamedTuple):
-    """What the file says."""
+    """Content of the file."""
 
     base: Scene
     axes: Axes

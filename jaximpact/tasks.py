@@ -235,7 +235,7 @@ def run_task(executor: concurrent.futures.Executor, task: Callable[[], Any]) -> 
 
 
 class Stopped(Exception):
-    """What runs side by side with this has failed, or was interrupted."""
+    """End of a task because another one has failed, or was interrupted."""
 
 
 _stops: contextvars.ContextVar[tuple[threading.Event, ...]]
@@ -357,7 +357,7 @@ def error_of(future: Any) -> BaseException | None:
 
 
 def is_loss(error: BaseException) -> bool:
-    """Whether a worker died, and not what it was computing."""
+    """Tell whether a worker died, rather than what it was computing."""
     names = {kind.__name__ for kind in type(error).__mro__}
     return isinstance(error, concurrent.futures.BrokenExecutor) or bool(
         names & {"KilledWorker", "CommClosedError", "CancelledError"}

@@ -7,7 +7,7 @@ DEGREE = math.pi / 180.0
 SIZES = {"deg": DEGREE, "deg/s": DEGREE, "kN/m3": 1e3}
 """Units of columns that are not SI -> size in SI."""
 SUFFIXES = {"deg": "_deg", "deg/s": "_degps", "kN/m3": "_kNm3"}
-"""The same units -> what stands for them behind a column's name."""
+"""Units of columns that are not SI -> suffix of the column's name."""
 RESULT_SUFFIXES = {
     **{"-": "", "m": "_m", "N": "_N", "N m": "_Nm", "s": "_s"},
     **{"rad": "_rad", "m/s": "_mps", "rad/s": "_radps"},

@@ -1,4 +1,4 @@
-"""What runs the integration: machine code of our own, or XLA's programs.
+"""Engines that run the integration: machine code of our own, or XLA's programs.
 
 Engines have names: machine code, or diffrax with one of its solvers.
 """
@@ -22,7 +22,7 @@ class Engine(NamedTuple):
 
     @property
     def is_machine_code(self) -> bool:
-        """Whether machine code is asked for; else diffrax integrates."""
+        """Tell whether machine code is asked for; else diffrax integrates."""
         return self.name == MACHINE_CODE
 
 

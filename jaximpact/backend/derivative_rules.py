@@ -302,7 +302,7 @@ def _columns_of_group(given: Given, values: list, times, varied: list[int]):
 
 @functools.partial(jax.jit, static_argnums=(0, 1, 2), inline=True)
 def _call(operation: Operation, along, places, rest, values, effort, program, times):
-    """Rows of numbers, then of samples, and the derivatives of either along the
+    """Compute rows of numbers, then of samples, and the derivatives of either along the
     directions: an array with axes of directions and of rows first."""
     results = call(operation, rest, places, values, effort, program, along, times)
     if not along:
@@ -374,7 +374,7 @@ def _choose(given: Given, values: list, varied: list[int], directions: int):
 
 @functools.lru_cache(maxsize=256)
 def _deciding(structure) -> tuple[int, ...]:
-    """The leaves of a scene that decide which model is exact."""
+    """Choose the leaves of a scene that decide which model is exact."""
     posture, damping, _ = _groups(structure)
     return tuple(sorted(posture | damping))
 
@@ -399,8 +399,8 @@ def _groups(structure) -> tuple[set[int], set[int], set[int]]:
 
 
 def effort(scene: Scene):
-    """A number that is larger for shorter contacts, to begin the longest ones first, so
-    that few lanes stand empty at the end.
+    """Compute a number that is larger for shorter contacts, to begin the longest ones
+    first, so that few lanes stand empty at the end.
 
     Contacts are long where the speed into the ground is small beside what gravity gives
     over the size of a block.

@@ -183,7 +183,7 @@ def installed() -> tuple[dict[str, str], str]:
 
 
 def kernel_inputs(scene: Scene, accuracy: Accuracy) -> list[np.ndarray]:
-    """Rows of inputs of the machine code, from a scene of arrays (lanes,)."""
+    """Make rows of inputs of the machine code, from a scene of arrays (lanes,)."""
     setting = _setting(accuracy, len(scene.impact.speed))
     return [*jax.tree.leaves(scene), *setting]
 
@@ -201,7 +201,7 @@ def _setting(accuracy: Accuracy, lanes: int) -> np.ndarray:
 
 
 def along_leaves(inputs: np.ndarray, leaves) -> np.ndarray:
-    """Rows of inputs of the code of `compile_native_along`.
+    """Make rows of inputs of the code of `compile_native_along`.
 
     Args:
         inputs: inputs of the code without a direction, shape (rows, lanes).

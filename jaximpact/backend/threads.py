@@ -17,7 +17,7 @@ _is_alone = contextvars.ContextVar("_is_alone", default=False)
 
 
 def thread_count() -> int:
-    """Number of threads that may compute at once.
+    """Return the number of threads that may compute at once.
 
     Raises InputError unless `JAXIMPACT_THREADS`, where it is set, is a whole number
     above 0.

@@ -237,7 +237,7 @@ class Part(NamedTuple):
     """Scenes that wait to be integrated, or have been, with the lanes they took."""
 
     places: np.ndarray
-    """Where each belongs in the batch; -1 for a lane that only fills up."""
+    """Place of each lane in the batch; -1 for a lane that only fills up."""
     scenes: Scene
     lanes: Lanes
 
@@ -263,7 +263,7 @@ class MarchingWorker:
         return Part(counted, scenes, lanes)
 
     def finish(self, part: Part) -> tuple[np.ndarray, ImpactSummary]:
-        """Places and results of a part none of whose lanes is going."""
+        """Return places and results of a part none of whose lanes is going."""
         numbers = self.programs.finish(part.scenes, part.lanes)
         counted = part.places >= 0
         return part.places[counted], jax.tree.map(
@@ -324,8 +324,8 @@ class MarchingWorker:
 
 
 def worker_devices() -> list[Device]:
-    """The device of each worker: a processor has one a core, of several devices each
-    has one."""
+    """List the device of each worker: a processor has one a core, of several devices
+    each has one."""
     devices = jax.local_devices()
     if len(devices) == 1 and devices[0].platform == "cpu":
         return devices * thread_count()

@@ -92,7 +92,7 @@ class FittedGround(NamedTuple):
     simple: tuple[FittedLaw, ...] = ()
     """Simple laws fitted to the same tests."""
     compared: tuple[str, ...] = ()
-    """What a comparison of laws says, if the calibration made one."""
+    """Lines of a comparison of laws, if the calibration made one."""
 
 
 DAMAGED = (LookupError, TypeError, AttributeError, ValueError, ArithmeticError)

@@ -131,7 +131,8 @@ there."""
 
 
 def _description() -> str:
-    """The study's keys, the laws of contacts that there are, and what is written."""
+    """Describe the study's keys, the laws of contacts that there are, and what is
+    written."""
     from ..finding import shipped
     from ..quantities import own_columns
     from ..rebound import AbstractRebound

@@ -8,7 +8,7 @@ from . import options
 from .progress import ProgressLines, say
 
 METHODS = ("elasticities", "morris", "sobol", "all")
-"""As in `sensitivity.study_file`, which loads JAX."""
+"""Names of the methods, as in `sensitivity.study_file`, which loads JAX."""
 DESCRIPTION = """\
 Say which parameters matter for one impact, and over ranges of its parameters.
 

@@ -164,8 +164,8 @@ def turned(ground: Ground, rotation: Scalar) -> tuple[Scalar, Scalar]:
 def contact_geometry(
     ground: Ground, penetration: Scalar, rotation: Scalar, branch: Branch | None = None
 ) -> Foundation:
-    """The equivalent foundation at a penetration u_n [m] and a rotation theta [rad];
-    the sinking is `u_D = u_n + r_y - r_y0`."""
+    """Compute the equivalent foundation at a penetration u_n [m] and a rotation theta
+    [rad]; the sinking is `u_D = u_n + r_y - r_y0`."""
     side = None if branch is None else branch.side
     sin, cos = turned(ground, rotation)
     start = ground.sin_start, ground.cos_start

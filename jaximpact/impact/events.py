@@ -1,4 +1,4 @@
-"""What is watched along an impact: switches of the laws, ends, and named outcomes.
+"""Events along an impact: switches of the laws, ends, and named outcomes.
 
 The rates of the state are continuous where a law switches, their slopes are not. A step
 that runs across a switch would be accurate to second order only in its value, and to
@@ -55,7 +55,7 @@ class Switches(NamedTuple):
 def switches(
     ground: Ground, motion: Motion, now: Contact, force_scale: Scalar
 ) -> Switches:
-    """Values of the switching functions.
+    """Compute values of the switching functions.
 
     Args:
         ground, motion, now: constants, state and contact.
@@ -90,7 +90,7 @@ def at_start(ground: Ground, switches: Switches) -> Switches:
 
 
 def branch_of(switches: Switches) -> Branch:
-    """The side taken at each switch."""
+    """Find the side taken at each switch."""
     return Branch(
         presses=switches.pressing > 0.0,
         yields=switches.yielding > 0.0,

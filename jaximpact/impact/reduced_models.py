@@ -94,8 +94,8 @@ def select_model(
 
 
 def model_places(scene: Scene, tolerance: float = 0.0) -> np.ndarray:
-    """Place in `MODELS` of the cheapest model that is exact, or within a tolerance, for
-    each scene.
+    """Find the place in `MODELS` of the cheapest model that is exact, or within a
+    tolerance, for each scene.
 
     Fields are arrays that broadcast; NaN stands for what is not known.
     """
@@ -110,8 +110,8 @@ def model_places(scene: Scene, tolerance: float = 0.0) -> np.ndarray:
 
 
 def exact_models(scene: Scene):
-    """Place in `MODELS` of the cheapest model that is exact for each scene, and all
-    places that there may be.
+    """Find the place in `MODELS` of the cheapest model that is exact for each scene,
+    and all places that there may be.
 
     Fields are arrays that broadcast, of JAX while it traces: then the place is one too.
     NaN stands for what is not known.
@@ -154,7 +154,7 @@ def _unless_numpy_only(function: Callable, otherwise):
 
 
 def _values(truths) -> list[bool]:
-    """The values that truths have, or may have where they are not known."""
+    """List the values that truths have, or may have where they are not known."""
     if isinstance(truths, Tracer):
         return [False, True]
     return [bool(value) for value in np.unique(np.asarray(truths))]

@@ -104,7 +104,7 @@ class History(NamedTuple):
         return f"History({', '.join(inside)})"
 
     def to_xarray(self, dims: Sequence[str] | None = None) -> "xr.Dataset":
-        """The series as a dataset over `time`, with units and meanings.
+        """Return the series as a dataset over `time`, with units and meanings.
 
         Args:
             dims: names of the axes before that of time; by default `scene`, or
@@ -161,7 +161,7 @@ def history_at(
     work: Work | None,
     branch: Branch | None = None,
 ) -> History:
-    """The entry of a history for one state."""
+    """Compute the entry of a history for one state."""
     motion, now = problem.contact(vector, branch)
     ground = problem.ground
     kinetic = kinetic_energy(ground, motion)
@@ -190,7 +190,7 @@ def history_at(
 
 
 def empty_history(ledger: bool) -> History:
-    """A zero-filled history, used as a template of its structure.
+    """Make a zero-filled history, used as a template of its structure.
 
     Args:
         ledger: whether it has the items of the energy ledger.
@@ -363,7 +363,7 @@ class Solution(NamedTuple):
 
 
 def empty_summary(ledger: bool) -> ImpactSummary:
-    """A zero-filled summary, used as a template of its structure.
+    """Make a zero-filled summary, used as a template of its structure.
 
     Args:
         ledger: whether it has an energy ledger.

@@ -66,7 +66,8 @@ def _rates(t, scaled, args):
 
 @jax.custom_jvp
 def _finite_rates(t, scaled, args):
-    """The rates for an implicit solver, finite everywhere, with derivatives that are.
+    """Compute the rates for an implicit solver, finite everywhere, with derivatives
+    that are.
 
     Where its iteration is not finite the step is given up; but the iteration
     is differentiated all the same, by a linear solve, in which lineax raises an

@@ -50,8 +50,9 @@ class Landing(NamedTuple):
     part: Scalar
     """Fraction of the step at which it does."""
     ahead: Scalar
-    """Where it does not: width of the next step that would land, were the margin or the
-    switching function to go on as a straight line [s]; infinite if none is coming."""
+    """Width of the next step that would land, where this one passes none, were the
+    margin or the switching function to go on as a straight line [s]; infinite if none
+    is coming."""
 
 
 class _Courses(NamedTuple):
@@ -69,7 +70,7 @@ class _Courses(NamedTuple):
     limit: Array
     """Size of the values that count as zero."""
     ends: int
-    """How many are margins."""
+    """Number of margins, which come first."""
 
 
 def _courses(
@@ -115,7 +116,7 @@ def _courses(
 
 
 def first_landing(problem: Problem, before: Fold, after: Fold, width) -> Landing:
-    """The first end or switch that a step passes or comes to.
+    """Find the first end or switch that a step passes or comes to.
 
     A switch is to be passed by half of what counts as zero, so that the next step
     starts on the far side.
@@ -166,7 +167,8 @@ def first_landing(problem: Problem, before: Fold, after: Fold, width) -> Landing
 
 
 def root_of_cubic(start, start_rate, end, end_rate, width):
-    """Where the cubic through both ends' values and rates is zero, as a part of width.
+    """Find the zero of the cubic through both ends' values and rates, as a fraction of
+    width.
 
     For start > 0 > end. Eight Newton steps kept inside the bracket; where they have not
     converged, half way.
@@ -192,8 +194,8 @@ class LandingState(NamedTuple):
     rejected: Scalar
     """1 if the last step was too long for the error control, else 0."""
     tries: Scalar
-    """How often steps have been cut to land since one that met no switch; beyond
-    `PATIENCE` also how many met one and were not cut."""
+    """Number of steps cut to land since one that met no switch; beyond `PATIENCE` also
+    of those that met one and were not cut."""
     resumed: Scalar
     """Width of the step that was cut short to land [s]; 0 if none was."""
 

@@ -210,7 +210,7 @@ def substitute(rows, inverse_pivots, right_hand_side: list[Array]) -> list[Array
 
 
 def jacobian_columns(f, y: list[Array]) -> list[list[Array]]:
-    """Columns of df/dy, each by forward differentiation in one variable.
+    """Compute columns of df/dy, each by forward differentiation in one variable.
 
     One variable at a time, so that the program holds no arithmetic on tangents that are
     zero by structure; the parts that columns share are merged by the compiler.

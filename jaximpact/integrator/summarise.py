@@ -164,7 +164,8 @@ def _nothing_if(separating: Scalar, values: dict[str, Scalar]) -> dict[str, Scal
 def _named(
     problem: Problem, end: End, normal_force, separating, summary: ImpactSummary
 ) -> ImpactSummary:
-    """The summary with its outcome and steps; NaN where the integration failed."""
+    """Complete the summary with its outcome and steps; NaN where the integration
+    failed."""
     known = separating | (end.finished & _closes(problem, summary.energy))
     summary = jax.tree.map(lambda x: jnp.where(known, x, jnp.nan), summary)
     return dataclasses.replace(

@@ -75,8 +75,8 @@ def check_scene(
 
 
 def usual_values(structure: Any, leaves: list) -> np.ndarray | None:
-    """The numbers of a single impact, if all are usual; None where `check_scene` has to
-    look closer. Takes a tenth of its time.
+    """Return the numbers of a single impact, if all are usual; None where `check_scene`
+    has to look closer. Takes a tenth of its time.
 
     Args:
         structure, leaves: the scene as a pytree.
@@ -182,7 +182,7 @@ def _check_field(
     low, high = float(ends[0]) / column.factor, float(ends[-1]) / column.factor
 
     def told(bad: np.ndarray) -> str:
-        """The first of the bad values, with its index."""
+        """Name the first of the bad values, with its index."""
         index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
         where = f" ({of} {index}" + (f" and {more} more)" if more else ")")
         first = float(np.ravel(values)[index])
@@ -216,7 +216,7 @@ def check_memory(numbers: float, what: str, **place) -> None:
 def checked_names(
     kind: str, names: Iterable[str], known: Collection[str]
 ) -> tuple[str, ...]:
-    """The names of some `kind`, as a tuple. Raises InputError for a name that is
+    """Return the names of some `kind`, as a tuple. Raises InputError for a name that is
     unknown, with what may have been meant, or stands twice, and for no names."""
     if isinstance(names, str) or not isinstance(names, Iterable):
         raise InputError(f"{kind}s must be a list of names, but is {names!r}")
@@ -234,7 +234,8 @@ def checked_names(
 def chosen_values(
     option: str, names: Collection[str], known: Mapping[str, Chosen]
 ) -> list[Chosen]:
-    """The known values of the given names, in the order of the known; all for no names.
+    """Return the known values of the given names, in the order of the known; all for no
+    names.
 
     Raises InputError for a name that is not known, with the nearest known.
     """

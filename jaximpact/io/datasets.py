@@ -44,7 +44,7 @@ NETCDF_ENGINE = "scipy"
 """NetCDF 3 with 64-bit offsets, which every program reads and JAX's own dependencies
 write."""
 NETCDF_MAGIC = b"CDF"
-"""How such a file begins."""
+"""First bytes of such a file."""
 
 
 class Input(NamedTuple):
@@ -58,7 +58,8 @@ class Input(NamedTuple):
 
 
 def inputs_of(scene: Scene, shape: tuple[int, ...]) -> dict[str, Input]:
-    """Every quantity of scenes whose fields broadcast to a shape, by its column."""
+    """Return every quantity of scenes whose fields broadcast to a shape, by its
+    column."""
     found = {}
     for name, column in columns_of(scene).items():
         values = np.broadcast_to(value_of(scene, column), shape)
@@ -67,7 +68,7 @@ def inputs_of(scene: Scene, shape: tuple[int, ...]) -> dict[str, Input]:
 
 
 def varying_axes(values: np.ndarray) -> tuple[int, ...]:
-    """The axes along which values are not all the same."""
+    """Find the axes along which values are not all the same."""
     return tuple(
         axis
         for axis in range(values.ndim)
@@ -76,7 +77,7 @@ def varying_axes(values: np.ndarray) -> tuple[int, ...]:
 
 
 def kind_of_each(scene: Scene, shape: tuple[int, ...]) -> np.ndarray | None:
-    """The class of each scene's shape; None where there is one class for all."""
+    """Return the class of each scene's shape; None where there is one class for all."""
     mixed = scene.block.shape
     if not isinstance(mixed, MixedShapes):
         return None
@@ -96,8 +97,8 @@ def _is_of_some(column: InputColumn, scene: Scene) -> bool:
 
 
 def frame_of(summary: ImpactSummary, scene: Scene, all_inputs: bool) -> pd.DataFrame:
-    """The data frame that `ImpactResult.to_dataframe` gives: one row an impact, under
-    the names of the tables."""
+    """Make the data frame that `ImpactResult.to_dataframe` gives: one row an impact,
+    under the names of the tables."""
     shape = np.shape(summary.outcome_code)
     columns: dict[str, object] = {}
     kinds = kind_of_each(scene, shape)
@@ -130,7 +131,7 @@ def dataset_of_impacts(
     model_tolerance: float,
     dims: Sequence[str] | None = None,
 ) -> xr.Dataset:
-    """The dataset that `ImpactResult.to_xarray` gives."""
+    """Make the dataset that `ImpactResult.to_xarray` gives."""
     shape = np.shape(summary.outcome_code)
     dimensions = dimension_names(len(shape)) if dims is None else dims
     _check_dimensions(dimensions, shape)
@@ -180,7 +181,7 @@ def dataset_of(
     values: Mapping,
     kinds: Iterable[type[AbstractShape]] = (),
 ) -> xr.Dataset:
-    """The numbers of impacts with units, outcome and provenance.
+    """Make a dataset of the numbers of impacts with units, outcome and provenance.
 
     Args:
         summary: one impact, or as many as `shape` holds.
@@ -219,7 +220,7 @@ def impact_attributes(
 
 
 def shapes_attribute(kinds: Iterable[type[AbstractShape]]) -> dict[str, str]:
-    """What the labels of shapes mean, as an attribute; none without shapes."""
+    """Describe the labels of shapes, as an attribute; none without shapes."""
     shapes = {_label_of(kind, kinds): [text_of(kind), name_of(kind)] for kind in kinds}
     return {SHAPES: json.dumps(shapes)} if shapes else {}
 
@@ -248,7 +249,8 @@ def attributes_of(column: InputColumn | ResultColumn) -> dict[str, str]:
 
 
 def _label_of(kind: type[AbstractShape], kinds: Iterable[type[AbstractShape]]) -> str:
-    """The label of a shape among others: its class's name, if that says which."""
+    """Return the label of a shape among others: its class's name, if that says
+    which."""
     same = {other for other in kinds if other.__name__ == kind.__name__}
     return kind.__name__ if len(same) == 1 else text_of(kind)
 

@@ -24,7 +24,7 @@ Rows = list[tuple[str, ...]]
 
 
 def align(rows: Sequence[tuple[str, ...]]) -> str:
-    """Rows of cells as text in columns, indented by two."""
+    """Write rows of cells as text in columns, indented by two."""
     widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
     lines = (
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
@@ -34,8 +34,8 @@ def align(rows: Sequence[tuple[str, ...]]) -> str:
 
 
 def as_text(summary: ImpactSummary, scene: Scene, accuracy: str, history: Any) -> str:
-    """A result as text: of one impact its numbers with units, of many their outcomes
-    and statistics.
+    """Write a result as text: of one impact its numbers with units, of many their
+    outcomes and statistics.
 
     Args:
         accuracy: name of the setting.
@@ -46,7 +46,7 @@ def as_text(summary: ImpactSummary, scene: Scene, accuracy: str, history: Any) -
 
 
 def as_html(summary: ImpactSummary, scene: Scene, accuracy: str, history: Any) -> str:
-    """The same as HTML: lines, and a table."""
+    """Write a result as HTML: the lines of `as_text`, and a table."""
     return _html(*_heads_and_rows(summary, scene, accuracy, history))
 
 

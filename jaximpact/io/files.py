@@ -171,8 +171,8 @@ def refuse_inputs(outputs: Iterable[tuple[str, Path]], inputs: Iterable[Path]) -
 
 
 def same_file(path: Path, others: Iterable[Path]) -> Path | None:
-    """The first of some files that is this one, by whatever name or link; None where
-    none is, or this one is not there."""
+    """Find the first of some files that is this one, by whatever name or link; None
+    where none is, or this one is not there."""
     for other in others:
         with contextlib.suppress(OSError):
             if os.path.samefile(path, other):
@@ -181,7 +181,7 @@ def same_file(path: Path, others: Iterable[Path]) -> Path | None:
 
 
 def _target(path: Path) -> Path:
-    """The file to be replaced: a link's target, not the link."""
+    """Find the file to be replaced: a link's target, not the link."""
     return Path(os.path.realpath(path))
 
 
@@ -222,7 +222,7 @@ def locked(path: Path) -> Iterator[None]:
 
 
 def _lock(file: Path, output: Path) -> int | None:
-    """A descriptor that holds the lock; None where there are no locks."""
+    """Open a descriptor that holds the lock; None where there are no locks."""
     while fcntl is not None:
         try:
             descriptor = os.open(file, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)

@@ -71,7 +71,7 @@ class Journal:
             self.file.flush()
 
     def rows(self) -> tuple[np.ndarray, np.ndarray]:
-        """Places and numbers of all rows that are there."""
+        """Read places and numbers of all rows that are there."""
         rows = np.concatenate([np.empty(0, self.row), *self._whole_blocks()])
         return rows["index"], rows["numbers"]
 
@@ -94,7 +94,8 @@ class Journal:
         self.file.truncate(whole)
 
     def _whole_blocks(self) -> Iterator[np.ndarray]:
-        """The rows of one block after another, up to the first that is not whole."""
+        """Yield the rows of one block after another, up to the first that is not
+        whole."""
         self.file.seek(len(self.first_line))
         missing = np.ones(self.count, bool)
         while block := self._read_block():
@@ -108,7 +109,7 @@ class Journal:
             yield rows
 
     def _read_block(self) -> bytes:
-        """The next block's rows; empty where there is none that is whole."""
+        """Read the next block's rows; empty where there is none that is whole."""
         head = self.file.read(HEAD.size)
         if len(head) < HEAD.size:
             return b""

@@ -27,7 +27,7 @@ LIST = "jaximpact-files.json"
 MANIFEST = ".manifest.json"
 JOURNAL = ".journal"
 BESIDE = "the file beside it"
-"""How messages call a file that the user did not name."""
+"""Name, in messages, of a file that the user did not name."""
 
 NewFile = Callable[[str], Path]
 """Function from the name of a file in a directory to the path to write it to."""
@@ -143,7 +143,7 @@ class _Run:
             )
 
     def new(self, name: str) -> Path:
-        """The path of a file to be written."""
+        """Return the path of a file to be written."""
         if not self.written:
             self._renew(self.names)
         if name not in self.written:
@@ -193,13 +193,13 @@ def _digest(path: Path) -> str:
 
 
 def manifest_path(path: Path) -> Path:
-    """The path of the manifest of a table of results, beside it."""
+    """Return the path of the manifest of a table of results, beside it."""
     # Not `with_name`, which refuses what has no name: errors say that better.
     return path.parent / (path.name + MANIFEST)
 
 
 def journal_path(path: Path) -> Path:
-    """The path of the journal of results, beside them."""
+    """Return the path of the journal of results, beside them."""
     return path.parent / (path.name + JOURNAL)
 
 
@@ -281,7 +281,7 @@ def _check_unowned(option: str, path: Path) -> None:
 
 
 def _is_manifest(path: Path) -> bool:
-    """Whether a file says with which version of this package it was written."""
+    """Tell whether a file says with which version of this package it was written."""
     try:
         tree = json.loads(path.read_bytes())
         return "jaximpact" in tree.get("manifest", tree)["versions"]

@@ -24,7 +24,7 @@ from .scene_table import SLICE_ROWS, Table
 
 
 def outcomes_in_words(codes) -> np.ndarray:
-    """The words of outcomes, as an array of the shape of their codes."""
+    """Return the words of outcomes, as an array of the shape of their codes."""
     words = np.array([str(outcome) for outcome in Outcome])
     return words[np.asarray(codes).astype(int)]
 
@@ -91,7 +91,7 @@ def write_results(
 
 
 def _columns(table: Table, summary: ImpactSummary) -> dict[str, np.ndarray]:
-    """Columns of the table with its results: numbers, and texts."""
+    """Collect the columns of the table with its results: numbers, and texts."""
     names = next(csv.reader([table.header]))
     cells = zip(*csv.reader(table.rows), strict=True)
     columns = {
@@ -104,7 +104,7 @@ def _columns(table: Table, summary: ImpactSummary) -> dict[str, np.ndarray]:
 
 
 def _lines(table: Table, summary: ImpactSummary) -> Iterator[Iterator[str]]:
-    """The lines of one slice of rows after another."""
+    """Yield the lines of one slice of rows after another."""
     columns = [np.asarray(getattr(summary, c.field)) for c in RESULT_COLUMNS.values()]
     outcomes = outcomes_in_words(summary.outcome_code)
     for start in itertools.count(0, SLICE_ROWS):

@@ -82,7 +82,7 @@ class Table:
     """Tables of the files that rows name, as of curves."""
 
     def scene(self) -> Scene:
-        """All rows as one scene, in SI.
+        """Return all rows as one scene, in SI.
 
         The mass is an array of one value a row; a field without a column is a scalar.
         """
@@ -135,7 +135,7 @@ def read_table(
 def table_of(
     data: bytes, path: Path, *, measured: bool = False, base: Scene | None = None
 ) -> Table:
-    """A table of the bytes of a CSV, as `read_table` reads them.
+    """Read a table of the bytes of a CSV, as `read_table` reads them.
 
     Args:
         path: what errors call it.
@@ -274,7 +274,7 @@ def _check_lengths(path: Path, lines, cells_of_rows, count: int) -> None:
 
 
 def _with_named_parts(path: Path, data: bytes, names: list[str], base: Scene) -> Scene:
-    """The scene with the laws and the shapes that the rows name."""
+    """Return the scene with the laws and the shapes that the rows name."""
     slots = [(index, name) for index, name in enumerate(names) if name in SLOTS]
     found: dict[tuple[str, str], Part] = {}
     laws: dict[str, str] = {}
@@ -342,8 +342,8 @@ def _readers(
 
 
 def _reader_of_shapes(name: str, base: Scene) -> Reader | None:
-    """The reader of a parameter that is not the same for all shapes of a table; its
-    numbers are NaN in rows whose shape has no such parameter. None for others."""
+    """Return the reader of a parameter that is not the same for all shapes of a table;
+    its numbers are NaN in rows whose shape has no such parameter. None for others."""
     shape = base.block.shape
     if not isinstance(shape, MixedShapes):
         return None
@@ -390,7 +390,7 @@ def _is_missing(cell: str) -> bool:
 
 
 def _present(cells: _Cells) -> np.ndarray:
-    """A column's cells as checked numbers, NaN for what was not measured."""
+    """Read a column's cells as checked numbers, NaN for what was not measured."""
     values = np.full(len(cells.texts), np.nan)
     filled = [i for i, text in enumerate(cells.texts) if not _is_missing(text)]
     values[filled] = _numbers(cells.some(filled))
@@ -398,7 +398,7 @@ def _present(cells: _Cells) -> np.ndarray:
 
 
 def _numbers(cells: _Cells, column: InputColumn | None = None) -> np.ndarray:
-    """A column's cells as checked numbers, in the column's unit.
+    """Read a column's cells as checked numbers, in the column's unit.
 
     Args:
         column: of a parameter of the scene.

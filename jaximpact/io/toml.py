@@ -141,7 +141,7 @@ def check_table(key: Key, entry, known, like: str) -> None:
 
 
 def known_table(top: Key, content: dict, name: str, known: tuple[str, ...]) -> dict:
-    """A table of the file, with known keys only; empty where there is none."""
+    """Read a table of the file, with known keys only; empty where there is none."""
     table = typed(top, content, name, dict, {})
     check_keys(top[name], table, known)
     return table
@@ -151,7 +151,7 @@ def known_table(top: Key, content: dict, name: str, known: tuple[str, ...]) -> d
 
 
 def of_kind(key: Key, value: Any, kind: type[Kind]) -> Kind:
-    """A value of one kind; InputError for another kind."""
+    """Return a value of one kind; InputError for another kind."""
     # A TOML boolean is a Python integer.
     if not isinstance(value, kind) or isinstance(value, bool):
         raise key.error(f"must be {KIND_WORDS[kind]}, but is {value!r}")
@@ -161,7 +161,7 @@ def of_kind(key: Key, value: Any, kind: type[Kind]) -> Kind:
 def typed(
     table: Key, content: Mapping, name: str, kind: type[Kind], default: Any = REQUIRED
 ) -> Kind:
-    """A value of one kind, or the default; InputError for another kind."""
+    """Return a value of one kind, or the default; InputError for another kind."""
     return of_kind(table[name], content.get(name, default), kind)
 
 
@@ -173,7 +173,7 @@ def whole(
     least: int,
     most: int = LARGEST_WHOLE,
 ) -> int:
-    """A whole number from `least` to `most`."""
+    """Read a whole number from `least` to `most`."""
     value = typed(table, content, name, int, default)
     if not least <= value <= most:
         end = f"least {least}" if value < least else f"most {most}"
@@ -182,7 +182,7 @@ def whole(
 
 
 def choice(table: Key, content: dict, name: str, default: str, known) -> str:
-    """One of the known words."""
+    """Read one of the known words."""
     value = typed(table, content, name, str, default)
     check_choice("", value, known, **table[name].place)
     return value
@@ -196,7 +196,7 @@ def number(
     least: float = -math.inf,
     unit: str = "",
 ) -> float:
-    """A finite number, above `above` and of at least `least`."""
+    """Read a finite number, above `above` and of at least `least`."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise key.error(f"must be a number, but is {value!r}")
     if abs(value) > sys.float_info.max or math.isnan(value):
@@ -208,7 +208,7 @@ def number(
 
 
 def allowed(key: Key, column: InputColumn, value) -> float:
-    """A number that the column may hold, in its unit."""
+    """Read a number that the column may hold, in its unit."""
     checked = number(key, value)
     if not column.holds(checked):
         hint = column.hint(checked, column.unit)
@@ -217,8 +217,8 @@ def allowed(key: Key, column: InputColumn, value) -> float:
 
 
 def quantity(key: Key, column: InputColumn, value) -> float:
-    """A number that the column may hold, in its unit, as something has it; warns of one
-    that is unusual."""
+    """Read a number that the column may hold, in its unit, as something has it; warns
+    of one that is unusual."""
     checked = allowed(key, column, value)
     if not column.is_usual(checked):
         told = column.told(checked, column.unit)
@@ -228,8 +228,8 @@ def quantity(key: Key, column: InputColumn, value) -> float:
 
 
 def with_named_parts(key: Key, table: Mapping, whole: Composite) -> Composite:
-    """A soil or a block with the laws or the shape that a table names; its other keys
-    are passed over.
+    """Return a soil or a block with the laws or the shape that a table names; its other
+    keys are passed over.
 
     Args:
         key: of the table; files of laws are looked for from its file's directory.
@@ -281,7 +281,7 @@ def read_scene(path: Path) -> SceneFile:
 
 
 def scene_from(path: Path, content: dict, others: tuple[str, ...] = ()) -> SceneFile:
-    """The scene that part of a file describes, by the keys of `read_scene`.
+    """Read the scene that part of a file describes, by the keys of `read_scene`.
 
     Args:
         path: the file, named in errors.
@@ -313,7 +313,7 @@ def scene_from(path: Path, content: dict, others: tuple[str, ...] = ()) -> Scene
 
 
 def _with_parts(top: Key, names: Found) -> Scene:
-    """The usual scene with the laws and the shape that a file names, by slot."""
+    """Return the usual scene with the laws and the shape that a file names, by slot."""
     found: dict[str, dict[str, Part]] = {part: {} for part in PARTS}
     for slot, (table, name) in names.items():
         _check_table(top[slot], table, SLOTS[slot])
@@ -330,7 +330,7 @@ def _with_parts(top: Key, names: Found) -> Scene:
 def _values(
     top: Key, numbers: Found, base: Scene, others: tuple[str, ...]
 ) -> dict[str, float]:
-    """The quantities of a file by their columns, checked."""
+    """Read the quantities of a file by their columns, checked."""
     columns, values = columns_of(base), {}
     for name, (table, value) in numbers.items():
         if name not in columns:

@@ -38,7 +38,7 @@ class Call(NamedTuple):
 
 
 def _calls(law: Part, x) -> list[Call]:
-    """The calls that the model makes, with one array for every number."""
+    """Return the calls that the model makes, with one array for every number."""
     foundation = Foundation(*[x] * 6)
     on = {"branch": Branch(*[x > 0.0] * (len(Branch._fields) - 1))}
     flow, stiffness = FlowRate(x, x, x), Stiffness(x, x, x)
@@ -148,7 +148,7 @@ def _kind(value) -> str:
 
 
 def _problem(kind: type, error: Exception) -> str:
-    """An error inside a law, where it stands, and the cure."""
+    """Describe an error inside a law, where it stands, and the cure."""
     frames = traceback.extract_tb(error.__traceback__)
     module = getattr(sys.modules.get(kind.__module__), "__file__", None)
     lines = [frame.lineno for frame in frames if frame.filename == module]

@@ -58,7 +58,7 @@ Chunks = int | str | tuple | Mapping[str, Any]
 
 
 class Block(NamedTuple):
-    """What is the same for all blocks of a dataset."""
+    """Data that all blocks of a dataset have in common."""
 
     base: Scene
     names: tuple[str, ...]
@@ -233,7 +233,7 @@ def _quantities(
 
 
 def is_chunked(variable: xr.Variable) -> bool:
-    """Whether an array is computed lazily."""
+    """Tell whether an array is computed lazily."""
     return variable.chunks is not None
 
 
@@ -316,7 +316,7 @@ def _words(stack: np.ndarray, place: int) -> np.ndarray:
 
 
 def _places() -> tuple[dict[str, int], int]:
-    """Place of each number among those of an impact, and their count."""
+    """Find the place of each number among those of an impact, and their count."""
     structure = jax.tree.structure(empty_summary(False))
     places = jax.tree.unflatten(structure, range(structure.num_leaves))
     return vars(places), structure.num_leaves

@@ -84,7 +84,8 @@ def _owners(
     needs: Mapping[Hashable, Iterable[Hashable]],
     shared: Iterable[Hashable],
 ) -> dict[Hashable, Hashable]:
-    """For each task that some of the keys need, the key that alone needs it; else None.
+    """Find, for each task that some of the keys need, the key that alone needs it; else
+    None.
 
     Args:
         needs: tasks that each task needs at once.
@@ -106,7 +107,7 @@ def _owners(
 
 
 def _is_plain(of: Any) -> bool:
-    """Whether a task of Dask is an array that is there."""
+    """Tell whether a task of Dask is an array that is there."""
     return isinstance(getattr(of, "value", of), np.ndarray)
 
 

@@ -58,8 +58,8 @@ class _Layout(NamedTuple):
         return tuple(map(len, self.lengths))
 
     def regions(self) -> np.ndarray:
-        """Number, first index and end of each region, as an array of the regions'
-        shape: a block is given its own, whatever the number of all."""
+        """Return number, first index and end of each region, as an array of the
+        regions' shape: a block is given its own, whatever the number of all."""
         rank = len(self.dims)
         kind = [("number", int), ("start", int, (rank,)), ("stop", int, (rank,))]
         found = np.empty(self.shape, kind)

@@ -128,14 +128,15 @@ class _Pair(NamedTuple):
     """Block on a ground."""
 
     structure: Any
-    """Its shape and laws."""
+    """Shape and laws."""
     numbers: list
     chosen: np.ndarray
     """Lanes that have this shape."""
 
     @classmethod
     def of(cls, table: ReboundTable) -> "_Pair":
-        """That of a table; as floats, as they are compared with in every contact."""
+        """Return the identity of a table's block and ground; floats, as every contact
+        compares them."""
         leaves, structure = jax.tree.flatten((table.block, table.soil))
         return cls(structure, [float(leaf) for leaf in leaves], np.asarray(True))
 

@@ -184,7 +184,7 @@ def _coordinates(table: ReboundTable) -> dict:
 
 
 def _provenance(table: ReboundTable) -> dict:
-    """The title, and what is needed to make the table again, ready for JSON."""
+    """Collect the title, and what is needed to make the table again, ready for JSON."""
     assert table.error is not None  # of a finished table it is measured
     return {
         "title": "jaximpact: impacts of one block on one ground, tabulated",

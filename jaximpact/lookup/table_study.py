@@ -1,4 +1,4 @@
-"""What to tabulate, from a TOML file."""
+"""Studies of tables: block, ground, nodes and map, from a TOML file."""
 
 import dataclasses
 import math
@@ -39,14 +39,14 @@ PARTS = {"block": ("block", Block), "ground": ("soil", Soil)}
 
 
 class TableStudy(NamedTuple):
-    """What the file says."""
+    """Content of the file."""
 
     block: Block
     soil: Soil
     accuracy: str
     """Name of a preset."""
     slopes: np.ndarray
-    """Of the table [rad]."""
+    """Slopes of the table [rad]."""
     speeds: tuple[float, float]
     """First and last total speed of the table [m/s]."""
     nodes: Nodes
@@ -132,7 +132,7 @@ def _check_size(key: Key, counts: tuple[int, ...]) -> None:
 def _ascending(
     key: Key, table: dict, name: str, column: str, default: list
 ) -> list[float]:
-    """A list of values that ascend and that the column may hold."""
+    """Read a list of values that ascend and that the column may hold."""
     values = _list(key, table, name, default)
     for value in values:
         allowed(key[name], INPUT_COLUMNS[column], value)

@@ -56,7 +56,7 @@ class Study:
         self._others: dict[str, Study] = {ground: self}
 
     def on(self, ground: str) -> "Study":
-        """The same on another ground."""
+        """Return the same data on another ground."""
         if ground not in self._others:
             other = Study(ground, self.reading, self.progress)
             other._others = self._others
@@ -219,20 +219,22 @@ def along_minor_axis(sets: Study) -> xr.Dataset:
 
 
 def elongated(data):
-    """What is of blocks with an A_r above 1, of a dataset or an array over A_r."""
+    """Choose the values of blocks with an A_r above 1, of a dataset or an array over
+    A_r."""
     return data.sel(aspect_ratio=data.aspect_ratio > 1.0)
 
 
 def along_dimension(function, values: xr.DataArray, dimension: str) -> xr.DataArray:
-    """A function of each line of values along a dimension."""
+    """Apply a function to each line of values along a dimension."""
     return xr.apply_ufunc(
         function, values, input_core_dims=[[dimension]], vectorize=True
     )
 
 
 def less_mirrored(values: xr.DataArray, sign: float = 1.0) -> xr.DataArray:
-    """Values over the orientation less `sign` times those at 180° less it, where both
-    are there: zero for what is symmetric, with `sign` -1 for what is antisymmetric."""
+    """Return values over the orientation less `sign` times those at 180° less it, where
+    both are there: zero for what is symmetric, with `sign` -1 for what is
+    antisymmetric."""
     there = values.orientation_deg.values
     kept = there[np.isin(180.0 - there, there)]
     mirrored = values.sel(orientation_deg=180.0 - kept)
@@ -242,7 +244,7 @@ def less_mirrored(values: xr.DataArray, sign: float = 1.0) -> xr.DataArray:
 
 
 def asymmetry(values: xr.DataArray, sign: float = 1.0) -> xr.DataArray:
-    """The largest of `less_mirrored`, as a part of the largest value."""
+    """Compute the largest of `less_mirrored`, as a part of the largest value."""
     apart = abs(less_mirrored(values, sign)).max("orientation_deg")
     return apart / abs(values).max("orientation_deg")
 
@@ -251,7 +253,7 @@ def asymmetry(values: xr.DataArray, sign: float = 1.0) -> xr.DataArray:
 
 
 def _firsts(trajectory: np.ndarray) -> np.ndarray:
-    """Index of the first row of each trajectory; every one has some."""
+    """Find the index of the first row of each trajectory; every one has some."""
     return np.unique(trajectory, return_index=True)[1]
 
 

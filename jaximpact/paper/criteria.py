@@ -51,7 +51,7 @@ class Judgement:
 
     verdict: Verdict
     evidence: str
-    """What decides, in a line, numbers with their units."""
+    """Deciding numbers with their units, in a line."""
     numbers: Mapping[str, float] = dataclasses.field(default_factory=dict)
     """The numbers of the evidence; names end in the unit where there is one."""
     held: int = 0
@@ -72,7 +72,7 @@ class Finding:
 
 
 class NotComputed(Exception):
-    """What a claim is judged by could not be computed; the message says why."""
+    """Numbers that a claim is judged by could not be computed; the message says why."""
 
 
 class Part(NamedTuple):
@@ -84,10 +84,10 @@ class Part(NamedTuple):
 
 
 class Parts(NamedTuple):
-    """The same part at one place after another."""
+    """One check of a criterion at several places."""
 
     what: str
-    """What is asked for, as in "falls with A_r"."""
+    """Property asked for, as in "falls with A_r"."""
     dimension: str
     at: Sequence[float] | np.ndarray
     parts: list[Part]
@@ -102,7 +102,7 @@ def steps(values: ArrayLike) -> np.ndarray:
 
 
 def trend(values: ArrayLike, direction: int) -> Part:
-    """Whether a line of values rises, or falls, at every step."""
+    """Judge whether a line of values rises, or falls, at every step."""
     values = np.asarray(values, float)
     taken = steps(values) == direction
     (overall,) = steps(values[[0, -1]])
@@ -114,26 +114,26 @@ def trend(values: ArrayLike, direction: int) -> Part:
 
 
 def condition(met: bool) -> Part:
-    """A part that holds or fails."""
+    """Make a part that holds or fails."""
     return Part(Verdict.holds if met else Verdict.fails, int(met), 1)
 
 
 def trends(values: xr.DataArray, along: str, direction: int, what: str) -> Parts:
-    """The trends along one of two dimensions, at each place of the other."""
+    """Make the trends along one of two dimensions, at each place of the other."""
     (other,) = (str(name) for name in values.dims if name != along)
     parts = [trend(x, direction) for x in values.transpose(other, along).values]
     return Parts(what, other, values[other].values, parts)
 
 
 def conditions(met: xr.DataArray, what: str) -> Parts:
-    """A condition at each place of one dimension."""
+    """Make a condition at each place of one dimension."""
     (dimension,) = map(str, met.dims)
     parts = [condition(bool(x)) for x in met]
     return Parts(what, dimension, met[dimension].values, parts)
 
 
 def combine(verdicts: Iterable[Verdict]) -> Verdict:
-    """The verdict of parts together."""
+    """Find the verdict of parts together."""
     found = set(verdicts)
     return found.pop() if len(found) == 1 else Verdict.partly
 
@@ -141,7 +141,7 @@ def combine(verdicts: Iterable[Verdict]) -> Verdict:
 def judge(
     evidence: str, groups: Iterable[Part | Parts], numbers: Mapping[str, Any]
 ) -> Judgement:
-    """The judgement by all parts of a criterion.
+    """Make the judgement by all parts of a criterion.
 
     Args:
         evidence: the numbers that decide; where the parts hold is added.
@@ -183,7 +183,7 @@ def tally(group: Parts) -> str:
 
 
 def ranges(values: Sequence[float] | np.ndarray, chosen: Sequence[bool]) -> str:
-    """The chosen values, neighbours of a row as a range: "10 to 30, 50"."""
+    """Write the chosen values, neighbours of a row as a range: "10 to 30, 50"."""
     rows = []
     pairs = zip(values, chosen, strict=True)
     for is_chosen, row in itertools.groupby(pairs, key=lambda pair: pair[1]):
@@ -224,5 +224,5 @@ def extremes(values: xr.DataArray, name: str = "") -> dict[str, xr.DataArray]:
 
 
 def key_of(words: str) -> str:
-    """Words as part of the name of a number."""
+    """Write words as part of the name of a number."""
     return words.replace(", ", "_").replace(" ", "_")

@@ -33,7 +33,7 @@ class Fit(NamedTuple):
     distance: float
     """Kolmogorov's [-]."""
     distance_by_chance: float
-    """What it exceeds in 5 of 100 cases if the numbers are so distributed."""
+    """Distance exceeded in 5 of 100 cases if the numbers are so distributed."""
     count: int
 
     @property
@@ -43,7 +43,8 @@ class Fit(NamedTuple):
 
 
 def fit_exponential(values) -> Fit:
-    r"""The density $\exp(-(x - x_0)/s)/s$ from the least of the numbers on, $x_0$."""
+    r"""Fit the density $\exp(-(x - x_0)/s)/s$ from the least of the numbers on,
+    $x_0$."""
     return _fit(
         values,
         np.min,
@@ -65,8 +66,8 @@ def fit_normal(values) -> Fit:
 
 
 def _fit(values, start_of, scale_of, distribution, distance_by_chance) -> Fit:
-    """A fit by functions: of the numbers, of these and the start, of the distance from
-    the start over the scale, and of the count and its root."""
+    """Make a fit by functions: of the numbers, of these and the start, of the distance
+    from the start over the scale, and of the count and its root."""
     values = np.sort(np.asarray(values, float))
     n = len(values)
     if n < SOME or values[0] == values[-1]:

@@ -46,7 +46,8 @@ class Validation(NamedTuple):
 
 
 def as_text(validation: Validation) -> str:
-    """The findings one below another, what they say and what decides, then counts."""
+    """Write the findings one below another, what they say and what decides, then
+    counts."""
     parts = []
     for findings, count in _parts(validation):
         parts += [*map(_lines, findings), f"{count}\n"]
@@ -86,13 +87,13 @@ def _parts(validation: Validation) -> Iterator[tuple[list[Finding], str]]:
 
 
 def as_csv(findings: Iterable[Finding]) -> str:
-    """A row for each finding."""
+    """Write a row for each finding."""
     rows = [{**vars(finding), **vars(finding.judgement)} for finding in findings]
     return _csv((*FINDING_COLUMNS, *JUDGEMENT_COLUMNS), rows)
 
 
 def readings_csv(readings: ByReading) -> str:
-    """A row for each reading and claim."""
+    """Write a row for each reading and claim."""
     rows = [
         {"reading": reading, "id": name, **vars(judgement)}
         for reading, judgements in readings.items()
@@ -110,7 +111,7 @@ def _csv(columns: tuple[str, ...], rows: Iterable[dict]) -> str:
 
 
 def as_markdown(validation: Validation) -> str:
-    """The findings in tables, and what the readings change."""
+    """Write the findings in tables, and what the readings change."""
     parts = []
     header = ("", "where", "claim", "verdict", "what decides")
     for findings, count in _parts(validation):
@@ -131,7 +132,7 @@ def _marked(verdict: Verdict) -> str:
 
 
 def markdown_table(header: tuple[str, ...], rows: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown; bars in cells are escaped."""
+    """Write a table in Markdown; bars in cells are escaped."""
     lines = [header, ("---",) * len(header), *rows]
     return "".join(
         "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
@@ -198,7 +199,7 @@ def matrix_markdown(readings: ByReading) -> str:
 
 
 def moves(readings: ByReading) -> str:
-    """For each claim that does not hold: which readings move it, and how far."""
+    """Find, for each claim that does not hold, which readings move it, and how far."""
     as_it_is, others = _split(readings)
     rows = []
     for name, judgement in as_it_is.items():

@@ -150,7 +150,7 @@ def _judge_readings(
 
 
 def conditions() -> dict:
-    """What all findings depend on besides the package's own functions."""
+    """Collect what all findings depend on besides the package's own functions."""
     return {
         "accuracy": dataclasses.asdict(get_accuracy(ACCURACY)),
         "random_impacts": RANDOM_IMPACTS,

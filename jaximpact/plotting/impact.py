@@ -83,7 +83,8 @@ def plot_impact(
 
 
 def _finite_part(history: History) -> History:
-    """The rows before the first that is not finite: a failed impact may have some."""
+    """Return the rows before the first that is not finite: a failed impact may have
+    some."""
     finite = np.all(np.isfinite(np.stack(jax.tree.leaves(history))), axis=0)
     return _first_rows(history, len(finite) if finite.all() else int(np.argmin(finite)))
 
@@ -119,7 +120,7 @@ def scene_in_words(scene: Scene) -> str:
 
 
 def _in_words(name: str) -> str:
-    """The name of a class in words: "RectangularPrism" is "rectangular prism"."""
+    """Write the name of a class in words: "RectangularPrism" is "rectangular prism"."""
     return plain(re.sub(r"(?<=[a-z0-9])(?=[A-Z])|_", " ", name).strip().lower())
 
 
@@ -145,7 +146,7 @@ def outcome_in_words(summary: ImpactSummary) -> str:
 
 
 def _unit(largest: float, units) -> tuple[float, str]:
-    """The largest unit in which a value is at least 1; the smallest for less."""
+    """Choose the largest unit in which a value is at least 1; the smallest for less."""
     return next((unit for unit in units if largest >= unit[0]), units[-1])
 
 
@@ -161,7 +162,7 @@ def _time_axis(axes: Axes, history: History) -> np.ndarray:
 
 
 def _mark_peak(axes: Axes, time, value, colour: str, *, above) -> None:
-    """A dot with its value over or under it."""
+    """Draw a dot with its value over or under it."""
     left, right = axes.get_xlim()
     at_the_end = time > left + 0.9 * (right - left)
     axes.plot(time, value, "o", color=colour, markersize=5, clip_on=False, zorder=4)
@@ -289,9 +290,9 @@ def draw_energy(axes: Axes, history: History) -> None:
 
 
 def outline(scene: Scene, penetration, rotation, shift) -> np.ndarray:
-    """The block's outline in the plane of motion [m]: rows of t and height, once
-    around, and two more: the centre, and the end of the major axis that points down at
-    orientation 0.
+    """Compute the block's outline in the plane of motion [m]: rows of t and height,
+    once around, and two more: the centre, and the end of the major axis that points
+    down at orientation 0.
 
     `shift` is how far the centre has moved down-slope [m].
     """
@@ -307,7 +308,7 @@ def outline(scene: Scene, penetration, rotation, shift) -> np.ndarray:
 
 
 def draw_side_view(axes: Axes, scene: Scene, history: History) -> None:
-    """The block at impact, at its deepest and at the end, over the ground."""
+    """Draw the block at impact, at its deepest and at the end, over the ground."""
     axes.set_title("side view, to scale", pad=26.0)
     time = history.time
     if not len(time):

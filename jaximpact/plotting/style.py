@@ -137,7 +137,7 @@ class _FewDecades(LogLocator):
 
 
 def log_label(value: float) -> str:
-    """The number of a tick of a logarithmic axis: 0.01, 200 or a power of ten."""
+    """Write the number of a tick of a logarithmic axis: 0.01, 200 or a power of ten."""
     if value <= 0.0 or 1e-3 <= value < 1e4:
         return f"{value:g}"
     exponent = int(np.floor(np.log10(value) + 1e-9))
@@ -202,12 +202,12 @@ def empty_panel(axes: Axes, words: str) -> None:
 
 
 def plain(text: str) -> str:
-    """Text of the user's for a drawing, in which dollars begin no formula."""
+    """Prepare text of the user's for a drawing, in which dollars begin no formula."""
     return text.replace("$", r"\$")
 
 
 def png_bytes(figure: Figure) -> bytes:
-    """The bytes of a PNG file, the same for the same figure."""
+    """Return the bytes of a PNG file, the same for the same figure."""
     drawn, file = io.BytesIO(), io.BytesIO()
     figure.savefig(drawn, format="png", dpi=DPI)
     image = Image.open(drawn).convert("RGB")

@@ -20,7 +20,7 @@ from .trajectory import (
 
 
 class Follows(enum.IntEnum):
-    """What a time on a piece follows as the piece changes."""
+    """Dependence of a time on the piece, as derivatives see it."""
 
     nothing = 0
     end = 1
@@ -35,7 +35,7 @@ class Moment(NamedTuple):
     """Time on a piece."""
 
     time: Values
-    """From the start of the piece [s]."""
+    """Time from the start of the piece [s]."""
     follows: Values
     """Code of `Follows`."""
 

@@ -108,7 +108,8 @@ def _kept(functions: Sequence[Callable], tree, compiled: Callable, *what) -> Any
 
 
 def _template(structure) -> Any:
-    """A tree of a structure, which can be pickled as the structure itself cannot."""
+    """Make a tree of a structure, which can be pickled as the structure itself
+    cannot."""
     return jax.tree.unflatten(structure, range(structure.num_leaves))
 
 
@@ -173,12 +174,12 @@ class _ByXla:
 
 
 class _Plan(NamedTuple):
-    """What of a function has to be computed, for inputs of one structure."""
+    """Part of a function that has to be computed, for inputs of one structure."""
 
     used: list[int]
     """Places of the inputs that matter among the leaves."""
     passed: list[int | None]
-    """For each result the place of the input that it is, or None."""
+    """Place, for each result, of the input that it is, or None."""
     results: Any
     """Template of the results."""
     code: Code | None = None

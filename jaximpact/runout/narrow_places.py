@@ -21,11 +21,11 @@ class NarrowPlaces:
     """Segments that blocks may touch beside the one that they are on."""
 
     along: np.ndarray
-    """For each segment the others that a block on it may touch, `(segments, most)`,
-    then `NONE`; none at all where only those beside it are in reach."""
+    """Segments, for each segment, that a block on it may touch besides, `(segments,
+    most)`, then `NONE`; none at all where only those beside it are in reach."""
     about: np.ndarray
-    """For each point those that a block may touch that turns about it, `(points,
-    most)`, likewise."""
+    """Segments, for each point, that a block may touch that turns about it, `(points,
+    most)`, then `NONE`."""
 
     @classmethod
     def of(cls, profile: Profile, radius: float) -> "NarrowPlaces":

@@ -120,7 +120,7 @@ def choose(condition: Values, yes: Any, no: Any) -> Any:
 
 
 class BlockConstants(NamedTuple):
-    """What stays of a block, or of many, arrays `(blocks,)`."""
+    """Constants of a block, or of many, arrays `(blocks,)`."""
 
     outline: BlockOutline
     mass_properties: MassProperties

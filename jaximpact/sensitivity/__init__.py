@@ -1,4 +1,4 @@
-"""Which parameters matter: elasticities, Sobol indices and Morris's effects.
+"""Sensitivity of results: elasticities, Sobol indices and Morris's effects.
 
 Drawings are in `jaximpact.sensitivity.figures`.
 """

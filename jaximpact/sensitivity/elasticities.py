@@ -70,7 +70,7 @@ class State(enum.IntEnum):
 
 
 class Check(enum.IntEnum):
-    """What differences of neighbouring impacts say about a derivative."""
+    """Verdict of differences of neighbouring impacts on a derivative."""
 
     agrees = 0
     """The two differ by `AGREES_WITHIN` at most."""
@@ -80,7 +80,7 @@ class Check(enum.IntEnum):
     undecided = 2
     """The output has a jump or a kink so near that differences straddle it."""
     unchecked = 3
-    """No check was asked for, or a neighbour has no value."""
+    """Not checked: no check was asked for, or a neighbour has no value."""
 
     def __str__(self) -> str:
         return self.name

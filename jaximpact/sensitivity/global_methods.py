@@ -156,11 +156,11 @@ class _Method(NamedTuple):
     check_size: Callable[[int, int], None]
     """Raises InputError for a number of groups, and of parameters, that is unfit."""
     sample: Callable[[dict, int, int], np.ndarray]
-    """Of a problem for SALib, the number of groups and a seed: fractions of the ranges,
-    shape (impacts, parameters)."""
+    """Function of a problem for SALib, the number of groups and a seed: fractions of
+    the ranges, shape (impacts, parameters)."""
     estimate: Callable[[np.ndarray, np.ndarray, int], dict[str, Any]]
-    """Of the fractions (groups, impacts, parameters), values of an output (groups,
-    impacts) and a seed: the variables of the dataset, for that output."""
+    """Function of the fractions (groups, impacts, parameters), values of an output
+    (groups, impacts) and a seed: the variables of the dataset, for that output."""
     attributes: Mapping[str, dict[str, str]]
     """Variable -> its attributes in the dataset."""
 

@@ -26,7 +26,7 @@ STATE_MEANINGS = {
 
 
 def in_words(dataset: xr.Dataset) -> str:
-    """A table of the results, and what is to be known beside.
+    """Write a table of the results, and what is to be known beside.
 
     Args:
         dataset: from `elasticities`, `sobol` or `morris`. Elasticities of many impacts
@@ -53,7 +53,7 @@ def _table(
     row: Callable[[xr.Dataset], Sequence[str]],
     after: tuple[str, ...] = (),
 ) -> str:
-    """A row for each output, with a column for each parameter between others."""
+    """Write a row for each output, with a column for each parameter between others."""
     rows = [("output", *before, *map(str, dataset.parameter.values), *after)]
     rows += [(str(n), *row(dataset.sel(output=n))) for n in dataset.output.values]
     return align(rows)

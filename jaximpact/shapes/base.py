@@ -271,7 +271,7 @@ class AbstractShape(Part):
 
 
 def on_side(side: Flag | None) -> dict[str, Any]:
-    """The keyword `side`, for a shape that has sides; else nothing."""
+    """Return the keyword `side`, for a shape that has sides; else nothing."""
     return {} if side is None else {"side": side}
 
 

@@ -195,7 +195,7 @@ def _where(turn, place: int) -> str:
 
 
 def _line(error: BaseException) -> str:
-    """The line of the user's file in which an error arose."""
+    """Find the line of the user's file in which an error arose."""
     frames = traceback.extract_tb(error.__traceback__)
     ours = [f for f in frames if not _is_installed(f.filename)]
     return f" ({ours[-1].filename}, line {ours[-1].lineno})" if ours else ""

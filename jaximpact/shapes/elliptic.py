@@ -18,10 +18,14 @@ class AbstractElliptic(AbstractShape):
     """An ellipse in the plane of motion, of semi-axes H and R. Smooth everywhere."""
 
     aspect_ratio: Scalar = parameter(
-        1.0, "-", "(0, inf)", "major over minor semi-axis H/R; below 1 oblate", usual=USUAL_RATIO
+        1.0,
+        "-",
+        "(0, inf)",
+        "major over minor semi-axis; below 1 oblate",
+        usual=USUAL_RATIO,
     )
     out_of_plane_ratio: Scalar = parameter(
-        1.0, "-", "(0, inf)", "out-of-plane over minor semi-axis W/R", usual=USUAL_RATIO
+        1.0, "-", "(0, inf)", "out-of-plane over minor semi-axis", usual=USUAL_RATIO
     )
 
     def support(self, axes, sin, cos, *, side=None) -> Scalar:

@@ -41,8 +41,8 @@ class MixedShapes(AbstractShape):
         return _made_again, (self.kinds, fields)
 
     def alone(self, place: int) -> AbstractShape:
-        """The shape of one kind. Lanes of another have its defaults, which are always
-        allowed."""
+        """Return the shape of one kind. Lanes of another have its defaults, which are
+        always allowed."""
         usual = self.kinds[place]()
         chosen = self.index == place
         values = {
@@ -237,7 +237,7 @@ def _declared(kinds: Sequence[type[AbstractShape]]) -> dict[str, Declared]:
 
 
 def _hull(one: str, other: str) -> str:
-    """The smallest interval that holds two."""
+    """Find the smallest interval that holds two."""
     if one == other:
         return one
     ends = [[float(end) for end in text[1:-1].split(",")] for text in (one, other)]

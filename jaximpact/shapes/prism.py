@@ -49,11 +49,11 @@ class RectangularPrism(AbstractShape):
         1.0,
         "-",
         "(0, inf)",
-        "major over minor side H/R; below 1 the major is shorter",
+        "major over minor side; below 1 the major is shorter",
         usual=USUAL_RATIO,
     )
     out_of_plane_ratio: Scalar = parameter(
-        1.0, "-", "(0, inf)", "out-of-plane over minor side W/R", usual=USUAL_RATIO
+        1.0, "-", "(0, inf)", "out-of-plane over minor side", usual=USUAL_RATIO
     )
     corner_radius_ratio: Scalar = parameter(
         0.2, "-", "(0, 1]", "radius of the corners over the smaller of H and R"

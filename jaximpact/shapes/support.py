@@ -1,4 +1,4 @@
-r"""What follows from the support of a shape alone, whatever its section.
+r"""Consequences of the support of a shape alone, whatever its section.
 
 Parting: in a direction u the point p is outside of the block by
 $f(u) = p\cdot u - r(u)$, with r the support. The largest of these is its distance from
@@ -71,7 +71,7 @@ class _Try:
         )
 
     def where(self, chosen, other: "_Try") -> "_Try":
-        """This one where chosen, else the other."""
+        """Choose this one where a condition holds, else the other."""
         mine = (*self.u, *self.q, self.excess, self.slope)
         its = (*other.u, *other.q, other.excess, other.slope)
         a, b, c, d, *rest = (
@@ -96,7 +96,8 @@ class _Try:
         )
 
     def straight(self, last: "_Try"):
-        """Where the slope vanishes between two directions if it changes linearly."""
+        """Find where the slope vanishes between two directions if it changes
+        linearly."""
         rise, fall = jnp.maximum(self.slope, 0.0), jnp.maximum(-last.slope, 0.0)
         level = rise + fall <= 0.0
         rise, fall = jnp.where(level, 1.0, rise), jnp.where(level, 1.0, fall)

@@ -95,7 +95,7 @@ def test_accuracy(function, expected):
                 f"{name} = {count}" for name, count in Nodes()._asdict().items()
             ),
         ),
-        (options.input_help(""), "out_of_plane_ratio - 1 above 0 out-of-plane over minor"),
+        (options.input_help(""), "out_of_plane_ratio - 1 above 0 out-of-plane over"),
     ],
 )
 def test_help_says_the_defaults(text, said):

@@ -174,8 +174,8 @@ _lock = threading.Lock()
 
 
 def shared_driver() -> Driver:
-    """The driver that serves Python. It is never unloaded: threads that start at once
-    must not load two of which one is thrown away under the other's feet."""
+    """Return the driver that serves Python. It is never unloaded: threads that start at
+    once must not load two of which one is thrown away under the other's feet."""
     with _lock:
         if not _shared:
             _shared.append(load_driver())

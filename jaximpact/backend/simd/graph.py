@@ -40,7 +40,7 @@ def kind_of(value: Value) -> str:
 
 
 def bits_of(number: float) -> int:
-    """The 64 bits of a float, as a signed integer."""
+    """Return the 64 bits of a float, as a signed integer."""
     return struct.unpack("<q", struct.pack("<d", number))[0]
 
 
@@ -187,7 +187,7 @@ NEUTRAL = {
 
 
 def _simplified(name: str, arguments: tuple) -> Value | None:
-    """The argument, or truth, that the operation gives whatever the others are.
+    """Return the argument, or truth, that the operation gives whatever the others are.
 
     Products with zero stay: they are not zero for infinity and NaN.
     """

@@ -323,7 +323,7 @@ class _Part(NamedTuple):
         return self.start + (copy * self.size if self.copies > 1 else 0)
 
     def place_of(self, choose: Callable, tree) -> int:
-        """The row of a leaf, chosen from the tree."""
+        """Return the row of a leaf, chosen from the tree."""
         leaves, structure = jax.tree.flatten(tree)
         chosen = choose(jax.tree.unflatten(structure, range(len(leaves))))
         return self.start + sum(map(math.prod, self.shapes[:chosen]))
@@ -336,7 +336,8 @@ class _Layout:
         self.copies, self.rows = copies, 0
 
     def allot(self, pair) -> list[_Part]:
-        """Rows for a tree that copies have in common, and for one that each has."""
+        """Reserve rows for a tree that copies have in common, and for one that each
+        has."""
         parts = []
         for tree, copies in zip(pair, (1, self.copies), strict=True):
             shapes = [leaf.shape for leaf in jax.tree.leaves(tree)]

@@ -87,8 +87,8 @@ def is_quotient(node: Node) -> bool:
 
 
 def parts_to_invert(value: Node) -> tuple[Value, ...]:
-    """Values to invert for the inverse of a value; none if the value is no product,
-    quotient or choice."""
+    """Choose values to invert for the inverse of a value; none if the value is no
+    product, quotient or choice."""
     if value.operation == "multiply":
         return value.arguments
     if value.operation == "divide":
@@ -99,8 +99,8 @@ def parts_to_invert(value: Node) -> tuple[Value, ...]:
 
 
 def product_in(node: Node) -> int | None:
-    """Index, among the operands of a sum or difference, of the product that is fused
-    with it into one instruction, which rounds once; None if none is.
+    """Find the index, among the operands of a sum or difference, of the product that is
+    fused with it into one instruction, which rounds once; None if none is.
 
     Not where both operands may be products: what is zero by symmetry would become the
     rounding of one of them, and the first steps noise.
@@ -207,7 +207,7 @@ class _Writer:
         return self.new(OPERATIONS[operation].text.format(*operands, **VECTORS))
 
     def inverse(self, value: Value) -> str:
-        """Name of one over a value, computed once."""
+        """Return the name of one over a value, computed once."""
         if not isinstance(value, Node):
             return _constant(OPERATIONS["divide"].fold(1.0, value))
         if id(value) not in self.inverses:
@@ -323,12 +323,12 @@ def _in_parts(writer: _Writer, free_row: int) -> tuple[list[list[str]], int]:
 
 
 def host() -> tuple[str, str]:
-    """Name and features of the processor for which code is made."""
+    """Return name and features of the processor for which code is made."""
     return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
 
 
 def architecture() -> str:
-    """The family of the processor, as "x86_64" or "aarch64"."""
+    """Return the family of the processor, as "x86_64" or "aarch64"."""
     return llvm.get_default_triple().partition("-")[0]
 
 
@@ -347,8 +347,8 @@ def compile_text(text: str) -> bytes:
 
 
 def load(object_file: bytes):
-    """An engine of LLVM with machine code put to where it can run; the code is there as
-    long as the engine lives."""
+    """Make an engine of LLVM with machine code put to where it can run; the code is
+    there as long as the engine lives."""
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target())
     engine.add_object_file(llvm.ObjectFileRef.from_data(object_file))
     engine.finalize_object()

@@ -23,7 +23,7 @@ Values = np.ndarray
 
 
 def values_of(array) -> Values:
-    """Values of a known array."""
+    """List values of a known array."""
     array = np.asarray(array)
     values = np.empty(array.shape, object)
     for place in np.ndindex(array.shape):
@@ -50,7 +50,7 @@ def _as_array(values) -> Values:
 
 
 def _first(arrays: list[Values]) -> list[Value]:
-    """One value of each array that has any."""
+    """Take one value of each array that has any."""
     return [array.flat[0] for array in arrays if array.size]
 
 
@@ -81,7 +81,7 @@ class Translator:
         self.graph = graph
 
     def run(self, jaxpr, constants, copies: Copies) -> Copies:
-        """Values of the outputs of a jaxpr, for each copy of its arguments."""
+        """Compute values of the outputs of a jaxpr, for each copy of its arguments."""
         count = len(copies)
 
         def by_copy(values: list) -> Copies:
@@ -99,7 +99,7 @@ class Translator:
         return by_copy(outputs)
 
     def outputs(self, equation, copies: Copies) -> Copies:
-        """Values of the outputs of one equation; an error names its place."""
+        """Compute values of the outputs of one equation; an error names its place."""
         first, *others = copies
         if others and all(all(map(operator.is_, first, other)) for other in others):
             return self.outputs(equation, [first]) * len(copies)
@@ -124,7 +124,7 @@ class Translator:
             raise problem from error
 
     def apply(self, equation, inputs: list[Values]) -> list[Values]:
-        """Values of the outputs of one equation."""
+        """Compute values of the outputs of one equation."""
         name, params = equation.primitive.name, equation.params
         if name in STRUCTURE:
             arranged = STRUCTURE[name](params, *inputs)
@@ -156,7 +156,8 @@ class Translator:
         made: dict[tuple, Values] = {}
 
         def shared(make: Callable, *arrays) -> Values:
-            """What is made of some arrays, once for all copies that hold them."""
+            """Return what a function makes of some arrays, once for all copies that
+            hold them."""
             key = (make, *map(id, arrays))
             if key not in made:
                 made[key] = make(arrays)
@@ -229,7 +230,7 @@ class Translator:
         contracted, batch = params["dimension_numbers"]
 
         def arranged(values: Values, summed, over) -> Values:
-            """With axes batch, free, summed."""
+            """Arrange axes as batch, free, summed."""
             summed, over = list(map(int, summed)), list(map(int, over))
             free = [a for a in range(values.ndim) if a not in summed + over]
             return np.transpose(values, over + free + summed)

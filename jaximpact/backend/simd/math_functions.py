@@ -66,7 +66,8 @@ EXP_TERMS = tuple(1.0 / math.factorial(n) for n in range(2, 14))
 
 
 def _polynomial(graph: Graph, x: Value, terms: tuple[float, ...]) -> Value:
-    """The sum of `terms[n] x**n`, by pairs, so that few operations wait for others."""
+    """Compute the sum of `terms[n] x**n`, by pairs, so that few operations wait for
+    others."""
     values = list(terms)
     while len(values) > 1:
         pairs = [

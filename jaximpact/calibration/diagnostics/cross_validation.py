@@ -48,8 +48,8 @@ AT_MOST = 60
 LEFT_OUT = StoppingRule(
     1e-4, 1e-4, 1e-3, 1e-2, rejected=8, flat=1e-3, steps=40, joins=False
 )
-"""For fits to the rest: a hundredth of a standard error, below the error of J C J^T.
-Each fits other data, so that none joins another."""
+"""Stopping rule of fits to the rest: a hundredth of a standard error, below the error
+of J C J^T. Each fits other data, so that none joins another."""
 SMALL_STEP = 0.2
 """Standard errors below which a Gauss-Newton step replaces the fit: what it lacks is a
 fraction of it, and moves a prediction by a fraction of its error."""

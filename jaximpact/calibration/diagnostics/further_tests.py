@@ -77,7 +77,7 @@ class Suggestion(NamedTuple):
     factors: np.ndarray
     """Present standard errors over these, shape (parameters,): 2 is half the error."""
     volume: float
-    """The same ratio of the mean axis (geometric mean) of the error ellipsoid."""
+    """Present mean axis (geometric mean) of the error ellipsoid over the new one."""
 
 
 class Suggestions(NamedTuple):
@@ -101,7 +101,7 @@ class Suggestions(NamedTuple):
     candidates: dict[str, np.ndarray]
     """Scenes of the candidates, shape (candidates,)."""
     ways: tuple[str, ...]
-    """What can be measured in a test: result columns, or `ALL`."""
+    """Results that can be measured in a test: result columns, or `ALL`."""
     volumes: np.ndarray
     """Factor by which the mean axis of the error ellipsoid shrinks with each candidate
     and way as the next test alone, shape (candidates, ways); 1 for no gain."""

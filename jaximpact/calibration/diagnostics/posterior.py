@@ -14,7 +14,7 @@ ROUGH = 0.05
 
 
 class Chains(NamedTuple):
-    """What chains of NUTS tell beside their draws."""
+    """Diagnostics of the chains of NUTS."""
 
     statistics: dict[str, np.ndarray]
     """Statistics of each trajectory by ArviZ's names, shape (chains, draws): logarithm
@@ -52,7 +52,7 @@ class Draws(NamedTuple):
     error: float
     """Largest error of a cost over s^2 among the draws computed again."""
     chains: Chains | None = None
-    """Of draws by NUTS."""
+    """Diagnostics of the chains; None for draws by importance sampling."""
 
     @property
     def weights(self) -> np.ndarray:

@@ -90,4 +90,4 @@ class StudyResult(NamedTuple):
     seconds: float
     """Wall time of all fits, compilation included [s]."""
     engine: str
-    """What computed the impacts: machine code or XLA."""
+    """Engine that computed the impacts: machine code or XLA."""

@@ -29,11 +29,11 @@ STEPS, ROUNDS = 256, 12
 LEAST, MOST = 0.005, 1.5
 """Distances, in standard errors, of steps from the way to the linear minimum."""
 HALVINGS = 10
-"""How often the way to a point is halved, to tell a jump from curvature."""
+"""Number of halvings of the way to a point, which tell a jump from curvature."""
 SHARES_AGAIN = 3
-"""How often tests near a jump are looked for."""
+"""Number of searches for tests near a jump."""
 LEAPS = 6
-"""How often a fit starts again from a point of lower cost beyond a jump."""
+"""Number of restarts of a fit from a point of lower cost beyond a jump."""
 BEYOND = ROUGH._replace(promise=1e-3, part=1e-3, steps=12, joins=False)
 """Stopping rule of these fits."""
 MEDIAN = 0.455

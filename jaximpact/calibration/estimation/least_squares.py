@@ -67,12 +67,13 @@ class StoppingRule(NamedTuple):
     promise: float
     """Predicted fall of the cost below which a fit has converged."""
     part: float
-    """The same, as a fraction of s^2."""
+    """Predicted fall, as a fraction of s^2, below which a fit has converged."""
     lost: float
     """Predicted fall, over max(1, s^2), below which a fit has converged once
     `FEW_REJECTED` steps in a row were rejected."""
     blurred: float
-    """The same once `rejected` steps in a row were rejected."""
+    """Predicted fall, over max(1, s^2), below which a fit has converged once `rejected`
+    steps in a row were rejected."""
     rejected: int
     """Number of rejected steps in a row, each shorter, after which a fit ends."""
     flat: float
@@ -88,11 +89,12 @@ FLAT_STEPS, FEW_REJECTED = 5, 2
 ROUGH = StoppingRule(
     1e-4, 1e-2, 1e-2, 1e-2, rejected=6, flat=1e-2, steps=30, joins=True
 )
-"""For ranking starts and for profiles: about a tenth of a standard error."""
+"""Stopping rule for ranking starts and for profiles: about a tenth of a standard
+error."""
 FINE = StoppingRule(
     1e-10, 1e-6, 1e-8, 1e-4, rejected=10, flat=1e-6, steps=60, joins=False
 )
-"""For the reported fit: a thousandth of a standard error."""
+"""Stopping rule of the reported fit: a thousandth of a standard error."""
 
 
 class Fits(NamedTuple):

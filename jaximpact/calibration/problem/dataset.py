@@ -200,7 +200,7 @@ def joined_tables(files: tuple[Table, ...]) -> Measurements:
     known = columns_of(base)
 
     def pieces(names, of_table: str, filling: Any) -> dict[str, list]:
-        """Columns that any table has, a piece from each."""
+        """Collect columns that any table has, a piece from each."""
         columns = [(getattr(table, of_table), len(table.rows)) for table in files]
         return {
             name: [own.get(name, [filling] * count) for own, count in columns]

@@ -1,4 +1,4 @@
-"""What a study compares with the tests: targets with weights, sigmas and scatter."""
+"""Targets, which a study compares with the tests, with weights, sigmas and scatter."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What the report says of parameters: identifiable ones, intervals, posterior."""
+"""Words of the report on parameters: identifiable ones, intervals, posterior."""
 
 import itertools
 

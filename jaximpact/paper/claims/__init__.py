@@ -27,7 +27,7 @@ class Claim(NamedTuple):
 
 
 def read_claims() -> dict[str, Claim]:
-    """Every claim by its id."""
+    """Read every claim by its id."""
     text = resources.files(__name__).joinpath("claims.csv").read_text("utf-8")
     rows = csv.DictReader(text.splitlines())
     return {row["id"]: Claim(**row) for row in rows}
@@ -38,7 +38,8 @@ OF_SETS: dict[str, Callable[[Study], Judgement]] = impacts.CLAIMS | restitution.
 
 
 def alike_on_other_grounds(study: Study) -> Judgement:
-    """The claims of sets I to IV have the same verdict on the other two grounds."""
+    """Judge whether the claims of sets I to IV have the same verdict on the other two
+    grounds."""
     table_1, *others = (
         {name: judge(study.on(ground)).verdict for name, judge in OF_SETS.items()}
         for ground in GROUNDS

@@ -61,7 +61,7 @@ SLIGHT = 0.20
 
 
 def _trend_with_length(name, quantity, unit, divisor, direction, *others):
-    """The judge of a largest value of a set that rises or falls with A_r.
+    """Make the judge of a largest value of a set that rises or falls with A_r.
 
     Args:
         divisor: what counts as one `unit`.
@@ -84,7 +84,7 @@ def _ends(values: np.ndarray, name: str) -> dict[str, float]:
 
 
 def trends_along_the_major_axis(quantity: str, unit: str, *asked):
-    """The judge of a quantity of set III along the major axis.
+    """Make the judge of a quantity of set III along the major axis.
 
     Args:
         asked: the dimension, the direction and the words of each trend.
@@ -99,13 +99,13 @@ def trends_along_the_major_axis(quantity: str, unit: str, *asked):
 
 
 def excess_percent(sets: Study, name: str) -> xr.DataArray:
-    """The excess of a quantity along the major axis over that along the minor one,
-    in percent, for A_r above 1."""
+    """Compute the excess of a quantity along the major axis over that along the minor
+    one, in percent, for A_r above 1."""
     return elongated(100.0 * (sets["I"][name] / sets["II"][name] - 1.0))
 
 
 def _excess_within(name: str, low: float, high: float):
-    """The judge of an excess along the major axis between two percentages."""
+    """Make the judge of an excess along the major axis between two percentages."""
 
     def judge_excess(sets: Study) -> Judgement:
         excess = excess_percent(sets, name)
@@ -119,7 +119,7 @@ def _excess_within(name: str, low: float, high: float):
 
 
 def _symmetry_of(name: str, unit: str, factor: float = 1.0):
-    """The judge of a largest value of set IV that is symmetric about 90°."""
+    """Make the judge of a largest value of set IV that is symmetric about 90°."""
 
     def judge_symmetry(sets: Study) -> Judgement:
         values = factor * sets["IV"][name]
@@ -134,13 +134,14 @@ def _symmetry_of(name: str, unit: str, factor: float = 1.0):
 
 
 def _symmetric(values: xr.DataArray, sign: float = 1.0) -> Parts:
-    """Whether values over the orientation are symmetric, at each A_r."""
+    """Judge whether values over the orientation are symmetric, at each A_r."""
     what = "symmetric" if sign > 0.0 else "antisymmetric"
     return conditions(_asymmetry(values, sign) <= MARGIN, what)
 
 
 def _asymmetry(values: xr.DataArray, sign: float = 1.0) -> xr.DataArray:
-    """As `asymmetry`; what a sphere does not do is symmetric either way."""
+    """Compute the asymmetry as `asymmetry` does, 0 for a sphere, whose zeros are
+    symmetric either way."""
     return asymmetry(values.where(abs(values) > NOTHING, 0.0), sign).fillna(0.0)
 
 
@@ -353,7 +354,7 @@ def _deepest_dip(ratio: np.ndarray) -> float:
 
 
 def _peaks_inside(values: xr.DataArray) -> Parts:
-    """Whether lines over the angle have a maximum beyond both of their ends."""
+    """Judge whether lines over the angle have a maximum beyond both of their ends."""
 
     def of_line(line):
         top = line[np.argmax(line)]

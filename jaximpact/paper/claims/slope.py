@@ -96,7 +96,7 @@ def heights_are_exponential(study: Study) -> Judgement:
 
 
 def exponential_fits(data: xr.Dataset) -> dict[float, Fit]:
-    """The fit to the heights of the jumps of each aspect ratio."""
+    """Return the fit to the heights of the jumps of each aspect ratio."""
     heights, of_block = data.jump_height_m.values, data.jump_aspect_ratio.values
     return {
         float(shape): fit_exponential(heights[of_block == shape])

@@ -11,7 +11,7 @@ STUDIES = (compare_scaling, compare_restitution_angle, compare_stopping_depth)
 def compare_with_laws(
     progress: Progress | ProgressFunction | None = None,
 ) -> list[Comparison]:
-    """Every comparison with a law, on Table 1; some seconds on two cores.
+    """Make every comparison with a law, on Table 1; some seconds on two cores.
 
     Args:
         progress: called as `progress(done, studies)`.

@@ -34,7 +34,7 @@ def relative_deviation(model, law) -> np.ndarray:
 
 
 def verdict_of(deviation: float) -> Verdict:
-    """The verdict on a relative deviation; NaN is not computed."""
+    """Return the verdict on a relative deviation; NaN is not computed."""
     if not np.isfinite(deviation):
         return Verdict.not_computed
     if deviation <= HOLDS_WITHIN:
@@ -43,12 +43,12 @@ def verdict_of(deviation: float) -> Verdict:
 
 
 class Change(NamedTuple):
-    """How near one parameter of the ground alone brings the model to the law."""
+    """Effect of one parameter of the ground on the deviation from the law."""
 
     parameter: str
-    """Its column."""
+    """Column of the parameter."""
     present: float
-    """Its value in the comparison, in the column's unit."""
+    """Value in the comparison, in the column's unit."""
     nearest: float
     """The value, of those tried, with the smallest deviation."""
     at_the_edge: bool
@@ -64,7 +64,7 @@ class Comparison:
 
     name: str
     quantity: str
-    """What the numbers are, with the unit."""
+    """Name of the numbers, with the unit."""
     places: tuple[str, ...]
     """Place along the curve of each number; one empty text for a number alone."""
     law: tuple[float, ...]
@@ -73,7 +73,7 @@ class Comparison:
     """The range and the scenes it was measured over."""
     source: str
     note: str
-    """What one must know before one reads the verdict."""
+    """Caution for whoever reads the verdict."""
     changes: tuple[Change, ...]
     """Parameters of the ground that alone bring it nearer, the best first."""
     figure_name: str
@@ -108,7 +108,7 @@ CRITERION = (
 
 
 def as_findings(comparisons: list[Comparison]) -> list[Finding]:
-    """The comparisons in their order, L01 and so on."""
+    """Return the comparisons in their order, L01 and so on."""
     return [
         Finding(
             f"L{number:02d}",
@@ -178,8 +178,8 @@ MATTERS = 0.01
 
 
 def variants_of(soil: Soil) -> Soil:
-    """The soil itself, then one variant for each parameter and value of `TRIED`, as
-    fields of one shape."""
+    """List the soil itself, then one variant for each parameter and value of `TRIED`,
+    as fields of one shape."""
     count = 1 + len(TRIED) * VALUES
     columns = columns_of_part("soil", soil)
     fields = {}
@@ -193,7 +193,7 @@ def variants_of(soil: Soil) -> Soil:
 
 
 def strike(soils: Soil, block: Block, impact: Impact, **soil_axes) -> ImpactResult:
-    """Every impact on every soil, as arrays (soils, impacts).
+    """Compute every impact on every soil, as arrays (soils, impacts).
 
     Args:
         soils: fields that broadcast to (soils,). block, impact: fields that broadcast
@@ -210,7 +210,8 @@ def strike(soils: Soil, block: Block, impact: Impact, **soil_axes) -> ImpactResu
 
 
 def changes_of(soil: Soil, model: np.ndarray, law: np.ndarray) -> tuple[Change, ...]:
-    """Which parameters alone bring the model nearer, the one that helps most first.
+    """Find which parameters alone bring the model nearer, the one that helps most
+    first.
 
     Args:
         soil: as compared. model: (variants, places), of `variants_of(soil)`.

@@ -30,7 +30,7 @@ class Average(NamedTuple):
     spread: np.ndarray
     """Standard deviation."""
     outcomes: dict[str, int]
-    """How the impacts on the first soil ended."""
+    """Outcomes of the impacts on the first soil: word to count."""
 
 
 def average_restitution(soils: Soil, aspect_ratio: float, angles_deg) -> Average:

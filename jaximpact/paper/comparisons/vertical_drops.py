@@ -36,7 +36,7 @@ from .published_laws import (
 )
 
 MASS, SPEED = 500.0, 15.0
-"""What stays where the other is moved [kg, m/s]."""
+"""Mass and speed where the other is varied [kg, m/s]."""
 POINTS = 25
 STAND_INS = {
     "k_E": "k_E stands in for M_E, which plate loading measures and which includes "
@@ -159,8 +159,8 @@ def _laws(mass, speed, modulus) -> dict[str, np.ndarray]:
 
 
 def implied_modulus_kPa() -> dict[str, float]:
-    """The M_E at which each law gives what the model gives on Table 1 [kN/m2], by
-    result; for a sphere of `MASS` at `SPEED`."""
+    """Compute the M_E at which each law gives what the model gives on Table 1 [kN/m2],
+    by result; for a sphere of `MASS` at `SPEED`."""
     found = strike(Soil(), Block(mass=MASS), Impact(speed=SPEED))
     laws = _laws(MASS, SPEED, 1.0)
     return {
@@ -254,7 +254,7 @@ def _draw_curve(axes: Axes, curve: Curve) -> None:
 
 
 def steel_sphere() -> Block:
-    """The sphere, with the density that follows from mass and diameter."""
+    """Return the sphere, with the density that follows from mass and diameter."""
     mass = KatsuragiDurian().mass
     return Block(mass=mass, density=mass / (np.pi / 6.0 * DIAMETER**3))
 
@@ -364,7 +364,7 @@ def _draw_depths(axes: Axes) -> None:
 
 
 def _draw_changes(axes: Axes, changes: tuple[Change, ...]) -> None:
-    """A bar for each parameter: the deviation that is left at its best value."""
+    """Draw a bar for each parameter: the deviation that is left at its best value."""
     names = [
         f"{change.parameter}  {change.present:.3g} → {change.nearest:.3g}"
         + (" (edge)" if change.at_the_edge else "")

@@ -83,7 +83,7 @@ def _names(figure: PaperFigure) -> tuple[str, str, str]:
 
 
 def _write(new: NewFile, figure: PaperFigure, study: Study, table) -> None:
-    """The three files of a figure, whole or not at all."""
+    """Write the three files of a figure, whole or not at all."""
     manifest, drawing, data = map(new, _names(figure))
     with (
         replacing(manifest) as manifest_temporary,
@@ -103,13 +103,13 @@ def write_table(path: Path, table: Table) -> None:
 
 
 def _rows(table: Table) -> dict[str, int]:
-    """How many rows have which outcome, of an impact or of its whole run."""
+    """Count the rows of each outcome, of an impact or of its whole run."""
     name = OUTCOME_COLUMN if OUTCOME_COLUMN in table else ENDING_COLUMN
     return table[name].value_counts().to_dict() if name in table else {}
 
 
 def _conditions(study: Study) -> dict:
-    """What the figures of one directory have in common, ready for JSON."""
+    """Collect what the figures of one directory have in common, ready for JSON."""
     base, _ = study.parametric_set("I")
     return {
         "ground": study.ground,
@@ -120,7 +120,7 @@ def _conditions(study: Study) -> dict:
 
 
 def _manifest(figure: PaperFigure, study: Study, table: Table) -> dict:
-    """What the figure was computed from and with; what varies is in its table."""
+    """Write what the figure was computed from and with; what varies is in its table."""
     return {
         "figure": figure.number,
         "title": figure.title,

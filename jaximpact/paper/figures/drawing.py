@@ -72,7 +72,8 @@ SQUARES: dict[str, Any] = {"color": "black", "marker": "s", "markersize": 5, "lw
 
 
 def lettered_panels(rows: int, columns: int, **how) -> tuple[Figure, list[Axes]]:
-    """A figure with lettered panels, row by row, each with the numbers of its axes."""
+    """Begin a figure with lettered panels, row by row, each with the numbers of its
+    axes."""
     # The legends above and below take room of their own.
     how = {"height": 2.6 + 0.6 / rows, **how}
     figure, axes = panels(rows, columns, **how)
@@ -109,7 +110,7 @@ def colours_of(values: Iterable[float]) -> dict[float, tuple]:
 
 
 def draw_curves(axes: Axes, table: Table, x: str, y: str, **style) -> None:
-    """A curve for each aspect ratio; a jump is dotted."""
+    """Draw a curve for each aspect ratio; a jump is dotted."""
     for value, colour in colours_of(table[ASPECT_RATIO]).items():
         curve = table[table[ASPECT_RATIO] == value]
         draw_curve(axes, curve, x, y, **{"color": colour, **style})
@@ -117,7 +118,7 @@ def draw_curves(axes: Axes, table: Table, x: str, y: str, **style) -> None:
 
 
 def draw_curve(axes: Axes, curve: Table, x: str, y: str, **style) -> None:
-    """One curve in its pieces, if it has any."""
+    """Draw one curve in its pieces, if it has any."""
     pieces = [curve]
     if BRANCH in curve:
         pieces = [piece for _, piece in curve.groupby(BRANCH)]
@@ -130,7 +131,8 @@ def draw_curve(axes: Axes, curve: Table, x: str, y: str, **style) -> None:
 
 
 def draw_series(axes: Axes, table: Table, y: str) -> None:
-    """A time series for each aspect ratio up to its end, which the outcome marks."""
+    """Draw a time series for each aspect ratio up to its end, which the outcome
+    marks."""
     for value, colour in colours_of(table[ASPECT_RATIO]).items():
         series = table[table[ASPECT_RATIO] == value]
         draw_curve(axes, series, "time_s", y, color=colour)
@@ -183,5 +185,5 @@ def aspect_ratio_legend(
 
 
 def _scaled(table: Table, *columns: str) -> list[np.ndarray]:
-    """Columns in the units of their axes."""
+    """Return columns in the units of their axes."""
     return [table[name].to_numpy() / UNITS.get(name, 1.0) for name in columns]

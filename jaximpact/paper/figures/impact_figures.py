@@ -56,7 +56,7 @@ COEFFICIENTS: dict[str, tuple[str, dict[str, Any]]] = {
 def over_time(
     number: str, title: str, name: str, held: dict[str, float], series: Sequence[str]
 ) -> PaperFigure:
-    """A figure of time series for each aspect ratio of a set, one panel each.
+    """Draw a figure of time series for each aspect ratio of a set, one panel each.
 
     Args:
         name: of the parametric set.

@@ -79,7 +79,7 @@ def blocks_table(runs: Runs, trajectory: np.ndarray) -> Table:
 
 
 def case_values(study: Study) -> dict:
-    """What the runs were computed from, for the manifest."""
+    """Collect what the runs were computed from, for the manifest."""
     case = BiplanarCase()
     scene = study.parametric_set("I")[0]
     values = scene_values(scene)
@@ -127,7 +127,7 @@ def compute_10(study: Study) -> Table:
 
 @in_style
 def draw_10(table: Table) -> Figure:
-    """The profile with its lengths, and the parabola."""
+    """Draw the profile with its lengths, and the parabola."""
     figure, (axes,) = lettered_panels(1, 1, height=3.2)
     profile, flight = (table[table[LINE] == name] for name in (PROFILE, FLIGHT))
     x, y = profile["x_m"].to_numpy(), profile["y_m"].to_numpy()
@@ -158,8 +158,8 @@ def draw_10(table: Table) -> Figure:
 
 
 def compute_11(study: Study) -> Table:
-    """The trajectory of each shape, a row a moment: the height is that of the centre
-    above the ground. Contacts are left out, which last too short to be seen."""
+    """Return the trajectory of each shape, a row a moment: the height is that of the
+    centre above the ground. Contacts are left out, which last too short to be seen."""
     runs = study.slope_runs()
     free = runs.pieces.motion != MotionMode.contact
     pieces = Pieces(*(column[free] for column in runs.pieces))
@@ -194,8 +194,8 @@ def draw_11(table: Table) -> Figure:
 
 
 def compute_12(study: Study) -> Table:
-    """A row for each flight that begins at a contact: the highest point of the centre
-    above the ground, and by how much that is above its start."""
+    """Return a row for each flight that begins at a contact: the highest point of the
+    centre above the ground, and by how much that is above its start."""
     runs = study.slope_runs()
     flights = jumps(runs)
     chosen = np.flatnonzero(flights.after_contact)
@@ -243,7 +243,7 @@ def draw_12(table: Table) -> Figure:
 
 
 def compute_14(study: Study) -> Table:
-    """A row for each impact; coefficients are NaN where the centre does not come
+    """Return a row for each impact; coefficients are NaN where the centre does not come
     down."""
     runs = study.slope_runs()
     contacts, found = runs.contacts, restitutions(runs)

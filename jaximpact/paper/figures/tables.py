@@ -43,7 +43,7 @@ BRANCH = "branch"
 JUMP = 0.05
 """Change of the duration, by the longer one, that is a jump if it remains."""
 HALVINGS = 10
-"""How often the interval about a jump is halved."""
+"""Number of halvings of the interval about a jump."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Study:
         return parametric_set(name, self.ground)
 
     def slope_runs(self) -> Runs:
-        """The paper's slope run-out on two planes, computed once."""
+        """Return the paper's slope run-out on two planes, computed once."""
         if self.ground not in self.known:
             case, soil = BiplanarCase(), self.parametric_set("I")[0].soil
             self.known[self.ground] = simulate_runout(
@@ -87,7 +87,7 @@ class PaperFigure(NamedTuple):
 
     number: str
     title: str
-    """What it shows, in a line."""
+    """Title in a line."""
     sets: tuple[str, ...]
     """The parametric sets that it is computed from; none: the slope run-out."""
     compute: Callable[[Study], Table]

@@ -94,7 +94,7 @@ class Observed(NamedTuple):
     inputs: tuple[Path, ...]
     """Files that were read."""
     remarks: tuple[str, ...]
-    """What was not used as it stands."""
+    """Remarks on what was not used as it stands."""
 
     @property
     def fitted(self) -> tuple[Stops | Passages | Count, ...]:

@@ -195,7 +195,7 @@ class FittedParameter:
     coverage_68: float
     """Fraction of left-out data sets whose parameter lies in its 68 % interval."""
     coverage_95: float
-    """The same for its 95 % interval."""
+    """Fraction of left-out data sets whose parameter lies in its 95 % interval."""
 
     @property
     def ratio(self) -> float:
@@ -222,7 +222,7 @@ class Posterior:
     u: np.ndarray
     """Samples as probabilities under the priors, `(samples, parameters)`."""
     values: np.ndarray
-    """The same in the units of the names."""
+    """Samples in the units of the names, `(samples, parameters)`."""
     correlation: np.ndarray
     """Correlations of ranks, `(parameters, parameters)`."""
     left_out: int

@@ -1,4 +1,4 @@
-"""What the fitted ground predicts: data sets like the observed one, values at
+"""Predictions with the fitted ground: data sets like the observed one, values at
 collectors, curves of exceedance, and what barriers do, each with its interval."""
 
 import concurrent.futures
@@ -51,7 +51,8 @@ class ModelCheck(NamedTuple):
     worst: str
     """Name of the observed summary that deviates most."""
     deviation: float
-    """Its deviation from the predicted mean, in predicted standard deviations."""
+    """Deviation of that summary from the predicted mean, in predicted standard
+    deviations."""
 
     @property
     def explained(self) -> bool:
@@ -71,7 +72,7 @@ class Curve(NamedTuple):
     values: np.ndarray
     """`(values,)`, in that unit."""
     share: np.ndarray
-    """Of the blocks on all grounds, `(values,)`."""
+    """Fraction of the blocks on all grounds, `(values,)`."""
     low: np.ndarray
     """Lower end of the 95 % interval."""
     high: np.ndarray

@@ -47,7 +47,7 @@ class Pool(NamedTuple):
     t: np.ndarray
     """Predicted parameters, `(data sets, parameters)`."""
     t_observed: np.ndarray
-    """The same for what was observed, `(parameters,)`."""
+    """Parameters predicted from the observation, `(parameters,)`."""
     scale: np.ndarray
     """Standard deviations of z - t, `(parameters,)`."""
 

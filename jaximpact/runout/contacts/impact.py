@@ -224,7 +224,7 @@ def free_fraction(
 
 
 class Seen(NamedTuple):
-    """What is found of a contact without derivatives."""
+    """State of a contact, found without derivatives."""
 
     is_impact: Values
     """1 for an impact, 0 for a touch too slow to be one."""

@@ -65,7 +65,7 @@ class Touch(NamedTuple):
     """Block that touches the ground."""
 
     contact: PlaneContact
-    """In the frame of the plane that it touches."""
+    """Contact in the frame of the plane that the block touches."""
     slow: Values
     """Least closing speed of an impact [m/s]."""
 

@@ -46,7 +46,8 @@ class Standing(enum.IntEnum):
     confirmed = 0
     """Blocks on both sides make the same contacts, and the differences agree."""
     unchecked = 1
-    """No check was requested, or the parameter has no neighbour in its range."""
+    """Not checked: no check was requested, or the parameter has no neighbour in its
+    range."""
     sequence_changes = 2
     """Refused: with a relative change of 1e-6 the block makes other contacts, or moves
     in another mode between them."""

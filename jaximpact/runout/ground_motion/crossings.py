@@ -25,9 +25,9 @@ class Side(NamedTuple):
     exists: Values
     """1 where there is one."""
     segment: Values
-    """Its number."""
+    """Index of the segment."""
     slope: Values
-    """Its angle [rad]."""
+    """Slope angle of the segment [rad]."""
 
 
 class Edge(NamedTuple):

@@ -27,9 +27,9 @@ class End(NamedTuple):
     exists: Values
     """1 where there is a segment beyond it."""
     segment: Values
-    """Its number."""
+    """Index of the segment."""
     slope: Values
-    """Its angle [rad]."""
+    """Slope angle of the segment [rad]."""
 
 
 class LocalGround(NamedTuple):

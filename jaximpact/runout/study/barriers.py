@@ -205,7 +205,7 @@ class BarrierEstimates(NamedTuple):
 
     barrier: Barrier
     estimates: dict[str, Estimate]
-    """By name."""
+    """Estimates by name."""
 
 
 def estimates_at(

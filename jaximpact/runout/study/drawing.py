@@ -284,7 +284,7 @@ class DrawnGrounds(NamedTuple):
     colours: list[str]
     """Colour of each ground."""
     words: list[str]
-    """What each ground is, in a few words."""
+    """Description of each ground, in a few words."""
 
 
 def drawn_grounds(profile: Profile) -> DrawnGrounds:

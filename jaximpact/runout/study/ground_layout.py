@@ -1,4 +1,4 @@
-"""Where along the profile of a study each ground holds."""
+"""Grounds along the profile of a study."""
 
 import warnings
 from collections.abc import Iterable, Mapping
@@ -26,7 +26,7 @@ class Part(NamedTuple):
     key: str
     """Key under [ground]: segment.2 or materials.scree."""
     quantities: dict[str, Quantity | RandomField]
-    """Its quantities by name, in the units of the names."""
+    """Quantities by name, in the units of the names."""
     segment: int | None = None
     """Index of a segment, from 0."""
     ends: tuple[float, ...] | None = None

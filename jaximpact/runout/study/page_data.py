@@ -1,4 +1,4 @@
-r"""What a study's page shows along the profile: drawing and exceedance curves.
+r"""Data of a study's page along the profile: drawing and exceedance curves.
 
 The profile and the trajectories are paths of SVG. A piece of a trajectory has a
 constant acceleration, and so is a parabola, which a quadratic Bezier curve with the
