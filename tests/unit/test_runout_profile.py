@@ -112,3 +112,15 @@ def test_a_few_grounds_are_drawn_one_by_one_and_many_in_classes():
     assert many.number == sorted(many.number)
     expected = np.minimum((c_v - 0.4) / 0.1, 4.0).astype(int)
     np.testing.assert_array_equal(many.number, expected)
+
+
+def test_grounds_are_named_by_material_and_by_what_is_alike_for_all_blocks():
+    profile = Profile([0, 1, 2, 3], [3, 2, 1, 0], Soil(c_v=0.5, k_E=[900, 500, 900]))
+    drawn = drawn_grounds(profile, ("scree", "meadow", ""), {"k_E"})
+    assert drawn.number == [0, 1, 2]
+    assert drawn.words == ["scree", "meadow", "one ground"]
+    assert drawn_grounds(profile, (), {"k_E"}).words == ["one ground"]
+    assert drawn_grounds(profile, ("scree", "meadow", "scree")).words == [
+        "scree, k_E = 900",
+        "meadow, k_E = 500",
+    ]

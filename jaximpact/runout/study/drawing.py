@@ -1,7 +1,7 @@
 """Drawings of a run-out study."""
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -50,6 +50,8 @@ GROUNDS = (SOIL, "#c9b99a", "#dfe3d3", "#b8c4bb", "#e6cfc3", "#a89f91")
 """Colours of the segments' grounds, in the order in which they come."""
 SHOWN_GROUNDS = len(GROUNDS)
 """Largest number of grounds that are told apart; more are drawn in classes."""
+LEGEND_WIDTH = 95
+"""Number of characters that fit side by side into a legend, gaps included."""
 CLASSES = 5
 """Number of classes of a quantity of the ground that varies along the profile."""
 PALEST, DARKEST = 0.1, 0.55
@@ -59,7 +61,11 @@ seen on them."""
 
 @in_style
 def plot_trajectories(
-    runs: Runs, collectors: np.ndarray, title: str, path: Path
+    runs: Runs,
+    drawn: "DrawnGrounds",
+    collectors: np.ndarray,
+    title: str,
+    path: Path,
 ) -> None:
     """Draw the trajectories of all blocks, coloured by speed, over the profile."""
     shape = np.ptp(runs.profile.y) / np.ptp(runs.profile.x)
@@ -68,7 +74,7 @@ def plot_trajectories(
     figure, (axes,) = panels(
         height=height, title=f"{plain(title)}: the first {count} trajectories"
     )
-    grounds = _draw_ground(axes, runs.profile)
+    grounds = _draw_ground(axes, runs.profile, drawn)
     lines, speeds = [], []
     for i in range(count):
         samples = runs.path(i, SPACING)
@@ -89,12 +95,16 @@ def plot_trajectories(
     axes.set(xlabel="x [m]", ylabel="y [m]")
     axes.set_aspect("equal", adjustable="datalim")
     axes.autoscale_view()
-    legend_outside(figure, handles, ncols=4 if len(handles) <= 4 else 2)
+    longest = max(len(str(handle.get_label())) for handle in handles)
+    columns = max(1, min(4, LEGEND_WIDTH // (longest + 6)))
+    legend_outside(figure, handles, ncols=columns)
     save_figure(figure, path)
 
 
 @in_style
-def plot_envelopes(dataset: xr.Dataset, profile: Profile, path: Path) -> None:
+def plot_envelopes(
+    dataset: xr.Dataset, profile: Profile, drawn: "DrawnGrounds", path: Path
+) -> None:
     """Draw height, speed and energy along the profile: the largest, and percentiles of
     the blocks' own largest in each bin."""
     title = f"{plain(dataset.title)}: largest values of the blocks in bins of x"
@@ -111,7 +121,7 @@ def plot_envelopes(dataset: xr.Dataset, profile: Profile, path: Path) -> None:
     axes[3].stairs(dataset.blocks_in_bin.values, edges, color="black")
     axes[3].set_ylabel("blocks\nin the bin")
     axes[3].set_ylim(bottom=0.0)
-    _finish_envelopes(axes[:3], axes[4], profile)
+    _finish_envelopes(axes[:3], axes[4], profile, drawn)
     figure.align_ylabels(axes)
     legend_outside(figure, [*axes[0].patches, *axes[4].patches][:4])
     save_figure(figure, path)
@@ -154,7 +164,10 @@ def plot_collectors(dataset: xr.Dataset, path: Path) -> None:
 
 @in_style
 def plot_comparison(
-    datasets: Mapping[str, xr.Dataset], profile: Profile, path: Path
+    datasets: Mapping[str, xr.Dataset],
+    profile: Profile,
+    drawn: "DrawnGrounds",
+    path: Path,
 ) -> None:
     """Draw where blocks stopped by each law, and its envelopes along the profile."""
     title = plain(next(iter(datasets.values())).title)
@@ -178,7 +191,7 @@ def plot_comparison(
             )
     axes[0].set_ylabel("fraction\nstopped by x [-]")
     axes[0].set_ylim(0.0, 1.02)
-    _finish_envelopes(axes[1:4], axes[4], profile)
+    _finish_envelopes(axes[1:4], axes[4], profile, drawn)
     figure.align_ylabels(axes)
     legend_outside(figure, axes[0].lines, ncols=3)
     save_figure(figure, path)
@@ -235,11 +248,13 @@ def _draw_exceedance(
         )
 
 
-def _finish_envelopes(axes: list[Axes], ground: Axes, profile: Profile) -> None:
+def _finish_envelopes(
+    axes: list[Axes], ground: Axes, profile: Profile, drawn: "DrawnGrounds"
+) -> None:
     for panel, (_, label, _) in zip(axes, ENVELOPES, strict=True):
         panel.set_ylabel(label)
         panel.set_ylim(bottom=0.0)
-    _draw_ground(ground, profile)
+    _draw_ground(ground, profile, drawn)
     ground.set(xlabel="x [m]", ylabel="y [m]")
 
 
@@ -251,10 +266,9 @@ def _finish_exceedance(axes: list[Axes]) -> None:
         panel.set_ylim(0.0, 1.02)
 
 
-def _draw_ground(axes: Axes, profile: Profile) -> list[Patch]:
+def _draw_ground(axes: Axes, profile: Profile, drawn: "DrawnGrounds") -> list[Patch]:
     """Draw the profile, segments of different ground in different colours, and give the
     entries of a legend."""
-    drawn = drawn_grounds(profile)
     bottom = bottom_of(profile)
     for segment, ground in enumerate(drawn.number):
         ends = slice(segment, segment + 2)
@@ -287,17 +301,22 @@ class DrawnGrounds(NamedTuple):
     """Description of each ground, in a few words."""
 
 
-def drawn_grounds(profile: Profile) -> DrawnGrounds:
+def drawn_grounds(
+    profile: Profile, materials: Sequence[str] = (), random: Collection[str] = ()
+) -> DrawnGrounds:
     """Choose colours and words for the grounds of a profile.
+
+    Args:
+        materials, random: as in `grounds_of`.
 
     Where there are more than `SHOWN_GROUNDS`, as on a ground that varies along the way,
     they are drawn in classes of equal width of the quantity that varies most.
     """
-    number, told = grounds_of(profile)
+    number, told = grounds_of(profile, materials, random)
     if len(told) <= SHOWN_GROUNDS:
         words = [", ".join(words[:3]) or "one ground" for words in told]
         return DrawnGrounds(number, list(GROUNDS[: len(told)]), words)
-    names, values = _ground_values(profile)
+    names, values = _ground_values(profile, random)
     spread = np.std(values, axis=0) / np.maximum(np.mean(np.abs(values), axis=0), 1e-12)
     most = int(np.argmax(spread))
     edges = np.linspace(values[:, most].min(), values[:, most].max(), CLASSES + 1)
@@ -312,29 +331,46 @@ def drawn_grounds(profile: Profile) -> DrawnGrounds:
     return DrawnGrounds(place.tolist(), [to_hex(shade) for shade in shades], words)
 
 
-def grounds_of(profile: Profile) -> tuple[list[int], list[list[str]]]:
+def grounds_of(
+    profile: Profile, materials: Sequence[str] = (), random: Collection[str] = ()
+) -> tuple[list[int], list[list[str]]]:
     """Number the different grounds of a profile, in the order in which they come.
 
+    Args:
+        materials: material of each segment, "" for none.
+        random: quantities that differ from block to block, which the profile's values
+            do not say.
+
     Returns:
-        The number of each segment's ground, and for each ground the quantities in which
-        grounds differ, such as "c_v = 0.5".
+        The number of each segment's ground, and for each ground its material, if it has
+        one, and the quantities in which grounds differ, such as "c_v = 0.5".
     """
-    names, values = _ground_values(profile)
-    grounds, number = np.unique(values, axis=0, return_inverse=True)
+    names, values = _ground_values(profile, random)
+    known = list(materials or [""] * profile.segments)
+    index = [known.index(material) for material in known]
+    keys, first, number = np.unique(
+        np.column_stack([index, values]), axis=0, return_index=True, return_inverse=True
+    )
     order = list(dict.fromkeys(number.ravel().tolist()))
-    differing = np.flatnonzero(np.any(grounds != grounds[0], axis=0))
+    differing = np.flatnonzero(np.any(keys[:, 1:] != keys[0, 1:], axis=0))
     told = [
-        [f"{names[i]} = {grounds[ground, i]:g}" for i in differing] for ground in order
+        [known[first[ground]]] * bool(known[first[ground]])
+        + [f"{names[i]} = {values[first[ground], i]:g}" for i in differing]
+        for ground in order
     ]
     return [order.index(ground) for ground in number.ravel().tolist()], told
 
 
-def _ground_values(profile: Profile) -> tuple[list[str], np.ndarray]:
-    """Give the names of the ground's quantities and their values by segment, in the
-    units of their names, `(segments, quantities)`."""
-    columns, values = ground_columns(profile.soil), ground_values(profile)
-    in_units = [values[name] / column.factor for name, column in columns.items()]
-    return list(columns), np.stack(in_units, axis=1)
+def _ground_values(
+    profile: Profile, random: Collection[str]
+) -> tuple[list[str], np.ndarray]:
+    """Give the names of the ground's quantities that are not random and their values by
+    segment, in the units of their names, `(segments, quantities)`."""
+    columns = ground_columns(profile.soil)
+    names = [name for name in columns if name not in random]
+    values = ground_values(profile)
+    in_units = [values[name] / columns[name].factor for name in names]
+    return names, np.stack(in_units, axis=1)
 
 
 def bottom_of(profile: Profile) -> float:

@@ -54,6 +54,14 @@ class GroundLayout(NamedTuple):
         """x of the middles of the segments [m], `(segments,)`."""
         return 0.5 * (self.profile.x[1:] + self.profile.x[:-1])
 
+    def materials(self, parts: Iterable[Part]) -> tuple[str, ...]:
+        """Name the material of each segment, "" for none, of the parts of the slope."""
+        found = np.full(self.profile.segments, "", object)
+        for part in parts:
+            if part.segment is None:
+                found[self.places[part.key]] = part.name
+        return tuple(found)
+
     def where(self, key: str) -> np.ndarray:
         """Tell on which segments a quantity holds, by its key, bool `(segments,)`.
 

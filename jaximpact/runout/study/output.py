@@ -92,10 +92,13 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> N
     write_netcdf(new("blocks.nc"), dataset)
     write_text(new("stops.csv"), _stops(dataset))
     first = simulate(study, np.arange(min(SHOWN, study.release.count)))
-    drawing.plot_trajectories(first, study.collectors, study.title, new("profile.png"))
+    grounds = drawing.drawn_grounds(study.profile, study.materials, study.random_ground)
+    drawing.plot_trajectories(
+        first, grounds, study.collectors, study.title, new("profile.png")
+    )
     write_map_files(study, dataset, first, new)
     write_text(new("report.html"), report_page(study, dataset, first))
-    drawing.plot_envelopes(dataset, study.profile, new("envelopes.png"))
+    drawing.plot_envelopes(dataset, study.profile, grounds, new("envelopes.png"))
     drawing.plot_stops(dataset, new("stops.png"))
     if len(study.collectors):
         rows = collector_rows(dataset)
@@ -198,7 +201,8 @@ def write_comparison(
     Raises OSError where the file system refuses.
     """
     write_text(new("comparison.csv"), _csv(LAW_COLUMNS, _law_rows(datasets)))
-    drawing.plot_comparison(datasets, study.profile, new("comparison.png"))
+    grounds = drawing.drawn_grounds(study.profile, study.materials, study.random_ground)
+    drawing.plot_comparison(datasets, study.profile, grounds, new("comparison.png"))
     if len(study.collectors):
         table = _csv_of_laws(COLLECTOR_COLUMNS, datasets, collector_rows)
         write_text(new("comparison_collectors.csv"), table)

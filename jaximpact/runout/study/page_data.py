@@ -61,7 +61,7 @@ def page_profile(study: SlopeStudy, runs: Runs) -> dict:
     finite = runs.pieces.y[np.isfinite(runs.pieces.y)]
     units = Units(study.profile, float(np.max(finite, initial=study.profile.y.max())))
     speeds, shown = _trajectories(runs, units)
-    drawn = drawn_grounds(study.profile)
+    drawn = drawn_grounds(study.profile, study.materials, study.random_ground)
     known = np.isfinite(runs.x[:shown]) & np.isfinite(runs.y[:shown])
     ends = zip(*units(runs.x[:shown][known], runs.y[:shown][known]), strict=True)
     line = zip(*units(study.profile.x, study.profile.y), strict=True)

@@ -301,7 +301,7 @@ def _inputs(dataset: xr.Dataset) -> Rows:
 
 def _grounds(study: SlopeStudy) -> Rows:
     """Write the stretches of ground that is alike for all blocks."""
-    number, told = grounds_of(study.profile)
+    number, told = grounds_of(study.profile, study.materials, study.random_ground)
     x = study.profile.x
     rows: Rows = [("x from [m]", "to [m]", "ground")]
     start = 0

@@ -76,6 +76,10 @@ class SlopeStudy(NamedTuple):
     ground_told: dict
     """Ground as the file says it, with the angles that have their defaults, ready for
     JSON."""
+    materials: tuple[str, ...]
+    """Material of each segment, "" for none."""
+    random_ground: frozenset[str]
+    """Names of the quantities of the ground that differ from block to block."""
     laws: dict[str, str]
     """Laws of the soil and shapes of the blocks, with digests of those that are not the
     package's; see `identity.part_names`."""
@@ -251,6 +255,11 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
                 for key in (*jointly, *ground_input.varied())
             },
             ground_told=_default_angles(profile) | content.get("ground", {}),
+            materials=layout.materials(ground_input.parts.values()),
+            random_ground=frozenset(
+                key.split(".")[-1]
+                for key in (*jointly, *ground_input.varied(), *fields)
+            ),
             laws=part_names(ground.soil, release.block),
             contacts=law.contacts,
             law=law.told,
