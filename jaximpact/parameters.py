@@ -221,6 +221,14 @@ def with_unit(value, unit: str = "-", factor: float = 1.0) -> str:
 Row = tuple[str, ...]
 
 
+def text_table(head: str, rows: Iterable[Row]) -> str:
+    """Make a table of names, values and meanings below a line of text."""
+    rows = list(rows)
+    names, values = (max(len(row[i]) for row in rows) for i in (0, 1))
+    lines = (f"  {row[0]:<{names}}  {row[1]:<{values}}  {row[2]}" for row in rows)
+    return "\n".join([head, *lines])
+
+
 def html_table(head: str, rows: Iterable[Row]) -> str:
     """Make a table for notebooks; a row of one cell is a heading within it."""
     left = 'style="text-align:left"'

@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float
 
 from ..errors import InputError
 from ..laws import Branch
-from ..parameters import with_unit
+from ..parameters import Row, html_table, text_table, with_unit
 from .dynamics import Work, elastic_energy, kinetic_energy
 from .events import Outcome
 from .problem import Problem
@@ -23,7 +23,7 @@ import dataclasses
 import equinox as eqx
 
 from .._types import Scalar
-from ..quantities import FURTHER_COLUMNS, RESULT_COLUMNS
+from ..quantities import ENERGY_COLUMNS, FURTHER_COLUMNS, RESULT_COLUMNS
 
 Series = Float[Array, "*lanes times"]
 
@@ -37,10 +37,10 @@ SERIES = {
     "rotation": ("rad", "rotation since touch"),
     "normal_velocity": ("m/s", "v_n, into the ground"),
     "tangential_velocity": ("m/s", "v_t, down-slope"),
-    "angular_velocity": ("rad/s", "spin"),
-    "normal_force": ("N", "N"),
-    "tangential_force": ("N", "T"),
-    "moment": ("N m", "M"),
+    "angular_velocity": ("rad/s", "spin, clockwise"),
+    "normal_force": ("N", "N, normal force"),
+    "tangential_force": ("N", "T, tangential force"),
+    "moment": ("N m", "M, moment"),
     "hardening": ("-", "rho_c, hardening variable"),
     "foundation_length": ("m", "length of the equivalent foundation"),
     "foundation_width": ("m", "width of the equivalent foundation"),
@@ -96,12 +96,24 @@ class History(NamedTuple):
     """Whether a time is in the contact; None with `history=True`, where all are."""
 
     def __repr__(self) -> str:
-        inside = (
-            f"{name}={with_unit(series, SERIES[name][0] or '-')}"
-            for name, series in self._asdict().items()
-            if series is not None
-        )
+        inside = (f"{name}={value}" for name, value, _ in self._rows())
         return f"History({', '.join(inside)})"
+
+    def __str__(self) -> str:
+        return text_table(f"History: {np.shape(self.time)[-1]} times", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("History", self._rows())
+
+    def _rows(self) -> list[Row]:
+        given = {
+            name: each for name, each in self._asdict().items() if each is not None
+        }
+        units = {name: unit or "-" for name, (unit, _) in SERIES.items()}
+        return [
+            (name, with_unit(each, units[name]), SERIES[name][1])
+            for name, each in given.items()
+        ]
 
     def to_xarray(self, dims: Sequence[str] | None = None) -> "xr.Dataset":
         """Return the series as a dataset over `time`, with units and meanings.
@@ -279,10 +291,20 @@ class EnergyLedger(NamedTuple):
         )
 
     def __repr__(self) -> str:
-        items = (
-            f"{name}={with_unit(item, 'J')}" for name, item in self._asdict().items()
-        )
+        items = (f"{name}={value}" for name, value, _ in self._rows())
         return f"EnergyLedger({', '.join(items)})"
+
+    def __str__(self) -> str:
+        return text_table("EnergyLedger", self._rows())
+
+    def _repr_html_(self) -> str:
+        return html_table("EnergyLedger", self._rows())
+
+    def _rows(self) -> list[Row]:
+        return [
+            (name, with_unit(item, "J"), ENERGY_COLUMNS[f"energy_{name}_J"].meaning)
+            for name, item in self._asdict().items()
+        ]
 
 
 class ImpactSummary(eqx.Module):

@@ -453,3 +453,15 @@ def test_copies_are_the_same(name, copied, request):
         jax.tree.leaves(again), jax.tree.leaves(result), strict=True
     ):
         np.testing.assert_array_equal(received, expected)
+
+
+def test_histories_and_ledgers_show_values_with_units_and_meanings():
+    result = simulate(Scene(), history=True)
+    energy, history = result.energy, result.history
+    assert "kinetic_in=9800 J" in repr(energy)
+    assert "kinetic_in    9800 J" in str(energy)
+    assert "<td" in energy._repr_html_() and "9800 J" in energy._repr_html_()
+    lines = str(history).splitlines()
+    assert lines[0] == f"History: {len(history.time)} times"
+    assert any("normal_force" in x and x.endswith("N, normal force") for x in lines)
+    assert "N, normal force" in history._repr_html_()
