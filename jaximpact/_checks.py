@@ -10,7 +10,7 @@ from .errors import InputError
 
 
 def real_numbers(name: str, value) -> np.ndarray | jax.Array:
-    """Real numbers as a float64 array; an array of JAX as it is.
+    """Return the real numbers as a float64 array; an array of JAX as it is.
 
     Args:
         name: what an error calls them.

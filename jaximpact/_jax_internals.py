@@ -44,7 +44,7 @@ def setting(name: str):
 
 
 def result_types(shapes: Sequence[tuple], operands: Sequence) -> list:
-    """Types of float64 results of these shapes.
+    """Return the types of float64 results of these shapes.
 
     Inside `jax.shard_map` they vary over the axes of the mesh over which what they come
     from does.
@@ -136,7 +136,7 @@ def scan_counts(equation) -> tuple[int, int]:
 
 
 def bind(equation, operands: Sequence) -> list:
-    """Results of an equation's operation on other operands."""
+    """Return the results of an equation's operation on other operands."""
     primitive = equation.primitive
     params = primitive.get_bind_params(equation.params)
     results = primitive.bind(*operands, **params)

@@ -36,7 +36,7 @@ PACKAGES = (
 
 
 def version_of(package: str) -> str:
-    """Version of an installed package, or the words "not installed"."""
+    """Return the version of an installed package, or the words "not installed"."""
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
@@ -44,6 +44,7 @@ def version_of(package: str) -> str:
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python and of the packages that a result depends on, by name."""
+    """Return the versions of Python and of the packages that a result depends on, by
+    name."""
     found = {"python": platform.python_version()}
     return found | {package: version_of(package) for package in PACKAGES}

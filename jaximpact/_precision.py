@@ -23,7 +23,7 @@ def require_float64() -> None:
 
 
 def float64_leaf(value) -> Float[Array, "..."]:
-    """`value` as a float64 array: the converter of every parameter field.
+    """Return `value` as a float64 array: the converter of every parameter field.
 
     A plain number stays a concrete array even inside `jax.jit`, so that a simulation
     can still see there that a scene has no dashpots.
@@ -40,7 +40,7 @@ def float64_leaf(value) -> Float[Array, "..."]:
 
 @functools.lru_cache(maxsize=4096)
 def _number(value: float, sign: float) -> Float[Array, ""]:
-    """Turn a plain number as an array; making one takes 20 microseconds, and a scene
+    """Turn a plain number into an array; making one takes 20 microseconds, and a scene
     has thirty, most of them defaults."""
     with jax.ensure_compile_time_eval():
         return jnp.asarray(value, dtype=jnp.float64)

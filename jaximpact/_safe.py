@@ -15,13 +15,13 @@ TINY = 1e-30
 
 
 def safe_sqrt(x: Scalar) -> Scalar:
-    """Square root of `max(x, 0)`; value 0 and gradient 0 for `x <= 0`."""
+    """Compute the square root of `max(x, 0)`; value 0 and gradient 0 for `x <= 0`."""
     positive = x > 0
     return jnp.where(positive, jnp.sqrt(jnp.where(positive, x, 1.0)), 0.0)
 
 
 def safe_power(x: Scalar, exponent: Scalar) -> Scalar:
-    """`x ** exponent` for `x > 0`; value 0 and gradient 0 for `x <= 0`.
+    """Compute `x ** exponent` for `x > 0`; value 0 and gradient 0 for `x <= 0`.
 
     Written as `exp(exponent log x)`: the same value to rounding, and both factors
     vectorise on a CPU where `pow` does not.

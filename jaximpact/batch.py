@@ -187,7 +187,7 @@ def simulate_batch(
 
 
 def _rows(numbers: ImpactSummary) -> np.ndarray:
-    """Numbers of impacts as rows `(impacts, numbers)`."""
+    """Return the numbers of impacts as rows `(impacts, numbers)`."""
     return np.stack(jax.tree.leaves(numbers), axis=-1)
 
 
@@ -371,8 +371,8 @@ def compute_scenes(
 def _groups(
     scene: Scene, order: np.ndarray, model_tolerance: float, ledger: bool
 ) -> list[tuple[Scene, Assembly, np.ndarray]]:
-    """Scenes of one shape, an assembly of the model for it, and the indices of the
-    scenes that the assembly is for."""
+    """Return the scenes of one shape, an assembly of the model for it, and the indices
+    of the scenes that the assembly is for."""
     groups = []
     for alone, of_shape in by_shape(scene):
         models = np.where(of_shape, model_places(alone, model_tolerance), -1)[order]
@@ -390,7 +390,7 @@ def _groups(
 def _workers(
     scene: Scene, assembly: Assembly, chosen: np.ndarray, accuracy: Accuracy
 ) -> Sequence[Worker]:
-    """Workers for the chosen scenes, with what they run compiled."""
+    """Return the workers for the chosen scenes, with what they run compiled."""
     kernel = compile_native(assembly) if computes_on_cpu() else None
     if kernel is not None:
         return [NativeWorker(kernel, scene, accuracy)] * thread_count()

@@ -31,9 +31,9 @@ def part_names(*wholes: Composite) -> dict[str, str]:
 
 
 def name_of(kind: type[Part]) -> str:
-    """Module and name of a class; of one that is not the package's the name of its
-    file, however it was found, and a digest of its source. Of one that is made of
-    several, those of each."""
+    """Return the module and name of a class; of one that is not the package's the name
+    of its file, however it was found, and a digest of its source. Of one that is made
+    of several, those of each."""
     if kinds := made_of(kind):
         return " and ".join(name_of(one) for one in kinds)
     if is_ours(kind):
@@ -46,11 +46,11 @@ def name_of(kind: type[Part]) -> str:
 
 
 def described(tree) -> tuple | None:
-    """Everything of a tree that a program compiled for it depends on: classes, digests
-    of those that are not the package's, and static fields; None if that is not known:
-    of a class without source, or whose source was edited since, of a static field that
-    holds more than plain values, or of a node that is neither a module nor a container
-    of Python."""
+    """Return everything of a tree that a program compiled for it depends on: classes,
+    digests of those that are not the package's, and static fields; None if that is not
+    known: of a class without source, or whose source was edited since, of a static
+    field that holds more than plain values, or of a node that is neither a module nor a
+    container of Python."""
     if tree is None or jax.tree_util.all_leaves([tree]):
         return ("value", tree is not None)
     kind, static = type(tree), {}
@@ -80,10 +80,11 @@ def _is_plain(value) -> bool:
 
 @functools.cache
 def source_digest(kind: type) -> str | None:
-    """Digest of the sources that a class is made of: its module, those of the classes
-    it derives from, and those that they take names from, but for installed packages.
-    "" if all are the package's; None if one has no source, as in an interactive
-    session, or was made inside a function, whose variables no source tells."""
+    """Compute the digest of the sources that a class is made of: its module, those of
+    the classes it derives from, and those that they take names from, but for installed
+    packages. "" if all are the package's; None if one has no source, as in an
+    interactive session, or was made inside a function, whose variables no source
+    tells."""
     if kinds := made_of(kind):
         digests = [source_digest(one) for one in kinds]
         known = [digest for digest in digests if digest is not None]
@@ -98,8 +99,8 @@ def source_digest(kind: type) -> str | None:
 
 @functools.cache
 def _modules_of(kind: type) -> list[ModuleType] | None:
-    """Modules that `source_digest` reads, by their names; None if the class is in
-    none."""
+    """Return the modules that `source_digest` reads, by their names; None if the class
+    is in none."""
     modules: dict[str, ModuleType] = {}
     for base in kind.__mro__:
         module = sys.modules.get(base.__module__)

@@ -27,7 +27,8 @@ class Progress:
         """
 
     def within(self, step: str) -> "Progress":
-        """Progress of a part of the work, whose lines begin with the step's name."""
+        """Return progress of a part of the work, whose lines begin with the step's
+        name."""
         return _Within(self, step)
 
 
@@ -71,7 +72,7 @@ def as_progress(given: Progress | ProgressFunction | None) -> Progress:
 
 
 def in_words(what: str, done: int | None = None, total: int | None = None) -> str:
-    """Progress as a line of text: `"compiling once"`, `"3 of 10 impacts"`."""
+    """Return progress as a line of text: `"compiling once"`, `"3 of 10 impacts"`."""
     return what if total is None else f"{done} of {total} {what}"
 
 

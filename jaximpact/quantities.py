@@ -168,7 +168,7 @@ def _columns_of(*parts: tuple) -> dict[str, InputColumn]:
 
 @functools.cache
 def _taken() -> dict[str, str]:
-    """Names that tables and files have for something else, and for what."""
+    """Return the names that tables and files have for something else, and for what."""
     results = (*RESULT_COLUMNS, *FURTHER_COLUMNS, *ENERGY_COLUMNS, OUTCOME_COLUMN)
     results += (*DERIVED_COLUMNS, *CURVE_COLUMNS, TIME_COLUMN)
     return {

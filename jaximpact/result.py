@@ -242,7 +242,7 @@ def _is_known(leaf) -> bool:
 
 
 def _described(heading: str, columns: dict) -> str:
-    """Numbers with unit and meaning, as lines of a docstring."""
+    """Return the numbers with unit and meaning, as lines of a docstring."""
     lines = [f"        {c.field} [{c.unit}]: {c.meaning}." for c in columns.values()]
     return "\n".join(["", f"    {heading}:", *lines, ""])
 

@@ -304,7 +304,7 @@ class Selection:
         self._numpy = jnp if self.traced else np
 
     def of_numbers(self, tree):
-        """Entries of arrays that have one entry for each impact."""
+        """Return the entries of arrays that have one entry for each impact."""
         return jax.tree.map(lambda leaf: self._entries(leaf, self._shape, 0), tree)
 
     def of_scene(self, scene: Scene) -> Scene:
@@ -328,7 +328,8 @@ class Selection:
         return selected
 
     def of_history(self, history):
-        """Entries of series, whose last axis is time; one for all impacts stays."""
+        """Return the entries of series, whose last axis is time; one for all impacts
+        stays."""
 
         def of_series(leaf):
             if np.ndim(leaf) < 2:

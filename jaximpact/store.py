@@ -63,7 +63,8 @@ class Store:
         self._directory: int | None = None
 
     def get(self, kind: str, key: str) -> bytes | None:
-        """Content put under a key; None where there is none, or none to be trusted."""
+        """Return the content put under a key; None where there is none, or none to be
+        trusted."""
         name = _file_name(kind, key)
         with contextlib.suppress(OSError, Refused):
             data = self._read(name)
@@ -140,7 +141,8 @@ class PrivateStore(Store):
             raise
 
     def get(self, kind: str, key: str) -> bytes | None:
-        """Content put under a key; None where there is none, or none to be trusted."""
+        """Return the content put under a key; None where there is none, or none to be
+        trusted."""
         content = super().get(kind, key)
         if content is not None:
             # The time of use; a directory may be for reading only.
@@ -268,7 +270,7 @@ def open_cache() -> PrivateStore | None:
 
 
 def kept(key: str, make: Callable[[], bytes]) -> bytes:
-    """Machine code that `make` gives, or gave another time under this key.
+    """Return the machine code that `make` gives, or gave another time under this key.
 
     Args:
         key: names everything that the code depends on.

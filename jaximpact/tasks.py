@@ -339,7 +339,8 @@ class WorkerlessWarner:
 
 
 def error_of(future: Any) -> BaseException | None:
-    """Error of a future that has finished, an InputError where a package is missing."""
+    """Return the error of a future that has finished, an InputError where a package is
+    missing."""
     try:
         error = future.exception()
     except concurrent.futures.CancelledError as cancelled:

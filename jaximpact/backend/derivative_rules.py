@@ -67,8 +67,8 @@ class Given(NamedTuple):
         return self.structure.num_leaves
 
     def leaves(self, values: list, unknown: Sequence[int] = ()) -> list:
-        """Leaves of the scene, with the values of those at `places`, and with NaN for
-        those that are not known."""
+        """Return the leaves of the scene, with the values of those at `places`, and
+        with NaN for those that are not known."""
         leaves = list(self.rest[:-2])
         for place, value in zip(self.places, values, strict=True):
             leaves[place] = value
@@ -77,7 +77,7 @@ class Given(NamedTuple):
         return leaves
 
     def solution(self, rows) -> Solution:
-        """Results from their rows."""
+        """Return the results from their rows."""
         return jax.tree.unflatten(_structure(self.ledger, self.sampled), rows)
 
 
@@ -258,7 +258,7 @@ def _along(columns: list, steps: list) -> list:
 
 
 def _values(given: Given, values: list, times) -> Solution:
-    """Results without derivatives."""
+    """Return the results without derivatives."""
     chosen = _choose(given, values, [], 0)
     if chosen is None:
         return _by_xla(given, values, times, [])
@@ -390,7 +390,8 @@ def _exact_model(structure, deciding: tuple[float, ...]):
 
 @functools.lru_cache(maxsize=256)
 def _groups(structure) -> tuple[set[int], set[int], set[int]]:
-    """Leaves of a scene: those that may leave the symmetry, of dashpots, others."""
+    """Return the leaves of a scene: those that may leave the symmetry, of dashpots,
+    others."""
     scene = jax.tree.unflatten(structure, range(structure.num_leaves))
     posture = {*jax.tree.leaves((scene.block.shape, scene.impact))}
     posture -= {scene.impact.speed}
@@ -436,8 +437,8 @@ def _operation(
 
 
 def _by_xla(given: Given, values: list, times, varied: list[int]) -> Any:
-    """Results by XLA's program, with leaves in `varied` also their derivatives, as
-    `_columns` gives them."""
+    """Return the results by XLA's program, with leaves in `varied` also their
+    derivatives, as `_columns` gives them."""
     from .xla_backend import in_xla  # loads diffrax, which takes a while
 
     known = [np.nan if isinstance(x, Tracer) else x for x in values]

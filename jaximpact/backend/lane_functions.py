@@ -127,8 +127,8 @@ class _Along:
 
 
 def _changing(traced, lanes: Lanes, place: int) -> list[int]:
-    """Leaves of lanes that change with a leaf of their inputs, in their course or, as
-    constants, from the start."""
+    """Return the leaves of lanes that change with a leaf of their inputs, in their
+    course or, as constants, from the start."""
     varied = [i == place for i in range(len(traced.in_avals))]
     from_start = depends(traced.jaxpr, varied)
     course = {id(leaf) for leaf in jax.tree.leaves(lanes.course)}

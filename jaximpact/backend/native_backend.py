@@ -174,7 +174,7 @@ def kept_code(what: tuple, tree, make: Callable[[], Any]) -> Any:
 
 @functools.cache
 def installed() -> tuple[dict[str, str], str]:
-    """Versions of packages, and a digest of this package's source."""
+    """Return the versions of packages, and a digest of this package's source."""
     digest = hashlib.sha256()
     for path in sorted(Path(__file__).parents[1].rglob("*")):
         if path.suffix in (".py", ".ll"):
@@ -189,8 +189,8 @@ def kernel_inputs(scene: Scene, accuracy: Accuracy) -> list[np.ndarray]:
 
 
 def with_setting(leaves: np.ndarray, accuracy: Accuracy) -> np.ndarray:
-    """Inputs of the machine code as one array, from leaves of scenes (leaves,
-    lanes)."""
+    """Return the inputs of the machine code as one array, from leaves of scenes
+    (leaves, lanes)."""
     return np.concatenate([leaves, _setting(accuracy, leaves.shape[1])])
 
 
@@ -236,7 +236,8 @@ class NativeWorker:
     def run(
         self, parts: Iterator[np.ndarray], stop: threading.Event
     ) -> Iterator[tuple[np.ndarray, ImpactSummary]]:
-        """Results of the parts, in the order in which lanes come to their ends."""
+        """Return the results of the parts, in the order in which lanes come to their
+        ends."""
         workspace, nothing = self.kernel.workspace(), np.zeros(0, int)
         more = True
         while more and not stop.is_set():

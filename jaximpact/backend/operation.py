@@ -83,8 +83,8 @@ def _register(name: str, kernels: tuple[Kernel, ...], directions: int) -> _Regis
 
 
 def _thread_functions() -> tuple[int | None, int | None]:
-    """Addresses of the functions that start a thread and wait for its end; None where
-    the system has no such functions."""
+    """Return the addresses of the functions that start a thread and wait for its end;
+    None where the system has no such functions."""
     try:
         library = ctypes.CDLL(None)
         functions = library.pthread_create, library.pthread_join

@@ -48,8 +48,8 @@ def _count(stated: str | None) -> int:
 
 
 def usable_cores() -> int:
-    """Cores that this process may use: those of its affinity, and no more than the
-    share of time that its control group grants."""
+    """Return the cores that this process may use: those of its affinity, and no more
+    than the share of time that its control group grants."""
     if hasattr(os, "sched_getaffinity"):
         cores = len(os.sched_getaffinity(0))
     else:
@@ -59,8 +59,8 @@ def usable_cores() -> int:
 
 
 def _granted(groups: Path, own: Path) -> float:
-    """Cores granted by the control groups of this process, and by those that they are
-    in; infinite without a limit."""
+    """Return the cores granted by the control groups of this process, and by those that
+    they are in; infinite without a limit."""
     least = float("inf")
     try:
         lines = own.read_text().splitlines()
@@ -81,7 +81,7 @@ def _granted(groups: Path, own: Path) -> float:
 
 
 def _limit(group: Path) -> float:
-    """Cores granted by one group; infinite where it says nothing."""
+    """Return the cores granted by one group; infinite where it says nothing."""
     try:
         if (group / "cpu.max").exists():
             quota, period = (group / "cpu.max").read_text().split()

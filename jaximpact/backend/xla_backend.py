@@ -273,7 +273,8 @@ class MarchingWorker:
     def run(
         self, parts: Iterator[np.ndarray], stop: threading.Event
     ) -> Iterator[tuple[np.ndarray, ImpactSummary]]:
-        """Results of the parts, in the order in which lanes come to their ends."""
+        """Return the results of the parts, in the order in which lanes come to their
+        ends."""
         first = next(parts, None)
         if first is None:
             return
@@ -333,7 +334,7 @@ def worker_devices() -> list[Device]:
 
 
 def lanes_of_worker(count: int, devices: list[Device]) -> int:
-    """Lanes of each worker's programs, for so many scenes in all."""
+    """Return the lanes of each worker's programs, for so many scenes in all."""
     small = count <= SMALL_WIDTH * len(devices)
     wide = WIDTH if devices[0].platform == "cpu" else WIDTH_OF_ACCELERATOR
     return SMALL_WIDTH if small else wide

@@ -444,7 +444,7 @@ def _sum(items) -> Any:
 
 
 def initial_motion(scene: Scene) -> Motion:
-    """State at the start: sunk by 1e-6 R, springs compressed by as much."""
+    """Return the state at the start: sunk by 1e-6 R, springs compressed by as much."""
     impact = scene.impact
     sinking = INITIAL_SINKING * scene.block.semi_axes.minor
     zero = jnp.zeros_like(sinking)
@@ -470,7 +470,7 @@ def kinetic_energy(ground: Ground, motion: Motion) -> Scalar:
 
 
 def elastic_energy(motion: Motion, stiffness: Stiffness) -> Scalar:
-    """Energy held in the springs [J]."""
+    """Compute the energy held in the springs [J]."""
     return 0.5 * (
         stiffness.normal * motion.elastic_normal**2
         + stiffness.tangential * motion.elastic_tangential**2

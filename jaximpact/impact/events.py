@@ -80,8 +80,8 @@ def switches(
 
 
 def at_start(ground: Ground, switches: Switches) -> Switches:
-    """Switching functions at touch: a block that lies on a level face is on the side to
-    which its spin turns it."""
+    """Return the switching functions at touch: a block that lies on a level face is on
+    the side to which its spin turns it."""
     if switches.side is None or ground.start_side is None:
         return switches
     towards = jnp.where(ground.start_side, SWITCHED_OFF, -SWITCHED_OFF)
@@ -169,8 +169,8 @@ OUTCOME_OF_MARGIN = (
 
 
 def closing_velocity(ground: Ground, motion: Motion) -> Scalar:
-    """Velocity at which the block's deepest point sinks at touch [m/s]; a block for
-    which it is not positive is separating."""
+    """Compute the velocity at which the block's deepest point sinks at touch [m/s]; a
+    block for which it is not positive is separating."""
     arm = ground.shape.arm_at_touch(
         ground.axes, ground.sin_start, ground.cos_start, motion.angular_velocity
     )
@@ -185,7 +185,7 @@ def end_margins(
     speed_scale: Scalar,
     incoming_energy: Scalar,
 ) -> Margins:
-    """Margins to the ends of the impact.
+    """Return the margins to the ends of the impact.
 
     Args:
         ground, motion, now: constants, state and contact.

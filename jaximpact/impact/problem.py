@@ -104,8 +104,8 @@ class Problem(eqx.Module):
         return MAX_STEPS_DAMPED if self.model.damped else MAX_STEPS
 
     def allowed_error(self, size, largest_force) -> Float[Array, " n"]:
-        """Error of each unknown allowed in a step: `tolerance (size + floor scale)`,
-        and more at the onset.
+        """Compute the error of each unknown allowed in a step: `tolerance (size + floor
+        scale)`, and more at the onset.
 
         What carries the load grows from a billionth of its scale. Were its errors at
         the onset measured by what it comes to, moment and shear would be noise there,
@@ -145,7 +145,7 @@ class Problem(eqx.Module):
         return self.ground.axes.minor / self.speed_scale
 
     def contact(self, rows, branch: Branch | None = None) -> tuple[Motion, Contact]:
-        """Named state and contact, from the rows of the state vector."""
+        """Return the named state and contact, from the rows of the state vector."""
         return self._with_contact(lambda *state: state, rows, branch)
 
     def _with_contact(self, function: Callable, rows, branch: Branch | None):
@@ -182,8 +182,8 @@ class Problem(eqx.Module):
         return self._with_contact(of_contact, rows, branch)
 
     def watch(self, rows, largest_force, branch: Branch | None = None) -> Watched:
-        """Quantities whose peaks are results, margins and switches, given the largest
-        normal force up to now."""
+        """Return the quantities whose peaks are results, margins and switches, given
+        the largest normal force up to now."""
 
         def of_contact(motion, now):
             observed = Observed(
@@ -205,8 +205,8 @@ class Problem(eqx.Module):
     def watch_with_rate(
         self, vector, rates, largest_force, branch: Branch
     ) -> tuple[Watched, Watched]:
-        """Watched quantities and their rates of change, on a branch, from the rates of
-        the unknowns."""
+        """Return the watched quantities and their rates of change, on a branch, from
+        the rates of the unknowns."""
         return jax.jvp(
             lambda rows: self.watch(rows, largest_force, branch),
             (list(vector),),
@@ -214,8 +214,9 @@ class Problem(eqx.Module):
         )
 
     def on_next_side(self, vector, branch: Branch, watched: Switches):
-        """State from which the next step starts: that at the end of a step, changed
-        where the block has rolled over a level face; see `jump_of_elastic_normal`."""
+        """Return the state from which the next step starts: that at the end of a step,
+        changed where the block has rolled over a level face; see
+        `jump_of_elastic_normal`."""
         unknowns = self.model.unknowns
         if watched.side is None or "rotation" not in unknowns:
             return vector
@@ -238,7 +239,7 @@ class Problem(eqx.Module):
         return work_rate(self.ground, motion, now, elastic_rates, branch)
 
     def margins(self, vector, largest_force) -> Margins:
-        """Distances to the ends of the impact."""
+        """Return the distances to the ends of the impact."""
         motion, now = self.contact(vector)
         return self._margins(motion, now, self._force_scale(now, largest_force))
 
@@ -308,8 +309,9 @@ def pose(
 
 
 def jacobian_pattern(problem: Problem) -> tuple[tuple[bool, ...], ...]:
-    """Sparsity of the Jacobian of the rates (rows) with respect to the unknowns
-    (columns): True where it may differ from zero, read off the traced equations."""
+    """Return the sparsity of the Jacobian of the rates (rows) with respect to the
+    unknowns (columns): True where it may differ from zero, read off the traced
+    equations."""
     rows = [jnp.zeros_like(row) for row in problem.scale]
     traced = jax.make_jaxpr(lambda *rows: problem.rates(list(rows)))(*rows)
     columns = [

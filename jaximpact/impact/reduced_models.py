@@ -184,7 +184,7 @@ _usual = functools.cache(Scene)
 
 
 def reduction_errors(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """Errors of the vertical and of the translational model for each scene.
+    """Compute the errors of the vertical and of the translational model for each scene.
 
     They are sums over departures from the symmetry: angle, slope, spin Omega_0 H / v,
     and tilt |sin(2 theta_0)| / 2. The error of normal motion alone grows in proportion

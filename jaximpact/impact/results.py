@@ -160,7 +160,7 @@ def _attributes(name: str) -> dict[str, str]:
 
 
 def dimension_names(count: int) -> tuple[str, ...]:
-    """Names of the axes of impacts that nobody named."""
+    """Return the names of the axes of impacts that nobody named."""
     if count == 1:
         return (SCENE_DIMENSION,)
     return tuple(f"{SCENE_DIMENSION}_{place}" for place in range(count))

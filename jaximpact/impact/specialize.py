@@ -83,7 +83,7 @@ def _literal(atom: Literal):
 
 
 def _apply(equation, operands) -> list:
-    """Results of one operation, as `_Known` where they can be."""
+    """Return the results of one operation, as `_Known` where they can be."""
     primitive, name = equation.primitive, equation.primitive.name
     if not any(isinstance(x, _Known) for x in operands):
         return bind(equation, operands)

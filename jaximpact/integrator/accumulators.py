@@ -57,8 +57,8 @@ class Fold(NamedTuple):
         return jnp.min(jnp.stack(self.watched.margins), axis=0)
 
     def rate_at_start(self, start, start_rate, end, end_rate, width):
-        """Rate at the start of the next step, on its branch: the one known, or after a
-        switch that of the parabola through what is known."""
+        """Compute the rate at the start of the next step, on its branch: the one known,
+        or after a switch that of the parabola through what is known."""
         rise = per_width(end - start, width)
         return jnp.where(self.turned > 0.0, 2.0 * rise - end_rate, start_rate)
 
@@ -158,7 +158,7 @@ def _stacked(values):
 
 
 def _stalled_steps(problem: Problem, fold: Fold, time, width) -> Scalar | None:
-    """Steps without progress at the onset, one step later."""
+    """Return the steps without progress at the onset, one step later."""
     if fold.stalled is None:
         return None
     progresses = (width > PROGRESS * time) | (time > ONSET * problem.passing_time)
@@ -166,8 +166,8 @@ def _stalled_steps(problem: Problem, fold: Fold, time, width) -> Scalar | None:
 
 
 def hermite_cubic(start, start_rate, end, end_rate, width):
-    """Coefficients a, b, c of the cubic `start + a s + b s^2 + c s^3`, s from 0 to 1,
-    through both ends' values and rates."""
+    """Compute the coefficients a, b, c of the cubic `start + a s + b s^2 + c s^3`, s
+    from 0 to 1, through both ends' values and rates."""
     a = width * start_rate
     rise = end - start
     b = 3.0 * rise - 2.0 * a - width * end_rate
@@ -176,7 +176,8 @@ def hermite_cubic(start, start_rate, end, end_rate, width):
 
 
 def peak_of_cubic(start, start_rate, end, end_rate, width):
-    """Largest value on a step of the cubic through both ends' values and rates.
+    """Compute the largest value on a step of the cubic through both ends' values and
+    rates.
 
     Returns:
         The value and where it is reached, as a part of the step. Of equal candidates

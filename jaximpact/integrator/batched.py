@@ -127,7 +127,7 @@ def step_lanes(lanes: Lanes) -> Lanes:
 
 
 def sample_lanes(lanes: Lanes, times: LaneScalars) -> History:
-    """Histories of the impacts at times in their last steps."""
+    """Return the histories of the impacts at times in their last steps."""
     assert lanes.course.last is not None, "lanes that are sampled"
     return jax.vmap(sample, in_axes=(-1, -1, 0))(
         lanes.problem, lanes.course.last, times
@@ -170,7 +170,7 @@ def march_and_sample(lanes: Lanes, times: Float[Array, " times"]):
 
 
 def end_lanes(lanes: Lanes) -> End:
-    """Ends of lanes none of which is going."""
+    """Return the ends of lanes none of which is going."""
 
     def of_lane(lanes: Lanes) -> End:
         return end_of(
@@ -187,7 +187,7 @@ def end_lanes(lanes: Lanes) -> End:
 
 
 def sample(problem: Problem, last: LastStep, time: Scalar) -> History:
-    """History of an impact at a time in its last step.
+    """Return the history of an impact at a time in its last step.
 
     Taken on the branch of the step: the interpolant may be on the other side of a
     switch, by its error, where the step has landed on it.

@@ -45,16 +45,17 @@ class SolverStep(eqx.Module):
         return jnp.zeros_like(self.t1)
 
     def evaluate(self, time: Scalar) -> Float[Array, " n"]:
-        """State at a time."""
+        """Return the state at a time."""
         return self.unit * self.inside.evaluate(per_width(time, self.t1))
 
     def rate(self, s: float) -> Float[Array, " n"]:
-        """Rate of change at a fraction of the step; 0 for a step of no width."""
+        """Compute the rate of change at a fraction of the step; 0 for a step of no
+        width."""
         change = self.inside.derivative(jnp.asarray(s, float))
         return per_width(self.unit * change, self.t1)
 
     def rate_at_end(self) -> Float[Array, " n"]:
-        """Rate of change at the end; 0 for a step of no width."""
+        """Compute the rate of change at the end; 0 for a step of no width."""
         return self.rate(1.0)
 
 

@@ -157,20 +157,21 @@ class DenseOutput(diffrax.AbstractLocalInterpolation):
         return (1.0 - s) * self.y0 + s * (self.y1 + (1.0 - s) * bend)
 
     def rate(self, s: float) -> Float[Array, " n"]:
-        """Rate of change at a fraction of the step; 0 for a step of no width."""
+        """Compute the rate of change at a fraction of the step; 0 for a step of no
+        width."""
         bend = self.k[0] + s * (self.k[1] + s * self.k[2])
         turn = self.k[1] + 2.0 * s * self.k[2]
         change = self.y1 - self.y0 + (1.0 - 2.0 * s) * bend + s * (1.0 - s) * turn
         return per_width(change, self.t1 - self.t0)
 
     def rate_at_end(self) -> Float[Array, " n"]:
-        """Rate of change at t1; 0 for a step of no width."""
+        """Compute the rate of change at t1; 0 for a step of no width."""
         change = self.y1 - self.y0 - jnp.sum(self.k, axis=0)
         return per_width(change, self.t1 - self.t0)
 
 
 def factorise(rows: list[dict[int, Array]]) -> tuple[list[dict[int, Array]], list]:
-    """LU factors without pivoting, by rows; entries that are absent are zero.
+    """Compute LU factors without pivoting, by rows; entries that are absent are zero.
 
     Args:
         rows: a dictionary column -> entry for each row, the diagonal included.
@@ -195,7 +196,7 @@ def factorise(rows: list[dict[int, Array]]) -> tuple[list[dict[int, Array]], lis
 
 
 def substitute(rows, inverse_pivots, right_hand_side: list[Array]) -> list[Array]:
-    """Solution of the factorised system for one right-hand side."""
+    """Solve the factorised system for one right-hand side."""
     x = list(right_hand_side)
     for i, row in enumerate(rows):
         for j, lower in row.items():
@@ -266,7 +267,7 @@ def rodas5p_step(f, y0: Array, step_size: Array, pattern):
 
 
 def dense_output(y0: Array, y1: Array, stages: Array) -> dict[str, Array]:
-    """Coefficients of `DenseOutput` for a step, beside its times."""
+    """Compute the coefficients of `DenseOutput` for a step, beside its times."""
     return dict(y0=y0, y1=y1, k=jnp.tensordot(jnp.asarray(DENSE_WEIGHTS), stages, 1))
 
 

@@ -89,7 +89,8 @@ def advance(
 
 
 def _rodas5p(problem: Problem, course: Course, width: Scalar, branch: Branch):
-    """State after a step of the package's method, its error, and the dense output."""
+    """Return the state after a step of the package's method, its error, and the dense
+    output."""
     vector, error, stages = rodas5p_step(
         lambda rows: problem.rates(rows, branch, course.fold.stalled),
         course.vector,
@@ -170,7 +171,7 @@ def diffrax_arguments(
     vector: Float[Array, " n"],
     solver: diffrax.AbstractAdaptiveSolver | None = None,
 ) -> dict:
-    """Arguments of `diffrax.diffeqsolve`, but for those of what is saved."""
+    """Return the arguments of `diffrax.diffeqsolve`, but for those of what is saved."""
     return dict(
         terms=TERMS,
         solver=FoldingSolver(solver),

@@ -143,8 +143,8 @@ def _tangential_coefficient(
 def _course(
     end: End, final: Motion, now: Contact, separating: Scalar
 ) -> dict[str, Scalar]:
-    """Largest values and their times, and where and when the contact ended, by the
-    names of the results; zeros where there was none."""
+    """Compute the largest values and their times, and where and when the contact ended,
+    by the names of the results; zeros where there was none."""
     peaks, times = end.fold.peaks._asdict(), end.fold.peak_times._asdict()
     found = {
         **{f"max_{name}": peak for name, peak in peaks.items()},
@@ -178,6 +178,6 @@ def _named(
 
 
 def summarise_lanes(scenes: Scene, lanes: Lanes) -> ImpactSummary:
-    """Results of lanes none of which is going."""
+    """Return the results of lanes none of which is going."""
     summary = jax.vmap(summarise, in_axes=(0, -1, 0))
     return summary(scenes, lanes.problem, end_lanes(lanes))

@@ -95,8 +95,8 @@ def usual_values(structure: Any, leaves: list) -> np.ndarray | None:
 
 @functools.lru_cache(maxsize=256)
 def _limits(structure: Any) -> tuple[np.ndarray, ...] | None:
-    """Least and largest usual values of the leaves of a scene, in SI; None where parts
-    are not the package's own."""
+    """Compute the least and largest usual values of the leaves of a scene, in SI; None
+    where parts are not the package's own."""
     scene = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
     if not isinstance(scene, Scene) or not all(
         isinstance(getattr(scene, part), kind) for part, kind in KINDS.items()

@@ -256,7 +256,7 @@ def _label_of(kind: type[AbstractShape], kinds: Iterable[type[AbstractShape]]) -
 
 
 def shape_coordinate(dimensions, kinds: np.ndarray) -> tuple:
-    """Classes of shapes as a coordinate of a dataset."""
+    """Return the classes of shapes as a coordinate of a dataset."""
     different = set(kinds.flat)
     labels = {kind: _label_of(kind, different) for kind in different}
     values = np.array([labels[kind] for kind in kinds.flat]).reshape(kinds.shape)

@@ -200,8 +200,8 @@ def _records_of_data(path: Path, data: bytes) -> Iterator[tuple[int, str, list[s
 
 
 def records_of(path: Path, file: TextIO) -> Iterator[tuple[int, str, list[str]]]:
-    """Line number, text and cells of each record of a CSV that is not blank. Raises
-    InputError, naming the row, for what is no CSV."""
+    """Return the line number, text and cells of each record of a CSV that is not blank.
+    Raises InputError, naming the row, for what is no CSV."""
     lines, same_lines = itertools.tee(file)
     reader = csv.reader(lines, strict=True)
     first = 1

@@ -201,7 +201,8 @@ def _lengths(sizes: Mapping[str, int], chunks: Chunks) -> dict[str, tuple[int, .
 def _quantities(
     dataset: xr.Dataset, base: Scene
 ) -> tuple[dict[str, xr.Variable], tuple[type[AbstractShape], ...]]:
-    """Quantities of a dataset, and the shapes that its index of shapes means."""
+    """Return the quantities of a dataset, and the shapes that its index of shapes
+    means."""
     kinds: tuple[type[AbstractShape], ...] = ()
     found: dict[str, xr.Variable] = {}
     if SHAPE in dataset.variables:
@@ -245,7 +246,7 @@ def result_variables(
     model_tolerance: float,
     dimensions: Sequence[Hashable],
 ) -> dict[str, xr.Variable]:
-    """Numbers and outcomes of impacts, lazily if an array is.
+    """Return the numbers and outcomes of impacts, lazily if an array is.
 
     Args:
         base: scene of what the arrays do not hold.
@@ -323,7 +324,7 @@ def _places() -> tuple[dict[str, int], int]:
 
 
 def numbers_of_block(block: Block, *values: np.ndarray) -> np.ndarray:
-    """Numbers of the impacts of a block, shape `(..., numbers)`.
+    """Return the numbers of the impacts of a block, shape `(..., numbers)`.
 
     Args:
         values: the block's quantities, of shapes that broadcast.

@@ -50,7 +50,7 @@ class _Region:
 
 
 def _one_task_each(written: Any, missing: np.ndarray) -> Any:
-    """Array of Dask of the missing regions alone, each of them one task.
+    """Return the array of Dask of the missing regions alone, each of them one task.
 
     What several regions need stays a task of its own, computed once, and so do futures
     of a client; but parts of arrays of NumPy go with each region that needs them.
@@ -138,7 +138,8 @@ def _on_client(client: Any, regions: Any, tell: Callable[[int], None]) -> None:
 
 
 def _finished(client: Any, futures: list) -> Iterator[Any]:
-    """Futures as they finish; warns where none does since there are no workers."""
+    """Yield futures as they finish; warns where none does since there are no
+    workers."""
     waiting = needed("distributed", "a client").as_completed(futures)
     warn = WorkerlessWarner(client)
     while not waiting.is_empty():

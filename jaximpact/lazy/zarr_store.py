@@ -248,7 +248,8 @@ def _marks(path: Path, mode: str) -> Any:
 
 
 def _read_marks(path: Path) -> np.ndarray:
-    """Counts of outcomes of each region; -1 for regions that are not there."""
+    """Return the counts of outcomes of each region; -1 for regions that are not
+    there."""
     return np.asarray(_marks(path, "r")[:])
 
 

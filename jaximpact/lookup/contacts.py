@@ -184,7 +184,7 @@ def _difference(scene: Scene, table: ReboundTable) -> str:
 
 
 def _in_parts(table: ReboundTable, impact: Impact) -> np.ndarray:
-    """Entries as columns."""
+    """Return the entries as columns."""
     table = dataclasses.replace(table, error=None)  # once for all parts
     count = len(impact.speed)
     padded = jax.tree.map(lambda leaf: np.pad(leaf, (0, -count % PART), "edge"), impact)

@@ -167,7 +167,7 @@ def write_csv(path: Path, table: ReboundTable) -> None:
 
 
 def _in_units(places):
-    """Speeds in m/s, angles in degrees."""
+    """Return the speeds in m/s, angles in degrees."""
     return [places[0], *(angle / DEGREE for angle in places[1:])]
 
 

@@ -181,7 +181,7 @@ def _mark_peak(axes: Axes, time, value, colour: str, *, above) -> None:
 
 
 def draw_forces(axes: Axes, summary: ImpactSummary, history: History) -> None:
-    """N and T over time, their largest values marked."""
+    """Draw N and T over time, their largest values marked."""
     axes.set_title("contact force")
     time = _time_axis(axes, history)
     normal, tangential = history.normal_force, history.tangential_force
@@ -234,7 +234,7 @@ def draw_depth(axes: Axes, summary: ImpactSummary, history: History) -> None:
 
 
 def draw_rotation(axes: Axes, history: History) -> None:
-    """Rotation, and the fraction of the kinetic energy that is rotational."""
+    """Draw rotation, and the fraction of the kinetic energy that is rotational."""
     axes.set_title("rotation")
     time = _time_axis(axes, history)
     rotation = np.degrees(history.rotation)
@@ -260,7 +260,8 @@ def draw_rotation(axes: Axes, history: History) -> None:
 
 
 def draw_energy(axes: Axes, history: History) -> None:
-    """Parts of the energy, stacked, under the line of the energy available."""
+    """Draw the parts of the energy, stacked, under the line of the energy
+    available."""
     axes.set_title("energy")
     time = _time_axis(axes, history)
     available = (

@@ -38,9 +38,9 @@ def rolling_friction_of_hops(
     speed: float = 10.0,
     accuracy: str | Accuracy = "fast",
 ) -> np.ndarray:
-    """Angle of rolling friction that loses as much energy as hops [rad], `(blocks,)`.
+    """Find the angle of rolling friction that loses as much energy as hops [rad].
 
-    Each block is released rolling on level ground, at 32 orientations, and followed by
+    The result has shape `(blocks,)`. Each block is released rolling on level ground, at 32 orientations, and followed by
     the full model with each hop an impact (`hop_threshold` 0) until it rolls or slides;
     the losses from its second contact on are added up.
 
@@ -94,8 +94,9 @@ def rolling_friction_of_hops(
 
 
 def _losses(runs: Runs) -> np.ndarray:
-    """Energy lost over the weight, and the way on which it was lost [m], `(2, blocks)`,
-    from the second contact to the last one before the block rolls or slides."""
+    """Compute the energy lost over the weight, and the way on which it was lost [m],
+    `(2, blocks)`, from the second contact to the last one before the block rolls or
+    slides."""
     contacts, pieces = runs.contacts, runs.pieces
     mass, inertia = runs.release.mass_properties
     found = np.zeros((2, runs.release.count))

@@ -149,7 +149,7 @@ class Graph:
         return node
 
     def input(self, place: int, kind: str) -> Node:
-        """Node of the value in a row of the kernel's memory."""
+        """Return the node of the value in a row of the kernel's memory."""
         return self._remember((INPUT, place), kind, (place,))
 
     def apply(self, name: str, *arguments: Value) -> Value:

@@ -342,7 +342,7 @@ def _target() -> llvm.TargetMachine:
 
 
 def compile_text(text: str) -> bytes:
-    """Machine code for this computer, as an object file."""
+    """Return the machine code for this computer, as an object file."""
     return _target().emit_object(llvm.parse_assembly(text))
 
 

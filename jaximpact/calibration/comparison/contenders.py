@@ -127,7 +127,7 @@ def _named(text: str, study: Study) -> list[Contender]:
 
 
 def _laws_of_ground() -> Iterator[tuple[str, type[Part]]]:
-    """Slots of the soil, each with every law of the package for it."""
+    """Return the slots of the soil, each with every law of the package for it."""
     for slot in SOIL_SLOTS:
         for kind in shipped_parts(slot):
             yield slot, kind
