@@ -40,9 +40,10 @@ def rolling_friction_of_hops(
 ) -> np.ndarray:
     """Find the angle of rolling friction that loses as much energy as hops [rad].
 
-    The result has shape `(blocks,)`. Each block is released rolling on level ground, at 32 orientations, and followed by
-    the full model with each hop an impact (`hop_threshold` 0) until it rolls or slides;
-    the losses from its second contact on are added up.
+    The result has shape `(blocks,)`. Each block is released rolling on level ground, at
+    32 orientations, and followed by the full model with each hop an impact
+    (`hop_threshold` 0) until it rolls or slides; the losses from its second contact on
+    are added up.
 
     Args:
         block, soil: fields that broadcast to `(blocks,)`.
