@@ -202,7 +202,7 @@ def from_to(values: ArrayLike, unit: str = "") -> str:
 
 
 def between(values: ArrayLike, unit: str = "") -> str:
-    """Least and largest value, in words."""
+    """Write the least and largest value."""
     values = np.asarray(values, float)
     return from_to([values.min(), values.max()], unit)
 

@@ -55,7 +55,7 @@ def fit_exponential(values) -> Fit:
 
 
 def fit_normal(values) -> Fit:
-    """Mean and standard deviation."""
+    """Fit mean and standard deviation."""
     return _fit(
         values,
         np.mean,

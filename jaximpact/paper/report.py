@@ -191,7 +191,8 @@ def _matrix_text(readings: ByReading) -> str:
 
 
 def matrix_markdown(readings: ByReading) -> str:
-    """Verdicts by claim and reading, letters where they differ from the first."""
+    """Write the verdicts by claim and reading, letters where they differ from the
+    first."""
     names, rows = _matrix(readings)
     numbers = [str(number) for number in range(1, len(names) + 1)]
     legend = "\n".join(f"{number}. {name}" for number, name in enumerate(names, 1))

@@ -122,7 +122,7 @@ def _judge(name: str, study: Study, criterion: str) -> Judgement:
 def _judge_readings(
     ids: Sequence[str], kept: ByReading, new: NewFile | None, progress: Progress
 ) -> ByReading:
-    """Judgements under every reading.
+    """Judge the claims under every reading.
 
     Args:
         kept: those of an earlier run into the same directory, which are taken over.

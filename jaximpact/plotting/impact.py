@@ -206,16 +206,16 @@ def draw_forces(axes: Axes, summary: ImpactSummary, history: History) -> None:
 
 
 def draw_depth(axes: Axes, summary: ImpactSummary, history: History) -> None:
-    """Penetration of the centre and sinking of the deepest point, downwards."""
-    axes.set_title("depth")
+    """Draw the penetration of the centre and of the lowest point, downwards."""
+    axes.set_title("penetration")
     time = _time_axis(axes, history)
     penetration, sinking = history.penetration, history.sinking
     largest = np.max(np.abs([penetration, sinking]), initial=0.0)
     unit, name = _unit(largest, LENGTH_UNITS)
     # Where both are one the dashes show it.
-    axes.plot(time, sinking / unit, color=ORANGE, lw=3, label="$u_D$, deepest point")
+    axes.plot(time, sinking / unit, color=ORANGE, lw=3, label="$u_D$, lowest point")
     axes.plot(time, penetration / unit, color=BLUE, ls="--", label="$u_n$, centre")
-    axes.set_ylabel(f"depth [{name}]")
+    axes.set_ylabel(f"penetration [{name}]")
     axes.margins(y=0.15)
     axes.invert_yaxis()
     if len(time) > 1 and summary.max_sinking > 0.0:

@@ -9,7 +9,7 @@ from jaximpact import Block, Impact, Outcome, Soil, simulate
 from jaximpact.laws import Vesic
 from jaximpact.plotting.impact import outline
 
-PANELS = ["contact force", "depth", "rotation", "energy", "side view, to scale"]
+PANELS = ["contact force", "penetration", "rotation", "energy", "side view, to scale"]
 
 
 def recorded(*scene):
@@ -35,7 +35,7 @@ class TwiceAsStrong(Vesic):
 def test_shows_the_laws_that_the_result_is_of():
     soil = Soil(bearing=TwiceAsStrong())
     result = simulate(Block(), soil, Impact(), accuracy="fast")
-    (depth, *_) = panels(result.plot())["depth"].get_lines()
+    (depth, *_) = panels(result.plot())["penetration"].get_lines()
     drawn = np.max(np.abs(depth.get_ydata()))
     # In cm; of the steps' ends, between two of which the largest lies.
     np.testing.assert_allclose(0.01 * drawn, result.max_penetration, rtol=5e-3)

@@ -34,7 +34,7 @@ class Average(NamedTuple):
 
 
 def average_restitution(soils: Soil, aspect_ratio: float, angles_deg) -> Average:
-    """e_n of blocks without spin, the mean over every orientation."""
+    """Average e_n of blocks without spin over every orientation."""
     count = 1 if aspect_ratio == 1.0 else ORIENTATIONS
     turns = (np.arange(count) + 0.5) * (np.pi / count)
     angles = np.radians(90.0 - np.asarray(angles_deg))
@@ -58,7 +58,8 @@ def average_restitution(soils: Soil, aspect_ratio: float, angles_deg) -> Average
 
 
 def compare_restitution_angle() -> list[Comparison]:
-    """e_n at six angles, for a sphere and for ellipsoids of every orientation."""
+    """Compare e_n at six angles, for a sphere and for ellipsoids of every
+    orientation."""
     soil = Soil()
     variants = variants_of(soil)
     law = np.asarray(wyllie_normal_restitution(np.array(ANGLES)))
@@ -92,7 +93,7 @@ def compare_restitution_angle() -> list[Comparison]:
 
 @in_style
 def draw_restitution_angle() -> Figure:
-    """e_n over the angle, without and with dilatancy."""
+    """Draw e_n over the angle, without and with dilatancy."""
     title = (
         f"{MASS:g} kg at {SPEED:g} m/s without spin: mean over orientations, bands of "
         "one standard deviation"

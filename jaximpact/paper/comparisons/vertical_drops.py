@@ -183,7 +183,7 @@ class Curve(NamedTuple):
 
 
 def compare_scaling() -> list[Comparison]:
-    """Exponents of force and penetration, by model and laws."""
+    """Compare exponents of force and penetration, by model and laws."""
     soil = Soil()
     variants = variants_of(soil)
     implied = implied_modulus_kPa()
@@ -226,7 +226,7 @@ def compare_scaling() -> list[Comparison]:
 
 @in_style
 def draw_scaling(curves: list[Curve]) -> Figure:
-    """Force and penetration over each range, on logarithmic axes."""
+    """Draw force and penetration over each range, on logarithmic axes."""
     title = "Vertical drops: model on Table 1, and slopes of the laws"
     figure, axes = panels(4, 2, title=title)
     for each, curve in zip(axes, curves, strict=True):
@@ -275,7 +275,7 @@ def depths(soils: Soil, speeds: np.ndarray) -> np.ndarray:
 
 
 def compare_stopping_depth() -> list[Comparison]:
-    """Depths at four speeds on two soils, and how they grow with speed."""
+    """Compare depths at four speeds on two soils, and how they grow with speed."""
     law = np.asarray(KatsuragiDurian().stopping_depth(SPEEDS))
     exponent = float(log_slope(SPEEDS, law))
     on_table_1, on_beads = (
@@ -333,7 +333,7 @@ def compare_stopping_depth() -> list[Comparison]:
 
 @in_style
 def draw_stopping_depth(changes: tuple[Change, ...]) -> Figure:
-    """Depth over speed, and what each parameter alone would do."""
+    """Draw depth over speed, and what each parameter alone would do."""
     title = "A steel sphere of 25.4 mm on glass beads"
     figure, (upper, lower) = panels(2, 1, height=3.3, title=title)
     _draw_depths(upper)

@@ -101,7 +101,7 @@ def label_axes(axes: Axes, x: str, y: str, y_label: str = "") -> None:
 
 
 def colours_of(values: Iterable[float]) -> dict[float, tuple]:
-    """Colours from dark to light for numbers in ascending order."""
+    """Choose colours from dark to light for numbers in ascending order."""
     known = np.unique(list(values))
     shades = np.linspace(0.0, LIGHTEST, len(known)) if len(known) > 1 else [0.0]
     return {
@@ -154,7 +154,7 @@ def draw_squares(axes: Axes, table: Table, y: str) -> None:
 
 
 def square_handles() -> list[Line2D]:
-    """Entries of a legend for `draw_squares`."""
+    """Make the entries of a legend for `draw_squares`."""
     return [
         Line2D([], [], mfc=fill, label=label, **SQUARES)
         for fill, label in (("black", MAJOR), ("white", MINOR))

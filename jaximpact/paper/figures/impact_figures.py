@@ -82,7 +82,7 @@ def over_time(
 
 
 def compute_5(study: Study) -> Table:
-    """Sets I and II."""
+    """Compute sets I and II."""
     parts = []
     for name, orientation in (("I", 0.0), ("II", 90.0)):
         part = impact_table(*study.parametric_set(name), LARGEST, study.accuracy)
@@ -93,7 +93,7 @@ def compute_5(study: Study) -> Table:
 
 @in_style
 def draw_5(table: Table) -> Figure:
-    """a: max u_n, b: max N, against A_r."""
+    """Draw a: max u_n, b: max N, against A_r."""
     figure, axes = lettered_panels(1, 2)
     for each, result in zip(axes, LARGEST, strict=True):
         draw_squares(each, table, result)
@@ -118,7 +118,7 @@ def compute_7(study: Study) -> Table:
 
 @in_style
 def draw_7(table: Table) -> Figure:
-    """a: max u_n; b: max N; c: rotation; d: max R_r."""
+    """Draw a: max u_n; b: max N; c: rotation; d: max R_r."""
     figure, axes = lettered_panels(2, 2)
     results = (*LARGEST, "rotation_rad", MAX_RATIO)
     for each, result in zip(axes, results, strict=True):
@@ -161,7 +161,7 @@ def compute_9(study: Study) -> Table:
 
 @in_style
 def draw_9(table: Table) -> Figure:
-    """a, b: e_n and e_t along the major axis; c, d: along the minor axis."""
+    """Draw e_n and e_t, a, b: along the major axis; c, d: along the minor axis."""
     figure, axes = lettered_panels(2, 2, sharey="col")
     for row, (orientation, name) in enumerate(((0.0, MAJOR), (90.0, MINOR))):
         chosen = table[table[ORIENTATION] == orientation]
@@ -174,7 +174,7 @@ def draw_9(table: Table) -> Figure:
 
 @in_style
 def draw_13(table: Table) -> Figure:
-    """a to d: no spin, 500, 1500 and 2000 °/s."""
+    """Draw a to d: no spin, 500, 1500 and 2000 °/s."""
     figure, axes = lettered_panels(2, 2, sharex=True, sharey=True)
     for each, (spin, curves) in zip(axes, table.groupby(SPIN), strict=True):
         for column, (_, style) in COEFFICIENTS.items():

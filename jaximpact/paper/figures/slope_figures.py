@@ -301,7 +301,7 @@ def say_what_distances_are(figure: Figure) -> None:
 
 
 def draw_histogram(axes: Axes, values, edges, fit: Fit, density, style) -> None:
-    """Counts, and what the fitted density expects of them."""
+    """Draw counts, and what the fitted density expects of them."""
     filled = {"histtype": "stepfilled", "color": style["color"], "alpha": 0.35}
     axes.hist(values, edges.tolist(), **filled)
     if np.isfinite(fit.scale):
@@ -329,7 +329,7 @@ def exponential(x: np.ndarray, fit: Fit) -> np.ndarray:
 
 
 def normal(x: np.ndarray, fit: Fit) -> np.ndarray:
-    """Density of a fit."""
+    """Compute the density of a fit."""
     return np.exp(-0.5 * ((x - fit.start) / fit.scale) ** 2) / (
         np.sqrt(2.0 * np.pi) * fit.scale
     )

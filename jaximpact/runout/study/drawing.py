@@ -223,7 +223,7 @@ def valid_blocks(dataset: xr.Dataset) -> np.ndarray:
 
 
 def stops_of(dataset: xr.Dataset) -> np.ndarray:
-    """Give x where blocks stopped [m]."""
+    """Find x where blocks stopped [m]."""
     return dataset.x_m.values[dataset.ending.values == str(Ending.stopped)]
 
 
