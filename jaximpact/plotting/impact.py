@@ -224,8 +224,8 @@ def draw_depth(axes: Axes, summary: ImpactSummary, history: History) -> None:
             (summary.time_of_max_penetration, summary.max_penetration, BLUE),
         ]
         depths = [float(depth) for _, depth, _ in peaks]
-        # A block that does not turn has one depth.
-        same = np.ptp(depths) < 1e-3 * largest
+        # One number for both where they read the same, as without rotation.
+        same = len({f"{depth / unit:.3g}" for depth in depths}) == 1
         for when, depth, colour in peaks[:1] if same else peaks:
             shallower = not same and depth == min(depths)
             depth = float(depth) / unit
