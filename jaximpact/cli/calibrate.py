@@ -186,7 +186,7 @@ def run(arguments: argparse.Namespace) -> None:
     def prospect() -> str:
         if kept.is_dir() and any(kept.iterdir()):
             return f"finished fits are kept in {kept}; the same command goes on there"
-        return "no fit was finished; the same command starts anew"
+        return "no fit was finished; the same command starts from the beginning"
 
     begin = time.monotonic()
     with (
