@@ -100,7 +100,7 @@ class Measurements:
         count = len(np.unique(self.first_of_row))
         points = len(self) - count
         curves = f" and {points} points of their curves" if points else ""
-        return f"{count} tests of {files}{curves}"
+        return f"{count} test{'s' if count != 1 else ''} of {files}{curves}"
 
     @property
     def slots(self) -> set[str]:

@@ -138,8 +138,9 @@ def _about_tests(study: Study) -> list[str]:
     line = f"{study.tests.described}, fitted to {', '.join(study.targets)}."
     missing = int(np.sum(study.comparable & ~study.known))
     censored = int(np.sum(study.known & (study.censored != 0)))
-    parts = [f"{missing} are missing"] if missing else []
-    parts += [f"{censored} are limits"] if censored else []
+    parts = [f"{missing} {'is' if missing == 1 else 'are'} missing"] if missing else []
+    if censored:
+        parts += ["1 is a limit" if censored == 1 else f"{censored} are limits"]
     if parts:
         line += f" Of {np.sum(study.comparable)} measurements {' and '.join(parts)}."
     empty = [n for n, m in study.tests.measured.items() if not np.any(np.isfinite(m))]
