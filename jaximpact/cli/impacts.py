@@ -38,6 +38,11 @@ are named by keys of [soil] and [block], and bring keys of their own:
 
 def add_parser(commands) -> None:
     """Add both commands to the command line."""
+    _add_simulate(commands)
+    _add_batch(commands)
+
+
+def _add_simulate(commands) -> None:
     parser = options.add_command(
         commands,
         "simulate",
@@ -63,6 +68,8 @@ def add_parser(commands) -> None:
     )
     options.add_accuracy(parser, otherwise=f"the file's, else {DEFAULT_ACCURACY}")
 
+
+def _add_batch(commands) -> None:
     parser = options.add_command(
         commands,
         "batch",
