@@ -51,6 +51,16 @@ def test_a_page_prints_what_it_shows(page, tmp_path):
                 assert_prints(received, block)
 
 
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_a_page_sets_double_precision_before_it_computes(page):
+    """The tests have set it already; whoever copies the page has not."""
+    code = [b.text for b in blocks_of(page) if b.language == "python" and not b.file]
+    text = "".join(code).partition('jax.config.update("jax_enable_x64", True)')[0]
+    used = re.findall(r"^(?:from|import) jaximpact.*", text, re.MULTILINE)
+    # Reading a dataset computes nothing.
+    assert set(used) <= {"from jaximpact import read_netcdf"}
+
+
 def test_the_model_names_files_and_functions_that_there_are():
     page = (DOCS / "model.md").read_text(encoding="utf-8")
     named = re.findall(r"`([\w/]+\.py)`(?:,\s+`([\w.]+)`)?", page)
