@@ -57,7 +57,7 @@ def _in_words(compared: Compared, found: Ranking) -> str:
     others = [names[i] for i in found.ties if i != found.best]
     if not others:
         return f"{best} predicts a test that it has not seen better than all others."
-    text = f"A tie: {best} and {_listed(others)} predict equally well."
+    text = f"A tie: {_listed([best, *others])} predict equally well."
     if preferred == found.best:
         return (
             f"{text} Prefer {best}: no law of the tie has fewer fitted parameters "

@@ -256,9 +256,10 @@ def _rms_left_out(study: Study, left: LeftOut, target: int) -> str:
 def _statistics(result: StudyResult, variant: VariantResult) -> list[str]:
     uncertainty = variant.uncertainty
     freedom, words = uncertainty.degrees_of_freedom, variant.reason.words
+    left = freedom_text(freedom)
     given = np.all(result.study.sigma_given)
     lines = [
-        f"Cost {variant.cost:.6g}, {freedom_text(freedom)} degrees of freedom. "
+        f"Cost {variant.cost:.6g}, {left} degree{'s' * (left != '1')} of freedom. "
         f"{words[0].upper()}{words[1:]}."
     ]
     if given and np.isfinite(uncertainty.reduced_chi_square):
