@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 import warnings
+from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from functools import partial
 from types import SimpleNamespace
@@ -95,12 +96,12 @@ def soil(laws):
 def fork_server():
     """The server from which workers are forked: it imports what each of them needs."""
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([*NEEDED_BY_WORKERS])
+    context.set_forkserver_preload(list(NEEDED_BY_WORKERS))
     multiprocessing.forkserver.ensure_running()
 
 
 @pytest.fixture(scope="module")
-def pools() -> list[Executor]:
+def pools() -> Iterator[list[Executor]]:
     """Pools of one process each, which start."""
     spawn = multiprocessing.get_context("spawn")
     pools: list[Executor] = [
@@ -109,7 +110,9 @@ def pools() -> list[Executor]:
     ]
     for pool in pools:
         pool.submit(exec, "import jaximpact.batch")
-    return pools
+    yield pools
+    for pool in pools:
+        pool.shutdown()
 
 
 BUSY = """
@@ -374,8 +377,6 @@ def test_a_pool_of_joblib_and_one_of_python(pools, soil):
     for pool in pools:
         received = simulate_batch(BLOCK, soil, IMPACT, executor=pool)
         assert received.e_bar.tobytes() == expected.e_bar.tobytes()
-    with pools[0]:
-        pass
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")

@@ -27,8 +27,9 @@ def shares_of(objective: Objective, best: Fits) -> np.ndarray:
     """Compute the share of the confidence region beyond a jump of each prediction,
     shape (tests, targets).
 
-    Where the misfit is larger than the given sigmas allow, a jump is told by the
-    scatter that is left: beside sigmas that are far too small all is a jump.
+    Where the misfit is larger than the given sigmas allow, jumps are judged by the
+    scatter of the residuals: relative to sigmas that are far too small every
+    prediction would seem to jump.
 
     Args:
         best: the reported fit, of one lane.
