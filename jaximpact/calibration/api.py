@@ -373,7 +373,11 @@ def fit_and_examine(
         others = OtherLaws(fit_simple(study, progress.within("simple laws: ")))
         if compare:
             compared = compare_study(
-                study, stated.laws, by=stated.by, executor=executor, progress=progress
+                *(study, stated.laws),
+                by=stated.by,
+                cache=cache,
+                executor=executor,
+                progress=progress,
             )
             others = others._replace(compared=compared)
         return result, examined, others

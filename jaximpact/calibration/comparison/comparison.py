@@ -11,6 +11,7 @@ from ...errors import InputError, nearest
 from ...progress import Progress, ProgressFunction, as_progress
 from ...scene_quantities import SHAPE
 from ...tasks import for_each
+from ..estimation.fit_cache import FitCache
 from ..problem.config import Study
 from ..problem.dataset import CAMPAIGN
 from .contenders import Contender, Law, contenders_of
@@ -127,11 +128,12 @@ def compare_study(
     *,
     by: str | Sequence[str] | None = None,
     exact: bool = False,
+    cache: FitCache | None = None,
     executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> Compared:
     """Fit laws to the tests of a study and score their predictions; arguments are those
-    of `compare`.
+    of `compare`, and a cache of finished fits.
 
     Laws of rebound are always fitted to the end. An executor makes the fits of all
     laws, and of all groups left out, at a time.
@@ -160,7 +162,7 @@ def compare_study(
         within = progress.within(f"law {number + 1} of {len(contenders)}: ")
         within(contender.name)
         try:
-            found = fit_law(study, contender, within, executor)
+            found = fit_law(study, contender, within, executor, cache)
         except InputError as error:
             return str(error)
         return _scored(contender, found, groups, exact, within)

@@ -18,7 +18,8 @@ from ..diagnostics.uncertainty import (
     estimate,
     regular_covariance,
 )
-from ..estimation.sigma import freedom_of_targets, relative_sigma
+from ..estimation.fit_cache import FitCache
+from ..estimation.sigma import all_given, freedom_of_targets, relative_sigma
 from ..problem.config import Study
 from ..problem.forward_model import engine_of
 from ..problem.noise import least_size
@@ -29,7 +30,7 @@ from .contenders import SIMPLE, Contender
 from .rebound_objective import PREDICTED, ReboundObjective
 
 STARTS = 16
-"""Starts of a law of rebound, whose cost has few minima."""
+"""Most starts of a law beside those of the study."""
 SIMPLE_LAWS = {law.words: Contender(law.words, law) for law in SIMPLE}
 """Simple laws by name."""
 
@@ -134,9 +135,10 @@ def predicted_by_rebound(study: Study) -> tuple[str, ...]:
 def objective_of(study: Study, contender: Contender) -> Objective:
     """Make the objective function of a law for the tests of a study."""
     law = contender.law
+    if not any(law is variant for variant in study.variants):
+        study = dataclasses.replace(study, starts=min(study.starts, STARTS))
     if isinstance(law, type):
-        few = dataclasses.replace(study, starts=min(study.starts, STARTS))
-        return ReboundObjective(few, law)
+        return ReboundObjective(study, law)
     alone = dataclasses.replace(study, variants=(law,))
     return Objective(alone, law, engine_of(alone))
 
@@ -146,16 +148,27 @@ def fit_law(
     contender: Contender,
     progress: Progress = SILENT,
     executor: Executor | None = None,
+    cache: FitCache | None = None,
 ) -> LawFit:
     """Fit a law to the tests of a study, by an executor if there is one and the law is
     no closed form.
 
+    Args:
+        cache: finished fits of the model are kept and found there.
+
+    Impacts are no more accurate than the sigmas ask for.
+
     Raises InputError where no start gives a prediction.
     """
     objective = objective_of(study, contender)
-    objective.executor = None if contender.is_rebound else executor
+    if not contender.is_rebound:
+        objective.executor, objective.cache = executor, cache
+        if all_given(study):
+            objective = objective.no_finer_than_sigmas()
     objective, _, best = best_fit(objective, progress)
-    points = best.points
+    objective, points = objective.no_finer_than_sigmas(), best.points
+    if not all_given(study):
+        points = objective(points.x)
     uncertainty = estimate(objective, points)
     covariance = regular_covariance(objective, points, uncertainty.inflation)
     slope = objective.bounds.slope(points.x[0])

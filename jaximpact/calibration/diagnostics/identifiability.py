@@ -24,10 +24,11 @@ from ..problem.bounds import Bounds
 from ..problem.objective import Objective, Points
 from .uncertainty import USELESS_ERROR, Uncertainty
 
-GRID = (0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0)
-"""Fractions of its range at which a parameter is fixed."""
 NEAR = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)
-"""Points about the best fit at which it is fixed too, in standard errors."""
+"""Points about the best fit at which a parameter is fixed, in standard errors."""
+GRID = (0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0)
+"""Fractions of its range at which one is fixed too whose 95 % interval these points do
+not hold."""
 FOLLOWED = 0.3
 """Standard error, in x, up to which the curvature at the best fit predicts the others:
 beyond, the cost is no parabola."""
@@ -40,7 +41,7 @@ LOWER = 1e-2
 MATTERS = 50.0
 """Rise of the cost, in s^2, beyond which no fit starts from a point: ten standard
 deviations."""
-ALL_FIXED = -1
+NONE_FIXED = -1
 FAR_OFF, FAR_OFF_AT_LEAST = 3.0, 0.05
 """Standard errors, and difference in x, beyond which a fit of equal cost is another
 one."""
@@ -80,107 +81,173 @@ class LikelihoodProfile(NamedTuple):
 def profile_all(
     objective: Objective, points: Points, uncertainty: Uncertainty, progress: Progress
 ) -> list[LikelihoodProfile]:
-    """Profile the soil's parameters about a fit (points of one lane), all points side
-    by side.
+    """Profile the soil's parameters about a fit (points of one lane), the points of all
+    side by side: near the fit, and over the whole range for those whose interval these
+    do not hold.
 
-    The last lane, with all unknowns fixed at the best fit, gives its cost at the
-    accuracy of the others. Points that ended away from a minimum, or above a neighbour
-    farther out, are fitted again from their neighbours.
+    Points that ended away from a minimum, or above a neighbour farther out, are fitted
+    again from their neighbours.
     """
     rough, best = objective.rough().of_measured(), points.x[0]
-    starts, fixed = _profile_starts(objective, points, uncertainty)
-    x, fixed = np.array([*starts, best]), np.array([*fixed, ALL_FIXED])
-    free = np.arange(len(best)) != fixed[:, None]
-    free[-1] = False
     progress = progress.within("profiles, ")
-    fits = fit(rough, x, free, rule=ROUGH, progress=progress)
-    x, cost = fits.points.x, fits.points.cost
-    doubtful = np.array([not reason.at_minimum for reason in fits.reasons])
-    for number in range(1, AGAIN + 1):
-        within = cost - np.min(cost) <= MATTERS * rough.unit(np.min(cost))
-        known = np.where(within, cost, np.inf)
-        lanes, begin = _from_neighbours(x, known, fixed, doubtful)
-        if not len(lanes):
+    errors, count = uncertainty.standard_errors, len(objective.study.parameters)
+    follow = [_following(points.hessian[0], i, errors[i]) for i in range(count)]
+    found = _Fixed(
+        best[None],
+        rough.values(best[None]).cost,
+        np.array([NONE_FIXED]),
+        np.zeros(1, bool),
+    )
+    values = _near(rough.bounds, best, errors, count)
+    given = np.zeros(count, bool)
+    while True:
+        found = _fit_at(rough, found, values, follow, progress)
+        _fit_again(rough, found, follow, progress)
+        held = [_is_held(found, uncertainty, index) for index in range(count)]
+        wide = ~given & ~np.array(held)
+        if not np.any(wide):
             break
-        tell = progress.within(f"again {number}, ")
-        again = fit(rough, begin, free[lanes], rule=ROUGH, progress=tell).points
-        doubtful[:] = False
-        for lane, at, found in zip(lanes, again.x, again.cost, strict=True):
-            if found < cost[lane] - LOWER * rough.unit(found):
-                x[lane], cost[lane], doubtful[lane] = at, found, True
+        grid = rough.bounds.at_fraction(np.array(GRID)[:, None])
+        values = [grid[:, i] if wide[i] else grid[:0, i] for i in range(count)]
+        given |= wide
+    return [_profile(objective, index, found, uncertainty) for index in range(count)]
+
+
+class _Fixed(NamedTuple):
+    """Fits with one unknown fixed, a lane each; the first is the best fit."""
+
+    x: np.ndarray
+    cost: np.ndarray
+    fixed: np.ndarray
+    """Index of the unknown that is fixed, or NONE_FIXED."""
+    doubtful: np.ndarray
+    """Mask of those that ended away from a minimum."""
+
+
+def _near(bounds: Bounds, best, errors, count: int) -> list[np.ndarray]:
+    """List values about the best fit at which each parameter is fixed."""
+    values = (best[i] + np.array(NEAR) * errors[i] for i in range(count))
     return [
-        _profile(objective, index, x, cost, fixed, uncertainty)
-        for index in range(len(objective.study.parameters))
+        near[(near > bounds.low[i]) & (near < bounds.high[i])]
+        for i, near in enumerate(values)
     ]
 
 
-def _profile_starts(
-    objective: Objective, points: Points, uncertainty: Uncertainty
-) -> tuple[list[np.ndarray], list[int]]:
-    """Choose where each parameter is fixed and where the fit of the others starts.
-
-    Near the best fit, and where a parameter is well known, the others start where the
-    curvature predicts them, elsewhere at the best fit.
-    """
-    bounds, best = objective.bounds, points.x[0]
-    starts, fixed = [], []
-    for index in range(len(objective.study.parameters)):
-        error = uncertainty.standard_errors[index]
-        near = best[index] + np.array(NEAR) * error
-        wide = bounds.at_fraction(np.array(GRID)[:, None])[:, index]
-        near = near[(near > bounds.low[index]) & (near < bounds.high[index])]
-        follow = _following(points.hessian[0], index)
-        for value in np.unique(np.concatenate([near, wide])):
-            apart = value - best[index]
-            start = best.copy()
-            if error <= FOLLOWED and abs(apart) <= NEAR[-1] * error:
-                start = np.clip(best + follow * apart, bounds.low, bounds.high)
-            start[index] = value
-            starts.append(start)
-            fixed.append(index)
-    return starts, fixed
+def _is_held(found: _Fixed, uncertainty: Uncertainty, index: int) -> bool:
+    """Whether the fits so far hold the 95 % interval of a parameter on both sides."""
+    rows = np.flatnonzero(found.fixed == index)
+    if not len(rows):
+        return False
+    along = found.x[rows, index]
+    ends = rows[[np.argmin(along), np.argmax(along)]]
+    rise = 2.0 * (found.cost[ends] - np.min(found.cost)) / uncertainty.inflation
+    apart = found.x[ends, index] - found.x[0, index]
+    beyond = apart * np.array([-1.0, 1.0]) > 0.0
+    return bool(np.all(beyond & (rise > uncertainty.quantile**2)))
 
 
-def _following(hessian: np.ndarray, fixed: int) -> np.ndarray:
+def _fit_at(
+    rough: Objective,
+    found: _Fixed,
+    values: list[np.ndarray],
+    follow: list[np.ndarray],
+    progress: Progress,
+) -> _Fixed:
+    """Add fits with each parameter fixed at its values; the others start where the
+    curvature predicts them."""
+    fixed = np.repeat(np.arange(len(values)), [len(some) for some in values])
+    if not len(fixed):
+        return found
+    best = np.repeat(found.x[:1], len(fixed), axis=0)
+    starts = _moved(rough.bounds, best, fixed, np.concatenate(values), follow)
+    free = np.arange(len(found.x[0])) != fixed[:, None]
+    fits = fit(rough, starts, free, rule=ROUGH, progress=progress)
+    doubtful = np.array([not reason.at_minimum for reason in fits.reasons])
+    more = fits.points.x, fits.points.cost, fixed, doubtful
+    return _Fixed(*map(np.concatenate, zip(found, more, strict=True)))
+
+
+def _fit_again(
+    rough: Objective, found: _Fixed, follow: list[np.ndarray], progress: Progress
+) -> None:
+    """Fit points from their neighbours where these are lower, in place."""
+    x, cost, fixed, doubtful = found
+    for number in range(1, AGAIN + 1):
+        within = cost - np.min(cost) <= MATTERS * rough.unit(np.min(cost))
+        known = np.where(within, cost, np.inf)
+        lanes, others = _with_lower_neighbours(found._replace(cost=known))
+        if not len(lanes):
+            break
+        at = x[lanes, fixed[lanes]]
+        begin = _moved(rough.bounds, x[others], fixed[lanes], at, follow)
+        # Most neighbours lead nowhere: one run tells.
+        lower = rough.values(begin).cost < cost[lanes] + LOWER * rough.unit(cost[lanes])
+        lanes, begin = lanes[lower], begin[lower]
+        if not len(lanes):
+            break
+        free = np.arange(x.shape[1]) != fixed[lanes][:, None]
+        tell = progress.within(f"again {number}, ")
+        again = fit(rough, begin, free, rule=ROUGH, progress=tell).points
+        doubtful[:] = False
+        for lane, at, new in zip(lanes, again.x, again.cost, strict=True):
+            if new < cost[lane] - LOWER * rough.unit(new):
+                x[lane], cost[lane], doubtful[lane] = at, new, True
+
+
+def _moved(bounds: Bounds, x, fixed, value, follow: list[np.ndarray]) -> np.ndarray:
+    """Move points so that one unknown of each has a value, and the others are where the
+    curvature at the best fit predicts them."""
+    each = np.arange(len(x))
+    apart = (value - x[each, fixed])[:, None]
+    moved = np.clip(x + np.array(follow)[fixed] * apart, bounds.low, bounds.high)
+    moved[each, fixed] = value
+    return moved
+
+
+def _following(hessian: np.ndarray, fixed: int, error: float) -> np.ndarray:
     """Compute the derivatives of the unknowns with respect to a fixed one, along the
-    minimum of a quadratic cost."""
+    minimum of a quadratic cost; those of the others are 0 where the standard error is
+    so large that the cost is no parabola."""
     others = np.arange(len(hessian)) != fixed
     follow = (~others).astype(float)
-    curvature = hessian[np.ix_(others, others)]
-    follow[others] = -np.linalg.pinv(curvature, hermitian=True) @ hessian[others, fixed]
+    if error <= FOLLOWED:
+        rest = np.linalg.pinv(hessian[np.ix_(others, others)], hermitian=True)
+        follow[others] = -rest @ hessian[others, fixed]
     return follow
 
 
-def _from_neighbours(x, cost, fixed, doubtful) -> tuple[np.ndarray, np.ndarray]:
-    """Choose points to be fitted again, and their starts.
+def _with_lower_neighbours(found: _Fixed) -> tuple[np.ndarray, np.ndarray]:
+    """Choose points to be fitted again, and the neighbours from which they start.
 
-    They start from a neighbour of lower cost that lies farther out, as it should not,
-    or where one of the two is doubtful.
+    A neighbour has a lower cost and lies farther out, as it should not, or one of the
+    two is doubtful.
     """
-    lanes, begin = [], []
-    for index in np.unique(fixed[fixed != ALL_FIXED]):
+    x, cost, fixed, doubtful = found
+    pairs = []
+    for index in np.unique(fixed[1:]):
         rows = np.flatnonzero(fixed == index)
         rows = rows[np.argsort(x[rows, index])]
         for one, other in (*itertools.pairwise(rows), *itertools.pairwise(rows[::-1])):
-            apart = np.abs(x[[one, other], index] - x[-1, index])
+            apart = np.abs(x[[one, other], index] - x[0, index])
             farther = apart[1] > apart[0]
             if cost[other] < cost[one] and (farther or np.any(doubtful[[one, other]])):
-                lanes.append(one)
-                begin.append(np.where(np.arange(x.shape[1]) == index, x[one], x[other]))
-    return np.array(lanes, int), np.array(begin)
+                pairs.append((one, other))
+    lanes, others = np.array(pairs, int).reshape(-1, 2).T
+    return lanes, others
 
 
 def _profile(
-    objective: Objective, index: int, x, cost, fixed, uncertainty: Uncertainty
+    objective: Objective, index: int, found: _Fixed, uncertainty: Uncertainty
 ) -> LikelihoodProfile:
     """Make the profile of one parameter from the points at which it was fixed and the
-    best fit, the last point."""
-    bounds = objective.bounds
-    rows = np.flatnonzero(fixed == index)
+    best fit."""
+    bounds, x, cost = objective.bounds, found.x, found.cost
+    rows = np.flatnonzero(found.fixed == index)
     lowest = rows[np.argmin(cost[rows])]
     # At a bound the best fit is one of the points.
-    along, first = np.unique(np.append(x[rows, index], x[-1, index]), return_index=True)
-    costs = np.append(cost[rows], cost[-1])[first]
+    rows = np.append(rows, 0)
+    along, first = np.unique(x[rows, index], return_index=True)
+    costs = cost[rows][first]
     rise = 2.0 * (costs - np.min(costs)) / uncertainty.inflation
     limits = ONE_SIGMA, uncertainty.quantile**2
     ends = (end for limit in limits for end in _within(along, rise, limit))
@@ -195,7 +262,7 @@ def _profile(
         np.array([value(at) for at in along]),
         rise,
         *(value(end) for end in ends),
-        best_cost=float(cost[-1]),
+        best_cost=float(cost[0]),
         lowest_cost=float(cost[lowest]),
         lowest_x=x[lowest],
     )

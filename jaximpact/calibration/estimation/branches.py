@@ -28,6 +28,8 @@ STEPS, ROUNDS = 256, 12
 """Steps that are tried side by side along a jump, and how often."""
 LEAST, MOST = 0.005, 1.5
 """Distances, in standard errors, of steps from the way to the linear minimum."""
+SCREENED = 4
+"""Points whose costs are computed at full accuracy at a time."""
 HALVINGS = 10
 """Number of halvings of the way to a point, which tell a jump from curvature."""
 SHARES_AGAIN = 3
@@ -125,10 +127,17 @@ def _is_abrupt(
     for test, target in np.argwhere(np.any(beyond, axis=0)):
         part = objective.of_tests(np.array([test]))
         lanes = np.flatnonzero(beyond[:, test, target])
+        least = 0.5 * JUMP * objective.sigma[test, target]
         near, far = np.repeat(fit.x, len(lanes), axis=0), points.x[lanes]
         of_near = np.repeat(fit.predicted[:, test, target], len(lanes))
         of_far = points.predicted[lanes, test, target]
         for _ in range(HALVINGS):
+            # What changes less than a jump bends.
+            left = _apart(of_near, of_far) > least
+            lanes, near, far = lanes[left], near[left], far[left]
+            of_near, of_far = of_near[left], of_far[left]
+            if not len(lanes):
+                break
             middle = 0.5 * (near + far)
             of_middle = part.values(middle).predicted[:, 0, target]
             first = _apart(of_near, of_middle) >= _apart(of_middle, of_far)
@@ -136,8 +145,7 @@ def _is_abrupt(
             far = np.where(first[:, None], middle, far)
             of_near = np.where(first, of_near, of_middle)
             of_far = np.where(first, of_middle, of_far)
-        change = _apart(of_near, of_far) / objective.sigma[test, target]
-        found[lanes, test, target] = change > 0.5 * JUMP
+        found[lanes, test, target] = _apart(of_near, of_far) > least
     return found
 
 
@@ -166,9 +174,9 @@ def descend_on_branches(objective: Objective, fits: Fits, progress: Progress) ->
         fit, steps = fits.points, fits.steps
         if np.any(objective.failed(fit.predicted)):
             break
-        draws = objective.values(fit.x + _sampled_steps(objective, fit, DRAWS, random))
+        steps_about = _sampled_steps(objective, fit, DRAWS, random)
+        draws, begin = _screened(objective, fit.x + steps_about)
         near = np.any(jumped(objective, fit, draws), axis=0)
-        begin = draws.take([int(np.argmin(draws.cost))])
         least = PROMISE * unit_without_jumps(objective, fit)
         if begin.cost[0] >= fit.cost[0] - least:
             if fits.reasons[0].at_minimum or not np.any(near):
@@ -234,7 +242,26 @@ def best_about(objective: Objective, fit: Points) -> Points:
     random = np.random.default_rng(objective.study.seed)
     steps = _sampled_steps(objective, fit, STEPS, random)
     x = np.concatenate([fit.x, fit.x + steps])
-    return objective(x[[np.argmin(objective.values(x).cost)]])
+    return objective(_screened(objective, x)[1].x)
+
+
+def _screened(objective: Objective, x: np.ndarray) -> tuple[Points, Points]:
+    """Compute points at an accuracy that suits the sigmas, and the best of them at that
+    of the objective: by rising cost, until no cost that is left is below."""
+    coarse = objective.no_finer_than_sigmas()
+    points = coarse.values(x)
+    order = np.argsort(points.cost, kind="stable")
+    if coarse is objective:
+        return points, points.take(order[:1])
+    best = None
+    for first in range(0, len(x), SCREENED):
+        if best is not None and best.cost[0] <= points.cost[order[first]]:
+            break
+        fine = objective.values(x[order[first : first + SCREENED]])
+        lowest = fine.take([np.argmin(fine.cost)])
+        if best is None or lowest.cost[0] < best.cost[0]:
+            best = lowest
+    return points, best
 
 
 def _sampled_steps(objective: Objective, fit: Points, count: int, random) -> np.ndarray:

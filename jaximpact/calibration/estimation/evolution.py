@@ -18,14 +18,16 @@ from ..problem.objective import Objective
 
 POPULATION, PER_UNKNOWN = 48, 6
 """Least size of the population, and its size for each unknown."""
-GENERATIONS = 50
-"""Largest number of generations."""
+GENERATIONS, MOST_GENERATIONS = 50, 80
+"""Generations from which a search ends that has agreed, and at the latest."""
 WIDER = 3.0
 """Factor on the sigmas."""
 PLACE = 0.3
 """Distance in x from the best member within which a member is at its place."""
 TOGETHER = 0.9
 """Fraction of the members at the place of the best one at which a search ends."""
+AGREED = 0.5
+"""Fraction from which the others are on their way there."""
 FAILED = 1e12
 """Cost that replaces one that is not finite."""
 
@@ -91,13 +93,14 @@ def evolve(
             f"{intermediate_result.fun:.6g}"
         )
         now = _population(intermediate_result)
-        return bool(np.mean(now.found) >= TOGETHER)
+        enough = TOGETHER if generation < GENERATIONS else AGREED
+        return bool(np.mean(now.found) >= enough)
 
     ended = differential_evolution(
         lambda x: cost(x.T),
         np.stack([bounds.low, bounds.high], axis=1),
         init=np.clip(np.concatenate([first, spread]), bounds.low, bounds.high),
-        maxiter=GENERATIONS,
+        maxiter=MOST_GENERATIONS,
         tol=0.0,
         polish=False,
         updating="deferred",

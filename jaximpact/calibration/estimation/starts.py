@@ -11,7 +11,7 @@ from ..problem.bounds import Bounds
 from ..problem.config import Study
 from ..problem.objective import Objective, Points
 from .branches import best_about, descend_on_branches, jumped
-from .evolution import Population, evolve, members_for, robust_of
+from .evolution import AGREED, Population, evolve, members_for, robust_of
 from .least_squares import (
     FINE,
     ROUGH,
@@ -35,9 +35,6 @@ ENOUGH = 0.9
 together."""
 SCREENED = 8
 """Candidates for each member of the population of a search."""
-AGREED = 0.5
-"""Fraction of the population at the place of the best member from which the others are
-on their way there."""
 MEMBERS_FITTED = 4
 """Members of the last population from which a fit starts."""
 LAST = FINE._replace(steps=20)
