@@ -253,14 +253,16 @@ def _screened(objective: Objective, x: np.ndarray) -> tuple[Points, Points]:
     order = np.argsort(points.cost, kind="stable")
     if coarse is objective:
         return points, points.take(order[:1])
-    best = None
-    for first in range(0, len(x), SCREENED):
-        if best is not None and best.cost[0] <= points.cost[order[first]]:
-            break
+
+    def lowest(first: int) -> Points:
         fine = objective.values(x[order[first : first + SCREENED]])
-        lowest = fine.take([np.argmin(fine.cost)])
-        if best is None or lowest.cost[0] < best.cost[0]:
-            best = lowest
+        return fine.take([np.argmin(fine.cost)])
+
+    best = lowest(0)
+    for first in range(SCREENED, len(x), SCREENED):
+        if best.cost[0] <= points.cost[order[first]]:
+            break
+        best = min(best, lowest(first), key=lambda one: float(one.cost[0]))
     return points, best
 
 
