@@ -111,6 +111,16 @@ def test_sigmas_that_are_guesses_are_called_so():
     assert "(guessed)" in target_rows(result, result.variants[0])[1][-1]
 
 
+@pytest.mark.parametrize(("sigma", "too_large"), [(0.002, False), (0.5, True)])
+def test_sigmas_that_are_far_too_large_are_called_so(e_n, sigma, too_large):
+    """Of six values that scatter by about 0.002."""
+    words, _ = doubts(
+        columns(e_n), default_sigma={"e_n": sigma}, parameters={"k_E": {}}
+    )
+    said = [line for line in words if "the sigmas are too large" in line]
+    assert len(said) == too_large
+
+
 def test_a_fit_that_predicts_worse_than_the_mean_of_the_other_tests():
     """Of 0.2, 0.3 and 0.4 the mean of the other two is off by 0.15, 0 and 0.15."""
     known = study({"angle_deg": [9.0, 20.0, 40.0], "e_n": [0.2, 0.3, 0.4]})

@@ -15,6 +15,7 @@ from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import chdtr
 
 from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import CURVE_COLUMNS
@@ -35,7 +36,7 @@ from .posterior import Draws
 from .predictive import Bands, bands_of
 from .residuals import Residuals, residuals_of
 from .results import StudyResult, VariantResult
-from .uncertainty import LEAST_LEFT
+from .uncertainty import IMPROBABLE, LEAST_LEFT
 
 WORSE = 1.1
 """Ratio of the rms error and the scatter about the mean above which a fit is worse than
@@ -225,7 +226,8 @@ def warnings_of(
 
 
 def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
-    """Warn of a misfit above the given sigmas, and of few degrees of freedom."""
+    """Warn of a misfit above or far below the given sigmas, and of few degrees of
+    freedom."""
     uncertainty, lines = variant.uncertainty, []
     if uncertainty.inflation > 1.0:
         lines.append(
@@ -233,7 +235,13 @@ def _doubtful_errors(study: Study, variant: VariantResult) -> list[str]:
             f"multiplied by {np.sqrt(uncertainty.inflation):.3g}, which is right only "
             "if the misfit is random."
         )
-    freedom = uncertainty.degrees_of_freedom
+    freedom, reduced = uncertainty.degrees_of_freedom, uncertainty.reduced_chi_square
+    if np.all(study.sigma_given) and chdtr(freedom, reduced * freedom) < IMPROBABLE:
+        lines.append(
+            "The misfit is far smaller than the given sigmas (reduced chi-square "
+            f"{reduced:.2g}). If tests scatter independently, the sigmas are too "
+            "large, and so are the standard errors."
+        )
     if freedom < 3.0:
         lines.append(
             f"{freedom_text(freedom)} degrees of freedom are left: too few to judge "

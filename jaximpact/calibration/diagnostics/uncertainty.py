@@ -48,7 +48,8 @@ MANY = 20.0
 LEAST_LEFT = 0.1
 """Least 1 - leverage: a measurement that alone rules the fit has no residual."""
 IMPROBABLE = 0.01
-"""Probability of a larger chi-square below which the given sigmas are too small."""
+"""Probability of a larger, or smaller, chi-square below which the given sigmas are too
+small, or too large."""
 
 
 class Uncertainty(NamedTuple):
