@@ -135,15 +135,9 @@ def _near(bounds: Bounds, best, errors, count: int) -> list[np.ndarray]:
 
 def _is_held(found: _Fixed, uncertainty: Uncertainty, index: int) -> bool:
     """Whether the fits so far hold the 95 % interval of a parameter on both sides."""
-    rows = np.flatnonzero(found.fixed == index)
-    if not len(rows):
-        return False
-    along = found.x[rows, index]
-    ends = rows[[np.argmin(along), np.argmax(along)]]
-    rise = 2.0 * (found.cost[ends] - np.min(found.cost)) / uncertainty.inflation
-    apart = found.x[ends, index] - found.x[0, index]
-    beyond = apart * np.array([-1.0, 1.0]) > 0.0
-    return bool(np.all(beyond & (rise > uncertainty.quantile**2)))
+    along, rise = _rise(found, index, uncertainty)
+    best, inside = found.x[0, index], rise <= uncertainty.quantile**2
+    return bool(along[0] < best < along[-1] and not (inside[0] or inside[-1]))
 
 
 def _fit_at(
@@ -244,11 +238,7 @@ def _profile(
     bounds, x, cost = objective.bounds, found.x, found.cost
     rows = np.flatnonzero(found.fixed == index)
     lowest = rows[np.argmin(cost[rows])]
-    # At a bound the best fit is one of the points.
-    rows = np.append(rows, 0)
-    along, first = np.unique(x[rows, index], return_index=True)
-    costs = cost[rows][first]
-    rise = 2.0 * (costs - np.min(costs)) / uncertainty.inflation
+    along, rise = _rise(found, index, uncertainty)
     limits = ONE_SIGMA, uncertainty.quantile**2
     ends = (end for limit in limits for end in _within(along, rise, limit))
 
@@ -266,6 +256,18 @@ def _profile(
         lowest_cost=float(cost[lowest]),
         lowest_x=x[lowest],
     )
+
+
+def _rise(
+    found: _Fixed, index: int, uncertainty: Uncertainty
+) -> tuple[np.ndarray, np.ndarray]:
+    """Collect the values at which a parameter was fixed and that of the best fit,
+    ascending, and the likelihood-ratio statistic at each."""
+    rows = np.append(np.flatnonzero(found.fixed == index), 0)
+    # At a bound the best fit is one of the points.
+    along, first = np.unique(found.x[rows, index], return_index=True)
+    costs = found.cost[rows][first]
+    return along, 2.0 * (costs - np.min(costs)) / uncertainty.inflation
 
 
 def _within(x: np.ndarray, rise: np.ndarray, limit: float):
