@@ -433,10 +433,14 @@ def test_verdicts_of_the_twin(twin):
     assert np.median(held.rise) < 1e-3
     assert held.low is None
     assert held.high is None
+    ends = variant.bounds.lower[3], variant.bounds.upper[3]
+    np.testing.assert_allclose(held.values[[0, -1]], ends)
     # Near the minimum a profile is the parabola of the standard error.
     profile = variant.profiles["c_v"]
     error = variant.uncertainty.standard_errors[0]
     apart = np.abs(np.log(profile.values / variant.parameters[0])) / error
+    # Three standard errors suffice where the interval is held, but for rounding.
+    assert np.max(apart) < 3.001
     near = (apart > 0.5) & (apart < 2.5)
     assert np.any(near)
     np.testing.assert_allclose(np.sqrt(profile.rise[near]), apart[near], rtol=0.2)
