@@ -439,7 +439,7 @@ def test_verdicts_of_the_twin(twin):
     profile = variant.profiles["c_v"]
     error = variant.uncertainty.standard_errors[0]
     apart = np.abs(np.log(profile.values / variant.parameters[0])) / error
-    # Three standard errors suffice where the interval is held, but for rounding.
+    # Its 95 % interval ends within three standard errors; the rest is rounding.
     assert np.max(apart) < 3.001
     near = (apart > 0.5) & (apart < 2.5)
     assert np.any(near)

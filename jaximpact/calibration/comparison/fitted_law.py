@@ -30,7 +30,7 @@ from .contenders import SIMPLE, Contender
 from .rebound_objective import PREDICTED, ReboundObjective
 
 STARTS = 16
-"""Most starts of a law beside those of the study."""
+"""Largest number of starts of a law beside those of the study."""
 SIMPLE_LAWS = {law.words: Contender(law.words, law) for law in SIMPLE}
 """Simple laws by name."""
 
@@ -156,7 +156,7 @@ def fit_law(
     Args:
         cache: finished fits of the model are kept and found there.
 
-    Impacts are no more accurate than the sigmas ask for.
+    Impacts are computed no more accurately than the sigmas need.
 
     Raises InputError where no start gives a prediction.
     """
@@ -166,9 +166,8 @@ def fit_law(
         if all_given(study):
             objective = objective.no_finer_than_sigmas()
     objective, _, best = best_fit(objective, progress)
-    objective, points = objective.no_finer_than_sigmas(), best.points
-    if not all_given(study):
-        points = objective(points.x)
+    objective = objective.no_finer_than_sigmas()
+    points = objective(best.points.x)
     uncertainty = estimate(objective, points)
     covariance = regular_covariance(objective, points, uncertainty.inflation)
     slope = objective.bounds.slope(points.x[0])

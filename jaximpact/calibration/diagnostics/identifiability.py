@@ -27,8 +27,8 @@ from .uncertainty import USELESS_ERROR, Uncertainty
 NEAR = (-3.0, -2.0, -1.0, 1.0, 2.0, 3.0)
 """Points about the best fit at which a parameter is fixed, in standard errors."""
 GRID = (0.0, 0.15, 0.3, 0.5, 0.7, 0.85, 1.0)
-"""Fractions of its range at which one is fixed too whose 95 % interval these points do
-not hold."""
+"""Fractions of its range at which a parameter is fixed too where its 95 % interval
+extends beyond these points."""
 FOLLOWED = 0.3
 """Standard error, in x, up to which the curvature at the best fit predicts the others:
 beyond, the cost is no parabola."""
@@ -82,8 +82,8 @@ def profile_all(
     objective: Objective, points: Points, uncertainty: Uncertainty, progress: Progress
 ) -> list[LikelihoodProfile]:
     """Profile the soil's parameters about a fit (points of one lane), the points of all
-    side by side: near the fit, and over the whole range for those whose interval these
-    do not hold.
+    side by side: near the fit, and over the whole range where an interval extends
+    farther.
 
     Points that ended away from a minimum, or above a neighbour farther out, are fitted
     again from their neighbours.
@@ -91,7 +91,9 @@ def profile_all(
     rough, best = objective.rough().of_measured(), points.x[0]
     progress = progress.within("profiles, ")
     errors, count = uncertainty.standard_errors, len(objective.study.parameters)
-    follow = [_following(points.hessian[0], i, errors[i]) for i in range(count)]
+    follow = np.array(
+        [_following(points.hessian[0], i, errors[i]) for i in range(count)]
+    )
     found = _Fixed(
         best[None],
         rough.values(best[None]).cost,
@@ -99,17 +101,17 @@ def profile_all(
         np.zeros(1, bool),
     )
     values = _near(rough.bounds, best, errors, count)
-    given = np.zeros(count, bool)
+    widened = np.zeros(count, bool)
     while True:
         found = _fit_at(rough, found, values, follow, progress)
         _fit_again(rough, found, follow, progress)
-        held = [_is_held(found, uncertainty, index) for index in range(count)]
-        wide = ~given & ~np.array(held)
+        bracketed = [_is_bracketed(found, uncertainty, i) for i in range(count)]
+        wide = ~widened & ~np.array(bracketed)
         if not np.any(wide):
             break
         grid = rough.bounds.at_fraction(np.array(GRID)[:, None])
         values = [grid[:, i] if wide[i] else grid[:0, i] for i in range(count)]
-        given |= wide
+        widened |= wide
     return [_profile(objective, index, found, uncertainty) for index in range(count)]
 
 
@@ -133,8 +135,9 @@ def _near(bounds: Bounds, best, errors, count: int) -> list[np.ndarray]:
     ]
 
 
-def _is_held(found: _Fixed, uncertainty: Uncertainty, index: int) -> bool:
-    """Whether the fits so far hold the 95 % interval of a parameter on both sides."""
+def _is_bracketed(found: _Fixed, uncertainty: Uncertainty, index: int) -> bool:
+    """Tell whether the 95 % interval of a parameter ends within the values at which it
+    was fixed."""
     along, rise = _rise(found, index, uncertainty)
     best, inside = found.x[0, index], rise <= uncertainty.quantile**2
     return bool(along[0] < best < along[-1] and not (inside[0] or inside[-1]))
@@ -144,7 +147,7 @@ def _fit_at(
     rough: Objective,
     found: _Fixed,
     values: list[np.ndarray],
-    follow: list[np.ndarray],
+    follow: np.ndarray,
     progress: Progress,
 ) -> _Fixed:
     """Add fits with each parameter fixed at its values; the others start where the
@@ -162,7 +165,7 @@ def _fit_at(
 
 
 def _fit_again(
-    rough: Objective, found: _Fixed, follow: list[np.ndarray], progress: Progress
+    rough: Objective, found: _Fixed, follow: np.ndarray, progress: Progress
 ) -> None:
     """Fit points from their neighbours where these are lower, in place."""
     x, cost, fixed, doubtful = found
@@ -172,9 +175,9 @@ def _fit_again(
         lanes, others = _with_lower_neighbours(found._replace(cost=known))
         if not len(lanes):
             break
-        at = x[lanes, fixed[lanes]]
-        begin = _moved(rough.bounds, x[others], fixed[lanes], at, follow)
-        # Most neighbours lead nowhere: one run tells.
+        value = x[lanes, fixed[lanes]]
+        begin = _moved(rough.bounds, x[others], fixed[lanes], value, follow)
+        # Few starts are lower: one run is cheaper than a fit.
         lower = rough.values(begin).cost < cost[lanes] + LOWER * rough.unit(cost[lanes])
         lanes, begin = lanes[lower], begin[lower]
         if not len(lanes):
@@ -188,12 +191,12 @@ def _fit_again(
                 x[lane], cost[lane], doubtful[lane] = at, new, True
 
 
-def _moved(bounds: Bounds, x, fixed, value, follow: list[np.ndarray]) -> np.ndarray:
+def _moved(bounds: Bounds, x, fixed, value, follow: np.ndarray) -> np.ndarray:
     """Move points so that one unknown of each has a value, and the others are where the
     curvature at the best fit predicts them."""
     each = np.arange(len(x))
     apart = (value - x[each, fixed])[:, None]
-    moved = np.clip(x + np.array(follow)[fixed] * apart, bounds.low, bounds.high)
+    moved = np.clip(x + follow[fixed] * apart, bounds.low, bounds.high)
     moved[each, fixed] = value
     return moved
 

@@ -28,8 +28,8 @@ STEPS, ROUNDS = 256, 12
 """Steps that are tried side by side along a jump, and how often."""
 LEAST, MOST = 0.005, 1.5
 """Distances, in standard errors, of steps from the way to the linear minimum."""
-SCREENED = 4
-"""Points whose costs are computed at full accuracy at a time."""
+AT_A_TIME = 4
+"""Number of points whose costs are computed at full accuracy at a time."""
 HALVINGS = 10
 """Number of halvings of the way to a point, which tell a jump from curvature."""
 SHARES_AGAIN = 3
@@ -132,7 +132,7 @@ def _is_abrupt(
         of_near = np.repeat(fit.predicted[:, test, target], len(lanes))
         of_far = points.predicted[lanes, test, target]
         for _ in range(HALVINGS):
-            # What changes less than a jump bends.
+            # A change smaller than a jump is a bend, and not halved again.
             left = _apart(of_near, of_far) > least
             lanes, near, far = lanes[left], near[left], far[left]
             of_near, of_far = of_near[left], of_far[left]
@@ -246,8 +246,8 @@ def best_about(objective: Objective, fit: Points) -> Points:
 
 
 def _screened(objective: Objective, x: np.ndarray) -> tuple[Points, Points]:
-    """Compute points at an accuracy that suits the sigmas, and the best of them at that
-    of the objective: by rising cost, until no cost that is left is below."""
+    """Compute points at the accuracy that the sigmas need, and the best of them at that
+    of the objective: in order of cost, until none that is left is lower."""
     coarse = objective.no_finer_than_sigmas()
     points = coarse.values(x)
     order = np.argsort(points.cost, kind="stable")
@@ -255,11 +255,11 @@ def _screened(objective: Objective, x: np.ndarray) -> tuple[Points, Points]:
         return points, points.take(order[:1])
 
     def lowest(first: int) -> Points:
-        fine = objective.values(x[order[first : first + SCREENED]])
+        fine = objective.values(x[order[first : first + AT_A_TIME]])
         return fine.take([np.argmin(fine.cost)])
 
     best = lowest(0)
-    for first in range(SCREENED, len(x), SCREENED):
+    for first in range(AT_A_TIME, len(x), AT_A_TIME):
         if best.cost[0] <= points.cost[order[first]]:
             break
         best = min(best, lowest(first), key=lambda one: float(one.cost[0]))

@@ -19,7 +19,8 @@ from ..problem.objective import Objective
 POPULATION, PER_UNKNOWN = 48, 6
 """Least size of the population, and its size for each unknown."""
 GENERATIONS, MOST_GENERATIONS = 50, 80
-"""Generations from which a search ends that has agreed, and at the latest."""
+"""Number of generations after which a search ends that has agreed, and the largest
+number."""
 WIDER = 3.0
 """Factor on the sigmas."""
 PLACE = 0.3
@@ -27,7 +28,8 @@ PLACE = 0.3
 TOGETHER = 0.9
 """Fraction of the members at the place of the best one at which a search ends."""
 AGREED = 0.5
-"""Fraction from which the others are on their way there."""
+"""Fraction of the members at the place of the best one from which the others are on
+their way there."""
 FAILED = 1e12
 """Cost that replaces one that is not finite."""
 
