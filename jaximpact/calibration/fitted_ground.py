@@ -61,7 +61,7 @@ class FittedVariant(NamedTuple):
     @property
     def trusted(self) -> bool:
         """Whether the effective sample size is large enough."""
-        return bool(1.0 / np.sum(self.weights**2) >= FEWEST * len(self.weights))
+        return bool(1.0 / np.sum(self.weights**2) >= FEWEST)
 
 
 class FittedGround(NamedTuple):

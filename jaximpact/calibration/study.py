@@ -13,14 +13,13 @@ from .diagnostics.identifiability import (
     judge_all,
     profile_all,
 )
-from .diagnostics.jumps import shares_of, without_jumps
+from .diagnostics.jumps import Judged, judge
 from .diagnostics.results import StudyResult, VariantResult
-from .diagnostics.uncertainty import Uncertainty, estimate
+from .estimation.branches import NEAR
 from .estimation.fit_cache import FitCache
-from .estimation.least_squares import Fits
+from .estimation.least_squares import Fits, Reason
 from .estimation.sigma import all_given, settle
 from .estimation.starts import (
-    fit,
     fit_on,
     fit_starts,
     label_minima,
@@ -35,8 +34,12 @@ from .problem.forward_model import engines_of, for_each_variant
 from .problem.objective import Objective, names_of, start_of
 
 LOWER_BY = 1e-3
-"""Fraction of the cost, and of s^2, by which a profile must find a lower cost for the
-fit to start again from there."""
+"""Fraction of the cost, and of s^2, by which a profile or a draw must find a lower cost
+for the fit to start again from there."""
+REFITS = 3
+"""Largest number of fits from a draw."""
+LOWEST = 4
+"""Number of draws whose cost is computed at the accuracy of the fit."""
 
 
 def fit_study(
@@ -112,7 +115,11 @@ def _fit_variant(
 ) -> VariantResult:
     study, starts = objective.study, starts_of(objective)
     objective, ends, best = best_fit(objective, progress)
-    objective, best, uncertainty, profiles, jumps = _profiled(objective, best, progress)
+    objective, best, judged, profiles = _profiled(objective, best, progress)
+    uncertainty = judged.uncertainty
+    if np.any(judged.shares > NEAR):
+        # It may have gone on along a jump, and what ended beside it with it.
+        ends = with_origin(ends, ends.best, best)
     # Sigmas may have changed since the starts ended.
     ends = ends._replace(points=objective.reevaluate(ends.points))
     reasons = label_minima(objective, ends, float(best.points.cost[0]))
@@ -131,7 +138,9 @@ def _fit_variant(
         outcomes=point.outcomes[0],
         failed=int(np.sum(objective.failed(point.predicted[0]))),
         uncertainty=uncertainty,
-        verdicts=judge_all(objective, best, uncertainty, by_name, ends),
+        verdicts=judge_all(
+            *(objective, best, uncertainty, by_name, ends), of_draws=judged.of_draws
+        ),
         directions=directions(soil, objective.bounds, uncertainty),
         profiles=by_name,
         start_parameters=objective.bounds.parameter(starts),
@@ -143,38 +152,79 @@ def _fit_variant(
         reason=best.reasons[0],
         objective=objective,
         points=point,
-        jumps=jumps,
+        jumps=judged.shares,
+        draws=judged.draws,
+        errors_of_draws=judged.of_draws,
     )
 
 
 def _profiled(
     objective: Objective, best: Fits, progress: Progress
-) -> tuple[Objective, Fits, Uncertainty, list[LikelihoodProfile], np.ndarray]:
-    """Profile the best fit, without the tests near a jump; where a profile of all tests
-    finds a lower cost, fit from there and profile again. Also the shares of the
-    confidence region beyond jumps."""
-    uncertainty, profiles, jumps = _uncertainty(objective, best, progress)
+) -> tuple[Objective, Fits, Judged, list[LikelihoodProfile]]:
+    """Judge and profile the best fit; where a profile of all tests finds a lower cost,
+    fit from there, and do it again."""
+    objective, best, judged = judge_lowest(objective, best, progress)
+    profiles = _profiles(judged, best, progress)
     lowest = min(profiles, key=lambda found: found.lowest_cost)
-    margin = LOWER_BY * (lowest.best_cost + objective.unit(lowest.best_cost))
-    some = without_jumps(objective, jumps) is not objective
-    if some or lowest.lowest_cost >= lowest.best_cost - margin:
-        return objective, best, uncertainty, profiles, jumps
-    again = fit(
-        objective, lowest.lowest_x[None], progress=progress.within("refining, ")
-    )
-    if again.points.cost[0] >= best.points.cost[0]:
-        return objective, best, uncertainty, profiles, jumps
-    objective, best = settle(objective, again, fit_on, progress)
-    return objective, best, *_uncertainty(objective, best, progress)
+    below = _below(objective, lowest.best_cost)
+    if judged.smooth is not objective or lowest.lowest_cost >= below:
+        return objective, best, judged, profiles
+    again = _fit_again(objective, best, lowest.lowest_x, progress)
+    if again is None:
+        return objective, best, judged, profiles
+    objective, best, judged = judge_lowest(*again, progress)
+    return objective, best, judged, _profiles(judged, best, progress)
 
 
-def _uncertainty(
+def judge_lowest(
     objective: Objective, best: Fits, progress: Progress
-) -> tuple[Uncertainty, list[LikelihoodProfile], np.ndarray]:
-    """Compute uncertainty and profiles of a fit without the tests near a jump, and the
-    shares of the confidence region beyond jumps."""
-    jumps = shares_of(objective, best)
-    smooth = without_jumps(objective, jumps)
+) -> tuple[Objective, Fits, Judged]:
+    """Judge the best fit; where a draw has a lower cost, fit from there, and judge
+    that."""
+    for _ in range(REFITS):
+        below = _below(objective, float(best.points.cost[0]))
+        judged = judge(objective, best, enough_below=below, progress=progress)
+        lowest = np.argsort(judged.draws.cost, kind="stable")[:LOWEST]
+        if judged.draws.cost[lowest[0]] >= below:
+            return objective, best, judged
+        # Beside a jump draws, which are less accurate, may be on the other side of it.
+        points = objective.values(judged.draws.x[lowest])
+        point = int(np.argmin(points.cost))
+        if points.cost[point] >= below:
+            break
+        again = _fit_again(objective, best, points.x[point], progress)
+        if again is None:
+            break
+        objective, best = again
+    return objective, best, judge(objective, best, progress=progress)
+
+
+def _below(objective: Objective, cost: float) -> float:
+    """Compute the cost below which a fit starts again."""
+    return cost - LOWER_BY * (cost + float(objective.unit(cost)))
+
+
+def _fit_again(
+    objective: Objective, best: Fits, x: np.ndarray, progress: Progress
+) -> tuple[Objective, Fits] | None:
+    """Fit from x; None where that ends no lower than the best fit, or at no minimum
+    though that one did."""
+    begin = Fits(objective(x[None]), [Reason.jump], np.zeros(1, int))
+    again = polish(objective, begin, progress)
+    if again.points.cost[0] >= begin.points.cost[0]:
+        # Lost at a lower accuracy, at which steps are cheaper.
+        again = fit_on(objective, x[None], progress=progress.within("refining, "))
+    if not again.reasons[0].at_minimum:
+        again = polish(objective, again, progress)
+    lost = best.reasons[0].at_minimum and not again.reasons[0].at_minimum
+    if lost or again.points.cost[0] >= best.points.cost[0]:
+        return None
+    return settle(objective, again, fit_on, progress)
+
+
+def _profiles(
+    judged: Judged, best: Fits, progress: Progress
+) -> list[LikelihoodProfile]:
+    smooth = judged.smooth
     points = smooth.reevaluate(best.points)
-    uncertainty = estimate(smooth, points)
-    return uncertainty, profile_all(smooth, points, uncertainty, progress), jumps
+    return profile_all(smooth, points, judged.uncertainty, progress)

@@ -153,6 +153,27 @@ def test_draws_that_do_not_count_are_drawn_again(tmp_path, monkeypatch):
     np.testing.assert_allclose(deviation, uncertainty.standard_errors, rtol=0.15)
 
 
+def test_draws_in_parts_are_of_the_same_posterior(tmp_path):
+    """From a first proposal that is too wide, and one that is too narrow."""
+    objective, points, uncertainty = linear(tmp_path, *line(20))
+    for factor in (0.01, 100.0):
+        other = points._replace(jacobian=np.sqrt(factor) * points.jacobian)
+        about = objective, objective.reevaluate(other)
+        found = draws.sample(objective, points, 1.0, about=about, parts=8, count=4000)
+        assert len(found.x) == 500 * len(found.effective_fraction)
+        assert found.effective > draws.ENOUGH * 4000
+        assert np.isnan(found.error)
+        # Four standard errors of a standard deviation of 1200 draws.
+        deviation = np.sqrt(np.diag(found.covariance()))
+        np.testing.assert_allclose(deviation, uncertainty.standard_errors, rtol=0.08)
+    below = found.cost.min() + 1e-3
+    enough = draws.sample(
+        objective, points, 1.0, about=about, enough_below=below, parts=8, count=4000
+    )
+    assert len(enough.effective_fraction) <= len(found.effective_fraction)
+    assert np.min(enough.cost) < below
+
+
 def test_bands_of_a_line(tmp_path):
     """Against the textbook, of the line and of a measurement."""
     matrix, measured = line(20)

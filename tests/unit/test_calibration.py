@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +11,9 @@ from error_messages import assert_one_line_error
 
 from jaximpact import PRESETS, Accuracy, Block, Impact, Soil, simulate
 from jaximpact.calibration import read_study, run_study
-from jaximpact.calibration.diagnostics.identifiability import combination
+from jaximpact.calibration.diagnostics.identifiability import combination, judge_all
 from jaximpact.calibration.diagnostics.jumps import in_words as jumps_in_words
-from jaximpact.calibration.diagnostics.jumps import shares_of, without_jumps
+from jaximpact.calibration.diagnostics.jumps import judge, shares_of, without_jumps
 from jaximpact.calibration.diagnostics.uncertainty import estimate
 from jaximpact.calibration.estimation.branches import (
     descend_on_branches,
@@ -36,6 +37,7 @@ from jaximpact.calibration.estimation.starts import (
 from jaximpact.calibration.problem.bounds import Bounds
 from jaximpact.calibration.problem.forward_model import engine_of
 from jaximpact.calibration.problem.objective import Objective, Points, start_of
+from jaximpact.calibration.study import judge_lowest
 from jaximpact.cli import main
 from jaximpact.progress import Progress
 
@@ -615,6 +617,11 @@ def test_a_fit_beside_a_jump_that_accuracy_moves_stays_beside_it(tmp_path):
     assert best <= found.points.cost[0] <= best + 0.05
 
 
+def fitted(objective, share, of_draws=False):
+    """What `in_words` uses of a result."""
+    return SimpleNamespace(objective=objective, jumps=share, errors_of_draws=of_draws)
+
+
 def test_a_test_near_a_jump_is_left_out_of_the_errors(tmp_path):
     objective = jumping(tmp_path)
     fits = Fits(objective(np.array([[0.75, 0.25]])), [Reason.edge], np.zeros(1, int))
@@ -622,13 +629,16 @@ def test_a_test_near_a_jump_is_left_out_of_the_errors(tmp_path):
     # The line passes through the point: half of the draws are beyond.
     assert 0.3 < share[0, 0] < 0.7
     np.testing.assert_array_equal(share[1:], 0.0)
-    words = jumps_in_words(objective, share, None)
+    words = jumps_in_words(fitted(objective, share), None)
     assert len(words) == 1
     assert "row 2" in words[0]
     # Two measurements of two unknowns would be left: all are used, and it is said.
     assert without_jumps(objective, share) is objective
     assert "Too few measurements" in words[0]
-    assert jumps_in_words(objective, 0.0 * share, None) == []
+    assert "inaccurate" in words[0]
+    (words,) = jumps_in_words(fitted(objective, share, of_draws=True), None)
+    assert "draws of the posterior" in words
+    assert jumps_in_words(fitted(objective, 0.0 * share), None) == []
 
 
 class JumpingInOne(Jumping):
@@ -641,8 +651,7 @@ class JumpingInOne(Jumping):
         return predicted, outcomes, np.repeat(jacobian, 2, axis=2)
 
 
-def test_results_of_a_test_that_do_not_jump_stay(tmp_path):
-    """Five measurements are left of six: errors are those of a linear fit to them."""
+def jumping_in_one(tmp_path):
     objective = jumping(tmp_path)
     study = objective.study
     twice = {
@@ -651,18 +660,82 @@ def test_results_of_a_test_that_do_not_jump_stay(tmp_path):
     }
     study = dataclasses.replace(study, targets=("e_n", "e_t"), **twice)
     two = JumpingInOne(study, study.variants[0], None)
-    two.matrix, sigma = objective.matrix, 0.1
-    two = two._changed(sigma=np.full((3, 2), sigma))
+    two.matrix = objective.matrix
+    return two._changed(sigma=np.full((3, 2), 0.1))
+
+
+def test_results_of_a_test_that_do_not_jump_stay(tmp_path):
+    """Five measurements are left of six: errors are those of a linear fit to them."""
+    two = jumping_in_one(tmp_path)
     fits = Fits(two(np.array([[0.75, 0.25]])), [Reason.edge], np.zeros(1, int))
     share = shares_of(two, fits)
     np.testing.assert_array_equal(share > 0.0, [[True, False]] + 2 * [[False, False]])
-    (words,) = jumps_in_words(two, share, None)
+    (words,) = jumps_in_words(fitted(two, share), None)
     assert "row 2 (e_n: " in words
+    assert "Standard errors and profiles leave" in words
+    (words,) = jumps_in_words(fitted(two, share, of_draws=True), None)
+    assert "draws of the posterior; profiles leave" in words
     smooth = without_jumps(two, share)
     found = estimate(smooth, smooth.reevaluate(fits.points))
-    rows = np.concatenate([objective.matrix, objective.matrix[1:]]) / sigma
+    rows = np.concatenate([two.matrix, two.matrix[1:]]) / 0.1
     expected = np.sqrt(np.diag(np.linalg.inv(rows.T @ rows)))
     np.testing.assert_allclose(found.standard_errors, expected, rtol=1e-12)
+
+
+def test_errors_beside_a_jump_are_those_of_the_posterior(tmp_path):
+    """Against the integral over a grid: half of the plane is beyond the jump, at no
+    weight. Without the jump the errors would be a third larger."""
+    objective = jumping_in_one(tmp_path)
+    best = Fits(objective(np.array([[0.75, 0.25]])), [Reason.edge], np.zeros(1, int))
+    judged = judge(objective, best)
+    assert judged.of_draws
+    axis = np.linspace(-0.5, 2.0, 201)
+    x = np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
+    cost = objective.values(x).cost
+    weights = np.exp(np.min(cost) - cost)
+    apart = x - best.points.x
+    expected = (apart.T * (weights / np.sum(weights))) @ apart
+    errors = np.sqrt(np.diag(expected))
+    stuck = best._replace(reasons=[Reason.stuck])
+    for of_draws in (False, True):
+        judgement = objective, stuck, judged.uncertainty, {}, stuck
+        verdicts = judge_all(*judgement, of_draws=of_draws)
+        assert all(verdict.determined == of_draws for verdict in verdicts)
+    smooth = judged.smooth.reevaluate(best.points)
+    without = estimate(judged.smooth, smooth).standard_errors
+    assert np.all(without > 1.15 * errors)
+    # Four standard errors of a standard deviation of so many draws.
+    near = 4.0 / np.sqrt(2.0 * judged.draws.effective)
+    found = judged.uncertainty
+    np.testing.assert_allclose(found.standard_errors, errors, rtol=near)
+    correlation = expected[0, 1] / np.prod(errors)
+    assert found.correlation[0, 1] == pytest.approx(correlation, abs=2.0 * near)
+    np.testing.assert_allclose(
+        found.eigenvectors @ np.diag(found.eigenvalues) @ found.eigenvectors.T,
+        np.linalg.inv(found.covariance),
+        rtol=1e-9,
+    )
+
+
+def test_draws_do_not_hide_what_is_not_determined(tmp_path):
+    """Between the bounds draws have a finite spread, whatever the sigmas."""
+    objective = jumping_in_one(tmp_path)
+    objective = objective.with_sigma(np.full((3, 2), 20.0))
+    best = Fits(objective(np.array([[0.75, 0.25]])), [Reason.edge], np.zeros(1, int))
+    judged = judge(objective, best)
+    assert not judged.of_draws
+    assert np.all(judged.uncertainty.standard_errors > 1.0)
+
+
+def test_a_fit_goes_on_from_a_lower_draw(tmp_path):
+    """From beside the jump, but not at the lowest point there."""
+    objective = jumping_in_one(tmp_path)
+    begin = Fits(objective(np.array([[0.55, 0.4]])), [Reason.edge], np.zeros(1, int))
+    _, found, judged = judge_lowest(objective, begin, Progress())
+    lowest = objective.values(np.array([[0.75, 0.25]])).cost[0]
+    assert begin.points.cost[0] > lowest + 1.0
+    assert found.points.cost[0] < lowest + 0.05
+    assert np.min(judged.draws.cost) > lowest - 1e-9
 
 
 class Bending(Linear):

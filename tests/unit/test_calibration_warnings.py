@@ -160,11 +160,13 @@ def test_draws_that_all_count_do_not_make_a_bound_normal():
         error=1e-4,
     )
 
-    def words(determined):
+    def words(determined, of_draws=False):
         verdict = Verdict("c_v", determined, "" if determined else "it is at a bound")
-        return about_draws(result, SimpleNamespace(verdicts=[verdict]), draws)
+        variant = SimpleNamespace(verdicts=[verdict], errors_of_draws=of_draws)
+        return about_draws(result, variant, draws)
 
     assert "nearly normal" in words(True)
     assert "nearly normal" not in words(False)
     assert "c_v" in words(False)
     assert "rely on the verdict" in words(False)
+    assert "Standard errors are those of these draws" in words(True, of_draws=True)

@@ -27,7 +27,7 @@ from ..problem.objective import Objective, Points
 from .cross_validation import LeftOut, leave_out_campaigns, leave_out_each
 from .cross_validation import in_words as cross_validation_in_words
 from .further_tests import Suggestions, suggest_tests
-from .importance_sampling import COUNT, draw
+from .importance_sampling import COUNT, check
 from .jumps import MOST_NAMED
 from .jumps import in_words as jumps_in_words
 from .nuts import sample_posterior
@@ -128,7 +128,7 @@ def _examine(
 ) -> Examination:
     study, objective, points = result.study, variant.objective, variant.points
     seed, inflation = study.seed, variant.uncertainty.inflation
-    draws = draw(objective, points, inflation, seed=seed, progress=progress)
+    draws = check(variant.draws, objective, inflation, progress)
     fit, each = (objective, points, variant.uncertainty), None
     if np.sum(np.any(study.known, axis=1)) > 1:
         each = leave_out_each(*fit, executor=executor, progress=progress)
@@ -210,7 +210,7 @@ def warnings_of(
     ):
         words = cross_validation_in_words(left, variant.objective, what) if left else []
         lines += [line for line in words if "fewer than chance" in line]
-    lines += jumps_in_words(variant.objective, variant.jumps, diagnostics.each)
+    lines += jumps_in_words(variant, diagnostics.each)
     lines += _doubtful_draws(diagnostics)
     found, starts = np.sum(variant.reached), len(variant.start_costs)
     if found == 0:
@@ -257,8 +257,8 @@ def _doubtful_draws(diagnostics: Examination) -> list[str]:
     lines = []
     if not diagnostics.posterior.trusted:
         lines.append(
-            f"The effective sample size of the draws is below {100 * FEWEST_DRAWS:g} "
-            "%: the bands are inaccurate. Sample the posterior instead (--posterior)."
+            f"The effective sample size of the draws is below {FEWEST_DRAWS}: the "
+            "bands are inaccurate. Sample the posterior instead (--posterior)."
         )
     for what, subject in (
         (diagnostics.posterior, "bands are"),

@@ -328,12 +328,16 @@ def judge_all(
     uncertainty: Uncertainty,
     profiles: dict[str, LikelihoodProfile],
     ends: Fits,
+    *,
+    of_draws: bool = False,
 ) -> list[Verdict]:
     """Judge whether the soil's parameters are identifiable.
 
     Args:
         best: the reported fit, of one lane.
         ends: ends of the fits from all starts.
+        of_draws: whether the uncertainty is that of draws of the posterior, which has a
+            meaning where the fit is no minimum too.
     """
     bounds, x = objective.bounds, best.points.x[0]
     reached, prior = bounds.bound_reached(x), objective.prior_information(x)
@@ -345,7 +349,7 @@ def judge_all(
         if bound := reached[place]:
             value = getattr(bounds, bound)[place]
             reasons.append(f"the fit is at its {bound} bound, {value:g}")
-        if not best.reasons[0].at_minimum:
+        if not (best.reasons[0].at_minimum or of_draws):
             reasons.append(
                 "the best fit is no minimum: the outcome of an impact changes there, "
                 "or the fit could not be finished, so that a standard error has no "

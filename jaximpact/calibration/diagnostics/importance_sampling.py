@@ -8,8 +8,9 @@ $$ w \propto e^{-\text{cost} / s^2} / q(x) , $$
 with s^2 the inflation of the covariance and q the density of the proposal. Without a
 prior of the study the prior is uniform in x between the bounds. Estimated standard
 deviations of groups are sampled first, and x about its mean for them (`group_sds`).
-Where few draws carry all the weight, the proposal is fitted to the weighted draws and
-sampled again (population Monte Carlo, Cappe et al. 2004).
+Where few draws carry all the weight, more are sampled, of a proposal that is fitted to
+the weighted draws; q is then the mixture of all proposals (adaptive multiple importance
+sampling, Cornuet et al. 2012).
 
 Impacts have the accuracy `balanced`, whatever that of the fit. With small sigmas their
 errors count in the cost: some of the draws are computed again more accurately, and
@@ -46,10 +47,15 @@ TAILS = 5.0
 """Degrees of freedom of the proposal: heavier tails than the posterior's."""
 ROUNDS = 5
 ENOUGH = 0.3
-"""Effective sample size, as a fraction of the draws, at which the rounds end; a normal
-posterior gives 0.9."""
+"""Effective sample size, as a fraction of the draws of a round, at which the rounds
+end; a normal posterior gives 0.9."""
 WIDER = 1.5
 """Factor on the covariance of the weighted draws, which are few."""
+LEAST_FIRST = 0.01
+"""Part of the first proposal's covariance in those of the others."""
+ADAPTED = 10.0
+"""Least effective sample size for each unknown of the draws to which a proposal is
+fitted."""
 TRIES = 2000
 """Largest number of batches of draws sampled to fill the bounds."""
 LADDER = (
@@ -74,52 +80,149 @@ def draw(
     seed: int = 0,
     progress: Progress = SILENT,
 ) -> Draws:
-    """Sample the posterior about the best fit.
+    """Sample the posterior about the best fit, and check the accuracy of the costs.
 
     Args:
         objective: objective with the sigmas of the fit.
         points: the best fit, of one lane.
         inflation: inflation of its covariance.
-        count: number of draws.
+        count: number of draws a round.
         seed: seed of the random numbers.
         progress: told a line of text each round.
     """
-    random = np.random.default_rng(seed)
-    at_first = objective.at(LADDER[0])
-    groups = laplace(objective, points, inflation)
-    # Of x in standard deviations about its mean.
-    centre, covariance = np.zeros(len(groups.x)), np.eye(len(groups.x))
-    best: Draws | None = None
-    parts = []
-    progress = progress.within("predictive bands: ")
-    for number in range(1, ROUNDS + 1):
-        proposed = _propose(random, groups, centre, covariance, count)
-        tell = progress.within(f"draws, round {number}, ")
-        found = _weighted(at_first, groups, proposed, inflation, tell)
-        parts.append(found.effective_fraction[-1])
-        if best is None or parts[-1] > best.effective_fraction[-1]:
-            best = found._replace(effective_fraction=np.array(parts))
-            of_best = proposed
-        if parts[-1] >= ENOUGH:
+    draws = sample(
+        *(objective, points, inflation),
+        about=(objective, points),
+        count=count,
+        seed=seed,
+        progress=progress,
+    )
+    return check(draws, objective, inflation, progress)
+
+
+def sample(
+    objective: Objective,
+    points: Points,
+    inflation: float,
+    *,
+    about: tuple[Objective, Points],
+    enough_below: float = -np.inf,
+    parts: int = 1,
+    count: int = COUNT,
+    seed: int = 0,
+    progress: Progress = SILENT,
+) -> Draws:
+    """Sample as `draw`, at the lowest accuracy and without a check.
+
+    Args:
+        about: objective and points of the first proposal, whose curvature may leave out
+            measurements: derivatives beside a jump say little about the other side.
+        enough_below: a cost; the rounds end where a draw has a lower one.
+        parts: number of parts of a round, each of which has its own proposal.
+    """
+    random, at_first = np.random.default_rng(seed), objective.at(LADDER[0])
+    groups = laplace(*about, inflation)
+    size = len(groups.x)
+    proposals = [_Proposal(np.zeros(size), np.eye(size))]
+    drawn, fractions = [], []
+    progress = progress.within("draws of the posterior: ")
+    for number in range(1, ROUNDS * parts + 1):
+        proposed, proposals[-1] = _propose(
+            random, groups, proposals[-1], count // parts
+        )
+        tell = progress.within(f"round {number}, ")
+        computed = at_first.values_by_parts(proposed.x, tell)[:2]
+        drawn.append((*proposed, *computed))
+        standard, x, sds, log_density, cost, predicted = map(
+            np.concatenate, zip(*drawn, strict=True)
+        )
+        log_density = log_density + _log_mixture(proposals, standard)
+        log_weight = -cost / inflation - log_density + groups.log_ratio(x, sds)
+        weights = normalised(log_weight)
+        effective = 1.0 / np.sum(weights**2)
+        fractions.append(effective / len(x))
+        if effective >= ENOUGH * count or np.min(cost) < enough_below:
             break
-        centre, spread = moments(of_best.standard, best.weights)
-        # The covariance of few draws is noisy: some of the proposal's is kept.
-        share = best.effective_fraction[-1]
-        covariance = WIDER * spread + max(0.1, 0.5 - share) * covariance
-    assert best is not None
-    tell = progress.within("some of the draws again, more accurately, ")
-    best = best._replace(error=_error_of(best, objective, inflation, tell))
-    if best.rough:
-        tell = progress.within("all draws again, more accurately, ")
-        found = _weighted(objective.at(LADDER[1]), groups, of_best, inflation, tell)
-        parts = np.append(best.effective_fraction[:-1], found.effective_fraction)
-        best = found._replace(effective_fraction=parts)
-        best = best._replace(error=_error_of(best, objective, inflation, tell))
-    return best
+        centre, spread = moments(standard, _tempered(log_weight, ADAPTED * size))
+        proposals.append(_Proposal(centre, WIDER * spread + LEAST_FIRST * np.eye(size)))
+    of_groups = dict(zip(groups.names, sds.T, strict=True))
+    accuracy, part = at_first.accuracy, np.array(fractions)
+    return Draws(x, of_groups, log_weight, cost, predicted, part, accuracy, np.nan)
+
+
+def check(
+    draws: Draws, objective: Objective, inflation: float, progress: Progress = SILENT
+) -> Draws:
+    """Compute some of the draws again more accurately; where that changes their costs,
+    all of them, which changes their weights.
+
+    Args:
+        draws: draws of `sample`.
+        objective, inflation: those with which they were sampled.
+    """
+    progress = progress.within("draws of the posterior: ")
+    tell = progress.within("some again, more accurately, ")
+    draws = draws._replace(error=_error_of(draws, objective, inflation, tell))
+    if not draws.rough:
+        return draws
+    closer = objective.at(LADDER[1])
+    tell = progress.within("all again, more accurately, ")
+    cost, predicted, _ = closer.values_by_parts(draws.x, tell)
+    log_weights = draws.log_weights + (draws.cost - cost) / inflation
+    part = 1.0 / (len(cost) * np.sum(normalised(log_weights) ** 2))
+    draws = draws._replace(
+        log_weights=log_weights,
+        cost=cost,
+        predicted=predicted,
+        effective_fraction=np.append(draws.effective_fraction[:-1], part),
+        accuracy=closer.accuracy,
+    )
+    tell = progress.within("some again, more accurately, ")
+    return draws._replace(error=_error_of(draws, objective, inflation, tell))
+
+
+class _Proposal(NamedTuple):
+    """Student's distribution of the unknowns in standard deviations about their
+    mean."""
+
+    centre: np.ndarray
+    covariance: np.ndarray
+    inside: float = 1.0
+    """Share of its draws between the bounds."""
+
+    def log_density(self, standard: np.ndarray) -> np.ndarray:
+        """Compute the logarithm of its density between the bounds, up to a constant,
+        shape (draws,)."""
+        values, vectors = np.linalg.eigh(self.covariance)
+        apart = (standard - self.centre) @ (vectors / np.sqrt(values))
+        size, squares = len(values), np.sum(apart**2, axis=1)
+        tail = 0.5 * (TAILS + size) * np.log1p(squares / TAILS)
+        return -tail - 0.5 * np.sum(np.log(values)) - np.log(self.inside)
+
+
+def _tempered(log_weight: np.ndarray, least: float) -> np.ndarray:
+    """Compute weights w^t of at least some effective sample size, with the largest t up
+    to 1: a covariance of fewer draws would be degenerate."""
+    low, high = 0.0, 1.0
+    weights = normalised(log_weight)
+    if 1.0 / np.sum(weights**2) >= least:
+        return weights
+    for _ in range(20):
+        middle = 0.5 * (low + high)
+        weights = normalised(middle * log_weight)
+        enough = 1.0 / np.sum(weights**2) >= least
+        low, high = (middle, high) if enough else (low, middle)
+    return normalised(low * log_weight)
+
+
+def _log_mixture(proposals: list[_Proposal], standard: np.ndarray) -> np.ndarray:
+    """Compute the logarithm of the density of equal parts of proposals."""
+    densities = [proposal.log_density(standard) for proposal in proposals]
+    return np.logaddexp.reduce(densities, axis=0)
 
 
 class _Proposed(NamedTuple):
-    """Draws of the proposal."""
+    """Draws of a proposal."""
 
     standard: np.ndarray
     """Unknowns in standard deviations about their mean, shape (draws, unknowns)."""
@@ -127,24 +230,8 @@ class _Proposed(NamedTuple):
     sds: np.ndarray
     """Standard deviations of groups, shape (draws, nuisances)."""
     log_density: np.ndarray
-    """Logarithm of the density of x and these, up to a constant, shape (draws,)."""
-
-
-def _weighted(
-    objective: Objective,
-    groups: GroupSds,
-    proposed: _Proposed,
-    inflation: float,
-    progress: Progress,
-) -> Draws:
-    x, sds = proposed.x, proposed.sds
-    cost, predicted, _ = objective.values_by_parts(x, progress)
-    log_weight = -cost / inflation - proposed.log_density
-    log_weight = log_weight + groups.log_ratio(x, sds)
-    part = np.array([1.0 / (len(x) * np.sum(normalised(log_weight) ** 2))])
-    of_groups = dict(zip(groups.names, sds.T, strict=True))
-    accuracy = objective.accuracy
-    return Draws(x, of_groups, log_weight, cost, predicted, part, accuracy, np.nan)
+    """Logarithm of the density of these, and of x over that of `standard`, up to a
+    constant, shape (draws,)."""
 
 
 def _error_of(
@@ -179,34 +266,27 @@ def error_of_costs(
     return float(np.max(np.abs(apart - np.median(apart)))) / inflation
 
 
-def _propose(random, groups: GroupSds, centre, covariance, count: int) -> _Proposed:
-    """Sample the proposal between the bounds.
-
-    Args:
-        centre, covariance: of the unknowns in standard deviations about their mean.
-    """
+def _propose(
+    random, groups: GroupSds, proposal: _Proposal, count: int
+) -> tuple[_Proposed, _Proposal]:
+    """Sample a proposal between the bounds, and find its share between them."""
     low, high = groups.bounds.low, groups.bounds.high
-    inside, found = [], 0
-    for _ in range(TRIES):
-        normal = random.normal(size=(count, len(centre)))
+    inside, found, batches = [], 0, 0
+    while found < count and batches < TRIES:
+        normal = random.normal(size=(count, len(low)))
         scale = np.sqrt(random.chisquare(TAILS, size=(count, 1)) / TAILS)
-        apart = normal / scale
-        standard = centre + apart @ _root(covariance).T
+        standard = proposal.centre + (normal / scale) @ _root(proposal.covariance).T
         sds, log_density = groups.sample(random, count)
         # Without groups there is one mean and one covariance for all.
         mean, spread = groups.of_unknowns(sds if groups.names else sds[:1])
-        root = _root(spread)
-        x = mean + np.einsum("...pq,...q->...p", root, standard)
-        squares = np.sum(apart**2, axis=1)
+        x = mean + np.einsum("...pq,...q->...p", _root(spread), standard)
         log_density = log_density - 0.5 * np.linalg.slogdet(spread)[1]
-        log_density -= 0.5 * (TAILS + len(centre)) * np.log1p(squares / TAILS)
         kept = np.all((x >= low) & (x <= high), axis=1)
         part = _Proposed(standard, x, sds, log_density)
         inside.append(_Proposed(*(values[kept] for values in part)))
-        found += int(np.sum(kept))
-        if found >= count:
-            break
-    return _Proposed(*(np.concatenate(v)[:count] for v in zip(*inside, strict=True)))
+        found, batches = found + int(np.sum(kept)), batches + 1
+    rows = (np.concatenate(values)[:count] for values in zip(*inside, strict=True))
+    return _Proposed(*rows), proposal._replace(inside=found / (batches * count))
 
 
 def _root(covariance: np.ndarray) -> np.ndarray:

@@ -1,26 +1,89 @@
-"""Measurements near a jump: what they leave out of the uncertainty, and how to say so.
+"""Measurements near a jump: what they do to the uncertainty, and how to say so.
 
 A prediction that jumps within the confidence region of the fit (see
 `estimation.branches`) has no derivative that holds there. The fit uses its measurement,
-as any other. Standard errors and profiles leave it out: they are conditional on the
-branches of the impacts, and of the predictions that are smooth. Other results of the
-same test stay: where a contact ends in another way, e_t and duration jump, but not the
-largest force and depth, which came before.
+as any other. Profiles leave it out: they are conditional on the branches of the
+impacts, and of the predictions that are smooth. Other results of the same test stay:
+where a contact ends in another way, e_t and duration jump, but not the largest force
+and depth, which came before.
+
+Standard errors are those of draws of the posterior, on both sides of the jump
+(`judge`). Where too few draws count, or where the smooth predictions alone do not
+determine all unknowns, they leave out these measurements too.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
+from ...progress import SILENT, Progress
 from ..estimation.branches import NEAR, jump_shares, unit_without_jumps
 from ..estimation.least_squares import Fits
 from ..problem.objective import Objective
 from .cross_validation import LeftOut
-from .uncertainty import estimate
+from .importance_sampling import sample
+from .posterior import Draws
+from .results import VariantResult
+from .uncertainty import USELESS_ERROR, Uncertainty, estimate, from_draws
 
 FEWEST_LEFT = 2
 """Measurements away from jumps that there must be for each unknown; with fewer none is
 left out."""
 MOST_NAMED = 8
 """Largest number of tests that are named."""
+NOT_NORMAL = 0.1
+"""Effective sample size of the first draws, as a fraction of them, below which
+derivatives do not describe the posterior, jumps or not."""
+PARTS = 4
+"""Parts of a round of draws beside a jump, where the first ones seldom count."""
+
+
+class Judged(NamedTuple):
+    """Uncertainty of a fit."""
+
+    uncertainty: Uncertainty
+    shares: np.ndarray
+    """Shares of the confidence region beyond a jump, shape (tests, targets)."""
+    smooth: Objective
+    """Objective without the measurements near a jump."""
+    draws: Draws
+    of_draws: bool
+    """Whether covariance and standard errors are those of the draws."""
+
+
+def judge(
+    objective: Objective,
+    best: Fits,
+    *,
+    enough_below: float = -np.inf,
+    progress: Progress = SILENT,
+) -> Judged:
+    """Estimate the uncertainty of a fit of one lane: from its derivatives, or, beside a
+    jump, from draws of the posterior.
+
+    Args:
+        enough_below: a cost; no more is drawn where a draw has a lower one.
+        progress: told lines of text.
+    """
+    shares = shares_of(objective, best)
+    smooth = without_jumps(objective, shares)
+    points = smooth.reevaluate(best.points)
+    found, study = estimate(smooth, points), objective.study
+    draws = sample(
+        *(objective, best.points, found.inflation),
+        about=(smooth, points),
+        enough_below=enough_below,
+        parts=PARTS if np.any(shares > NEAR) else 1,
+        seed=study.seed,
+        progress=progress,
+    )
+    jumps = np.any(shares > NEAR) or draws.effective_fraction[0] < NOT_NORMAL
+    # Else the bounds would cut off the draws, and hide what is not determined.
+    determined = np.all(found.standard_errors < USELESS_ERROR)
+    of_draws = bool(jumps and determined and draws.trusted)
+    if of_draws:
+        found = from_draws(found, draws, best.points, len(study.parameters))
+    return Judged(found, shares, smooth, draws, of_draws)
 
 
 def shares_of(objective: Objective, best: Fits) -> np.ndarray:
@@ -49,13 +112,13 @@ def without_jumps(objective: Objective, share: np.ndarray) -> Objective:
     return objective.without(near)
 
 
-def in_words(objective: Objective, share: np.ndarray, each: LeftOut | None) -> list:
+def in_words(variant: VariantResult, each: LeftOut | None) -> list[str]:
     """Name the tests near a jump, their influence, and what can be done.
 
     Args:
-        share: result of `shares_of`.
         each: cross-validation test by test, if there is one.
     """
+    objective, share = variant.objective, variant.jumps
     study, largest = objective.study, np.max(share, axis=1)
     near = np.flatnonzero(largest > NEAR)
     if not len(near):
@@ -73,17 +136,27 @@ def in_words(objective: Objective, share: np.ndarray, each: LeftOut | None) -> l
         names.append(text + ")")
     more = len(near) - len(names)
     rest = f" and {more} more" if more else ""
-    used = without_jumps(objective, share) is not objective
-    words = (
-        "Standard errors leave these measurements out, the fit does not: empty their "
-        'cells in the table to drop them, or set loss = "student" to soften them.'
-        if used
-        else "Too few measurements are away from jumps: standard errors are inaccurate."
-    )
     return [
         "Predictions jump within the confidence region of the fit, since the contact "
-        f"ends in another way: {', '.join(names)}{rest}. {words}"
+        f"ends in another way: {', '.join(names)}{rest}. {_used(variant)}"
     ]
+
+
+def _used(variant: VariantResult) -> str:
+    """Say how standard errors use the measurements near a jump."""
+    if without_jumps(variant.objective, variant.jumps) is variant.objective:
+        words = "Too few measurements are away from jumps. "
+        if variant.errors_of_draws:
+            return words + "Standard errors are those of draws of the posterior."
+        return words + "Standard errors are inaccurate."
+    if variant.errors_of_draws:
+        words = "Standard errors are those of draws of the posterior; profiles "
+    else:
+        words = "Standard errors and profiles "
+    return (
+        f"{words}leave these measurements out, the fit does not: empty their cells in "
+        'the table to drop them, or set loss = "student" to soften them.'
+    )
 
 
 def _moved(each: LeftOut | None, test: int) -> float:

@@ -356,8 +356,7 @@ def compare_errors(fitted: VariantResult, draws: Draws, samples: Draws) -> list[
     assert samples.chains is not None
     effective = samples.chains.effective[:count]
     error = fitted.uncertainty.standard_errors[:count]
-    drawn = draws.effective_fraction[-1] * len(draws.x)
-    noise = deviation * np.sqrt(1.0 / effective + 1.0 / drawn)
+    noise = deviation * np.sqrt(1.0 / effective + 1.0 / draws.effective)
     differ = np.abs(mean - draws.mean()[:count]) > CHANCE * noise
     shift = np.abs(mean - fitted.points.x[0][:count]) / error
     allowed = SHIFT + CHANCE * deviation / (error * np.sqrt(effective))

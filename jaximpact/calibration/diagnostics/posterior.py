@@ -6,9 +6,8 @@ import numpy as np
 
 from ...accuracy import Accuracy
 
-FEWEST = 0.1
-"""Effective sample size, as a fraction of the draws, below which they are not to be
-trusted."""
+FEWEST = 50
+"""Effective sample size below which draws are not to be trusted."""
 ROUGH = 0.05
 """Largest tolerated error of a cost over s^2: the relative error of a weight."""
 
@@ -44,13 +43,14 @@ class Draws(NamedTuple):
     predicted: np.ndarray
     """Predictions, shape (draws, tests, targets); NaN where there is none."""
     effective_fraction: np.ndarray
-    """Effective sample size as a fraction of the draws, of each round of importance
-    sampling; the last belongs to these draws, the first tells how near to normal the
-    posterior is."""
+    """Effective sample size as a fraction of the draws so far, after each round of
+    importance sampling; the last belongs to these draws, the first tells how near to
+    normal the posterior is."""
     accuracy: Accuracy
     """Accuracy of the impacts."""
     error: float
-    """Largest error of a cost over s^2 among the draws computed again."""
+    """Largest error of a cost over s^2 among the draws computed again; NaN before
+    that."""
     chains: Chains | None = None
     """Diagnostics of the chains; None for draws by importance sampling."""
 
@@ -60,9 +60,14 @@ class Draws(NamedTuple):
         return normalised(self.log_weights)
 
     @property
+    def effective(self) -> float:
+        """Effective sample size."""
+        return float(self.effective_fraction[-1] * len(self.x))
+
+    @property
     def trusted(self) -> bool:
         """Whether the effective sample size is large enough."""
-        return bool(self.effective_fraction[-1] >= FEWEST)
+        return self.effective >= FEWEST
 
     @property
     def rough(self) -> bool:

@@ -9,6 +9,7 @@ from ..problem.bounds import Bounds
 from ..problem.config import Study, Variant
 from ..problem.objective import Objective, Points
 from .identifiability import LikelihoodProfile, Verdict
+from .posterior import Draws
 from .uncertainty import Uncertainty
 
 
@@ -59,6 +60,11 @@ class VariantResult(NamedTuple):
     jumps: np.ndarray
     """Share of the confidence region in which each prediction is beyond a jump, shape
     (tests, targets)."""
+    draws: Draws
+    """Draws of the posterior by importance sampling, not yet checked."""
+    errors_of_draws: bool
+    """Whether covariance and standard errors are those of the draws, since predictions
+    jump; else they follow from derivatives."""
 
     @property
     def reached(self) -> np.ndarray:

@@ -37,6 +37,7 @@ from ..problem.noise import losses, true_curvature
 from ..problem.nuisance import group_sds
 from ..problem.objective import Objective, Points
 from .group_sds import GroupSds
+from .posterior import Draws
 
 USELESS_ERROR = 1.0
 """Standard error in x above which a parameter is not identifiable."""
@@ -105,6 +106,34 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
         reduced_chi_square=reduced,
         degrees_of_freedom=freedom,
         quantile=float(quantile),
+        covariance=covariance,
+        standard_errors=errors,
+        correlation=covariance / np.outer(errors, errors),
+        eigenvalues=np.maximum(values, 0.0),
+        eigenvectors=vectors,
+    )
+
+
+def from_draws(
+    uncertainty: Uncertainty, draws: Draws, points: Points, soil: int
+) -> Uncertainty:
+    r"""Replace the covariance by the mean square of the distances of draws from a fit,
+
+    $$ \sum_i w_i (x_i - \hat x)(x_i - \hat x)^T , $$
+
+    that of the posterior and the square of the distance of its mean: beside a jump the
+    fit lies at an edge of the posterior.
+
+    Args:
+        draws: draws of the posterior, with their weights w.
+        points: the fit, of one lane.
+        soil: number of the soil's parameters, the first of the unknowns.
+    """
+    apart = draws.x - points.x[0]
+    covariance = (apart.T * draws.weights) @ apart
+    errors = np.sqrt(np.diag(covariance))
+    values, vectors = np.linalg.eigh(inverse_positive(covariance[:soil, :soil]))
+    return uncertainty._replace(
         covariance=covariance,
         standard_errors=errors,
         correlation=covariance / np.outer(errors, errors),

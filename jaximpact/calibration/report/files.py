@@ -267,6 +267,7 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
         },
         **_if_any("group_sd", group_sds(variant.objective.study.nuisances)),
         "unknowns": variant.names,
+        "errors_of_draws": variant.errors_of_draws,
         "covariance_of_logarithms_or_half_ranges": uncertainty.covariance,
         "correlation": uncertainty.correlation[:count, :count],
         "eigenvalues": uncertainty.eigenvalues,

@@ -164,11 +164,14 @@ def about_draws(result: StudyResult, variant: VariantResult, draws: Draws) -> st
     """Say how normal the posterior is, by the effective sample size of the draws."""
     first, last = draws.effective_fraction[0], draws.effective_fraction[-1]
     unknown = [v.name for v in variant.verdicts if not v.determined]
+    rounds, count = len(draws.effective_fraction), len(draws.x)
     words = (
         f"Importance sampling: effective sample size {100 * first:.0f} % of "
-        f"{len(draws.x)} draws. "
+        f"{count // rounds} draws. "
     )
-    if first >= NEARLY_NORMAL and unknown:
+    if variant.errors_of_draws:
+        words += "Standard errors are those of these draws, not of derivatives."
+    elif first >= NEARLY_NORMAL and unknown:
         # Draws lie between the bounds, so that one cut off there may keep its weights.
         words += (
             "Importance weights cannot detect bounds that also truncate the posterior: "
@@ -182,8 +185,8 @@ def about_draws(result: StudyResult, variant: VariantResult, draws: Draws) -> st
             "The posterior is not normal: rely on the draws rather than on standard "
             "errors."
         )
-    if len(draws.effective_fraction) > 1:
-        words += f" After adapting the proposal: {100 * last:.0f} %."
+    if rounds > 1:
+        words += f" After adapting the proposal: {100 * last:.0f} % of {count}."
     if not np.all(result.study.sigma_given):
         words += (
             " The draws take the estimated scatter of a target as constant, or as a "
