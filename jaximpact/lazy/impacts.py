@@ -67,6 +67,8 @@ class Block(NamedTuple):
     """Shapes that the index means."""
     accuracy: Accuracy
     model_tolerance: float
+    called: str
+    """What errors call an impact: it is counted within its block."""
 
 
 def simulate_dataset(
@@ -255,8 +257,9 @@ def result_variables(
         dimensions: order of the dimensions of the results.
     """
     plain = jax.tree.map(np.asarray, base)
-    block = Block(plain, (*arrays,), tuple(kinds), accuracy, model_tolerance)
     lazy = any(map(is_chunked, arrays.values()))
+    called = "impact of a block, number" if lazy else "scene"
+    block = Block(plain, (*arrays,), tuple(kinds), accuracy, model_tolerance, called)
     places, width = _places()
     with warnings.catch_warnings():
         # A grid has many times the blocks of any of its axes: no mistake.
@@ -343,7 +346,8 @@ def numbers_of_block(block: Block, *values: np.ndarray) -> np.ndarray:
     if index is not None:
         base = with_shapes(base, [block.kinds[place] for place in index.tolist()])
     scene = scene_with(base, flat)
-    check_scene(scene, batched=True, laws=False)  # checked by who sent them
+    # The laws were checked by who sent them.
+    check_scene(scene, batched=True, of=block.called, laws=False)
     rows = compute_part(
         jax.tree.map(np.asarray, scene), count, block.accuracy, block.model_tolerance
     )

@@ -119,8 +119,10 @@ def test_datasets_that_cannot_be_simulated_are_refused(variables, message):
 
 
 def test_a_value_of_a_block_that_is_out_of_range_is_told_as_it_is_computed():
+    """It is counted within its block, and the error says so."""
     scenes = xr.Dataset({"angle_deg": ("x", [0.0, 95.0])}).chunk(x=1)
-    with pytest.raises(InputError, match=r"Impact\.angle must be in"):
+    message = r"Impact\.angle must be in .* \(impact of a block, number 0\)"
+    with pytest.raises(InputError, match=message):
         simulate_dataset(scenes).compute()
 
 
