@@ -37,5 +37,10 @@ class Linear(Objective):
         jacobian = np.where(wanted.T[:, None, None, :], self.matrix[:, None, :], 0.0)
         return predicted, np.zeros((len(x), len(self.matrix))), jacobian
 
+    def of_tests(self, tests):
+        part = super().of_tests(tests)
+        part.matrix = self.matrix[tests]
+        return part
+
     def values(self, x, of=0):
         return self.evaluate_partially(x, np.zeros(x.shape, bool))

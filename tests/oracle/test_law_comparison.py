@@ -233,6 +233,46 @@ def test_densities_of_a_linear_model_are_exact(exact):
         )
 
 
+class Flipping(Linear):
+    """Linear but for the test whose row is the first of `matrix`: beyond a value its
+    prediction is another."""
+
+    beyond, first = np.inf, None
+
+    def _predict(self, x, wanted):
+        predicted, outcomes, jacobian = super()._predict(x, wanted)
+        row = np.all(self.matrix == self.first, axis=1)[:, None]
+        predicted = np.where(row & (predicted > self.beyond), 50.0, predicted)
+        return predicted, outcomes, jacobian
+
+
+@pytest.mark.parametrize("shift", [-0.5, 0.0, 2.0])
+def test_density_of_a_test_beyond_a_jump(shift):
+    """The integral over the normal distribution of what the rest predicts: here the
+    fit to the rest is beyond the jump, and the measurement before it."""
+    count, sigma = 14, 0.1
+    matrix, measured, linear, points = fitted_linear_model(count, sigma)
+    inverse = np.linalg.inv(matrix[1:].T @ matrix[1:])
+    middle = matrix[0] @ inverse @ matrix[1:].T @ measured[1:]
+    spread = sigma * np.sqrt(matrix[0] @ inverse @ matrix[0])
+    flipping = Flipping.__new__(Flipping)
+    vars(flipping).update(vars(linear))
+    flipping.first, flipping.beyond = linear.matrix[0], middle - shift * spread
+    found = held_out(
+        flipping, points, estimate(linear, points), np.arange(count), exact=True
+    )
+    before = stats.norm(middle, spread).cdf(flipping.beyond)
+    value = np.linspace(middle - 8.0 * spread, flipping.beyond, 20_001)
+    density = stats.norm(middle, spread).pdf(value)
+    density = density * stats.norm(value, sigma).pdf(measured[0])
+    expected = np.log(np.sum(density) * (value[1] - value[0]))
+    # Four standard errors of the share of 128 draws before the jump.
+    error = 4.0 * np.sqrt((1.0 - before) / (before * 128))
+    assert found.density[0] == pytest.approx(expected, abs=error)
+    # The derivative at the fit knows nothing of it.
+    assert expected > stats.norm(50.0, 0.2).logpdf(measured[0]) + 1000.0
+
+
 @pytest.mark.parametrize(
     "truth", [PfeifferBowen(0.4, 0.8), AnglePowerLaw(0.4, 0.5, 0.8)]
 )

@@ -12,6 +12,13 @@ the normal one where sigma is given. Sigma and the inflation s^2 are estimated a
 from the rest. The score of a test is the sum over its measurements; a limit counts with
 the logarithm of its probability.
 
+Where predictions of a test depart from linear ones within the confidence region of the
+rest, as beyond a jump, a derivative does not tell what may be measured. Its density is
+then the mean over draws x_k of the unknowns, normal with the covariance C,
+
+$$ p = \frac{1}{K} \sum_k \prod_i \frac{1}{s \sigma_i}
+   t_\nu\!\left(\frac{\hat y_i - y_i(x_k)}{s \sigma_i}\right) . $$
+
 With `exact` every group is refitted. Otherwise one Gauss-Newton step from the fit to
 all stands for the refit where it is short, as in `cross_validation`.
 """
@@ -19,12 +26,13 @@ all stands for the refit where it is short, as in `cross_validation`.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import gammaln, log_ndtr, stdtr
+from scipy.special import gammaln, log_ndtr, logsumexp, stdtr
 
 from ...progress import SILENT, Progress
 from ...tasks import for_each
 from ..diagnostics.cross_validation import LEFT_OUT, SMALL_STEP, linearised, move
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
+from ..estimation.branches import JUMP
 from ..estimation.sigma import estimate_sigma, freedom_of_targets
 from ..estimation.starts import fit
 from ..problem.objective import Objective, Points
@@ -36,6 +44,8 @@ MISSED_BY = 10.0
 NORMAL_FROM = 200.0
 """Degrees of freedom above which Student's distribution is taken as normal."""
 LEAST_CHANCE = 1e-300
+DRAWS = 128
+"""Number of draws that tell whether predictions of a test depart from linear ones."""
 
 
 class HeldOut(NamedTuple):
@@ -81,7 +91,7 @@ def held_out(
     refitted = np.ones(len(groups), bool) if exact else far
     shape = study.measured.shape
     predicted, deviation = np.full(shape, np.nan), np.full(shape, np.nan)
-    cells = np.zeros(shape)
+    density = np.zeros(len(left[0]))
 
     def predict(number: int, progress: Progress) -> None:
         progress("groups left out", number, len(groups))
@@ -93,12 +103,12 @@ def held_out(
             points = move(rest, best, steps[number])
         of_rest = _predict(rest, points, tests)
         predicted[tests], deviation[tests] = points.predicted[0, tests], of_rest[0]
-        cells[tests] = of_rest[1]
+        density[tests] = of_rest[1]
 
     for_each(predict, range(len(groups)), progress, objective.executor)
     known = study.known
     return HeldOut(
-        density=np.sum(np.where(known, cells, 0.0), axis=1),
+        density=density,
         predicted=predicted,
         deviation=deviation,
         refitted=int(np.sum(refitted)),
@@ -109,8 +119,9 @@ def held_out(
 def _predict(
     rest: Objective, points: Points, tests: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Compute deviations and log densities of the tests left out, shape (tests left
-    out, targets), by the fit to the rest (points of one lane)."""
+    """Compute the deviations of the tests left out, shape (tests left out, targets),
+    and their log densities, shape (tests left out,), by the fit to the rest (points of
+    one lane)."""
     study, sigma = rest.study, rest.sigma
     if not np.all(study.sigma_given):
         rest = rest.with_sigma(estimate_sigma(rest, points))
@@ -128,7 +139,48 @@ def _predict(
     u = (measured[tests] - points.predicted[0, tests]) / deviation
     missing = ~np.isfinite(points.predicted[0, tests])
     u = np.where(missing, MISSED_BY, u)
-    return deviation, log_densities(u, deviation, study.censored[tests], freedom)
+    known, censored = np.isfinite(measured[tests]), study.censored[tests]
+    cells = log_densities(u, deviation, censored, freedom)
+    density = np.sum(np.where(known, cells, 0.0), axis=1)
+    places = np.flatnonzero(tests)
+    x = _draws(rest, points, covariance)
+    draws = rest.of_tests(places).values(x).predicted
+    bent = _depart(draws, points, places, x, sigma[places]) & np.any(known, axis=1)
+    for place in np.flatnonzero(bent):
+        noise = sigma[places[place]] * np.sqrt(uncertainty.inflation)
+        u = (measured[places[place]] - draws[:, place]) / noise
+        u = np.where(np.isfinite(draws[:, place]), u, MISSED_BY)
+        limits = np.broadcast_to(censored[place], u.shape)
+        each = log_densities(u, noise, limits, freedom)
+        of_draws = np.sum(np.where(known[place], each, 0.0), axis=1)
+        density[place] = logsumexp(of_draws) - np.log(DRAWS)
+    return deviation, density
+
+
+def _draws(rest: Objective, points: Points, covariance: np.ndarray) -> np.ndarray:
+    """Sample unknowns between the bounds, shape (draws, unknowns)."""
+    values, vectors = np.linalg.eigh(covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    random = np.random.default_rng(rest.study.seed)
+    x = points.x + random.standard_normal((DRAWS, len(root))) @ root.T
+    return np.clip(x, rest.bounds.low, rest.bounds.high)
+
+
+def _depart(
+    draws: np.ndarray,
+    points: Points,
+    places: np.ndarray,
+    x: np.ndarray,
+    sigma: np.ndarray,
+) -> np.ndarray:
+    """Find the tests at some places of which a prediction at a draw x departs from the
+    linear one by more than a jump, or is missing in one of both."""
+    linear = np.einsum("rtp,dp->drt", points.jacobian[0, places], x - points.x)
+    linear += points.predicted[0, places]
+    with np.errstate(invalid="ignore"):
+        far = np.abs(draws - linear) > JUMP * sigma
+    far |= np.isfinite(draws) != np.isfinite(linear)
+    return np.any(far, axis=(0, 2))
 
 
 def log_densities(
