@@ -12,9 +12,9 @@ the normal one where sigma is given. Sigma and the inflation s^2 are estimated a
 from the rest. The score of a test is the sum over its measurements; a limit counts with
 the logarithm of its probability.
 
-Where predictions of a test depart from linear ones within the confidence region of the
-rest, as beyond a jump, a derivative does not tell what may be measured. Its density is
-then the mean over draws x_k of the unknowns, normal with the covariance C,
+Where predictions of a test jump within the confidence region of the rest, a derivative
+does not tell what may be measured. Its density is then the mean over draws x_k of the
+unknowns, normal with the covariance C,
 
 $$ p = \frac{1}{K} \sum_k \prod_i \frac{1}{s \sigma_i}
    t_\nu\!\left(\frac{\hat y_i - y_i(x_k)}{s \sigma_i}\right) . $$
@@ -32,7 +32,7 @@ from ...progress import SILENT, Progress
 from ...tasks import for_each
 from ..diagnostics.cross_validation import LEFT_OUT, SMALL_STEP, linearised, move
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
-from ..estimation.branches import JUMP
+from ..estimation.branches import JUMP, is_abrupt
 from ..estimation.sigma import estimate_sigma, freedom_of_targets
 from ..estimation.starts import fit
 from ..problem.objective import Objective, Points
@@ -45,7 +45,7 @@ NORMAL_FROM = 200.0
 """Degrees of freedom above which Student's distribution is taken as normal."""
 LEAST_CHANCE = 1e-300
 DRAWS = 128
-"""Number of draws that tell whether predictions of a test depart from linear ones."""
+"""Number of draws at which jumps are looked for."""
 
 
 class HeldOut(NamedTuple):
@@ -145,8 +145,8 @@ def _predict(
     places = np.flatnonzero(tests)
     x = _draws(rest, points, covariance)
     draws = rest.of_tests(places).values(x).predicted
-    bent = _depart(draws, points, places, x, sigma[places]) & np.any(known, axis=1)
-    for place in np.flatnonzero(bent):
+    jumps = _jumps(rest, points, places, x, draws) & np.any(known, axis=1)
+    for place in np.flatnonzero(jumps):
         noise = sigma[places[place]] * np.sqrt(uncertainty.inflation)
         u = (measured[places[place]] - draws[:, place]) / noise
         u = np.where(np.isfinite(draws[:, place]), u, MISSED_BY)
@@ -166,21 +166,28 @@ def _draws(rest: Objective, points: Points, covariance: np.ndarray) -> np.ndarra
     return np.clip(x, rest.bounds.low, rest.bounds.high)
 
 
-def _depart(
-    draws: np.ndarray,
-    points: Points,
-    places: np.ndarray,
-    x: np.ndarray,
-    sigma: np.ndarray,
+def _jumps(
+    rest: Objective, points: Points, places: np.ndarray, x: np.ndarray, draws
 ) -> np.ndarray:
-    """Find the tests at some places of which a prediction at a draw x departs from the
-    linear one by more than a jump, or is missing in one of both."""
+    """Find the tests at some places of which a prediction jumps between the fit and a
+    draw, shape (places,).
+
+    Args:
+        x: draws, shape (draws, unknowns).
+        draws: predictions of these tests there.
+    """
     linear = np.einsum("rtp,dp->drt", points.jacobian[0, places], x - points.x)
     linear += points.predicted[0, places]
     with np.errstate(invalid="ignore"):
-        far = np.abs(draws - linear) > JUMP * sigma
+        far = np.abs(draws - linear) > JUMP * rest.sigma[places]
     far |= np.isfinite(draws) != np.isfinite(linear)
-    return np.any(far, axis=(0, 2))
+    if not np.any(far):
+        return np.zeros(len(places), bool)
+    shape = len(x), *rest.study.measured.shape
+    beyond, predicted = np.zeros(shape, bool), np.full(shape, np.nan)
+    beyond[:, places], predicted[:, places] = far, draws
+    ends = points._replace(x=x, predicted=predicted)
+    return np.any(is_abrupt(rest, points, ends, beyond)[:, places], axis=(0, 2))
 
 
 def log_densities(

@@ -103,14 +103,14 @@ def jump_shares(objective: Objective, fit: Points) -> np.ndarray:
         x = fit.x + random.standard_normal((DRAWS, len(root))) @ root.T
         draws = rest.values(np.clip(x, bounds.low, bounds.high))
         beyond = _jumped_cells(objective, fit, draws)
-        share = np.mean(_is_abrupt(objective, fit, draws, beyond), axis=0)
+        share = np.mean(is_abrupt(objective, fit, draws, beyond), axis=0)
         if not np.any((share > NEAR) & ~near):
             break
         near |= share > NEAR
     return share
 
 
-def _is_abrupt(
+def is_abrupt(
     objective: Objective, fit: Points, points: Points, beyond: np.ndarray
 ) -> np.ndarray:
     """Tell predictions that jump on the way from a fit (one lane) from those that bend.
@@ -119,7 +119,7 @@ def _is_abrupt(
     changes more. What is left of the change by then is a jump.
 
     Args:
-        points: ends of the ways.
+        points: ends of the ways, of which `x` and `predicted` are used.
         beyond: mask of the predictions that are looked at, shape (lanes, tests,
             targets).
     """
