@@ -32,7 +32,7 @@ from ...progress import SILENT, Progress
 from ...tasks import for_each
 from ..diagnostics.cross_validation import LEFT_OUT, SMALL_STEP, linearised, move
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
-from ..estimation.branches import JUMP, is_abrupt
+from ..estimation.branches import has_left, is_abrupt
 from ..estimation.sigma import estimate_sigma, freedom_of_targets
 from ..estimation.starts import fit
 from ..problem.objective import Objective, Points
@@ -45,7 +45,8 @@ NORMAL_FROM = 200.0
 """Degrees of freedom above which Student's distribution is taken as normal."""
 LEAST_CHANCE = 1e-300
 DRAWS = 128
-"""Number of draws at which jumps are looked for."""
+"""Number of draws at which jumps are looked for, and over which densities are
+averaged."""
 
 
 class HeldOut(NamedTuple):
@@ -176,17 +177,11 @@ def _jumps(
         x: draws, shape (draws, unknowns).
         draws: predictions of these tests there.
     """
-    linear = np.einsum("rtp,dp->drt", points.jacobian[0, places], x - points.x)
-    linear += points.predicted[0, places]
-    with np.errstate(invalid="ignore"):
-        far = np.abs(draws - linear) > JUMP * rest.sigma[places]
-    far |= np.isfinite(draws) != np.isfinite(linear)
-    if not np.any(far):
-        return np.zeros(len(places), bool)
-    shape = len(x), *rest.study.measured.shape
-    beyond, predicted = np.zeros(shape, bool), np.full(shape, np.nan)
-    beyond[:, places], predicted[:, places] = far, draws
+    predicted = np.full((len(x), *rest.study.measured.shape), np.nan)
+    predicted[:, places] = draws
     ends = points._replace(x=x, predicted=predicted)
+    beyond = np.zeros(predicted.shape, bool)
+    beyond[:, places] = has_left(rest, points, ends)[:, places]
     return np.any(is_abrupt(rest, points, ends, beyond)[:, places], axis=(0, 2))
 
 

@@ -8,9 +8,9 @@ $$ w \propto e^{-\text{cost} / s^2} / q(x) , $$
 with s^2 the inflation of the covariance and q the density of the proposal. Without a
 prior of the study the prior is uniform in x between the bounds. Estimated standard
 deviations of groups are sampled first, and x about its mean for them (`group_sds`).
-Where few draws carry all the weight, more are sampled, of a proposal that is fitted to
-the weighted draws; q is then the mixture of all proposals (adaptive multiple importance
-sampling, Cornuet et al. 2012).
+Where the effective sample size is small, more are sampled, of a proposal that is fitted
+to the weighted draws; q is then the mixture of all proposals (adaptive multiple
+importance sampling, Cornuet et al. 2012).
 
 Impacts have the accuracy `balanced`, whatever that of the fit. With small sigmas their
 errors count in the cost: some of the draws are computed again more accurately, and

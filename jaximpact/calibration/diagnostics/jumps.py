@@ -8,8 +8,8 @@ where a contact ends in another way, e_t and duration jump, but not the largest 
 and depth, which came before.
 
 Standard errors are those of draws of the posterior, on both sides of the jump
-(`judge`). Where too few draws count, or where the smooth predictions alone do not
-determine all unknowns, they leave out these measurements too.
+(`judge`). Where their effective sample size is too small, or where the smooth
+predictions alone do not determine all unknowns, they leave out these measurements too.
 """
 
 from typing import NamedTuple
@@ -35,7 +35,8 @@ NOT_NORMAL = 0.1
 """Effective sample size of the first draws, as a fraction of them, below which
 derivatives do not describe the posterior, jumps or not."""
 PARTS = 4
-"""Parts of a round of draws beside a jump, where the first ones seldom count."""
+"""Parts of a round of draws beside a jump, where the effective sample size of the first
+is small."""
 
 
 class Judged(NamedTuple):

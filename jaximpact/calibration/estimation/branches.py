@@ -52,15 +52,25 @@ def jumped(objective: Objective, fit: Points, points: Points) -> np.ndarray:
 
 
 def _jumped_cells(objective: Objective, fit: Points, points: Points) -> np.ndarray:
-    """Find the predictions that have left their branch at a fit, shape (lanes, tests,
-    targets)."""
+    """Find the measured predictions that have left their branch at a fit, shape (lanes,
+    tests, targets)."""
+    return has_left(objective, fit, points) & objective.study.known
+
+
+def has_left(objective: Objective, fit: Points, points: Points) -> np.ndarray:
+    """Find the predictions that have left their branch at a fit, measured or not, shape
+    (lanes, tests, targets).
+
+    Args:
+        points: of which `x` and `predicted` are used.
+    """
     apart = points.x - fit.x[0]
     linear = fit.predicted[0] + np.einsum("rtp,lp->lrt", fit.jacobian[0], apart)
     there = np.isfinite(points.predicted), np.isfinite(linear)
     missing = there[0] != there[1]
     with np.errstate(invalid="ignore"):
         far = np.abs(points.predicted - linear) > JUMP * objective.sigma
-    return (far | missing) & objective.study.known
+    return far | missing
 
 
 def unit_without_jumps(objective: Objective, fit: Points) -> float:
