@@ -30,9 +30,9 @@ class Accuracy:
 
     | name | steps | e_n, median | e_n, 95 % | gradient, median | gradient, 95 % |
     |---|---|---|---|---|---|
-    | fast | 70 | 7e-6 | 3e-5 | 2e-4 | 4e-3 |
-    | balanced | 136 | 1.4e-7 | 8e-7 | 4e-6 | 9e-5 |
-    | reference | 523 | 1.4e-10 | 5e-10 | 2e-8 | 6e-7 |
+    | fast | 68 | 6e-6 | 3e-5 | 2e-4 | 3e-3 |
+    | balanced | 128 | 7e-8 | 7e-7 | 2e-6 | 8e-5 |
+    | reference | 529 | 9e-11 | 4e-10 | 2e-8 | 5e-7 |
     """
 
     name: str

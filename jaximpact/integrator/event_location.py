@@ -20,13 +20,14 @@ from ..impact.dynamics import INITIAL_SINKING
 from ..impact.events import SWITCHED_OFF, in_force
 from ..impact.problem import Problem, Watched
 from .accumulators import Fold, hermite_cubic, peak_of_cubic
+from .error_control import ErrorControl
 
 LANDING = 1e-10
 """Magnitude below which a margin counts as zero."""
 ON_SWITCH = 1e-7, 1e-2
 """Magnitude below which a switching function counts as zero: absolute, and as a
 fraction of the tolerance."""
-FIRST_WIDTH = 1e-12
+FIRST_WIDTH = 1e-10
 """Width of the first step over the time in which the block moves by its size."""
 SMALLEST_WIDTH = 1e-15
 """Smallest width of a step over the time reached; a few roundings."""
@@ -38,7 +39,7 @@ SHORTEST_PART = 0.01
 ONSET = INITIAL_SINKING, 0.1
 """Begin and end of the onset, over the time in which the block moves by its size: the
 initial compression of the springs is forgotten, and all grows as powers of time."""
-LARGEST_GROWTH = 1.6
+LARGEST_GROWTH = 1.3
 """Largest growth of a step at the onset on top of what its error allows."""
 
 
@@ -190,7 +191,8 @@ def root_of_cubic(start, start_rate, end, end_rate, width):
 class LandingState(NamedTuple):
     """State of `LandingController`."""
 
-    inner: tuple
+    inner: Scalar
+    """State of the control by the error."""
     rejected: Scalar
     """1 if the last step was too long for the error control, else 0."""
     tries: Scalar
@@ -208,7 +210,7 @@ class LandingController(diffrax.AbstractStepSizeController):
     is what it was before.
     """
 
-    inner: diffrax.PIDController
+    inner: ErrorControl
 
     def wrap(self, direction):
         return LandingController(self.inner.wrap(direction))

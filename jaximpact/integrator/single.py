@@ -15,7 +15,6 @@ import diffrax
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import optimistix as optx
 from jaxtyping import Array, Float
 
 from .._types import Scalar
@@ -24,6 +23,7 @@ from ..impact.problem import Observed, Problem, jacobian_pattern
 from ..laws import Branch
 from .accumulators import Fold, LastStep, fold_step, start_fold
 from .diffrax_solvers import solver_step
+from .error_control import ErrorControl
 from .event_location import LANDING, LandingController
 from .rosenbrock import ORDER, DenseOutput, dense_output, rodas5p_step
 
@@ -108,8 +108,7 @@ def _rodas5p(problem: Problem, course: Course, width: Scalar, branch: Branch):
 class FoldingSolver(diffrax.AbstractAdaptiveSolver):
     """A solver of the state vector that accumulates results over the steps.
 
-    The error it returns is in units of what is allowed, so the step size controller
-    takes a tolerance of one.
+    The error it returns is in units of what is allowed.
     """
 
     solver: diffrax.AbstractAdaptiveSolver | None = eqx.field(default=None, static=True)
@@ -137,11 +136,6 @@ class FoldingSolver(diffrax.AbstractAdaptiveSolver):
         return after, errors, info, solver_state, diffrax.RESULTS.successful
 
 
-def error_norm(course: Course) -> Scalar:
-    """Root mean square of the state's errors."""
-    return optx.rms_norm(course.vector)
-
-
 class End(NamedTuple):
     """The end of an impact."""
 
@@ -159,11 +153,7 @@ class End(NamedTuple):
 
 def step_size_controller() -> LandingController:
     """Step size control by the errors that `advance` returns."""
-    return LandingController(
-        diffrax.PIDController(
-            rtol=0.0, atol=1.0, norm=error_norm, pcoeff=0.3, icoeff=0.7
-        )
-    )
+    return LandingController(ErrorControl())
 
 
 def diffrax_arguments(
