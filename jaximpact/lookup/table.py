@@ -23,6 +23,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from .._jax_internals import Tracer
+from .._safe import safe_sqrt
 from .._types import Scalar
 from ..accuracy import Accuracy
 from ..impact.events import Outcome
@@ -274,26 +275,64 @@ class ReboundTable(eqx.Module):
         radius = self.block.semi_axes.minor
         scales = (size, size, size / radius, 1.0, 1.0, 1.0)
         values = [value * by for value, by in zip(values, scales, strict=True)]
-
-        margin = 1e-9
-        beyond = direction.total_speed > self.speeds[-1] * (1.0 + margin)
-        beyond |= impact.slope > self.slopes[-1] + margin
-        beyond |= impact.slope < self.slopes[0] - margin
-        away = direction.elevation <= 0.0
         unchanged = (
             impact.normal_velocity,
             impact.tangential_velocity,
             impact.angular_velocity,
             *(0.0, 0.0, 0.0),
         )
+        after = [same + change for same, change in zip(unchanged, values, strict=True)]
+        kept = _kept_velocity(self.block, impact, Entry(*after, outcome))
+        after = [*(kept * velocity for velocity in after[:3]), *after[3:]]
+
+        margin = 1e-9
+        beyond = direction.total_speed > self.speeds[-1] * (1.0 + margin)
+        beyond |= impact.slope > self.slopes[-1] + margin
+        beyond |= impact.slope < self.slopes[0] - margin
+        away = direction.elevation <= 0.0
         failed = beyond | (outcome == int(Outcome.failed))
         values = [
-            jnp.where(failed & ~away, jnp.nan, same + jnp.where(away, 0.0, change))
-            for same, change in zip(unchanged, values, strict=True)
+            jnp.where(away, same, jnp.where(failed, jnp.nan, value))
+            for same, value in zip(unchanged, after, strict=True)
         ]
         outcome = jnp.where(failed, int(Outcome.failed), outcome)
         outcome = jnp.where(away, int(Outcome.separating), outcome)
         return Entry._make([*values, outcome])
+
+
+def _kept_velocity(block: Block, impact: Impact, after: Entry) -> Scalar:
+    r"""Compute the fraction of the velocities after an impact that its energy allows.
+
+    Between the nodes an impact may come out with more energy than it had. With the
+    travel along the ground at the mean velocity, as a run-out takes it, and the descent
+    $d$ of the centre, the fraction $s$ of the velocities is the largest one up to 1
+    with
+
+    $$ s^2 K_1 \le K_0 + m g \bigl( d \cos\omega + \tfrac{1}{2} (v_{t0} + s v_{t1})
+       T \sin\omega \bigr) . $$
+    """
+    mass, axes, weight = block.mass, block.semi_axes, block.mass * GRAVITY
+
+    def kinetic(v_n, v_t, spin):
+        return 0.5 * (mass * (v_n**2 + v_t**2) + block.inertia * spin**2)
+
+    def support(orientation):
+        return block.shape.support(axes, jnp.sin(orientation), jnp.cos(orientation))
+
+    before = kinetic(
+        impact.normal_velocity, impact.tangential_velocity, impact.angular_velocity
+    )
+    whole = kinetic(*after[:3])
+    turned = impact.orientation + after.rotation
+    descent = after.sinking - support(turned) + support(impact.orientation)
+    along = 0.5 * weight * jnp.sin(impact.slope) * after.duration
+    given = before + weight * jnp.cos(impact.slope) * descent
+    given = given + along * impact.tangential_velocity
+    own = along * after.tangential_velocity
+    gains = whole > given + own
+    twice = jnp.where(gains, 2.0 * whole, 1.0)
+    part = (own + safe_sqrt(own**2 + 2.0 * twice * given)) / twice
+    return jnp.where(gains, jnp.clip(part, 0.0, 1.0), 1.0)
 
 
 def _read(entries, outcomes, places) -> tuple[list[Scalar], Scalar]:
