@@ -282,7 +282,7 @@ class ReboundTable(eqx.Module):
             *(0.0, 0.0, 0.0),
         )
         after = [same + change for same, change in zip(unchanged, values, strict=True)]
-        kept = _kept_velocity(self.block, impact, Entry(*after, outcome))
+        kept = _kept_velocity(self.block, impact, Entry._make([*after, outcome]))
         after = [*(kept * velocity for velocity in after[:3]), *after[3:]]
 
         margin = 1e-9
