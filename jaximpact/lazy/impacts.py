@@ -197,7 +197,19 @@ def _lengths(sizes: Mapping[str, int], chunks: Chunks) -> dict[str, tuple[int, .
             f"({', '.join(f'{n} {k}' for n, k in sizes.items())}), but is {chunks!r}: "
             f"{error}"
         ) from error
-    return dict(zip(sizes, found, strict=True))
+    each = given if isinstance(given, tuple) else (given,) * len(sizes)
+    return {
+        name: _even(sizes[name], blocks) if isinstance(asked, str) else blocks
+        for name, blocks, asked in zip(sizes, found, each, strict=True)
+    }
+
+
+def _even(size: int, blocks: tuple[int, ...]) -> tuple[int, ...]:
+    """Make blocks that Dask chose as long as each other, but for the last, as Zarr
+    wants: a short last one leaves a worker waiting for the others."""
+    length = -(-size // max(1, len(blocks)))
+    whole, rest = divmod(size, length) if length else (0, 0)
+    return (length,) * whole + (rest,) * (rest > 0)
 
 
 def _quantities(

@@ -51,6 +51,21 @@ def test_a_sweep_in_chunks_is_the_sweep(at_once, chunks):
     assert_same_bits(lazy.compute(), at_once)
 
 
+@pytest.mark.parametrize("chunks", ["auto", {"angle_deg": "auto"}, ("auto", 500)])
+def test_blocks_that_dask_chooses_are_as_long_as_each_other(chunks):
+    """So that no worker waits for another at the end."""
+    axes = {
+        "angle_deg": np.linspace(0.0, 80.0, 1000),
+        "speed_mps": np.linspace(1.0, 30.0, 1000),
+    }
+    lengths = sweep(BASE, axes, chunks=chunks).e_n.chunks[0]
+    assert len(lengths) > 1
+    assert sum(lengths) == 1000
+    # Zarr wants all but the last to be the same.
+    assert len(set(lengths[:-1])) == 1
+    assert 0 <= lengths[0] - lengths[-1] < len(lengths)
+
+
 def test_a_block_is_computed_once_for_all_its_numbers(monkeypatch):
     computed, compute = [], impacts.compute_part
 
