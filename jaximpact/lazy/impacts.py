@@ -197,19 +197,16 @@ def _lengths(sizes: Mapping[str, int], chunks: Chunks) -> dict[str, tuple[int, .
             f"({', '.join(f'{n} {k}' for n, k in sizes.items())}), but is {chunks!r}: "
             f"{error}"
         ) from error
-    each = given if isinstance(given, tuple) else (given,) * len(sizes)
-    return {
-        name: _even(sizes[name], blocks) if isinstance(asked, str) else blocks
-        for name, blocks, asked in zip(sizes, found, each, strict=True)
-    }
-
-
-def _even(size: int, blocks: tuple[int, ...]) -> tuple[int, ...]:
-    """Make blocks that Dask chose as long as each other, but for the last, as Zarr
-    wants: a short last one leaves a worker waiting for the others."""
-    length = -(-size // max(1, len(blocks)))
-    whole, rest = divmod(size, length) if length else (0, 0)
-    return (length,) * whole + (rest,) * (rest > 0)
+    # For one axis Dask takes a tuple of all its lengths too.
+    by_axis = isinstance(given, tuple | list) and len(given) == len(sizes)
+    asked = given if by_axis else [given] * len(sizes)
+    # Blocks that Dask chose are made equal: a short last one leaves a worker waiting.
+    equal = tuple(
+        -(-size // len(blocks)) if isinstance(each, str) else blocks
+        for size, blocks, each in zip(sizes.values(), found, asked, strict=True)
+    )
+    found = core.normalize_chunks(equal, tuple(sizes.values()))
+    return dict(zip(sizes, found, strict=True))
 
 
 def _quantities(

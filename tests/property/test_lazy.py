@@ -66,6 +66,12 @@ def test_blocks_that_dask_chooses_are_as_long_as_each_other(chunks):
     assert 0 <= lengths[0] - lengths[-1] < len(lengths)
 
 
+@pytest.mark.parametrize("chunks", [(3, 4), [3, 4], ((3, 4),), {"angle_deg": (3, 4)}])
+def test_lengths_along_one_axis(chunks):
+    lazy = sweep(BASE, {"angle_deg": np.linspace(0.0, 80.0, 7)}, chunks=chunks)
+    assert lazy.e_n.chunks == ((3, 4),)
+
+
 def test_a_block_is_computed_once_for_all_its_numbers(monkeypatch):
     computed, compute = [], impacts.compute_part
 
