@@ -1,4 +1,4 @@
-r"""Step size control by the error, a proportional and integral one.
+r"""Proportional-integral (PI) step size control.
 
 $$ h_{k+1} = h_k \, \mathrm{clip}\bigl(0.85 \, e_k^{-1/p} e_{k-1}^{0.1/p},\; 0.2,\; 10
    \bigr) $$
@@ -32,7 +32,7 @@ SMALLEST_FACTOR, LARGEST_FACTOR = 0.2, 10.0
 
 
 class ErrorControl(diffrax.AbstractStepSizeController):
-    """Step size control by the error that a solver returns in units of what is allowed.
+    """PI step size control by the error of a solver, in units of what is allowed.
 
     Its state is the error of the last step that was accepted.
     """

@@ -183,7 +183,8 @@ class ReboundTable(eqx.Module):
     An impact takes the outcome with most weight among the up to 32 nodes around it, and
     the weighted mean of the entries with this outcome: where the model jumps from one
     outcome to another, so does the table, and mixes none. Elsewhere it is continuous
-    and piecewise smooth.
+    and piecewise smooth. Where the mean would give a block energy, its velocities are
+    all reduced alike, to the energy that it had and what gravity gave it.
 
     Called with a block and an impact, scalars or arrays that broadcast, a table gives
     the velocities after, like the laws of `rebound`; `look_up` gives the whole entry.
@@ -311,20 +312,18 @@ def _kept_velocity(block: Block, impact: Impact, after: Entry) -> Scalar:
     $$ s^2 K_1 \le K_0 + m g \bigl( d \cos\omega + \tfrac{1}{2} (v_{t0} + s v_{t1})
        T \sin\omega \bigr) . $$
     """
-    mass, axes, weight = block.mass, block.semi_axes, block.mass * GRAVITY
+    mass, weight = block.mass, block.mass * GRAVITY
 
     def kinetic(v_n, v_t, spin):
         return 0.5 * (mass * (v_n**2 + v_t**2) + block.inertia * spin**2)
-
-    def support(orientation):
-        return block.shape.support(axes, jnp.sin(orientation), jnp.cos(orientation))
 
     before = kinetic(
         impact.normal_velocity, impact.tangential_velocity, impact.angular_velocity
     )
     whole = kinetic(*after[:3])
-    turned = impact.orientation + after.rotation
-    descent = after.sinking - support(turned) + support(impact.orientation)
+    support_before, _ = _arms(block, impact.orientation)
+    support_after, _ = _arms(block, impact.orientation + after.rotation)
+    descent = after.sinking - support_after + support_before
     along = 0.5 * weight * jnp.sin(impact.slope) * after.duration
     given = before + weight * jnp.cos(impact.slope) * descent
     given = given + along * impact.tangential_velocity

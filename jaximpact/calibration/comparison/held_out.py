@@ -32,7 +32,7 @@ from ...progress import SILENT, Progress
 from ...tasks import for_each
 from ..diagnostics.cross_validation import LEFT_OUT, SMALL_STEP, linearised, move
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
-from ..estimation.branches import has_left, is_abrupt
+from ..estimation.branches import draws_about, has_left, is_abrupt
 from ..estimation.sigma import estimate_sigma, freedom_of_targets
 from ..estimation.starts import fit
 from ..problem.objective import Objective, Points
@@ -144,7 +144,9 @@ def _predict(
     cells = log_densities(u, deviation, censored, freedom)
     density = np.sum(np.where(known, cells, 0.0), axis=1)
     places = np.flatnonzero(tests)
-    x = _draws(rest, points, covariance)
+    values, vectors = np.linalg.eigh(covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    x = draws_about(rest, points, root, DRAWS)
     draws = rest.of_tests(places).values(x).predicted
     jumps = _jumps(rest, points, places, x, draws) & np.any(known, axis=1)
     for place in np.flatnonzero(jumps):
@@ -156,15 +158,6 @@ def _predict(
         of_draws = np.sum(np.where(known[place], each, 0.0), axis=1)
         density[place] = logsumexp(of_draws) - np.log(DRAWS)
     return deviation, density
-
-
-def _draws(rest: Objective, points: Points, covariance: np.ndarray) -> np.ndarray:
-    """Sample unknowns between the bounds, shape (draws, unknowns)."""
-    values, vectors = np.linalg.eigh(covariance)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    random = np.random.default_rng(rest.study.seed)
-    x = points.x + random.standard_normal((DRAWS, len(root))) @ root.T
-    return np.clip(x, rest.bounds.low, rest.bounds.high)
 
 
 def _jumps(

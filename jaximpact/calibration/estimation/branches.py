@@ -93,6 +93,16 @@ def error_root(objective: Objective, fit: Points) -> np.ndarray:
     return vectors / np.sqrt(np.maximum(values, least))
 
 
+def draws_about(
+    objective: Objective, fit: Points, root: np.ndarray, count: int
+) -> np.ndarray:
+    """Sample unknowns between the bounds, shape (draws, unknowns), normally distributed
+    about a fit (one lane) with the covariance R R^T of a root R."""
+    random = np.random.default_rng(objective.study.seed)
+    x = fit.x + random.standard_normal((count, len(root))) @ root.T
+    return np.clip(x, objective.bounds.low, objective.bounds.high)
+
+
 def jump_shares(objective: Objective, fit: Points) -> np.ndarray:
     """Compute the fraction of points about a fit, normally distributed with its
     covariance, at which each prediction has left its branch, shape (tests, targets).
@@ -105,13 +115,11 @@ def jump_shares(objective: Objective, fit: Points) -> np.ndarray:
     Args:
         fit: one lane, with derivatives.
     """
-    near, bounds = np.zeros(objective.study.known.shape, bool), objective.bounds
+    near = np.zeros(objective.study.known.shape, bool)
     for _ in range(SHARES_AGAIN):
         rest = objective.without(near)
         root = error_root(rest, rest.reevaluate(fit))
-        random = np.random.default_rng(objective.study.seed)
-        x = fit.x + random.standard_normal((DRAWS, len(root))) @ root.T
-        draws = rest.values(np.clip(x, bounds.low, bounds.high))
+        draws = rest.values(draws_about(objective, fit, root, DRAWS))
         beyond = _jumped_cells(objective, fit, draws)
         share = np.mean(is_abrupt(objective, fit, draws, beyond), axis=0)
         if not np.any((share > NEAR) & ~near):
