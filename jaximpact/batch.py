@@ -197,7 +197,7 @@ def compute_part(
     accuracy: Accuracy,
     model_tolerance: float,
     ledger: bool = False,
-) -> np.ndarray:
+) -> ImpactSummary:
     """Compute scenes that were checked, and return their numbers.
 
     Args:
@@ -206,18 +206,21 @@ def compute_part(
         accuracy, model_tolerance, ledger: as for `simulate_batch`.
 
     Returns:
-        Rows `(count, numbers)`, in the order of the leaves of `ImpactSummary`.
+        Arrays `(count,)`, each with memory of its own, so that those which nobody wants
+        can be let go.
     """
-    rows = np.empty((count, len(jax.tree.leaves(empty_summary(ledger)))))
+    found = jax.tree.map(lambda _: np.empty(count), empty_summary(ledger))
+    leaves = jax.tree.leaves(found)
 
     def keep(places: np.ndarray, numbers: ImpactSummary) -> None:
-        rows[places] = _rows(numbers)
+        for leaf, values in zip(leaves, jax.tree.leaves(numbers), strict=True):
+            leaf[places] = values
 
     every = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count,)), scene)
     compute_scenes(
         every, accuracy, keep, model_tolerance=model_tolerance, ledger=ledger
     )
-    return rows
+    return found
 
 
 def _compute_elsewhere(
@@ -248,7 +251,7 @@ def _compute_elsewhere(
             )
             for part in parts
         ),
-        lambda number, rows: take(parts[number], rows),
+        lambda number, numbers: take(parts[number], _rows(numbers)),
     )
     if timing is not None:
         seconds = time.perf_counter() - begin

@@ -4,7 +4,7 @@ import functools
 import json
 import math
 import warnings
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -17,7 +17,6 @@ from .._precision import require_float64
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from ..batch import compute_part
 from ..errors import InputError
-from ..impact.results import empty_summary
 from ..io.checks import check_memory, check_scene
 from ..io.datasets import (
     OUTCOMES,
@@ -269,84 +268,85 @@ def result_variables(
     lazy = any(map(is_chunked, arrays.values()))
     called = "impact of a block, number" if lazy else "scene"
     block = Block(plain, (*arrays,), tuple(kinds), accuracy, model_tolerance, called)
-    places, width = _places()
-    with warnings.catch_warnings():
-        # A grid has many times the blocks of any of its axes: no mistake.
-        warnings.filterwarnings("ignore", "Increasing number of chunks")
-        stack = xr.apply_ufunc(
-            Task(numbers_of_block, block)
-            if lazy
-            else functools.partial(numbers_of_block, block),
-            *arrays.values(),
+    names = *OUTPUT_COLUMNS, OUTCOME_COLUMN
+    words = outcomes_in_words([0]).dtype
+    dtypes = *(float for _ in OUTPUT_COLUMNS), words
+
+    def of_blocks(function: Callable, **outputs) -> Any:
+        call = Task(function, block) if lazy else functools.partial(function, block)
+        with warnings.catch_warnings():
+            # A grid has many times the blocks of any of its axes: no mistake.
+            warnings.filterwarnings("ignore", "Increasing number of chunks")
+            return xr.apply_ufunc(
+                call, *arrays.values(), dask="parallelized", **outputs
+            )
+
+    try:
+        found = of_blocks(
+            numbers_of_block, output_core_dims=[[] for _ in names], output_dtypes=dtypes
+        )
+    except NotImplementedError:  # cubed knows functions of one result only
+        stack = of_blocks(
+            stack_of_block,
             output_core_dims=[[NUMBER]],
             output_dtypes=[float],
-            dask="parallelized",
-            dask_gufunc_kwargs={"output_sizes": {NUMBER: width}},
+            dask_gufunc_kwargs={"output_sizes": {NUMBER: len(names)}},
         )
-        if stack.dims[:-1] != tuple(dimensions):
-            stack = stack.transpose(*dimensions, NUMBER)
-
-    def one(field: str) -> xr.Variable:
-        return _apply(_entry, stack, float, place=places[field])
-
-    variables = {}
+        found = [
+            xr.apply_ufunc(
+                words_of_stack if dtype == words else entry_of_stack,
+                stack,
+                input_core_dims=[[NUMBER]],
+                output_dtypes=[dtype],
+                dask="parallelized",
+                kwargs={"place": place},
+            )
+            for place, dtype in enumerate(dtypes)
+        ]
+    variables = {
+        name: variable.transpose(*dimensions)
+        for name, variable in zip(names, found, strict=True)
+    }
     for name, column in OUTPUT_COLUMNS.items():
-        variables[name] = one(column.field)
         variables[name].attrs = attributes_of(column)
-    words = outcomes_in_words([0]).dtype
-    variables[OUTCOME_COLUMN] = _apply(
-        _words, stack, words, place=places["outcome_code"]
-    )
     variables[OUTCOME_COLUMN].attrs = {"long_name": OUTCOME_MEANING}
     return variables
 
 
-def _apply(function, stack: xr.Variable, dtype, **how) -> xr.Variable:
-    """Take something out of the numbers of impacts, block by block."""
-    data: Any = stack.data
-    if hasattr(data, "map_blocks"):
-        # One task a block; apply_ufunc makes two.
-        last = data.ndim - 1
-        taken = data.map_blocks(function, dtype=dtype, drop_axis=last, **how)
-        return xr.Variable(stack.dims[:-1], taken)
-    return xr.apply_ufunc(
-        function,
-        stack,
-        input_core_dims=[[NUMBER]],
-        output_dtypes=[dtype],
-        dask="parallelized",
-        kwargs=how,
-    )
-
-
-def _entry(stack: np.ndarray, place: int) -> np.ndarray:
-    # A copy, that the block of all numbers can be let go.
-    return stack[..., place].copy()
-
-
-def _words(stack: np.ndarray, place: int) -> np.ndarray:
-    return outcomes_in_words(stack[..., place])
-
-
-def _places() -> tuple[dict[str, int], int]:
-    """Find the place of each number among those of an impact, and their count."""
-    structure = jax.tree.structure(empty_summary(False))
-    places = jax.tree.unflatten(structure, range(structure.num_leaves))
-    return vars(places), structure.num_leaves
-
-
-def numbers_of_block(block: Block, *values: np.ndarray) -> np.ndarray:
-    """Return the numbers of the impacts of a block, shape `(..., numbers)`.
+def numbers_of_block(block: Block, *values: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return the numbers of the impacts of a block, one array for each column of
+    results, and their outcomes in words.
 
     Args:
-        values: the block's quantities, of shapes that broadcast.
+        values: the block's quantities, of shapes that broadcast to that of the results.
 
     Raises InputError for a value out of its range.
     """
+    *numbers, codes = _numbers_and_codes(block, values)
+    return *numbers, outcomes_in_words(codes)
+
+
+def stack_of_block(block: Block, *values: np.ndarray) -> np.ndarray:
+    """Return the same as one array, shape `(..., numbers)`, with the codes of the
+    outcomes."""
+    return np.stack(_numbers_and_codes(block, values), axis=-1)
+
+
+def entry_of_stack(stack: np.ndarray, place: int) -> np.ndarray:
+    """Return one of the numbers of a stack."""
+    return stack[..., place]
+
+
+def words_of_stack(stack: np.ndarray, place: int) -> np.ndarray:
+    """Return the outcomes of a stack, in words."""
+    return outcomes_in_words(stack[..., place])
+
+
+def _numbers_and_codes(block: Block, values: Sequence[np.ndarray]) -> list[np.ndarray]:
     shape = np.broadcast_shapes(*map(np.shape, values))
-    count = int(np.prod(shape))
+    count = math.prod(shape)
     if count == 0:
-        return np.empty((*shape, _places()[1]))
+        return [np.empty(shape) for _ in range(len(OUTPUT_COLUMNS) + 1)]
     flat = {
         name: np.broadcast_to(given, shape).ravel()
         for name, given in zip(block.names, values, strict=True)
@@ -357,7 +357,8 @@ def numbers_of_block(block: Block, *values: np.ndarray) -> np.ndarray:
     scene = scene_with(base, flat)
     # The laws were checked by who sent them.
     check_scene(scene, batched=True, of=block.called, laws=False)
-    rows = compute_part(
+    summary = compute_part(
         jax.tree.map(np.asarray, scene), count, block.accuracy, block.model_tolerance
     )
-    return rows.reshape(*shape, -1)
+    fields = *(column.field for column in OUTPUT_COLUMNS.values()), "outcome_code"
+    return [getattr(summary, field).reshape(shape) for field in fields]
