@@ -223,6 +223,11 @@ def compute_part(
     return found
 
 
+def _rows_of_part(*arguments) -> np.ndarray:
+    """Compute scenes as `compute_part`, and return rows `(count, numbers)`."""
+    return _rows(compute_part(*arguments))
+
+
 def _compute_elsewhere(
     executor: concurrent.futures.Executor,
     scene: Scene,
@@ -244,14 +249,14 @@ def _compute_elsewhere(
         executor,
         (
             Task(
-                compute_part,
+                _rows_of_part,
                 jax.tree.map(lambda leaf, part=part: chosen(leaf, part), scene),
                 len(part),
                 *how,
             )
             for part in parts
         ),
-        lambda number, numbers: take(parts[number], _rows(numbers)),
+        lambda number, rows: take(parts[number], rows),
     )
     if timing is not None:
         seconds = time.perf_counter() - begin

@@ -343,6 +343,7 @@ def words_of_stack(stack: np.ndarray, place: int) -> np.ndarray:
 
 
 def _numbers_and_codes(block: Block, values: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Compute an array for each column of results, and the codes of the outcomes."""
     shape = np.broadcast_shapes(*map(np.shape, values))
     count = math.prod(shape)
     if count == 0:

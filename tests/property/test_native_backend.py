@@ -233,7 +233,7 @@ def test_what_might_be_taken_for_something_else_is_refused(function):
 
 @pytest.mark.skipif(llvm_ir.architecture() != "x86_64", reason="a processor of x86")
 def test_a_processor_without_fused_multiply_adds_calls_a_library(monkeypatch):
-    # Of a call in code that stands near its constants llvmlite aborts the process.
+    # In the small code model llvmlite would abort the process at such a call.
     x = spread(1e-20, 10.0, 100)
     here = native(lambda x: jnp.sin(x) * x + 1.0, x)
     monkeypatch.setattr(llvm_ir, "host", lambda: ("x86-64", "+sse2"))

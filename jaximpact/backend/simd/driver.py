@@ -159,12 +159,14 @@ def driver_object() -> bytes:
     text = (importlib.resources.files(PACKAGE) / "driver.ll").read_text()
     families = {"x86_64": "x86", "aarch64": "aarch64", "arm64": "aarch64"}
     text += FLOAT_MODE[families.get(architecture(), "")]
-    return _keep(repr(("driver", text, host())), lambda: compile_text(text, calls=True))
+    return _keep(
+        repr(("driver", text, host())), lambda: compile_text(text, external_calls=True)
+    )
 
 
 def load_driver() -> Driver:
     """Load the driver, with an operation of its own that is still to be filled in."""
-    engine = load(driver_object(), calls=True)
+    engine = load(driver_object(), external_calls=True)
     address = engine.get_global_value_address("operation")
     return Driver(engine, Operation.from_address(address))
 

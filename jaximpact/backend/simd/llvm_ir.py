@@ -332,17 +332,18 @@ def architecture() -> str:
     return llvm.get_default_triple().partition("-")[0]
 
 
-def _is_near(calls: bool) -> bool:
-    """Tell whether code is made to stand within 2 GB of all that it uses, which takes
-    3 % less time: the constants, if it calls nothing.
+def _has_small_code_model(external_calls: bool) -> bool:
+    """Tell whether code reads its constants by relative addresses, LLVM's small code
+    model, which takes 3 % less time than full addresses.
 
-    Without fused multiply-adds LLVM calls a library for them. Only on x86 was it tried.
+    Code with external calls does not, nor does a processor without fused multiply-adds,
+    for which LLVM calls a library. It was tried on x86 only.
     """
     fused = "+fma" in host()[1].split(",")
-    return not calls and fused and architecture() == "x86_64"
+    return not external_calls and fused and architecture() == "x86_64"
 
 
-def _target(near: bool) -> llvm.TargetMachine:
+def _target(small: bool) -> llvm.TargetMachine:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     name, features = host()
@@ -350,29 +351,34 @@ def _target(near: bool) -> llvm.TargetMachine:
         cpu=name,
         features=features,
         opt=2,
-        reloc="pic" if near else "default",
-        codemodel="small" if near else "jitdefault",
+        reloc="pic" if small else "default",
+        codemodel="small" if small else "jitdefault",
         jit=True,
     )
 
 
-def compile_text(text: str, calls: bool = False) -> bytes:
+def compile_text(text: str, external_calls: bool = False) -> bytes:
     """Return the machine code for this computer, as an object file.
 
     Args:
-        calls: whether the code calls functions of libraries.
+        external_calls: whether the code calls functions of libraries.
     """
-    return _target(_is_near(calls)).emit_object(llvm.parse_assembly(text))
+    target = _target(_has_small_code_model(external_calls))
+    return target.emit_object(llvm.parse_assembly(text))
 
 
-def load(object_file: bytes, calls: bool = False):
+def load(object_file: bytes, external_calls: bool = False):
     """Make an engine of LLVM with machine code put to where it can run; the code is
-    there as long as the engine lives. Takes what `compile_text` does."""
-    near = _is_near(calls)
-    # llvmlite's own memory manager keeps constants near the code. Of calls it aborts
-    # the process.
+    there as long as the engine lives.
+
+    Args:
+        external_calls: as `compile_text` was told.
+    """
+    small = _has_small_code_model(external_calls)
+    # Relative addresses reach 2 GB. llvmlite's memory manager keeps constants beside
+    # the code, but aborts the process where code has external calls.
     engine = llvm.create_mcjit_compiler(
-        llvm.parse_assembly(""), _target(near), use_lmm=near or None
+        llvm.parse_assembly(""), _target(small), use_lmm=small or None
     )
     engine.add_object_file(llvm.ObjectFileRef.from_data(object_file))
     engine.finalize_object()
