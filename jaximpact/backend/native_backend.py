@@ -23,9 +23,9 @@ from ..impact.problem import Assembly
 from ..impact.results import ImpactSummary, empty_summary
 from ..scene import Scene
 from ..store import kept
-from .simd import Code, Kernel, NoMachineCode, Retries, host, keep_driver
+from .simd import Code, Kernel, NoMachineCode, Retries, host, keep_objects
 
-keep_driver(kept)
+keep_objects(kept)
 
 NATIVE_PART = 128
 """Impacts that a worker takes at a time, some 10 ms of work."""

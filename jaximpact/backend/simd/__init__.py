@@ -1,6 +1,5 @@
 """Machine code for many lanes, by LLVM, from the functions of the model in JAX."""
 
-from .driver import keep_driver
 from .kernel import (
     Code,
     Kernel,
@@ -11,7 +10,7 @@ from .kernel import (
     compile_kernel,
     without_copies,
 )
-from .llvm_ir import host
+from .llvm_ir import host, keep_objects
 from .lower_jaxpr import NoMachineCode
 
 __all__ = [
@@ -24,6 +23,6 @@ __all__ = [
     "compile_code",
     "compile_kernel",
     "host",
-    "keep_driver",
+    "keep_objects",
     "without_copies",
 ]

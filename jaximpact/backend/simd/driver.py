@@ -4,12 +4,11 @@ import ctypes
 import functools
 import importlib.resources
 import threading
-from collections.abc import Callable
 from typing import NamedTuple
 
 from llvmlite.binding import ExecutionEngine
 
-from .llvm_ir import PACK, architecture, compile_text, host, load
+from .llvm_ir import PACK, architecture, compile_text, load
 
 PACKAGE = __name__.rpartition(".")[0]
 ALIGNMENT = 64
@@ -139,29 +138,13 @@ class Driver(NamedTuple):
         return self.engine.get_function_address("impacts")
 
 
-Keep = Callable[[str, Callable[[], bytes]], bytes]
-_keep: Keep = lambda _, make: make()  # noqa: E731
-
-
-def keep_driver(keep: Keep) -> None:
-    """Have the driver's object file kept, which takes a tenth of a second to compile.
-
-    Args:
-        keep: gives what is kept under a key, or what a function makes and it keeps.
-    """
-    global _keep
-    _keep = keep
-
-
 @functools.cache
 def driver_object() -> bytes:
-    """Compile the driver into an object file, or find it kept."""
+    """Compile the driver into an object file."""
     text = (importlib.resources.files(PACKAGE) / "driver.ll").read_text()
     families = {"x86_64": "x86", "aarch64": "aarch64", "arm64": "aarch64"}
     text += FLOAT_MODE[families.get(architecture(), "")]
-    return _keep(
-        repr(("driver", text, host())), lambda: compile_text(text, external_calls=True)
-    )
+    return compile_text(text, external_calls=True)
 
 
 def load_driver() -> Driver:

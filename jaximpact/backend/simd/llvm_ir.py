@@ -21,7 +21,8 @@ there zero by next to nothing is NaN.
 
 import re
 import struct
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from importlib.metadata import version
 from typing import NamedTuple
 
 import llvmlite.binding as llvm
@@ -42,6 +43,9 @@ declare {FLOATS} @llvm.sqrt.v{PACK}f64({FLOATS})
 declare {FLOATS} @llvm.fma.v{PACK}f64({FLOATS}, {FLOATS}, {FLOATS})
 attributes #0 = {{ "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
 """
+
+Keep = Callable[[str, Callable[[], bytes]], bytes]
+_keep: Keep = lambda _, make: make()  # noqa: E731
 
 
 class Output(NamedTuple):
@@ -357,14 +361,32 @@ def _target(small: bool) -> llvm.TargetMachine:
     )
 
 
+def keep_objects(keep: Keep) -> None:
+    """Have object files kept, since LLVM takes seconds.
+
+    Args:
+        keep: gives what is kept under a key, or what a function makes and it keeps.
+    """
+    global _keep
+    _keep = keep
+
+
 def compile_text(text: str, external_calls: bool = False) -> bytes:
-    """Return the machine code for this computer, as an object file.
+    """Return the machine code for this computer, as an object file, compiled or kept.
+
+    The key is the text itself, with every constant in it: whatever a user's law refers
+    to, other numbers are other code.
 
     Args:
         external_calls: whether the code calls functions of libraries.
     """
-    target = _target(_has_small_code_model(external_calls))
-    return target.emit_object(llvm.parse_assembly(text))
+
+    def compiled() -> bytes:
+        target = _target(_has_small_code_model(external_calls))
+        return target.emit_object(llvm.parse_assembly(text))
+
+    how = external_calls, host(), version("llvmlite")
+    return _keep(repr(("object", *how, text)), compiled)
 
 
 def load(object_file: bytes, external_calls: bool = False):
