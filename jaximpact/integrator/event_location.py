@@ -237,7 +237,8 @@ class LandingController(diffrax.AbstractStepSizeController):
         smallest = SMALLEST_WIDTH * t0
         # Forces that jump leave an error at every width: the jump is taken in one step
         # that is too short to move anything else.
-        jumps = ~keep & (width <= smallest) & jnp.all(jnp.isfinite(y1_candidate.vector))
+        is_jump = args.is_jump_of_forces(y0.vector, y1_candidate.vector)
+        jumps = ~keep & (width <= smallest) & is_jump
         keep = keep | jumps
         next_t0 = jnp.where(jumps, t1, next_t0)
         next_t1 = jnp.where(jumps, t1 + 2.0 * width, next_t1)

@@ -15,10 +15,10 @@ from ..impact.dynamics import (
     kinetic_energy,
 )
 from ..impact.events import OUTCOME_OF_MARGIN, Outcome, closing_velocity
-from ..impact.problem import Problem
+from ..impact.problem import Problem, stiffness_of_block
 from ..impact.results import EnergyLedger, ImpactSummary
 from ..restitution import defined_ratio, vijayakumar_coefficient
-from ..scene import Scene
+from ..scene import GRAVITY, Scene
 from .batched import Lanes, end_lanes
 from .single import End
 
@@ -67,6 +67,80 @@ def _closes(problem: Problem, energy: EnergyLedger | None) -> Scalar:
     largest = jnp.max(jnp.abs(jnp.stack(energy)), axis=0)
     promised = 0.5 * jnp.sqrt(jnp.sqrt(problem.tolerance))
     return jax.lax.stop_gradient(jnp.abs(energy.residual) <= promised * largest)
+
+
+IMPULSE, WORK, FORCE = 1.1, 2.0, 20.0
+"""Factors by which a result may exceed what bounds it. Of 40 000 random scenes far out
+the sound ones come to 1.00, 1.00 and 5; those whose steps have left the range of the
+numbers exceed them by powers of ten."""
+
+
+def _is_possible(problem: Problem, start: Motion, final: Motion, end: End) -> Scalar:
+    r"""Tell whether a contact can bring about such forces and velocities.
+
+    By the balance the changes of momentum are at most the impulses of the largest
+    forces, $m |\Delta v_n| \le (N + m g) t$ and so on. Kinetic energy grows by no more
+    than the work of gravity on the way and that of the largest normal force on the way
+    into the ground and about the centre. Forces are of the order of those of an elastic
+    impact, with dashpots, at the velocity of the block's surface.
+    """
+    ground, peaks, time = problem.ground, end.fold.peaks, end.time
+    mass, inertia, weight = ground.mass, ground.inertia, ground.mass * GRAVITY
+    reach = jnp.sqrt(ground.axes.major**2 + ground.axes.minor**2)
+    normal, tangential, moment = (
+        peaks.normal_force,
+        peaks.tangential_force,
+        peaks.moment,
+    )
+    speed, spin = _speed(start), jnp.abs(start.angular_velocity)
+
+    def is_impulse(body, before, after, force, scale):
+        most = IMPULSE * force * time + problem.tolerance * body * scale
+        return body * jnp.abs(after - before) <= most
+
+    impulses = (
+        is_impulse(
+            mass,
+            start.normal_velocity,
+            final.normal_velocity,
+            normal + weight,
+            speed,
+        )
+        & is_impulse(
+            mass,
+            start.tangential_velocity,
+            final.tangential_velocity,
+            tangential + weight,
+            speed,
+        )
+        & is_impulse(
+            inertia,
+            start.angular_velocity,
+            final.angular_velocity,
+            moment + reach * (normal + tangential),
+            speed / reach + spin,
+        )
+    )
+    way = jnp.maximum(speed, _speed(final)) * time
+    turn = jnp.maximum(spin, jnp.abs(final.angular_velocity)) * time
+    work = weight * way + normal * (reach * turn + peaks.sinking)
+    energy = kinetic_energy(ground, start)
+    gain = kinetic_energy(ground, final) - energy
+    stiffness = stiffness_of_block(ground)
+    dashpots = ground.soil.damping(stiffness, mass, inertia)
+    resistance = jnp.sqrt(stiffness.normal * mass) + dashpots.normal
+    surface_speed = speed + reach * spin + jnp.sqrt(GRAVITY * reach)
+    largest = jnp.maximum(jnp.maximum(normal, tangential), moment / reach)
+    possible = (
+        impulses
+        & (gain <= WORK * work + problem.tolerance * energy)
+        & (largest <= FORCE * (resistance * surface_speed + weight))
+    )
+    return jax.lax.stop_gradient(possible)
+
+
+def _speed(motion: Motion) -> Scalar:
+    return jnp.sqrt(motion.normal_velocity**2 + motion.tangential_velocity**2)
 
 
 def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
@@ -125,7 +199,8 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
         outcome_code=jnp.zeros(()),
         steps=jnp.zeros(()),
     )
-    return _named(problem, end, now.forces.normal, separating, summary)
+    sound = _is_possible(problem, start, final, end) & _closes(problem, energy)
+    return _named(end, now.forces.normal, separating, sound, summary)
 
 
 def _tangential_coefficient(
@@ -162,11 +237,11 @@ def _nothing_if(separating: Scalar, values: dict[str, Scalar]) -> dict[str, Scal
 
 
 def _named(
-    problem: Problem, end: End, normal_force, separating, summary: ImpactSummary
+    end: End, normal_force, separating, sound, summary: ImpactSummary
 ) -> ImpactSummary:
     """Complete the summary with its outcome and steps; NaN where the integration
-    failed."""
-    known = separating | (end.finished & _closes(problem, summary.energy))
+    failed, or what it gives is not sound."""
+    known = separating | (end.finished & sound)
     summary = jax.tree.map(lambda x: jnp.where(known, x, jnp.nan), summary)
     return dataclasses.replace(
         summary,

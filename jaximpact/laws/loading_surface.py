@@ -97,7 +97,9 @@ class NovaMontrasio(AbstractLoadingSurface):
     di Prisco and Vecchiotti (2006).
     """
 
-    beta: Scalar = parameter(0.90, "-", "(0, 2)", "loading surface exponent")
+    beta: Scalar = parameter(
+        0.90, "-", "(0, 2)", "loading surface exponent", usual=(0.1, 1.2)
+    )
     psi: Scalar = parameter(
         0.33, "-", "(0, inf)", "moment intercept", usual=(1e-2, 1e2)
     )

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from by_machine_code import computed_along
-from make_stability_scenes import DEGREE, ENDS, USUAL, inside, scene_of
+from make_stability_scenes import DEGREE, ENDS, IMPACT, USUAL, inside, scene_of
 from paths import DATA
 from text_files import rows_of
 
@@ -310,3 +310,66 @@ def test_derivatives_are_finite(results):
     values, slopes = ([getattr(part, name) for name in names] for part in found)
     assert np.all(np.isfinite(values))
     assert np.all(np.isfinite(slopes))
+
+
+def far_out(count, seed):
+    """Random scenes with exponents of the loading surface that are hardly ever used."""
+    draw = np.random.default_rng(seed)
+    columns = columns_of(inside(count, seed, True))
+    exponent = np.exp(draw.uniform(math.log(0.02), math.log(1.95), count))
+    return columns | dict(beta=exponent, psi=draw.uniform(0.01, 5.0, count))
+
+
+# Before steps were rejected whose stages leave the range of the numbers, and results
+# checked, one of 1 000 of these had an e_bar from 1e3 to 1e36.
+@pytest.mark.parametrize("ledger", [False, True])
+@PRESET
+def test_no_result_is_impossible(preset, ledger):
+    scene = scene_of(far_out(8_000, 3))
+    result = simulate_batch(scene, accuracy=preset, ledger=ledger)
+    sound = np.asarray(result.outcome_code) < Outcome.separating
+    block, impact = scene.block, scene.impact
+    mass, inertia = np.asarray(block.mass), np.asarray(block.inertia)
+    weight, time = mass * GRAVITY, np.asarray(result.duration)
+    normal, tangential = result.max_normal_force, result.max_tangential_force
+    reach = np.hypot(*map(np.asarray, (block.semi_axes.major, block.semi_axes.minor)))
+    impulses = [
+        (mass, "normal_velocity", normal + weight),
+        (mass, "tangential_velocity", tangential + weight),
+        (
+            inertia,
+            "angular_velocity",
+            result.max_moment + reach * (normal + tangential),
+        ),
+    ]
+    for body, name, force in impulses:
+        change = np.abs(getattr(result, name) - np.asarray(getattr(impact, name)))
+        # The largest force is that of an interpolant: a tenth of it for its error.
+        most = 1.1 * force * time + 1e-3 * body * (1.0 + np.abs(getattr(impact, name)))
+        assert np.all((body * change <= most)[sound]), name
+    assert np.mean(np.asarray(result.outcome_code) == Outcome.failed) < 0.01
+
+
+def test_sharp_surface_is_right_at_every_accuracy():
+    columns = dict(
+        mass=92.688676395071,
+        out_of_plane_ratio=1.1155356718275633,
+        beta=0.08654177853395387,
+        speed=27.555612274642257,
+        angle=-57.50354040182708 * DEGREE,
+        orientation=255.8786372922675 * DEGREE,
+        angular_velocity=96.82013177361296 * DEGREE,
+        slope=-36.39667166287253 * DEGREE,
+    )
+    block = Block(
+        mass=columns["mass"],
+        density=2216.941124691914,
+        out_of_plane_ratio=columns["out_of_plane_ratio"],
+    )
+    impact = Impact(**{name: columns[name] for name in IMPACT})
+    for accuracy, error in (("fast", 1e-3), ("balanced", 1e-5), ("reference", 1e-6)):
+        result = simulate_batch(
+            block, Soil(beta=columns["beta"]), impact, accuracy=accuracy
+        )
+        # By LSODA of the independent implementation at rtol 1e-10
+        assert result.e_bar[0] == pytest.approx(0.49467240, rel=error)
