@@ -28,7 +28,7 @@ from .backend.derivative_rules import effort
 from .backend.native_backend import NativeWorker, compile_native, computes_on_cpu
 from .backend.threads import thread_count
 from .errors import InputError
-from .identity import part_names
+from .identity import heed_edits, part_names
 from .impact.problem import Assembly
 from .impact.reduced_models import MODELS, model_places
 from .impact.results import ImpactSummary, empty_summary
@@ -318,12 +318,6 @@ def _subject(
     for leaf in jax.tree.leaves(scene):
         digest.update(np.asarray(leaf).tobytes())
     names = part_names(scene.block, scene.soil)
-    for slot, name in names.items():
-        if "source not known" in name:
-            raise InputError(
-                f"a journal tells laws by their source, but {slot} is {name}; write "
-                "its class into a file"
-            )
     return {
         "scenes": {"count": count, "sha256": digest.hexdigest()},
         "accuracy": dataclasses.asdict(accuracy),
@@ -352,6 +346,7 @@ def compute_scenes(
         places: indices of the scenes to compute; all by default.
         model_tolerance, ledger, timing: as for `simulate_batch`.
     """
+    heed_edits(jax.tree.structure(scene))
     order = np.argsort(effort(scene), kind="stable")
     if places is not None:
         order = order[np.isin(order, places)]

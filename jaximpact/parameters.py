@@ -10,7 +10,6 @@ import functools
 import html
 import inspect
 import math
-import time
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 
@@ -256,13 +255,9 @@ class Part(Module):
     `real_numbers`), TypeError for an unknown field, with the nearest known.
     """
 
-    made_at: ClassVar[int] = 0
-    """Time at which the class was made [ns since 1970]."""
-
     def __init_subclass__(cls, **arguments):
         super().__init_subclass__(**arguments)
         _add_table(cls)
-        cls.made_at = time.time_ns()
 
     def __new__(cls, *given, **named):
         names = _names(cls)
@@ -491,3 +486,7 @@ def _unusual_parts(whole: Composite) -> str:
 def parameters_of(part: Part) -> dict[str, Declared]:
     """Return the parameters of a part: field name to what is declared of it."""
     return declared_of(type(part))
+
+
+caches_by_class = (declared_of, _names, _numeric, parts_of, _check_fields)
+"""What is worked out once for each class."""

@@ -26,6 +26,7 @@ from .._precision import float64_leaf
 from .._types import Structure
 from ..accuracy import Accuracy
 from ..errors import InputError
+from ..identity import clear_when_edited, heed_edits
 from ..impact.problem import Assembly, assemble
 from ..impact.reduced_models import MODELS, exact_models
 from ..impact.results import (
@@ -188,6 +189,7 @@ def _solved(
     times,
     engine: Engine = NATIVE,
 ) -> Solution:
+    heed_edits(structure)
     places, rest = [], np.empty(len(leaves) + 2)
     rest[-2:] = accuracy.tolerance, accuracy.floor
     for place, leaf in enumerate(leaves):
@@ -413,6 +415,7 @@ def effort(scene: Scene):
 
 
 _operations: dict[tuple, Operation] = {}
+clear_when_edited(_operations.clear)
 
 
 def _operation(

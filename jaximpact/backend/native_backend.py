@@ -17,7 +17,7 @@ import numpy as np
 from .._packages import versions
 from ..accuracy import MAX_STEPS, RETRIES, Accuracy
 from ..errors import IncompleteError, NoMachineCodeWarning
-from ..identity import described
+from ..identity import clear_when_edited, described, heed_edits, users_code
 from ..impact.events import Outcome
 from ..impact.problem import Assembly
 from ..impact.results import ImpactSummary, empty_summary
@@ -56,6 +56,7 @@ def _kept_here(compile_kernel: Callable) -> Any:
     def compiled(*given, **by_name) -> Kernel | None:
         arguments = signature.bind(*given, **by_name)
         arguments.apply_defaults()  # that a kernel has one key, however it is asked for
+        heed_edits(arguments.args[0].structure)
         # Of threads that ask at once, one compiles.
         with locks.setdefault(arguments.args, threading.Lock()):
             found = kernel_or_problem(*arguments.args)
@@ -66,6 +67,7 @@ def _kept_here(compile_kernel: Callable) -> Any:
 
     function: Any = compiled
     function.cache_clear = kernel_or_problem.cache_clear
+    clear_when_edited(kernel_or_problem.cache_clear)
     return function
 
 
@@ -157,18 +159,18 @@ def _tell_slower_way(reason: str) -> None:
 def kept_code(what: tuple, tree, make: Callable[[], Any]) -> Any:
     """Code that `make` compiles, or compiled another time for the same.
 
-    It is kept on disk under all that it depends on, unless that is not known, as of a
-    user's law in an interactive session.
+    Where all is the package's it is kept on disk, under its version and content. A
+    user's law is traced by each process, since only then it is known what it computes;
+    LLVM's part is kept all the same, under the text of the program.
 
     Args:
         what: names the code among all that is compiled for such a tree.
         tree: inputs of the code; its leaves do not count.
         make: gives what can be pickled.
     """
-    parts = described(tree)
-    if parts is None:
+    if users_code(tree):
         return make()
-    key = repr((what, parts, host(), *installed()))
+    key = repr((what, described(tree), host(), *installed()))
     return pickle.loads(kept(key, lambda: pickle.dumps(make())))
 
 

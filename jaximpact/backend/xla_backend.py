@@ -20,6 +20,7 @@ from diffrax import AbstractAdaptiveSolver
 
 from .._types import Device
 from ..accuracy import MAX_STEPS, Accuracy
+from ..identity import clear_when_edited
 from ..impact.problem import Assembly, assemble, pose
 from ..impact.results import History, ImpactSummary, Solution, history_at
 from ..integrator.batched import Lanes, march, march_and_sample, start_lanes
@@ -231,6 +232,9 @@ def compile_programs(assembly: Assembly, width: int, device: Device) -> Programs
         compile_unfused(exchange, lanes, lanes, order),
         compile_unfused(summarise_lanes, scenes, lanes),
     )
+
+
+clear_when_edited(compile_programs.cache_clear)
 
 
 class Part(NamedTuple):

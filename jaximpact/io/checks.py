@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from .._checks import expect, real_numbers
 from .._jax_internals import Tracer
 from ..errors import InputError, UnusualValueWarning, nearest
-from ..identity import is_ours
+from ..identity import clear_when_edited, heed_edits, is_ours
 from ..laws.check import check_law
 from ..parameters import parts_of
 from ..quantities import (
@@ -58,6 +58,7 @@ def check_scene(
     expect("scene", scene, Scene)
     for part, kind in KINDS.items():
         expect(part, getattr(scene, part), kind)
+    heed_edits(jax.tree.structure(scene))
     if laws:
         check_laws(jax.tree.structure(scene.soil))
     check_shape(scene.block.shape)
@@ -168,6 +169,9 @@ def check_laws(structure: Any) -> None:
         law = getattr(soil, slot)
         if not is_ours(type(law)):
             check_law(slot, law)
+
+
+clear_when_edited(check_laws.cache_clear)
 
 
 def _check_field(

@@ -115,11 +115,6 @@ def write_zarr(
     for package in ("dask", "zarr"):
         needed(package, "a store of Zarr")
     expect("dataset", dataset, xr.Dataset)
-    if "source not known" in str(dataset.attrs.get("laws", "")):
-        raise InputError(
-            "a store tells laws by their source, which is not known of "
-            f"{dataset.attrs['laws']}; write the class into a file"
-        )
     path, told = Path(os.path.abspath(path)), as_progress(progress)
     dataset = dataset.unify_chunks()
     layout = _layout_of(dataset)

@@ -31,7 +31,7 @@ from ..backend.simd import (
     without_copies,
 )
 from ..backend.threads import thread_count
-from ..identity import PACKAGE
+from ..identity import PACKAGE, clear_when_edited, heed_edits
 
 if TYPE_CHECKING:
     # The same formulas run on both; no union of them says so.
@@ -65,9 +65,11 @@ class Program:
     def __init__(self, begin: Callable, step: Callable, finish: Callable):
         self.functions = begin, step, finish
         self._kernels: dict = {}
+        clear_when_edited(self._kernels.clear)
 
     def __call__(self, *inputs) -> Any:
         leaves, structure = jax.tree.flatten(inputs)
+        heed_edits(structure)
         if structure not in self._kernels:
             self._kernels[structure] = self._kernel(inputs)
         kernel = self._kernels[structure]
@@ -97,8 +99,8 @@ class Program:
 def _kept(functions: Sequence[Callable], tree, compiled: Callable, *what) -> Any:
     """Keep what is compiled of functions for inputs, a tree.
 
-    Only of functions that the package defines under a name of their own: nothing tells
-    what others do. Raises NoMachineCode as `compiled` does.
+    Only of functions that the package defines under a name of their own. Raises
+    NoMachineCode as `compiled` does.
     """
     names = [f"{f.__module__}.{f.__qualname__}" for f in functions]
     with collector_paused():
@@ -200,6 +202,7 @@ class ClosedProgram:
 
         self.named, self.function = function, in_floats
         self._plans: dict = {}
+        clear_when_edited(self._plans.clear)
 
     def __call__(self, *inputs) -> Any:
         return self._run(self.function, inputs)
@@ -235,6 +238,7 @@ class ClosedProgram:
 
     def _run(self, function: Callable, inputs: tuple) -> Any:
         leaves, structure = jax.tree.flatten(inputs)
+        heed_edits(structure)
         key = function.__name__, structure
         if key not in self._plans:
             self._plans[key] = self._planned(function, inputs)

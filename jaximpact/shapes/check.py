@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..errors import InputError
-from ..identity import PACKAGE
+from ..identity import PACKAGE, clear_when_edited
 from ..parameters import Part, declared_of
 from .base import AbstractShape, Section
 
@@ -94,6 +94,9 @@ def _check_shape(structure) -> None:
             f"not negative, but returns left {found.left[place]:g}, right "
             f"{found.right[place]:g}, width {found.width[place]:g}{_where(turn, place)}"
         )
+
+
+clear_when_edited(_check_shape.cache_clear)
 
 
 def _sizes(shape):

@@ -1,10 +1,8 @@
 """Programs of run-outs on disk: found again by another process, and by no other law."""
 
-import importlib
 import os
 import subprocess
 import sys
-import time
 
 import jax
 import jax.numpy as jnp
@@ -102,7 +100,8 @@ def test_a_law_meets_no_program_of_another_constant(cache, compiled, tmp_path):
         law = find_part("rebound", AbstractRebound, f"{path}:Sticky")
         after = of_a_new_process(contact_models._rebound)(law, block, impact)
         assert after.tangential_velocity == constant
-        assert len(compiled) == min(number, 2)
+        # The second time the program of the first constant is found kept.
+        assert len(set(compiled)) == min(number, 2)
 
 
 def test_a_law_whose_file_was_edited_since_is_not_kept(cache, compiled, tmp_path):
@@ -118,18 +117,6 @@ def test_a_law_whose_file_was_edited_since_is_not_kept(cache, compiled, tmp_path
     after = of_a_new_process(contact_models._rebound)(law, block, impact)
     assert after.tangential_velocity == 0.75
     assert len(compiled) == 2
-
-
-def test_a_module_that_was_edited_since_tells_nothing(tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(tmp_path)
-    path = tmp_path / "laws_of_a_notebook.py"
-    path.write_text(LAW.replace("CONSTANT", "0.25"))
-    law = importlib.import_module("laws_of_a_notebook").Sticky()
-    assert described(law) is not None
-    path.write_text(LAW.replace("CONSTANT", "0.75"))
-    # File systems write times that are some milliseconds old.
-    os.utime(path, ns=(time.time_ns(),) * 2)
-    assert described(law) is None
 
 
 def test_a_law_that_nothing_tells_is_not_kept(cache, compiled):

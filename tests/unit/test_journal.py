@@ -172,13 +172,20 @@ def test_a_batch_goes_on_with_the_same_numbers(tmp_path):
             simulate_batch(scenes, journal=journal, **changed)
 
 
-def test_laws_without_a_source_are_refused(tmp_path):
-    names = {}
-    exec("from jaximpact.laws import Vesic\nclass Mine(Vesic): pass", names)
-    soil = Soil(bearing=names["Mine"]())
-    scenes = dataclasses.replace(mixed_scenes(3), soil=soil)
-    with pytest.raises(ValueError, match=r"bearing is .*Mine \(source not known\)"):
-        simulate_batch(scenes, journal=tmp_path / "j")
+def test_laws_of_a_session_are_known_by_their_code(tmp_path):
+    def run(factor):
+        names = {}
+        code = "class Mine(Vesic):\n    def factors(self, friction):\n"
+        code += f"        return super().factors(friction * {factor})"
+        exec(f"from jaximpact.laws import Vesic\n{code}", names)
+        soil = Soil(bearing=names["Mine"]())
+        scenes, timing = dataclasses.replace(mixed_scenes(3), soil=soil), {}
+        simulate_batch(scenes, journal=tmp_path / "j", timing=timing)
+        return timing["impacts"]
+
+    assert [run(1.0), run(1.0)] == [3, 0]
+    with pytest.raises(InputError, match="no journal of this run"):
+        run(0.9)
 
 
 def test_a_law_that_was_edited_is_another_law(tmp_path):

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ...errors import InputError
-from ...identity import source_digest
+from ...identity import code_digest
 from ...io.toml import Key, quantity, unknown
 from ...parameters import Composite, Part
 from ...quantities import BASES, SLOTS, USUAL, InputColumn
@@ -83,7 +83,7 @@ def as_entries(parts: Mapping[str, Part]) -> dict[str, dict]:
     return {
         slot: {
             "name": text_of(type(part)),
-            "source": source_digest(type(part)),
+            "source": code_digest(type(part)),
             "fixed": _fixed_fields(part),
         }
         for slot, part in parts.items()
@@ -105,7 +105,7 @@ def parts_of_entries(entries: Mapping[str, Mapping], file: Path) -> dict[str, Pa
             raise InputError(
                 f"was fitted with a {slot} that is not there: {error}", file=file
             ) from error
-        if source_digest(type(part)) != entry["source"]:
+        if code_digest(type(part)) != entry["source"]:
             raise InputError(
                 f"was fitted with {slot} {entry['name']}, which has changed since; "
                 "calibrate again",

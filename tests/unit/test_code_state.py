@@ -1,0 +1,198 @@
+"""Everything that a user's law computes with is seen, and another number is another
+state, within a process and in the digest."""
+
+import importlib
+import sys
+
+import numpy as np
+import pytest
+
+from jaximpact.code_state import digest, walk
+from jaximpact.identity import name_of
+
+LAW = """
+from jaximpact.laws import AbstractKinematics
+
+{head}
+
+class Mine({base}):
+    {inside}
+    def sinking_arm(self, foundation{default}):
+        return foundation.tangency_arm * ({value})
+"""
+PARTS = dict(head="", base="AbstractKinematics", inside="", default="", value="1.0")
+# In each, NUMBER stands where the edit is.
+CASES = {
+    "in the code": dict(value="NUMBER"),
+    "global constant": dict(head="F = NUMBER", value="F"),
+    "import from": dict(head="from numbers_of import F", value="F"),
+    "import from, renamed": dict(head="from numbers_of import F as g", value="g"),
+    "import of a module": dict(head="import numbers_of", value="numbers_of.F"),
+    "import of a package": dict(head="import parts_of.inner", value="parts_of.inner.F"),
+    "import inside": dict(
+        head="def f():\n    from numbers_of import F\n    return F", value="f()"
+    ),
+    "import by name": dict(
+        head="import importlib\ndef f():\n"
+        "    return importlib.import_module('numbers_of').F",
+        value="f()",
+    ),
+    "attribute by name": dict(
+        head="import numbers_of", value="getattr(numbers_of, 'F')"
+    ),
+    "function of a function": dict(
+        head="def f(): return g()\ndef g(): return NUMBER", value="f()"
+    ),
+    "closure": dict(
+        head="def make(x):\n    def f(): return x\n    return f\nf = make(NUMBER)",
+        value="f()",
+    ),
+    "default": dict(default=", factor=NUMBER", value="factor"),
+    "keyword default": dict(default=", *, factor=NUMBER", value="factor"),
+    "class attribute": dict(head="class Numbers:\n    F = NUMBER", value="Numbers.F"),
+    "attribute of the law": dict(inside="F = NUMBER\n", value="self.F"),
+    "property of the law": dict(
+        inside="@property\n    def F(self): return NUMBER\n", value="self.F"
+    ),
+    "base class": dict(
+        head="class Base(AbstractKinematics):\n    F = NUMBER\n",
+        base="Base",
+        value="self.F",
+    ),
+    "attribute of an object": dict(
+        head="class Numbers:\n    def __init__(self): self.F = NUMBER\nn = Numbers()",
+        value="n.F",
+    ),
+    "object with slots": dict(
+        head="class Numbers:\n    __slots__ = ('F',)\n"
+        "    def __init__(self): self.F = NUMBER\nn = Numbers()",
+        value="n.F",
+    ),
+    "dictionary": dict(head="D = dict(inner=[NUMBER])", value="D['inner'][0]"),
+    "array of NumPy": dict(
+        head="import numpy as np\nA = np.array([NUMBER])", value="A[0]"
+    ),
+    "array of JAX": dict(
+        head="import jax.numpy as jnp\nA = jnp.asarray([NUMBER])", value="A[0]"
+    ),
+    "data file read at import": dict(
+        head="import numpy as np, pathlib\n"
+        "A = np.loadtxt(pathlib.Path(__file__).with_name('data.txt'))",
+        value="A",
+    ),
+    "object of a library": dict(
+        head="from scipy.interpolate import PchipInterpolator\n"
+        "f = PchipInterpolator([0.0, 1.0], [0.0, NUMBER])",
+        value="float(f(1.0))",
+    ),
+    "partial": dict(
+        head="import functools\ndef f(x): return x\np = functools.partial(f, NUMBER)",
+        value="p()",
+    ),
+    "decorated": dict(
+        head="import functools\ndef scaled(by):\n    def wrap(f):\n"
+        "        @functools.wraps(f)\n        def inner(): return by * f()\n"
+        "        return inner\n    return wrap\n"
+        "@scaled(NUMBER)\ndef f(): return 1.0",
+        value="f()",
+    ),
+    "cached": dict(
+        head="import functools\n@functools.cache\ndef f(): return NUMBER", value="f()"
+    ),
+    "compiled by JAX": dict(
+        head="import jax\n@jax.jit\ndef f(x): return x * NUMBER", value="f(1.0)"
+    ),
+    "rule of a derivative": dict(
+        head="import jax\n@jax.custom_jvp\ndef f(x): return x\n"
+        "f.defjvp(lambda p, t: (p[0], t[0] * NUMBER))",
+        value="f(1.0)",
+    ),
+    "default of a parameter": dict(
+        head="from jaximpact.laws import Scalar, parameter",
+        inside="F: Scalar = parameter(NUMBER, '-', '(0, inf)', 'factor')\n",
+        value="self.F",
+    ),
+    "static field": dict(
+        head="import equinox as eqx",
+        inside="F: float = eqx.field(default=NUMBER, static=True)\n",
+        value="self.F",
+    ),
+    "method that is bound": dict(
+        head="class Numbers:\n    def __init__(self): self.F = NUMBER\n"
+        "    def f(self): return self.F\nf = Numbers().f",
+        value="f()",
+    ),
+}
+
+
+@pytest.fixture
+def law_of(tmp_path, monkeypatch):
+    """Function that writes a law with a number, and imports it anew."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+
+    def law_of(case, number):
+        text = LAW.format(**PARTS | case).replace("NUMBER", number)
+        (tmp_path / "law_of_mine.py").write_text(text)
+        (tmp_path / "numbers_of.py").write_text(f"F = {number}\n")
+        (tmp_path / "data.txt").write_text(number)
+        (tmp_path / "parts_of").mkdir(exist_ok=True)
+        (tmp_path / "parts_of" / "__init__.py").write_text("")
+        (tmp_path / "parts_of" / "inner.py").write_text(f"F = {number}\n")
+        for name in ("law_of_mine", "numbers_of", "parts_of", "parts_of.inner"):
+            sys.modules.pop(name, None)
+        importlib.invalidate_caches()
+        if "import_module" in text:  # which nothing but running it can tell
+            importlib.import_module("numbers_of")
+        return importlib.import_module("law_of_mine").Mine
+
+    return law_of
+
+
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+def test_another_number_is_another_state(law_of, case):
+    one = law_of(case, "1.25")
+    before, name = walk(one), digest(walk(one))
+    assert walk(one) == before
+    other = law_of(case, "2.5")
+    assert walk(other) != before
+    assert digest(walk(other)) != name
+    again = law_of(case, "1.25")
+    assert digest(walk(again)) == name
+
+
+def test_a_value_that_is_changed_in_place_is_seen(law_of):
+    law = law_of(CASES["array of NumPy"], "1.25")
+    before = walk(law)
+    sys.modules["law_of_mine"].A[0] = np.nextafter(1.25, 2.0)
+    assert walk(law) != before
+
+
+def test_numbers_that_compare_equal_are_told_apart(law_of):
+    states = [
+        digest(walk(law_of(CASES["global constant"], number)))
+        for number in ("1", "1.0", "True", "-0.0", "0.0", "float('nan')")
+    ]
+    assert len(set(states)) == len(states)
+
+
+def test_what_runs_counts_not_the_file(law_of, tmp_path):
+    """A file that was edited since says another number than the class has."""
+    law = law_of(CASES["in the code"], "1.25")
+    name = digest(walk(law))
+    path = tmp_path / "law_of_mine.py"
+    path.write_text(path.read_text().replace("1.25", "2.5"))
+    after = digest(walk(law))
+    other = digest(walk(law_of(CASES["in the code"], "2.5")))
+    assert len({name, after, other}) == 3  # its instructions are known, no source
+
+
+def test_a_name_in_a_manifest_shows_the_constants(law_of):
+    name = name_of(law_of(CASES["import from"], "1.25"))
+    assert name.startswith("law_of_mine.Mine (")
+    assert name.endswith(", F=1.25)")
+
+
+def test_a_law_that_refers_to_itself_has_an_end(law_of):
+    head = "D = {}\nD['self'] = D\ndef f(): return f if D else 1.0"
+    assert walk(law_of(dict(head=head, value="1.0 if f else D"), "1.0"))
