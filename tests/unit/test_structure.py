@@ -22,7 +22,7 @@ from jaximpact.cli import main
 LAYERS = """
     errors _types _safe _checks _jax_internals _precision _gc_pause units
     _packages interruption progress store finding
-    parameters identity accuracy
+    code_state parameters identity accuracy
     shapes laws scene
     quantities scene_quantities
     impact restitution
