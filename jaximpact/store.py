@@ -36,10 +36,13 @@ FILE_NAME = re.compile(r"[a-z]+-[0-9a-f]{64}(\.[0-9a-f]{16}\.partial|\.lock)?")
 KEY = "key"
 KEY_BYTES = 32
 CODE_BYTES = hashlib.sha256().digest_size
-HAS_OWNERS = all(
-    hasattr(os, name)
-    for name in ("geteuid", "fchmod", "O_DIRECTORY", "O_NOFOLLOW", "O_NONBLOCK")
-) and {os.open, os.stat, os.unlink, os.utime} <= os.supports_dir_fd
+HAS_OWNERS = (
+    all(
+        hasattr(os, name)
+        for name in ("geteuid", "fchmod", "O_DIRECTORY", "O_NOFOLLOW", "O_NONBLOCK")
+    )
+    and {os.open, os.stat, os.unlink, os.utime} <= os.supports_dir_fd
+)
 """Whether the system says whose a file is and who may write to it, and finds files in a
 directory that is held open. Windows does not."""
 NO_LINKS = os.O_NOFOLLOW | os.O_NONBLOCK if HAS_OWNERS else 0

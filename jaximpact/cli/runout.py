@@ -188,7 +188,9 @@ def run(arguments: argparse.Namespace) -> None:
     several = len(studies) > 1
     folders = [Path(study.law_directory if several else "") for study in studies]
     names = [
-        (f / name).as_posix() for f in folders for name in output.names_of_files(studies[0])
+        (f / name).as_posix()
+        for f in folders
+        for name in output.names_of_files(studies[0])
     ]
     if several:
         names += output.names_of_files(studies[0], comparison=True)

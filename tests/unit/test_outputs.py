@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from error_messages import assert_one_line_error
 
+from jaximpact import file_locks
 from jaximpact.calibration.estimation.fit_cache import FitCache
 from jaximpact.cli import main
 from jaximpact.errors import InputError
@@ -326,9 +327,9 @@ def no_locks(*arguments):
 @pytest.mark.parametrize("without", ["module", "file system"])
 def test_where_there_are_no_locks_nothing_is_locked(tmp_path, monkeypatch, without):
     if without == "module":
-        monkeypatch.setattr(lock, "fcntl", None)
+        monkeypatch.setattr(file_locks, "fcntl", None)
     else:
-        monkeypatch.setattr(lock.fcntl, "flock", no_locks)
+        monkeypatch.setattr(file_locks.fcntl, "flock", no_locks)
     with lock.locked(tmp_path):
         write(tmp_path, "report.txt")
     assert names_in(tmp_path) == {"report.txt"}
