@@ -28,6 +28,8 @@ from .file_locks import close_and_remove, lock
 from .interruption import unfinished
 
 VARIABLE = "JAXIMPACT_CACHE_DIR"
+CACHES = "LOCALAPPDATA" if os.name == "nt" else "XDG_CACHE_HOME"
+"""Environment variable that names the user's directory of caches."""
 LIMIT = 512 * 2**20
 """Bytes of all files of compiled code together; beyond it those go that were not used
 for longest."""
@@ -316,8 +318,7 @@ def _place() -> tuple[Path, bool] | None:
         if not os.path.isabs(stated):
             raise Refused(f"{VARIABLE} must be an absolute path, but is {stated}")
         return Path(stated), False
-    named = "LOCALAPPDATA" if os.name == "nt" else "XDG_CACHE_HOME"
-    caches = os.environ.get(named, "")
+    caches = os.environ.get(CACHES, "")
     if not os.path.isabs(caches):
         # `~` itself where there is no home; one that is not there is not made.
         home = os.path.expanduser("~")

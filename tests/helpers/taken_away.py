@@ -3,8 +3,8 @@
     python taken_away.py NAME[,NAME...] MODULE [ARGUMENT ...]
     python taken_away.py NAME[,NAME...] -c PROGRAM
 
-Names are those of `LACKING`, or `all`. What reads or writes text in an encoding that
-depends on the system is an error in the package's own modules.
+Names are those of `LACKING`, or `all`, or `nothing`. A text that the package's own
+modules read or write in an encoding that depends on the system is an error.
 """
 
 import ctypes
@@ -14,6 +14,8 @@ import runpy
 import signal
 import sys
 import warnings
+
+import psutil  # noqa: F401, which on Linux needs os.sysconf as it is loaded
 
 
 def _attributes(module, *names):
@@ -87,13 +89,14 @@ LACKING = {
     "process library": _process_library,
     "forks": _no_forks,
 }
-"""What is taken away, by a name. Libraries of Linux that the package stands on may need
-it as they load: they are loaded before."""
+"""What is taken away, by a name."""
 
 
 def take_away(names):
+    warnings.filterwarnings("ignore", category=EncodingWarning)
     warnings.filterwarnings("error", category=EncodingWarning, module="jaximpact")
-    for name in LACKING if names == "all" else names.split(","):
+    lacking = {"all": LACKING, "nothing": ()}.get(names)
+    for name in names.split(",") if lacking is None else lacking:
         LACKING[name]()
 
 
