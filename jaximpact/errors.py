@@ -55,7 +55,8 @@ def located(
 
 
 class NoMachineCodeWarning(UserWarning):
-    """Warning that laws or a version of JAX have no machine code, and XLA computes."""
+    """Warning that laws, a version of JAX or a computer have no machine code, and XLA
+    computes."""
 
 
 class NoWorkersWarning(UserWarning):

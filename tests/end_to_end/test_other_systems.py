@@ -9,6 +9,9 @@ from pathlib import PureWindowsPath
 import pytest
 from paths import HELPERS, ROOT
 from taken_away import LACKING
+from text_files import rows_of
+
+from jaximpact.cli import main
 
 SCENE = """
 [impact]
@@ -90,15 +93,13 @@ def in_python_without(names, folder, *words):
     )
 
 
-def test_a_scene_where_all_is_taken_away(tmp_path):
-    (tmp_path / "scene.toml").write_text(SCENE)
-    words = "jaximpact", "simulate", "scene.toml", "--json"
-    with_all, without = (
-        in_python_without(names, tmp_path, *words) for names in ("nothing", "all")
-    )
-    assert without.returncode == 0, without.stderr
-    assert without.stdout == with_all.stdout
-    assert "e_n" in without.stdout
+def test_a_scene_where_all_is_taken_away(folder, capsys):
+    (folder / "scene.toml").write_text(SCENE)
+    command = "simulate", "scene.toml", "--json"
+    assert main([*command]) == 0
+    done = in_python_without("all", folder, "jaximpact", *command)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == capsys.readouterr().out
 
 
 @pytest.fixture(scope="module")
@@ -128,3 +129,64 @@ exec("path.{call}", names)
     (tmp_path / "f").touch()
     done = in_python_without("nothing", tmp_path, "-c", program)
     assert "EncodingWarning" in done.stderr
+
+
+WINDOWS_ON_ARM = """
+import llvmlite.binding as llvm
+llvm.get_default_triple = lambda: "aarch64-pc-windows-msvc"
+import sys
+from jaximpact.cli import main
+sys.exit(main(["batch", "scenes.csv", "--out", "results.csv"]))
+"""
+
+
+def batch_on_windows_on_arm(folder, **variables):
+    (folder / "scenes.csv").write_text(SCENES)
+    return subprocess.run(
+        [sys.executable, "-c", WINDOWS_ON_ARM],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(ROOT)} | variables,
+        capture_output=True,
+        encoding="utf-8",
+    )
+
+
+def test_a_computer_without_machine_code_is_refused_where_that_is_asked_for(tmp_path):
+    done = batch_on_windows_on_arm(tmp_path, JAXIMPACT_REQUIRE_MACHINE_CODE="1")
+    assert done.returncode == 1
+    assert "none is made for aarch64 under Windows" in done.stderr.splitlines()[-1]
+
+
+@pytest.mark.slow
+@pytest.mark.xla
+def test_a_computer_without_machine_code_computes_by_xla_and_says_so_once(tmp_path):
+    done = batch_on_windows_on_arm(tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("none is made for aarch64 under Windows") == 1
+    assert [row["outcome"] for row in rows_of(tmp_path / "results.csv")] == (
+        ["detached"] * 4
+    )
+
+
+def test_without_pipes_an_interrupt_ends_a_command_all_the_same(tmp_path):
+    """As on Windows, by KeyboardInterrupt."""
+    program = """
+import os, signal
+import jaximpact.__main__ as program
+from jaximpact import cli
+from jaximpact.io.files import replacing
+from pathlib import Path
+
+def run(*_):
+    with replacing(Path("results.csv")) as temporary:
+        temporary.touch()
+        os.kill(os.getpid(), signal.SIGINT)
+        raise AssertionError("goes on")
+
+cli._run = run
+raise SystemExit(program.main())
+"""
+    done = in_python_without("pipes", tmp_path, "-c", program)
+    assert done.returncode == 130
+    assert done.stderr == "jaximpact: interrupted\n"
+    assert not [*tmp_path.iterdir()]
