@@ -55,8 +55,7 @@ def located(
 
 
 class NoMachineCodeWarning(UserWarning):
-    """Warning that laws, a version of JAX or a computer have no machine code, and XLA
-    computes."""
+    """Warning that XLA computes, as laws or the computer have no machine code."""
 
 
 class NoWorkersWarning(UserWarning):

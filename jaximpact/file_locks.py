@@ -49,7 +49,7 @@ def _lock_byte(descriptor: int) -> bool:
         raise OSError(errno.ENOTSUP, "the system has no locks")
     os.lseek(descriptor, LOCKED_BYTE, os.SEEK_SET)
     try:
-        msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)  # pyright: ignore
     except PermissionError:
         return False
     finally:
