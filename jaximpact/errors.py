@@ -55,7 +55,7 @@ def located(
 
 
 class NoMachineCodeWarning(UserWarning):
-    """Warning that laws or a version of JAX have no machine code, and XLA computes."""
+    """Warning that XLA computes, as laws or the computer have no machine code."""
 
 
 class NoWorkersWarning(UserWarning):

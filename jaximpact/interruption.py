@@ -71,7 +71,8 @@ def ending_on_signals() -> Iterator[None]:
     ignore it goes on ignoring (`nohup`); after the block it ignores both, since the
     work is done.
     """
-    if os.name != "posix":
+    # Windows has no pipe that does not wait; KeyboardInterrupt is raised there.
+    if os.name != "posix" or not hasattr(os, "set_blocking"):
         yield
         return
     ready, wake = os.pipe()

@@ -8,7 +8,8 @@ there. Files appear whole or not at all.
 `PrivateStore` keeps what is run: compiled code. Whoever can write that can run what he
 likes as this user, so nothing is read unless the directory and the file belong to the
 user, nobody else may write to them, and the code was made with a key that only the user
-can read (HMAC-SHA256). docs/cache.md says what that protects from.
+can read (HMAC-SHA256). On Windows the user's own profile stands for owner and modes,
+which Python does not show there. docs/cache.md says what that protects from.
 """
 
 import contextlib
@@ -23,14 +24,12 @@ import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from .file_locks import close_and_remove, lock
 from .interruption import unfinished
 
-try:
-    import fcntl
-except ImportError:  # Windows
-    fcntl = None
-
 VARIABLE = "JAXIMPACT_CACHE_DIR"
+CACHES = "LOCALAPPDATA" if os.name == "nt" else "XDG_CACHE_HOME"
+"""Environment variable that names the user's directory of caches."""
 LIMIT = 512 * 2**20
 """Bytes of all files of compiled code together; beyond it those go that were not used
 for longest."""
@@ -39,6 +38,17 @@ FILE_NAME = re.compile(r"[a-z]+-[0-9a-f]{64}(\.[0-9a-f]{16}\.partial|\.lock)?")
 KEY = "key"
 KEY_BYTES = 32
 CODE_BYTES = hashlib.sha256().digest_size
+HAS_OWNERS = (
+    all(
+        hasattr(os, name)
+        for name in ("geteuid", "fchmod", "O_DIRECTORY", "O_NOFOLLOW", "O_NONBLOCK")
+    )
+    and {os.open, os.stat, os.unlink, os.utime} <= os.supports_dir_fd
+)
+"""Whether the system says whose a file is and who may write to it, and finds files in a
+directory that is held open. Windows does not."""
+NO_LINKS = os.O_NOFOLLOW | os.O_NONBLOCK if HAS_OWNERS else 0
+"""Flags with which no link is followed, and no pipe waits for who writes to it."""
 OTHERS = stat.S_IRWXG | stat.S_IRWXO
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
@@ -92,16 +102,17 @@ class Store:
         code.update(content)
         return code.digest()
 
+    def _at(self, name: str) -> str | Path:
+        """Return what to call a file by, beside the descriptor of its directory."""
+        return self.path / name if self._directory is None else name
+
     def _read(self, name: str) -> bytes:
         return (self.path / name).read_bytes()
 
     def _write(self, name: str, data: bytes, mode: int) -> None:
         partial = f"{name}.{secrets.token_hex(8)}.partial"
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL
-        here = self._directory
-        before, after = (
-            file if here is not None else self.path / file for file in (partial, name)
-        )
+        here, before, after = self._directory, self._at(partial), self._at(name)
         with unfinished(self.path / partial):
             try:
                 with open(os.open(before, flags, mode, dir_fd=here), "wb") as file:
@@ -119,6 +130,9 @@ class PrivateStore(Store):
     """Compiled code by kind and key, in a directory of the user's own that is checked
     and stays open.
 
+    Where there are no owners, on Windows, it is not held open, but in the user's
+    profile, which the system keeps for the user.
+
     Args:
         path: the directory, made if need be.
         own: whether its name alone shows that it is for this.
@@ -128,7 +142,12 @@ class PrivateStore(Store):
 
     def __init__(self, path: Path, *, own: bool):
         super().__init__(path)
+        if not HAS_OWNERS:
+            _check_profile(path, own)
         _make_private_directory(path)
+        if not HAS_OWNERS:
+            self._key = self._get_key()
+            return
         # Before it is opened, which the file system may refuse for another user's.
         self._check_owner(os.lstat(path))
         directory = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
@@ -147,7 +166,7 @@ class PrivateStore(Store):
         if content is not None:
             # The time of use; a directory may be for reading only.
             with contextlib.suppress(OSError):
-                os.utime(_file_name(kind, key), dir_fd=self._directory)
+                os.utime(self._at(_file_name(kind, key)), dir_fd=self._directory)
         return content
 
     def put(self, kind: str, key: str, content: bytes) -> None:
@@ -166,20 +185,20 @@ class PrivateStore(Store):
         processes do not wait for each other.
         """
         name = f"{_file_name(kind, key)}{LOCK}"
-        flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW
-        with contextlib.ExitStack() as stack:
-            # A directory may be for reading only.
-            with contextlib.suppress(OSError):
-                descriptor = os.open(name, flags, 0o600, dir_fd=self._directory)
-                stack.callback(os.close, descriptor)
-                if fcntl is not None:
-                    fcntl.flock(descriptor, fcntl.LOCK_EX)
-            try:
-                yield
-            finally:
-                # Who waits for a file that is removed finds the content by then.
-                with contextlib.suppress(OSError):
-                    os.unlink(name, dir_fd=self._directory)
+        flags, descriptor = os.O_RDWR | os.O_CREAT | NO_LINKS, None
+        # A directory may be for reading only.
+        with contextlib.suppress(OSError):
+            descriptor = os.open(self._at(name), flags, 0o600, dir_fd=self._directory)
+            lock(descriptor, wait=True)
+        try:
+            yield
+        finally:
+            # Who waits for a file that is removed finds the content by then.
+            if descriptor is not None:
+                close_and_remove(descriptor, lambda: self._unlink(name))
+
+    def _unlink(self, name: str) -> None:
+        os.unlink(self._at(name), dir_fd=self._directory)
 
     def _check_owner(self, status: os.stat_result) -> None:
         if stat.S_ISLNK(status.st_mode):
@@ -222,31 +241,32 @@ class PrivateStore(Store):
     def _read(self, name: str, forbidden: int = OTHERS_WRITE) -> bytes:
         """Read a file of the user's own; Refused if it has any of the forbidden
         modes."""
-        # A pipe would wait for who writes to it.
-        flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK
-        with open(os.open(name, flags, dir_fd=self._directory), "rb") as file:
+        flags, place = os.O_RDONLY | NO_LINKS, self._at(name)
+        with open(os.open(place, flags, dir_fd=self._directory), "rb") as file:
             status = os.fstat(file.fileno())
             if not stat.S_ISREG(status.st_mode) or status.st_size > LIMIT:
                 raise Refused(f"{self.path / name} is none of its files")
-            if status.st_uid != os.geteuid():
+            if HAS_OWNERS and status.st_uid != os.geteuid():
                 raise Refused(f"{self.path / name} belongs to another user")
-            if status.st_mode & forbidden:
+            if HAS_OWNERS and status.st_mode & forbidden:
                 raise Refused(f"{self.path / name} is open to others")
             return file.read()
 
     def _remove_oldest(self) -> None:
         found = []
-        for name in filter(FILE_NAME.fullmatch, os.listdir(self._directory)):
+        here = self._directory
+        names = os.listdir(self.path if here is None else here)
+        for name in filter(FILE_NAME.fullmatch, names):
             # Another process may have removed it.
             with contextlib.suppress(FileNotFoundError):
-                status = os.stat(name, dir_fd=self._directory, follow_symlinks=False)
+                status = os.stat(self._at(name), dir_fd=here, follow_symlinks=False)
                 found.append((status.st_mtime_ns, status.st_size, name))
         total = sum(size for _, size, _ in found)
         for _, size, name in sorted(found):
             if total <= LIMIT:
                 return
             with contextlib.suppress(OSError):
-                os.unlink(name, dir_fd=self._directory)
+                self._unlink(name)
             total -= size
 
 
@@ -255,8 +275,8 @@ def open_cache() -> PrivateStore | None:
     """Open the store of compiled code of this process; None where there can be none.
 
     It is in `JAXIMPACT_CACHE_DIR`, empty for no cache, else in `jaximpact` in the
-    user's directory of caches (`XDG_CACHE_HOME`, else `~/.cache`). Warns of a directory
-    that is refused.
+    user's directory of caches (`XDG_CACHE_HOME`, on Windows `LOCALAPPDATA`; else
+    `~/.cache`). Warns of a directory that is refused.
     """
     try:
         place = _place()
@@ -292,13 +312,13 @@ def kept(key: str, make: Callable[[], bytes]) -> bytes:
 def _place() -> tuple[Path, bool] | None:
     """Find the directory, and whether its name alone shows that it is for this."""
     stated = os.environ.get(VARIABLE)
-    if stated == "" or os.name != "posix":
+    if stated == "":
         return None
     if stated is not None:
         if not os.path.isabs(stated):
             raise Refused(f"{VARIABLE} must be an absolute path, but is {stated}")
         return Path(stated), False
-    caches = os.environ.get("XDG_CACHE_HOME", "")
+    caches = os.environ.get(CACHES, "")
     if not os.path.isabs(caches):
         # `~` itself where there is no home; one that is not there is not made.
         home = os.path.expanduser("~")
@@ -310,6 +330,17 @@ def _place() -> tuple[Path, bool] | None:
 
 def _file_name(kind: str, key: str) -> str:
     return f"{kind}-{hashlib.sha256(key.encode()).hexdigest()}"
+
+
+def _check_profile(path: Path, own: bool) -> None:
+    """Raise Refused for a directory that nothing shows to be the user's alone: one that
+    is named, and is not in the user's profile."""
+    profile = os.path.realpath(os.path.expanduser("~"))
+    if not own and not Path(os.path.realpath(path)).is_relative_to(profile):
+        raise Refused(
+            f"{path} is not in {profile}, and only there the system keeps others from "
+            "writing"
+        )
 
 
 def _make_private_directory(path: Path) -> None:

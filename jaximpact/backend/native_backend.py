@@ -139,7 +139,7 @@ def without_machine_code(problem: NoMachineCode) -> None:
     reason = f"{problem} ({problem.place})" if problem.place else str(problem)
     if os.environ.get(REQUIRED):
         raise IncompleteError(
-            f"the laws have no machine code, which {REQUIRED} asks for: {reason}"
+            f"there is no machine code, which {REQUIRED} asks for: {reason}"
         ) from problem
     _tell_slower_way(reason)
 
@@ -148,7 +148,7 @@ def without_machine_code(problem: NoMachineCode) -> None:
 def _tell_slower_way(reason: str) -> None:
     """Warn, once for each reason, that impacts are computed by XLA."""
     warnings.warn(
-        f"the laws have no machine code, and are computed by XLA: 10 to 20 times "
+        "there is no machine code, and XLA computes: 10 to 20 times "
         f"slower, after half a minute of compiling: {reason}; set {REQUIRED}=1 to "
         "refuse this",
         NoMachineCodeWarning,

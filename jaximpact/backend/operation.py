@@ -4,7 +4,6 @@ It goes through `jit`, `vmap` and whatever else JAX does with arrays, takes no p
 Python while it runs, and computes its lanes in threads of its own.
 """
 
-import ctypes
 import hashlib
 import threading
 from collections.abc import Sequence
@@ -18,6 +17,7 @@ from jaxtyping import Array
 from .._jax_internals import result_types
 from .simd import Kernel
 from .simd.driver import PROGRAMS, Driver, driver_object, load_driver
+from .simd.system_functions import thread_functions
 from .threads import thread_count
 
 
@@ -76,22 +76,11 @@ def _register(name: str, kernels: tuple[Kernel, ...], directions: int) -> _Regis
     inside.directions = directions
     inside.samples = first.sampled_rows > 0
     inside.leaves = kernels[0].code.common_inputs
-    inside.create, inside.join = _thread_functions()
+    for field, address in thread_functions()._asdict().items():
+        setattr(inside, field, address)
     jax.ffi.register_ffi_target(name, jax.ffi.pycapsule(driver.handler), platform="cpu")
     operation = Operation(name, first.result_rows, first.sampled_rows, directions)
     return _Registered(operation, driver, kernels)
-
-
-def _thread_functions() -> tuple[int | None, int | None]:
-    """Return the addresses of the functions that start a thread and wait for its end;
-    None where the system has no such functions."""
-    try:
-        library = ctypes.CDLL(None)
-        functions = library.pthread_create, library.pthread_join
-    except (AttributeError, OSError, TypeError):
-        return None, None
-    create, join = (ctypes.cast(f, ctypes.c_void_p).value for f in functions)
-    return create, join
 
 
 def call(

@@ -63,7 +63,7 @@ def _granted(groups: Path, own: Path) -> float:
     they are in; infinite without a limit."""
     least = float("inf")
     try:
-        lines = own.read_text().splitlines()
+        lines = own.read_text("utf-8").splitlines()
     except OSError:
         return least
     for line in lines:
@@ -84,10 +84,10 @@ def _limit(group: Path) -> float:
     """Return the cores granted by one group; infinite where it says nothing."""
     try:
         if (group / "cpu.max").exists():
-            quota, period = (group / "cpu.max").read_text().split()
+            quota, period = (group / "cpu.max").read_text("utf-8").split()
         else:
-            quota = (group / "cpu.cfs_quota_us").read_text()
-            period = (group / "cpu.cfs_period_us").read_text()
+            quota = (group / "cpu.cfs_quota_us").read_text("utf-8")
+            period = (group / "cpu.cfs_period_us").read_text("utf-8")
         limit = float(quota) / float(period)
     except (OSError, ValueError):  # "max" is no number
         return float("inf")

@@ -188,7 +188,9 @@ def run(arguments: argparse.Namespace) -> None:
     several = len(studies) > 1
     folders = [Path(study.law_directory if several else "") for study in studies]
     names = [
-        str(f / name) for f in folders for name in output.names_of_files(studies[0])
+        (f / name).as_posix()
+        for f in folders
+        for name in output.names_of_files(studies[0])
     ]
     if several:
         names += output.names_of_files(studies[0], comparison=True)
@@ -214,7 +216,7 @@ def run(arguments: argparse.Namespace) -> None:
             output.write_slope_study(
                 study,
                 datasets[study.law_name],
-                lambda name, folder=folder: new(str(folder / name)),
+                lambda name, folder=folder: new((folder / name).as_posix()),
             )
         if several:
             output.write_comparison(studies[0], datasets, new)

@@ -1,5 +1,6 @@
 """Checks at the boundary: values that a scene may have, and names that are chosen."""
 
+import contextlib
 import functools
 import math
 import os
@@ -30,7 +31,21 @@ from ..shapes.check import check_shape
 
 Chosen = TypeVar("Chosen")
 KINDS = {"block": Block, "soil": Soil, "impact": Impact}
-MEMORY = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+
+
+def _memory() -> float:
+    """Return the memory of this machine [bytes]; infinite where nothing tells."""
+    with contextlib.suppress(AttributeError, ValueError, OSError):
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    # Windows, where psutil is among the dependencies
+    with contextlib.suppress(ImportError, AttributeError, OSError):
+        import psutil
+
+        return psutil.virtual_memory().total
+    return math.inf
+
+
+MEMORY = _memory()
 """Memory of this machine [bytes]."""
 NUMBERS_PER_IMPACT = len(INPUT_COLUMNS) + len(RESULT_COLUMNS)
 """Least count of numbers that a batch takes and gives for each impact."""

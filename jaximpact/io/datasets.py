@@ -320,7 +320,7 @@ def write_netcdf(path: Path, dataset: xr.Dataset) -> None:
     """
     with replacing(Path(path)) as temporary:
         dataset.to_netcdf(temporary, engine=NETCDF_ENGINE)
-        with open(temporary, "rb") as file:
+        with open(temporary, "r+b") as file:  # to write, as Windows asks for
             os.fsync(file.fileno())
 
 

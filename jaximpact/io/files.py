@@ -9,12 +9,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ..errors import InputError
+from ..file_locks import close_and_remove, lock
 from ..interruption import unfinished
-
-try:
-    import fcntl
-except ImportError:  # Windows
-    fcntl = None
 
 CONTROLS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 """Control characters but for tabs and line ends."""
@@ -121,7 +117,12 @@ def naming(path: Path) -> Iterator[None]:
 def write_text(path: Path, text: str) -> None:
     """Write a text whole or not at all; OSError where the file system refuses."""
     with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        put_text(temporary, text)
+
+
+def put_text(path: Path, text: str) -> None:
+    """Write a text in UTF-8 to a file, the same bytes on all operating systems."""
+    path.write_text(text, encoding="utf-8", newline="")
 
 
 def make_directory(path: Path, *, option: str) -> None:
@@ -152,6 +153,9 @@ def check_writable(path: Path, *, option: str) -> None:
         with unfinished(probe):
             probe.touch()
             probe.unlink()
+        if target.exists():
+            # Refused by Windows while another program has the file open.
+            os.replace(target, target)
     except OSError as error:
         raise InputError(
             f"{option} {path} cannot be written: {error.strerror}"
@@ -215,24 +219,22 @@ def locked(path: Path) -> Iterator[None]:
         with unfinished(file):  # a signal that ends the process removes it as well
             yield
     finally:
-        # Removed while it is still locked: see `_lock`.
-        with contextlib.suppress(OSError):
-            file.unlink(missing_ok=True)
-        os.close(descriptor)
+        close_and_remove(descriptor, file.unlink)
 
 
 def _lock(file: Path, output: Path) -> int | None:
     """Open a descriptor that holds the lock; None where there are no locks."""
-    while fcntl is not None:
+    flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+    while True:
         try:
-            descriptor = os.open(file, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+            descriptor = os.open(file, flags, 0o666)
         except OSError:
             return None
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock(descriptor, wait=False)
             # The holder before may have removed the file after it was opened here.
             if _is_at(descriptor, file):
-                os.truncate(descriptor, 0)
+                os.ftruncate(descriptor, 0)
                 os.write(descriptor, str(os.getpid()).encode())
                 return descriptor
         except BlockingIOError:
@@ -244,12 +246,9 @@ def _lock(file: Path, output: Path) -> int | None:
                 "--out"
             ) from None
         except OSError:
-            with contextlib.suppress(OSError):
-                file.unlink(missing_ok=True)
-            os.close(descriptor)
+            close_and_remove(descriptor, file.unlink)
             return None
         os.close(descriptor)
-    return None
 
 
 def _is_at(descriptor: int, file: Path) -> bool:

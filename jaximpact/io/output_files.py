@@ -10,13 +10,14 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from pathlib import Path, PurePosixPath
+from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from ..errors import InputError
 from .files import (
     check_writable,
     locked,
     make_directory,
+    put_text,
     refuse_inputs,
     replacing,
     same_file,
@@ -53,8 +54,9 @@ class FileList:
         except (OSError, ValueError, LookupError, TypeError, AttributeError):
             self.command = ""
         outside = (
-            PurePosixPath(name).is_absolute() or ".." in PurePosixPath(name).parts
+            path.anchor or ".." in path.parts
             for name in self.files
+            for path in (PurePosixPath(name), PureWindowsPath(name))
         )
         if not self.command or any(outside):
             raise InputError(
@@ -211,7 +213,7 @@ def replacing_with_manifest(path: Path, manifest: Mapping) -> Iterator[Path]:
     Raises OSError where the file system refuses.
     """
     with replacing(manifest_path(path)) as beside, replacing(path) as temporary:
-        beside.write_text(json.dumps(manifest, indent=2) + "\n")
+        put_text(beside, json.dumps(manifest, indent=2) + "\n")
         yield temporary
 
 
@@ -273,7 +275,7 @@ def _check_unowned(option: str, path: Path) -> None:
     target = Path(os.path.realpath(path))
     for directory in target.parents[:2]:
         listed = FileList(directory)
-        if str(target.relative_to(directory)) in listed.files:
+        if target.relative_to(directory).as_posix() in listed.files:
             raise InputError(
                 f"{option} {path} would overwrite a file of jaximpact "
                 f"{listed.command}; choose another name"

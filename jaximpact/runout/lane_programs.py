@@ -90,10 +90,10 @@ class Program:
 
         try:
             code, results = _kept(self.functions, inputs, compiled)
+            return Kernel(code, jax.tree.structure(results))
         except NoMachineCode as problem:
             without_machine_code(problem)
             return _ByXla(self.functions, jax.tree.structure(inputs))
-        return Kernel(code, jax.tree.structure(results))
 
 
 def _kept(functions: Sequence[Callable], tree, compiled: Callable, *what) -> Any:
@@ -277,12 +277,12 @@ class ClosedProgram:
 
         try:
             plan = _kept([self.named], inputs, compiled, function.__name__)
+            return plan, plan.code and Kernel(plan.code, None)
         except NoMachineCode as problem:
             without_machine_code(problem)
             plan, reduced = _plan_of(function, structure)
             rows = jax.tree.structure([*plan.used])
             return plan, _ByXla((reduced, _stop, lambda state: state), rows)
-        return plan, plan.code and Kernel(plan.code, None)
 
 
 def _plan_of(function: Callable, structure) -> tuple[_Plan, Callable]:

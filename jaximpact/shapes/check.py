@@ -2,6 +2,7 @@
 
 import functools
 import math
+import os
 import traceback
 from collections.abc import Callable
 
@@ -205,5 +206,5 @@ def _line(error: BaseException) -> str:
 
 
 def _is_installed(file: str) -> bool:
-    root = __file__.rpartition("/")[0]
+    root = os.path.dirname(__file__)
     return "site-packages" in file or file.startswith((root, "<"))

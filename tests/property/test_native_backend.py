@@ -11,7 +11,7 @@ import pytest
 
 from jaximpact import Block, Impact, Scene, Soil, batch, simulate, simulate_batch
 from jaximpact.backend.native_backend import compile_native, compile_native_along
-from jaximpact.backend.simd import NoMachineCode, compile_kernel, llvm_ir
+from jaximpact.backend.simd import NoMachineCode, compile_kernel, target
 from jaximpact.backend.simd import lower_jaxpr as translation
 from jaximpact.errors import IncompleteError, NoMachineCodeWarning
 from jaximpact.impact.problem import Assembly
@@ -231,12 +231,14 @@ def test_what_might_be_taken_for_something_else_is_refused(function):
         native(function, np.ones(1))
 
 
-@pytest.mark.skipif(llvm_ir.architecture() != "x86_64", reason="a processor of x86")
+@pytest.mark.skipif(
+    target.this_target().processor != "x86", reason="a processor of x86"
+)
 def test_a_processor_without_fused_multiply_adds_calls_a_library(monkeypatch):
     # In the small code model llvmlite would abort the process at such a call.
     x = spread(1e-20, 10.0, 100)
     here = native(lambda x: jnp.sin(x) * x + 1.0, x)
-    monkeypatch.setattr(llvm_ir, "host", lambda: ("x86-64", "+sse2"))
+    monkeypatch.setattr(target, "host", lambda: ("x86-64", "+sse2"))
     there = native(lambda x: jnp.sin(x) * x + 1.0, x)
     assert there.tobytes() == here.tobytes()
 

@@ -233,6 +233,72 @@ def test_where_it_is(place, folder, variables, expected):
         assert os.listdir(folder) == ["file"]
 
 
+@pytest.fixture
+def without_owners(monkeypatch):
+    """As on Windows: nothing says whose a file is, nor is a directory held open."""
+    monkeypatch.setattr(module, "HAS_OWNERS", False)
+    monkeypatch.setattr(module, "NO_LINKS", 0)
+    monkeypatch.setattr(module, "CACHES", "LOCALAPPDATA")
+    for name in ("geteuid", "fchmod", "O_NOFOLLOW", "O_DIRECTORY", "O_NONBLOCK"):
+        monkeypatch.delattr(os, name)
+
+
+@pytest.mark.parametrize(
+    ("variables", "expected"),
+    [
+        ({"LOCALAPPDATA": "{}/AppData/Local"}, "AppData/Local/jaximpact"),
+        ({"XDG_CACHE_HOME": "{}/xdg"}, ".cache/jaximpact"),
+        ({"JAXIMPACT_CACHE_DIR": "{}/sub/own"}, "sub/own"),
+        ({"JAXIMPACT_CACHE_DIR": ""}, None),
+    ],
+)
+def test_where_it_is_on_windows(place, without_owners, variables, expected):
+    assert place(HOME="{}", **variables) == expected
+
+
+def test_a_place_outside_of_the_profile_is_refused_on_windows(
+    place, without_owners, folder
+):
+    (folder / "home").mkdir()
+    (folder / "home" / "link").symlink_to(folder)
+    for name in ("elsewhere", "home/link/elsewhere", "home/../elsewhere", "homes"):
+        with pytest.warns(UserWarning, match="is not in .*home, and only there"):
+            assert place(HOME="{}/home", JAXIMPACT_CACHE_DIR=f"{{}}/{name}") is None
+    assert [path.name for path in folder.iterdir()] == ["home"]
+
+
+@pytest.mark.parametrize(
+    "damage", ["cut short", "empty", "another content", "another code", "not there"]
+)
+def test_a_file_that_cannot_be_trusted_is_made_again_on_windows(
+    without_owners, tmp_path, damage
+):
+    cache = PrivateStore(tmp_path / "cache", own=True)
+    cache.put("machine", "one", CONTENT)
+    assert PrivateStore(cache.path, own=True).get("machine", "one") == CONTENT
+    (path,) = cache.path.glob("machine-*")
+    DAMAGES[damage](path)
+    assert cache.get("machine", "one") is None
+    with cache.making("machine", "one"):
+        cache.put("machine", "one", CONTENT)
+    assert cache.get("machine", "one") == CONTENT
+    assert {path.name for path in cache.path.iterdir()} == {"key", path.name}
+
+
+def test_what_was_not_used_for_longest_goes_first_on_windows(
+    without_owners, tmp_path, monkeypatch
+):
+    cache = PrivateStore(tmp_path / "cache", own=True)
+    for number in range(3):
+        cache.put("machine", str(number), CONTENT)
+        for path in cache.path.glob("machine-*"):
+            os.utime(path, (path.stat().st_mtime - 100,) * 2)
+    cache.get("machine", "0")
+    monkeypatch.setattr(module, "LIMIT", 3 * (len(CONTENT) + 32))
+    cache.put("machine", "3", CONTENT)
+    assert [n for n in "0123" if cache.get("machine", n)] == ["0", "2", "3"]
+
+
 def test_where_it_is_for_a_user_whom_the_system_does_not_know(place, monkeypatch):
     def unknown(uid):
         raise KeyError(uid)

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from error_messages import assert_one_line_error
 
+from jaximpact import file_locks
 from jaximpact.calibration.estimation.fit_cache import FitCache
 from jaximpact.cli import main
 from jaximpact.errors import InputError
@@ -235,6 +236,8 @@ WHOLE = {"command": "test", "study": None, "files": {}}
         (WHOLE | {"command": "other"}, "results of jaximpact other"),
         (WHOLE | {"files": {"../x": None}}, "is no list"),
         (WHOLE | {"files": {"/x": None}}, "is no list"),
+        (WHOLE | {"files": {"C:x": None}}, "is no list"),
+        (WHOLE | {"files": {"sub\\..\\..\\x": None}}, "is no list"),
         (WHOLE | {"files": ["x"]}, "is no list"),
         ({"command": "test"}, "is no list"),
         ([], "is no list"),
@@ -326,9 +329,28 @@ def no_locks(*arguments):
 @pytest.mark.parametrize("without", ["module", "file system"])
 def test_where_there_are_no_locks_nothing_is_locked(tmp_path, monkeypatch, without):
     if without == "module":
-        monkeypatch.setattr(lock, "fcntl", None)
+        monkeypatch.setattr(file_locks, "fcntl", None)
     else:
-        monkeypatch.setattr(lock.fcntl, "flock", no_locks)
+        monkeypatch.setattr(file_locks.fcntl, "flock", no_locks)
     with lock.locked(tmp_path):
         write(tmp_path, "report.txt")
     assert names_in(tmp_path) == {"report.txt"}
+
+
+def test_a_file_that_another_program_has_open_is_told_beforehand(
+    folder, capsys, monkeypatch
+):
+    """Windows replaces no file that Excel shows."""
+    replace = os.replace
+
+    def refusing(before, after):
+        if Path(after).name == "r.csv":
+            raise PermissionError(13, "Access is denied")
+        replace(before, after)
+
+    monkeypatch.setattr(os, "replace", refusing)
+    Path("r.csv").write_text("shown")
+    before = everything(folder)
+    assert main(["batch", "s.csv", "--out", "r.csv"]) == 2
+    assert_one_line_error(capsys, "--out r.csv cannot be written: Access is denied")
+    assert everything(folder) == before

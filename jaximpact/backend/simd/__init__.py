@@ -10,8 +10,9 @@ from .kernel import (
     compile_kernel,
     without_copies,
 )
-from .llvm_ir import host, keep_objects
+from .llvm_ir import keep_objects
 from .lower_jaxpr import NoMachineCode
+from .target import host
 
 __all__ = [
     "Code",

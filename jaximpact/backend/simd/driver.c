@@ -232,6 +232,7 @@ int64_t run(const Program *program, Columns *columns, const double *inputs, int6
 #define EXTENSION_METADATA 1
 #define INVALID_ARGUMENT 3
 #define RESOURCE_EXHAUSTED 8
+#define FOR_EVER 0xFFFFFFFF /* milliseconds, on Windows */
 
 typedef struct {
     int64_t count; /* of the programs */
@@ -242,9 +243,14 @@ typedef struct {
      * that each is along, with samples the times. */
     int64_t leaves, directions, samples;
     int64_t threads;
-    /* pthread_create and pthread_join; NULL where there are none. */
+    /* pthread_create and pthread_join; CreateThread, WaitForSingleObject and CloseHandle
+     * of Windows. NULL for what the system does not have. */
     int (*create)(void *thread, const void *attributes, void *(*work)(void *), void *);
     int (*join)(uint64_t thread, void **);
+    void *(*create_thread)(void *security, size_t stack, uint32_t (*work)(void *), void *,
+                           uint32_t flags, uint32_t *number);
+    uint32_t (*wait)(void *thread, uint32_t milliseconds);
+    int (*close)(void *thread);
 } Operation;
 
 Operation operation; /* filled in when this code is loaded */
@@ -394,21 +400,49 @@ static void arrange(Job *job)
     }
 }
 
+static uint32_t work_on_windows(void *argument)
+{
+    work(argument);
+    return 0;
+}
+
+/* Starts a thread, which is named there; 0 where the system gives none. */
+static int start(uint64_t *thread, Job *job)
+{
+    if (operation.create)
+        return !operation.create(thread, NULL, work, job);
+    if (!operation.create_thread)
+        return 0;
+    void *handle = operation.create_thread(NULL, 0, work_on_windows, job, 0, NULL);
+    *thread = (uint64_t)(uintptr_t)handle;
+    return handle != NULL;
+}
+
+static void await_end(uint64_t thread)
+{
+    if (operation.join) {
+        operation.join(thread, NULL);
+        return;
+    }
+    operation.wait((void *)(uintptr_t)thread, FOR_EVER);
+    operation.close((void *)(uintptr_t)thread);
+}
+
 static void compute(Job *job)
 {
     int64_t threads = (job->lanes + PACK - 1) / PACK, started = 1;
     if (threads > operation.threads)
         threads = operation.threads;
     uint64_t *thread = NULL;
-    if (threads > 1 && operation.create)
+    if (threads > 1)
         thread = malloc(sizeof(uint64_t) * threads);
     if (thread)
         /* Where the system gives no more threads, fewer do the work. */
-        while (started < threads && !operation.create(&thread[started], NULL, work, job))
+        while (started < threads && start(&thread[started], job))
             started++;
     work(job);
     for (int64_t k = 1; k < started; k++)
-        operation.join(thread[k], NULL);
+        await_end(thread[k]);
     free(thread);
 }
 

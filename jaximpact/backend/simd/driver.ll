@@ -1,6 +1,6 @@
-; Made from driver.c by 'make driver'; sha256 31b8b3eb85f61f81f01f09afba97161c922711ec8386618bafc80edc843d6871
+; Made from driver.c by 'make driver'; sha256 4fc3097699e859ee76a1a6dd743f6415b61f479a0db8f1c849dbef95159234dc
 
-%struct.Operation = type { i64, [32 x %struct.Program], i64, i64, i64, i64, ptr, ptr }
+%struct.Operation = type { i64, [32 x %struct.Program], i64, i64, i64, i64, ptr, ptr, ptr, ptr, ptr }
 %struct.Program = type { ptr, ptr, ptr, ptr, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, i64, double, double, [7 x double] }
 %struct.Matrices = type { %struct.Exchange, ptr, i64, i64, ptr, ptr, i64, i64, ptr, ptr }
 %struct.Exchange = type { ptr, ptr, ptr, ptr }
@@ -565,7 +565,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   store i32 0, ptr %21, align 4
   %22 = getelementptr inbounds i8, ptr %20, i64 28
   store i32 1, ptr %22, align 4
-  br label %463
+  br label %480
 
 23:
   %24 = getelementptr inbounds i8, ptr %0, i64 56
@@ -595,7 +595,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %41 = load ptr, ptr %40, align 8
   %42 = call ptr %41(ptr noundef nonnull %9)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %9)
-  br label %463
+  br label %480
 
 43:
   %44 = mul i64 %25, 200
@@ -618,7 +618,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %54 = load ptr, ptr %53, align 8
   %55 = call ptr %54(ptr noundef nonnull %8)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %8)
-  br label %463
+  br label %480
 
 56:
   call void @llvm.lifetime.start.p0(i64 824, ptr nonnull %10)
@@ -652,7 +652,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %75 = load ptr, ptr %74, align 8
   %76 = call ptr %75(ptr noundef nonnull %7)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %7)
-  br label %461
+  br label %478
 
 77:
   %78 = icmp sgt i64 %25, 0
@@ -811,7 +811,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
 176:
   %177 = phi i1 [ %78, %77 ], [ %97, %172 ], [ %94, %92 ]
   %178 = phi ptr [ undef, %77 ], [ %175, %92 ], [ %175, %172 ]
-  br i1 %177, label %461, label %179
+  br i1 %177, label %478, label %179
 
 179:
   %180 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 4), align 8
@@ -857,7 +857,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %208 = load ptr, ptr %207, align 8
   %209 = call ptr %208(ptr noundef nonnull %4)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %4)
-  br label %461
+  br label %478
 
 210:
   %211 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 4
@@ -915,7 +915,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
 243:
   %244 = load i64, ptr %226, align 8
   %245 = icmp eq i64 %244, 0
-  br i1 %245, label %461, label %246
+  br i1 %245, label %478, label %246
 
 246:
   %247 = icmp sgt i64 %66, 0
@@ -999,7 +999,7 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
 303:
   %304 = phi i1 [ %267, %294 ], [ %247, %246 ], [ %264, %262 ]
   %305 = phi ptr [ %302, %294 ], [ %178, %246 ], [ %178, %262 ]
-  br i1 %304, label %461, label %306
+  br i1 %304, label %478, label %306
 
 306:
   %307 = shl i64 %66, 3
@@ -1014,10 +1014,10 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %314 = icmp eq ptr %308, null
   %315 = icmp eq ptr %311, null
   %316 = or i1 %314, %315
-  br i1 %316, label %445, label %317
+  br i1 %316, label %462, label %317
 
 317:
-  br i1 %247, label %436, label %318
+  br i1 %247, label %453, label %318
 
 318:
   %319 = load i64, ptr @operation, align 8
@@ -1134,107 +1134,139 @@ define dso_local ptr @impacts(ptr nocapture noundef readonly %0) local_unnamed_a
   %401 = load i64, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 5), align 8
   %402 = call i64 @llvm.smin.i64(i64 %400, i64 %401)
   %403 = icmp sgt i64 %402, 1
-  %404 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 6), align 8
-  %405 = icmp ne ptr %404, null
-  %406 = select i1 %403, i1 %405, i1 false
-  br i1 %406, label %407, label %410
+  br i1 %403, label %404, label %407
+
+404:
+  %405 = shl i64 %402, 3
+  %406 = call noalias ptr @malloc(i64 noundef %405)
+  br label %407
 
 407:
-  %408 = shl i64 %402, 3
-  %409 = call noalias ptr @malloc(i64 noundef %408)
-  br label %410
+  %408 = phi ptr [ %406, %404 ], [ null, %397 ]
+  %409 = icmp ne ptr %408, null
+  %410 = and i1 %403, %409
+  br i1 %410, label %411, label %431
 
-410:
-  %411 = phi ptr [ %409, %407 ], [ null, %397 ]
-  %412 = icmp ne ptr %411, null
-  %413 = select i1 %412, i1 %403, i1 false
-  br i1 %413, label %414, label %423
+411:
+  %412 = phi i64 [ %429, %428 ], [ 1, %407 ]
+  %413 = getelementptr inbounds i64, ptr %408, i64 %412
+  %414 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 6), align 8
+  %415 = icmp eq ptr %414, null
+  br i1 %415, label %419, label %416
 
-414:
-  %415 = phi i64 [ %421, %420 ], [ 1, %410 ]
-  %416 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 6), align 8
-  %417 = getelementptr inbounds i64, ptr %411, i64 %415
-  %418 = call i32 %416(ptr noundef nonnull %417, ptr noundef null, ptr noundef nonnull @work, ptr noundef nonnull %10)
-  %419 = icmp eq i32 %418, 0
-  br i1 %419, label %420, label %423
+416:
+  %417 = call i32 %414(ptr noundef nonnull %413, ptr noundef null, ptr noundef nonnull @work, ptr noundef nonnull %10)
+  %418 = icmp eq i32 %417, 0
+  br label %426
 
-420:
-  %421 = add nuw nsw i64 %415, 1
-  %422 = icmp eq i64 %421, %402
-  br i1 %422, label %423, label %414
+419:
+  %420 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 8), align 8
+  %421 = icmp eq ptr %420, null
+  br i1 %421, label %431, label %422
 
-423:
-  %424 = phi i64 [ 1, %410 ], [ %415, %414 ], [ %421, %420 ]
-  %425 = call ptr @work(ptr noundef nonnull %10)
-  %426 = icmp ugt i64 %424, 1
-  br i1 %426, label %427, label %435
+422:
+  %423 = call ptr %420(ptr noundef null, i64 noundef 0, ptr noundef nonnull @work_on_windows, ptr noundef nonnull %10, i32 noundef 0, ptr noundef null)
+  %424 = ptrtoint ptr %423 to i64
+  store i64 %424, ptr %413, align 8
+  %425 = icmp ne ptr %423, null
+  br label %426
 
-427:
-  %428 = phi i64 [ %433, %427 ], [ 1, %423 ]
-  %429 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 7), align 8
-  %430 = getelementptr inbounds i64, ptr %411, i64 %428
-  %431 = load i64, ptr %430, align 8
-  %432 = call i32 %429(i64 noundef %431, ptr noundef null)
-  %433 = add nuw nsw i64 %428, 1
-  %434 = icmp eq i64 %433, %424
-  br i1 %434, label %435, label %427
+426:
+  %427 = phi i1 [ %418, %416 ], [ %425, %422 ]
+  br i1 %427, label %428, label %431
+
+428:
+  %429 = add nuw nsw i64 %412, 1
+  %430 = icmp eq i64 %429, %402
+  br i1 %430, label %431, label %411
+
+431:
+  %432 = phi i64 [ 1, %407 ], [ %412, %419 ], [ %412, %426 ], [ %429, %428 ]
+  %433 = call ptr @work(ptr noundef nonnull %10)
+  %434 = icmp ugt i64 %432, 1
+  br i1 %434, label %435, label %452
 
 435:
-  call void @free(ptr noundef %411)
-  br label %447
+  %436 = phi i64 [ %450, %449 ], [ 1, %431 ]
+  %437 = getelementptr inbounds i64, ptr %408, i64 %436
+  %438 = load i64, ptr %437, align 8
+  %439 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 7), align 8
+  %440 = icmp eq ptr %439, null
+  br i1 %440, label %443, label %441
 
-436:
-  %437 = phi i64 [ %443, %436 ], [ 0, %317 ]
-  %438 = getelementptr inbounds ptr, ptr %61, i64 %437
-  %439 = load ptr, ptr %438, align 8
-  %440 = getelementptr inbounds i8, ptr %439, i64 24
-  %441 = load ptr, ptr %440, align 8
-  %442 = getelementptr inbounds ptr, ptr %308, i64 %437
-  store ptr %441, ptr %442, align 8
-  %443 = add nuw nsw i64 %437, 1
-  %444 = icmp eq i64 %443, %66
-  br i1 %444, label %318, label %436
+441:
+  %442 = call i32 %439(i64 noundef %438, ptr noundef null)
+  br label %449
 
-445:
-  %446 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 17
-  store i32 1, ptr %446, align 8
-  br label %447
+443:
+  %444 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 9), align 8
+  %445 = inttoptr i64 %438 to ptr
+  %446 = call i32 %444(ptr noundef %445, i32 noundef -1)
+  %447 = load ptr, ptr getelementptr inbounds (%struct.Operation, ptr @operation, i64 0, i32 10), align 8
+  %448 = call i32 %447(ptr noundef %445)
+  br label %449
 
-447:
-  %448 = load ptr, ptr %312, align 8
-  call void @free(ptr noundef %448)
-  call void @free(ptr noundef %308)
-  %449 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 17
-  %450 = load i32, ptr %449, align 8
-  %451 = icmp eq i32 %450, 0
-  br i1 %451, label %461, label %452
+449:
+  %450 = add nuw nsw i64 %436, 1
+  %451 = icmp eq i64 %450, %432
+  br i1 %451, label %452, label %435
 
 452:
+  call void @free(ptr noundef %408)
+  br label %464
+
+453:
+  %454 = phi i64 [ %460, %453 ], [ 0, %317 ]
+  %455 = getelementptr inbounds ptr, ptr %61, i64 %454
+  %456 = load ptr, ptr %455, align 8
+  %457 = getelementptr inbounds i8, ptr %456, i64 24
+  %458 = load ptr, ptr %457, align 8
+  %459 = getelementptr inbounds ptr, ptr %308, i64 %454
+  store ptr %458, ptr %459, align 8
+  %460 = add nuw nsw i64 %454, 1
+  %461 = icmp eq i64 %460, %66
+  br i1 %461, label %318, label %453
+
+462:
+  %463 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 17
+  store i32 1, ptr %463, align 8
+  br label %464
+
+464:
+  %465 = load ptr, ptr %312, align 8
+  call void @free(ptr noundef %465)
+  call void @free(ptr noundef %308)
+  %466 = getelementptr inbounds %struct.Job, ptr %10, i64 0, i32 17
+  %467 = load i32, ptr %466, align 8
+  %468 = icmp eq i32 %467, 0
+  br i1 %468, label %478, label %469
+
+469:
   call void @llvm.lifetime.start.p0(i64 32, ptr nonnull %2)
   store i64 32, ptr %2, align 8
-  %453 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 1
-  store ptr null, ptr %453, align 8
-  %454 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 2
-  store ptr @.str.1, ptr %454, align 8
-  %455 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 3
-  store i32 8, ptr %455, align 8
-  %456 = getelementptr inbounds i8, ptr %0, i64 16
-  %457 = load ptr, ptr %456, align 8
-  %458 = getelementptr inbounds i8, ptr %457, i64 48
-  %459 = load ptr, ptr %458, align 8
-  %460 = call ptr %459(ptr noundef nonnull %2)
+  %470 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 1
+  store ptr null, ptr %470, align 8
+  %471 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 2
+  store ptr @.str.1, ptr %471, align 8
+  %472 = getelementptr inbounds %struct.anon, ptr %2, i64 0, i32 3
+  store i32 8, ptr %472, align 8
+  %473 = getelementptr inbounds i8, ptr %0, i64 16
+  %474 = load ptr, ptr %473, align 8
+  %475 = getelementptr inbounds i8, ptr %474, i64 48
+  %476 = load ptr, ptr %475, align 8
+  %477 = call ptr %476(ptr noundef nonnull %2)
   call void @llvm.lifetime.end.p0(i64 32, ptr nonnull %2)
-  br label %461
+  br label %478
 
-461:
-  %462 = phi ptr [ %76, %68 ], [ %209, %201 ], [ %178, %176 ], [ null, %243 ], [ %305, %303 ], [ %460, %452 ], [ null, %447 ]
+478:
+  %479 = phi ptr [ %76, %68 ], [ %209, %201 ], [ %178, %176 ], [ null, %243 ], [ %305, %303 ], [ %477, %469 ], [ null, %464 ]
   call void @free(ptr noundef %45)
   call void @llvm.lifetime.end.p0(i64 824, ptr nonnull %10)
-  br label %463
+  br label %480
 
-463:
-  %464 = phi ptr [ null, %18 ], [ %42, %34 ], [ %462, %461 ], [ %55, %47 ]
-  ret ptr %464
+480:
+  %481 = phi ptr [ null, %18 ], [ %42, %34 ], [ %479, %478 ], [ %55, %47 ]
+  ret ptr %481
 }
 
 declare noalias noundef ptr @malloc(i64 noundef) local_unnamed_addr
@@ -1336,6 +1368,11 @@ define internal noalias ptr @work(ptr noundef %0) {
 
 35:
   ret ptr null
+}
+
+define internal i32 @work_on_windows(ptr noundef %0) {
+  %2 = tail call ptr @work(ptr noundef %0)
+  ret i32 0
 }
 
 declare noalias noundef ptr @calloc(i64 noundef, i64 noundef) local_unnamed_addr

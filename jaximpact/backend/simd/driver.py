@@ -8,7 +8,9 @@ from typing import NamedTuple
 
 from llvmlite.binding import ExecutionEngine
 
-from .llvm_ir import PACK, architecture, compile_text, load
+from .llvm_ir import PACK, compile_text, load
+from .system_functions import ThreadFunctions
+from .target import this_target
 
 PACKAGE = __name__.rpartition(".")[0]
 ALIGNMENT = 64
@@ -51,8 +53,7 @@ class Operation(ctypes.Structure):
         ("programs", Program * PROGRAMS),
         *((name, INTEGER) for name in ("leaves", "directions", "samples")),
         ("threads", INTEGER),
-        ("create", POINTER),
-        ("join", POINTER),
+        *((name, POINTER) for name in ThreadFunctions._fields),
     )
 
 
@@ -141,10 +142,13 @@ class Driver(NamedTuple):
 @functools.cache
 def driver_object() -> bytes:
     """Compile the driver into an object file."""
-    text = (importlib.resources.files(PACKAGE) / "driver.ll").read_text()
-    families = {"x86_64": "x86", "aarch64": "aarch64", "arm64": "aarch64"}
-    text += FLOAT_MODE[families.get(architecture(), "")]
-    return compile_text(text, external_calls=True)
+    return compile_text(driver_text(this_target().processor), external_calls=True)
+
+
+def driver_text(processor: str) -> str:
+    """Return the driver in LLVM's language, for any operating system."""
+    text = (importlib.resources.files(PACKAGE) / "driver.ll").read_text("utf-8")
+    return text + FLOAT_MODE.get(processor, FLOAT_MODE[""])
 
 
 def load_driver() -> Driver:

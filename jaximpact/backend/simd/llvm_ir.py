@@ -28,6 +28,7 @@ from typing import NamedTuple
 import llvmlite.binding as llvm
 
 from .graph import FLOAT, INPUT, INTEGER, OPERATIONS, TRUTH, Node, Value, kind_of
+from .target import this_target
 
 PACK = 8
 """Lanes in a vector: one register of AVX-512, two of AVX2, four of Neon."""
@@ -326,41 +327,6 @@ def _in_parts(writer: _Writer, free_row: int) -> tuple[list[list[str]], int]:
     return written, most
 
 
-def host() -> tuple[str, str]:
-    """Return name and features of the processor for which code is made."""
-    return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
-
-
-def architecture() -> str:
-    """Return the family of the processor, as "x86_64" or "aarch64"."""
-    return llvm.get_default_triple().partition("-")[0]
-
-
-def _has_small_code_model(external_calls: bool) -> bool:
-    """Tell whether code reads its constants by relative addresses, LLVM's small code
-    model, which takes 3 % less time than full addresses.
-
-    Code with external calls does not, nor does a processor without fused multiply-adds,
-    for which LLVM calls a library. It was tried on x86 only.
-    """
-    fused = "+fma" in host()[1].split(",")
-    return not external_calls and fused and architecture() == "x86_64"
-
-
-def _target(small: bool) -> llvm.TargetMachine:
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    name, features = host()
-    return llvm.Target.from_default_triple().create_target_machine(
-        cpu=name,
-        features=features,
-        opt=2,
-        reloc="pic" if small else "default",
-        codemodel="small" if small else "jitdefault",
-        jit=True,
-    )
-
-
 def keep_objects(keep: Keep) -> None:
     """Have object files kept, since LLVM takes seconds.
 
@@ -379,14 +345,14 @@ def compile_text(text: str, external_calls: bool = False) -> bytes:
 
     Args:
         external_calls: whether the code calls functions of libraries.
+
+    Raises NoMachineCode where this computer can run none.
     """
-
-    def compiled() -> bytes:
-        target = _target(_has_small_code_model(external_calls))
-        return target.emit_object(llvm.parse_assembly(text))
-
-    how = external_calls, host(), version("llvmlite")
-    return _keep(repr(("object", *how, text)), compiled)
+    target = this_target()
+    how = external_calls, target, version("llvmlite")
+    return _keep(
+        repr(("object", *how, text)), lambda: target.object_file(text, external_calls)
+    )
 
 
 def load(object_file: bytes, external_calls: bool = False):
@@ -396,11 +362,12 @@ def load(object_file: bytes, external_calls: bool = False):
     Args:
         external_calls: as `compile_text` was told.
     """
-    small = _has_small_code_model(external_calls)
+    target = this_target()
+    small = target.has_small_code_model(external_calls)
     # Relative addresses reach 2 GB. llvmlite's memory manager keeps constants beside
     # the code, but aborts the process where code has external calls.
     engine = llvm.create_mcjit_compiler(
-        llvm.parse_assembly(""), _target(small), use_lmm=small or None
+        llvm.parse_assembly(""), target.machine(external_calls), use_lmm=small or None
     )
     engine.add_object_file(llvm.ObjectFileRef.from_data(object_file))
     engine.finalize_object()

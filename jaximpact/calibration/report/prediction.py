@@ -10,7 +10,7 @@ import numpy as np
 from ..._packages import versions
 from ...identity import part_names
 from ...io.display import Rows
-from ...io.files import refuse_inputs, replacing
+from ...io.files import put_text, refuse_inputs, replacing
 from ...io.output_files import manifest_path
 from ..comparison.fitted_law import LawPrediction
 from ..diagnostics.cross_validation import too_few
@@ -388,8 +388,8 @@ def write_prediction(prediction: PredictedTests, path: Path) -> None:
         replacing(path) as temporary,
     ):
         tree = json.dumps(as_json(prediction), indent=1, allow_nan=False)
-        beside.write_text(tree + "\n", encoding="utf-8")
-        temporary.write_text(as_csv(prediction), encoding="utf-8")
+        put_text(beside, tree + "\n")
+        put_text(temporary, as_csv(prediction))
 
 
 def _digits(value: float | np.ndarray) -> str:

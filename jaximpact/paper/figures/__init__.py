@@ -18,7 +18,7 @@ from ...accuracy import get_accuracy
 from ...identity import part_names
 from ...impact.events import Outcome
 from ...io.checks import chosen_values
-from ...io.files import replacing
+from ...io.files import put_text, replacing
 from ...io.output_files import NewFile, manifest_path, output_directory
 from ...plotting.style import png_bytes
 from ...quantities import OUTCOME_COLUMN
@@ -93,7 +93,7 @@ def _write(new: NewFile, figure: PaperFigure, study: Study, table) -> None:
         write_table(data_temporary, table)
         drawing_temporary.write_bytes(png_bytes(figure.draw(table)))
         text = json.dumps(_manifest(figure, study, table), indent=2)
-        manifest_temporary.write_text(text + "\n", encoding="utf-8")
+        put_text(manifest_temporary, text + "\n")
 
 
 def write_table(path: Path, table: Table) -> None:

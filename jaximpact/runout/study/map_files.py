@@ -282,7 +282,10 @@ def geojson(path: Path, name: str, code: int) -> Iterator[AddFeature]:
     Raises OSError where the file system refuses.
     """
     to_degrees = degrees_from(code)
-    with replacing(path) as temporary, open(temporary, "w", encoding="utf-8") as file:
+    with (
+        replacing(path) as temporary,
+        open(temporary, "w", encoding="utf-8", newline="\n") as file,
+    ):
         file.write(f'{{"type":"FeatureCollection","name":"{name}","features":[')
         separator = "\n"
 

@@ -1,0 +1,100 @@
+"""The processor and the operating system that machine code is made for.
+
+Only Linux on x86 was at hand. Code for others is made and looked at there, since
+LLVM makes it for all: tests/unit/test_targets.py.
+"""
+
+import functools
+from typing import NamedTuple
+
+import llvmlite.binding as llvm
+
+from .lower_jaxpr import NoMachineCode
+from .system_functions import MissingFunction, register_functions
+
+
+class Target(NamedTuple):
+    """A processor and an operating system, in LLVM's words."""
+
+    triple: str
+    cpu: str
+    features: str
+
+    @property
+    def processor(self) -> str:
+        """Family of the processor: "x86", "aarch64", or LLVM's name of another one."""
+        name = self.triple.partition("-")[0]
+        return {"x86_64": "x86", "arm64": "aarch64"}.get(name, name)
+
+    @property
+    def is_windows(self) -> bool:
+        return "windows" in self.triple
+
+    @property
+    def object_triple(self) -> str:
+        """Triple of object files. On Windows they are of ELF, as LLVM's loader takes
+        them best; functions are called as Windows has it all the same."""
+        is_coff = self.is_windows and not self.triple.endswith("-elf")
+        return f"{self.triple}-elf" if is_coff else self.triple
+
+    def has_small_code_model(self, external_calls: bool) -> bool:
+        """Tell whether code reads its constants by relative addresses, LLVM's small
+        code model, which takes 3 % less time than full addresses.
+
+        Code with external calls does not, nor does a processor without fused
+        multiply-adds, for which LLVM calls a library. On Windows code calls a function
+        that touches its stack. It was tried on Linux on x86 only.
+        """
+        fused = "+fma" in self.features.split(",")
+        tried = self.processor == "x86" and "linux" in self.triple
+        return not external_calls and fused and tried
+
+    def machine(self, external_calls: bool) -> llvm.TargetMachine:
+        """Make LLVM's compiler for this target."""
+        small = self.has_small_code_model(external_calls)
+        return llvm.Target.from_triple(self.object_triple).create_target_machine(
+            cpu=self.cpu,
+            features=self.features,
+            opt=2,
+            reloc="pic" if small else "default",
+            codemodel="small" if small else "large",
+            jit=True,
+        )
+
+    def object_file(self, text: str, external_calls: bool) -> bytes:
+        """Compile a text in LLVM's language, which names no target, to an object
+        file."""
+        machine, module = self.machine(external_calls), llvm.parse_assembly(text)
+        # With them come the names that the system has for functions: `_malloc`.
+        module.triple = machine.triple
+        module.data_layout = str(machine.target_data)
+        return machine.emit_object(module)
+
+
+def host() -> tuple[str, str]:
+    """Return name and features of the processor for which code is made."""
+    return llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+
+
+def this_target() -> Target:
+    """Return the target that this process runs on, ready for code to be made and run.
+
+    Raises NoMachineCode where there can be none.
+    """
+    target = Target(llvm.get_default_triple(), *host())
+    _make_ready(target)
+    return target
+
+
+@functools.cache
+def _make_ready(target: Target) -> None:
+    if target.is_windows and target.processor != "x86":
+        raise NoMachineCode(f"none is made for {target.processor} under Windows")
+    try:
+        llvm.check_jit_execution()
+        if target.is_windows:
+            register_functions(llvm.add_symbol)
+    except (MissingFunction, OSError) as problem:
+        raise NoMachineCode(str(problem)) from problem
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
