@@ -93,7 +93,10 @@ class Store:
         return code.digest()
 
     def _read(self, name: str) -> bytes:
-        return (self.path / name).read_bytes()
+        path = self.path / name
+        if not path.is_file():  # A pipe would wait for who writes to it.
+            raise Refused(f"{path} is none of its files")
+        return path.read_bytes()
 
     def _write(self, name: str, data: bytes, mode: int) -> None:
         partial = f"{name}.{secrets.token_hex(8)}.partial"
@@ -168,6 +171,7 @@ class PrivateStore(Store):
         name = f"{_file_name(kind, key)}{LOCK}"
         flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW
         with contextlib.ExitStack() as stack:
+            stack.enter_context(unfinished(self.path / name, awaited=False))
             # A directory may be for reading only.
             with contextlib.suppress(OSError):
                 descriptor = os.open(name, flags, 0o600, dir_fd=self._directory)
