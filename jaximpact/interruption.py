@@ -20,9 +20,9 @@ ENDINGS: dict[int, tuple[int, str]] = {
     signal.SIGINT: (130, "interrupted"),
     signal.SIGTERM: (143, "terminated"),
 }
+"""Signal -> exit code, and word for the message."""
 if hasattr(signal, "SIGHUP"):  # not on Windows
     ENDINGS[signal.SIGHUP] = (129, "terminal closed")
-"""Signal -> exit code, and word for the message."""
 PATIENCE = 2.0
 """Seconds that other threads have to finish the files they are writing."""
 SETTLING = 0.02

@@ -171,13 +171,14 @@ class PrivateStore(Store):
         name = f"{_file_name(kind, key)}{LOCK}"
         flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW
         with contextlib.ExitStack() as stack:
-            stack.enter_context(unfinished(self.path / name, awaited=False))
             # A directory may be for reading only.
             with contextlib.suppress(OSError):
                 descriptor = os.open(name, flags, 0o600, dir_fd=self._directory)
                 stack.callback(os.close, descriptor)
                 if fcntl is not None:
                     fcntl.flock(descriptor, fcntl.LOCK_EX)
+            # From here on the lock is this process's own.
+            stack.enter_context(unfinished(self.path / name, awaited=False))
             try:
                 yield
             finally:
