@@ -42,6 +42,7 @@ COMMANDS = {
     "calibrate": ("calibrate", str(STUDIES / "twins/very-dense/noisy.csv")),
     "runout": ("runout", "slope.toml"),
     "sweep": ("sweep", "sweep.toml", "--out", "out.nc"),
+    "store": ("sweep", "sweep.toml", "--out", "out.zarr"),
     "simulate": ("simulate", "scene.toml", "--plot", "out.png"),
 }
 VOLATILE = {"report.html", "report.md", "report.txt", "fit.json", "manifest.json"}
@@ -95,8 +96,8 @@ def judge(code: int, errors: str, folder: Path, was_done: bool) -> str:
     said = [line for line in errors.splitlines() if line.startswith("jaximpact: ")]
     if "Traceback" in errors or "ignored" in errors:
         return "noise"
-    hidden = [path.name for path in folder.rglob(".*")]
-    if any(".partial" in name or name.endswith("-lock") for name in hidden):
+    there = [path.name for path in folder.rglob("*")]
+    if any(".partial" in name or name.endswith("-lock") for name in there):
         return "a file left behind"
     if code == 0:
         return "after its work" if was_done else "LOST"

@@ -5,16 +5,37 @@ import hashlib
 import importlib
 import importlib.util
 import inspect
+import stat
 import sys
 import traceback
 from pathlib import Path
+from types import ModuleType
 
 from .errors import InputError, nearest
+from .interruption import is_interrupt
 
 CURE = (
     "give every parameter a default: name: Scalar = parameter(default, unit, range, "
     "meaning)"
 )
+
+
+def told(error: BaseException) -> str:
+    """Describe an error of users' code: its kind and, if there is any, its message."""
+    message = str(error).partition("\n")[0]
+    kind = type(error).__name__
+    kind += " (which would end the program)" if isinstance(error, SystemExit) else ""
+    return f"{kind}: {message}" if message else kind
+
+
+def users_line(error: BaseException) -> tuple[str | None, int | None]:
+    """Find the line of a file named by the user in which an error arose; None, None
+    where it arose elsewhere."""
+    modules = [vars(m) for m in [*sys.modules.values()] if isinstance(m, ModuleType)]
+    files = {names["__file__"] for names in modules if READ_BY_NAME in names}
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [(f.filename, f.lineno) for f in frames if f.filename in files]
+    return lines[-1] if lines else (None, None)
 
 
 def find_part(slot: str, base: type, text: str, directory: Path | None = None):
@@ -34,9 +55,12 @@ def find_part(slot: str, base: type, text: str, directory: Path | None = None):
     kind = find_class(slot, base, text, directory)
     try:
         return kind()
-    except TypeError as error:
+    except BaseException as error:
+        if isinstance(error, InputError) or is_interrupt(error):
+            raise
+        cure = f"; {CURE}" if isinstance(error, TypeError) else ""
         raise InputError(
-            f"{slot} {text!r} cannot be made without arguments: {error}; {CURE}"
+            f"{slot} {text!r} cannot be made without arguments: {told(error)}{cure}"
         ) from error
 
 
@@ -57,10 +81,13 @@ def find_class(slot: str, base: type, text: str, directory: Path | None = None) 
     else:
         try:
             module = importlib.import_module(place)
-        except Exception as error:
+        except BaseException as error:
+            if is_interrupt(error):
+                raise
             raise InputError(
-                f"{slot} {text!r}: the module {place} cannot be imported: {error}; a "
-                "file is named with its ending, as in 'my_laws.py:Class'"
+                f"{slot} {text!r}: the module {place} cannot be imported: "
+                f"{told(error)}; a file is named with its ending, as in "
+                "'my_laws.py:Class'"
             ) from error
     kind = getattr(module, name, None)
     if not isinstance(kind, type):
@@ -118,6 +145,8 @@ READ_BY_NAME = "__jaximpact_read_by_name__"
 
 def _module_of_file(slot: str, path: Path):
     try:
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise InputError(f"is no file; it is named as the {slot}", file=path)
         content = path.read_bytes()
     except OSError as error:
         raise InputError(
@@ -151,15 +180,15 @@ def _loaded(path: Path, digest: str):
     sys.modules[name] = module
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except BaseException as error:
+        _, row = users_line(error)
         del sys.modules[name]
-        frames = traceback.extract_tb(error.__traceback__)
-        lines = [frame.lineno for frame in frames if frame.filename == str(path)]
-        line = f" (line {lines[-1]})" if lines else ""
+        if is_interrupt(error):
+            raise
+        line = "" if row is None else f" (line {row})"
         cure = f"; {CURE}" if "non-default argument" in str(error) else ""
         raise InputError(
-            f"cannot be run as the file of a law or a shape{line}: "
-            f"{type(error).__name__}: {error}{cure}",
+            f"cannot be run as the file of a law or a shape{line}: {told(error)}{cure}",
             file=path,
         ) from error
     return module

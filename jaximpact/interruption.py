@@ -1,4 +1,4 @@
-"""Interrupts by Ctrl-C and SIGTERM, and what they leave behind.
+"""Interrupts by Ctrl-C, SIGTERM and SIGHUP, and what they leave behind.
 
 In a process of the command line they end it from a thread of their own, and no
 KeyboardInterrupt is raised: that exception is dropped inside callbacks of JAX, ctypes
@@ -10,6 +10,7 @@ from Python, KeyboardInterrupt is raised as ever.
 
 import contextlib
 import os
+import shutil
 import signal
 import threading
 import time
@@ -20,16 +21,25 @@ ENDINGS: dict[int, tuple[int, str]] = {
     signal.SIGTERM: (143, "terminated"),
 }
 """Signal -> exit code, and word for the message."""
+if hasattr(signal, "SIGHUP"):  # not on Windows
+    ENDINGS[signal.SIGHUP] = (129, "terminal closed")
 PATIENCE = 2.0
 """Seconds that other threads have to finish the files they are writing."""
+SETTLING = 0.02
+"""Seconds in which a library's own thread ends what it was told to write."""
 
 _prospects: list[Callable[[], str]] = []
-_unfinished: dict[os.PathLike, int] = {}
-"""Files being written, and the thread of each."""
+_unfinished: dict[os.PathLike, tuple[int | None, "Remove"]] = {}
+"""Files being written, the thread that is waited for, and what removes them."""
 _beginning = threading.Lock()
 """Lock of whoever begins a file; held for good once the process is ending."""
 _ending = threading.RLock()
 """Lock of whoever ends the process, whom a second signal may interrupt."""
+_ended_by: list[int] = []
+"""The signal that ends the process, once one does."""
+
+Remove = Callable[[os.PathLike], bool]
+"""Function that removes something, and tells whether there was anything."""
 
 
 def _goes_on() -> str:
@@ -52,11 +62,43 @@ def resumable(prospect: Callable[[], str] = _goes_on) -> Iterator[None]:
         _prospects.pop()
 
 
+def is_interrupt(error: BaseException) -> bool:
+    """Tell an interrupt by the user from whatever else was raised, such as a
+    KeyboardInterrupt by a law in a process that `ending_on_signals`."""
+    by_signal = signal.getsignal(signal.SIGINT) is not _end
+    return isinstance(error, KeyboardInterrupt) and by_signal
+
+
+def remove(path: os.PathLike) -> bool:
+    """Remove a file or a directory as far as possible; tell whether there was one."""
+    there = os.path.lexists(path)
+    if os.path.isdir(path) and not os.path.islink(path):
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with contextlib.suppress(OSError):
+            os.unlink(path)
+    return there
+
+
+def remove_for_good(path: os.PathLike, remove: Remove = remove) -> None:
+    """Remove what other threads may be writing still, until it stays away."""
+    limit = time.monotonic() + PATIENCE
+    while remove(path) and time.monotonic() < limit:
+        time.sleep(SETTLING)
+
+
 @contextlib.contextmanager
-def unfinished(path: os.PathLike) -> Iterator[None]:
-    """Have a signal remove the file that is written inside."""
+def unfinished(
+    path: os.PathLike, remove: Remove = remove, *, awaited: bool = True
+) -> Iterator[None]:
+    """Have a signal remove the file or directory that is written inside.
+
+    Args:
+        remove: removes it, or a part of it.
+        awaited: whether a thread that is inside is to come to the end of it.
+    """
     with _beginning:
-        _unfinished[path] = threading.get_ident()
+        _unfinished[path] = threading.get_ident() if awaited else None, remove
     try:
         yield
     finally:
@@ -102,6 +144,9 @@ def _end(number: int, frame=None) -> None:
     """End the process: by the main thread, which a signal stops here, or another."""
     # Not released: of the two threads the second waits here for the end.
     _ending.acquire()
+    if _ended_by:
+        return  # A second signal has interrupted what serves the first one.
+    _ended_by.append(number)
     code, word = ENDINGS[number]
     try:
         with contextlib.suppress(Exception):
@@ -122,8 +167,13 @@ def _remove_unfinished() -> None:
     # Not waited for any longer: the main thread may stand still while it holds it.
     _beginning.acquire(timeout=PATIENCE)
     main = threading.main_thread().ident
-    while set(_unfinished.values()) - {main} and time.monotonic() < limit:
+    while _threads_writing() - {main, None} and time.monotonic() < limit:
         time.sleep(0.002)
-    for path in list(_unfinished):
-        with contextlib.suppress(OSError):
-            os.unlink(path)
+    if _unfinished:
+        time.sleep(SETTLING)
+    for path, (_, remove) in list(_unfinished.items()):
+        remove_for_good(path, remove)
+
+
+def _threads_writing() -> set[int | None]:
+    return {thread for thread, _ in list(_unfinished.values())}

@@ -107,7 +107,10 @@ class Store:
         return self.path / name if self._directory is None else name
 
     def _read(self, name: str) -> bytes:
-        return (self.path / name).read_bytes()
+        path = self.path / name
+        if not path.is_file():  # A pipe would wait for who writes to it.
+            raise Refused(f"{path} is none of its files")
+        return path.read_bytes()
 
     def _write(self, name: str, data: bytes, mode: int) -> None:
         partial = f"{name}.{secrets.token_hex(8)}.partial"
@@ -186,16 +189,21 @@ class PrivateStore(Store):
         """
         name = f"{_file_name(kind, key)}{LOCK}"
         flags, descriptor = os.O_RDWR | os.O_CREAT | NO_LINKS, None
-        # A directory may be for reading only.
-        with contextlib.suppress(OSError):
-            descriptor = os.open(self._at(name), flags, 0o600, dir_fd=self._directory)
-            lock(descriptor, wait=True)
-        try:
-            yield
-        finally:
-            # Who waits for a file that is removed finds the content by then.
-            if descriptor is not None:
-                close_and_remove(descriptor, lambda: self._unlink(name))
+        with contextlib.ExitStack() as stack:
+            # A directory may be for reading only.
+            with contextlib.suppress(OSError):
+                descriptor = os.open(
+                    self._at(name), flags, 0o600, dir_fd=self._directory
+                )
+                lock(descriptor, wait=True)
+            # From here on the lock is this process's own.
+            stack.enter_context(unfinished(self.path / name, awaited=False))
+            try:
+                yield
+            finally:
+                # Who waits for a file that is removed finds the content by then.
+                if descriptor is not None:
+                    close_and_remove(descriptor, lambda: self._unlink(name))
 
     def _unlink(self, name: str) -> None:
         os.unlink(self._at(name), dir_fd=self._directory)

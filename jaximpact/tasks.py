@@ -31,7 +31,7 @@ from ._packages import versions
 from .backend.threads import one_thread
 from .backend.xla_compilation import keep_programs
 from .errors import IncompleteError, InputError, NoWorkersWarning
-from .finding import class_of_file, file_of
+from .finding import class_of_file, file_of, told, users_line
 from .progress import Progress
 from .store import VARIABLE as CACHE_VARIABLE
 
@@ -74,13 +74,19 @@ class Task:
     def __call__(self, *further) -> Any:
         """Call the function, with further arguments, on one thread.
 
-        Raises InputError in a process that has other versions than the sender.
+        Raises InputError in a process that has other versions than the sender, and for
+        a law that ends the program.
         """
         _check_versions(self.versions)
         set_up_process(self.cache)
         function, arguments = _unpickled(self.payload)
-        with one_thread():
-            return function(*arguments, *further)
+        try:
+            with one_thread():
+                return function(*arguments, *further)
+        except SystemExit as error:
+            # Workers would obey, one after another.
+            file, row = users_line(error)
+            raise InputError(told(error), file=file, row=row) from error
 
     def __dask_tokenize__(self):
         return type(self).__name__, hashlib.sha256(self.payload).hexdigest()

@@ -14,6 +14,8 @@ from collections.abc import Callable, Sequence
 
 from .._packages import version_of
 from ..errors import IncompleteError, InputError, UnusualValueWarning
+from ..finding import told, users_line
+from ..interruption import is_interrupt
 from . import calibrate, impacts, paper, runout, sensitivity, sweep, tabulate
 from .progress import forget, say
 
@@ -91,7 +93,15 @@ def _run(
         raise
     _set_up_jax()
     os.environ["MPLBACKEND"] = "agg"  # drawings go to files
-    arguments.run(arguments)
+    try:
+        arguments.run(arguments)
+    except (InputError, IncompleteError, OSError, MemoryError):
+        raise
+    except BaseException as error:
+        file, row = users_line(error)
+        if is_interrupt(error) or not (file or isinstance(error, SystemExit)):
+            raise
+        raise InputError(told(error), file=file, row=row) from error
     sys.stdout.flush()
 
 

@@ -12,10 +12,13 @@ if TYPE_CHECKING:
     from ..quantities import InputColumn
 import contextlib
 import logging
+import os
+import tempfile
 from collections.abc import Iterator
 from concurrent.futures import Executor
 
 from ..errors import IncompleteError, InputError
+from ..interruption import remove, unfinished
 
 
 def add_command(
@@ -198,6 +201,15 @@ def engine_of(arguments: argparse.Namespace) -> Iterator[Executor | None]:
         address, count = arguments.scheduler, arguments.workers
         if count is not None:
             check_memory(count * NUMBERS_PER_WORKER, f"{count} workers")
+            setting = "temporary-directory"
+            place = dask.config.get(setting, None)
+            scratch = Path(tempfile.mkdtemp(prefix="jaximpact-", dir=place))
+            stack.enter_context(unfinished(scratch, awaited=False))
+            stack.callback(remove, scratch)
+            stack.enter_context(dask.config.set({setting: str(scratch)}))
+            # Python's process that removes semaphores tells of it after Ctrl-C.
+            told = os.environ.get("PYTHONWARNINGS"), "ignore:resource_tracker"
+            os.environ["PYTHONWARNINGS"] = ",".join(filter(None, told))
             try:
                 address = stack.enter_context(
                     distributed.LocalCluster(

@@ -330,7 +330,7 @@ def read_netcdf(path: Path) -> xr.Dataset:
     Raises InputError if the file cannot be read or is no such file.
     """
     path = Path(path)
-    start = read_input(path)[: len(NETCDF_MAGIC)]
+    start = read_input(path, once=False)[: len(NETCDF_MAGIC)]
     try:
         return xr.load_dataset(path, engine=NETCDF_ENGINE)
     except OSError as error:

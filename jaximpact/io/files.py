@@ -2,6 +2,7 @@
 time."""
 
 import contextlib
+import errno
 import os
 import re
 import stat
@@ -16,23 +17,42 @@ CONTROLS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 """Control characters but for tabs and line ends."""
 CONTROL_BYTES = bytes({*range(32), 127} - set(b"\t\n\r"))
 LOCK_SUFFIX = "jaximpact-lock"
+WITHOUT_WAITING = getattr(os, "O_NONBLOCK", 0)
+"""Flag with which a pipe is opened at once; 0 on Windows, whose files are no pipes."""
 
 
 # --- Reading.
 
 
-def read_input(path: str | os.PathLike) -> bytes:
-    """Read the bytes of a file or a pipe.
+def read_input(path: str | os.PathLike, *, once: bool = True) -> bytes:
+    """Read the bytes of a file, or of a pipe that somebody writes to.
+
+    Args:
+        once: whether nobody opens it again; else a pipe, which is empty by then, is
+            refused.
 
     Raises InputError, naming the file, for a directory, for a device, which may never
-    end, and for what cannot be read.
+    end, for a pipe that would never begin, and for what cannot be read.
     """
     try:
-        with open(path, "rb") as file:
-            mode = os.fstat(file.fileno()).st_mode
+        with open(path, "rb", buffering=0, opener=_open_at_once) as file:
+            mode, start = os.fstat(file.fileno()).st_mode, b""
             if stat.S_ISBLK(mode) or (stat.S_ISCHR(mode) and not file.isatty()):
                 raise InputError("is a device; a file is needed", file=path)
-            return file.read()
+            if stat.S_ISFIFO(mode):
+                if not once:
+                    raise InputError(
+                        "is a pipe, but is read more than once; a file is needed",
+                        file=path,
+                    )
+                start = file.read(1)  # None while its writer has written nothing
+                if start == b"":
+                    raise InputError(
+                        "is a pipe that nobody writes to; a file is needed", file=path
+                    )
+            if WITHOUT_WAITING:
+                os.set_blocking(file.fileno(), True)
+            return (start or b"") + file.readall()
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", file=path) from error
     except InputError:
@@ -42,10 +62,15 @@ def read_input(path: str | os.PathLike) -> bytes:
         raise InputError(f"is no name of a file: {error}", file=path) from None
 
 
-def read_text(path: Path) -> str:
-    """Read a text in UTF-8, with or without a byte order mark; InputError for
-    others."""
-    return as_text(path, read_input(path))
+def _open_at_once(path: str, flags: int) -> int:
+    """Open a pipe without waiting for who writes to it."""
+    return os.open(path, flags | WITHOUT_WAITING)
+
+
+def read_text(path: Path, *, once: bool = True) -> str:
+    """Read a text in UTF-8, with or without a byte order mark; InputError for others,
+    and as `read_input`."""
+    return as_text(path, read_input(path, once=once))
 
 
 def as_text(path: Path, data: bytes) -> str:
@@ -86,14 +111,16 @@ def replacing(path: Path) -> Iterator[Path]:
     """Give a temporary path to write to, which takes the name `path` when the block
     ends.
 
-    It lies beside the target, so that the renaming is atomic, and keeps the target's
-    suffix. It is removed when the block is left by an exception, and by Ctrl-C; what
+    It lies beside the target, so that the renaming is atomic, and has the suffix of
+    `path`. It is removed when the block is left by an exception, and by Ctrl-C; what
     a killed process leaves is hidden and says `partial`. A link is followed.
 
-    Raises OSError where the file system refuses.
+    Raises OSError where the file system refuses, InputError for what is there and is no
+    file.
     """
-    target = _target(path)
-    temporary = _temporary(target)
+    target = target_of(path)
+    _check_file(path, target)
+    temporary = _temporary(path, target)
     with unfinished(temporary), naming(path):
         try:
             yield temporary
@@ -140,16 +167,15 @@ def check_writable(path: Path, *, option: str) -> None:
     To be called before a long computation. Devices and pipes are refused, since they
     would be replaced by a file.
     """
-    target = _target(path)
     try:
-        if target.exists() and not target.is_file():
-            raise InputError(f"{option} must be a file, but {path} is something else")
+        target = target_of(path)
+        _check_file(path, target, option)
         if not target.parent.is_dir():
             raise InputError(
                 f"{option} must lie in an existing directory, but {target.parent} "
                 "is none"
             )
-        probe = _temporary(target)
+        probe = _temporary(path, target)
         with unfinished(probe):
             probe.touch()
             probe.unlink()
@@ -184,42 +210,74 @@ def same_file(path: Path, others: Iterable[Path]) -> Path | None:
     return None
 
 
-def _target(path: Path) -> Path:
-    """Find the file to be replaced: a link's target, not the link."""
-    return Path(os.path.realpath(path))
+def target_of(path: Path) -> Path:
+    """Find the file to be replaced: a link's target, not the link. OSError for links
+    that lead to each other."""
+    target = Path(os.path.realpath(path))
+    if target.is_symlink():
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
+    return target
 
 
-def _temporary(target: Path) -> Path:
-    return target.with_name(f".{target.stem}.{os.getpid()}.partial{target.suffix}")
+def _check_file(path: Path, target: Path, option: str = "an output") -> None:
+    """Raise InputError for a device, a pipe or a directory, which a file would
+    replace."""
+    if target.exists() and not target.is_file():
+        raise InputError(f"{option} must be a file, but {path} is something else")
+
+
+def _temporary(path: Path, target: Path) -> Path:
+    # The suffix tells the format: the one that the user gave, not that of a target.
+    return target.with_name(f".{target.stem}.{os.getpid()}.partial{path.suffix}")
 
 
 # --- Writing by one process at a time.
 
 
 @contextlib.contextmanager
-def locked(path: Path) -> Iterator[None]:
+def locked(path: Path, *, beside: bool = False) -> Iterator[None]:
     """Keep other processes that ask for this lock from writing a file or directory.
 
     The lock is on a hidden file, inside the directory or beside the file, which is
     removed when the block ends. What a killed process leaves of it locks nothing. Where
     the file system has no locks, the block runs without one.
 
-    Raises BlockingIOError, in one sentence, if another process has the lock.
+    Args:
+        beside: whether the lock of a directory is beside it, too.
+
+    Raises BlockingIOError, in one sentence, if another process has the lock, InputError
+    for what is in its place and is none.
     """
-    target = _target(path)
-    if target.is_dir():
+    target = target_of(path)
+    if target.is_dir() and not beside:
         file = target / f".{LOCK_SUFFIX}"
     else:
         file = target.with_name(f".{target.name}.{LOCK_SUFFIX}")
+    _check_lock(file)
     descriptor = _lock(file, path)
     if descriptor is None:
         yield
         return
     try:
-        with unfinished(file):  # a signal that ends the process removes it as well
+        # A signal that ends the process removes it as well.
+        with unfinished(file, awaited=False):
             yield
     finally:
         close_and_remove(descriptor, file.unlink)
+
+
+def _check_lock(file: Path) -> None:
+    """Raise InputError for a directory, a pipe, a device or a link in place of a lock:
+    what is locked is written to, and removed afterwards."""
+    try:
+        status = os.lstat(file)
+    except OSError:
+        return
+    if not stat.S_ISREG(status.st_mode) or status.st_nlink > 1:
+        raise InputError(
+            "is in the place of a lock, but is no file of jaximpact; remove it",
+            file=file,
+        )
 
 
 def _lock(file: Path, output: Path) -> int | None:

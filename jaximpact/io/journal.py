@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
+from ..interruption import unfinished
 from .files import check_writable, locked, naming
 
 HEAD = struct.Struct("<QI")
@@ -24,7 +25,8 @@ HEAD = struct.Struct("<QI")
 
 
 class Journal:
-    """Rows of numbers, each with its index in the whole.
+    """Rows of numbers, each with its index in the whole. Without any row the file is
+    removed at the end.
 
     Args:
         path: the file; made if it is not there.
@@ -52,12 +54,17 @@ class Journal:
                 ) from error
             with naming(self.path):
                 self._cut_off_unfinished()
+            stack.enter_context(
+                unfinished(self.path, self._remove_if_empty, awaited=False)
+            )
             self._open = stack.pop_all()
 
     def __enter__(self) -> "Journal":
         return self
 
     def __exit__(self, *exception) -> None:
+        self.file.close()
+        self._remove_if_empty(self.path)
         self._open.close()
 
     def append(self, indices: np.ndarray, numbers: np.ndarray) -> None:
@@ -74,6 +81,13 @@ class Journal:
         """Read places and numbers of all rows that are there."""
         rows = np.concatenate([np.empty(0, self.row), *self._whole_blocks()])
         return rows["index"], rows["numbers"]
+
+    def _remove_if_empty(self, path: os.PathLike) -> bool:
+        with contextlib.suppress(OSError):
+            if os.path.getsize(path) == len(self.first_line):
+                os.unlink(path)
+                return True
+        return False
 
     def _cut_off_unfinished(self) -> None:
         self.file.seek(0)

@@ -18,6 +18,7 @@ from .files import (
     locked,
     make_directory,
     put_text,
+    read_input,
     refuse_inputs,
     replacing,
     same_file,
@@ -45,13 +46,13 @@ class FileList:
         self.command: str | None = None
         self.study: dict | None = None
         self.files: dict[str, str | None] = {}
+        if not os.path.lexists(self.path):
+            return
         try:
-            tree = json.loads(self.path.read_bytes())
+            tree = json.loads(read_input(self.path))
             self.command, self.study = str(tree["command"]), tree["study"]
             self.files = {str(name): digest for name, digest in tree["files"].items()}
-        except FileNotFoundError:
-            return
-        except (OSError, ValueError, LookupError, TypeError, AttributeError):
+        except (ValueError, LookupError, TypeError, AttributeError):
             self.command = ""
         outside = (
             path.anchor or ".." in path.parts
@@ -285,7 +286,7 @@ def _check_unowned(option: str, path: Path) -> None:
 def _is_manifest(path: Path) -> bool:
     """Tell whether a file says with which version of this package it was written."""
     try:
-        tree = json.loads(path.read_bytes())
+        tree = json.loads(read_input(path))
         return "jaximpact" in tree.get("manifest", tree)["versions"]
-    except (OSError, ValueError, LookupError, TypeError, AttributeError):
+    except (ValueError, LookupError, TypeError, AttributeError):
         return False

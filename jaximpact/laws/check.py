@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..errors import InputError
+from ..interruption import is_interrupt
 from ..parameters import Part
 from ..shapes import Foundation
 from .bearing import AbstractBearing, AbstractPeakFriction
@@ -92,7 +93,9 @@ def check_law(slot: str, law: Part) -> None:
             _check_symmetry(name, law)
     except InputError:
         raise
-    except Exception as error:
+    except BaseException as error:
+        if is_interrupt(error):
+            raise
         raise InputError(f"{name}: {_problem(type(law), error)}") from error
 
 
@@ -147,7 +150,7 @@ def _kind(value) -> str:
     return f"{value!r} ({type(value).__name__})"
 
 
-def _problem(kind: type, error: Exception) -> str:
+def _problem(kind: type, error: BaseException) -> str:
     """Describe an error inside a law, where it stands, and the cure."""
     frames = traceback.extract_tb(error.__traceback__)
     module = getattr(sys.modules.get(kind.__module__), "__file__", None)

@@ -9,7 +9,6 @@ and what is marked is whole. Zarr replaces files of a directory in one move.
 import json
 import math
 import os
-import shutil
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,7 +19,7 @@ from .._checks import expect
 from .._packages import needed
 from ..errors import IncompleteError, InputError
 from ..impact.events import Outcome
-from ..interruption import unfinished
+from ..interruption import remove, remove_for_good, unfinished
 from ..io.datasets import OUTCOMES
 from ..io.files import check_writable, locked, naming
 from ..progress import Progress, ProgressFunction, as_progress
@@ -118,20 +117,34 @@ def write_zarr(
     path, told = Path(os.path.abspath(path)), as_progress(progress)
     dataset = dataset.unify_chunks()
     layout = _layout_of(dataset)
+    if os.path.lexists(path) and not path.is_dir():
+        raise InputError(
+            "is there, and is no store that was written by region; move it, or choose "
+            "another name",
+            file=path,
+        )
     check_writable(path / "x" if path.is_dir() else path, option="the store")
-    with locked(path.with_name(path.name + ".lock")):
+    with locked(path, beside=True):
         if path.exists():
             _check_same(path, dataset, layout)
         else:
             _begin(path, dataset, layout)
-        marks = _read_marks(path)
-        missing = np.flatnonzero(marks[:, 0] < 0)
-        found = len(marks) - len(missing)
-        told("regions", found, len(marks))
-        if len(missing):
-            _compute(path, dataset, layout, missing, told, found)
-        _finish(path, dataset)
+        with unfinished(path, _remove_partial):
+            _remove_partial(path)
+            marks = _read_marks(path)
+            missing = np.flatnonzero(marks[:, 0] < 0)
+            found = len(marks) - len(missing)
+            told("regions", found, len(marks))
+            if len(missing):
+                _compute(path, dataset, layout, missing, told, found)
+            _finish(path, dataset)
     return WrittenRegions(len(marks), found, len(missing))
+
+
+def _remove_partial(path: os.PathLike) -> bool:
+    """Remove what Zarr has not written whole to a store; tell whether there was any."""
+    files = [*Path(path).rglob("*.partial")]
+    return any([remove(file) for file in files])
 
 
 def _layout_of(dataset: xr.Dataset) -> _Layout:
@@ -175,8 +188,8 @@ def _begin(path: Path, dataset: xr.Dataset, layout: _Layout) -> None:
             # xarray 2025.1 says None to Zarr 3.1 otherwise, which refuses it.
             variable.encoding["chunks"] = variable.shape
     new = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    shutil.rmtree(new, ignore_errors=True)
-    with unfinished(new / ".zgroup"), naming(path):
+    remove(new)
+    with unfinished(new), naming(path):
         try:
             template.to_zarr(
                 new, encoding=encoding, compute=False, zarr_format=FORMAT, mode="w"
@@ -192,7 +205,7 @@ def _begin(path: Path, dataset: xr.Dataset, layout: _Layout) -> None:
             )
             os.rename(new, path)
         except BaseException:
-            shutil.rmtree(new, ignore_errors=True)
+            remove_for_good(new)  # which Zarr's own thread may be writing still
             raise
 
 
@@ -259,7 +272,9 @@ class _Writer:
 
     def __call__(self, place: np.ndarray, *values: np.ndarray) -> np.ndarray:
         number, start, stop = place.item()
-        with naming(self.path):
+        mark = self.path / MARKS / "outcomes" / f"{number}.0"
+        # A region that a signal cuts short counts as missing.
+        with unfinished(mark), naming(self.path):
             self._write(number, start, stop, values)
         return np.ones(place.shape, bool)
 

@@ -8,6 +8,7 @@ interrupted run goes on. What the laws are compared by is drawn.
 import contextlib
 import csv
 import dataclasses
+import io
 import json
 import math
 from collections.abc import Callable, Sequence
@@ -18,7 +19,7 @@ from .._precision import require_float64
 from ..accuracy import get_accuracy
 from ..interruption import resumable
 from ..io.checks import chosen_values
-from ..io.files import write_text
+from ..io.files import read_text, write_text
 from ..io.output_files import NewFile, output_directory
 from ..plotting.style import save_figure
 from ..progress import Progress, ProgressFunction, as_progress
@@ -164,18 +165,17 @@ def _read_readings(out: Path) -> ByReading:
     not as such a run left them."""
     known: ByReading = {}
     try:
-        stored = (out / READINGS_CONDITIONS).read_text(encoding="utf-8")
-        if json.loads(stored) != conditions():
+        if json.loads(read_text(out / READINGS_CONDITIONS)) != conditions():
             return {}
-        with open(out / READINGS_TABLE, encoding="utf-8", newline="") as file:
-            for row in csv.DictReader(file):
-                known.setdefault(row["reading"], {})[row["id"]] = Judgement(
-                    Verdict(row["verdict"]),
-                    row["evidence"],
-                    held=int(row["held"]),
-                    asked=int(row["asked"]),
-                )
-    except (OSError, ValueError, LookupError, TypeError):
+        table = io.StringIO(read_text(out / READINGS_TABLE), newline="")
+        for row in csv.DictReader(table):
+            known.setdefault(row["reading"], {})[row["id"]] = Judgement(
+                Verdict(row["verdict"]),
+                row["evidence"],
+                held=int(row["held"]),
+                asked=int(row["asked"]),
+            )
+    except (ValueError, LookupError, TypeError):
         return {}
     return known
 

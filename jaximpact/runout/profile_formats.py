@@ -106,7 +106,7 @@ def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[st
     Raises InputError, naming file and row, for rows of other lengths and for a file
     without a header.
     """
-    file = io.StringIO(read_text(path), newline="")
+    file = io.StringIO(read_text(path, once=False), newline="")
     rows = [
         (line, cells)
         for line, _, cells in records_of(path, file)
@@ -243,7 +243,7 @@ def read_dxf_points(
 
 def _lines_by_layer(path: Path) -> dict[str, list[np.ndarray]]:
     """Read the lines of the model space, points `(points, 2)` each."""
-    read_input(path)
+    read_input(path, once=False)
     try:
         from ezdxf.filemanagement import (  # pyright: ignore[reportMissingImports]
             readfile,

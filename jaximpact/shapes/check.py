@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..identity import PACKAGE, clear_when_edited
+from ..interruption import is_interrupt
 from ..parameters import Part, declared_of
 from .base import AbstractShape, Section
 
@@ -160,7 +161,9 @@ def tried(part: Part, name: str, function: Callable, inputs: tuple[np.ndarray, .
             f"{told} uses NumPy, float() or `if` on a value that is being traced"
             f"{_line(error)}; use jax.numpy, and jnp.where in place of `if`"
         ) from error
-    except Exception as error:
+    except BaseException as error:
+        if is_interrupt(error):
+            raise
         raise InputError(
             f"{told} cannot be computed: {type(error).__name__}: {error}{_line(error)}"
         ) from error

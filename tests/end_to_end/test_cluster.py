@@ -129,12 +129,16 @@ with ending_on_signals(), engine_of(asked) as executor:
 
 
 @pytest.fixture(scope="module")
-def command():
+def command(tmp_path_factory):
     """A command that starts, and then waits for a worker of its own."""
     # Tests in the background ignore Ctrl-C, which a command inherits.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     with subprocess.Popen(
-        [sys.executable, "-c", BUSY], stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", BUSY],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"TMPDIR": str(tmp_path_factory.mktemp("temporary"))},
     ) as run:
         signal.signal(signal.SIGINT, before)
         yield run
@@ -321,13 +325,17 @@ def test_an_interrupted_fit_lets_its_workers_go(client, tmp_path):
         time.sleep(0.05)
 
 
-def test_an_interrupted_command_takes_its_workers_with_it(command):
+def test_an_interrupted_command_takes_its_workers_with_it(command, tmp_path_factory):
     assert command.stdout.readline() == "ready\n"
+    temporary = tmp_path_factory.getbasetemp() / "temporary0"
+    assert [*temporary.glob("jaximpact-*/dask-scratch-space/worker-*")]
     workers = psutil.Process(command.pid).children(recursive=True)
     command.send_signal(signal.SIGINT)
     assert command.wait(timeout=60) == 130
     assert len(workers) > 1  # and a process of Python that tracks resources
     assert psutil.wait_procs(workers, timeout=30)[1] == []
+    assert command.stderr.read() == "jaximpact: interrupted\n"
+    assert not [*temporary.glob("jaximpact-*")]
 
 
 def test_workers_that_cannot_start_are_told_in_one_line(folder, monkeypatch, capsys):

@@ -1,4 +1,5 @@
-"""Ctrl-C and SIGTERM: nothing is lost, no file is half-written, one line is said."""
+"""Ctrl-C, SIGTERM and SIGHUP: nothing is lost, no file is half-written, one line is
+said."""
 
 import os
 import random
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from jaximpact.cli import main
+from jaximpact.interruption import ENDINGS
 
 GOES_ON = "the same command goes on from here"
 SITUATIONS = {
@@ -100,10 +102,13 @@ with ending_on_signals():
 
 @pytest.fixture(autouse=True)
 def _interrupts():
-    """Commands do not ignore Ctrl-C, even where the tests do: in the background."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    """Commands do not ignore signals, even where the tests do: in the background."""
+    usual = {number: signal.SIG_DFL for number in ENDINGS}
+    usual[signal.SIGINT] = signal.default_int_handler
+    before = {number: signal.signal(number, usual[number]) for number in ENDINGS}
     yield
-    signal.signal(signal.SIGINT, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 def start_script(script, folder):
@@ -132,11 +137,56 @@ def test_an_interrupt_is_served_wherever_it_comes(folder, situation):
         assert (path.name, path.read_text()) == ("whole", "all of it")
 
 
-def test_a_request_to_terminate_is_served(folder):
+@pytest.mark.parametrize("number", ENDINGS)
+def test_each_signal_has_its_word_and_code(folder, number):
     run = start_script(PREAMBLE + "    ready_and_busy()", folder)
-    run.terminate()
+    run.send_signal(number)
+    code, word = ENDINGS[number]
+    assert run.communicate(timeout=60)[1] == f"jaximpact: {word}\n"
+    assert run.returncode == code == 128 + number
+
+
+STORE = """
+    import dask.array, xarray
+    from jaximpact import write_zarr
+    from jaximpact.lazy import zarr_store
+
+    def cut_short(*arguments, **_):
+        inner = next(a for a in arguments if isinstance(a, Path)) / "inner"
+        inner.mkdir(parents=True)
+        (inner / "0.0123456789abcdef.partial").write_text("half")
+        ready_and_busy()
+
+    {patched} = cut_short
+    write_zarr("o.zarr", xarray.Dataset({{"y": ("x", dask.array.ones(3, chunks=1))}}))
+"""
+
+
+@pytest.mark.parametrize(
+    ("patched", "left"),
+    [("xarray.Dataset.to_zarr", []), ("zarr_store._finish", ["o.zarr"])],
+    ids=["as it is begun", "as it is finished"],
+)
+def test_nothing_half_written_is_left_of_a_store(folder, patched, left):
+    run = start_script(PREAMBLE + STORE.format(patched=patched), folder)
+    run.send_signal(signal.SIGSTOP)
+    run.send_signal(signal.SIGTERM)
+    run.send_signal(signal.SIGCONT)
     assert run.communicate(timeout=60)[1] == "jaximpact: terminated\n"
     assert run.returncode == 143
+    assert [path.name for path in folder.iterdir()] == left
+    assert not [*folder.rglob("*partial*")]
+
+
+def test_a_law_is_no_interrupt(folder):
+    """A KeyboardInterrupt that no signal has raised."""
+    (folder / "law.py").write_text("raise KeyboardInterrupt")
+    (folder / "scene.toml").write_text("flow = 'law.py:Law'")
+    command = [sys.executable, "-m", "jaximpact", "simulate", "scene.toml"]
+    run = subprocess.run(command, stderr=subprocess.PIPE, text=True, check=False)
+    assert run.returncode == 2
+    assert "law.py: cannot be run as the file of a law" in run.stderr
+    assert run.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize(
@@ -200,7 +250,7 @@ def test_a_batch_that_is_interrupted_again_and_again_ends_as_one_in_one_go(folde
         run.send_signal(signal.SIGINT)
         errors = run.communicate(timeout=60)[1].splitlines()
         said = [line for line in errors if not line.endswith("%)")]
-        assert not [*folder.rglob("*partial*"), *folder.rglob("*-lock")]
+        assert not [*folder.rglob("*partial*"), *folder.rglob("*lock")]
         if was_done:
             break
         assert run.returncode == 130

@@ -153,6 +153,10 @@ class Ideal(AbstractHardening):
         ),
         ('[soil]\nflow = "syntax.py:A"', "syntax.py: cannot be run as the file of a"),
         ('[soil]\nflow = "raises.py:A"', "a shape (line 2): ZeroDivisionError"),
+        ('[soil]\nflow = "ends.py:A"', "a shape (line 2): SystemExit (which would"),
+        ('[soil]\nflow = "goes.py:A"', "a shape (line 1): GeneratorExit"),
+        ('[soil]\nflow = "lacks.py:A"', "ModuleNotFoundError: No module named 'not_"),
+        ('[soil]\nflow = "made.py:A"', "cannot be made without arguments: SystemExit"),
         ('[soil]\nflow = "abstract.py:A"', "A does not define __call__"),
         ('[soil]\nflow = "bare.py:A"', "give every parameter a default"),
         ('[soil]\nflow = "twice.py:A"', "HardeningPerLength.c_v and A.c_v are two"),
@@ -165,6 +169,10 @@ def test_scene_files_that_cannot_be_used(laws, text, said):
     for name, content in {
         "syntax": "class A(:\n",
         "raises": "\n1 / 0\n",
+        "ends": "import sys\nsys.exit()\n",
+        "goes": "raise GeneratorExit\n",
+        "lacks": "import not_there\n",
+        "made": head + "    def __post_init__(self):\n        raise SystemExit(0)\n",
         "abstract": "from jaximpact.laws import AbstractFlow\n"
         "class A(AbstractFlow): pass\n",
         "bare": head.replace(
@@ -179,6 +187,23 @@ def test_scene_files_that_cannot_be_used(laws, text, said):
     with pytest.raises(InputError) as caught:
         read_scene(laws / "scene.toml")
     assert_one_line(caught.value, "scene.toml", said)
+
+
+@pytest.mark.parametrize(
+    ("part", "file", "said"),
+    [
+        ("flow = 'ends.py:Creeping'", "my_laws.py", "flow Creeping: SystemExit"),
+        # No check calls the inertia of a shape.
+        ("shape = 'ends.py:Hollow'", "my_shapes.py", "ends.py, row 15: SystemExit"),
+    ],
+)
+def test_a_law_cannot_end_a_command(laws, capsys, part, file, said):
+    text = (laws / file).read_text()
+    text = "import sys\n" + text.replace("  return", "  sys.exit(),")
+    (laws / "ends.py").write_text(text)
+    (laws / "scene.toml").write_text(part)
+    assert main(["simulate", "scene.toml"]) == 2
+    assert_one_line_error(capsys, said)
 
 
 # Simulate

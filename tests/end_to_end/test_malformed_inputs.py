@@ -201,13 +201,39 @@ def test_malformed_profiles(folder, capsys, data, said):
         ("/dev/zero", "/dev/zero: is a device"),
         ("none\x1b[31m", "none\\x1b[31m: cannot be read"),
         ("loop", "cannot be read: Too many levels of symbolic links"),
+        ("pipe", "pipe: is a pipe that nobody writes to; a file is needed"),
         ("x" * 5_000, "cannot be read: File name too long"),
     ],
 )
 def test_what_is_no_file(folder, capsys, command, path, said):
     (folder / "folder").mkdir()
     (folder / "loop").symlink_to("loop")
+    os.mkfifo("pipe")
     assert said in refused(capsys, command, path, *OUT[command])
+
+
+PROFILE_OF_POINTS = "points_m = [[0, 100], [200, 0]]"
+TWICE = "is a pipe, but is read more than once"
+
+
+@pytest.mark.parametrize(
+    ("command", "study", "said"),
+    [
+        ("runout", SLOPE.replace(PROFILE_OF_POINTS, 'csv = "pipe"'), TWICE),
+        ("runout", SLOPE.replace(PROFILE_OF_POINTS, 'dxf = "pipe"'), TWICE),
+        ("runout", SLOPE + "[contacts]\nlaw = 'table'\nfiles = ['pipe']", TWICE),
+        ("runout", SLOPE + "[ground]\nfrom = 'pipe'", TWICE),
+        ("runout", SLOPE + "[contacts]\nlaw = 'pipe.py:Law'", "pipe.py: is no file"),
+        ("simulate", "flow = 'pipe.py:Law'", "pipe.py: is no file"),
+        ("simulate", "shape = 'pipe.py:Shape'", "pipe.py: is no file"),
+        ("calibrate", "data = 'pipe'", "pipe: is a pipe that nobody writes to"),
+    ],
+)
+def test_pipes_that_studies_name(folder, capsys, command, study, said):
+    os.mkfifo("pipe")
+    os.mkfifo("pipe.py")
+    (folder / "study.toml").write_text(study)
+    assert said in refused(capsys, command, "study.toml", *OUT[command])
 
 
 @pytest.mark.parametrize(
@@ -475,12 +501,13 @@ def test_the_nearest_name_of_an_endless_one_is_found_at_once():
 
 
 def test_a_pipe_is_read(folder):
-    """Once: what it holds is not there a second time."""
-    os.mkfifo("pipe")
-    writer = threading.Thread(target=(folder / "pipe").write_bytes, args=(b"abc",))
-    writer.start()
-    assert read_input("pipe") == b"abc"
-    writer.join()
+    """As `<(...)` of a shell gives it; its writer may still have nothing to say."""
+    reading, writing = os.pipe()
+    later = threading.Timer(0.1, lambda: (os.write(writing, b"abc"), os.close(writing)))
+    later.start()
+    assert read_input(f"/dev/fd/{reading}") == b"abc"
+    later.join()
+    os.close(reading)
 
 
 @pytest.mark.parametrize("tree", [[], {"manifest": 3}, {"variants": [[]]}, 10**400])

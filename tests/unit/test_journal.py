@@ -46,6 +46,11 @@ def test_rows_come_back(tmp_path):
     np.testing.assert_array_equal(numbers[3], [3.25, 3.5, np.nan])
 
 
+def test_one_without_rows_does_not_stay(tmp_path):
+    fill(tmp_path / "j", blocks=0)
+    assert not [*tmp_path.iterdir()]
+
+
 def test_cut_anywhere_it_keeps_the_whole_blocks(tmp_path):
     path = tmp_path / "j"
     ends = fill(path)

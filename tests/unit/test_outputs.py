@@ -136,6 +136,85 @@ def test_what_is_not_known_is_left_alone(folder, capsys, command, own, message):
     assert everything(folder) == before
 
 
+def pipe(new):
+    os.mkfifo(new)
+
+
+def loop(new):
+    new.symlink_to(new.name)
+
+
+def directory(new):
+    new.mkdir()
+
+
+NO_FILES = [pipe, loop, directory, soft("/dev/null")]
+LOCK = ".jaximpact-lock"
+
+
+@pytest.mark.parametrize("make", NO_FILES)
+@pytest.mark.parametrize(
+    ("command", "output"),
+    [
+        ("batch s.csv --out r.csv", "r.csv"),
+        ("batch s.csv --out r.csv", "r.csv.journal"),
+        ("batch s.csv --out r.csv", "r.csv.manifest.json"),
+        ("batch s.csv --out r.csv", LIST),
+        ("sweep x.nc --out y.nc", "y.nc"),
+        ("sweep x.nc --out y.zarr", "y.zarr"),
+        ("simulate scene.toml --plot p.png", "p.png"),
+        ("tabulate table.toml --map m.csv", "m.png"),
+        ("figures --out sub --only 5", "sub/figure-5.png"),
+        ("figures --out sub --only 5", f"sub/{LIST}"),
+    ],
+)
+def test_an_output_in_place_of_what_is_no_file(folder, capsys, command, output, make):
+    make(folder / output)
+    before = {path: path.lstat() for path in folder.rglob("*")}
+    assert main(command.split()) == 2
+    assert_one_line_error(capsys, "error: ")
+    # Times of access may change.
+    after = {path: path.lstat() for path in folder.rglob("*")}
+    assert {p: s.st_ino for p, s in after.items()} == {
+        p: s.st_ino for p, s in before.items()
+    }
+
+
+@pytest.mark.parametrize("make", [*NO_FILES, soft("s.csv"), hard("s.csv")])
+@pytest.mark.parametrize(
+    ("command", "file"),
+    [
+        ("batch s.csv --out r.csv", ".r.csv" + LOCK),
+        ("sweep x.nc --out y.zarr", ".y.zarr" + LOCK),
+        ("runout slope.toml --out sub", "sub/" + LOCK),
+    ],
+)
+def test_a_lock_in_place_of_what_is_none(folder, capsys, command, file, make):
+    make(folder / file)
+    before = everything(folder)
+    assert main(command.split()) == 2
+    assert_one_line_error(capsys, f"{file}: is in the place of a lock")
+    assert os.path.lexists(folder / file)
+    assert everything(folder) == before
+
+
+def test_what_is_no_file_is_not_replaced_from_python_either(folder):
+    os.mkfifo("pipe")
+    with pytest.raises(InputError, match="must be a file"):
+        lock.write_text(folder / "pipe", "text")
+    assert (folder / "pipe").is_fifo()
+
+
+def test_a_link_to_what_is_not_there_is_followed(folder):
+    """The format is that of the name that was given."""
+    (folder / "p.png").symlink_to("drawing")
+    with lock.replacing(folder / "p.png") as temporary:
+        assert temporary.suffix == ".png"
+        temporary.write_text("drawn")
+    assert (folder / "p.png").is_symlink()
+    assert (folder / "drawing").read_text() == "drawn"
+
+
 # --- directories
 
 

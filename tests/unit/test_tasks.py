@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import multiprocessing
+import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
@@ -33,6 +34,11 @@ def test_a_task_computes_on_one_thread(monkeypatch):
 def test_what_stands_in_a_function_cannot_be_sent():
     with pytest.raises(InputError, match=r"cannot be sent to another process.*module"):
         Task(lambda: 1)
+
+
+def test_a_task_does_not_end_its_worker():
+    with pytest.raises(InputError, match=r"SystemExit \(which would end .*: 3"):
+        Task(sys.exit, 3)()
 
 
 def test_results_come_with_their_places_and_few_tasks_wait():

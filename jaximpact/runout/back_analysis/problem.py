@@ -95,7 +95,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     """
     path = Path(path)
     top = Key(path)
-    content = parse_toml(path, read_input(path))
+    content = parse_toml(path, read_input(path, once=False))
     if FIT not in content:
         raise top[FIT].error("needs a table [fit]")
     fit = dict(typed(top, content, FIT, dict))

@@ -150,7 +150,7 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
     """
     path = Path(path)
     file = path / FILE if os.path.isdir(path) else path
-    data = read_input(file)
+    data = read_input(file, once=False)
     try:
         content = json.loads(data)
         found = _variant(file, content["variants"], variant)

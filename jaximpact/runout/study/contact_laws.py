@@ -11,6 +11,7 @@ import numpy as np
 from ...accuracy import DEFAULT_ACCURACY, PRESETS
 from ...finding import file_of, find_class, shipped
 from ...identity import name_of
+from ...io.files import read_input
 from ...io.toml import Key, allowed, check_keys, choice, typed
 from ...lookup import Tabulated, read_table
 from ...quantities import InputColumn, own_columns
@@ -151,7 +152,7 @@ def _own_law(top: Key, text: str) -> type[AbstractRebound]:
 
 
 def _checksum(file: Path) -> str:
-    return hashlib.sha256(file.read_bytes()).hexdigest()
+    return hashlib.sha256(read_input(file, once=False)).hexdigest()
 
 
 def _tables(top: Key, name: str, table: dict) -> NamedLaw:
@@ -162,8 +163,8 @@ def _tables(top: Key, name: str, table: dict) -> NamedLaw:
     if not names or not all(isinstance(n, str) for n in names):
         raise key["files"].error(f"must be a list of files, but is {names!r}")
     files = [top.file.parent / n for n in names]
-    tables = [read_table(file) for file in files]
     checksums = {file: _checksum(file) for file in files}
+    tables = [read_table(file) for file in files]
     errors = [table.error for table in tables if table.error is not None]
     told = {
         "law": TABLE,

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..._packages import needed
 from ...errors import InputError
+from ...io.files import read_input
 from ...io.toml import Key, known_table, number, of_kind, typed
 from ...scene import Soil
 from ...units import DEGREE
@@ -46,13 +47,14 @@ def read_ground_profile(
         given = ProfileTable(profile, (), None)
     else:
         file = path.parent / typed(key, table, sources[0], str)
+        data = read_input(file, once=False)
+        checksums[file] = hashlib.sha256(data).hexdigest()
         if "csv" in table:
             given = read_profile_table(file, *surface)
             _check_said_once(ground, file, given)
         else:
             layer = typed(key, table, "layer", str) if "layer" in table else None
             given = ProfileTable(_of_dxf(file, layer, surface), (), None)
-        checksums[file] = hashlib.sha256(file.read_bytes()).hexdigest()
     layout = lay_out(
         top["ground"],
         given.profile,
