@@ -20,20 +20,17 @@ import importlib
 import inspect
 import linecache
 import pickle
-import site
 import sys
-import sysconfig
 import types
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 import jax
 import numpy as np
 
 from ._jax_internals import Tracer
+from ._packages import FOUNDATIONS, PACKAGE, is_installed, is_of_python, top_of
 
-PACKAGE = __name__.partition(".")[0]
 PLAIN = (type(None), bool, int, float, complex, str, bytes, type(...))
 NOT_CODE = {
     *("__dict__", "__weakref__", "__module__", "__doc__", "__annotations__"),
@@ -54,7 +51,7 @@ def walk(*roots) -> tuple[Atom, ...]:
 
     Two lists of one process are equal if and only if nothing has changed between them.
     """
-    walker = _Walker({_top(kind.__module__) for root in roots for kind in _mro(root)})
+    walker = _Walker({top_of(kind.__module__) for root in roots for kind in _mro(root)})
     for root in roots:
         walker.visit(root, frozenset())
     return tuple(walker.atoms)
@@ -96,7 +93,7 @@ class _Walker:
     """
 
     def __init__(self, own: set[str]):
-        self.own = own - _FOUNDATIONS
+        self.own = own - FOUNDATIONS
         self.atoms: list[Atom] = []
         self._seen: dict[Any, int] = {}
         self._kept: list = []
@@ -248,9 +245,9 @@ class _Walker:
     def _is_known(self, module: str | None) -> bool:
         """Tell whether a module is of this package, of Python, or of an installed
         package that is not the user's own."""
-        if module is None or _top(module) in self.own:
+        if module is None or top_of(module) in self.own:
             return False
-        return _is_installed(module, getattr(sys.modules.get(module), "__file__", None))
+        return is_installed(module, getattr(sys.modules.get(module), "__file__", None))
 
 
 def _is_generated(value) -> bool:
@@ -264,38 +261,7 @@ def _is_generated(value) -> bool:
 
 def _mro(root) -> tuple[type, ...]:
     kind = root if isinstance(root, type) else type(root)
-    return tuple(base for base in kind.__mro__ if not _is_of_python(base.__module__))
-
-
-def _top(module: str) -> str:
-    return module.partition(".")[0]
-
-
-def _is_of_python(module: str) -> bool:
-    return module != "__main__" and (
-        _top(module) in sys.stdlib_module_names | {"builtins"}
-    )
-
-
-_FOUNDATIONS = {PACKAGE, "jax", "jaxlib", "equinox", "numpy", "abc", "typing"}
-
-
-@functools.lru_cache(maxsize=4096)
-def _is_installed(module: str, file: str | None) -> bool:
-    if module == "__main__":
-        return False
-    if _top(module) in _FOUNDATIONS or _is_of_python(module):
-        return True
-    if file is None:
-        return False
-    return any(Path(file).is_relative_to(place) for place in _places())
-
-
-@functools.cache
-def _places() -> tuple[Path, ...]:
-    names = ("stdlib", "platstdlib", "purelib", "platlib")
-    places = [sysconfig.get_path(name) for name in names]
-    return tuple(Path(place) for place in (*places, *site.getsitepackages()))
+    return tuple(base for base in kind.__mro__ if not is_of_python(base.__module__))
 
 
 def _parts_of(value) -> list:

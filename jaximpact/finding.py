@@ -1,6 +1,6 @@
 """Laws and shapes by name: the package's own, and users' from files and modules."""
 
-import functools
+import ast
 import hashlib
 import importlib
 import importlib.util
@@ -8,9 +8,12 @@ import inspect
 import stat
 import sys
 import traceback
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
+from typing import NamedTuple
 
+from ._packages import is_installed
 from .errors import InputError, nearest
 from .interruption import is_interrupt
 
@@ -156,7 +159,84 @@ def _module_of_file(slot: str, path: Path):
     program = sys.modules.get("__main__")
     if getattr(program, "__spec__", 0) is None and path.resolve() == _file(program):
         return program  # which must not be run once more
-    return _loaded(path.resolve(), hashlib.sha256(content).hexdigest())
+    return _loaded(path.resolve(), content)
+
+
+class _Loaded(NamedTuple):
+    """A law file as it was read."""
+
+    module: ModuleType
+    content: bytes
+    imports: dict[str, tuple[str, bytes]]
+    """Modules of the user's that it imports, with their files and what was in them."""
+
+
+_files: dict[Path, _Loaded] = {}
+
+
+def _loaded(path: Path, content: bytes) -> ModuleType:
+    """Load the module of a file, anew if it, or a module that it imports, has been
+    edited since."""
+    known, name = _files.get(path), hashlib.sha256(content)
+    if known is not None:
+        now = [_digest(Path(file)) for file, _ in known.imports.values()]
+        if now == [before for _, before in known.imports.values()]:
+            if content == known.content:
+                return known.module
+        else:
+            # Python would give the law the old ones again.
+            for imported in known.imports:
+                sys.modules.pop(imported, None)
+            importlib.invalidate_caches()
+            name.update(b"".join(now))
+    module = _load(path, f"{path.stem}_{name.hexdigest()[:12]}")
+    imports = {n: (file, _digest(Path(file))) for n, file in imports_of(module)}
+    _files[path] = _Loaded(module, content, imports)
+    return module
+
+
+def _digest(file: Path) -> bytes:
+    try:
+        return hashlib.sha256(file.read_bytes()).digest()
+    except OSError:  # removed since
+        return b""
+
+
+def imports_of(module: ModuleType) -> Iterator[tuple[str, str]]:
+    """Find the modules that a module imports, and those that they import, with their
+    files; but for installed ones."""
+    found, new = {module.__name__}, [module]
+    while new:
+        module = new.pop()
+        for name in _names_imported(module):
+            other = sys.modules.get(name)
+            file = getattr(other, "__file__", None)
+            if other is None or file is None or name in found:
+                continue
+            found.add(name)
+            if file.endswith(".py") and not is_installed(name, file):
+                new.append(other)
+                yield name, file
+
+
+def _names_imported(module: ModuleType) -> set[str]:
+    """Return the names of modules in the import statements of a module."""
+    try:
+        tree = ast.parse(Path(str(module.__file__)).read_bytes())
+    except (OSError, SyntaxError, ValueError):
+        return set()
+    names = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                above = (module.__package__ or "").split(".")
+                above = above[: len(above) + 1 - node.level]
+                base = ".".join([*above, *([base] if base else [])])
+            names |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
+    return names
 
 
 def _file(module) -> Path | None:
@@ -164,18 +244,16 @@ def _file(module) -> Path | None:
     return None if file is None else Path(file).resolve()
 
 
-@functools.cache
-def _loaded(path: Path, digest: str):
-    """Load the module of a file, once for each content. It is found under its name by
-    `pickle` in this process."""
-    name = f"{path.stem}_{digest[:12]}"
+def _load(path: Path, name: str) -> ModuleType:
+    """Load the module of a file under a name of its own, under which `pickle` finds it
+    in this process."""
     being_read = sys.modules.get(name)
-    if getattr(being_read, "__file__", None) == str(path):
+    if being_read is not None and being_read.__file__ == str(path):
         return being_read  # a program that names a law of its own
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None, path  # its name ends in .py
     assert spec.loader is not None, path
-    module = importlib.util.module_from_spec(spec)
+    module: ModuleType = importlib.util.module_from_spec(spec)
     setattr(module, READ_BY_NAME, True)
     sys.modules[name] = module
     try:

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from jaximpact.code_state import digest, walk
+from jaximpact.finding import find_class
 from jaximpact.identity import name_of
+from jaximpact.laws import AbstractKinematics
 
 LAW = """
 from jaximpact.laws import AbstractKinematics
@@ -196,3 +198,25 @@ def test_a_name_in_a_manifest_shows_the_constants(law_of):
 def test_a_law_that_refers_to_itself_has_an_end(law_of):
     head = "D = {}\nD['self'] = D\ndef f(): return f if D else 1.0"
     assert walk(law_of(dict(head=head, value="1.0 if f else D"), "1.0"))
+
+
+def test_a_law_file_is_read_again_with_what_it_imports(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    path = tmp_path / "law_by_name.py"
+    text = LAW.format(**PARTS | dict(head="from middle import F", value="F"))
+    path.write_text(text)
+    (tmp_path / "middle.py").write_text("from numbers_by_name import F")
+
+    def find():
+        return find_class("kinematics", AbstractKinematics, f"{path}:Mine")
+
+    kinds = []
+    for number in ("1.25", "2.5", "1.25"):
+        (tmp_path / "numbers_by_name.py").write_text(f"F = {number}\n")
+        kinds.append(find())
+        assert find() is kinds[-1]
+        assert f"F={number}" in name_of(kinds[-1])
+        # As `pickle` looks for it
+        assert sys.modules[kinds[-1].__module__].Mine is kinds[-1]
+    assert digest(walk(kinds[0])) == digest(walk(kinds[2]))
