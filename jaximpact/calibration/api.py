@@ -12,7 +12,6 @@ import numpy as np
 from .._checks import expect
 from .._precision import require_float64
 from ..errors import InputError
-from ..io.files import replacing
 from ..parameters import Part
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import columns_of_part
@@ -151,13 +150,10 @@ class Calibration:
         Args:
             path: file to save the figure in too; replaced once the new one is whole.
         """
+        from ..plotting.style import save_figure
         from .report.overview import plot_study
 
-        figure = plot_study(self.result)
-        if path is not None:
-            with replacing(Path(path)) as temporary:
-                figure.savefig(temporary, dpi=120)
-        return figure
+        return save_figure(plot_study(self.result), path)
 
     def write(self, out: str | os.PathLike) -> None:
         """Write the report and its numbers, as `jaximpact calibrate` does."""

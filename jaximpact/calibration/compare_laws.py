@@ -15,7 +15,7 @@ from .._checks import expect
 from .._precision import require_float64
 from ..io.display import align
 from ..io.files import replacing, write_text
-from ..io.output_files import output_directory
+from ..io.output_files import output_directory, together
 from ..parameters import Part
 from ..progress import Progress, ProgressFunction
 from ..scene import Block, Soil
@@ -250,7 +250,8 @@ class Comparison:
         from .report.overview import comparison_picture
 
         inputs = self.compared.study.inputs
-        with output_directory(Path(out), "compare", FILES, inputs=inputs) as new:
+        directory = output_directory(Path(out), "compare", FILES, inputs=inputs)
+        with directory as listed, together(listed) as new:
             picture = comparison_picture(self.compared)
             with replacing(new(FILES[4])) as temporary:
                 temporary.write_bytes(base64.b64decode(picture["base64"]))

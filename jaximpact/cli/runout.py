@@ -176,7 +176,7 @@ def add_parser(commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Compute the study."""
     from ..io.files import make_directory
-    from ..io.output_files import output_directory
+    from ..io.output_files import output_directory, together
     from ..runout import choose_contacts, read_slope_studies, run_slope_study
     from ..runout.study import output
 
@@ -210,14 +210,15 @@ def run(arguments: argparse.Namespace) -> None:
                     executor=executor,
                 )
             datasets[study.law_name] = dataset
-        for study, folder in zip(studies, folders, strict=True):
-            output.write_slope_study(
-                study,
-                datasets[study.law_name],
-                lambda name, folder=folder: new(str(folder / name)),
-            )
-        if several:
-            output.write_comparison(studies[0], datasets, new)
+        with together(new) as add:
+            for study, folder in zip(studies, folders, strict=True):
+                output.write_slope_study(
+                    study,
+                    datasets[study.law_name],
+                    lambda name, folder=folder: add(str(folder / name)),
+                )
+            if several:
+                output.write_comparison(studies[0], datasets, add)
         for journal in journals:
             journal.unlink()
     print(output.compare_in_words(datasets) if several else output.in_words(dataset))

@@ -19,6 +19,10 @@ except ImportError:  # Windows
 CONTROLS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 """Control characters but for tabs and line ends."""
 CONTROL_BYTES = bytes({*range(32), 127} - set(b"\t\n\r"))
+NO_BACKSLASH = (
+    "a backslash in double quotes begins an escape: write / or single quotes for a path"
+)
+"""Cure of paths of Windows in TOML."""
 LOCK_SUFFIX = "jaximpact-lock"
 
 
@@ -38,7 +42,11 @@ def read_input(path: str | os.PathLike) -> bytes:
                 raise InputError("is a device; a file is needed", file=path)
             return file.read()
     except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
+        # A path of Windows in double quotes of TOML: \n and \t are no letters there.
+        cause = "" if os.fsdecode(path).isprintable() else f"; {NO_BACKSLASH}"
+        raise InputError(
+            f"cannot be read: {error.strerror}{cause}", file=path
+        ) from error
     except InputError:
         raise
     except ValueError as error:
