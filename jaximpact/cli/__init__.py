@@ -91,7 +91,10 @@ def _run(
         raise
     _set_up_jax()
     os.environ["MPLBACKEND"] = "agg"  # drawings go to files
-    arguments.run(arguments)
+    from .._numpy_settings import numpy_settings
+
+    with numpy_settings():
+        arguments.run(arguments)
     sys.stdout.flush()
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from .._numpy_settings import numpy_settings
 from .._packages import versions
 from ..accuracy import Accuracy
 from ..errors import InputError
@@ -311,6 +312,7 @@ def _check_dimensions(dimensions: Sequence[str], shape: tuple[int, ...]) -> None
             )
 
 
+@numpy_settings()
 def write_netcdf(path: Path, dataset: xr.Dataset) -> None:
     """Write a dataset to a NetCDF file.
 
@@ -331,6 +333,7 @@ def write_netcdf(path: Path, dataset: xr.Dataset) -> None:
             os.fsync(file.fileno())
 
 
+@numpy_settings()
 def read_netcdf(path: Path) -> xr.Dataset:
     """Read a dataset that `write_netcdf` wrote, whole into memory.
 

@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 
 from .._checks import expect
+from .._numpy_settings import numpy_settings
 from .._packages import needed
 from ..errors import IncompleteError, InputError
 from ..impact.events import Outcome
@@ -81,6 +82,7 @@ class _Layout(NamedTuple):
         )
 
 
+@numpy_settings()
 def write_zarr(
     path: Path | str,
     dataset: xr.Dataset,

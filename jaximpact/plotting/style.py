@@ -4,9 +4,10 @@ A drawing shown in a page of 800 px is 8 inches wide: its letters of 9 points st
 points. Functions that draw or save wear `@in_style`; figures come from `panels`.
 """
 
+import contextlib
 import io
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -19,6 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from PIL import Image
 
+from .._numpy_settings import numpy_settings
 from ..io.files import replacing
 
 # Okabe and Ito's colours, which colour-blind readers tell apart.
@@ -38,30 +40,35 @@ PNG_COLOURS = 256
 INCH_PER_TICK = 0.6
 """Room of a tick with its number along an axis, so that no two collide."""
 
-in_style = matplotlib.style.context(
-    [
-        "default",
-        {
-            "figure.constrained_layout.use": True,
-            "figure.titlesize": 10,
-            "font.size": 10,
-            "axes.titlesize": 10,
-            "axes.labelsize": 10,
-            "xtick.labelsize": 9,
-            "ytick.labelsize": 9,
-            "legend.fontsize": 9,
-            "legend.title_fontsize": 9,
-            "legend.frameon": False,
-            "axes.grid": True,
-            "axes.axisbelow": True,
-            "grid.alpha": 0.25,
-            "axes.prop_cycle": cycler(color=COLOURS),
-            "savefig.dpi": DPI,
-        },
-    ]
-)
+STYLE = {
+    "figure.constrained_layout.use": True,
+    "figure.titlesize": 10,
+    "font.size": 10,
+    "axes.titlesize": 10,
+    "axes.labelsize": 10,
+    "xtick.labelsize": 9,
+    "ytick.labelsize": 9,
+    "legend.fontsize": 9,
+    "legend.title_fontsize": 9,
+    "legend.frameon": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.alpha": 0.25,
+    "axes.prop_cycle": cycler(color=COLOURS),
+    "savefig.dpi": DPI,
+}
+"""What differs from Matplotlib's own style."""
+
+
+@contextlib.contextmanager
+def _our_settings() -> Iterator[None]:
+    with matplotlib.style.context(["default", STYLE]), numpy_settings():
+        yield
+
+
+in_style = _our_settings()
 """Decorator of a function that draws, or saves a drawing: within it Matplotlib has this
-style, whatever the user's own is. Letters may be laid out as late as the drawing is
+style, whatever the user's own is. Some letters are laid out only when the drawing is
 saved."""
 
 Place = Literal["lower center", "upper center", "right upper"]

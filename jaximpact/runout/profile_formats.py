@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import KDTree
 
+from .._numpy_settings import numpy_settings
 from ..errors import InputError, UnusualValueWarning, nearest
 from ..io.files import read_input, read_text
 from ..io.scene_table import reads_as_number, records_of
@@ -35,6 +36,7 @@ class ProfileTable(NamedTuple):
     """Material of each segment; None without a column of materials."""
 
 
+@numpy_settings()
 def read_profile(
     path: Path,
     soil: Soil | None = None,

@@ -5,6 +5,7 @@ import os
 from pathlib import Path
 
 from ..._checks import expect
+from ..._numpy_settings import numpy_settings
 from ..._precision import require_float64
 from ...io.files import make_directory
 from ...io.output_files import output_directory, together
@@ -19,6 +20,7 @@ UNFINISHED = "unfinished"
 """Directory of simulated data sets, until the report is written."""
 
 
+@numpy_settings()
 def calibrate_slope(
     study: str | os.PathLike,
     out: str | os.PathLike | None = None,

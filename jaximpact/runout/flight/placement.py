@@ -76,8 +76,8 @@ def _check_resolution(release: Release, size: np.ndarray, profile: Profile) -> N
     if np.any(coarse):
         i = int(np.argmax(coarse))
         raise ValueError(
-            f"block {i}, of a smallest semi-axis of {size[i]:.3g} m, needs coordinates "
-            f"nearer to 0 than {farthest:g} m, where floating-point numbers lie "
+            f"block {i}, of a smallest semi-axis of {size[i]:.3g} m, is too small for "
+            f"coordinates of {farthest:g} m, where floating-point numbers lie "
             f"{np.spacing(farthest):.2g} m apart; count from an origin near the slope"
         )
 

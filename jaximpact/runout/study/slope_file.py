@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..._numpy_settings import numpy_settings
 from ...identity import part_names
 from ...io.checks import NUMBERS_PER_IMPACT, check_memory
 from ...io.files import read_input
@@ -214,6 +215,7 @@ def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
     return studies[0]
 
 
+@numpy_settings()
 def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStudy]:
     """Read a study that may compare contact laws.
 
