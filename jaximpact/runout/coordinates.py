@@ -10,6 +10,7 @@ import warnings
 import numpy as np
 
 from ..errors import UnusualValueWarning
+from ..io.checks import NO_DATA
 from ..io.display import range_of
 
 LARGEST = 1e8
@@ -18,19 +19,16 @@ the easting too, are smaller; float64 resolves 1.5e-8 m there."""
 RESOLVED = 1e-6
 """Coarsest resolution of coordinates, as a fraction of a block's smallest semi-axis: a
 block starts to be in the ground at as much."""
-NO_DATA = np.array(
-    [
-        *(sign * (10.0**digits - 1.0) for digits in range(4, 10) for sign in (1, -1)),
-        *(-1e4, -32768.0, -32767.0, 32767.0, 65535.0),
-        *(-2147483648.0, -2147483647.0, 2147483647.0, 4294967295.0),
-    ]
+MARKS = (
+    *NO_DATA,
+    *(10.0**digits - 1.0 for digits in range(4, 10)),
+    *(32767.0, 65535.0, 2147483647.0, 4294967295.0),
 )
-"""Numbers that maps hold where nothing is known. Larger ones, as -3.4e38, are beyond
-`LARGEST`."""
+"""Numbers that maps hold where nothing is known."""
 FAR = 1000.0
 """Distance from all other heights [m] beyond which such a number is no height."""
-SHORT_NO_DATA, SHORT_FAR, SHORT_AMONG = -999.0, 500.0, 3
-"""A number of the same kind that may be a height in a local system; its distance from
+SHORT_MARK, SHORT_FAR, SHORT_AMONG = -999.0, 500.0, 3
+"""A mark that may be a height in a local system; its distance from
 all other heights [m], of at least so many, beyond which it is none."""
 
 LONGEST = 5000.0
@@ -98,13 +96,13 @@ def _no_data(values: np.ndarray, name: str) -> np.ndarray:
     outside = np.maximum(np.min(others) - values, values - np.max(others))
     # The far end of a long plain may well lie at x = 9999 m.
     codes &= (values < 0.0) | (name == "y")
-    short = values == SHORT_NO_DATA
+    short = values == SHORT_MARK
     codes &= ~short | (len(others) >= SHORT_AMONG)
     return codes & (outside > np.where(short, SHORT_FAR, FAR))
 
 
 def _is_code(values: np.ndarray) -> np.ndarray:
-    return np.isin(values, NO_DATA) | (values == SHORT_NO_DATA)
+    return np.isin(values, MARKS) | (values == SHORT_MARK)
 
 
 def warn_of_unusual(x: np.ndarray, y: np.ndarray) -> None:
@@ -141,12 +139,12 @@ def _unusual(x: np.ndarray, y: np.ndarray) -> str | None:
     if height > 0.0 and (length > LONGEST or height > HIGHEST):
         return (
             f"{small} and {height:.4g} m high, while usual are up to {LONGEST:g} and "
-            f"{HIGHEST:g} m; {_other_unit(length, height)}?"
+            f"{HIGHEST:g} m; {_other_unit(length, height)}"
         )
     if np.max(y) > SUMMIT:
         return (
             f"has a height of {np.max(y):g} m, above all mountains; "
-            f"{_other_unit(length, height, np.max(y))}?"
+            f"{_other_unit(length, height, np.max(y))}"
         )
     return None
 
@@ -157,5 +155,5 @@ def _other_unit(length: float, height: float, top: float = 0.0) -> str:
         longest = size * length <= LONGEST and size * height <= HIGHEST
         if longest and size * top <= SUMMIT:
             usual = f"{size * length:.4g} m long and {size * height:.4g} m high"
-            return f"{unit}, which makes it {usual}"
-    return "another unit"
+            return f"if its coordinates are {unit}, it is {usual}"
+    return "are its coordinates metres?"

@@ -77,7 +77,6 @@ def found(tests):
     return calibrate(tests, ground={"dilatancy": 0.5}, sigma=SIGMA)
 
 
-@pytest.mark.slow
 def test_settings_of_numpy_are_the_users_own_affair(tests, found, tmp_path):
     """Probabilities far from a measurement underflow to 0."""
     with np.errstate(all="raise"):

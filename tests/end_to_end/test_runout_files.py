@@ -304,7 +304,6 @@ def test_writing_that_breaks_off_leaves_no_half(slope, tmp_path, monkeypatch, er
     assert names >= {*ON_MAP, "trajectories.csv", "report.html"}
 
 
-@pytest.mark.slow
 def test_a_drawing_that_fails_leaves_all_or_nothing(
     slope, tmp_path, monkeypatch, capsys
 ):

@@ -141,7 +141,7 @@ X, Y = np.array([0.0, 100.0, 200.0, 400.0, 1000.0]), np.array([230.0, 170, 115, 
 @pytest.mark.parametrize(
     "mark",
     [
-        *(-9999, -99999, -32768, -32767, -10000, -999, 9999, 99999, 32767, 65535),
+        *(-9999, -99999, -32768, -32767, -999, 9999, 99999, 32767, 65535),
         *(1e20, 3.4e38, -3.4028235e38, -1.7976931348623157e308, np.nan, np.inf),
     ],
 )
@@ -182,9 +182,13 @@ FEET = 1.0 / 0.3048
         (7.65 + X / 78e3, Y + 1700.0, "steeper than any slope; is x in degrees or kil"),
         (X / 1e3, Y / 1e3, "1 m long and 0.23 m high, smaller than any slope; kilomet"),
         (X, Y * 1e3, "steeper than any slope; is y in millimetres"),
-        (X * 1e3, Y * 1e3, "millimetres, which makes it 1000 m long and 230 m high"),
-        (2 * X * FEET, Y * FEET, "feet, which makes it 2000 m long and 230 m high"),
-        (X * FEET, (Y + 2800.0) * FEET, "above all mountains; feet, which makes it 10"),
+        (X * 1e3, Y * 1e3, "are millimetres, it is 1000 m long and 230 m high"),
+        (2 * X * FEET, Y * FEET, "are feet, it is 2000 m long and 230 m high"),
+        (
+            X * FEET,
+            (Y + 2800.0) * FEET,
+            "above all mountains; .* are feet, it is 1000 m",
+        ),
         (X, np.where(X == 200.0, 0.0, Y + 1700.0), "1870 m to 0 m .* at point 3, more"),
         (X * 1e2, Y, "1e[+]05 m long and 230 m high, while usual are up to 5000 and"),
     ],
