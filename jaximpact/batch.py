@@ -21,6 +21,7 @@ import jax
 import numpy as np
 
 from ._checks import real_number
+from ._numpy_settings import numpy_settings
 from ._packages import versions
 from ._precision import require_float64
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
@@ -327,6 +328,7 @@ def _subject(
     }
 
 
+@numpy_settings()
 def compute_scenes(
     scene: Scene,
     accuracy: Accuracy,

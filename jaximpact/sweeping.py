@@ -12,6 +12,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from ._checks import expect, real_number, real_numbers
+from ._numpy_settings import numpy_settings
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
 from .errors import InputError
@@ -68,6 +69,7 @@ class _Axis(NamedTuple):
     """Number of points."""
 
 
+@numpy_settings()
 def sweep(
     base: SceneLike,
     axes: Axes,
@@ -150,6 +152,7 @@ def sweep(
     )
 
 
+@numpy_settings()
 def repeat_sweep(dataset: xr.Dataset, **how) -> xr.Dataset:
     """Compute a sweep again, from nothing but what the dataset says about itself.
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._checks import expect
+from .._numpy_settings import numpy_settings
 from .._precision import require_float64
 from ..errors import InputError
-from ..io.files import replacing
 from ..parameters import Part
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import columns_of_part
@@ -77,6 +77,7 @@ class Calibration:
                 lines.append(f"  {name} = {value}{unit}, {error}, 95 %: {interval}")
         return "\n".join(lines) + ">"
 
+    @numpy_settings()
     def __str__(self) -> str:
         return self.summary()
 
@@ -136,29 +137,30 @@ class Calibration:
         (why not); of several variants, use `parameters_of`."""
         return self.parameters_of()
 
+    @numpy_settings()
     def parameters_of(self, variant: str | None = None) -> dict[str, dict]:
         """Return the parameters of a variant."""
         index = self.result.variants.index(self._chosen(variant))
         return self.as_json()["variants"][index]["parameters"]
 
+    @numpy_settings()
     def as_json(self) -> dict:
         """Return every number, as in fit.json."""
         return as_json(self.result, self.examined, self.others)
 
+    @numpy_settings()
     def plot(self, path: str | os.PathLike | None = None) -> "Figure":
         """Draw the fit of every target, and the costs of the starts.
 
         Args:
             path: file to save the figure in too; replaced once the new one is whole.
         """
+        from ..plotting.style import save_figure
         from .report.overview import plot_study
 
-        figure = plot_study(self.result)
-        if path is not None:
-            with replacing(Path(path)) as temporary:
-                figure.savefig(temporary, dpi=120)
-        return figure
+        return save_figure(plot_study(self.result), path)
 
+    @numpy_settings()
     def write(self, out: str | os.PathLike) -> None:
         """Write the report and its numbers, as `jaximpact calibrate` does."""
         with study_directory(
@@ -185,12 +187,14 @@ class Prediction(PredictedTests):
     def __repr__(self) -> str:
         return f"<Prediction: {str(self).strip()}>"
 
+    @numpy_settings()
     def __str__(self) -> str:
         return render("prediction", "txt", prediction_contents(self))
 
     def _repr_html_(self) -> str:
         return render("prediction", "html", prediction_contents(self))
 
+    @numpy_settings()
     def write(self, path: str | os.PathLike) -> None:
         """Write a table of all predictions, with scores and origin beside it.
 
@@ -200,6 +204,7 @@ class Prediction(PredictedTests):
         write_prediction(self, Path(path))
 
 
+@numpy_settings()
 def calibrate(
     tests: str | os.PathLike | Mapping,
     *,
@@ -260,6 +265,7 @@ def calibrate(
     )
 
 
+@numpy_settings()
 def predict(
     result: Calibration | str | os.PathLike,
     tests: str | os.PathLike | Mapping,
@@ -298,6 +304,7 @@ def ground_of(found: Calibration) -> FittedGround:
     return fitted_of(found.as_json(), study.parts, laws)
 
 
+@numpy_settings()
 def run_study(
     study_path: Path,
     out_dir: Path,

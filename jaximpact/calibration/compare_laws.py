@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .._checks import expect
+from .._numpy_settings import numpy_settings
 from .._precision import require_float64
 from ..io.display import align
 from ..io.files import replacing, write_text
-from ..io.output_files import output_directory
+from ..io.output_files import output_directory, together
 from ..parameters import Part
 from ..progress import Progress, ProgressFunction
 from ..scene import Block, Soil
@@ -152,6 +153,7 @@ class Comparison:
     def __repr__(self) -> str:
         return f"<Comparison: {' '.join(verdict(self.compared))}>"
 
+    @numpy_settings()
     def __str__(self) -> str:
         return render("comparison", "txt", self._contents())
 
@@ -195,6 +197,7 @@ class Comparison:
             raise KeyError(f"{name!r} is none of {', '.join(self.laws)}")
         return self.compared.laws[self.laws.index(name)]
 
+    @numpy_settings()
     def to_dataframe(self) -> "pd.DataFrame":
         """Make a table with one row a law: its number of `parameters` that have an
         influence, `score` (the log predictive density of all tests), `difference` to
@@ -217,6 +220,7 @@ class Comparison:
                 ]
         return pd.DataFrame(columns, index=pd.Index(self.laws, name="law"))
 
+    @numpy_settings()
     def plot(self, path: str | os.PathLike | None = None) -> "Figure":
         """Draw the difference of each law to the best, with two standard errors.
 
@@ -229,6 +233,7 @@ class Comparison:
         figure = draw_comparison(self.compared)
         return save_figure(figure, None if path is None else Path(path))
 
+    @numpy_settings()
     def predict(self, tests: str | os.PathLike | Mapping) -> StackedPrediction:
         """Predict tests with every law, and with all of them by their stacking
         weights.
@@ -242,6 +247,7 @@ class Comparison:
         table = table_given(tests, scene_of(study.parts))
         return predict_stacked(self.compared, joined_tables((table,)))
 
+    @numpy_settings()
     def write(self, out: str | os.PathLike) -> None:
         """Write comparison.html, .txt, .csv, .json and .png into a directory.
 
@@ -250,7 +256,8 @@ class Comparison:
         from .report.overview import comparison_picture
 
         inputs = self.compared.study.inputs
-        with output_directory(Path(out), "compare", FILES, inputs=inputs) as new:
+        directory = output_directory(Path(out), "compare", FILES, inputs=inputs)
+        with directory as listed, together(listed) as new:
             picture = comparison_picture(self.compared)
             with replacing(new(FILES[4])) as temporary:
                 temporary.write_bytes(base64.b64decode(picture["base64"]))
@@ -261,6 +268,7 @@ class Comparison:
             write_text(new(FILES[3]), in_lines(comparison_json(self.compared)) + "\n")
 
 
+@numpy_settings()
 def compare(
     tests: str | os.PathLike | Mapping,
     laws: Iterable[Law] | None = None,

@@ -93,8 +93,11 @@ def _run(
         raise
     _set_up_jax()
     os.environ["MPLBACKEND"] = "agg"  # drawings go to files
+    from .._numpy_settings import numpy_settings
+
     try:
-        arguments.run(arguments)
+        with numpy_settings():
+            arguments.run(arguments)
     except (InputError, IncompleteError, OSError, MemoryError):
         raise
     except BaseException as error:

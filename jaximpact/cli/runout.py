@@ -75,7 +75,8 @@ A profile's CSV has the columns x_m and y_m; any quantity of the soil,
 rolling_friction_angle_deg and roughness_deg, which hold from their point to the next;
 and material, which names a table [ground.materials.NAME] without from_x_m and to_x_m. A
 DXF drawing (AutoCAD; needs the package ezdxf) has the profile as one polyline, or lines
-that join, x and y in metres; layer says on which layer, where there are several lines.
+and arcs that join, x to the right and y up, in metres or the unit that it names; layer
+says on which layer, where there are several lines.
 Materials must not overlap. Where none is, [ground] holds.
 What [ground] does not give has its default below; rolling_friction_angle_deg is 20,
 an assumption, and roughness_deg 0.
@@ -176,7 +177,7 @@ def add_parser(commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Compute the study."""
     from ..io.files import make_directory
-    from ..io.output_files import output_directory
+    from ..io.output_files import output_directory, together
     from ..runout import choose_contacts, read_slope_studies, run_slope_study
     from ..runout.study import output
 
@@ -212,14 +213,15 @@ def run(arguments: argparse.Namespace) -> None:
                     executor=executor,
                 )
             datasets[study.law_name] = dataset
-        for study, folder in zip(studies, folders, strict=True):
-            output.write_slope_study(
-                study,
-                datasets[study.law_name],
-                lambda name, folder=folder: new((folder / name).as_posix()),
-            )
-        if several:
-            output.write_comparison(studies[0], datasets, new)
+        with together(new) as add:
+            for study, folder in zip(studies, folders, strict=True):
+                output.write_slope_study(
+                    study,
+                    datasets[study.law_name],
+                    lambda name, folder=folder: add((folder / name).as_posix()),
+                )
+            if several:
+                output.write_comparison(studies[0], datasets, add)
         for journal in journals:
             journal.unlink()
     print(output.compare_in_words(datasets) if several else output.in_words(dataset))

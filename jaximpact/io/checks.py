@@ -47,6 +47,12 @@ def _memory() -> float:
 
 MEMORY = _memory()
 """Memory of this machine [bytes]."""
+NO_DATA = (
+    *(1.0 - 10.0**digits for digits in range(4, 10)),
+    *(-32768.0, -32767.0, -2147483648.0, -2147483647.0, -1e20),
+    *(float(np.float32(-3.4028235e38)), -3.4028235e38, -3.4e38),
+)
+"""Numbers that programs write where nothing was measured."""
 NUMBERS_PER_IMPACT = len(INPUT_COLUMNS) + len(RESULT_COLUMNS)
 """Least count of numbers that a batch takes and gives for each impact."""
 

@@ -3,7 +3,7 @@
 import dataclasses
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from .._numpy_settings import numpy_settings
 from .._packages import versions
 from ..accuracy import Accuracy
 from ..errors import InputError
@@ -311,19 +312,28 @@ def _check_dimensions(dimensions: Sequence[str], shape: tuple[int, ...]) -> None
             )
 
 
+@numpy_settings()
 def write_netcdf(path: Path, dataset: xr.Dataset) -> None:
     """Write a dataset to a NetCDF file.
 
     The file appears whole or not at all; one of the same name is replaced.
 
-    Raises OSError where the file system refuses.
+    Raises OSError where the file system refuses, and InputError for what NetCDF 3 does
+    not hold.
     """
     with replacing(Path(path)) as temporary:
-        dataset.to_netcdf(temporary, engine=NETCDF_ENGINE)
+        try:
+            written = _with_names(dataset, _as_bytes_of_utf8)
+            written.to_netcdf(temporary, engine=NETCDF_ENGINE)
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                f"the dataset cannot be written as NetCDF 3: {error}", file=path
+            ) from error
         with open(temporary, "r+b") as file:  # to write, as Windows asks for
             os.fsync(file.fileno())
 
 
+@numpy_settings()
 def read_netcdf(path: Path) -> xr.Dataset:
     """Read a dataset that `write_netcdf` wrote, whole into memory.
 
@@ -332,7 +342,8 @@ def read_netcdf(path: Path) -> xr.Dataset:
     path = Path(path)
     start = read_input(path, once=False)[: len(NETCDF_MAGIC)]
     try:
-        return xr.load_dataset(path, engine=NETCDF_ENGINE)
+        dataset = xr.load_dataset(path, engine=NETCDF_ENGINE)
+        return _with_names(dataset, _from_bytes_of_utf8)
     except OSError as error:
         why = error.strerror or str(error)
         raise InputError(f"cannot be read: {why}", file=path) from error
@@ -341,3 +352,25 @@ def read_netcdf(path: Path) -> xr.Dataset:
         damaged = start == NETCDF_MAGIC
         why = "is a damaged NetCDF 3 file" if damaged else "is not a NetCDF 3 file"
         raise InputError(why, file=path) from error
+
+
+def _with_names(dataset: xr.Dataset, recode: Callable[[str], str]) -> xr.Dataset:
+    """Change the names of dimensions, variables and attributes."""
+    names = {name: recode(str(name)) for name in (*dataset.dims, *dataset.variables)}
+    renamed = dataset.rename({old: new for old, new in names.items() if old != new})
+    for holder in (renamed, *renamed.variables.values()):
+        holder.attrs = {recode(str(key)): value for key, value in holder.attrs.items()}
+    return renamed
+
+
+def _as_bytes_of_utf8(name: str) -> str:
+    """Write each byte of a name's UTF-8, which NetCDF asks for, as a character: SciPy
+    writes names in Latin-1, and fails for others."""
+    return name.encode().decode("latin-1")
+
+
+def _from_bytes_of_utf8(name: str) -> str:
+    try:
+        return name.encode("latin-1").decode()
+    except UnicodeError:  # of another program
+        return name

@@ -16,6 +16,10 @@ from ..interruption import unfinished
 CONTROLS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
 """Control characters but for tabs and line ends."""
 CONTROL_BYTES = bytes({*range(32), 127} - set(b"\t\n\r"))
+NO_BACKSLASH = (
+    "a backslash in double quotes begins an escape: write / or single quotes for a path"
+)
+"""Cure of paths of Windows in TOML."""
 LOCK_SUFFIX = "jaximpact-lock"
 WITHOUT_WAITING = getattr(os, "O_NONBLOCK", 0)
 """Flag with which a pipe is opened at once; 0 on Windows, whose files are no pipes."""
@@ -54,7 +58,11 @@ def read_input(path: str | os.PathLike, *, once: bool = True) -> bytes:
                 os.set_blocking(file.fileno(), True)
             return (start or b"") + file.readall()
     except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
+        # A path of Windows in double quotes of TOML: \n and \t are no letters there.
+        cause = "" if os.fsdecode(path).isprintable() else f"; {NO_BACKSLASH}"
+        raise InputError(
+            f"cannot be read: {error.strerror}{cause}", file=path
+        ) from error
     except InputError:
         raise
     except ValueError as error:

@@ -12,7 +12,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
-from ..errors import InputError
+from ..errors import IncompleteError, InputError, shown
 from .files import (
     check_writable,
     locked,
@@ -113,6 +113,24 @@ def output_directory(
             run.check(name)
         yield run.new
         run.finish()
+
+
+@contextlib.contextmanager
+def together(new: NewFile) -> Iterator[NewFile]:
+    """Have all files that are written in the block appear when it ends, or none.
+
+    Raises IncompleteError, in one sentence, for whatever else than input and system
+    keeps one from being written, as drawing it.
+    """
+    try:
+        with contextlib.ExitStack() as files:
+            yield lambda name: files.enter_context(replacing(new(name)))
+    except (OSError, InputError, IncompleteError, MemoryError):
+        raise
+    except Exception as error:
+        raise IncompleteError(
+            shown(f"no file was written: {type(error).__name__}: {error}")
+        ) from error
 
 
 class _Run:

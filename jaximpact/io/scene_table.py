@@ -42,6 +42,7 @@ from ..scene_quantities import (
     with_shapes,
 )
 from ..shapes import MixedShapes
+from .checks import NO_DATA
 from .files import check_text, read_input
 from .parquet import csv_of_parquet, is_parquet
 
@@ -411,7 +412,7 @@ def _numbers(cells: _Cells, column: InputColumn | None = None) -> np.ndarray:
     if column is not None:
         allowed = column.is_allowed(values)
     else:
-        allowed = np.isfinite(values)
+        allowed = np.isfinite(values) & ~np.isin(values, NO_DATA)
         if cells.name in SIGMA_COLUMNS:
             allowed &= values > 0.0
     if "_" in "".join(texts):
@@ -434,6 +435,8 @@ def _problem_with_number(name: str, column: InputColumn | None, cell: str) -> st
     if column is not None:
         hint = column.hint(float(cell), column.unit)
         return f"must be {column.requirement}, but is {cell.strip()}{hint}"
+    if float(cell) in NO_DATA:
+        return f"is {cell.strip()}, a mark for no data; leave the cell empty"
     requirement = "above 0" if name in SIGMA_COLUMNS else "finite"
     return f"must be {requirement}, but is {cell.strip()}"
 

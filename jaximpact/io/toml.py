@@ -18,7 +18,7 @@ from ..parameters import Composite, Part, parts_of
 from ..quantities import SLOTS, InputColumn, columns_of, why_unknown
 from ..scene import PARTS, Scene
 from ..scene_quantities import part_named, replaced_parts, scene_with
-from .files import CONTROLS, as_text, read_input
+from .files import CONTROLS, NO_BACKSLASH, as_text, read_input
 
 LARGEST_WHOLE = 2**63 - 1
 """Largest whole number that TOML promises to hold."""
@@ -26,6 +26,9 @@ DEEPEST = 20
 """Levels of tables and lists inside one another."""
 DOTTED = re.compile(r"^\[*(?:[\w-]+\.){500}", re.MULTILINE)
 """A key that tomllib takes minutes to read."""
+ROW = re.compile(r"at line (\d+)")
+"""Row in an error of tomllib."""
+BACKSLASH = re.compile(r'"[^"]*\\')
 DIGITS = re.compile(r"[0-9_]{1000,}")
 TOO_DEEP = f"holds tables or lists more than {DEEPEST} deep"
 TOO_LARGE = (
@@ -82,7 +85,7 @@ def parse_toml(path: Path, data: bytes) -> dict:
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise file.error(f"is not valid TOML: {error}") from error
+        raise file.error(f"is not valid TOML: {error}{_escape(text, error)}") from error
     except RecursionError:
         raise file.error(TOO_DEEP) from None
     except ValueError:
@@ -92,6 +95,16 @@ def parse_toml(path: Path, data: bytes) -> dict:
         raise InputError(TOO_LARGE, file=path, row=row) from None
     _check_value(file, content)
     return content
+
+
+def _escape(text: str, error: tomllib.TOMLDecodeError) -> str:
+    """Give the reason of an error in a row with a backslash in double quotes, as in a
+    path of Windows; empty for other errors."""
+    row = ROW.search(str(error))
+    lines = text.splitlines()
+    if not row or not BACKSLASH.search("".join(lines[int(row[1]) - 1 : int(row[1])])):
+        return ""
+    return f"; {NO_BACKSLASH}"
 
 
 def _check_value(key: Key, value: Any, depth: int = 0) -> None:
@@ -114,7 +127,9 @@ def _check_value(key: Key, value: Any, depth: int = 0) -> None:
 def _check_text(key: Key, text: str) -> None:
     # Tabs and line ends may stand in notes; an escape would command the terminal.
     if not text.isprintable() and CONTROLS.search(text):
-        raise key.error("holds a control character, such as an escape; remove it")
+        raise key.error(
+            f"holds a control character, such as an escape; remove it; {NO_BACKSLASH}"
+        )
 
 
 # --- Keys.

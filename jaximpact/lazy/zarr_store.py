@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from .._checks import expect
+from .._numpy_settings import numpy_settings
 from .._packages import needed
 from ..errors import IncompleteError, InputError
 from ..impact.events import Outcome
@@ -80,6 +81,7 @@ class _Layout(NamedTuple):
         )
 
 
+@numpy_settings()
 def write_zarr(
     path: Path | str,
     dataset: xr.Dataset,

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from .._numpy_settings import numpy_settings
 from ..accuracy import Accuracy, get_accuracy
 from ..backend.derivative_rules import solve_recorded
 from ..backend.threads import thread_count
@@ -52,6 +53,7 @@ PARAMETRIC_SETS = tuple(_SETS)
 either; IV: vertical, at all orientations; fig13: the same with initial spin."""
 
 
+@numpy_settings()
 def parametric_set(name: str, ground: str | None = None) -> tuple[Scene, Axes]:
     """Base and axes of a set, for `sweep`: blocks of 100 kg at 14 m/s.
 

@@ -1,15 +1,17 @@
 """One style for all drawings: sizes, colours, ticks, legends, files.
 
 A drawing shown in a page of 800 px is 8 inches wide: its letters of 9 points stay 9
-points. Functions that draw wear `@in_style`; figures come from `panels`.
+points. Functions that draw or save wear `@in_style`; figures come from `panels`.
 """
 
+import contextlib
 import io
-from collections.abc import Sequence
+import os
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Literal
 
-import matplotlib
+import matplotlib.style
 import numpy as np
 from cycler import cycler
 from matplotlib.artist import Artist
@@ -18,6 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from PIL import Image
 
+from .._numpy_settings import numpy_settings
 from ..io.files import replacing
 
 # Okabe and Ito's colours, which colour-blind readers tell apart.
@@ -37,26 +40,36 @@ PNG_COLOURS = 256
 INCH_PER_TICK = 0.6
 """Room of a tick with its number along an axis, so that no two collide."""
 
-in_style = matplotlib.rc_context(
-    {
-        "figure.constrained_layout.use": True,
-        "figure.titlesize": 10,
-        "font.size": 10,
-        "axes.titlesize": 10,
-        "axes.labelsize": 10,
-        "xtick.labelsize": 9,
-        "ytick.labelsize": 9,
-        "legend.fontsize": 9,
-        "legend.title_fontsize": 9,
-        "legend.frameon": False,
-        "axes.grid": True,
-        "axes.axisbelow": True,
-        "grid.alpha": 0.25,
-        "axes.prop_cycle": cycler(color=COLOURS),
-        "savefig.dpi": DPI,
-    }
-)
-"""Decorator of a function that draws: within it Matplotlib has this style."""
+STYLE = {
+    "figure.constrained_layout.use": True,
+    "figure.titlesize": 10,
+    "font.size": 10,
+    "axes.titlesize": 10,
+    "axes.labelsize": 10,
+    "xtick.labelsize": 9,
+    "ytick.labelsize": 9,
+    "legend.fontsize": 9,
+    "legend.title_fontsize": 9,
+    "legend.frameon": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.alpha": 0.25,
+    "axes.prop_cycle": cycler(color=COLOURS),
+    "savefig.dpi": DPI,
+}
+"""What differs from Matplotlib's own style."""
+
+
+@contextlib.contextmanager
+def _our_settings() -> Iterator[None]:
+    with matplotlib.style.context(["default", STYLE]), numpy_settings():
+        yield
+
+
+in_style = _our_settings()
+"""Decorator of a function that draws, or saves a drawing: within it Matplotlib has this
+style, whatever the user's own is. Some letters are laid out only when the drawing is
+saved."""
 
 Place = Literal["lower center", "upper center", "right upper"]
 """Places of a legend outside the panels."""
@@ -206,6 +219,7 @@ def plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
+@in_style
 def png_bytes(figure: Figure) -> bytes:
     """Return the bytes of a PNG file, the same for the same figure."""
     drawn, file = io.BytesIO(), io.BytesIO()
@@ -216,7 +230,8 @@ def png_bytes(figure: Figure) -> bytes:
     return file.getvalue()
 
 
-def save_figure(figure: Figure, path: str | Path | None) -> Figure:
+@in_style
+def save_figure(figure: Figure, path: str | os.PathLike | None) -> Figure:
     """Save a figure, if there is a path, in the format that its suffix names; a file
     of that name is replaced once the new one is whole.
 

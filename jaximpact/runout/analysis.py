@@ -7,6 +7,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
+from .._numpy_settings import numpy_settings
 from .blocks import BlockOutline, MassProperties, select, support
 from .lane_programs import Values, closed_form, found_by_search, root
 from .trajectory import (
@@ -95,6 +96,7 @@ class Passages(NamedTuple):
         return self.translational_energy + self.rotational_energy
 
 
+@numpy_settings()
 def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passages:
     """Find every passage of a collector, exactly, from the pieces of the trajectories.
 
@@ -172,6 +174,7 @@ def passage(
     )
 
 
+@numpy_settings()
 def first_passages(found: Passages, blocks: int) -> tuple[np.ndarray, Passages]:
     """Count the passages of each block, and choose the first.
 
@@ -209,6 +212,7 @@ class Maxima(NamedTuple):
     """Total kinetic energy [J]."""
 
 
+@numpy_settings()
 def maxima_along(
     runs: Runs, edges: np.ndarray, stretches: Stretches | None = None
 ) -> Maxima:

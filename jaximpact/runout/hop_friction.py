@@ -14,6 +14,7 @@ import jax
 import numpy as np
 
 from .._checks import expect, real_number
+from .._numpy_settings import numpy_settings
 from ..accuracy import Accuracy
 from ..scene import GRAVITY, Block, Soil
 from ..shapes import RoundBlock
@@ -32,6 +33,7 @@ ROUNDING = 1e-9
 """Heave, as a fraction of the radius, that is rounding."""
 
 
+@numpy_settings()
 def rolling_friction_of_hops(
     block: Block,
     soil: Soil,

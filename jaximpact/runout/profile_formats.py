@@ -1,5 +1,6 @@
 """Slope profiles from files: CSV, and DXF drawings, read by the optional ezdxf."""
 
+import collections
 import dataclasses
 import io
 import warnings
@@ -8,13 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import KDTree
 
-from ..errors import InputError, nearest
+from .._numpy_settings import numpy_settings
+from ..errors import InputError, UnusualValueWarning, nearest
 from ..io.files import read_input, read_text
 from ..io.scene_table import reads_as_number, records_of
 from ..quantities import columns_of_part
 from ..scene import Soil
 from ..scene_quantities import SLOTS
+from .coordinates import LARGEST, problem_with
 from .terrain import ANGLE_COLUMNS, ROLLING_FRICTION_ANGLE, Profile
 
 POINT_COLUMNS = ("x_m", "y_m")
@@ -32,6 +36,7 @@ class ProfileTable(NamedTuple):
     """Material of each segment; None without a column of materials."""
 
 
+@numpy_settings()
 def read_profile(
     path: Path,
     soil: Soil | None = None,
@@ -82,6 +87,10 @@ def read_profile_table(
     materials = cells.pop(MATERIAL_COLUMN, None)
     numbers = {name: _numbers(path, name, cells[name], lines) for name in cells}
     x, y = (numbers.pop(name) for name in POINT_COLUMNS)
+    for column, values in zip(POINT_COLUMNS, (x, y), strict=True):
+        if problem := problem_with(values, column.removesuffix("_m")):
+            place, told = problem
+            raise InputError(told, file=path, row=lines[place], column=column)
     fields: dict[str, ArrayLike] = {}
     angles: dict[str, ArrayLike] = {
         "rolling_friction_angle": rolling_friction_angle,
@@ -178,11 +187,30 @@ def _check_header(path: Path, line: int, names: list[str], known: tuple) -> None
             raise InputError(f"needs a column {name}", file=path, row=line)
 
 
-KINDS = ("LINE", "LWPOLYLINE", "POLYLINE")
+KINDS = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "ELLIPSE", "SPLINE")
 """Entities that a profile is read from."""
-SAGITTA = 0.01
+SILENT = (
+    *("TEXT", "MTEXT", "ATTDEF", "DIMENSION", "ARC_DIMENSION", "LEADER", "MULTILEADER"),
+    *("TOLERANCE", "HATCH", "MPOLYGON", "POINT", "CIRCLE", "SOLID", "IMAGE", "WIPEOUT"),
+    *("XLINE", "RAY", "VIEWPORT", "ACAD_TABLE", "LIGHT", "SUN", "SECTION"),
+)
+"""Entities that no ground is drawn with: writing, measures, fillings, pictures."""
+SAGITTA, FINEST = 0.01, 1e-6
 """Largest distance of the chords from an arc [m], which ezdxf takes for cubic curves
-within 3e-4 of its radius."""
+within 3e-4 of its radius, and its least as a fraction of the arc's size, so that no arc
+has more than some thousand chords."""
+METRES = 6
+"""$INSUNITS of metres; 0 stands for no unit."""
+DXF_UNITS = {
+    **{1: ("inches", 0.0254), 2: ("feet", 0.3048), 3: ("miles", 1609.344)},
+    **{4: ("millimetres", 1e-3), 5: ("centimetres", 1e-2), METRES: ("metres", 1.0)},
+    **{7: ("kilometres", 1e3), 10: ("yards", 0.9144), 14: ("decimetres", 0.1)},
+    **{15: ("decametres", 10.0), 16: ("hectometres", 100.0)},
+    21: ("US survey feet", 1200.0 / 3937.0),
+}
+"""Units of lengths on the ground by their $INSUNITS: names and sizes [m]."""
+MEETING = 8
+"""Number of ends at one place that are looked at; where a profile goes on, two meet."""
 TOUCHING = 1e-6
 """Distance of ends of lines that are joined, as a fraction of the drawing's size."""
 
@@ -192,9 +220,11 @@ def read_dxf_points(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Read the points of a profile from a DXF drawing.
 
-    A profile is a polyline (LWPOLYLINE, POLYLINE) or several lines (LINE, or polylines
-    again) that join end to end, in either direction; arcs of polylines are cut to
-    chords. x and y of the drawing are taken as metres.
+    A profile is a polyline (LWPOLYLINE, POLYLINE) or several lines (LINE, ARC, ELLIPSE,
+    SPLINE, or polylines again) that join end to end, in either direction; arcs are cut
+    to chords. The drawing's unit ($INSUNITS) is converted to metres, with a warning; a
+    drawing without a unit is in metres. Entities that are not read, such as blocks, are
+    warned of.
 
     Args:
         path: the file, DXF of any version.
@@ -205,11 +235,11 @@ def read_dxf_points(
 
     Raises InputError, naming the file, for whatever makes no single line.
     """
-    by_layer = _lines_by_layer(Path(path))
+    by_layer = _lines_by_layer(Path(path), layer)
     if not by_layer:
         raise InputError(
-            "has no LINE, LWPOLYLINE or POLYLINE in its model space, which a profile "
-            "is read from",
+            f"has no {', '.join(KINDS[:-1])} or {KINDS[-1]} in its model space, which "
+            "a profile is read from",
             file=path,
         )
     if layer is not None and layer not in by_layer:
@@ -241,8 +271,12 @@ def read_dxf_points(
     return points[:, 0].copy(), points[:, 1].copy()
 
 
-def _lines_by_layer(path: Path) -> dict[str, list[np.ndarray]]:
-    """Read the lines of the model space, points `(points, 2)` each."""
+def _lines_by_layer(path: Path, layer: str | None) -> dict[str, list[np.ndarray]]:
+    """Read the lines of the model space, points `(points, 2)` each [m].
+
+    Args:
+        layer: the only one whose entities that are not read are warned of; None: all.
+    """
     read_input(path, once=False)
     try:
         from ezdxf.filemanagement import (  # pyright: ignore[reportMissingImports]
@@ -255,21 +289,74 @@ def _lines_by_layer(path: Path) -> dict[str, list[np.ndarray]]:
             file=path,
         ) from None
     found: dict[str, list[np.ndarray]] = {}
+    passed_over: collections.Counter[str] = collections.Counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            entities = readfile(path).modelspace().query(" ".join(KINDS))
-            for entity in entities:
-                vertices = make_path(entity).flattening(SAGITTA)
-                points = np.array([tuple(v) for v in vertices], float)
-                if len(points) and np.any(points != points[0]):
-                    found.setdefault(entity.dxf.layer, []).append(points)
+            drawing = readfile(path)
+            number = drawing.header.get("$INSUNITS", 0) or METRES
+            if number not in DXF_UNITS:
+                raise InputError(
+                    f"has $INSUNITS {number}, which is no unit of slopes; set its "
+                    "units to metres",
+                    file=path,
+                )
+            unit, metre = DXF_UNITS[number]
+            for entity in drawing.modelspace():
+                kind, on = entity.dxftype(), entity.dxf.get("layer", "0")
+                if kind in KINDS:
+                    points = _chords(path, make_path(entity), metre)
+                    if len(points) and np.any(points != points[0]):
+                        found.setdefault(on, []).append(points)
+                elif kind not in SILENT and layer in (None, on):
+                    passed_over[kind] += 1
+        except InputError:
+            raise
         except Exception as error:  # of many kinds, for damaged files
             told = str(error) or type(error).__name__
             raise InputError(
                 f"is no DXF drawing that can be read: {told}", file=path
             ) from None
+    if metre != 1.0:
+        _warn(
+            path,
+            f"is in {unit} by its $INSUNITS: coordinates are taken times {metre:g} as "
+            "metres; if they are metres already, set its units to metres",
+        )
+    if passed_over and found:
+        told = ", ".join(f"{count} {kind}" for kind, count in passed_over.items())
+        _warn(
+            path,
+            f"holds {told}, which no profile is read from; explode what is ground into "
+            "lines",
+        )
     return {name: [_flat(path, name, p) for p in of] for name, of in found.items()}
+
+
+def _warn(path: Path, text: str) -> None:
+    text = f"{path}: {text}"
+    warnings.warn(UnusualValueWarning(text, text), stacklevel=1)
+
+
+def _chords(path: Path, curve, metre: float) -> np.ndarray:
+    """Cut a curve to chords, points `(points, 3)` [m].
+
+    Args:
+        curve: path of ezdxf.
+        metre: the drawing's unit [m].
+    """
+    # A bulge without bound makes an arc of any size, and without end of chords.
+    corners = metre * np.array([tuple(v) for v in curve.control_vertices()], float)
+    if not np.all(np.abs(corners) <= LARGEST):
+        raise InputError(
+            f"has a {'curve' if curve.has_curves else 'line'} that goes beyond "
+            f"{LARGEST:g} m from the origin; draw it nearer to the origin, and bulges "
+            "of arcs smaller",
+            file=path,
+        )
+    size = np.max(np.ptp(corners, axis=0), initial=0.0) if len(corners) else 0.0
+    vertices = curve.flattening(max(SAGITTA, FINEST * size) / metre)
+    return metre * np.array([tuple(v) for v in vertices], float)
 
 
 def _flat(path: Path, layer: str, points: np.ndarray) -> np.ndarray:
@@ -287,27 +374,45 @@ def _flat(path: Path, layer: str, points: np.ndarray) -> np.ndarray:
 def _joined(lines: list[np.ndarray]) -> list[np.ndarray]:
     """Join lines whose ends touch, until none do."""
     size = np.max(np.ptp(np.concatenate(lines), axis=0))
-    waiting = list(lines)
+    # End 2 i is the first point of line i, and 2 i + 1 its last.
+    ends = np.concatenate([line[[0, -1]] for line in lines])
+    tree = KDTree(ends)
+    within = np.nextafter(TOUCHING * size, np.inf)
+    _, near = tree.query(ends, MEETING, p=np.inf, distance_upper_bound=within)
+    # In the order of the file; `len(ends)` stands for none.
+    touching = np.sort(near, axis=1)
+    waiting = dict.fromkeys(range(len(lines)))
     chains = []
     while waiting:
-        chain = waiting.pop(0)
-        place = 0
-        while place < len(waiting):
-            longer = _join(chain, waiting[place], TOUCHING * size)
-            if longer is None:
-                place += 1
-            else:
-                chain = longer
-                del waiting[place]
-                place = 0
-        chains.append(chain)
+        first = next(iter(waiting))
+        del waiting[first]
+        after, before = (
+            _followed(lines, touching, 2 * first + last, waiting) for last in (1, 0)
+        )
+        # A joint has the point of the line that was there before.
+        chain = [line[::-1][:-1] for line in reversed(before)]
+        chains.append(
+            np.concatenate([*chain, lines[first], *(line[1:] for line in after)])
+        )
     return chains
 
 
-def _join(first: np.ndarray, second: np.ndarray, within: float) -> np.ndarray | None:
-    """Join two lines at ends that touch; None if there are none."""
-    for one in (first, first[::-1]):
-        for other in (second, second[::-1]):
-            if np.max(np.abs(one[-1] - other[0])) <= within:
-                return np.concatenate([one, other[1:]])
-    return None
+def _followed(
+    lines: list[np.ndarray], touching: np.ndarray, end: int, waiting: dict
+) -> list[np.ndarray]:
+    """Take from the lines that wait those that follow an end, one after the other, each
+    from the joint on.
+
+    Args:
+        touching: ends that touch each end, `(ends, MEETING)`.
+        waiting: indices of the lines, of which those taken are removed.
+    """
+    found = []
+    while True:
+        other = next((e for e in touching[end].tolist() if e // 2 in waiting), None)
+        if other is None:
+            return found
+        del waiting[other // 2]
+        line = lines[other // 2]
+        found.append(line[::-1] if other % 2 else line)
+        end = other ^ 1

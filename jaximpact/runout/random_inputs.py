@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike
 from scipy.special import ndtr, ndtri
 
 from .._checks import real_number, whole_number
+from .._numpy_settings import numpy_settings
 from ..io.checks import check_memory
 
 
@@ -183,6 +184,7 @@ def is_random(quantities: Mapping[str, Quantity]) -> bool:
     return any(isinstance(q, Distribution) for q in quantities.values())
 
 
+@numpy_settings()
 def draw(
     quantities: Mapping[str, Quantity], count: int, seed: int
 ) -> dict[str, np.ndarray]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import expect, real_number, whole_number
+from .._numpy_settings import numpy_settings
 from .._precision import require_float64
 from ..errors import InputError
 from ..io.checks import check_scene
@@ -116,6 +117,7 @@ def checked_limits(time_limit: float, event_limit: int, hop_threshold: float) ->
     return Limits(time_limit, event_limit, hop_threshold)
 
 
+@numpy_settings()
 def follow(state: State, contacts: Contacts, width: int, progress: Progress) -> Runs:
     """Follow blocks from their release to their ends; see `simulate_runout`."""
     advance(state, contacts, width, progress)

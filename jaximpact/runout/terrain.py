@@ -15,6 +15,7 @@ from ..io.display import Rows, ShownAsTable, range_of
 from ..quantities import InputColumn, columns_of_part
 from ..scene import Soil
 from ..units import DEGREE
+from .coordinates import problem_with, warn_of_unusual
 
 ROLLING_FRICTION_ANGLE = math.radians(20.0)
 """Default [rad]: an assumption, as the paper gives none."""
@@ -96,7 +97,8 @@ class Profile(ShownAsTable):
         expect("a profile's soil", soil, Soil)
         problem = _problem_with_points(x, y)
         if problem:
-            raise ValueError(f"a profile {problem}")
+            raise ValueError(f"a profile{problem}")
+        warn_of_unusual(x, y)
         segments = (len(x) - 1,)
 
         def of_segments(name: str, values) -> np.ndarray:
@@ -177,12 +179,13 @@ class Profile(ShownAsTable):
 def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
     """Say what keeps points from being a profile, to follow the words "a profile"."""
     if x.ndim != 1 or x.shape != y.shape:
-        return f"needs as many y as x, but got shapes {x.shape} and {y.shape}"
+        return f" needs as many y as x, but got shapes {x.shape} and {y.shape}"
     if len(x) < 2:
-        return f"needs at least two points, but got {len(x)}"
-    bad = ~(np.isfinite(x) & np.isfinite(y))
-    if np.any(bad):
-        return f"needs finite coordinates, but point {np.argmax(bad) + 1} has none"
+        return f" needs at least two points, but got {len(x)}"
+    for name, values in (("x", x), ("y", y)):
+        if problem := problem_with(values, name):
+            i, told = problem
+            return f"'s {name} of point {i + 1} {told}"
     back = np.diff(x) <= 0.0
     if np.any(back):
         i = int(np.argmax(back))
@@ -192,7 +195,7 @@ def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
             if y[i] == y[i + 1]:
                 hint = ", which is the point before once more"
         return (
-            f"needs x that increases from point to point, but x goes from {x[i]:g} to "
+            f" needs x that increases from point to point, but x goes from {x[i]:g} to "
             f"{x[i + 1]:g} at point {i + 2}{hint}"
         )
     return None

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
+from .._numpy_settings import numpy_settings
 from .._precision import require_float64
 from ..accuracy import Accuracy, get_accuracy
 from ..batch import broadcast_scene
@@ -86,6 +87,7 @@ class Check(enum.IntEnum):
         return self.name
 
 
+@numpy_settings()
 def elasticities(
     scene: SceneLike,
     parameters: Iterable[str] | None = None,

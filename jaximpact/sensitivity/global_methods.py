@@ -21,6 +21,7 @@ import xarray as xr
 from jaxtyping import Float
 
 from .._checks import whole_number
+from .._numpy_settings import numpy_settings
 from .._packages import version_of, versions
 from .._precision import require_float64
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
@@ -55,6 +56,7 @@ CONSTANT_WITHIN = 1e-12
 """Range over size of an output below which it counts as constant."""
 
 
+@numpy_settings()
 def sobol(
     base: SceneLike,
     ranges: Mapping[str, Range | tuple[float, float]],
@@ -109,6 +111,7 @@ def sobol(
     )
 
 
+@numpy_settings()
 def morris(
     base: SceneLike,
     ranges: Mapping[str, Range | tuple[float, float]],

@@ -11,7 +11,7 @@ import xarray as xr
 from .._precision import require_float64
 from ..accuracy import DEFAULT_ACCURACY
 from ..io.files import read_input, write_text
-from ..io.output_files import NewFile, output_directory
+from ..io.output_files import NewFile, output_directory, together
 from ..io.toml import (
     Key,
     allowed,
@@ -288,7 +288,8 @@ def run_study(
             told = partial(as_progress(progress), f"impacts for {name}")
             datasets[name] = _compute(study, name, accuracy, journal, told)
         report = "\n\n".join(map(in_words, datasets.values()))
-        write_study(study, datasets, report, new)
+        with together(new) as add:
+            write_study(study, datasets, report, add)
         for name in study.methods:
             if name != ELASTICITIES:  # which keeps none
                 journals[name].unlink()

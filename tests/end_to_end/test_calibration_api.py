@@ -77,6 +77,17 @@ def found(tests):
     return calibrate(tests, ground={"dilatancy": 0.5}, sigma=SIGMA)
 
 
+def test_settings_of_numpy_are_the_users_own_affair(tests, found, tmp_path):
+    """Probabilities far from a measurement underflow to 0."""
+    with np.errstate(all="raise"):
+        again = calibrate(
+            tests, ground={"dilatancy": 0.5}, sigma=SIGMA, out=tmp_path / "out"
+        )
+        assert again.as_json() == found.as_json()
+        assert str(predict(again, tests)) == str(predict(found, tests))
+        assert np.geterr()["under"] == "raise"
+
+
 def test_a_fit_is_pickled_and_copied(found, new):
     for again in (pickle.loads(pickle.dumps(found)), copy.deepcopy(found)):
         assert str(again) == str(found)

@@ -116,6 +116,17 @@ def refused(capsys, *arguments):
         ("runout", 'title = "a\\u0000"\n' + SLOPE, "key title: holds a control"),
         ("runout", SLOPE.replace("[0, 100]", f"[0, {HUGE}]"), "holds a whole number"),
         ("runout", '[profile]\ncsv = "a\\u0000b"', "csv: holds a control character"),
+        ("runout", '[profile]\ncsv = "C:\\Users\\a.csv"', "write / or single quotes"),
+        ("runout", '[profile]\ncsv = "..\\data.csv"', "write / or single quotes"),
+        ("runout", '[profile]\ncsv = "slopes\\base.csv"', "write / or single quotes"),
+        ("calibrate", 'data = "new\\tests.csv"', "write / or single quotes"),
+        ("sensitivity", 'flow = "laws\\my.py:My"', "write / or single quotes"),
+        (
+            "runout",
+            f"collectors_m = {list(range(1, 102))}\n" + SLOPE,
+            "key collectors_m: holds 101 places, but at most 100",
+        ),
+        ("runout", SLOPE + "[[barriers]]\n" * 101, "key barriers: are 101, but at mo"),
         ("tabulate", "[table.nodes]\nspeed = 1_000_000_000_000", "table.nodes: "),
         ("tabulate", "[map]\norientations = 1_000_000_000_000", "key map: "),
         (
@@ -182,7 +193,8 @@ def test_malformed_tables(folder, capsys, data, said):
         ("x_m,y_m\n0," + "1" * 200_000 + "\n", "row 2: is not valid CSV"),
         ('x_m,y_m\n0,"1\n', "row 2: is not valid CSV"),
         ("x_m,y_m\n0,1_0\n200,0\n", "row 2, column y_m: must be a number"),
-        ("x_m,y_m\n0,1e400\n200,0\n", "needs finite coordinates"),
+        ("x_m,y_m\n0,1e400\n200,0\n", "row 2, column y_m: must be finite"),
+        ("x_m,y_m\n0,90\n100,-9999\n200,0\n", "row 3, column y_m: is -9999 among"),
     ],
 )
 def test_malformed_profiles(folder, capsys, data, said):
@@ -400,6 +412,7 @@ def test_frames_of_every_kind_hold_the_same_tests(frame):
         (GOOD | {"mass_kg": [True, 1]}, "must be a number, but is 'True'"),
         (GOOD | {"mass_kg": [10**400, 1]}, "must be above 0 kg, but is 1000"),
         (GOOD | {"name": ["\ud800", "b"]}, "is not text in UTF-8"),
+        (GOOD | {"e_n": [-9999, 0.2]}, "e_n: is -9999, a mark for no data; leave"),
         ({}, "hold no column"),
     ],
 )

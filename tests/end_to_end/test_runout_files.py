@@ -17,7 +17,7 @@ from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.io.files import write_text
 from jaximpact.runout import Ending, passages, read_slope_study, run_slope_study
-from jaximpact.runout.study import map_files
+from jaximpact.runout.study import drawing, map_files
 from jaximpact.runout.study.intervals import percentile_interval
 from jaximpact.runout.study.report_page import report_page, unknowns
 from jaximpact.runout.study.run_study import simulate
@@ -302,6 +302,25 @@ def test_writing_that_breaks_off_leaves_no_half(slope, tmp_path, monkeypatch, er
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names >= {*ON_MAP, "trajectories.csv", "report.html"}
+
+
+def test_a_drawing_that_fails_leaves_all_or_nothing(
+    slope, tmp_path, monkeypatch, capsys
+):
+    plot = drawing.plot_stops
+
+    def breaks(*_):
+        raise RuntimeError("no font\nat all")
+
+    monkeypatch.setattr(drawing, "plot_stops", breaks)
+    assert main(["runout", "slope.toml", "--out", "out"]) == 1
+    said = "error: no file was written: RuntimeError: no font\\nat all"
+    assert capsys.readouterr().err.splitlines()[-1] == f"jaximpact: {said}"
+    left = {path.name for path in (tmp_path / "out").iterdir()}
+    assert left == {"jaximpact-files.json", "blocks.journal"}
+    monkeypatch.setattr(drawing, "plot_stops", plot)
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    assert (tmp_path / "out" / "stops.png").exists()
 
 
 def test_laws_are_compared_at_barriers(slope, tmp_path, capsys):

@@ -2,6 +2,7 @@
 
 import equinox as eqx
 import jax
+import matplotlib
 import numpy as np
 import pytest
 
@@ -93,6 +94,28 @@ def test_saves_a_whole_file_and_nothing_else(result, tmp_path, suffix):
     result.plot(path)
     assert path.stat().st_size > 10_000
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
+
+
+ANOTHER_STYLE = {
+    **{
+        "text.usetex": True,
+        "font.family": "No Such Font",
+        "mathtext.fontset": "custom",
+    },
+    **{"savefig.format": "pdf", "savefig.dpi": 30, "savefig.bbox": "tight"},
+    **{"axes.unicode_minus": False, "figure.autolayout": True, "text.color": "red"},
+    **{"path.sketch": (1, 100, 2), "figure.facecolor": "black"},
+}
+"""Settings of a user's matplotlibrc. That LaTeX is there is not asked."""
+
+
+def test_files_are_drawn_in_our_style_whatever_the_users_is(result, tmp_path):
+    result.plot(tmp_path / "plain.png")
+    with matplotlib.rc_context(ANOTHER_STYLE), np.errstate(all="raise"):
+        result.plot(tmp_path / "styled.png")
+        assert matplotlib.rcParams["text.usetex"]
+    plain, styled = (tmp_path / f"{name}.png" for name in ("plain", "styled"))
+    assert styled.read_bytes() == plain.read_bytes()
 
 
 def test_unknown_format_leaves_no_file(result, tmp_path):

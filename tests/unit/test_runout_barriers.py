@@ -5,11 +5,12 @@ import json
 import sqlite3
 import struct
 import sys
+import warnings
 
 import numpy as np
 import pytest
 
-from jaximpact.errors import InputError
+from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.runout import Barrier, Profile
 from jaximpact.runout.study.barriers import effects_of, read_barriers
 from jaximpact.runout.study.map_files import Feature, geojson, geopackage
@@ -102,6 +103,43 @@ def test_places_on_the_map(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("crs", "origin", "said"),
+    [
+        # 1 / cos(46 degrees) of the sphere, and 0.3 % less on the ellipsoid.
+        ("EPSG:3857", [850_000, 5_780_000], "has lengths of 1.439 times those on"),
+        ("EPSG:3395", [850_000, 5_750_000], "has lengths of 1.437 times those on"),
+        ("EPSG:6933", [850_000, 5_300_000], "has lengths of 1.253 times those on"),
+        ("EPSG:2056", [7.4, 46.9], "outside of the area .* and looks like degrees"),
+        ("EPSG:2056", [1_200_000, 2_600_000], "are easting and northing in this ord"),
+    ],
+)
+def test_maps_with_other_lengths_are_warned_of(tmp_path, crs, origin, said):
+    place = {"profile": PLACE | {"crs": crs, "origin": origin}}
+    with pytest.warns(UnusualValueWarning, match=said):
+        read_map_placement(tmp_path / "slope.toml", place)
+
+
+@pytest.mark.parametrize(
+    ("crs", "origin"),
+    [
+        ("EPSG:2056", [2_600_000, 1_200_000]),
+        ("EPSG:32632", [380_000, 5_100_000]),
+        ("EPSG:32632", [130_000, 5_100_000]),  # beside its zone
+        ("EPSG:2154", [900_000, 6_500_000]),
+        ("EPSG:2193", [1_570_000, 5_180_000]),
+        ("EPSG:32760", [500_000, 5_000_000]),  # at longitude 177
+        ("EPSG:3035", [4_100_000, 2_600_000]),
+        ("EPSG:3857", [-7_910_000, 500_000]),  # near the equator
+    ],
+)
+def test_maps_of_true_lengths_are_not_warned_of(tmp_path, crs, origin):
+    place = {"profile": PLACE | {"crs": crs, "origin": origin}}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        read_map_placement(tmp_path / "slope.toml", place)
+
+
+@pytest.mark.parametrize(
     ("changes", "parts"),
     [
         ({"origin": [1.0]}, ("profile.origin", "[easting, northing]")),
@@ -117,6 +155,7 @@ def test_places_on_the_map(tmp_path):
             {"origin": [1e30, 0], "crs": "EPSG:32632"},
             ("profile.origin", "no place of EPSG:32632"),
         ),
+        ({"origin": [1e16, 1e16]}, ("profile.origin", "no place of EPSG:2056")),
         ({"crs": 2056}, ("profile.crs", "must be a text")),
     ],
 )

@@ -1,11 +1,14 @@
 """Profiles, from arrays and from files, and those that are refused."""
 
+import warnings
+
 import numpy as np
 import pytest
 
-from jaximpact import Soil
-from jaximpact.errors import InputError
-from jaximpact.runout import Profile, read_profile
+from jaximpact import Block, Soil
+from jaximpact.errors import InputError, UnusualValueWarning
+from jaximpact.runout import Profile, Release, read_profile
+from jaximpact.runout.flight.placement import check_release
 from jaximpact.runout.study.drawing import drawn_grounds
 
 
@@ -28,7 +31,8 @@ def test_segments_descend_and_rise():
         (([0.0, 2.0, 1.0], [0.0] * 3), "x goes from 2 to 1 at point 3"),
         (([0.0, 0.0], [0.0, 1.0]), "x goes from 0 to 0 at point 2; a wall"),
         (([0.0, 0.0], [1.0, 1.0]), "at point 2, which is the point before once more"),
-        (([0.0, 1.0], [0.0, np.nan]), "point 2 has none"),
+        (([0.0, 1.0], [0.0, np.nan]), "y of point 2 must be finite, but is nan"),
+        (([0.0, 1e9], [0.0, 1.0]), "x of point 2 must be within 1e[+]08 m of 0"),
         (
             ([0, 1], [0, 0], Soil(), np.radians(-6.0)),
             r"rolling_friction_angle must be in \[0, 90\) deg, but is -6 on segment 1",
@@ -79,7 +83,10 @@ def test_a_file_gives_points_and_ground(tmp_path):
         ("x_m\ty_m\n0\t0\n", "row 1: needs commas .* but has tabs"),
         ("x_m,y_m\n0,0\n1\n", "row 3: has 1 cells, but the header has 2"),
         ("x_m,y_m\n0,0\n1,low\n", "row 3, column y_m: must be a number, but is 'low'"),
-        ("x_m,y_m\n0,0\n1,nan\n", "point 2 has none"),
+        ("x_m,y_m\n0,0\n1,nan\n", "row 3, column y_m: must be finite, but is nan"),
+        ("x_m,y_m\n0,9\n\n9,-32768\n20,0\n", "row 4, column y_m: is -32768 among 0"),
+        ("x_m,y_m\n0,9\n9,1e20\n", "row 3, column y_m: must be within 1e[+]08 m"),
+        ("x_m,y_m\n0,9\n-9999,5\n9,0\n", "row 3, column x_m: is -9999 among 0 to 9"),
         ("x_m,y_m\n1,0\n0,0\n", "x goes from 1 to 0"),
         ("x_m,y_m,k_E\n0,0,-1\n1,0,1\n", "k_E must be above 0, but is -1 on segment 1"),
     ],
@@ -124,3 +131,85 @@ def test_grounds_are_named_by_material_and_by_what_is_alike_for_all_blocks():
         "scree, k_E = 900",
         "meadow, k_E = 500",
     ]
+
+
+X, Y = np.array([0.0, 100.0, 200.0, 400.0, 1000.0]), np.array([230.0, 170, 115, 0, 0])
+
+
+@pytest.mark.parametrize("base", [0.0, 1700.0])
+@pytest.mark.parametrize("place", [0, 2, 4])
+@pytest.mark.parametrize(
+    "mark",
+    [
+        *(-9999, -99999, -32768, -32767, -999, 9999, 99999, 32767, 65535),
+        *(1e20, 3.4e38, -3.4028235e38, -1.7976931348623157e308, np.nan, np.inf),
+    ],
+)
+def test_marks_of_no_data_are_no_heights(base, place, mark):
+    y = Y + base
+    y[place] = mark
+    with pytest.raises(ValueError, match=rf"y of point {place + 1} .* without data"):
+        Profile(X, y)
+
+
+@pytest.mark.parametrize(
+    ("x", "y"),
+    [
+        (X + 2_600_000.0, Y + 4000.0),  # a national grid, high up
+        (X + 32_500_000.0, Y + 8600.0),  # with the number of the zone
+        (X, Y - 999.0),  # the foot at -999 in a local system
+        (X, Y - 430.0),  # at the Dead Sea
+        ([9990.0, 9999.0, 10010.0], [9.0, 5.0, 0.0]),
+        ([0.0, 150.0, 300.0, 900.0], [1100.0, 500.0, 100.0, 0.0]),  # El Capitan
+        ([0.0, 10.0, 10.01, 40.0], [30.0, 30.0, 0.0, 0.0]),  # a wall
+        ([-1e5, 1e5], [0.0, 0.0]),  # a plane without end
+        ([0.0, 6.0], [2.0, 0.0]),
+    ],
+)
+def test_slopes_on_earth_are_no_cause_for_a_warning(x, y):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Profile(x, y)
+
+
+FEET = 1.0 / 0.3048
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "said"),
+    [
+        (7.65 + X / 78e3, 46.0 + Y / 111e3, "smaller than any .* degrees of longitude"),
+        (7.65 + X / 78e3, Y + 1700.0, "steeper than any slope; is x in degrees or kil"),
+        (X / 1e3, Y / 1e3, "1 m long and 0.23 m high, smaller than any slope; kilomet"),
+        (X, Y * 1e3, "steeper than any slope; is y in millimetres"),
+        (X * 1e3, Y * 1e3, "are millimetres, it is 1000 m long and 230 m high"),
+        (2 * X * FEET, Y * FEET, "are feet, it is 2000 m long and 230 m high"),
+        (
+            X * FEET,
+            (Y + 2800.0) * FEET,
+            "above all mountains; .* are feet, it is 1000 m",
+        ),
+        (X, np.where(X == 200.0, 0.0, Y + 1700.0), "1870 m to 0 m .* at point 3, more"),
+        (X * 1e2, Y, "1e[+]05 m long and 230 m high, while usual are up to 5000 and"),
+    ],
+)
+def test_slopes_that_are_none_on_earth_are_warned_of(x, y, said):
+    with pytest.warns(UnusualValueWarning, match=said) as caught:
+        Profile(x, y)
+    assert len(caught) == 1
+
+
+def test_a_block_far_above_the_ground_is_warned_of():
+    profile = Profile(X, Y)
+    with pytest.warns(UnusualValueWarning, match="block 1 is released 2770 m above"):
+        check_release(Release(Block(), 100.0, [180.0, 2940.0]), profile)
+
+
+def test_coordinates_must_resolve_the_block():
+    profile = Profile(X + 9e7, Y)
+    pebble, rock = (Block(mass=mass) for mass in (0.001, 1.0))
+    check_release(Release(rock, 9e7 + 100.0, 180.0), profile)
+    with pytest.raises(ValueError, match=r"block 0, .* coordinates of 9.0001e[+]07 m"):
+        check_release(Release(pebble, 9e7 + 100.0, 180.0), profile)
+    with pytest.raises(ValueError, match=r"too small for coordinates of 1e[+]16 m"):
+        check_release(Release(rock, 100.0, 1e16), Profile(X, Y))

@@ -1,16 +1,18 @@
 """Slope profiles from DXF drawings."""
 
 import sys
+import warnings
 
 import numpy as np
 import pytest
 from error_messages import assert_one_line_error
 
 from jaximpact.cli import main
-from jaximpact.errors import InputError
+from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.runout import read_slope_study
 from jaximpact.runout.profile_formats import read_dxf_points
 
+UNUSUAL = "jaximpact.errors.UnusualValueWarning"
 X, Y = [0.0, 400.0, 1000.0], [230.0, 0.0, 0.0]
 HEAD = "0\nSECTION\n2\nENTITIES\n"
 TAIL = "0\nENDSEC\n0\nEOF\n"
@@ -75,6 +77,94 @@ def test_points_that_stand_twice_are_dropped(drawing, tmp_path):
     np.testing.assert_array_equal(read(drawing, tmp_path)[0], [0.0, 9.0])
 
 
+def test_arcs_that_join_lines_are_part_of_the_profile(drawing, tmp_path):
+    space = drawing.modelspace()
+    space.add_line((0, 100), (50, 100))
+    space.add_arc((50, 50), 50, 0, 90)
+    x, y = read(drawing, tmp_path)
+    arc = x >= 50.0
+    assert np.count_nonzero(arc) > 10
+    np.testing.assert_allclose(np.hypot(x[arc] - 50, y[arc] - 50), 50.0, rtol=3e-4)
+
+
+@pytest.mark.filterwarnings(f"always::{UNUSUAL}")
+@pytest.mark.parametrize(
+    ("number", "unit", "metre"),
+    [
+        *((1, "inches", 0.0254), (2, "feet", 0.3048), (4, "millimetres", 1e-3)),
+        *((5, "centimetres", 1e-2), (7, "kilometres", 1e3), (10, "yards", 0.9144)),
+        (21, "US survey feet", 1200.0 / 3937.0),
+    ],
+)
+def test_the_unit_of_a_drawing_is_heeded_with_a_word(
+    drawing, tmp_path, number, unit, metre
+):
+    drawing.modelspace().add_lwpolyline([(x, y) for x, y in zip(X, Y, strict=True)])
+    drawing.header["$INSUNITS"] = number
+    with pytest.warns(UnusualValueWarning, match=rf"slope.dxf: is in {unit} by its"):
+        x, y = read(drawing, tmp_path)
+    np.testing.assert_allclose(x, metre * np.array(X), rtol=1e-15)
+    np.testing.assert_allclose(y, metre * np.array(Y), rtol=1e-15)
+
+
+@pytest.mark.parametrize("number", [0, 6])
+def test_metres_and_no_unit_are_taken_as_they_are(drawing, tmp_path, number):
+    drawing.modelspace().add_lwpolyline([(x, y) for x, y in zip(X, Y, strict=True)])
+    drawing.header["$INSUNITS"] = number
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        np.testing.assert_array_equal(read(drawing, tmp_path)[0], X)
+
+
+def test_a_unit_of_no_slope_is_refused(drawing, tmp_path):
+    drawing.modelspace().add_line((0, 9), (9, 0))
+    drawing.header["$INSUNITS"] = 20
+    with pytest.raises(InputError, match="INSUNITS 20, which is no unit of slopes"):
+        read(drawing, tmp_path)
+
+
+@pytest.mark.filterwarnings(f"always::{UNUSUAL}")
+def test_what_is_not_read_beside_lines_is_told(drawing, tmp_path):
+    space = drawing.modelspace()
+    space.add_line((0, 9), (9, 0))
+    space.add_text("section 3")
+    space.add_blockref("ROCK", (9, 0))
+    space.add_mline([(9, 0), (20, 0)], dxfattribs={"layer": "T"})
+    with pytest.warns(UnusualValueWarning, match="holds 1 INSERT, 1 MLINE, which"):
+        read(drawing, tmp_path)
+    with pytest.warns(UnusualValueWarning, match="holds 1 INSERT, which"):
+        read(drawing, tmp_path, "0")
+
+
+@pytest.mark.parametrize("bulge", [1e9, 1e100, 1e300, np.inf, np.nan])
+def test_bulges_without_bound_are_refused(drawing, tmp_path, bulge):
+    drawing.modelspace().add_lwpolyline(
+        [(0, 100, bulge), (100, 0, 0), (200, 0, 0)], format="xyb"
+    )
+    with pytest.raises(
+        InputError, match=r"slope.dxf: (has a curve|is no DXF)"
+    ) as error:
+        read(drawing, tmp_path)
+    assert "\n" not in str(error.value)
+
+
+def test_a_large_arc_has_few_chords(drawing, tmp_path):
+    # A radius of 25 000 km, whose chords within a centimetre would be 100 000.
+    drawing.modelspace().add_lwpolyline(
+        [(0, 100, 1e6), (100, 0, 0), (200, 0, 0)], format="xyb"
+    )
+    assert len(read(drawing, tmp_path)[0]) < 5000
+
+
+def test_many_lines_are_joined_in_no_time(drawing, tmp_path):
+    """Each compared with each, 5000 take a minute."""
+    x = np.linspace(0.0, 1000.0, 5001)
+    for i in np.random.default_rng(0).permutation(5000):
+        ends = [(x[i], 100.0 - 0.1 * x[i]), (x[i + 1], 100.0 - 0.1 * x[i + 1])]
+        drawing.modelspace().add_line(*(ends if i % 3 else ends[::-1]))
+    np.testing.assert_array_equal(read(drawing, tmp_path)[0], x)
+
+
 def test_a_layer_chooses(drawing, tmp_path):
     space = drawing.modelspace()
     points = list(zip(X, Y, strict=True))
@@ -97,7 +187,7 @@ def test_a_layer_chooses(drawing, tmp_path):
         ("x_m,y_m\n0,1\n", "is no DXF drawing that can be read"),
         (HEAD + line(0, 5, 9, 1), "is no DXF drawing that can be read"),
         (HEAD + line(0, "high", 9, 1) + TAIL, "is no DXF drawing that can be read"),
-        (HEAD + TAIL, "has no LINE, LWPOLYLINE or POLYLINE"),
+        (HEAD + TAIL, "has no LINE, LWPOLYLINE, .* or SPLINE"),
         (HEAD + line(3, 3, 3, 3) + TAIL, "has no LINE"),
         (HEAD + "0\nCIRCLE\n8\n0\n10\n0\n20\n0\n40\n5\n" + TAIL, "has no LINE"),
         (

@@ -21,6 +21,7 @@ from jaximpact.cli import main
 
 LAYERS = """
     errors _types _safe _checks _jax_internals _precision _gc_pause units
+    _numpy_settings
     _packages interruption progress file_locks store
     finding code_state parameters identity accuracy
     shapes laws scene

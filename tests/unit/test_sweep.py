@@ -73,6 +73,18 @@ def test_names_units_and_labels(dataset):
     assert sum(json.loads(dataset.attrs["outcomes"]).values()) == 12
 
 
+def test_netcdf_takes_names_of_every_script(tmp_path):
+    dataset = xr.Dataset(
+        {"łąka": ("скала", [1.0, 2.0], {"größe": "µm"}), "wörd": ("x", [1.5])},
+        {"скала": [3.0, 4.0]},
+        {"石": "rock"},
+    )
+    write_netcdf(tmp_path / "names.nc", dataset)
+    xr.testing.assert_identical(read_netcdf(tmp_path / "names.nc"), dataset)
+    # As the format has names, and other programs read them.
+    assert "łąka".encode() in (tmp_path / "names.nc").read_bytes()
+
+
 def test_netcdf_gives_back_what_was_written(dataset, tmp_path):
     path = tmp_path / "sweep.nc"
     write_netcdf(path, dataset)

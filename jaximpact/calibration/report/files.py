@@ -16,7 +16,7 @@ from ..._packages import version_of, versions
 from ...accuracy import PRESETS
 from ...identity import part_names
 from ...io.files import replacing, write_text
-from ...io.output_files import NewFile, output_directory
+from ...io.output_files import NewFile, output_directory, together
 from ..comparison.comparison import NO_OTHERS, OtherLaws
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import Examination, fit_of_target
@@ -67,9 +67,19 @@ def write_all(
     new: NewFile,
     others: OtherLaws,
 ) -> None:
-    """Write the files, each whole or not at all; OSError where the file system
-    refuses."""
+    """Write the files, all of them or none; OSError where the file system refuses."""
+    with together(new) as add:
+        _write_all(result, examined, add, others)
+
+
+def _write_all(
+    result: StudyResult,
+    examined: list[Examination],
+    new: NewFile,
+    others: OtherLaws,
+) -> None:
     # Matplotlib takes half a second to import, which workers need not.
+    from ...plotting.style import save_figure
     from .drawings import draw_report
     from .overview import comparison_picture, plot_study
 
@@ -96,8 +106,7 @@ def write_all(
                 to_inference_data(variant, samples).to_netcdf(str(temporary))
     write_text(new("fit.json"), in_lines(as_json(result, examined, others)) + "\n")
     write_text(new("fitted.csv"), as_csv(result, examined))
-    with replacing(new("fit.png")) as temporary:
-        plot_study(result).savefig(temporary, dpi=120)
+    save_figure(plot_study(result), new("fit.png"))
 
 
 def as_text(result: StudyResult, examined: list[Examination], others: OtherLaws) -> str:

@@ -5,9 +5,10 @@ import os
 from pathlib import Path
 
 from ..._checks import expect
+from ..._numpy_settings import numpy_settings
 from ..._precision import require_float64
 from ...io.files import make_directory
-from ...io.output_files import output_directory
+from ...io.output_files import output_directory, together
 from ...progress import Progress, ProgressFunction, as_progress
 from ...store import Store
 from ...tasks import check_executor
@@ -19,6 +20,7 @@ UNFINISHED = "unfinished"
 """Directory of simulated data sets, until the report is written."""
 
 
+@numpy_settings()
 def calibrate_slope(
     study: str | os.PathLike,
     out: str | os.PathLike | None = None,
@@ -68,7 +70,8 @@ def calibrate_slope(
         make_directory(folder, option="the directory")
         store = Store(folder)
         found = _calibrate(fit, store, told, executor)
-        write_report(found, new)
+        with together(new) as add:
+            write_report(found, add)
         store.clear()
     return found
 

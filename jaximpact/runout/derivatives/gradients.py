@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
+from ..._numpy_settings import numpy_settings
 from ..._packages import versions
 from ..._precision import require_float64
 from ...accuracy import Accuracy, get_accuracy
@@ -47,6 +48,7 @@ EXACT = FullModel("reference")
 """Default contacts of blocks whose derivatives that does not confirm."""
 
 
+@numpy_settings()
 def runout_gradients(
     profile: Profile,
     release: Release,
@@ -184,6 +186,7 @@ def _judged(
     return _dataset(comparison, judgement)
 
 
+@numpy_settings()
 def differentiate_runout(
     profile: Profile,
     release: Release,

@@ -1,14 +1,18 @@
 """Placement of blocks at release: above the ground, lying on it, or touching it."""
 
+import warnings
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..._checks import expect, real_numbers
+from ...errors import UnusualValueWarning
 from ...scene import GRAVITY, Scene
 from ...shapes import AbstractElliptic
 from ..blocks import BlockOutline, Body, Release, select
+from ..coordinates import HIGHEST_CLIFF, RESOLVED
 from ..lane_programs import closed_form
 from ..terrain import Ground, Profile
 from .broad_phase import watched_segments
@@ -29,7 +33,8 @@ def _depths(*inputs):
 
 def check_release(release: Release, profile: Profile) -> None:
     """Raise ValueError, in one sentence, for a block that does not start on or above
-    the ground of the profile."""
+    the ground of the profile, or that the coordinates do not resolve; warn of one that
+    starts higher above the ground than any cliff is."""
     expect("profile", profile, Profile)
     expect("release", release, Release)
     outside = ~((release.x >= profile.x[0]) & (release.x <= profile.x[-1]))
@@ -40,6 +45,7 @@ def check_release(release: Release, profile: Profile) -> None:
             f"{profile.x[0]:g} to {profile.x[-1]:g}"
         )
     body, outline = release.body, release.outline
+    _check_resolution(release, outline.smallest, profile)
     depth = np.zeros(release.count)
     for chosen, watched in watched_segments(body, outline.largest, profile):
         found = _depths(
@@ -52,6 +58,27 @@ def check_release(release: Release, profile: Profile) -> None:
         raise ValueError(
             f"block {i} is released {depth[i]:.3g} m in the ground; its centre at "
             f"x = {release.x[i]:g} must lie higher than y = {release.y[i]:g}"
+        )
+    above = release.y - profile.height(release.x)
+    if np.max(above) > HIGHEST_CLIFF:
+        i = int(np.argmax(above))
+        text = (
+            f"block {i} is released {above[i]:.4g} m above the ground, higher than any "
+            "cliff; is its y counted from where the profile's is, in the same unit?"
+        )
+        warnings.warn(UnusualValueWarning(text, "y_m"), stacklevel=1)
+
+
+def _check_resolution(release: Release, size: np.ndarray, profile: Profile) -> None:
+    corners = (profile.x[0], profile.x[-1], np.min(profile.y), np.max(profile.y))
+    farthest = max(float(np.max(np.abs(c))) for c in (corners, release.y))
+    coarse = np.spacing(farthest) > RESOLVED * size
+    if np.any(coarse):
+        i = int(np.argmax(coarse))
+        raise ValueError(
+            f"block {i}, of a smallest semi-axis of {size[i]:.3g} m, is too small for "
+            f"coordinates of {farthest:g} m, where floating-point numbers lie "
+            f"{np.spacing(farthest):.2g} m apart; count from an origin near the slope"
         )
 
 

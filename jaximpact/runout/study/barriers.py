@@ -31,6 +31,8 @@ from .intervals import (
 )
 
 KEY = "barriers"
+MOST_BARRIERS = 100
+"""Largest number of barriers: each is rows of every table."""
 KEYS = ("name", "x_m", "height_m", "capacity_kJ")
 
 
@@ -59,6 +61,8 @@ def read_barriers(path: Path, content: dict, profile: Profile) -> tuple[Barrier,
     key, tables = Key(path)[KEY], content.get(KEY, [])
     if not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
         raise key.error("must be tables, each under a line [[barriers]]")
+    if len(tables) > MOST_BARRIERS:
+        raise key.error(f"are {len(tables)}, but at most {MOST_BARRIERS} are counted")
     barriers: list[Barrier] = []
     for place, table in enumerate(tables, 1):
         barrier = _barrier(key[str(place)], table, profile)

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import jax
 import numpy as np
 
+from ..._numpy_settings import numpy_settings
 from ...errors import InputError
 from ...impact.events import Outcome
 from ...impact_response import ImpactResponses
@@ -43,6 +44,7 @@ class _Recording:
         return found
 
 
+@numpy_settings()
 def choose_contacts(
     studies: Sequence[SlopeStudy],
     progress: Progress | ProgressFunction | None = None,

@@ -4,6 +4,7 @@ and its place on the map."""
 import hashlib
 import math
 import re
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -11,11 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..._packages import needed
-from ...errors import InputError
+from ...errors import InputError, UnusualValueWarning
 from ...io.files import read_input
 from ...io.toml import Key, known_table, number, of_kind, typed
 from ...scene import Soil
 from ...units import DEGREE
+from ..coordinates import LARGEST
 from ..profile_formats import ProfileTable, read_dxf_points, read_profile_table
 from ..terrain import Profile, ground_columns, ground_values, with_ground_values
 from .ground_file import GroundInput
@@ -123,6 +125,10 @@ def _with_parts(path: Path, layout: GroundLayout, ground: GroundInput) -> Ground
 
 MAP_KEYS = ("origin", "azimuth_deg", "crs")
 """Keys under `[profile]`, all of them or none."""
+BESIDE = 3.0
+"""Distance beyond the area of a reference system [deg]: half a zone of UTM."""
+LARGEST_DISTORTION = 0.01
+"""Deviation of a map's scale from 1 that is warned of; it is 0.001 in a zone of UTM."""
 LONGITUDE_AND_LATITUDE = 4326
 """WGS 84 in the EPSG's register, the reference system of GeoJSON."""
 
@@ -186,10 +192,58 @@ def read_map_placement(path: Path, content: dict) -> MapPlacement | None:
         )
     crs = _crs(key["crs"], table["crs"])
     place = MapPlacement(easting, northing, DEGREE * azimuth, crs)
-    longitude, latitude = degrees_from(place.code)([easting], [northing])
-    if not np.all(np.isfinite([longitude, latitude])):
+    longitude, latitude = degrees_from(place.code)(easting, northing)
+    known = np.all(np.isfinite([longitude, latitude]))
+    if not known or max(abs(easting), abs(northing)) > LARGEST:
         raise origin.error(f"is no place of {place.crs}: {pair!r}")
+    _warn_of_distant(origin, pair, place, longitude, latitude)
     return place
+
+
+def _warn_of_distant(
+    key: Key, pair: list, place: MapPlacement, longitude: float, latitude: float
+) -> None:
+    """Warn of a place where the map's lengths are not those on the ground, or that the
+    reference system is not made for.
+
+    Args:
+        pair: origin as the file has it.
+        longitude, latitude: of the origin [deg].
+    """
+    pyproj = needed("pyproj", "profile.crs", "maps")
+    system = pyproj.CRS(place.crs)
+    factors = pyproj.Proj(system).get_factors(longitude, latitude)
+    scales = factors.meridional_scale, factors.parallel_scale
+    scale = max(scales, key=lambda scale: abs(scale - 1.0))
+    where = f"at longitude {longitude:.4g} and latitude {latitude:.4g}"
+    area = system.area_of_use
+    degrees = ", and looks like degrees" if max(map(abs, pair)) <= 180.0 else ""
+    if area is not None and not _is_near(area, longitude, latitude):
+        text = (
+            f"{pair!r} is {where}, outside of the area of {place.crs} "
+            f"({system.name}){degrees}; are easting and northing in this order, and "
+            "of this system?"
+        )
+    elif not abs(scale - 1.0) <= LARGEST_DISTORTION:
+        text = (
+            f"{place.crs} ({system.name}) has lengths of {scale:.4g} times those on "
+            f"the ground {where}; x and y of the profile must be metres on the ground: "
+            "take a UTM zone or a national grid"
+        )
+    else:
+        return
+    text = f"{key.file}, key {key.name}: {text}"
+    warnings.warn(UnusualValueWarning(text, "crs"), stacklevel=1)
+
+
+def _is_near(area, longitude: float, latitude: float) -> bool:
+    """Tell whether a place is within a reference system's area of use, or so near that
+    it may still be used there, as a zone of UTM is beside its own."""
+    # An area across longitude 180 goes from west to a smaller number in the east.
+    width = (area.east - area.west) % 360.0 or 360.0
+    east = (longitude - area.west + BESIDE) % 360.0
+    north = area.south - BESIDE <= latitude <= area.north + BESIDE
+    return north and east <= width + 2.0 * BESIDE
 
 
 def degrees_from(code: int) -> Callable:

@@ -9,6 +9,7 @@ import concurrent.futures
 import contextlib
 import json
 import time
+import warnings
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -17,8 +18,10 @@ import numpy as np
 import xarray as xr
 
 from ..._checks import whole_number
+from ..._numpy_settings import numpy_settings
 from ..._packages import needed, versions
 from ...batch import Collector
+from ...errors import UnusualValueWarning
 from ...io.journal import Journal
 from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import columns_of_part
@@ -27,6 +30,7 @@ from ...shapes import MixedShapes
 from ...tasks import check_executor, run_tasks
 from ...units import DEGREE
 from ..blocks import Release
+from ..coordinates import FASTEST
 from ..scheduler import WIDTH
 from ..terrain import ground_columns
 from ..trajectory import Ending
@@ -56,6 +60,7 @@ QUICK = 2.0
 """Time of a portion [s] below which the next has twice the size."""
 
 
+@numpy_settings()
 def run_slope_study(
     study: SlopeStudy,
     *,
@@ -94,7 +99,22 @@ def run_slope_study(
             _run_here(study, collector)
         else:
             _run_elsewhere(executor, study, collector)
-    return _dataset(study, collector.numbers.T)
+    dataset = _dataset(study, collector.numbers.T)
+    _warn_of_speed(dataset)
+    return dataset
+
+
+def _warn_of_speed(dataset: xr.Dataset) -> None:
+    """Warn of blocks faster than nearly all on Earth: a slope in feet may be as long as
+    others in metres, but its blocks are nearly twice as fast."""
+    speeds = dataset.max_speed_mps.values[dataset.ending.values != str(Ending.failed)]
+    fastest = np.max(speeds, initial=0.0)
+    if fastest > FASTEST:
+        text = (
+            f"a block reaches {fastest:.4g} m/s, while usual are up to {FASTEST:g}; is "
+            "the profile in feet, or another unit than metres?"
+        )
+        warnings.warn(UnusualValueWarning(text, "max_speed_mps"), stacklevel=3)
 
 
 def _run_here(study: SlopeStudy, collector: Collector) -> None:
@@ -196,6 +216,7 @@ def _dataset(study: SlopeStudy, numbers: np.ndarray) -> xr.Dataset:
     return xr.Dataset(variables, coordinates, _attributes_of(study, codes))
 
 
+@numpy_settings()
 def lazy_slope_study(study: SlopeStudy, chunks: int = CHUNK) -> xr.Dataset:
     """Return the blocks of a study as a dataset that is computed chunk by chunk.
 

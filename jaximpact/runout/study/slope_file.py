@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..._numpy_settings import numpy_settings
 from ...identity import part_names
 from ...io.checks import NUMBERS_PER_IMPACT, check_memory
 from ...io.files import read_input
@@ -51,6 +52,8 @@ NUMBERS = (
 )
 DEFAULT_COUNT = 1000
 """Default number of blocks where something is random."""
+MOST_COLLECTORS = 100
+"""Largest number of collectors: each is a curve, and rows of every table."""
 DEFAULT_BINS = 50
 DEFAULT_EXPORT = 50
 """Default number of trajectories in files."""
@@ -212,6 +215,7 @@ def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
     return studies[0]
 
 
+@numpy_settings()
 def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStudy]:
     """Read a study that may compare contact laws.
 
@@ -319,6 +323,11 @@ def _default_angles(profile: Profile) -> dict[str, float]:
 def _collectors(top: Key, content: dict, profile: Profile) -> np.ndarray:
     key = top["collectors_m"]
     places = [number(key, x) for x in typed(top, content, "collectors_m", list, [])]
+    if len(places) > MOST_COLLECTORS:
+        raise key.error(
+            f"holds {len(places)} places, but at most {MOST_COLLECTORS} are drawn and "
+            "told; bins gives energies, speeds and heights all along the slope"
+        )
     for x in places:
         check_inside(profile, x, "holds", **key.place)
     if len(set(places)) < len(places):
