@@ -242,7 +242,7 @@ def _solve_jvp(given: Given, primals, tangents):
     by_time = steps.pop(given.place_of_times, None)
     of_numbers, of_samples = zip(*columns, strict=True)
     changes = _along(list(of_numbers[: len(steps)]), list(steps.values()))
-    along_time = [step[..., None] for step in steps.values()]
+    along_time = [jnp.expand_dims(step, -1) for step in steps.values()]
     along_time += [] if by_time is None else [by_time]
     if not steps:
         changes = [jnp.zeros_like(x) for x in jax.tree.leaves(solution.numbers)]
@@ -364,8 +364,9 @@ def _no_second_order(operation, along, places, rest, primals, tangents):
     if not all(isinstance(t, SymbolicZero) for t in jax.tree.leaves(tangents)):
         raise NotImplementedError(
             "second derivatives of an impact are asked for, but the machine code has "
-            "first ones alone: take the products of first derivatives (Gauss and "
-            "Newton's Hessian) or differences of gradients"
+            "first ones alone: take J.T @ J of the residuals, or wrap your function "
+            "in jaximpact.with_second_derivatives, which takes differences "
+            '(documentation: "Optimisers of SciPy")'
         )
     found = _call(operation, along, places, rest.value, *primals)
     return found, jax.tree.map(jnp.zeros_like, found)

@@ -236,7 +236,9 @@ def outside_contact(samples: History, outcome_code, times: Series) -> History:
         series = getattr(samples, name)
         if series is not None:
             otherwise = jnp.where(free, 0.0, jnp.nan) if name in FORCES else jnp.nan
-            series = jnp.where(in_contact, series, otherwise)
+            # A constant would make the derivatives of a lane of NaN vanish.
+            lost = jnp.isnan(series) & ~known
+            series = jnp.where(in_contact | lost, series, otherwise)
             outside = outside._replace(**{name: series})
     return outside._replace(
         time=jnp.broadcast_to(times, in_contact.shape), in_contact=in_contact
