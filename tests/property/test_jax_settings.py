@@ -126,7 +126,7 @@ def test_transfers_of_the_package_pass_a_guard(level):
             jax.vmap(lambda v: of(at, speed=v))(speed), expected
         )
         _, forward = jax.jvp(of, (at,), (step,))
-        value, back = jax.vjp(of, at)
+        _, back = jax.vjp(of, at)
         np.testing.assert_allclose(back(forward)[0], forward @ forward, rtol=1e-13)
         np.testing.assert_array_equal(jax.jit(jax.jacfwd(of))(at), forward)
 
