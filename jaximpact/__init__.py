@@ -24,6 +24,7 @@ _MODULES = {
     "result": ("ImpactResult",),
     "restitution": ("energetic_coefficient", "vijayakumar_coefficient"),
     "scene": ("Block", "Impact", "Scene", "Soil"),
+    "second_derivatives": ("with_second_derivatives",),
     "sensitivity": ("Range", "elasticities", "morris", "sobol"),
     "simulation": ("simulate",),
     "sweeping": ("repeat_sweep", "sweep"),

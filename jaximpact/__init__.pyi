@@ -22,6 +22,7 @@ from .rebound import (
 from .restitution import energetic_coefficient, vijayakumar_coefficient
 from .result import ImpactResult
 from .scene import Block, Impact, Scene, Soil
+from .second_derivatives import with_second_derivatives
 from .sensitivity import Range, elasticities, morris, sobol
 from .simulation import simulate
 from .sweeping import repeat_sweep, sweep
@@ -60,6 +61,7 @@ __all__ = [
     "sobol",
     "sweep",
     "vijayakumar_coefficient",
+    "with_second_derivatives",
     "write_netcdf",
     "write_zarr",
 ]

@@ -21,6 +21,7 @@ __all__ = [
     "Literal",
     "Tracer",
     "bind",
+    "broadcast_shapes",
     "called",
     "is_inside_jit",
     "is_variable",
@@ -65,6 +66,13 @@ def result_types(shapes: Sequence[tuple], operands: Sequence) -> list:
     else:
         said["manual_axis_type"] = type(kinds[0])(varying=varying)
     return [jax.ShapeDtypeStruct(shape, jnp.float64, **said) for shape in shapes]
+
+
+def broadcast_shapes(*shapes: tuple) -> tuple:
+    """`numpy.broadcast_shapes`, also of the symbolic dimensions of `jax.export`."""
+    known = all(isinstance(size, int) for shape in shapes for size in shape)
+    # NumPy takes a quarter of the time.
+    return (np if known else jnp).broadcast_shapes(*shapes)
 
 
 def namespace_of(*values) -> Any:

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ._jax_internals import Tracer, setting
+from ._transfers import own_transfers
 
 MESSAGE = (
     "jaximpact computes in float64, but JAX is set to float32: call "
@@ -34,7 +35,7 @@ def float64_leaf(value) -> Float[Array, "..."]:
     if type(value) is float:
         # -0.0 equals 0.0
         return _number(value, math.copysign(1.0, value))
-    with jax.ensure_compile_time_eval():
+    with jax.ensure_compile_time_eval(), own_transfers():
         return jnp.asarray(value, dtype=jnp.float64)
 
 
@@ -42,5 +43,5 @@ def float64_leaf(value) -> Float[Array, "..."]:
 def _number(value: float, sign: float) -> Float[Array, ""]:
     """Turn a plain number into an array; making one takes 20 microseconds, and a scene
     has thirty, most of them defaults."""
-    with jax.ensure_compile_time_eval():
+    with jax.ensure_compile_time_eval(), own_transfers():
         return jnp.asarray(value, dtype=jnp.float64)

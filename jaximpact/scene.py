@@ -10,7 +10,8 @@ from jaxtyping import Array, Float
 
 from . import laws
 from ._checks import expect, real_numbers
-from ._jax_internals import Tracer
+from ._jax_internals import Tracer, broadcast_shapes
+from ._transfers import own_transfers
 from ._types import Scalar
 from .errors import InputError
 from .parameters import Composite, html_table, parameter, part
@@ -173,12 +174,13 @@ class Impact(Composite):
         """Make an impact from angles in degrees, and spin in degrees a second."""
         angles = (angle, orientation, angular_velocity, slope)
         names = ("angle", "orientation", "angular_velocity", "slope")
-        angles = {
-            name: value * DEGREE
-            if isinstance(value, jax.Array)
-            else DEGREE * real_numbers(f"Impact.{name}", value)
-            for name, value in zip(names, angles, strict=True)
-        }
+        with own_transfers():
+            angles = {
+                name: value * DEGREE
+                if isinstance(value, jax.Array)
+                else DEGREE * real_numbers(f"Impact.{name}", value)
+                for name, value in zip(names, angles, strict=True)
+            }
         return cls(speed=speed, **angles)
 
     @property
@@ -260,7 +262,7 @@ def shape_of(scene: Scene) -> tuple[int, ...]:
     """
     shapes = [np.shape(leaf) for leaf in jax.tree.leaves(scene)]
     try:
-        return np.broadcast_shapes(*shapes)
+        return broadcast_shapes(*shapes)
     except ValueError:
         told = ", ".join(sorted({str(shape) for shape in shapes if shape}))
         raise InputError(

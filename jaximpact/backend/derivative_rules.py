@@ -23,6 +23,7 @@ from jaxtyping import Array
 
 from .._jax_internals import Tracer, is_inside_jit, namespace_of, number_in
 from .._precision import float64_leaf
+from .._transfers import own_transfers
 from .._types import Structure
 from ..accuracy import Accuracy
 from ..errors import InputError
@@ -88,6 +89,7 @@ def _structure(ledger: bool, sampled: bool):
     return jax.tree.structure(Solution(empty_summary(ledger), samples))
 
 
+@own_transfers()
 def solve(
     structure,
     leaves,
@@ -106,11 +108,19 @@ def solve(
     return _solved(structure, leaves, accuracy, ledger, None, engine).numbers
 
 
+@own_transfers()
 def solve_at(
     structure, leaves, accuracy: Accuracy, ledger: bool, times: np.ndarray | Array
 ) -> tuple[ImpactSummary, History]:
     """Compute impacts and their histories at times, shape (..., times), whose leading
     axes broadcast with the leaves."""
+    # Histories are NaN after the end on purpose, and padded by infinite times. What is
+    # computed with them is checked again (`jax_debug_nans`).
+    with jax.debug_nans(False), jax.debug_infs(False):
+        return _solve_at(structure, leaves, accuracy, ledger, times)
+
+
+def _solve_at(structure, leaves, accuracy: Accuracy, ledger: bool, times):
     solved = functools.partial(_solved, structure, leaves, accuracy, ledger)
     xp = namespace_of(times)
     order = xp.argsort(times, axis=-1)
@@ -133,6 +143,7 @@ def solve_at(
     return numbers, jax.device_put(history)
 
 
+@own_transfers()
 def solve_recorded(
     scene: Scene, accuracy: Accuracy, engine: Engine = NATIVE
 ) -> tuple[ImpactSummary, History]:
@@ -233,14 +244,12 @@ def _solve_jvp(given: Given, primals, tangents):
     by_time = steps.pop(given.place_of_times, None)
     of_numbers, of_samples = zip(*columns, strict=True)
     changes = _along(list(of_numbers[: len(steps)]), list(steps.values()))
-    along_time = [step[..., None] for step in steps.values()]
+    along_time = [jnp.expand_dims(step, -1) for step in steps.values()]
     along_time += [] if by_time is None else [by_time]
-    ended = jnp.isnan(solution.samples.time)
-    # After the end derivatives are NaN, and in reverse mode 0 times NaN would be too.
-    of_samples = [jnp.where(ended, 0.0, column) for column in of_samples]
     if not steps:
         changes = [jnp.zeros_like(x) for x in jax.tree.leaves(solution.numbers)]
-    return solution, given.solution([*changes, *_along(of_samples, along_time)])
+    of_samples = _along(list(of_samples), along_time)
+    return solution, given.solution([*changes, *of_samples])
 
 
 @jax.jit
@@ -312,11 +321,32 @@ def _call(operation: Operation, along, places, rest, values, effort, program, ti
     rows, columns = [], []
     for part in results[: operation.result_rows], results[operation.result_rows :]:
         count = len(part) // (1 + len(along))
-        rows += part[:count]
         if count:
             shape = len(along), count, *part[0].shape
-            columns.append(jnp.stack(part[count:]).reshape(shape))
+            found = jnp.stack(part[count:]).reshape(shape)
+            columns.append(_of_numbers(values, part[:count], found, bool(columns)))
+        rows += part[:count]
     return rows, columns
+
+
+def _of_numbers(values: list, rows: list, columns: Array, sampled: bool) -> Array:
+    """Return derivatives, those of NaN as they have to be: NaN if an input is NaN, and
+    else 0, that of no number.
+
+    The integration gives what it has come to. An impact that failed, and a time after
+    the end, must not spoil the derivatives of others: in reverse mode 0 times NaN is
+    NaN, also for who leaves them out.
+
+    Args:
+        values: inputs.
+        rows: results, whose derivatives the columns are, along their last axes.
+        sampled: whether the rows are samples, which have an axis of times.
+    """
+    of_nan: Any = 0.0
+    for value in values:
+        missing = jnp.isnan(value[..., None] if sampled else value)
+        of_nan = jnp.where(missing, jnp.nan, of_nan)
+    return jnp.where(jnp.isnan(jnp.stack(rows)), of_nan, columns)
 
 
 class _Unhashed:
@@ -336,8 +366,9 @@ def _no_second_order(operation, along, places, rest, primals, tangents):
     if not all(isinstance(t, SymbolicZero) for t in jax.tree.leaves(tangents)):
         raise NotImplementedError(
             "second derivatives of an impact are asked for, but the machine code has "
-            "first ones alone: take the products of first derivatives (Gauss and "
-            "Newton's Hessian) or differences of gradients"
+            "first ones alone: take J.T @ J of the residuals, or wrap your function "
+            "in jaximpact.with_second_derivatives, which takes differences "
+            '(documentation: "Optimisers of SciPy")'
         )
     found = _call(operation, along, places, rest.value, *primals)
     return found, jax.tree.map(jnp.zeros_like, found)
@@ -451,4 +482,15 @@ def _by_xla(given: Given, values: list, times, varied: list[int]) -> Any:
     assembly = Assembly(given.structure, MODELS[max(possible)], given.ledger)
     leaves, (tolerance, floor) = given.leaves(values), given.rest[-2:]
     solver = given.engine.solver
-    return in_xla(assembly, tuple(varied), solver, leaves, tolerance, floor, times)
+    found = in_xla(assembly, tuple(varied), solver, leaves, tolerance, floor, times)
+    if not varied:
+        return found
+    solution, columns = found
+    parts = [jax.tree.leaves(part) for part in solution if part is not None]
+    return solution, [
+        tuple(
+            _of_numbers(values, rows, part, sampled == 1)
+            for sampled, (rows, part) in enumerate(zip(parts, column, strict=True))
+        )
+        for column in columns
+    ]

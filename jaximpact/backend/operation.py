@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from .._jax_internals import result_types
+from .._jax_internals import broadcast_shapes, result_types
 from .simd import Kernel
 from .simd.driver import PROGRAMS, Driver, driver_object, load_driver
 from .simd.system_functions import thread_functions
@@ -109,11 +109,11 @@ def call(
         axis of times behind.
     """
     lanes, own = [*values, effort, program], []
-    shape = np.broadcast_shapes(*map(np.shape, lanes))
+    shape = broadcast_shapes(*map(np.shape, lanes))
     if operation.directions:
         own.append(np.array(along, float))
     if times is not None:
-        shape = np.broadcast_shapes(shape, np.shape(times)[:-1])
+        shape = broadcast_shapes(shape, np.shape(times)[:-1])
         own.append(times)
     shapes = [shape] * operation.result_rows
     if times is not None:

@@ -18,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from diffrax import AbstractAdaptiveSolver
 
+from .._jax_internals import broadcast_shapes
 from .._types import Device
 from ..accuracy import MAX_STEPS, Accuracy
 from ..identity import clear_when_edited
@@ -113,7 +114,7 @@ def in_xla(assembly, varied: tuple[int, ...], solver, leaves, tolerance, floor, 
         return _compiled(assembly, varied, solver, row, tolerance, floor, times)
 
     own = () if times is None else np.shape(times)[:-1]
-    shape = np.broadcast_shapes(own, *map(np.shape, leaves))
+    shape = broadcast_shapes(own, *map(np.shape, leaves))
     if not shape:
         return of_lane(leaves, times)
     lanes = math.prod(shape)

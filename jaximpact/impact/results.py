@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
+from .._transfers import own_transfers
 from ..errors import InputError
 from ..laws import Branch
 from ..parameters import Row, html_table, text_table, with_unit
@@ -235,7 +236,9 @@ def outside_contact(samples: History, outcome_code, times: Series) -> History:
         series = getattr(samples, name)
         if series is not None:
             otherwise = jnp.where(free, 0.0, jnp.nan) if name in FORCES else jnp.nan
-            series = jnp.where(in_contact, series, otherwise)
+            # A constant would make the derivatives of a lane of NaN vanish.
+            lost = jnp.isnan(series) & ~known
+            series = jnp.where(in_contact | lost, series, otherwise)
             outside = outside._replace(**{name: series})
     return outside._replace(
         time=jnp.broadcast_to(times, in_contact.shape), in_contact=in_contact
@@ -307,15 +310,24 @@ class EnergyLedger(NamedTuple):
         ]
 
 
+UNDEFINED = 1e300
+"""Number that stands for NaN among the results of JAX's programs.
+
+`jax_debug_nans` ends a program that gives NaN, whoever asked for it or not. Sums and
+means over impacts, one of which has this value, are nearly as large or infinite."""
+LARGEST_DEFINED = 1e200
+"""Magnitude above which a number stands for NaN."""
+
+
 class ImpactSummary(eqx.Module):
     """The results of an impact, in SI units and radians; n into the ground, t
     down-slope, rotation clockwise. Of many impacts each is an array."""
 
     e_n: Scalar
     """Apparent normal coefficient of restitution: of the centre of mass."""
-    e_t: Scalar
-    """Apparent tangential coefficient; NaN where the block came in along the normal,
-    and it has no meaning."""
+    tangential_ratio: Scalar
+    """Apparent tangential coefficient `e_t`; `UNDEFINED` where that is NaN on purpose.
+    """
     e_contact: Scalar
     """Normal coefficient of restitution at the contact point."""
     e_bar: Scalar
@@ -366,10 +378,23 @@ class ImpactSummary(eqx.Module):
     steps: Scalar
     """Steps of the integration, rejected ones included."""
 
+    @property
+    def e_t(self) -> Scalar:
+        """Apparent tangential coefficient of restitution; NaN, with gradient 0, where
+        the block came in along the normal, and it has no meaning."""
+        value = self.tangential_ratio
+        if not isinstance(value, jax.Array | np.ndarray | np.generic | float):
+            return value  # in a tree of other things, such as types
+        xp: Any = jnp if isinstance(value, jax.Array) else np
+        # Also for who prints all numbers: what is computed with it is checked again.
+        with jax.debug_nans(False), own_transfers():
+            return xp.where(xp.abs(value) > LARGEST_DEFINED, xp.nan, value)
+
     def __repr__(self) -> str:
         columns = {**RESULT_COLUMNS, **FURTHER_COLUMNS}.values()
         units = {column.field: column.unit for column in columns}
-        names = [field.name for field in dataclasses.fields(ImpactSummary)]
+        fields = [field.name for field in dataclasses.fields(ImpactSummary)]
+        names = ["e_t" if name == "tangential_ratio" else name for name in fields]
         inside = (
             f"{n}={with_unit(getattr(self, n), units.get(n, '-'))}" for n in names
         )

@@ -16,7 +16,7 @@ from ..impact.dynamics import (
 )
 from ..impact.events import OUTCOME_OF_MARGIN, Outcome, closing_velocity
 from ..impact.problem import Problem, stiffness_of_block
-from ..impact.results import EnergyLedger, ImpactSummary
+from ..impact.results import UNDEFINED, EnergyLedger, ImpactSummary
 from ..restitution import defined_ratio, vijayakumar_coefficient
 from ..scene import GRAVITY, Scene
 from .batched import Lanes, end_lanes
@@ -180,7 +180,7 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
     summary = ImpactSummary(
         # A quotient of two equal numbers may be off one by a rounding.
         e_n=unless_separating(-defined_ratio(normal, start.normal_velocity), -1.0),
-        e_t=_tangential_coefficient(problem, start, tangential, separating),
+        tangential_ratio=_tangential_ratio(problem, start, tangential, separating),
         e_contact=e_contact,
         e_bar=unless_separating(safe_sqrt(kinetic_out / kinetic_in), 1.0),
         R_r=0.5 * ground.inertia * spin**2 / kinetic_out,
@@ -203,16 +203,16 @@ def summarise(scene: Scene, problem: Problem, end: End) -> ImpactSummary:
     return _named(end, now.forces.normal, separating, sound, summary)
 
 
-def _tangential_coefficient(
+def _tangential_ratio(
     problem: Problem, start: Motion, velocity: Scalar, separating: Scalar
 ) -> Scalar:
-    """e_t of the velocity after; NaN where there is none, and 1 where nothing
-    happens."""
+    """Tangential velocity after over that before: 1 where nothing happens."""
     if "tangential_velocity" not in problem.model.unknowns:
-        return jnp.full_like(velocity, jnp.nan)
+        return jnp.full_like(velocity, UNDEFINED)
     before = start.tangential_velocity
-    unchanged = jnp.where(before == 0.0, jnp.nan, 1.0)
-    return jnp.where(separating, unchanged, defined_ratio(velocity, before))
+    undefined = before == 0.0
+    ratio = velocity / jnp.where(undefined, 1.0, before)
+    return jnp.where(undefined, UNDEFINED, jnp.where(separating, 1.0, ratio))
 
 
 def _course(

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._checks import expect, real_numbers
-from .._jax_internals import Tracer
+from .._jax_internals import Tracer, broadcast_shapes
 from ..errors import InputError, UnusualValueWarning, nearest
 from ..identity import clear_when_edited, heed_edits, is_ours
 from ..laws.check import check_law
@@ -162,7 +162,7 @@ def check_times(
     if not times.ndim:
         raise InputError(f"{name} must be a series of times, but is one: {times}")
     try:
-        shape = np.broadcast_shapes(lanes, times.shape[:-1])
+        shape = broadcast_shapes(lanes, times.shape[:-1])
     except ValueError:
         raise InputError(
             f"{name} has the shape {times.shape}; need (times,), or axes before that "

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from paths import ROOT
 
 pytestmark = pytest.mark.slow
 
@@ -61,6 +62,27 @@ print(np.asarray(value).tobytes().hex(), np.asarray(derivative).tobytes().hex())
 print(sum(event == "/jax/compilation_cache/cache_hits" for event in hits))
 """
 
+EXPORTED = """
+import pathlib
+import re
+from jax import export
+
+derivative = jax.jit(jax.vmap(jax.value_and_grad(rebound), (None, 0)))
+some = jax.ShapeDtypeStruct(export.symbolic_shape("lanes"), float)
+text = derivative.lower(0.8, some).as_text()
+path = pathlib.Path("exported")
+if path.exists():
+    program = export.deserialize(bytearray(path.read_bytes()))
+else:
+    names = set(re.findall(r"jaximpact_[0-9a-f]{32}", text))
+    allowed = [export.DisabledSafetyCheck.custom_call(name) for name in names]
+    program = export.export(derivative, disabled_checks=allowed)(0.8, some)
+    path.write_bytes(program.serialize())
+value, slope = program.call(0.8, speed)
+np.testing.assert_array_equal(value, rebound(0.8, speed))
+print(np.asarray(value).tobytes().hex(), np.asarray(slope).tobytes().hex())
+"""
+
 
 def run(text: str, **variables: str) -> list[str]:
     """Runs Python and gives what it printed."""
@@ -88,3 +110,12 @@ def test_programs_that_jax_has_kept(tmp_path):
     (first, _), (second, hits) = run(KEPT, **kept), run(KEPT, **kept)
     assert second == first
     assert int(hits) > 0
+
+
+def test_an_exported_program_runs_in_another_process(tmp_path, monkeypatch):
+    """It has to lower such a program, and to compute none, before."""
+    pytest.importorskip("flatbuffers")
+    path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    monkeypatch.chdir(tmp_path)
+    first, second = run(EXPORTED, PYTHONPATH=path), run(EXPORTED, PYTHONPATH=path)
+    assert first == second

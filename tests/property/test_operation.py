@@ -5,6 +5,7 @@ import concurrent.futures
 import dataclasses
 import functools
 import math
+import operator
 import re
 import time
 
@@ -231,6 +232,82 @@ def test_a_lane_that_is_no_number_leaves_the_others_alone(scenes, expected):
     assert found.outcome_code[3] == Outcome.failed
     assert np.isnan(found.e_n[3])
     np.testing.assert_array_equal(np.delete(found.e_n, 3), np.delete(expected.e_n, 3))
+
+
+LEAVES = ("block.mass", "soil.c_v", "impact.speed", "impact.orientation")
+
+
+def with_leaf(scene: Scene, path: str, value) -> Scene:
+    return eqx.tree_at(operator.attrgetter(path), scene, value)
+
+
+@pytest.mark.parametrize("path", LEAVES)
+def test_derivatives_of_what_is_no_number_are_none(path):
+    """With respect to any leaf, in every mode; of the lanes beside it as ever."""
+    scene = Scene(
+        Block(aspect_ratio=1.7),
+        Soil(c_v=jnp.array([0.7, 0.8, 0.9]), **UNDAMPED),
+        Impact(speed=jnp.array([10.0, 11.0, 12.0]), angle=0.4, orientation=0.3),
+    )
+    value = jnp.broadcast_to(operator.attrgetter(path)(scene), (3,))
+
+    def rebound(gamma_v, value):
+        lanes = with_leaf(scene, path, value)
+        soil = dataclasses.replace(lanes.soil, gamma_v=gamma_v)
+        return FAST(Scene(lanes.block, soil, lanes.impact)).e_n
+
+    gamma_v = jnp.full(3, 5.0)
+    with_nan = value.at[1].set(jnp.nan)
+    for by in (0, 1):
+
+        def forward(gamma_v, value, by=by):
+            steps = [jnp.zeros(3), jnp.zeros(3)]
+            steps[by] = jnp.ones(3)
+            return jax.jvp(rebound, (gamma_v, value), tuple(steps))
+
+        def reverse(gamma_v, value, by=by):
+            found, back = jax.vjp(rebound, gamma_v, value)
+            return found, back(jnp.ones(3))[by]
+
+        for ways in (forward, reverse, jax.jit(forward), jax.jit(reverse)):
+            for found, expected in zip(
+                ways(gamma_v, with_nan), ways(gamma_v, value), strict=True
+            ):
+                assert np.isnan(found[1])
+                np.testing.assert_array_equal(found[::2], expected[::2])
+    # What all lanes have in common is in the sum of one that is no number.
+    of_sum = jax.jit(jax.grad(lambda *both: jnp.sum(rebound(*both))))
+    assert np.isnan(of_sum(5.0, with_nan))
+
+
+def test_derivatives_of_a_history_of_no_numbers_are_none():
+    times = jnp.array([1e-3, 2e-3, 0.9])
+
+    def forces(speed):
+        impact = Impact(speed=speed)
+        return simulate(Block(), Soil(**UNDAMPED), impact, save_at=times).history
+
+    _, rates = jax.jvp(forces, (jnp.array([jnp.nan, 12.0]),), (jnp.ones(2),))
+    found = rates.normal_force
+    _, expected = jax.jvp(forces, (12.0,), (1.0,))
+    assert np.all(np.isnan(found[0, :2]))
+    np.testing.assert_array_equal(found[1], expected.normal_force)
+    assert found[1, 2] == 0.0  # after the end
+
+
+def test_an_impact_that_failed_leaves_the_derivatives_of_others_alone():
+    """Also of what all have in common: in reverse mode 0 times NaN is NaN, where the
+    impact is left out as well. No ground holds a mass below zero."""
+
+    def mean(c_v, mass):
+        found = FAST(Block(mass=mass), Soil(c_v=c_v, **UNDAMPED), Impact())
+        sound = found.outcome_code != Outcome.failed
+        return jnp.sum(jnp.where(sound, found.e_n, 0.0)), found.e_n
+
+    of_both = jax.jit(jax.grad(mean, has_aux=True))
+    gradient, found = of_both(0.8, jnp.array([-100.0, 100.0]))
+    np.testing.assert_array_equal(np.isnan(found), [True, False])
+    assert gradient == of_both(0.8, jnp.array([100.0]))[0] != 0.0
 
 
 @pytest.mark.parametrize("kind", [jnp.float32, jnp.int64])

@@ -86,7 +86,10 @@ def with_failure(batch):
 
     codes = batch.outcome_code.copy()
     codes[0], codes[-1] = Outcome.separating, Outcome.failed
-    numbers = {name: known(getattr(batch, name)) for name in ("e_n", "e_t", "e_bar")}
+    numbers = {
+        name: known(getattr(batch, name))
+        for name in ("e_n", "tangential_ratio", "e_bar")
+    }
     return dataclasses.replace(batch, outcome_code=codes, **numbers)
 
 

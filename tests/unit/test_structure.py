@@ -20,7 +20,7 @@ import jaximpact
 from jaximpact.cli import main
 
 LAYERS = """
-    errors _types _safe _checks _jax_internals _precision _gc_pause units
+    errors _types _safe _checks _jax_internals _transfers _precision _gc_pause units
     _numpy_settings
     _packages interruption progress file_locks store
     finding code_state parameters identity accuracy
@@ -34,7 +34,7 @@ LAYERS = """
     result
     tasks
     simulation
-    batch lazy sweeping impact_response
+    batch lazy sweeping impact_response second_derivatives
     rebound
     calibration
     sensitivity
