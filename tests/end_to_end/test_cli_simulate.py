@@ -116,8 +116,8 @@ def test_compiled_program_is_kept_for_the_next_time(folder):
         stdout=subprocess.DEVNULL,
         check=True,
     )
-    # What drives lanes, an impact and its history
-    assert len(list((folder / "jaximpact").glob("machine-*"))) == 3
+    # What drives lanes; an impact and its history, each also by the text of its program
+    assert len(list((folder / "jaximpact").glob("machine-*"))) == 5
 
 
 @pytest.mark.slow

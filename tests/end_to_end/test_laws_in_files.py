@@ -344,7 +344,7 @@ def test_a_sweep_over_parameters_of_a_law_is_found_again(laws, scene, capsys):
     xr.testing.assert_allclose(repeat_sweep(found), found, rtol=1e-9)
 
     text = (laws / "my_laws.py").read_text()
-    (laws / "my_laws.py").write_text(text + "# edited\n")
+    (laws / "my_laws.py").write_text(text.replace("nucleus + creep", "nucleus"))
     with pytest.raises(InputError, match=r"with flow my_laws.Creeping \(.*, but there"):
         repeat_sweep(found)
     (laws / "my_laws.py").unlink()
@@ -379,7 +379,7 @@ def test_a_sweep_over_shapes(laws, capsys):
     xr.testing.assert_allclose(repeat_sweep(part), part, rtol=1e-9)
 
     text = (laws / "my_shapes.py").read_text()
-    (laws / "my_shapes.py").write_text(text + "# edited\n")
+    (laws / "my_shapes.py").write_text(text.replace("self.spread *", "2.0 *"))
     with pytest.raises(InputError, match=r"with shape my_shapes.Hollow \(.*, but"):
         repeat_sweep(found)
 
