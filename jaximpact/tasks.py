@@ -15,6 +15,7 @@ import contextvars
 import functools
 import hashlib
 import io
+import operator
 import os
 import pickle
 import platform
@@ -22,6 +23,7 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from importlib import import_module
 from typing import Any, TypeVar
 
 import jax
@@ -32,6 +34,8 @@ from .backend.threads import one_thread
 from .backend.xla_compilation import keep_programs
 from .errors import IncompleteError, InputError, NoWorkersWarning
 from .finding import class_of_file, file_of, told, users_line
+from .identity import code_digest, is_ours, name_of
+from .parameters import Part
 from .progress import Progress
 from .store import VARIABLE as CACHE_VARIABLE
 
@@ -132,13 +136,33 @@ def _unpickled(payload: bytes) -> Any:
 
 
 class _Pickler(pickle.Pickler):
-    """Pickles classes that were read from a user's file as that file and their name."""
+    """Pickles classes that were read from a user's file as that file and their name,
+    and laws and shapes of users with a digest of what they compute with."""
 
     def reducer_override(self, value):
-        file = file_of(value) if isinstance(value, type) else None
-        if file is None:
+        if not isinstance(value, type) or "<" in value.__qualname__:
             return NotImplemented
-        return class_of_file, (str(file), value.__qualname__)
+        file, name = file_of(value), value.__qualname__
+        if issubclass(value, Part) and not is_ours(value):
+            digest = code_digest(value)
+            return _same_class, (file and str(file), value.__module__, name, digest)
+        return NotImplemented if file is None else (class_of_file, (str(file), name))
+
+
+def _same_class(file: str | None, module: str, name: str, digest: str) -> type:
+    """Return the class of a law or a shape. Raises InputError where this process has
+    another one under its name: a worker that began before an edit."""
+    if file is None:
+        kind = operator.attrgetter(name)(import_module(module))
+    else:
+        kind = class_of_file(file, name)
+    if code_digest(kind) != digest:
+        raise InputError(
+            f"a worker on {platform.node()} has another {name} than the process that "
+            f"sends it, or other constants of it: {name_of(kind)}; start the workers "
+            "anew after an edit"
+        )
+    return kind
 
 
 def check_executor(executor: Any) -> None:

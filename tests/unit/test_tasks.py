@@ -1,6 +1,7 @@
 """Tasks for other processes: what can be sent, what runs them, and workers that die."""
 
 import concurrent.futures
+import importlib
 import multiprocessing
 import sys
 import threading
@@ -39,6 +40,23 @@ def test_what_stands_in_a_function_cannot_be_sent():
 def test_a_task_does_not_end_its_worker():
     with pytest.raises(InputError, match=r"SystemExit \(which would end .*: 3"):
         Task(sys.exit, 3)()
+
+
+def test_a_worker_with_another_law_says_so(tmp_path, monkeypatch):
+    """As one that had imported its module before an edit."""
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "law_of_a_task.py").write_text(
+        "from jaximpact.laws import Vesic\nFACTOR = 1.0\n"
+        "class Strong(Vesic):\n    def factors(self, friction):\n"
+        "        return super().factors(FACTOR * friction)\n"
+    )
+    module = importlib.import_module("law_of_a_task")
+    task = Task(str, Soil(bearing=module.Strong()))
+    assert "Strong" in task()
+    tasks._unpickled.cache_clear()
+    module.FACTOR = 0.9
+    with pytest.raises(InputError, match=r"another Strong .*FACTOR=0.9.*anew"):
+        task()
 
 
 def test_results_come_with_their_places_and_few_tasks_wait():
