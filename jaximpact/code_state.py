@@ -186,12 +186,14 @@ class _Walker:
 
     def _other(self, value) -> None:
         kind = type(value)
-        if name := self._in_library(value):
-            self.add("library", name)
-        elif isinstance(value, types.ModuleType):
-            self.add("module", value.__name__)
-            if not self._is_known(value.__name__):
+        if isinstance(value, types.ModuleType):
+            self.visit(kind)
+            if self._is_known(value.__name__):
+                self.add("module", value.__name__)
+            else:
                 self._modules.setdefault(value, set())
+        elif name := self._in_library(value):
+            self.add("library", name)
         elif isinstance(value, types.FunctionType):
             self._function(value)
         elif isinstance(value, type):
@@ -255,7 +257,8 @@ class _Walker:
     def _object(self, value) -> None:
         """Add an object of a user's class."""
         kind = type(value)
-        self.add("object", f"{kind.__module__}.{kind.__qualname__}")
+        # Without its module: one of a file by name is called by what is in the file.
+        self.add("object", kind.__qualname__)
         self.visit(kind)
         slots = {name: getattr(value, name, None) for name in _slots(kind)}
         self.visit(_attributes(value) | slots)
