@@ -396,7 +396,7 @@ class _Pickler(pickle.Pickler):
         self._walker, self.apart = walker, []
 
     def persistent_id(self, obj):
-        apart = isinstance(obj, APART) or callable(obj) and bool(_parts_of(obj))
+        apart = isinstance(obj, APART) or (callable(obj) and bool(_parts_of(obj)))
         if not apart or self._walker._in_library(obj):
             return None
         self.apart.append(obj)
