@@ -31,6 +31,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from ._jax_internals import Tracer
@@ -192,14 +193,14 @@ class _Walker:
                 self.add("module", value.__name__)
             else:
                 self._modules.setdefault(value, set())
+        elif self._is_of_user(kind) and not isinstance(value, type):
+            self._object(value)
         elif name := self._in_library(value):
             self.add("library", name)
         elif isinstance(value, types.FunctionType):
             self._function(value)
         elif isinstance(value, type):
             self._class(value)
-        elif self._is_of_user(kind):
-            self._object(value)
         elif kind in (dict, types.MappingProxyType):
             for key in value:
                 self.visit(key)
@@ -228,16 +229,19 @@ class _Walker:
         known, code = function.__globals__, function.__code__
         module = sys.modules.get(known.get("__name__", ""))
         # What `exec` has made may have the names of a library.
-        if self._is_known(known.get("__name__")) and vars(module) is known:
+        if self._is_known(known.get("__name__")) and _attributes(module) is known:
             return
         self.add("code", code)
         names = _names_in(code)
         self._names |= names
-        for name in sorted(_modules_in(code)):
+        for name, items in sorted(_modules_in(code)):
             # Now, or else its numbers would be seen only after the first call.
-            for full in (name, f"{known.get('__package__') or ''}.{name}"):
-                with contextlib.suppress(Exception):
-                    self.visit(importlib.import_module(full))
+            with contextlib.suppress(Exception):
+                module = importlib.import_module(name, known.get("__package__"))
+                self.visit(module)
+                for item in items if hasattr(module, "__path__") else ():
+                    if item not in vars(module):
+                        importlib.import_module(f"{module.__name__}.{item}")
         if names & BY_ANY_NAME:
             names |= {name for name in known if not name.startswith("__")}
         self._named({name: known[name] for name in names if name in known})
@@ -260,8 +264,10 @@ class _Walker:
         # Without its module: one of a file by name is called by what is in the file.
         self.add("object", kind.__qualname__)
         self.visit(kind)
-        slots = {name: getattr(value, name, None) for name in _slots(kind)}
-        self.visit(_attributes(value) | slots)
+        self.visit(_attributes(value))
+        for name in _slots(kind):
+            with contextlib.suppress(Exception):  # not set
+                self.visit(getattr(value, name))
         for base, content in CONTENT.items():
             if isinstance(value, base):
                 self.visit(content(value))
@@ -361,7 +367,7 @@ def _parts_of(value) -> list:
 
 def _is_key(value: jax.Array) -> bool:
     """Tell whether an array holds keys of random numbers."""
-    return jax.dtypes.issubdtype(value.dtype, jax.dtypes.prng_key)
+    return jnp.issubdtype(value.dtype, jax.dtypes.prng_key)
 
 
 def _attributes(value) -> dict[str, Any]:
@@ -396,14 +402,13 @@ class _Pickler(pickle.Pickler):
         self._walker, self.apart = walker, []
 
     def persistent_id(self, obj):
-        apart = isinstance(obj, APART) or (callable(obj) and bool(_parts_of(obj)))
+        apart = isinstance(obj, types.FunctionType | type | types.ModuleType)
+        apart = apart or type(obj) in (set, frozenset)  # whose order changes
+        apart = apart or (callable(obj) and bool(_parts_of(obj)))
         if not apart or self._walker._in_library(obj):
             return None
         self.apart.append(obj)
         return len(self.apart)
-
-
-APART = types.FunctionType, type, types.ModuleType, set, frozenset
 
 
 @functools.lru_cache(maxsize=4096)
@@ -419,16 +424,21 @@ def _names_in(code: types.CodeType) -> frozenset[str]:
 
 
 @functools.lru_cache(maxsize=4096)
-def _modules_in(code: types.CodeType) -> frozenset[str]:
-    """Return the modules that code imports while it runs."""
-    steps = dis.get_instructions(code)
-    found = {step.argval for step in steps if step.opname == "IMPORT_NAME"}
-    texts = {text for text in code.co_consts if isinstance(text, str)}
-    if BY_TEXT & set(code.co_names):
-        found |= {text for text in texts if text.replace(".", "").isidentifier()}
+def _modules_in(code: types.CodeType) -> frozenset[tuple[str, tuple[str, ...]]]:
+    """Return the modules that code imports while it runs, and what it takes from
+    them."""
+    steps = [*dis.get_instructions(code)]
+    found = {
+        ("." * level.argval + step.argval, items.argval or ())
+        for level, items, step in zip(steps, steps[1:], steps[2:], strict=False)
+        if step.opname == "IMPORT_NAME"
+    }
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
             found |= _modules_in(constant)
+    if BY_TEXT & set(code.co_names):
+        texts = {text for text in code.co_consts if isinstance(text, str)}
+        found |= {(t, ()) for t in texts if t.replace(".", "").isidentifier()}
     return frozenset(found)
 
 

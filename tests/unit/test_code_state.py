@@ -40,6 +40,9 @@ CASES = {
     "import inside": dict(
         head="def f():\n    from numbers_of import F\n    return F", value="f()"
     ),
+    "import of a part of a package inside": dict(
+        head="def f():\n    from parts_of import inner\n    return inner.F", value="f()"
+    ),
     "import by name": dict(
         head="import importlib\ndef f():\n"
         "    return importlib.import_module('numbers_of').F",
@@ -168,6 +171,10 @@ CASES = {
     ),
     "dictionary of a class of its own": dict(
         head="class Q(dict):\n    F = NUMBER\nd = Q()", value="d.F"
+    ),
+    "dictionary of attributes": dict(
+        head="class Q(dict):\n    __getattr__ = dict.__getitem__\nd = Q(F=NUMBER)",
+        value="d.F",
     ),
     "tuple with methods": dict(
         head="from typing import NamedTuple\nclass N(NamedTuple):\n"
@@ -381,7 +388,7 @@ def test_what_a_law_changes_itself_is_no_edit(law_of, change, monkeypatch):
     heed_edits(structure)
     assert not cleared
     assert code_digest(law) == before
-    sys.modules["law_of_mine"].F = 2.0
+    vars(sys.modules["law_of_mine"])["F"] = 2.0
     heed_edits(structure)
     assert cleared
     assert code_digest(law) != before
