@@ -12,20 +12,26 @@ or an environment variable, is not seen.
 """
 
 import contextlib
+import contextvars
 import dataclasses
 import dis
 import functools
 import hashlib
 import importlib
 import inspect
+import io
 import linecache
+import operator
 import pickle
+import re
 import sys
 import types
-from collections.abc import Iterable, Mapping
+import weakref
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from ._jax_internals import Tracer
@@ -42,6 +48,27 @@ NOT_CODE = {
 }
 """Attributes of a class that no result depends on, or that are made from others."""
 
+CACHES = weakref.WeakKeyDictionary, weakref.WeakValueDictionary, weakref.WeakSet
+"""What holds its content weakly, such as that of `functools.singledispatch`."""
+BY_ANY_NAME = {"getattr", "vars", "globals", "eval", "exec", "__dict__"}
+"""Names in code that may read a name which stands nowhere."""
+BY_TEXT = {"import_module", "__import__"}
+"""Functions that import a module that a text names."""
+CONTENT: dict[type, Callable] = {
+    Mapping: lambda value: [part for pair in value.items() for part in pair],
+    set: lambda value: set(value),
+    frozenset: lambda value: set(value),
+    tuple: lambda value: list(tuple.__iter__(value)),
+    list: lambda value: list(list.__iter__(value)),
+    float: float.__repr__,
+    int: int.__repr__,
+    complex: complex.__repr__,
+    str: str.__str__,
+    bytes: bytes.__repr__,
+    np.ndarray: np.asarray,
+}
+"""What objects of classes that derive from those of Python have beside attributes."""
+
 Atom = tuple[str, Any]
 """Kind and value of one thing that a class depends on, hashable."""
 
@@ -53,7 +80,8 @@ def walk(*roots) -> tuple[Atom, ...]:
     """
     walker = _Walker({top_of(kind.__module__) for root in roots for kind in _mro(root)})
     for root in roots:
-        walker.visit(root, frozenset())
+        walker.visit(root)
+    walker.visit_modules()
     return tuple(walker.atoms)
 
 
@@ -95,112 +123,131 @@ class _Walker:
     def __init__(self, own: set[str]):
         self.own = own - FOUNDATIONS
         self.atoms: list[Atom] = []
-        self._seen: dict[Any, int] = {}
+        self._seen: dict[int, int] = {}
         self._kept: list = []
+        self._names: set[str] = set()
+        self._modules: dict[types.ModuleType, set[str]] = {}
 
     def add(self, kind: str, value) -> None:
         self.atoms.append((kind, value))
 
-    def visit(self, value, names: frozenset[str]) -> None:
-        """Add a value and what it depends on.
-
-        Args:
-            names: those that the code that refers to it uses.
-        """
-        if isinstance(value, PLAIN):
-            self.add(type(value).__name__, repr(value))
-        elif isinstance(value, types.ModuleType):
-            self._once((id(value), names), value, self._module, names)
-        elif isinstance(value, np.ndarray | np.generic | jax.Array):
+    def visit(self, value) -> None:
+        """Add a value and what it depends on, but for what modules have."""
+        kind = type(value)
+        if kind in PLAIN:
+            self.add(kind.__name__, repr(value))
+            if kind is str:
+                self._names.update(value.split("."))
+        elif kind is np.ndarray or isinstance(value, np.generic | jax.Array):
             self._array(value)
+        elif id(value) in self._seen:
+            self.add("again", self._seen[id(value)])
         else:
-            self._once(id(value), value, self._other, names)
+            self._seen[id(value)] = len(self._seen)
+            self._kept.append(value)  # whose `id` must not be another's
+            self._other(value)
 
-    def _once(self, key, value, visit, names: frozenset[str]) -> None:
-        if key in self._seen:
-            self.add("again", self._seen[key])
-            return
-        self._seen[key] = len(self._seen)
-        self._kept.append(value)  # whose `id` must not be another's
-        visit(value, names)
+    def visit_modules(self) -> None:
+        """Add what the modules that were found have under the names that were found.
 
-    def _named(self, values: Mapping, names: frozenset[str]) -> None:
+        Which code reads which module is not known: a module may be an argument, an
+        attribute or an item.
+        """
+        more = True
+        while more:
+            more = False
+            for module, done in [*self._modules.items()]:
+                inside = vars(module)
+                named = inside.keys() if self._names & BY_ANY_NAME else self._names
+                # Of what Python itself puts into a module, only the function for
+                # names that are not there counts.
+                names = {name for name in named if not name.startswith("__")}
+                names = (names | {"__getattr__"}) & inside.keys() - done
+                done |= names
+                more = more or bool(names)
+                self._named({name: inside[name] for name in names})
+
+    def _named(self, values: Mapping) -> None:
         for name in sorted(values):
             self.add("constant", name)
-            self.visit(values[name], names)
-
-    def _module(self, module: types.ModuleType, names: frozenset[str]) -> None:
-        if self._is_known(module.__name__):
-            self.add("module", module.__name__)
-        else:
-            used = names & vars(module).keys()
-            self._named({name: vars(module)[name] for name in used}, names)
+            self.visit(values[name])
 
     def _array(self, value) -> None:
         if isinstance(value, Tracer):
             self.add("identity", value)
             return
+        if isinstance(value, jax.Array) and _is_key(value):
+            value = jax.random.key_data(value)
         array = np.asarray(value)
         if array.dtype.hasobject:
-            self.visit(array.tolist(), frozenset())
+            self.visit(array.tolist())
             return
         content = hashlib.blake2b(np.ascontiguousarray(array).tobytes()).hexdigest()
         self.add("array", (array.dtype.str, array.shape, content))
 
-    def _other(self, value, names: frozenset[str]) -> None:
-        if name := self._in_library(value):
+    def _other(self, value) -> None:
+        kind = type(value)
+        if isinstance(value, types.ModuleType):
+            self.visit(kind)
+            if self._is_known(value.__name__):
+                self.add("module", value.__name__)
+            else:
+                self._modules.setdefault(value, set())
+        elif self._is_of_user(kind) and not isinstance(value, type):
+            self._object(value)
+        elif name := self._in_library(value):
             self.add("library", name)
         elif isinstance(value, types.FunctionType):
             self._function(value)
         elif isinstance(value, type):
             self._class(value)
-        elif isinstance(value, Mapping):
+        elif kind in (dict, types.MappingProxyType):
             for key in value:
-                self.visit(key, names)
-                self.visit(value[key], names)
-        elif isinstance(value, tuple | list):
-            self.add(type(value).__name__, len(value))
+                self.visit(key)
+                self.visit(value[key])
+        elif kind in (tuple, list):
+            self.add(kind.__name__, len(value))
             for item in value:
-                self.visit(item, names)
-        elif isinstance(value, set | frozenset):
+                self.visit(item)
+        elif kind in (set, frozenset):
             for item in sorted(value, key=repr):
-                self.visit(item, names)
+                self.visit(item)
         elif parts := _parts_of(value):
             for part in parts:
-                self.visit(part, names)
+                self.visit(part)
         else:
-            self._object(value)
+            self._of_library(value)
 
     def _function(self, function: types.FunctionType) -> None:
         self.add("function", function.__qualname__)
-        for value in (function.__defaults__, function.__kwdefaults__):
-            self.visit(value, frozenset())
+        self.visit(function.__defaults__)
+        self.visit(function.__kwdefaults__)
         for cell in function.__closure__ or ():
-            try:
-                content = cell.cell_contents
-            except ValueError:  # not set yet
-                continue
-            self.visit(content, _names_in(function.__code__))
-        self.visit(vars(function), frozenset())  # such as `__wrapped__`
-        known = function.__globals__
-        if self._is_known(known.get("__name__")):
+            with contextlib.suppress(ValueError):  # not set yet
+                self.visit(cell.cell_contents)
+        self.visit(vars(function))  # such as `__wrapped__`
+        known, code = function.__globals__, function.__code__
+        module = sys.modules.get(known.get("__name__", ""))
+        # What `exec` has made may have the names of a library.
+        if self._is_known(known.get("__name__")) and _attributes(module) is known:
             return
-        self.add("code", function.__code__)
-        names = _names_in(function.__code__)
-        found = {name: known[name] for name in names if name in known}
-        package = known.get("__package__") or ""
-        for name in names - found.keys():
-            # Imported inside the function: now, or else its numbers would be seen only
-            # after the first call.
-            for full in (name, f"{package}.{name}"):
-                if name in _imports_in(function.__code__):
-                    with contextlib.suppress(Exception):
-                        importlib.import_module(full)
-                if full in sys.modules:
-                    found[name] = sys.modules[full]
-        self._named(found, names)
+        self.add("code", code)
+        names = _names_in(code)
+        self._names |= names
+        for name, items in sorted(_modules_in(code)):
+            # Now, or else its numbers would be seen only after the first call.
+            with contextlib.suppress(Exception):
+                module = importlib.import_module(name, known.get("__package__"))
+                self.visit(module)
+                for item in items if hasattr(module, "__path__") else ():
+                    if item not in vars(module):
+                        importlib.import_module(f"{module.__name__}.{item}")
+        if names & BY_ANY_NAME:
+            names |= {name for name in known if not name.startswith("__")}
+        self._named({name: known[name] for name in names if name in known})
 
     def _class(self, kind: type) -> None:
+        self.visit(type(kind))
         for base in kind.__mro__:
             self.add("class", base.__qualname__)
             # One made by `exec` may say that it is of `builtins`.
@@ -208,26 +255,46 @@ class _Walker:
                 fields = vars(base).get("__dataclass_fields__", {})
                 inside = vars(base).keys() - NOT_CODE - fields.keys()
                 inside = {name: vars(base)[name] for name in inside}
-                self.visit(list(fields.values()), frozenset())
-                self._named(
-                    {k: v for k, v in inside.items() if not _is_generated(v)},
-                    frozenset(),
-                )
+                self.visit(list(fields.values()))
+                self._named({k: v for k, v in inside.items() if not _is_generated(v)})
 
     def _object(self, value) -> None:
+        """Add an object of a user's class."""
+        kind = type(value)
+        # Without its module: one of a file by name is called by what is in the file.
+        self.add("object", kind.__qualname__)
+        self.visit(kind)
+        self.visit(_attributes(value))
+        for name in _slots(kind):
+            with contextlib.suppress(Exception):  # not set
+                self.visit(getattr(value, name))
+        for base, content in CONTENT.items():
+            if isinstance(value, base):
+                self.visit(content(value))
+
+    def _of_library(self, value) -> None:
+        """Add an object of a library's class, by what `pickle` knows of it."""
         kind = type(value)
         self.add("object", f"{kind.__module__}.{kind.__qualname__}")
-        if not self._is_known(kind.__module__) or kind.__module__.startswith(PACKAGE):
-            self._once(id(kind), kind, lambda kind, _: self._class(kind), frozenset())
-            slots = {name: getattr(value, name, None) for name in _slots(kind)}
-            self.visit(_attributes(value) | slots, frozenset())
+        if dataclasses.is_dataclass(kind):
+            names = {field.name for field in dataclasses.fields(kind)}
+            own = {name: getattr(value, name, None) for name in names}
+            self.visit(_attributes(value) | own)
             return
+        stream = io.BytesIO()
+        pickler = _Pickler(stream, self)
         try:
-            content = hashlib.blake2b(pickle.dumps(value)).hexdigest()
+            pickler.dump(value)
         except Exception:  # whatever an object does that is not made for it
             self.add("identity", value if _is_hashable(value) else id(value))
         else:
-            self.add("content", content)
+            self.add("content", hashlib.blake2b(stream.getvalue()).hexdigest())
+            for part in pickler.apart:
+                self.visit(part)
+
+    def _is_of_user(self, kind: type) -> bool:
+        ours = kind.__module__.startswith(f"{PACKAGE}.")
+        return ours or not self._is_known(kind.__module__)
 
     def _in_library(self, value) -> str | None:
         """Return the name under which a library has a function, class or object."""
@@ -278,11 +345,29 @@ def _parts_of(value) -> list:
         return [value.__func__]
     if isinstance(value, functools.cached_property):
         return [value.func]
+    if isinstance(value, functools.singledispatchmethod):
+        return [value.dispatcher, value.func]
+    if isinstance(value, weakref.ref):
+        return [value()]
+    if isinstance(value, contextvars.ContextVar):
+        with contextlib.suppress(LookupError):
+            return [value.get()]
+    if isinstance(value, memoryview):
+        return [value.tobytes()]
+    if isinstance(value, operator.attrgetter):
+        return [*value.__reduce__()]
+    if isinstance(value, CACHES):
+        return [type(value)]
     if callable(value) and hasattr(value, "__wrapped__"):
         # Such as `functools.lru_cache`, `jax.jit`, `jax.custom_jvp` with its rule
         inside = filter(callable, _attributes(value).values())
         return [value.__wrapped__, *inside]
     return []
+
+
+def _is_key(value: jax.Array) -> bool:
+    """Tell whether an array holds keys of random numbers."""
+    return jnp.issubdtype(value.dtype, jax.dtypes.prng_key)
 
 
 def _attributes(value) -> dict[str, Any]:
@@ -304,23 +389,57 @@ def _is_hashable(value) -> bool:
     return True
 
 
+class _Pickler(pickle.Pickler):
+    """Pickles an object without what it holds of functions, classes and modules, of
+    which `pickle` would keep the names only.
+
+    Args:
+        walker: tells what is a library's.
+    """
+
+    def __init__(self, stream: io.BytesIO, walker: _Walker):
+        super().__init__(stream)
+        self._walker, self.apart = walker, []
+
+    def persistent_id(self, obj):
+        apart = isinstance(obj, types.FunctionType | type | types.ModuleType)
+        apart = apart or type(obj) in (set, frozenset)  # whose order changes
+        apart = apart or (callable(obj) and bool(_parts_of(obj)))
+        if not apart or self._walker._in_library(obj):
+            return None
+        self.apart.append(obj)
+        return len(self.apart)
+
+
 @functools.lru_cache(maxsize=4096)
 def _names_in(code: types.CodeType) -> frozenset[str]:
-    """Return the names that code refers to, and its texts that may be some."""
+    """Return the names that code refers to, and those in its texts."""
     names = set(code.co_names) | set(code.co_freevars)
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
             names |= _names_in(constant)
-        elif isinstance(constant, str) and constant.replace(".", "").isidentifier():
-            names.add(constant)
+        elif isinstance(constant, str):
+            names |= set(re.findall(r"[^\W\d]\w*", constant))
     return frozenset(names)
 
 
 @functools.lru_cache(maxsize=4096)
-def _imports_in(code: types.CodeType) -> frozenset[str]:
-    """Return the modules that code imports while it runs."""
-    steps = dis.get_instructions(code)
-    return frozenset(step.argval for step in steps if step.opname == "IMPORT_NAME")
+def _modules_in(code: types.CodeType) -> frozenset[tuple[str, tuple[str, ...]]]:
+    """Return the modules that code imports while it runs, and what it takes from
+    them."""
+    steps = [*dis.get_instructions(code)]
+    found = {
+        ("." * level.argval + step.argval, items.argval or ())
+        for level, items, step in zip(steps, steps[1:], steps[2:], strict=False)
+        if step.opname == "IMPORT_NAME"
+    }
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            found |= _modules_in(constant)
+    if BY_TEXT & set(code.co_names):
+        texts = {text for text in code.co_consts if isinstance(text, str)}
+        found |= {(t, ()) for t in texts if t.replace(".", "").isidentifier()}
+    return frozenset(found)
 
 
 def _instructions(code: types.CodeType) -> tuple:

@@ -1,6 +1,7 @@
 """Laws and shapes by name: the package's own, and users' from files and modules."""
 
 import ast
+import contextlib
 import hashlib
 import importlib
 import importlib.util
@@ -167,8 +168,10 @@ class _Loaded(NamedTuple):
 
     module: ModuleType
     content: bytes
-    imports: dict[str, tuple[str, bytes]]
-    """Modules of the user's that it imports, with their files and what was in them."""
+    imports: list[str]
+    """Modules of the user's that it imports."""
+    files: dict[Path, bytes]
+    """Digests of what was in their files, and in files that texts in them name."""
 
 
 _files: dict[Path, _Loaded] = {}
@@ -179,8 +182,8 @@ def _loaded(path: Path, content: bytes) -> ModuleType:
     edited since."""
     known, name = _files.get(path), hashlib.sha256(content)
     if known is not None:
-        now = [_digest(Path(file)) for file, _ in known.imports.values()]
-        if now == [before for _, before in known.imports.values()]:
+        now = {file: _digest(file) for file in known.files}
+        if now == known.files:
             if content == known.content:
                 return known.module
         else:
@@ -188,10 +191,13 @@ def _loaded(path: Path, content: bytes) -> ModuleType:
             for imported in known.imports:
                 sys.modules.pop(imported, None)
             importlib.invalidate_caches()
-            name.update(b"".join(now))
+            name.update(b"".join(now.values()))
     module = _load(path, f"{path.stem}_{name.hexdigest()[:12]}")
-    imports = {n: (file, _digest(Path(file))) for n, file in imports_of(module)}
-    _files[path] = _Loaded(module, content, imports)
+    imports = dict(imports_of(module))
+    files = {Path(file) for file in imports.values()}
+    files |= {named for file in (path, *files) for named in _files_named_in(file)}
+    now = {file: _digest(file) for file in sorted(files)}
+    _files[path] = _Loaded(module, content, [*imports], now)
     return module
 
 
@@ -200,6 +206,17 @@ def _digest(file: Path) -> bytes:
         return hashlib.sha256(file.read_bytes()).digest()
     except OSError:  # removed since
         return b""
+
+
+def _files_named_in(file: Path) -> Iterator[Path]:
+    """Find the files that texts in a module name, from its folder or the working
+    directory: data that it may read as it is imported."""
+    for node in ast.walk(_parsed(file)):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            for place in (file.parent / node.value, Path(node.value)):
+                with contextlib.suppress(OSError, ValueError):  # no name of a file
+                    if place.is_file():
+                        yield place
 
 
 def imports_of(module: ModuleType) -> Iterator[tuple[str, str]]:
@@ -221,12 +238,8 @@ def imports_of(module: ModuleType) -> Iterator[tuple[str, str]]:
 
 def _names_imported(module: ModuleType) -> set[str]:
     """Return the names of modules in the import statements of a module."""
-    try:
-        tree = ast.parse(Path(str(module.__file__)).read_bytes())
-    except (OSError, SyntaxError, ValueError):
-        return set()
     names = set()
-    for node in ast.walk(tree):
+    for node in ast.walk(_parsed(Path(str(module.__file__)))):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -237,6 +250,13 @@ def _names_imported(module: ModuleType) -> set[str]:
                 base = ".".join([*above, *([base] if base else [])])
             names |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
     return names
+
+
+def _parsed(file: Path) -> ast.AST:
+    try:
+        return ast.parse(file.read_bytes())
+    except (OSError, SyntaxError, ValueError):
+        return ast.Module([], [])
 
 
 def _file(module) -> Path | None:

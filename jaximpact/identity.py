@@ -8,13 +8,14 @@ digest is in manifests, journals and keys of fits. Compiled code on disk needs n
 it is kept by its own text.
 """
 
+import contextlib
 import dataclasses
 import functools
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -48,7 +49,7 @@ def name_of(kind: type[Part]) -> str:
         return f"{kind.__module__}.{kind.__qualname__}"
     file = getattr(sys.modules.get(kind.__module__), "__file__", None)
     module = Path(file).stem if file else kind.__module__
-    atoms = walk(kind)
+    atoms = _state_of(kind, (kind,))
     values = [f"{name}={value}" for name, value in plain_values(atoms).items()]
     told = [digest(atoms)[:16], *values[:MOST_VALUES]]
     return f"{module}.{kind.__qualname__} ({', '.join(told)})"
@@ -57,7 +58,7 @@ def name_of(kind: type[Part]) -> str:
 def code_digest(kind: type) -> str:
     """Compute the digest of all that a class computes with; "" for the package's."""
     kinds = [one for one in made_of(kind) or (kind,) if not is_ours(one)]
-    return "".join(digest(walk(one)) for one in kinds)
+    return "".join(digest(_state_of(one, (one,))) for one in kinds)
 
 
 def described(tree) -> tuple | None:
@@ -120,9 +121,21 @@ _clearing: list[Callable[[], None]] = [
     *(cache.cache_clear for cache in parameters.caches_by_class),
     jax.clear_caches,
 ]
-_states: dict[Any, tuple[Atom, ...]] = {}
-"""State of the users' code in each structure."""
-_lock = threading.Lock()
+
+
+class _Known(NamedTuple):
+    """Users' code as it was seen."""
+
+    roots: tuple
+    first: tuple[Atom, ...]
+    """Before anything was traced; digests are of this."""
+    last: tuple[Atom, ...]
+    """As it is now, but for edits."""
+
+
+_known: dict[Any, _Known] = {}
+"""State of each user's class, and of the users' code in each structure."""
+_lock = threading.RLock()
 
 
 def clear_when_edited(clear: Callable[[], None]) -> None:
@@ -147,12 +160,41 @@ def heed_edits(structure) -> None:
     if not users:
         return
     with _lock:
-        state = walk(*users)
-        if _states.get(structure, state) != state:
-            _states.clear()
+        is_new = structure not in _known
+        _state_of(structure, users)
+        for kind in users:
+            if isinstance(kind, type) and (is_new or kind not in _known):
+                _state_of(kind, (kind,))
+
+
+def _state_of(key, roots: tuple) -> tuple[Atom, ...]:
+    """Return the state of users' code before it was traced; all is forgotten if the
+    code was edited since it was seen last."""
+    with _lock:
+        state, known = walk(*roots), _known.get(key)
+        if known is not None and known.last == state:
+            return known.first
+        if known is not None:
+            _known.clear()
             for clear in _clearing:
                 clear()
-        _states[structure] = state
+        _known[key] = _Known(roots, state, state)
+        return state
+
+
+@contextlib.contextmanager
+def tracing() -> Iterator[None]:
+    """Trace users' code: what it changes itself, such as a counter or a memory of its
+    own, is no edit."""
+    with _lock:
+        for key, known in [*_known.items()]:
+            _state_of(key, known.roots)
+    try:
+        yield
+    finally:
+        with _lock:
+            for key, known in _known.items():
+                _known[key] = known._replace(last=walk(*known.roots))
 
 
 def made_of(kind: type) -> tuple[type[Part], ...]:

@@ -16,6 +16,7 @@ import numpy as np
 
 from .errors import InputError, nearest
 from .finding import shipped
+from .identity import clear_when_edited
 from .parameters import Composite, Declared, Part, declared_of, parts_of
 from .scene import PARTS, Scene
 from .units import RESULT_SUFFIXES, UNITS
@@ -164,6 +165,9 @@ def _columns_of(*parts: tuple) -> dict[str, InputColumn]:
             for pair in declared_of(kind).items()
         ]
     )
+
+
+clear_when_edited(_columns_of.cache_clear)
 
 
 @functools.cache

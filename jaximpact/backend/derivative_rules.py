@@ -27,7 +27,7 @@ from .._transfers import own_transfers
 from .._types import Structure
 from ..accuracy import Accuracy
 from ..errors import InputError
-from ..identity import clear_when_edited, heed_edits
+from ..identity import clear_when_edited, heed_edits, tracing
 from ..impact.problem import Assembly, assemble
 from ..impact.reduced_models import MODELS, exact_models
 from ..impact.results import (
@@ -174,7 +174,8 @@ def solve_recorded(
 
         leaves, structure = jax.tree.flatten(scene)
         numbers = solve(structure, leaves, accuracy, True, engine)
-        return numbers, record_by_xla(scene, accuracy, engine.solver)
+        with tracing():
+            return numbers, record_by_xla(scene, accuracy, engine.solver)
     inputs = [*jax.tree.leaves(scene), accuracy.tolerance, accuracy.floor]
     results, samples = kernel.workspace().record(np.array(inputs, float)[:, None])
     numbers = jax.tree.unflatten(kernel.structure, [row[0] for row in results])
@@ -421,6 +422,9 @@ def _exact_model(structure, deciding: tuple[float, ...]):
     return exact_models(jax.tree.unflatten(structure, leaves))
 
 
+clear_when_edited(_exact_model.cache_clear)
+
+
 @functools.lru_cache(maxsize=256)
 def _groups(structure) -> tuple[set[int], set[int], set[int]]:
     """Return the leaves of a scene: those that may leave the symmetry, of dashpots,
@@ -482,7 +486,8 @@ def _by_xla(given: Given, values: list, times, varied: list[int]) -> Any:
     assembly = Assembly(given.structure, MODELS[max(possible)], given.ledger)
     leaves, (tolerance, floor) = given.leaves(values), given.rest[-2:]
     solver = given.engine.solver
-    found = in_xla(assembly, tuple(varied), solver, leaves, tolerance, floor, times)
+    with tracing():
+        found = in_xla(assembly, tuple(varied), solver, leaves, tolerance, floor, times)
     if not varied:
         return found
     solution, columns = found

@@ -17,7 +17,7 @@ import numpy as np
 from .._packages import versions
 from ..accuracy import MAX_STEPS, RETRIES, Accuracy
 from ..errors import IncompleteError, NoMachineCodeWarning
-from ..identity import clear_when_edited, described, heed_edits, users_code
+from ..identity import clear_when_edited, described, heed_edits, tracing, users_code
 from ..impact.events import Outcome
 from ..impact.problem import Assembly
 from ..impact.results import ImpactSummary, empty_summary
@@ -45,7 +45,8 @@ def _kept_here(compile_kernel: Callable) -> Any:
     @functools.lru_cache(maxsize=32)
     def kernel_or_problem(*arguments):
         try:
-            return compile_kernel(*arguments)
+            with tracing():
+                return compile_kernel(*arguments)
         except NoMachineCode as problem:
             return problem
 

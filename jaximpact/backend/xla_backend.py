@@ -21,7 +21,7 @@ from diffrax import AbstractAdaptiveSolver
 from .._jax_internals import broadcast_shapes
 from .._types import Device
 from ..accuracy import MAX_STEPS, Accuracy
-from ..identity import clear_when_edited
+from ..identity import clear_when_edited, tracing
 from ..impact.problem import Assembly, assemble, pose
 from ..impact.results import History, ImpactSummary, Solution, history_at
 from ..integrator.batched import Lanes, march, march_and_sample, start_lanes
@@ -195,6 +195,7 @@ class Programs(NamedTuple):
 
 
 @functools.lru_cache(maxsize=64)
+@tracing()
 def compile_programs(assembly: Assembly, width: int, device: Device) -> Programs:
     """Compile the programs of an assembly of the model."""
     on_device = jax.sharding.SingleDeviceSharding(device)

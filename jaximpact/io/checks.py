@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from .._checks import expect, real_numbers
 from .._jax_internals import Tracer, broadcast_shapes
 from ..errors import InputError, UnusualValueWarning, nearest
-from ..identity import clear_when_edited, heed_edits, is_ours
+from ..identity import clear_when_edited, heed_edits, is_ours, tracing
 from ..laws.check import check_law
 from ..parameters import parts_of
 from ..quantities import (
@@ -178,6 +178,7 @@ def check_times(
 
 
 @functools.lru_cache(maxsize=256)
+@tracing()
 def check_laws(structure: Any) -> None:
     """Raise InputError, naming the law, what it does and the cure, for a law of a
     user's that the model cannot use.
@@ -189,7 +190,9 @@ def check_laws(structure: Any) -> None:
     for slot in parts_of(Soil):
         law = getattr(soil, slot)
         if not is_ours(type(law)):
-            check_law(slot, law)
+            # The first call may stand inside of a `jax.jit`.
+            with jax.ensure_compile_time_eval():
+                check_law(slot, law)
 
 
 clear_when_edited(check_laws.cache_clear)

@@ -31,7 +31,7 @@ from ..backend.simd import (
     without_copies,
 )
 from ..backend.threads import thread_count
-from ..identity import PACKAGE, clear_when_edited, heed_edits
+from ..identity import PACKAGE, clear_when_edited, heed_edits, tracing
 
 if TYPE_CHECKING:
     # The same formulas run on both; no union of them says so.
@@ -71,7 +71,8 @@ class Program:
         leaves, structure = jax.tree.flatten(inputs)
         heed_edits(structure)
         if structure not in self._kernels:
-            self._kernels[structure] = self._kernel(inputs)
+            with tracing():
+                self._kernels[structure] = self._kernel(inputs)
         kernel = self._kernels[structure]
         shape = np.broadcast_shapes((1,), *map(np.shape, leaves))
         rows = _run(kernel, leaves, shape, LANES_PER_THREAD)
@@ -170,7 +171,8 @@ class _ByXla:
             part = rows[:, start : start + LANES_OF_XLA]
             missing = LANES_OF_XLA - part.shape[1]
             padded = np.pad(part, ((0, 0), (0, missing)), "edge" if lanes else "empty")
-            found = jax.tree.leaves(self._run(padded))
+            with tracing():
+                found = jax.tree.leaves(self._run(padded))
             parts.append([np.array(x[: LANES_OF_XLA - missing], float) for x in found])
         return [np.concatenate(x) for x in zip(*parts, strict=True)]
 
@@ -241,7 +243,8 @@ class ClosedProgram:
         heed_edits(structure)
         key = function.__name__, structure
         if key not in self._plans:
-            self._plans[key] = self._planned(function, inputs)
+            with tracing():
+                self._plans[key] = self._planned(function, inputs)
         plan, kernel = self._plans[key]
         shape = np.broadcast_shapes((1,), *map(np.shape, leaves))
         computed = iter(())

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..errors import InputError
-from ..identity import PACKAGE, clear_when_edited
+from ..identity import PACKAGE, clear_when_edited, tracing
 from ..interruption import is_interrupt
 from ..parameters import Part, declared_of
 from .base import AbstractShape, Section
@@ -40,10 +40,13 @@ def check_shape(shape: AbstractShape) -> None:
     for kind in getattr(type(shape), "kinds", (type(shape),)):
         if kind.__module__.partition(".")[0] != PACKAGE:
             same = isinstance(shape, kind)
-            _check_shape(jax.tree.structure(shape if same else kind()))
+            # The first call may stand inside of a `jax.jit`.
+            with jax.ensure_compile_time_eval():
+                _check_shape(jax.tree.structure(shape if same else kind()))
 
 
 @functools.cache
+@tracing()
 def _check_shape(structure) -> None:
     shape = with_defaults(structure)
     kind = type(shape)

@@ -3,14 +3,20 @@ state, within a process and in the digest."""
 
 import importlib
 import sys
+from types import SimpleNamespace
 
+import jax
 import numpy as np
 import pytest
 
+from jaximpact import Soil, identity
 from jaximpact.code_state import digest, walk
 from jaximpact.finding import find_class
-from jaximpact.identity import name_of
-from jaximpact.laws import AbstractKinematics
+from jaximpact.identity import code_digest, heed_edits, name_of, tracing
+from jaximpact.io.checks import check_laws
+from jaximpact.laws import AbstractKinematics, FluidityRate
+from jaximpact.shapes import Ellipsoid
+from jaximpact.shapes.check import check_shape
 
 LAW = """
 from jaximpact.laws import AbstractKinematics
@@ -33,6 +39,9 @@ CASES = {
     "import of a package": dict(head="import parts_of.inner", value="parts_of.inner.F"),
     "import inside": dict(
         head="def f():\n    from numbers_of import F\n    return F", value="f()"
+    ),
+    "import of a part of a package inside": dict(
+        head="def f():\n    from parts_of import inner\n    return inner.F", value="f()"
     ),
     "import by name": dict(
         head="import importlib\ndef f():\n"
@@ -124,6 +133,117 @@ CASES = {
         "    def f(self): return self.F\nf = Numbers().f",
         value="f()",
     ),
+    "module in a class": dict(
+        head="import numbers_of", inside="M = numbers_of\n", value="self.M.F"
+    ),
+    "module as an argument": dict(
+        head="import numbers_of\ndef f(m): return m.F", value="f(numbers_of)"
+    ),
+    "module in an object": dict(
+        head="import numbers_of\nclass A: pass\na = A()\na.m = numbers_of",
+        value="a.m.F",
+    ),
+    "name made by code": dict(
+        head="import numbers_of", value="getattr(numbers_of, 'fF'[1:])"
+    ),
+    "attribute getter": dict(
+        head="import numbers_of, operator\nf = operator.attrgetter('F')",
+        value="f(numbers_of)",
+    ),
+    "evaluated text": dict(head="F = NUMBER", value="eval('F * 1.0')"),
+    "module that makes its names": dict(
+        head="import types\nm = types.ModuleType('m')\n"
+        "m.__getattr__ = lambda name: NUMBER",
+        value="m.F",
+    ),
+    "module of another class": dict(
+        head="import types\nclass M(types.ModuleType):\n    F = NUMBER\nm = M('m')",
+        value="m.F",
+    ),
+    "import function": dict(value="__import__('numbers_of').F"),
+    "function made with the names of a library": dict(
+        head="import jax.numpy as jnp\nnames = dict(vars(jnp))\n"
+        "exec('def f(): return NUMBER', names)\nf = names['f']",
+        value="f()",
+    ),
+    "number of a class of its own": dict(
+        head="class Q(float):\n    pass\nF = Q(NUMBER)", value="F"
+    ),
+    "dictionary of a class of its own": dict(
+        head="class Q(dict):\n    F = NUMBER\nd = Q()", value="d.F"
+    ),
+    "dictionary of attributes": dict(
+        head="class Q(dict):\n    __getattr__ = dict.__getitem__\nd = Q(F=NUMBER)",
+        value="d.F",
+    ),
+    "tuple with methods": dict(
+        head="from typing import NamedTuple\nclass N(NamedTuple):\n"
+        "    a: float = 1.0\n    def f(self): return NUMBER\nn = N()",
+        value="n.f()",
+    ),
+    "array of a class of its own": dict(
+        head="import numpy as np\nclass Q(np.ndarray):\n    F = NUMBER\n"
+        "n = np.ones(1).view(Q)",
+        value="n.F",
+    ),
+    "masked array": dict(
+        head="import numpy as np\n"
+        "n = np.ma.array([1.0, 2.0], mask=[NUMBER > 2, False])",
+        value="n.sum()",
+    ),
+    "class of a class": dict(
+        head="class Meta(type):\n    F = NUMBER\nclass A(metaclass=Meta): pass",
+        value="A.F",
+    ),
+    "object that wraps": dict(
+        head="import functools\nclass Scaled:\n    def __init__(self, f):\n"
+        "        functools.update_wrapper(self, f)\n        self.F = NUMBER\n"
+        "    def __call__(self): return self.F\n@Scaled\ndef f(): return 1.0",
+        value="f()",
+    ),
+    "function in an object of a library": dict(
+        head="import numpy as np\ndef g(x): return x * NUMBER\nf = np.vectorize(g)",
+        value="f(1.0)",
+    ),
+    "object in a container of a library": dict(
+        head="import collections\nclass A:\n    F = NUMBER\n"
+        "d = collections.deque([A()])",
+        value="d[0].F",
+    ),
+    "default of a dictionary": dict(
+        head="import collections\nd = collections.defaultdict(lambda: NUMBER)",
+        value="d['a']",
+    ),
+    "dispatch of a method": dict(
+        head="import functools",
+        inside="@functools.singledispatchmethod\n    def f(self, x): return NUMBER\n",
+        value="self.f(1.0)",
+    ),
+    "rule of Equinox": dict(
+        head="import equinox as eqx\n@eqx.filter_custom_jvp\n"
+        "def f(x): return x * NUMBER",
+        value="f(1.0)",
+    ),
+    "layer of Equinox": dict(
+        head="import equinox as eqx, jax\nf = eqx.nn.MLP(1, 1, 2, 1, "
+        "activation=lambda x: NUMBER * x, key=jax.random.key(0))",
+        value="f(1.0)",
+    ),
+    "key of random numbers": dict(
+        head="import jax\nk = jax.random.key(int(4 * NUMBER))",
+        value="jax.random.normal(k)",
+    ),
+    "context variable": dict(
+        head="import contextvars\nF = contextvars.ContextVar('F', default=NUMBER)",
+        value="F.get()",
+    ),
+    "weak reference": dict(
+        head="import weakref\nclass A:\n    F = NUMBER\na = A()\nr = weakref.ref(a)",
+        value="r().F",
+    ),
+    "view of bytes": dict(
+        head="v = memoryview(b'NUMBER')", value="float(v.tobytes().decode())"
+    ),
 }
 
 
@@ -144,8 +264,6 @@ def law_of(tmp_path, monkeypatch):
         for name in ("law_of_mine", "numbers_of", "parts_of", "parts_of.inner"):
             sys.modules.pop(name, None)
         importlib.invalidate_caches()
-        if "import_module" in text:  # which nothing but running it can tell
-            importlib.import_module("numbers_of")
         return importlib.import_module("law_of_mine").Mine
 
     return law_of
@@ -220,3 +338,77 @@ def test_a_law_file_is_read_again_with_what_it_imports(tmp_path, monkeypatch):
         # As `pickle` looks for it
         assert sys.modules[kinds[-1].__module__].Mine is kinds[-1]
     assert digest(walk(kinds[0])) == digest(walk(kinds[2]))
+
+
+def test_a_law_file_is_read_again_with_the_data_that_it_names(tmp_path):
+    path = tmp_path / "law_of_data.py"
+    path.write_text(LAW.format(**PARTS | CASES["data file read at import"]))
+    values = []
+    for number in ("1.25", "1.25", "2.5"):
+        (tmp_path / "data.txt").write_text(number)
+        kind = find_class("kinematics", AbstractKinematics, f"{path}:Mine")
+        values.append(kind)
+    assert values[0] is values[1]
+    assert digest(walk(values[1])) != digest(walk(values[2]))
+
+
+CHANGED_BY_ITSELF = {
+    "nothing": "pass",
+    "counter": "global N; N += 1",
+    "list": "L.append(len(L))",
+    "memory": "M[len(M)] = 1.0",
+    "random numbers": "R.normal()",
+    "logger": "logging.getLogger('a law').debug('traced')",
+    "dispatch": "dispatched(1)",
+}
+HEAD_OF_STATE = """
+import functools, logging
+import numpy as np
+N, L, M, R, F = 0, [], {{}}, np.random.default_rng(1), 1.0
+@functools.singledispatch
+def dispatched(x): return 1.0
+def changed():
+    {change}
+    return F
+"""
+
+
+@pytest.mark.parametrize("change", CHANGED_BY_ITSELF.values(), ids=CHANGED_BY_ITSELF)
+def test_what_a_law_changes_itself_is_no_edit(law_of, change, monkeypatch):
+    """Else it would be traced at each call, and a worker would refuse it."""
+    head = HEAD_OF_STATE.format(change=change)
+    law = law_of(dict(head=head, value="changed()"), "1.0")
+    structure, cleared = jax.tree.structure(law()), []
+    monkeypatch.setattr(identity, "_clearing", [lambda: cleared.append(1)])
+    before = code_digest(law)
+    for _ in range(3):
+        heed_edits(structure)
+        with tracing():
+            law().sinking_arm(SimpleNamespace(tangency_arm=1.0))
+    heed_edits(structure)
+    assert not cleared
+    assert code_digest(law) == before
+    vars(sys.modules["law_of_mine"])["F"] = 2.0
+    heed_edits(structure)
+    assert cleared
+    assert code_digest(law) != before
+
+
+class AFlow(FluidityRate):
+    """Flow of the package, as a law of a user's."""
+
+
+class AShape(Ellipsoid):
+    """Shape of the package, as one of a user's."""
+
+
+def test_a_law_may_be_checked_first_inside_of_jit():
+    soil = jax.tree.structure(Soil(flow=AFlow()))
+
+    @jax.jit
+    def checked(x):
+        check_laws(soil)
+        check_shape(AShape())
+        return x
+
+    assert checked(1.0) == 1.0
