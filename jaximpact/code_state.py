@@ -427,7 +427,8 @@ def _names_in(code: types.CodeType) -> frozenset[str]:
 def _modules_in(code: types.CodeType) -> frozenset[tuple[str, tuple[str, ...]]]:
     """Return the modules that code imports while it runs, and what it takes from
     them."""
-    steps = [*dis.get_instructions(code)]
+    every = dis.get_instructions(code)
+    steps = [step for step in every if step.opname != "EXTENDED_ARG"]
     found = {
         ("." * level.argval + step.argval, items.argval or ())
         for level, items, step in zip(steps, steps[1:], steps[2:], strict=False)
