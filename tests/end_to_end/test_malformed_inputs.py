@@ -111,7 +111,17 @@ def refused(capsys, *arguments):
             "10000000000000000 points would take",
         ),
         ("runout", "count = 1_000_000_000_000\n" + SLOPE, "key count: 1000000000000"),
-        ("runout", "bins = 1_000_000_000_000\n" + SLOPE, "1000000000000 bins"),
+        ("runout", "bins = 1_000_000\n" + SLOPE, "key bins: must be at most 10000"),
+        (
+            "runout",
+            SLOPE + "speed_mps = 1e20\ndirection_deg = 0",
+            "key release: a release's v_x must be within 1e+08 of 0",
+        ),
+        (
+            "runout",
+            SLOPE + "[block]\nmass_kg = [100, 1e31]",
+            "key release: semi-axes of blocks must be from 1e-08 to 1e+08 m, but one",
+        ),
         ("runout", f"seed = {HUGE}\n" + SLOPE, "key seed: holds a whole number"),
         ("runout", 'title = "a\\u0000"\n' + SLOPE, "key title: holds a control"),
         ("runout", SLOPE.replace("[0, 100]", f"[0, {HUGE}]"), "holds a whole number"),
