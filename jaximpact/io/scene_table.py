@@ -415,8 +415,9 @@ def _numbers(cells: _Cells, column: InputColumn | None = None) -> np.ndarray:
         allowed = np.isfinite(values) & ~np.isin(values, NO_DATA)
         if cells.name in SIGMA_COLUMNS:
             allowed &= values > 0.0
-    if "_" in "".join(texts):
-        allowed &= np.array(["_" not in text for text in texts])
+    together = "".join(texts)
+    if "_" in together or not together.isascii():
+        allowed &= np.array([reads_as_number(text) for text in texts])
     if not np.all(allowed):
         bad = int(np.argmin(allowed))
         raise cells.error(bad, _problem_with_number(cells.name, column, texts[bad]))
@@ -442,12 +443,13 @@ def _problem_with_number(name: str, column: InputColumn | None, cell: str) -> st
 
 
 def reads_as_number(cell: str) -> bool:
-    """Whether a cell is a number. Python reads 1_000 as one, no other program does."""
+    """Whether a cell is a number. Python reads 1_000 and digits of other scripts as
+    one, no other program does."""
     try:
         float(cell)
     except ValueError:
         return False
-    return "_" not in cell
+    return "_" not in cell and cell.strip().isascii()
 
 
 def _warn_of_unusual(

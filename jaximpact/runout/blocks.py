@@ -131,7 +131,7 @@ def _check_size(outline: BlockOutline) -> None:
             i = int(np.argmin(allowed))
             raise ValueError(
                 f"semi-axes of blocks must be from {1.0 / LARGEST:g} to {LARGEST:g} m, "
-                f"but one of block {i} is {size[i]:g} m; its mass, density and shape give it"
+                f"but one of block {i} is {size[i]:g} m, by its mass, density and shape"
             )
 
 

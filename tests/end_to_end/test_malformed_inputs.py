@@ -82,6 +82,7 @@ def refused(capsys, *arguments):
         ("simulate", f"\nmass_kg = {LONGER}", "row 2: holds a whole number beyond"),
         ("simulate", "mass_kg = 1e400", "key mass_kg: must be finite, but is inf"),
         ("simulate", "mass_kg = nan", "key mass_kg: must be finite, but is nan"),
+        ("simulate", "unit_weight_kNm3 = 1e308", "unit_weight_kNm3: must be above 0"),
         ("simulate", "mass_kg = true", "must be a number, but is True"),
         ("simulate", "mass_kg = 1979-05-27", "must be a number, but is datetime.date"),
         ("simulate", "mass_kg = '" + 5_000 * "x" + "'", "must be a number, but is 'xx"),
@@ -181,6 +182,7 @@ def test_malformed_studies(folder, capsys, command, text, said):
             "row 2, column mass_kg: must be above 0 kg, but is",
         ),
         ("mass_kg\n" + LONGER + "\n", "row 2, column mass_kg: must be above 0 kg"),
+        ("mass_kg\n\u0661\u0660\u0660\n", "row 2, column mass_kg: must be a number"),
         ("mass_kg\n1e400\n", "must be above 0 kg, but is 1e400"),
         ("mass_kg\n\x1b[31m1\n", "row 2: holds b'\\x1b'"),
         ("\u202emass_kg\n1\n", "column \\u202emass_kg: is unknown"),
@@ -202,6 +204,7 @@ def test_malformed_tables(folder, capsys, data, said):
     [
         ("x_m,y_m\n0," + "1" * 200_000 + "\n", "row 2: is not valid CSV"),
         ('x_m,y_m\n0,"1\n', "row 2: is not valid CSV"),
+        ("x\0_\0m\0", "row 1: holds a null byte; is it a CSV"),
         ("x_m,y_m\n0,1_0\n200,0\n", "row 2, column y_m: must be a number"),
         ("x_m,y_m\n0,1e400\n200,0\n", "row 2, column y_m: must be finite"),
         ("x_m,y_m\n0,90\n100,-9999\n200,0\n", "row 3, column y_m: is -9999 among"),

@@ -207,7 +207,7 @@ def test_points_of_which_none_is_known():
 
 
 def test_a_wall_has_some_width():
-    with pytest.raises(ValueError, match="goes from 0 to 4.94066e-324 at point 2"):
+    with pytest.raises(ValueError, match=r"goes from 0 to 4.94066e-324 at point 2"):
         Profile([0.0, 5e-324, 9.0], [9.0, 5.0, 0.0])
 
 
