@@ -327,6 +327,9 @@ class _Cells(NamedTuple):
 
 
 Reader = Callable[[_Cells], np.ndarray]
+MOST_MEASURED = 1e30
+"""Largest measured value in size, and largest and one over the least of a standard
+deviation: the squares of their ratios are floating-point numbers still."""
 
 
 def _readers(
@@ -412,9 +415,9 @@ def _numbers(cells: _Cells, column: InputColumn | None = None) -> np.ndarray:
     if column is not None:
         allowed = column.is_allowed(values)
     else:
-        allowed = np.isfinite(values) & ~np.isin(values, NO_DATA)
+        allowed = (np.abs(values) <= MOST_MEASURED) & ~np.isin(values, NO_DATA)
         if cells.name in SIGMA_COLUMNS:
-            allowed &= values > 0.0
+            allowed &= values >= 1.0 / MOST_MEASURED
     together = "".join(texts)
     if "_" in together or not together.isascii():
         allowed &= np.array([reads_as_number(text) for text in texts])
@@ -438,6 +441,13 @@ def _problem_with_number(name: str, column: InputColumn | None, cell: str) -> st
         return f"must be {column.requirement}, but is {cell.strip()}{hint}"
     if float(cell) in NO_DATA:
         return f"is {cell.strip()}, a mark for no data; leave the cell empty"
+    if 0.0 < abs(float(cell)) < np.inf and not (
+        name in SIGMA_COLUMNS and float(cell) < 0.0
+    ):
+        return (
+            f"must be from {1.0 / MOST_MEASURED:g} to {MOST_MEASURED:g} in size, but "
+            f"is {cell.strip()}"
+        )
     requirement = "above 0" if name in SIGMA_COLUMNS else "finite"
     return f"must be {requirement}, but is {cell.strip()}"
 

@@ -425,6 +425,11 @@ def test_frames_of_every_kind_hold_the_same_tests(frame):
         (GOOD | {"mass_kg": [True, 1]}, "must be a number, but is 'True'"),
         (GOOD | {"mass_kg": [10**400, 1]}, "must be above 0 kg, but is 1000"),
         (GOOD | {"name": ["\ud800", "b"]}, "is not text in UTF-8"),
+        (
+            GOOD | {"e_n": [0.1, 1e308]},
+            "row 3, column e_n: must be from 1e-30 to 1e+30",
+        ),
+        (GOOD | {"sigma_e_n": [0.1, 1e-308]}, "sigma_e_n: must be from 1e-30 to 1e+30"),
         (GOOD | {"e_n": [-9999, 0.2]}, "e_n: is -9999, a mark for no data; leave"),
         ({}, "hold no column"),
     ],
