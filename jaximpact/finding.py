@@ -26,7 +26,9 @@ CURE = (
 
 def told(error: BaseException) -> str:
     """Describe an error of users' code: its kind and, if there is any, its message."""
-    message = str(error).partition("\n")[0]
+    message = ""
+    with contextlib.suppress(Exception):  # of an error that cannot say what it is
+        message = str(error).partition("\n")[0]
     kind = type(error).__name__
     kind += " (which would end the program)" if isinstance(error, SystemExit) else ""
     return f"{kind}: {message}" if message else kind
@@ -284,7 +286,7 @@ def _load(path: Path, name: str) -> ModuleType:
         if is_interrupt(error):
             raise
         line = "" if row is None else f" (line {row})"
-        cure = f"; {CURE}" if "non-default argument" in str(error) else ""
+        cure = f"; {CURE}" if "non-default argument" in told(error) else ""
         raise InputError(
             f"cannot be run as the file of a law or a shape{line}: {told(error)}{cure}",
             file=path,

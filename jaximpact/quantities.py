@@ -81,6 +81,7 @@ class InputColumn:
     def told(self, number: float, unit: str, where: str = "") -> str:
         """Write a number in `unit` in words, with the column's unit, its place, the
         usual values if it is no error, and the unit that may be meant."""
+        number = float(number)  # whose overflow NumPy would tell of
         value = UNITS.get(self.unit, {}).get(unit, 1.0) * number
         text = f"{number:g} {unit}".removesuffix(" -")
         if unit != self.unit:
@@ -105,14 +106,16 @@ class InputColumn:
         """Tell whether one value, in the column's unit, is finite and in range."""
         above = value >= self.lower if self.lower_allowed else value > self.lower
         below = value <= self.upper if self.upper_allowed else value < self.upper
-        return above and below and math.isfinite(value)
+        return above and below and math.isfinite(value * self.factor)
 
     def is_allowed(self, values) -> np.ndarray:
         """Tell which values, in the column's unit, are finite and in range."""
         values = np.asarray(values, float)
         above = values >= self.lower if self.lower_allowed else values > self.lower
         below = values <= self.upper if self.upper_allowed else values < self.upper
-        return np.isfinite(values) & above & below
+        with np.errstate(over="ignore"):
+            finite = np.isfinite(values) & np.isfinite(values * self.factor)
+        return finite & above & below
 
 
 def _column(part: str, field: str, declared: Declared) -> InputColumn:

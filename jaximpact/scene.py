@@ -137,7 +137,7 @@ class Impact(Composite):
     """
 
     speed: Float[Array, ""] = parameter(
-        14.0, "m/s", "(0, inf)", "impact speed", column="speed_mps", usual=(0.0, 300.0)
+        14.0, "m/s", "(0, inf)", "impact speed", column="speed_mps", usual=(1e-6, 300.0)
     )
     """Speed of the centre of mass [m/s], positive."""
     angle: Float[Array, ""] = parameter(

@@ -63,9 +63,10 @@ class Journal:
         return self
 
     def __exit__(self, *exception) -> None:
-        self.file.close()
-        self._remove_if_empty(self.path)
-        self._open.close()
+        # On a full disk closing fails too, and the lock is to go all the same.
+        with self._open, naming(self.path):
+            self.file.close()
+            self._remove_if_empty(self.path)
 
     def append(self, indices: np.ndarray, numbers: np.ndarray) -> None:
         """Add rows: indices `(n,)`, numbers `(n, columns)`. The operating system has

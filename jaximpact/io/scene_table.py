@@ -327,6 +327,9 @@ class _Cells(NamedTuple):
 
 
 Reader = Callable[[_Cells], np.ndarray]
+MOST_MEASURED = 1e30
+"""Largest measured value in size, and largest and one over the least of a standard
+deviation: the squares of their ratios are floating-point numbers still."""
 
 
 def _readers(
@@ -412,11 +415,12 @@ def _numbers(cells: _Cells, column: InputColumn | None = None) -> np.ndarray:
     if column is not None:
         allowed = column.is_allowed(values)
     else:
-        allowed = np.isfinite(values) & ~np.isin(values, NO_DATA)
+        allowed = (np.abs(values) <= MOST_MEASURED) & ~np.isin(values, NO_DATA)
         if cells.name in SIGMA_COLUMNS:
-            allowed &= values > 0.0
-    if "_" in "".join(texts):
-        allowed &= np.array(["_" not in text for text in texts])
+            allowed &= values >= 1.0 / MOST_MEASURED
+    together = "".join(texts)
+    if "_" in together or not together.isascii():
+        allowed &= np.array([reads_as_number(text) for text in texts])
     if not np.all(allowed):
         bad = int(np.argmin(allowed))
         raise cells.error(bad, _problem_with_number(cells.name, column, texts[bad]))
@@ -437,17 +441,25 @@ def _problem_with_number(name: str, column: InputColumn | None, cell: str) -> st
         return f"must be {column.requirement}, but is {cell.strip()}{hint}"
     if float(cell) in NO_DATA:
         return f"is {cell.strip()}, a mark for no data; leave the cell empty"
+    if 0.0 < abs(float(cell)) < np.inf and not (
+        name in SIGMA_COLUMNS and float(cell) < 0.0
+    ):
+        return (
+            f"must be from {1.0 / MOST_MEASURED:g} to {MOST_MEASURED:g} in size, but "
+            f"is {cell.strip()}"
+        )
     requirement = "above 0" if name in SIGMA_COLUMNS else "finite"
     return f"must be {requirement}, but is {cell.strip()}"
 
 
 def reads_as_number(cell: str) -> bool:
-    """Whether a cell is a number. Python reads 1_000 as one, no other program does."""
+    """Whether a cell is a number. Python reads 1_000 and digits of other scripts as
+    one, no other program does."""
     try:
         float(cell)
     except ValueError:
         return False
-    return "_" not in cell
+    return "_" not in cell and cell.strip().isascii()
 
 
 def _warn_of_unusual(

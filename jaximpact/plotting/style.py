@@ -6,6 +6,7 @@ points. Functions that draw or save wear `@in_style`; figures come from `panels`
 
 import contextlib
 import io
+import math
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -39,6 +40,9 @@ PNG_COLOURS = 256
 """Colours in a PNG, which has then a third of its size with all of them."""
 INCH_PER_TICK = 0.6
 """Room of a tick with its number along an axis, so that no two collide."""
+LEGEND_ROWS, LEGEND_ROW = 8, 0.2
+"""Rows of a legend above or below the panels that a figure has room for, and the
+height of each further one [inch]."""
 
 STYLE = {
     "figure.constrained_layout.use": True,
@@ -205,6 +209,11 @@ def legend_outside(
         columns = 1 if place.startswith("right") else min(len(handles), 6)
         how = {"ncols": columns, "columnspacing": 1.2, **how}
         how["loc"] = f"outside {place}"
+        rows = math.ceil(len(handles) / how["ncols"])
+        if not place.startswith("right") and rows > LEGEND_ROWS:
+            # Rows beyond these would leave no height for the panels.
+            more = LEGEND_ROW * (rows - LEGEND_ROWS)
+            figure.set_figheight(figure.get_figheight() + more)
         figure.legend(handles=handles, **how)
 
 

@@ -20,6 +20,7 @@ from ..io.display import Rows, ShownAsTable, range_of
 from ..scene import GRAVITY, Block, Scene
 from ..shapes import AbstractShape, SemiAxes
 from ..units import DEGREE
+from .coordinates import LARGEST
 from .lane_programs import Values, closed_form
 
 
@@ -122,6 +123,18 @@ def _mass_properties(block: Block) -> MassProperties:
 _outline = closed_form(outline_of)
 
 
+def _check_size(outline: BlockOutline) -> None:
+    """Raise ValueError for a block whose powers leave the floating-point numbers."""
+    for size in (outline.smallest, outline.largest):
+        allowed = (size >= 1.0 / LARGEST) & (size <= LARGEST)
+        if not np.all(allowed):
+            i = int(np.argmin(allowed))
+            raise ValueError(
+                f"semi-axes of blocks must be from {1.0 / LARGEST:g} to {LARGEST:g} m, "
+                f"but one of block {i} is {size[i]:g} m, by its mass, density and shape"
+            )
+
+
 @dataclasses.dataclass(frozen=True, init=False, repr=False)
 class Release(ShownAsTable):
     """Blocks at the start of their trajectories, in free flight.
@@ -180,9 +193,17 @@ class Release(ShownAsTable):
                     f"a release's {name} must be finite, but is not for block "
                     f"{int(np.argmin(np.isfinite(values)))}"
                 )
+            allowed = np.abs(values) <= LARGEST
+            if not np.all(allowed):
+                i = int(np.argmin(allowed))
+                raise ValueError(
+                    f"a release's {name} must be within {LARGEST:g} of 0, in SI units, "
+                    f"but is {values[i]:g} for block {i}"
+                )
             object.__setattr__(self, name, values)
         check_scene(Scene(block), batched=True)
         object.__setattr__(self, "block", jax.tree.map(spread, block))
+        _check_size(self.outline)
 
     @property
     def count(self) -> int:

@@ -16,6 +16,9 @@ from ..io.display import range_of
 LARGEST = 1e8
 """Largest coordinate [m]. Those of national grids, with the number of the zone before
 the easting too, are smaller; float64 resolves 1.5e-8 m there."""
+NARROWEST = 1e-12
+"""Distance in x [m] up to which points are above one another: a wall of that width is
+so steep that its slope leaves the floating-point numbers."""
 RESOLVED = 1e-6
 """Coarsest resolution of coordinates, as a fraction of a block's smallest semi-axis: a
 block starts to be in the ground at as much."""
@@ -81,8 +84,9 @@ def problem_with(values: np.ndarray, name: str) -> tuple[int, str] | None:
     bad = _no_data(values, name)
     if np.any(bad):
         i = int(np.argmax(bad))
-        others = range_of(values[~_is_code(values)])
-        return i, f"is {values[i]:.10g} among {others} m, a mark for no data; {cure}"
+        others = values[~_is_code(values)]
+        among = f" among {range_of(others)} m" if len(others) else ""
+        return i, f"is {values[i]:.10g}{among}, a mark for no data; {cure}"
     return None
 
 
@@ -141,10 +145,13 @@ def _unusual(x: np.ndarray, y: np.ndarray) -> str | None:
             f"{small} and {height:.4g} m high, while usual are up to {LONGEST:g} and "
             f"{HIGHEST:g} m; {_other_unit(length, height)}"
         )
-    if np.max(y) > SUMMIT:
+    top = float(y[np.argmax(np.abs(y))])
+    # Northings are above, or below 0 as in S-JTSK.
+    if abs(top) > SUMMIT:
+        where = "above" if top > 0.0 else "below"
         return (
-            f"has a height of {np.max(y):g} m, above all mountains; "
-            f"{_other_unit(length, height, np.max(y))}"
+            f"has a height of {top:g} m, {where} all mountains; "
+            f"{_other_unit(length, height, abs(top))}"
         )
     return None
 
@@ -153,7 +160,10 @@ def _other_unit(length: float, height: float, top: float = 0.0) -> str:
     """Name the unit in which a profile that is too large is a usual one."""
     for unit, size in UNITS.items():
         longest = size * length <= LONGEST and size * height <= HIGHEST
-        if longest and size * top <= SUMMIT:
+        small = size * length < SMALLEST and size * height < SMALLEST
+        if longest and not small and size * top <= SUMMIT:
             usual = f"{size * length:.4g} m long and {size * height:.4g} m high"
             return f"if its coordinates are {unit}, it is {usual}"
+    if top > SUMMIT:
+        return "is y a northing, or are its coordinates no metres?"
     return "are its coordinates metres?"

@@ -13,7 +13,7 @@ from scipy.spatial import KDTree
 
 from .._numpy_settings import numpy_settings
 from ..errors import InputError, UnusualValueWarning, nearest
-from ..io.files import read_input, read_text
+from ..io.files import as_text, check_text, read_input
 from ..io.scene_table import reads_as_number, records_of
 from ..quantities import columns_of_part
 from ..scene import Soil
@@ -115,7 +115,9 @@ def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[st
     Raises InputError, naming file and row, for rows of other lengths and for a file
     without a header.
     """
-    file = io.StringIO(read_text(path, once=False), newline="")
+    data = read_input(path, once=False)
+    check_text(path, data)
+    file = io.StringIO(as_text(path, data), newline="")
     rows = [
         (line, cells)
         for line, _, cells in records_of(path, file)

@@ -15,7 +15,7 @@ from ..io.display import Rows, ShownAsTable, range_of
 from ..quantities import InputColumn, columns_of_part
 from ..scene import Soil
 from ..units import DEGREE
-from .coordinates import problem_with, warn_of_unusual
+from .coordinates import NARROWEST, problem_with, warn_of_unusual
 
 ROLLING_FRICTION_ANGLE = math.radians(20.0)
 """Default [rad]: an assumption, as the paper gives none."""
@@ -186,7 +186,7 @@ def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:
         if problem := problem_with(values, name):
             i, told = problem
             return f"'s {name} of point {i + 1} {told}"
-    back = np.diff(x) <= 0.0
+    back = np.diff(x) <= NARROWEST
     if np.any(back):
         i = int(np.argmax(back))
         hint = ""

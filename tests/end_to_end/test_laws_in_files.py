@@ -155,6 +155,7 @@ class Ideal(AbstractHardening):
         ('[soil]\nflow = "raises.py:A"', "a shape (line 2): ZeroDivisionError"),
         ('[soil]\nflow = "ends.py:A"', "a shape (line 2): SystemExit (which would"),
         ('[soil]\nflow = "goes.py:A"', "a shape (line 1): GeneratorExit"),
+        ('[soil]\nflow = "mute.py:A"', "a shape (line 4): E"),
         ('[soil]\nflow = "lacks.py:A"', "ModuleNotFoundError: No module named 'not_"),
         ('[soil]\nflow = "made.py:A"', "cannot be made without arguments: SystemExit"),
         ('[soil]\nflow = "abstract.py:A"', "A does not define __call__"),
@@ -171,6 +172,7 @@ def test_scene_files_that_cannot_be_used(laws, text, said):
         "raises": "\n1 / 0\n",
         "ends": "import sys\nsys.exit()\n",
         "goes": "raise GeneratorExit\n",
+        "mute": "class E(Exception):\n    __str__ = None\n\nraise E\n",
         "lacks": "import not_there\n",
         "made": head + "    def __post_init__(self):\n        raise SystemExit(0)\n",
         "abstract": "from jaximpact.laws import AbstractFlow\n"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jaximpact.cli import main
-from jaximpact.errors import InputError
+from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.rebound import ConstantCoefficients
 from jaximpact.runout import ClosedForm, read_slope_study, simulate_runout
 from jaximpact.runout.back_analysis.data_sets import _seed, simulate_data_sets
@@ -220,6 +220,16 @@ def test_bad_studies_are_refused(slope, old, new, told):
 def test_bad_tables_are_refused(slope, name, old, new, told):
     with pytest.raises(InputError, match=f"{name}.*{re.escape(told)}"):
         read_slope_fit(changed(slope, old, new, name))
+
+
+@pytest.mark.filterwarnings(UNUSED)
+@pytest.mark.parametrize("values", ["9999,5", "101,5"])
+def test_speeds_that_no_block_has_are_warned_of(slope, values):
+    changed(slope, "10,5", values, "passages.csv")
+    with pytest.warns(
+        UnusualValueWarning, match="row 2, column speed_mps: is .* no data"
+    ):
+        read_slope_fit(slope)
 
 
 @pytest.mark.filterwarnings(UNUSED)

@@ -130,6 +130,20 @@ def test_a_file_that_cannot_be_opened_is_refused(tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+def test_on_a_full_disk_no_lock_stays(tmp_path):
+    """A limit of the size of files stands for a disk that is full."""
+    resource = pytest.importorskip("resource")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    try:
+        with pytest.raises(OSError, match=r"large: '.*a\.journal'"):
+            fill(tmp_path / "a.journal", 100)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.journal"]
+    assert len(read(tmp_path / "a.journal")[0]) > 0
+
+
 def test_a_journal_is_of_one_process(tmp_path):
     with (
         Journal(tmp_path / "j", SUBJECT, COLUMNS, 100),

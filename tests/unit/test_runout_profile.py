@@ -190,6 +190,8 @@ FEET = 1.0 / 0.3048
             "above all mountains; .* are feet, it is 1000 m",
         ),
         (X, np.where(X == 200.0, 0.0, Y + 1700.0), "1870 m to 0 m .* at point 3, more"),
+        (X + 1.06e6, Y + 5.8e6, "above all mountains; is y a northing"),
+        (X - 7.4e5, Y - 1.04e6, "below all mountains; is y a northing"),
         (X * 1e2, Y, "1e[+]05 m long and 230 m high, while usual are up to 5000 and"),
     ],
 )
@@ -197,6 +199,16 @@ def test_slopes_that_are_none_on_earth_are_warned_of(x, y, said):
     with pytest.warns(UnusualValueWarning, match=said) as caught:
         Profile(x, y)
     assert len(caught) == 1
+
+
+def test_points_of_which_none_is_known():
+    with pytest.raises(ValueError, match="y of point 1 is -9999, a mark for no data"):
+        Profile(X, np.full(len(X), -9999.0))
+
+
+def test_a_wall_has_some_width():
+    with pytest.raises(ValueError, match=r"goes from 0 to 4.94066e-324 at point 2"):
+        Profile([0.0, 5e-324, 9.0], [9.0, 5.0, 0.0])
 
 
 def test_a_block_far_above_the_ground_is_warned_of():
@@ -211,5 +223,5 @@ def test_coordinates_must_resolve_the_block():
     check_release(Release(rock, 9e7 + 100.0, 180.0), profile)
     with pytest.raises(ValueError, match=r"block 0, .* coordinates of 9.0001e[+]07 m"):
         check_release(Release(pebble, 9e7 + 100.0, 180.0), profile)
-    with pytest.raises(ValueError, match=r"too small for coordinates of 1e[+]16 m"):
-        check_release(Release(rock, 100.0, 1e16), Profile(X, Y))
+    with pytest.raises(ValueError, match=r"release's y must be within 1e[+]08 of 0"):
+        Release(rock, 100.0, 1e16)

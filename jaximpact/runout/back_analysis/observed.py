@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...errors import InputError
+from ...errors import InputError, UnusualValueWarning
 from ...io.scene_table import reads_as_number
 from ...io.toml import Key, check_keys, known_table, number, typed, whole
+from ..coordinates import FASTEST, HIGHEST_CLIFF
 from ..profile_formats import records_of_file
 from ..terrain import Profile, check_inside
 
@@ -25,6 +26,8 @@ PER_PLACE = len(PASSAGE_COLUMNS) + 1
 the height of the lowest point, which tells what barriers do."""
 MOST_BLOCKS = 400
 """Number of blocks of a data set from which on a random part of them is used."""
+USUAL = {"speed_mps": FASTEST, "height_m": HIGHEST_CLIFF}
+"""Largest usual values: no block flies higher than a cliff."""
 FARTHEST = 1e9
 
 
@@ -215,6 +218,7 @@ def _passages(
                     row=line,
                     column=name,
                 )
+        _warn_of_unusual(file, name, values, lines)
         for x in np.unique(places):
             here = values[(places == x) & np.isfinite(values)]
             if len(here):
@@ -222,6 +226,22 @@ def _passages(
     if not found:
         raise InputError("holds no measured value", file=file)
     return found
+
+
+def _warn_of_unusual(
+    file: Path, name: str, values: np.ndarray, lines: list[int]
+) -> None:
+    """Warn of the first speed or height that hardly any block has: a mark for no data,
+    or another unit."""
+    most = USUAL.get(name, np.inf)
+    unusual = values > most
+    if np.any(unusual):
+        i = int(np.argmax(unusual))
+        text = (
+            f"{file}, row {lines[i]}, column {name}: is {values[i]:g}, while usual are "
+            f"up to {most:g}; is it a mark for no data, or in another unit?"
+        )
+        warnings.warn(UnusualValueWarning(text, name), stacklevel=2)
 
 
 def _columns(

@@ -22,6 +22,7 @@ import xarray as xr
 
 from ...io.display import Rows, align
 from ...io.toml import Key, check_keys, number, typed
+from ..coordinates import LARGEST
 from ..terrain import Profile, check_inside
 from ..trajectory import Ending
 from .intervals import (
@@ -82,6 +83,10 @@ def _barrier(key: Key, table: dict, profile: Profile) -> Barrier:
             raise key[name].error("is needed")
         above = -math.inf if name == "x_m" else 0.0
         numbers[name] = number(key[name], table[name], above=above)
+        if numbers[name] > LARGEST and name != "capacity_kJ":
+            raise key[name].error(
+                f"must be at most {LARGEST:g} m, but is {numbers[name]:g}"
+            )
     x, height, capacity = numbers.values()
     check_inside(profile, x, **key["x_m"].place)
     name = typed(key, table, "name", str, f"barrier at {x:g} m")

@@ -54,6 +54,8 @@ DEFAULT_COUNT = 1000
 """Default number of blocks where something is random."""
 MOST_COLLECTORS = 100
 """Largest number of collectors: each is a curve, and rows of every table."""
+MOST_BINS = 10_000
+"""Largest number of bins: more than a drawing shows, and columns of every block."""
 DEFAULT_BINS = 50
 DEFAULT_EXPORT = 50
 """Default number of trajectories in files."""
@@ -234,7 +236,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     jointly, fields = ground_input.sampled_jointly(), ground_input.fields()
     by_chance = bool(jointly or fields)
     count = _count(top, content, given.quantities, profile, by_chance)
-    bins = whole(top, content, "bins", DEFAULT_BINS, 1)
+    bins = whole(top, content, "bins", DEFAULT_BINS, 1, MOST_BINS)
     check_memory(
         count * (bins + NUMBERS_PER_IMPACT),
         f"{count} blocks in {bins} bins of the envelopes",
