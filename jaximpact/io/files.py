@@ -54,7 +54,7 @@ def read_input(path: str | os.PathLike, *, once: bool = True) -> bytes:
                     raise InputError(
                         "is a pipe that nobody writes to; a file is needed", file=path
                     )
-            if WITHOUT_WAITING:
+            if WITHOUT_WAITING and hasattr(os, "set_blocking"):  # not on Windows
                 os.set_blocking(file.fileno(), True)
             return (start or b"") + file.readall()
     except OSError as error:

@@ -209,7 +209,8 @@ def test_the_source_of_every_shape_counts(folder):
     assert first.startswith(
         "jaximpact.shapes.elliptic.Ellipsoid and my_shapes.Hollow ("
     )
-    (folder / "my_shapes.py").write_text((folder / "my_shapes.py").read_text() + "\n")
+    text = (folder / "my_shapes.py").read_text()
+    (folder / "my_shapes.py").write_text(text.replace("self.spread *", "2.0 *"))
     edited = type(Block(shape="my_shapes.py:Hollow").shape)
     assert name_of(mixed(Ellipsoid, edited)) != first
 
