@@ -42,7 +42,7 @@ NOT_CODE = {
     *("__dict__", "__weakref__", "__module__", "__doc__", "__annotations__"),
     *("__abstractmethods__", "_abc_impl", "__abstractvars__", "__abstractclassvars__"),
     *("__dataclass_params__", "__dataclass_fields__", "__match_args__"),
-    *("__parameters__", "__orig_bases__"),
+    *("__parameters__", "__orig_bases__", "__slotnames__"),
     *("__firstlineno__", "__static_attributes__", "__annotate__", "__annotate_func__"),
     *("__annotations_cache__", "__qualname__", "__conditional_annotations__"),
 }

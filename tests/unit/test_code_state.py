@@ -1,7 +1,9 @@
 """Everything that a user's law computes with is seen, and another number is another
 state, within a process and in the digest."""
 
+import copy
 import importlib
+import pickle
 import sys
 from types import SimpleNamespace
 
@@ -311,6 +313,15 @@ def test_a_name_in_a_manifest_shows_the_constants(law_of):
     name = name_of(law_of(CASES["import from"], "1.25"))
     assert name.startswith("law_of_mine.Mine (")
     assert name.endswith(", F=1.25)")
+
+
+def test_pickling_changes_nothing(law_of):
+    """`copyreg` notes on the class what slots it has."""
+    law = law_of(CASES["in the code"], "1.25")
+    before = walk(law)
+    pickle.dumps(law())
+    copy.deepcopy(law())
+    assert walk(law) == before
 
 
 def test_a_law_that_refers_to_itself_has_an_end(law_of):
