@@ -177,6 +177,9 @@ from jaximpact import cli
 from jaximpact.io.files import replacing
 from pathlib import Path
 
+# A shell that runs the tests in the background has them ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 def run(*_):
     with replacing(Path("results.csv")) as temporary:
         temporary.touch()
