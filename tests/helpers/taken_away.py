@@ -7,6 +7,7 @@ Names are those of `LACKING`, or `all`, or `nothing`. A text that the package's 
 modules read or write in an encoding that depends on the system is an error.
 """
 
+import asyncio  # noqa: F401, which on Linux needs os.sysconf as it is loaded
 import ctypes
 import multiprocessing
 import os
@@ -15,7 +16,7 @@ import signal
 import sys
 import warnings
 
-import psutil  # noqa: F401, which on Linux needs os.sysconf as it is loaded
+import psutil  # noqa: F401, likewise
 
 
 def _attributes(module, *names):
