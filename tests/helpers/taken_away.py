@@ -65,6 +65,12 @@ def _process_library():
     ctypes.CDLL.__init__ = loading
 
 
+def _no_affinity():
+    _attributes(os, "sched_getaffinity", "sched_setaffinity")()
+    # Since 3.13, where it is this on other systems
+    os.process_cpu_count = os.cpu_count
+
+
 def _no_forks():
     _attributes(os, "fork", "forkpty", "register_at_fork")()
     multiprocessing.set_start_method("spawn")
@@ -75,7 +81,7 @@ LACKING = {
     "users": _attributes(
         os, "getuid", "geteuid", "getgid", "getegid", "getgroups", "chown", "fchown"
     ),
-    "affinity": _attributes(os, "sched_getaffinity", "sched_setaffinity"),
+    "affinity": _no_affinity,
     "modes": _attributes(os, "fchmod", "umask", "mkfifo"),
     "flags": _attributes(os, "O_NOFOLLOW", "O_DIRECTORY", "O_NONBLOCK", "O_CLOEXEC"),
     "directories": _directories,
