@@ -1,0 +1,355 @@
+r"""Path of the centre of a round block that touches the ground.
+
+A circle of radius $h$ on a polyline has its centre on the *offset curve*: parallels of
+segments and arcs about points, as far as it comes to them (`element_reach`). It is the
+graph of a function, since the ground is one: the highest that the elements allow,
+
+$$ Y(X) = \max_q\left(y_q + \sqrt{h^2 - (X - x_q)^2}\right). $$
+
+Where the circle touches two elements that do not continue each other the path has a
+concave corner. So there are no narrow places: what a block cannot touch is not there.
+
+All that is looked up is kept twice, for the profile and for its mirror image, since a
+block that moves to the left moves to the right in the mirror. Directions are unit
+vectors, not angles: sums, products and roots have the same bits for one block and for
+many.
+"""
+
+import dataclasses
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..terrain import Profile
+from .element_reach import reaches
+
+LEFT_BEHIND = 1e-9
+"""Distance to the end of an element, as a fraction of the radius, that is rounding."""
+
+
+class Elements(NamedTuple):
+    """Points and segments of the ground, in the order in which blocks that move to the
+    right come to them; arrays of any shape."""
+
+    is_segment: np.ndarray
+    x: np.ndarray
+    """The point, or the start of the segment [m]."""
+    y: np.ndarray
+    end_x: np.ndarray
+    """The point, or the end of the segment [m]."""
+    end_y: np.ndarray
+    normal_x: np.ndarray
+    """Normal of the segment, out of the ground; of a point not used."""
+    normal_y: np.ndarray
+    length: np.ndarray
+    """Length of the segment [m]; 0 of a point."""
+    behind: np.ndarray
+    """Number of the segment, or of the one behind a point, in the profile."""
+    ahead: np.ndarray
+    """Number of the segment, or of the one ahead of a point, in the profile."""
+
+    def at(self, places: np.ndarray) -> "Elements":
+        """Select elements."""
+        return Elements(*(column[places] for column in self))
+
+
+class Ahead(NamedTuple):
+    """Elements that blocks pass next, arrays `(blocks, elements)`, the first being the
+    one that they touch; x is mirrored for blocks that move to the left."""
+
+    element: np.ndarray
+    """Places of the elements in `CentrePath.elements`."""
+    next_element: np.ndarray
+    """Places of those behind them."""
+    exists: np.ndarray
+    """True where there is one behind, as far as was looked."""
+    start_x: np.ndarray
+    """Centre of the block as it comes to touch the element [m]."""
+    start_y: np.ndarray
+    stop_x: np.ndarray
+    """Centre as it comes to touch the next one [m]."""
+    stop_y: np.ndarray
+    start_normal_x: np.ndarray
+    """Normal of the path at the start, from the ground to the centre."""
+    start_normal_y: np.ndarray
+    stop_normal_x: np.ndarray
+    stop_normal_y: np.ndarray
+    next_normal_x: np.ndarray
+    """Normal of the path behind that place, on the next element."""
+    next_normal_y: np.ndarray
+    is_segment: np.ndarray
+    is_whole: np.ndarray
+    """True for a segment and for the whole arc about a point; False for a part of an
+    arc."""
+
+
+@dataclasses.dataclass(frozen=True)
+class CentrePath:
+    """Paths of the centres of round blocks over a profile."""
+
+    elements: Elements
+    """Elements of the profile, and behind them those of its mirror image."""
+    reach: np.ndarray
+    """Largest radius of a circle that touches an element [m], as far as blocks need
+    it."""
+    points: np.ndarray
+    """x of the points of the profile [m]."""
+
+    @classmethod
+    def of(cls, profile: Profile, radius: float) -> "CentrePath":
+        """Find the paths over a profile for blocks up to a radius [m]."""
+        reach = reaches(profile.x, profile.y, 1.001 * radius)
+        segments = np.arange(profile.segments)
+        forth = _elements(profile.x, profile.y, segments)
+        back = _elements(-profile.x[::-1], profile.y[::-1], segments[::-1])
+        both = (np.concatenate(pair) for pair in zip(forth, back, strict=True))
+        return cls(Elements(*both), np.concatenate([reach, reach[::-1]]), profile.x)
+
+    @property
+    def count(self) -> int:
+        """Number of elements of the profile."""
+        return len(self.reach) // 2
+
+    def mirrored(self, element: np.ndarray) -> np.ndarray:
+        """Give the places of the same elements in the mirror."""
+        return len(self.reach) - 1 - element
+
+    def locate(
+        self, x: np.ndarray, radius: np.ndarray, direction: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Find the elements that blocks touch with their centres at x.
+
+        Args:
+            x, radius: centres and radii [m], `(blocks,)`.
+            direction: 1 to the right, -1 to the left.
+
+        Returns:
+            Places of the elements, and heights of the centres [m]. Between two elements
+            it is the one ahead.
+        """
+        x = np.clip(x, self.points[0], self.points[-1])
+        last = len(self.points) - 1
+        first = np.searchsorted(self.points, x - radius) - 1
+        past = np.searchsorted(self.points, x + radius, side="right")
+        first, past = np.maximum(first, 0), np.minimum(past, last)
+        best = np.full(len(x), -np.inf)
+        found = np.zeros(len(x), int)
+        # Block after block, with few columns where few segments are near.
+        width = 2 * (past - first) + 1
+        for columns in np.unique(2 ** np.ceil(np.log2(width)).astype(int)):
+            chosen = np.flatnonzero((width <= columns) & (2 * width > columns))
+            places = 2 * first[chosen, None] + np.arange(columns)
+            there = np.minimum(places, 2 * last)
+            heights = self._heights(there, x[chosen], radius[chosen])
+            right = direction[chosen] > 0.0
+            # Of equal heights the one ahead: the last to the right, else the first.
+            highest = np.max(heights, axis=1)
+            rounding = LEFT_BEHIND**2 * radius[chosen]
+            same = heights >= (highest - rounding)[:, None]
+            after = columns - 1 - np.argmax(same[:, ::-1], axis=1)
+            column = np.where(right, after, np.argmax(same, axis=1))
+            found[chosen] = there[np.arange(len(chosen)), column]
+            best[chosen] = highest
+        return np.where(direction > 0.0, found, self.mirrored(found)), best
+
+    def _heights(
+        self, element: np.ndarray, x: np.ndarray, radius: np.ndarray
+    ) -> np.ndarray:
+        """Compute the heights at which circles would touch elements [m]; -inf where
+        they cannot."""
+        ground, x, h = self.elements.at(element), x[:, None], radius[:, None]
+        apart = h**2 - (x - ground.x) ** 2
+        on_point = ground.y + np.sqrt(np.maximum(apart, 0.0))
+        foot = x - h * ground.normal_x
+        steep = ground.normal_x / np.where(ground.is_segment, ground.normal_y, 1.0)
+        on_segment = ground.y - steep * (foot - ground.x) + h * ground.normal_y
+        over = (foot >= ground.x) & (foot <= ground.end_x)
+        height = np.where(ground.is_segment, on_segment, on_point)
+        touches = np.where(ground.is_segment, over, apart >= 0.0)
+        return np.where(touches, height, -np.inf)
+
+    def ahead(
+        self,
+        element: np.ndarray,
+        x: np.ndarray,
+        y: np.ndarray,
+        radius: np.ndarray,
+        width: int,
+    ) -> Ahead:
+        """Find the elements that blocks pass next, and where.
+
+        Args:
+            element: places of the elements that they touch, `(blocks,)`.
+            x, y: centres [m], x in the mirror for those that move to the left.
+            radius: of the blocks [m].
+            width: number of elements to look at, from 2; those that a block does not
+                reach count, too.
+        """
+        side = np.where(element >= self.count, 1, 0)
+        last = (side + 1) * self.count - 1
+        window = element[:, None] + np.arange(width)
+        there = np.minimum(window, last[:, None])
+        h = radius[:, None]
+        touched = (self.reach[there] > h) & (window <= last[:, None])
+        touched[:, 0] = True
+        if not np.all(touched):
+            order = np.argsort(~touched, axis=1, kind="stable")
+            there = np.take_along_axis(there, order, axis=1)
+            touched = np.take_along_axis(touched, order, axis=1)
+            keep = max(2, int(np.max(np.count_nonzero(touched, axis=1))))
+            there, touched = there[:, :keep], touched[:, :keep]
+        ground = self.elements.at(there)
+        one = Elements(*(column[:, :-1] for column in ground))
+        two = Elements(*(column[:, 1:] for column in ground))
+        step = there[:, 1:] - there[:, :-1]
+        stop_x, stop_y = _meeting(one, two, step, h)
+        # A block that stands at the end of its element is not set back.
+        stop_x[:, 0] = np.maximum(stop_x[:, 0], x)
+        start_x = np.concatenate([x[:, None], stop_x[:, :-1]], axis=1)
+        start_y = np.concatenate([y[:, None], stop_y[:, :-1]], axis=1)
+        return Ahead(
+            element=there[:, :-1],
+            next_element=there[:, 1:],
+            exists=touched[:, 1:],
+            start_x=start_x,
+            start_y=start_y,
+            stop_x=stop_x,
+            stop_y=stop_y,
+            **_normals("start", one, start_x, start_y, h),
+            **_normals("stop", one, stop_x, stop_y, h),
+            **_normals("next", two, stop_x, stop_y, h),
+            is_segment=one.is_segment,
+            is_whole=np.ones(step.shape, bool),
+        )
+
+
+LARGEST_TURN = 0.125
+"""Turn of an arc up to which it is one piece of a trajectory [rad]."""
+
+
+def in_small_turns(ahead: Ahead, radius: np.ndarray) -> Ahead:
+    """Divide the arcs about points into parts that turn by `LARGEST_TURN` at most."""
+    while True:
+        longest = 4.0 * radius[:, None] ** 2 * math.sin(0.5 * LARGEST_TURN) ** 2
+        chord = (ahead.stop_x - ahead.start_x) ** 2
+        chord += (ahead.stop_y - ahead.start_y) ** 2
+        halved = ~ahead.is_segment & ahead.exists & (chord > longest)
+        if not np.any(halved):
+            return ahead
+        ahead = _halved(ahead, halved, radius)
+
+
+def _halved(ahead: Ahead, halved: np.ndarray, radius: np.ndarray) -> Ahead:
+    """Divide some elements in two; rows that become shorter than others are filled up
+    with what does not exist."""
+    place = np.cumsum(1 + halved, axis=1) - 1
+    blocks, columns = np.indices(halved.shape)
+    source = np.full((len(halved), int(np.max(place)) + 1), -1)
+    source[blocks, place] = columns
+    source[blocks[halved], place[halved] - 1] = columns[halved]
+    first = np.zeros(source.shape, bool)
+    first[blocks[halved], place[halved] - 1] = True
+    second = np.zeros(source.shape, bool)
+    second[blocks[halved], place[halved]] = True
+    filled = source < 0
+    taken = np.where(filled, halved.shape[1] - 1, source)
+    parts = Ahead(*(np.take_along_axis(column, taken, axis=1) for column in ahead))
+    # Half-way the normal is the mean of those at the ends.
+    n_x = parts.start_normal_x + parts.stop_normal_x
+    n_y = parts.start_normal_y + parts.stop_normal_y
+    size = np.sqrt(n_x**2 + n_y**2)
+    size = np.where(size > 0.0, size, 1.0)
+    n_x, n_y, h = n_x / size, n_y / size, radius[:, None]
+    x = parts.start_x + h * (n_x - parts.start_normal_x)
+    y = parts.start_y + h * (n_y - parts.start_normal_y)
+    middle = dict(x=x, y=y, normal_x=n_x, normal_y=n_y)
+
+    def with_middle(end: str, where: np.ndarray) -> dict[str, np.ndarray]:
+        return {
+            f"{end}_{name}": np.where(where, value, getattr(parts, f"{end}_{name}"))
+            for name, value in middle.items()
+        }
+
+    return parts._replace(
+        **with_middle("start", second),
+        **with_middle("stop", first),
+        next_normal_x=np.where(first, n_x, parts.next_normal_x),
+        next_normal_y=np.where(first, n_y, parts.next_normal_y),
+        exists=parts.exists & ~filled,
+        is_whole=parts.is_whole & ~first & ~second,
+    )
+
+
+def _elements(x: np.ndarray, y: np.ndarray, numbers: np.ndarray) -> Elements:
+    """List the elements of a polyline, whose segments have these numbers."""
+    d_x, d_y = np.diff(x), np.diff(y)
+    length = np.sqrt(d_x**2 + d_y**2)
+
+    def woven(points: np.ndarray, segments: np.ndarray) -> np.ndarray:
+        out = np.empty(len(points) + len(segments), np.result_type(points, segments))
+        out[0::2], out[1::2] = points, segments
+        return out
+
+    zero = np.zeros(len(x))
+    return Elements(
+        is_segment=woven(zero > 1.0, length > 0.0),
+        x=woven(x, x[:-1]),
+        y=woven(y, y[:-1]),
+        end_x=woven(x, x[1:]),
+        end_y=woven(y, y[1:]),
+        normal_x=woven(zero, -d_y / length),
+        normal_y=woven(zero, d_x / length),
+        length=woven(zero, length),
+        behind=woven(np.concatenate([numbers[:1], numbers]), numbers),
+        ahead=woven(np.concatenate([numbers, numbers[-1:]]), numbers),
+    )
+
+
+def _meeting(one: Elements, two: Elements, step: np.ndarray, h: np.ndarray):
+    """Compute the centres of circles that touch an element and a later one [m].
+
+    Args:
+        step: difference of their numbers: 1 for a segment and a point of it, 2 for
+            segments that meet in a concave break.
+    """
+    # On a segment, with the other's point, or its start, in the segment's frame.
+    d_x, d_y = two.x - one.x, two.y - one.y
+    along = one.normal_y * d_x - one.normal_x * d_y
+    across = one.normal_x * d_x + one.normal_y * d_y
+    beside = step <= 2
+    along = np.where(beside, one.length, along)
+    across = np.where(beside, 0.0, across)
+    sin = one.normal_x * two.normal_y - one.normal_y * two.normal_x
+    cos = one.normal_x * two.normal_x + one.normal_y * two.normal_y
+    to_line = h * sin / (1.0 + cos)
+    to_line += np.where(beside, 0.0, across * cos / np.where(sin > 0.0, sin, 1.0))
+    to_point = np.sqrt(np.maximum(across * (2.0 * h - across), 0.0))
+    foot = along - np.where(two.is_segment, to_line, to_point)
+    on_segment_x = one.x + foot * one.normal_y + h * one.normal_x
+    on_segment_y = one.y - foot * one.normal_x + h * one.normal_y
+    # On a point, with the other's line below it, or another point.
+    over = -(two.normal_x * d_x + two.normal_y * d_y)
+    over = np.where(step == 1, 0.0, np.clip(over, 0.0, 2.0 * h))
+    past = np.sqrt(over * (2.0 * h - over))
+    line_x = one.x + (h - over) * two.normal_x + past * two.normal_y
+    line_y = one.y + (h - over) * two.normal_y - past * two.normal_x
+    apart = np.sqrt(d_x**2 + d_y**2)
+    apart = np.where(apart > 0.0, apart, 1.0)
+    rise = np.sqrt(np.maximum(h**2 - 0.25 * apart**2, 0.0)) / apart
+    point_x = one.x + 0.5 * d_x - rise * d_y
+    point_y = one.y + 0.5 * d_y + rise * d_x
+    on_point_x = np.where(two.is_segment, line_x, point_x)
+    on_point_y = np.where(two.is_segment, line_y, point_y)
+    return (
+        np.where(one.is_segment, on_segment_x, on_point_x),
+        np.where(one.is_segment, on_segment_y, on_point_y),
+    )
+
+
+def _normals(name: str, ground: Elements, x, y, h) -> dict[str, np.ndarray]:
+    n_x, n_y = (x - ground.x) / h, (y - ground.y) / h
+    return {
+        f"{name}_normal_x": np.where(ground.is_segment, ground.normal_x, n_x),
+        f"{name}_normal_y": np.where(ground.is_segment, ground.normal_y, n_y),
+    }

@@ -1,0 +1,575 @@
+r"""Ride: motion of a round block along the path of its centre, up to an event.
+
+**Energy.** With $k = I/(m r^2)$, 0 for a block that slides, and the tangent $\mu$ of
+the angle of friction, the speed along the path changes by
+
+$$ \frac{dv^2}{ds} = \frac{2 g}{1 + k}\,(\sin w - \mu\cos w), \qquad
+   v^2 = v_0^2 - \frac{2 g}{1 + k}\,(\Delta y + \mu |\Delta x|), $$
+
+exactly, on segments and about points, since the path descends at w there. The friction
+about a point is the mean of those beside it.
+
+**Breaks.** A curve is a curve, however many points draw it. Where the path turns up at
+a corner by less than `MILD`, it is taken for a part of a curve: the block goes on at
+its speed. A sharper corner is one for the block: it strikes what is ahead, with the
+velocity across it; one that is too slow for an impact goes on in the new direction with
+the part of its angular momentum about the new contact,
+$v' = v\,(\cos\delta + k)/(1 + k)$. At a convex break the block leaves the ground where
+the path falls away faster than it does, $v^2\kappa > g\cos\alpha$, if it then comes
+higher above the path than a hop. Where the ground turns down by less than `MILD`,
+$\kappa$ is that of the curve that the points draw, from the middle of the shorter
+segment beside it, `CURVE` radii at most; else it is that of the arc, $1/r$.
+
+**Events**: a corner that is struck, or a slow one; the take-off; a speed that has
+become too small; the end of the profile; the limit of time.
+
+Bits of a block's ride depend on nothing else: products, sums and roots alone, added up
+in order.
+"""
+
+import enum
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ...scene import GRAVITY
+from .centre_path import LARGEST_TURN, LEFT_BEHIND, Ahead, CentrePath, in_small_turns
+
+MILD = LARGEST_TURN
+"""Turn of the ground at a point up to which it is taken for a point of a curve [rad]:
+points then lie closer than an eighth of the curve's radius."""
+CURVE = 2.0
+"""Radii of the block up to which a segment may belong to a curve."""
+PAST_THE_EDGE = 1e-3
+"""Turn beyond the one at which a block leaves an edge, at which its flight begins
+[rad]; at the very one it would leave too slowly to be told from staying."""
+FIRST_LOOK = 8
+"""Number of elements that a search for the end of a hop looks at first."""
+
+
+class Event(enum.IntEnum):
+    """What ends a ride."""
+
+    none = 0
+    looks_on = 1
+    """Nothing: there are more elements to look at."""
+    strikes = 2
+    slow_corner = 3
+    flies = 4
+    slow = 5
+    leaves = 6
+    """The end of the profile."""
+    time_limit = 7
+
+
+class Riders(NamedTuple):
+    """Blocks on the ground, arrays `(blocks,)`."""
+
+    radius: np.ndarray
+    """Height of the centre over the ground [m]."""
+    ratio: np.ndarray
+    """k = I/(m r^2); 0 for a block that slides."""
+    rolls: np.ndarray
+    """True for a block that rolls."""
+    barrier: np.ndarray
+    """Height by which its long axis lifts a block that rolls [m]; 0 for a block that
+    slides."""
+    turning_slope: np.ndarray
+    """Tangent of the slope that tips a block over its long axis."""
+    flat_curvature: np.ndarray
+    """Radius of curvature with which a block that slides leaves an edge [m]."""
+    hop: np.ndarray
+    """Height of a flight that is not followed [m]."""
+    closing: np.ndarray
+    """Squared velocity across level ground that makes an impact [m2/s2]."""
+
+    def at(self, blocks: np.ndarray) -> "Riders":
+        """Select blocks."""
+        return Riders(*(column[blocks] for column in self))
+
+
+class Place(NamedTuple):
+    """Where riders are; arrays `(blocks,)`, x in the mirror for those that move to the
+    left."""
+
+    element: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    speed_squared: np.ndarray
+    time: np.ndarray
+    turned: np.ndarray
+    """Angle by which the block has rolled [rad], in its direction of motion."""
+
+
+class Legs(NamedTuple):
+    """Pieces of rides at constant acceleration, block after block, in time; x in the
+    mirror."""
+
+    rider: np.ndarray
+    """Number of the rider."""
+    time: np.ndarray
+    duration: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    v_x: np.ndarray
+    v_y: np.ndarray
+    a_x: np.ndarray
+    a_y: np.ndarray
+    turned: np.ndarray
+    speed: np.ndarray
+    """Along the path, at the start [m/s]."""
+    acceleration: np.ndarray
+    """Along the path [m/s2]."""
+
+
+class Ride(NamedTuple):
+    """Rides up to their events; arrays `(blocks,)`, directions in the mirror as x is."""
+
+    event: np.ndarray
+    """Codes of `Event`."""
+    end: Place
+    normal_x: np.ndarray
+    """Normal of the path at the end."""
+    normal_y: np.ndarray
+    next_normal_x: np.ndarray
+    """Normal behind the corner at the end."""
+    next_normal_y: np.ndarray
+    legs: Legs
+
+
+FrictionOf = Callable[[np.ndarray], np.ndarray]
+"""Gives tangents of angles of friction, for numbers of segments `(blocks, elements)`."""
+
+
+class _Motion(NamedTuple):
+    """Motion over the elements ahead, arrays `(blocks, elements)`."""
+
+    start_squared: np.ndarray
+    """Squared speed at the start of an element [m2/s2]."""
+    stop_squared: np.ndarray
+    friction: np.ndarray
+    """Tangent of the angle of friction."""
+
+
+def ride(
+    path: CentrePath,
+    friction_of: FrictionOf,
+    riders: Riders,
+    begin: Place,
+    time_limit: float,
+    width: int,
+) -> Ride:
+    """Move riders along the path, to an event or to the end of what they look at.
+
+    Args:
+        friction_of: friction on the segments.
+        time_limit: time at which a ride ends, with the element that is passed then [s].
+        width: number of elements to look at, from 2.
+    """
+    ahead = path.ahead(begin.element, begin.x, begin.y, riders.radius, width)
+    ahead = in_small_turns(ahead, riders.radius)
+    motion = _motion(path, friction_of, riders, ahead, begin.speed_squared)
+    event, place = _first_event(path, riders, ahead, motion)
+    ahead, motion = _cut(riders, ahead, motion, event, place)
+    return _recorded(riders, begin, ahead, motion, event, place, time_limit)
+
+
+def _motion(
+    path: CentrePath,
+    friction_of: FrictionOf,
+    riders: Riders,
+    ahead: Ahead,
+    speed_squared: np.ndarray,
+) -> _Motion:
+    """Compute squared speeds over the elements ahead, as if nothing happened there."""
+    ground = path.elements
+    friction = 0.5 * (
+        friction_of(ground.behind[ahead.element])
+        + friction_of(ground.ahead[ahead.element])
+    )
+    loss = ahead.stop_y - ahead.start_y + friction * (ahead.stop_x - ahead.start_x)
+    loss = _rate(riders)[:, None] * np.where(ahead.exists, loss, 0.0)
+    # One after the other, so that it does not matter where a window begins.
+    squared = np.cumsum(
+        np.concatenate([speed_squared[:, None], -loss], axis=1), axis=1
+    )
+    return _Motion(squared[:, :-1], squared[:, 1:], friction)
+
+
+def _rate(riders: Riders) -> np.ndarray:
+    """Compute the loss of squared speed with height, 2 g / (1 + k) [m/s2]."""
+    return 2.0 * GRAVITY / (1.0 + riders.ratio)
+
+
+def _least_squared(riders: Riders, n_x, n_y, friction) -> np.ndarray:
+    """Compute the squared speed below which blocks do not roll on over their long axes
+    [m2/s2], as `rolling.barrier` does."""
+    steep = np.abs(n_x) > (riders.turning_slope[:, None] + friction) * n_y
+    return np.where(steep, 0.0, (_rate(riders) * riders.barrier)[:, None] * n_y)
+
+
+def _first_event(
+    path: CentrePath, riders: Riders, ahead: Ahead, motion: _Motion
+) -> tuple[np.ndarray, np.ndarray]:
+    """Find the first event of each rider, and the place of its element; behind the last
+    element where there is none."""
+    slow = _is_slow(riders, ahead, motion)
+    sin, cos = _corner(ahead)
+    corner = (sin > math.sin(MILD)) | (cos < 0.0)
+    closing = motion.stop_squared * sin**2
+    hard = closing >= riders.closing[:, None] * ahead.next_normal_y
+    last = np.where(ahead.element >= path.count, 2, 1) * path.count - 1
+    events = np.full(slow.shape, Event.none)
+    events[corner] = Event.slow_corner
+    events[corner & hard] = Event.strikes
+    loose = _is_loose(path, riders, ahead, motion) & ~slow
+    events[slow] = Event.slow
+    events[~ahead.exists] = Event.looks_on
+    events[~ahead.exists & (ahead.element == last)] = Event.leaves
+    loose &= ahead.exists
+    # What is seen where nobody flies, and where all do that can.
+    grounded, events = events, np.where(loose, Event.flies, events)
+    asking = np.arange(len(events))
+    while True:
+        place, event = _first(events)
+        asking = asking[event[asking] == Event.flies]
+        if not len(asking):
+            return event, place
+        at = place[asking]
+        start = _leaving(riders.at(asking), _at(ahead, asking, at), _at(motion, asking, at))
+        rises = rises_over(
+            path, riders.at(asking), ahead.element[asking, at], *start
+        )
+        asking, at = asking[~rises], at[~rises]
+        events[asking, at] = grounded[asking, at]
+
+
+def _first(events: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Find the place of the first event of each row, and the event."""
+    is_event = events != Event.none
+    place = np.where(np.any(is_event, axis=1), np.argmax(is_event, axis=1), events.shape[1])
+    padded = np.concatenate([events, np.full((len(events), 1), Event.looks_on)], axis=1)
+    return place, padded[np.arange(len(events)), place]
+
+
+def _at(tree, rows: np.ndarray, columns: np.ndarray):
+    """Select an element of each of some rows."""
+    return type(tree)(*(column[rows, columns] for column in tree))
+
+
+def _is_slow(riders: Riders, ahead: Ahead, motion: _Motion) -> np.ndarray:
+    """Tell where blocks become too slow for their kind of motion."""
+    start, stop, friction = motion
+    at_start = _least_squared(
+        riders, ahead.start_normal_x, ahead.start_normal_y, friction
+    )
+    at_stop = _least_squared(riders, ahead.stop_normal_x, ahead.stop_normal_y, friction)
+    # About a point, the speed is least where the path descends as friction does.
+    top = np.sqrt(1.0 + friction**2)
+    height = ahead.start_normal_y + friction * ahead.start_normal_x
+    at_top = start - (_rate(riders) * riders.radius)[:, None] * (top - height)
+    over_top = ~ahead.is_segment
+    over_top &= ahead.start_normal_x < friction * ahead.start_normal_y
+    over_top &= ahead.stop_normal_x > friction * ahead.stop_normal_y
+    length = ahead.stop_x - ahead.start_x + np.abs(ahead.stop_y - ahead.start_y)
+    stands = (start <= 0.0) & (stop <= 0.0)
+    stands &= length > LEFT_BEHIND * riders.radius[:, None]
+    return (
+        (start < at_start) | (stop < at_stop) | stands | (over_top & (at_top < at_start))
+    )
+
+
+def _corner(ahead: Ahead) -> tuple[np.ndarray, np.ndarray]:
+    """Compute sine and cosine of the angle by which the path turns up behind an
+    element."""
+    n_x, n_y = ahead.stop_normal_x, ahead.stop_normal_y
+    next_x, next_y = ahead.next_normal_x, ahead.next_normal_y
+    return n_x * next_y - n_y * next_x, n_x * next_x + n_y * next_y
+
+
+def _is_loose(
+    path: CentrePath, riders: Riders, ahead: Ahead, motion: _Motion
+) -> np.ndarray:
+    """Tell where the path falls away faster than blocks do."""
+    ground, element, h = path.elements, ahead.element, riders.radius[:, None]
+    beside = np.minimum(
+        ground.length[np.maximum(element - 1, 0)],
+        ground.length[np.minimum(element + 1, len(ground.x) - 1)],
+    )
+    turn = _turn(ahead, h)
+    arc = h * turn
+    curve = np.minimum(beside, 2.0 * CURVE * h) + arc
+    falls = GRAVITY * ahead.start_normal_y
+    mild = motion.start_squared * turn > falls * curve
+    at_start = motion.start_squared > falls * h
+    at_stop = motion.stop_squared > GRAVITY * ahead.stop_normal_y * h
+    begins = np.ones(element.shape, bool)
+    begins[:, 1:] = element[:, 1:] != element[:, :-1]
+    slides = begins & (motion.start_squared > falls * riders.flat_curvature[:, None])
+    sharp = np.where(riders.rolls[:, None], at_start | at_stop, slides)
+    return ~ahead.is_segment & (turn > 0.0) & np.where(ahead.is_whole, mild, sharp)
+
+
+def _turn(ahead: Ahead, h: np.ndarray) -> np.ndarray:
+    """Compute the angles of arcs [rad], which are small, from their chords."""
+    d_x, d_y = ahead.stop_x - ahead.start_x, ahead.stop_y - ahead.start_y
+    squared = 0.25 * (d_x**2 + d_y**2) / h**2
+    series = 1.0 + squared * (
+        1.0 / 6.0
+        + squared * (3.0 / 40.0 + squared * (15.0 / 336.0 + squared * 105.0 / 3456.0))
+    )
+    return 2.0 * np.sqrt(squared) * series
+
+
+def _leaving(riders: Riders, ahead: Ahead, motion: _Motion) -> tuple[np.ndarray, ...]:
+    """Compute where riders leave arcs: centres, normals and squared speeds.
+
+    Args:
+        ahead, motion: the arcs, arrays `(blocks,)`.
+    """
+    h, rate, friction = riders.radius, _rate(riders), motion.friction
+    n_x, n_y = ahead.start_normal_x, ahead.start_normal_y
+    # On the arc v^2 = g h cos(alpha), that is a cos + b sin = c.
+    a, b = GRAVITY + rate, rate * friction
+    c = motion.start_squared / h + rate * (n_y + friction * n_x)
+    size = np.sqrt(a**2 + b**2)
+    cos = np.clip(c / size, -1.0, 1.0)
+    sin = np.sqrt(1.0 - cos**2)
+    cos, sin = (cos * a - sin * b) / size, (sin * a + cos * b) / size
+    little, one = math.sin(PAST_THE_EDGE), math.cos(PAST_THE_EDGE)
+    cos, sin = cos * one - sin * little, sin * one + cos * little
+    beyond = sin * ahead.stop_normal_y > cos * ahead.stop_normal_x
+    sin = np.where(beyond, ahead.stop_normal_x, sin)
+    cos = np.where(beyond, ahead.stop_normal_y, cos)
+    at_once = ahead.is_whole | ~riders.rolls | (motion.start_squared > GRAVITY * h * n_y)
+    sin, cos = np.where(at_once, n_x, sin), np.where(at_once, n_y, cos)
+    height = n_y - cos + friction * (n_x - sin)
+    return (
+        ahead.start_x + h * (sin - n_x),
+        ahead.start_y + h * (cos - n_y),
+        sin,
+        cos,
+        motion.start_squared + rate * h * height,
+    )
+
+
+def rises_over(
+    path: CentrePath,
+    riders: Riders,
+    element: np.ndarray,
+    x: np.ndarray,
+    y: np.ndarray,
+    n_x: np.ndarray,
+    n_y: np.ndarray,
+    squared: np.ndarray,
+) -> np.ndarray:
+    """Tell which blocks come higher above the path than a hop, if they fly.
+
+    Args:
+        element: elements at which they leave, `(blocks,)`.
+        x, y: their centres there [m].
+        n_x, n_y: normals there.
+        squared: squared speeds there [m2/s2].
+    """
+    rises = np.zeros(len(x), bool)
+    asking, width = np.arange(len(x)), FIRST_LOOK
+    here = element, x, y
+    slope, bend = -n_x / n_y, 0.5 * GRAVITY / (squared * n_y**2)
+    while len(asking):
+        h = riders.radius[asking]
+        ahead = in_small_turns(path.ahead(*here, h, width), h)
+        one, two = ahead.start_x - x[asking, None], ahead.stop_x - x[asking, None]
+        run = np.maximum(two - one, 0.0)
+        rise = ahead.stop_y - ahead.start_y
+        chord = np.sqrt(run**2 + rise**2)
+        flat = run > 1e-12 * chord
+        grade = np.where(flat, rise / np.where(flat, run, 1.0), 0.0)
+        over = slope[asking, None] - grade
+        top = np.clip(0.5 * over / bend[asking, None], one, two)
+        path_y = ahead.start_y - y[asking, None]
+
+        def above(place, base):
+            fall = slope[asking, None] - bend[asking, None] * place
+            return fall * place - base
+
+        at_top = above(top, path_y + grade * (top - one))
+        at_end = above(two, path_y + rise)
+        height = at_top * np.where(flat, run / np.where(flat, chord, 1.0), 1.0)
+        high = ahead.exists & (height >= riders.hop[asking, None])
+        lands = ahead.exists & (at_end < -LEFT_BEHIND * h[:, None])
+        ends = ~ahead.exists & (ahead.next_element == ahead.element)
+        decided = high | lands | ends
+        column = np.argmax(decided, axis=1)
+        rows = np.arange(len(asking))
+        rises[asking] = (high | ends)[rows, column]
+        open_yet = ~np.any(decided, axis=1)
+        known = np.count_nonzero(ahead.exists, axis=1) - 1
+        moves = known[open_yet] >= 0
+        last = np.maximum(known[open_yet], 0)
+        rows = rows[open_yet]
+        here = tuple(
+            np.where(moves, after[rows, last], before[open_yet])
+            for after, before in zip(
+                (ahead.next_element, ahead.stop_x, ahead.stop_y), here, strict=True
+            )
+        )
+        asking, width = asking[open_yet], 2 * width
+    return rises
+
+
+def _cut(
+    riders: Riders,
+    ahead: Ahead,
+    motion: _Motion,
+    event: np.ndarray,
+    place: np.ndarray,
+) -> tuple[Ahead, _Motion]:
+    """Let elements end where blocks become slow on them, or leave them."""
+    for kind, where in ((Event.slow, _slowing), (Event.flies, _leaving)):
+        rows = np.flatnonzero(event == kind)
+        if not len(rows):
+            continue
+        columns = place[rows]
+        x, y, n_x, n_y, squared = where(
+            riders.at(rows), _at(ahead, rows, columns), _at(motion, rows, columns)
+        )
+        for array, values in (
+            (ahead.stop_x, x),
+            (ahead.stop_y, y),
+            (ahead.stop_normal_x, n_x),
+            (ahead.stop_normal_y, n_y),
+            (motion.stop_squared, squared),
+        ):
+            array[rows, columns] = values
+    return ahead, motion
+
+
+def _slowing(riders: Riders, ahead: Ahead, motion: _Motion) -> tuple[np.ndarray, ...]:
+    """Compute where riders become too slow: centres, normals and squared speeds.
+
+    Args:
+        ahead, motion: the elements, arrays `(blocks,)`.
+    """
+    n_x, n_y, friction = ahead.start_normal_x, ahead.start_normal_y, motion.friction
+    h, rate = riders.radius, _rate(riders)
+    columns = n_x[:, None], n_y[:, None], friction[:, None]
+    least = _least_squared(riders, *columns)[:, 0]
+    spare = np.maximum(motion.start_squared - least, 0.0)
+    brake = rate * (friction * n_y - n_x)
+    d_x, d_y = ahead.stop_x - ahead.start_x, ahead.stop_y - ahead.start_y
+    length = np.sqrt(d_x**2 + d_y**2)
+    foot = np.where(brake > 0.0, spare / np.where(brake > 0.0, brake, 1.0), length)
+    foot = np.minimum(foot, length)
+    # On an arc cos + mu sin has grown to what the energy allows.
+    top = np.sqrt(1.0 + friction**2)
+    level = n_y + friction * n_x + spare / (rate * h)
+    cos = np.minimum(level / top, 1.0)
+    sin = np.sqrt(1.0 - cos**2)
+    arc_x, arc_y = (friction * cos - sin) / top, (cos + friction * sin) / top
+    stays = spare <= 0.0
+    arc_x, arc_y = np.where(stays, n_x, arc_x), np.where(stays, n_y, arc_y)
+    straight = ahead.is_segment
+    return (
+        ahead.start_x + np.where(straight, foot * n_y, h * (arc_x - n_x)),
+        ahead.start_y + np.where(straight, -foot * n_x, h * (arc_y - n_y)),
+        np.where(straight, n_x, arc_x),
+        np.where(straight, n_y, arc_y),
+        np.minimum(np.maximum(motion.start_squared, 0.0), least),
+    )
+
+
+ENDS_ON = (Event.strikes, Event.slow_corner, Event.flies, Event.slow, Event.time_limit)
+"""Events at the end of an element, not at its start."""
+
+
+def _recorded(
+    riders: Riders,
+    begin: Place,
+    ahead: Ahead,
+    motion: _Motion,
+    event: np.ndarray,
+    place: np.ndarray,
+    time_limit: float,
+) -> Ride:
+    """Compute times and turns, and record the elements that were passed."""
+    h, columns = riders.radius[:, None], np.arange(ahead.element.shape[1])
+    d_x, d_y = ahead.stop_x - ahead.start_x, ahead.stop_y - ahead.start_y
+    straight = np.sqrt(d_x**2 + d_y**2)
+    length = np.where(ahead.is_segment, straight, h * _turn(ahead, h))
+    passed = columns < (place + np.isin(event, ENDS_ON))[:, None]
+    length = np.where(passed, length, 0.0)
+    speed = np.sqrt(np.maximum(motion.start_squared, 0.0))
+    sum_of_speeds = speed + np.sqrt(np.maximum(motion.stop_squared, 0.0))
+    moves = (length > 0.0) & (sum_of_speeds > 0.0)
+    duration = np.where(moves, 2.0 * length / np.where(moves, sum_of_speeds, 1.0), 0.0)
+    time = np.cumsum(np.concatenate([begin.time[:, None], duration], axis=1), axis=1)
+    late = passed & (time[:, 1:] > time_limit)
+    is_late = np.any(late, axis=1)
+    place = np.where(is_late, np.argmax(late, axis=1), place)
+    event = np.where(is_late, Event.time_limit, event)
+    passed &= columns < (place + np.isin(event, ENDS_ON))[:, None]
+    turn = np.where(riders.rolls[:, None], length / h, 0.0)
+    turned = np.cumsum(np.concatenate([begin.turned[:, None], turn], axis=1), axis=1)
+
+    # An arc of a curve and the segment behind it are one piece.
+    joins = np.zeros(passed.shape, bool)
+    joins[:, :-1] = (
+        ~ahead.is_segment[:, :-1]
+        & ahead.is_whole[:, :-1]
+        & ahead.is_segment[:, 1:]
+        & passed[:, 1:]
+    )
+    begins = passed.copy()
+    begins[:, 1:] &= ~joins[:, :-1]
+    rider, one = np.nonzero(begins)
+    two = one + joins[rider, one]
+    duration = time[rider, two + 1] - time[rider, one]
+    kept = duration > 0.0
+    rider, one, two = rider[kept], one[kept], two[kept]
+    whole = time[rider, two + 1] - time[rider, one]
+    start = speed[rider, one]
+    v_x = start * ahead.start_normal_y[rider, one]
+    v_y = -start * ahead.start_normal_x[rider, one]
+    x, y = ahead.start_x[rider, one], ahead.start_y[rider, one]
+
+    def to_join(way: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+        return 2.0 * (way - velocity * whole) / whole**2
+
+    way = length[rider, one] + np.where(two > one, length[rider, two], 0.0)
+    legs = Legs(
+        *(rider, time[rider, one], whole, x, y, v_x, v_y),
+        a_x=to_join(ahead.stop_x[rider, two] - x, v_x),
+        a_y=to_join(ahead.stop_y[rider, two] - y, v_y),
+        turned=turned[rider, one],
+        speed=start,
+        acceleration=to_join(way, start),
+    )
+
+    rows, last = np.arange(len(place)), np.count_nonzero(passed, axis=1)
+    here = np.minimum(place, len(columns) - 1)
+    moved, behind = last > 0, np.maximum(last - 1, 0)
+    onto_next = np.isin(event, [Event.strikes, Event.slow_corner])
+    onto_next |= place >= len(columns)
+    end = Place(
+        element=np.where(
+            onto_next, ahead.next_element[rows, here], ahead.element[rows, here]
+        ),
+        x=np.where(moved, ahead.stop_x[rows, behind], begin.x),
+        y=np.where(moved, ahead.stop_y[rows, behind], begin.y),
+        speed_squared=np.where(
+            moved, motion.stop_squared[rows, behind], begin.speed_squared
+        ),
+        time=time[rows, last],
+        turned=turned[rows, last],
+    )
+    return Ride(
+        event,
+        end,
+        ahead.stop_normal_x[rows, here],
+        ahead.stop_normal_y[rows, here],
+        ahead.next_normal_x[rows, here],
+        ahead.next_normal_y[rows, here],
+        legs,
+    )
