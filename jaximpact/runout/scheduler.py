@@ -20,8 +20,7 @@ from .contacts.contact_models import Contacts, FullModel
 from .contacts.impact import strike
 from .flight.flights import fly_on
 from .flight.placement import check_release, release_at_touch
-from .ground_motion.crossings import cross_edges
-from .ground_motion.legs import move_along
+from .ground_motion.moving import move_along
 from .state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, Phase, State
 from .terrain import Ground, Profile
 from .trajectory import Runs
@@ -158,7 +157,6 @@ def _move_to_contacts(state: State, active: np.ndarray) -> None:
     transitions = {
         Phase.airborne: fly_on,
         Phase.grounded: move_along,
-        Phase.at_edge: cross_edges,
     }
     while True:
         phase = state.blocks.phase[active]

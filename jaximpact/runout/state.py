@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..scene import Block, Soil
+from ..scene import GRAVITY, Block, Soil
 from ..shapes import RoundBlock
 from .blocks import (
     BlockOutline,
@@ -20,9 +20,16 @@ from .blocks import (
     select,
 )
 from .lane_programs import Values, closed_form
-from .narrow_places import NarrowPlaces
+from .centre_path import CentrePath
 from .terrain import Ground, Profile, spread
-from .trajectory import ContactRecord, Ending, Pieces, Recorder
+from .trajectory import (
+    ContactRecord,
+    Ending,
+    MotionMode,
+    Pieces,
+    Recorder,
+    state_after,
+)
 
 TIME_LIMIT = 600.0
 """Default of the longest trajectory [s]."""
@@ -33,6 +40,11 @@ HOP_THRESHOLD = 1.0
 it rolls."""
 UNDER_WAY = -1.0
 """Code of the ending of a block that has not ended."""
+UNKNOWN = -1.0
+"""Place of what a block touches, where it is not known yet."""
+JOINED = 1e-8
+"""Fraction of a block's smaller semi-axis up to which pieces of its trajectory may lie
+apart."""
 
 
 class Phase(enum.IntEnum):
@@ -41,12 +53,10 @@ class Phase(enum.IntEnum):
     airborne = 0
     """Flight to the next contact."""
     grounded = 1
-    """Motion along a segment."""
-    at_edge = 2
-    """Crossing of a convex break, or of an end of the profile."""
-    touching = 3
+    """Motion along the ground."""
+    touching = 2
     """Contact with the ground."""
-    ended = 4
+    ended = 3
 
 
 class Limits(NamedTuple):
@@ -79,17 +89,16 @@ class BlockState(NamedTuple):
     impacts: Values
     """Number of impacts so far."""
     segment: Values
-    """Segment that the block is on, or touches; -1 in the air."""
-    edge: Values
-    """Profile point that the block is about to cross; -1 for none."""
+    """Segment that the block touches, or touched last; -1 for none."""
+    element: Values
+    """Place of what a block on the ground touches in `CentrePath.elements`; -1 where it
+    is not known yet."""
     rolls: Values
     """1 for a block that rolls, 0 for one that slides."""
     direction: Values
     """Direction of motion along the ground: 1 to the right, -1 to the left."""
     speed_squared: Values
     """Squared speed along the ground [m2/s2]."""
-    plane: Values
-    """Angle of the plane on which the block rests at the edge [rad]."""
     normal_x: Values
     """Normal of the plane that the block touches."""
     normal_y: Values
@@ -182,11 +191,8 @@ class State:
 
     profile: Profile
     release: Release
-    slope: np.ndarray
-    """Slope angles of the segments [rad], `(segments,)`."""
-    length: np.ndarray
-    """Lengths of the segments [m], `(segments,)`."""
-    narrow: NarrowPlaces
+    path: CentrePath
+    """Paths of the centres of blocks on the ground."""
     limits: Limits
     seed: int
     """Seed of the facets."""
@@ -199,6 +205,12 @@ class State:
     ground: GroundOfBlocks
     contacts: Recorder
     pieces: Recorder
+    look: np.ndarray
+    """Number of elements ahead that a block on the ground looks at."""
+    held: np.ndarray
+    """Element that a block on the ground does not leave; -1 for none."""
+    balked: np.ndarray
+    """True for a block at rest on the ground that could not go the other way."""
 
     @classmethod
     def at_release(
@@ -216,9 +228,7 @@ class State:
         return cls(
             profile=profile,
             release=release,
-            slope=profile.slope,
-            length=profile.length,
-            narrow=NarrowPlaces.of(profile, float(np.max(radius))),
+            path=CentrePath.of(profile, float(np.max(radius))),
             limits=limits,
             seed=0 if ground is None else ground.seed,
             numbers=np.arange(n) if numbers is None else numbers,
@@ -228,6 +238,9 @@ class State:
             ground=_ground_of_blocks(surface, n, profile.segments),
             contacts=Recorder(ContactRecord),
             pieces=Recorder(Pieces),
+            look=np.zeros(n, int),
+            held=np.full(n, UNKNOWN),
+            balked=np.zeros(n, bool),
         )
 
     def move(
@@ -240,11 +253,13 @@ class State:
         """Move blocks on by a transition.
 
         A block whose centre would come into the ground is wedged in a place narrower
-        than itself: it does not move, and has stopped.
+        than itself: it does not move, and has stopped. What the piece leaves out of the
+        way, as where a round block takes the place of an ellipse, becomes a piece of
+        its own that takes time: no block is anywhere at once.
 
         Args:
             after: the blocks after the transition.
-            piece: the motion, to be recorded.
+            piece: the motion, to be recorded where it takes time.
             sinks: whether a block may end in the ground, as in its crater.
         """
         x, y = after.body.x, after.body.y
@@ -252,15 +267,67 @@ class State:
         wedged = on_profile & (y < self.profile.height(x))
         if sinks:
             wedged &= after.phase != Phase.ended
-        stopped = select(self.blocks, lanes[wedged])
+        before = select(self.blocks, lanes)
         put(self.blocks, lanes, after)
         if np.any(wedged):
+            stopped = select(before, wedged)
             stopped.phase[:] = Phase.ended
             stopped.ending[:] = Ending.stopped
             put(self.blocks, lanes[wedged], stopped)
-            lanes, piece = lanes[~wedged], select(piece, ~wedged)
+            free = ~wedged
+            lanes, before, after = lanes[free], *select((before, after), free)
+            piece = select(piece, free)
+        x, y = before.body.x, before.body.y
         if piece is not None:
-            self.pieces.add(lanes, piece)
+            lasts = piece.duration > 0.0
+            self.pieces.add(lanes[lasts], select(piece, lasts))
+            end = state_after(piece, piece.duration)
+            x, y = np.where(lasts, end.x, x), np.where(lasts, end.y, y)
+        self._shift(lanes, after, x, y)
+
+    def _shift(
+        self, lanes: np.ndarray, after: BlockState, x: np.ndarray, y: np.ndarray
+    ) -> None:
+        """Record the way of blocks from where a piece left them to where they go on.
+
+        They move straight there, as gravity alone would have it, and come to the speed
+        with which they go on. Blocks at rest take the time of a fall.
+        """
+        d_x, d_y = after.body.x - x, after.body.y - y
+        way = np.sqrt(d_x**2 + d_y**2)
+        apart = way > JOINED * self.constants.outline.smallest[lanes]
+        if not np.any(apart):
+            return
+        lanes, after = lanes[apart], select(after, apart)
+        d_x, d_y, way, x, y = (v[apart] for v in (d_x, d_y, way, x, y))
+        flies = after.phase == Phase.airborne
+        squared = np.where(
+            flies,
+            after.body.v_x**2 + after.body.v_y**2,
+            np.maximum(after.speed_squared, 0.0),
+        )
+        start = np.sqrt(np.maximum(squared + 2.0 * GRAVITY * d_y, 0.0))
+        stop = np.sqrt(squared)
+        time = 2.0 * way / np.maximum(start + stop, np.sqrt(GRAVITY * way))
+        radius = np.where(
+            after.rolls > 0.0,
+            self.constants.round.radius[lanes],
+            np.inf,
+        )
+        spin = np.where(
+            flies, after.body.angular_velocity, after.direction * stop / radius
+        )
+        v_x, v_y = start * d_x / way, start * d_y / way
+        zero = np.zeros(len(lanes))
+        self.pieces.add(
+            lanes,
+            Pieces(
+                *(zero, zero + MotionMode.contact, after.time, time, x, y, v_x, v_y),
+                *(2.0 * (d_x - v_x * time) / time**2, 2.0 * (d_y - v_y * time) / time**2),
+                *(after.body.orientation - spin * time, spin, zero),
+            ),
+        )
+        self.blocks.time[lanes] = after.time + time
 
 
 def _at_release(body: Body) -> BlockState:
@@ -268,7 +335,7 @@ def _at_release(body: Body) -> BlockState:
     state = BlockState(
         *(zero, body, zero + Phase.airborne, zero + UNDER_WAY),
         *(zero, zero, zero - 1.0, zero - 1.0, zero, zero + 1.0),
-        *(zero, zero, zero, zero, zero),
+        *(zero, zero, zero, zero),
     )
     # Each field is written to.
     return jax.tree.map(lambda leaf: np.array(leaf, float), state)

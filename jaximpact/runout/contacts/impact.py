@@ -83,14 +83,12 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     )
     after, record, piece = depart(
         *(blocks, constants, touched, struck, response, settled),
-        Seen(is_impact, turn, outcome, free, state.slope[segment]),
+        Seen(is_impact, turn, outcome, free),
         state.ground.rolling_friction[lanes, segment],
         state.limits,
     )
-    state.move(lanes, after, sinks=True)
+    state.move(lanes, after, piece, sinks=True)
     state.contacts.add(lanes, record)
-    takes_time = response.duration > 0.0
-    state.pieces.add(lanes[takes_time], select(piece, takes_time))
 
 
 def _respond(
@@ -224,8 +222,6 @@ class Seen(NamedTuple):
     """Code of `Outcome`, or -1 for no impact."""
     free: Values
     """Fraction of its travel during the contact that the block can make."""
-    slope: Values
-    """Angle of the segment [rad]."""
 
 
 @closed_form
@@ -254,7 +250,7 @@ def depart(
         trajectory, of no meaning where it takes no time.
     """
     slope, turned = touched.contact.slope, seen.turn != 0.0
-    after, x, y, lacks = _travelled(block, constants, struck, settled, seen.free)
+    after, x, y, lacks, free = _travelled(block, constants, struck, settled, seen.free)
     on = Continuation(
         *(x, y, after.orientation, after.tangential_velocity),
         over=jnp.zeros_like(x),
@@ -269,12 +265,14 @@ def depart(
     # A block that a facet left above its segment comes down to it.
     drop = jnp.where(turned & ~on.leaves & ~on.stuck, on_segment.over, 0.0)
     on = on._replace(x=on.x - drop * jnp.sin(slope), y=on.y - drop * jnp.cos(slope))
-    record, piece = _recorded(block, struck, response, after, on, seen, hops)
+    record, piece = _recorded(
+        *(block, struck, response, after, on, seen, hops, free)
+    )
     continued = _continued(
         block, constants, slope, struck, after, on, seen, rolling_friction
     )
     departed = continued._replace(
-        time=block.time + response.duration, impacts=block.impacts + seen.is_impact
+        time=block.time + response.duration * free, impacts=block.impacts + seen.is_impact
     )
     return departed.counted(limits), record, piece
 
@@ -285,7 +283,7 @@ def _travelled(
     struck: PlaneContact,
     settled: Settled,
     free: Values,
-) -> tuple[PostImpact, Values, Values, Values]:
+) -> tuple[PostImpact, Values, Values, Values, Values]:
     """Move a block along the plane that it struck, until other ground is in the way.
 
     No block comes higher than its energy before the contact takes it. The travel is
@@ -295,7 +293,8 @@ def _travelled(
     velocities, and what they lack from its climb out of the ground.
 
     Returns:
-        The block; its centre; and whether it lacks the energy to climb.
+        The block; its centre; whether it lacks the energy to climb; and the fraction of
+        its travel that it made.
     """
     after, (mass, inertia) = settled.after, constants.mass_properties
     weight = mass * GRAVITY
@@ -326,6 +325,7 @@ def _travelled(
         settled.x + free * settled.along_x - back * sin,
         settled.y + free * settled.along_y - back * cos,
         lacks,
+        free,
     )
 
 
@@ -346,22 +346,25 @@ def _recorded(
     on: Continuation,
     seen: Seen,
     hops: Values,
+    free: Values,
 ) -> tuple[ContactRecord, Pieces]:
-    """Record a contact, and describe it as a piece of the trajectory: from the
-    velocities before to those after, at constant acceleration. The penetration is not
-    part of the trajectory; it continues from where the block is set back."""
+    """Record a contact, and describe it as a piece of the trajectory: at constant
+    acceleration, from the place and the velocities at touch to the place from which the
+    block goes on. It lasts as long as the block travels, and less than the contact
+    where other ground is in its way."""
     body = block.body
     record = ContactRecord(
         0.0, block.time, block.segment, struck.slope, body.x, body.y,
         *struck[1:5], *after[3:6], on.x, on.y,
         response.duration, response.sinking, seen.outcome, hops.astype(float),
     )  # fmt: skip
-    duration = jnp.where(response.duration > 0.0, response.duration, 1.0)
-    v_x, v_y = _to_slope(response, struck.slope)
+    duration = response.duration * free
+    time = jnp.where(duration > 0.0, duration, 1.0)
     piece = Pieces(
-        0.0, float(MotionMode.contact), block.time, response.duration,
-        *body[:4], (v_x - body.v_x) / duration, (v_y - body.v_y) / duration,
-        *body[4:], (response.angular_velocity - body.angular_velocity) / duration,
+        0.0, float(MotionMode.contact), block.time, duration, *body[:4],
+        2.0 * (on.x - body.x - body.v_x * time) / time**2,
+        2.0 * (on.y - body.y - body.v_y * time) / time**2,
+        *body[4:], (response.angular_velocity - body.angular_velocity) / time,
     )  # fmt: skip
     return record, piece
 
@@ -397,23 +400,11 @@ def _continued(
         orientation=after.orientation + struck.slope,
         angular_velocity=after.angular_velocity,
     )
-    between = jnp.sin(slope - seen.slope)
-    on_segment = jnp.abs(between) <= SAME_PLANE
-    # Planes at the left end of a segment lean to the left of it.
-    edge = jnp.where(between < 0.0, block.segment, block.segment + 1.0)
     theta = on.orientation
     height, _ = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
     stays = begin_on_ground(
-        flies._replace(
-            phase=jnp.where(on_segment, float(Phase.grounded), float(Phase.at_edge)),
-            edge=jnp.where(on_segment, -1.0, edge),
-        ),
-        constants,
-        plane=jnp.where(on_segment, seen.slope, slope),
-        rolling_friction=rolling_friction,
-        height=height,
-        tangential_velocity=on.tangential_velocity,
-        angular_velocity=after.angular_velocity,
+        *(flies, constants, slope, rolling_friction, height),
+        *(on.tangential_velocity, after.angular_velocity),
     )
     failed = seen.outcome == Outcome.failed
     stops = (seen.outcome == Outcome.arrested) | on.stuck

@@ -35,7 +35,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...scene import GRAVITY
-from .centre_path import LARGEST_TURN, LEFT_BEHIND, Ahead, CentrePath, in_small_turns
+from ..centre_path import LARGEST_TURN, LEFT_BEHIND, Ahead, CentrePath, in_small_turns
 
 MILD = LARGEST_TURN
 """Turn of the ground at a point up to which it is taken for a point of a curve [rad]:
@@ -158,6 +158,7 @@ def ride(
     friction_of: FrictionOf,
     riders: Riders,
     begin: Place,
+    held: np.ndarray,
     time_limit: float,
     width: int,
 ) -> Ride:
@@ -165,13 +166,14 @@ def ride(
 
     Args:
         friction_of: friction on the segments.
+        held: elements that riders do not leave, -1 for none.
         time_limit: time at which a ride ends, with the element that is passed then [s].
         width: number of elements to look at, from 2.
     """
     ahead = path.ahead(begin.element, begin.x, begin.y, riders.radius, width)
     ahead = in_small_turns(ahead, riders.radius)
     motion = _motion(path, friction_of, riders, ahead, begin.speed_squared)
-    event, place = _first_event(path, riders, ahead, motion)
+    event, place = _first_event(path, riders, ahead, motion, held)
     ahead, motion = _cut(riders, ahead, motion, event, place)
     return _recorded(riders, begin, ahead, motion, event, place, time_limit)
 
@@ -203,7 +205,7 @@ def _rate(riders: Riders) -> np.ndarray:
     return 2.0 * GRAVITY / (1.0 + riders.ratio)
 
 
-def _least_squared(riders: Riders, n_x, n_y, friction) -> np.ndarray:
+def least_squared(riders: Riders, n_x, n_y, friction) -> np.ndarray:
     """Compute the squared speed below which blocks do not roll on over their long axes
     [m2/s2], as `rolling.barrier` does."""
     steep = np.abs(n_x) > (riders.turning_slope[:, None] + friction) * n_y
@@ -211,7 +213,11 @@ def _least_squared(riders: Riders, n_x, n_y, friction) -> np.ndarray:
 
 
 def _first_event(
-    path: CentrePath, riders: Riders, ahead: Ahead, motion: _Motion
+    path: CentrePath,
+    riders: Riders,
+    ahead: Ahead,
+    motion: _Motion,
+    held: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find the first event of each rider, and the place of its element; behind the last
     element where there is none."""
@@ -228,7 +234,7 @@ def _first_event(
     events[slow] = Event.slow
     events[~ahead.exists] = Event.looks_on
     events[~ahead.exists & (ahead.element == last)] = Event.leaves
-    loose &= ahead.exists
+    loose &= ahead.exists & (ahead.element != held[:, None])
     # What is seen where nobody flies, and where all do that can.
     grounded, events = events, np.where(loose, Event.flies, events)
     asking = np.arange(len(events))
@@ -262,10 +268,10 @@ def _at(tree, rows: np.ndarray, columns: np.ndarray):
 def _is_slow(riders: Riders, ahead: Ahead, motion: _Motion) -> np.ndarray:
     """Tell where blocks become too slow for their kind of motion."""
     start, stop, friction = motion
-    at_start = _least_squared(
+    at_start = least_squared(
         riders, ahead.start_normal_x, ahead.start_normal_y, friction
     )
-    at_stop = _least_squared(riders, ahead.stop_normal_x, ahead.stop_normal_y, friction)
+    at_stop = least_squared(riders, ahead.stop_normal_x, ahead.stop_normal_y, friction)
     # About a point, the speed is least where the path descends as friction does.
     top = np.sqrt(1.0 + friction**2)
     height = ahead.start_normal_y + friction * ahead.start_normal_x
@@ -455,7 +461,7 @@ def _slowing(riders: Riders, ahead: Ahead, motion: _Motion) -> tuple[np.ndarray,
     n_x, n_y, friction = ahead.start_normal_x, ahead.start_normal_y, motion.friction
     h, rate = riders.radius, _rate(riders)
     columns = n_x[:, None], n_y[:, None], friction[:, None]
-    least = _least_squared(riders, *columns)[:, 0]
+    least = least_squared(riders, *columns)[:, 0]
     spare = np.maximum(motion.start_squared - least, 0.0)
     brake = rate * (friction * n_y - n_x)
     d_x, d_y = ahead.stop_x - ahead.start_x, ahead.stop_y - ahead.start_y

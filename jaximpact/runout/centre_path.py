@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..terrain import Profile
+from .terrain import Profile
 from .element_reach import reaches
 
 LEFT_BEHIND = 1e-9

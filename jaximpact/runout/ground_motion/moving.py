@@ -1,0 +1,286 @@
+"""Transition of blocks on the ground: along the path of the centre to the next event, and
+what happens there."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...scene import GRAVITY
+from ..blocks import put, select
+from ..state import UNKNOWN, BlockConstants, BlockState, Phase, State
+from ..trajectory import Ending, MotionMode, Pieces
+from ..centre_path import LEFT_BEHIND
+from .corner_strike import Corner, strike_corner
+from .ride import Event, Place, Ride, Riders, least_squared, ride
+from .rolling import SMALL_RISE, lie_down
+from .take_off import take_off
+
+SHORTEST_LOOK, LONGEST_LOOK = 4, 128
+"""Numbers of elements ahead that a ride looks at: few after an event, more as it goes
+on."""
+LARGEST_TABLE = 200_000
+"""Elements ahead, of all blocks together, that are looked at at a time, for the caches
+of a core."""
+
+
+def move_along(state: State, lanes: np.ndarray) -> None:
+    """Move blocks along the ground to their next events."""
+    blocks = state.blocks
+    lanes = _placed(state, lanes)
+    while len(lanes):
+        looks = state.look[lanes]
+        for width in np.unique(looks):
+            alike = lanes[looks == width]
+            parts = -(-len(alike) * int(width) // LARGEST_TABLE)
+            for part in np.array_split(alike, parts):
+                _ride(state, part, int(width))
+        grounded = blocks.phase[lanes] == Phase.grounded
+        known = blocks.element[lanes] != UNKNOWN
+        lanes = lanes[grounded & known]
+
+
+def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
+    """Put blocks onto the path of the centre, at the cost of the energy for it.
+
+    One that cannot come up has stopped: it is wedged where it lies.
+
+    Returns:
+        The blocks that move.
+    """
+    blocks = state.blocks
+    new = lanes[blocks.element[lanes] == UNKNOWN]
+    if not len(new):
+        return lanes
+    block, constants = select((blocks, state.constants), new)
+    riders, body = _riders(state, block, constants), block.body
+    first, last = state.profile.x[0], state.profile.x[-1]
+    left = (body.x <= first) | (body.x >= last)
+    element, y = state.path.locate(body.x, riders.radius, block.direction)
+    lift = y - body.y
+    squared = block.speed_squared - 2.0 * GRAVITY * lift / (1.0 + riders.ratio)
+    rounding = np.abs(lift) <= LEFT_BEHIND * riders.radius
+    squared = np.where(rounding, block.speed_squared, squared)
+    wedged = (squared < 0.0) & ~left
+    ends = left | wedged
+    ending = np.where(left, float(Ending.left_profile), float(Ending.stopped))
+    after = block._replace(
+        element=element.astype(float),
+        speed_squared=np.where(ends, block.speed_squared, squared),
+        phase=np.where(ends, float(Phase.ended), block.phase),
+        ending=np.where(ends, ending, block.ending),
+    ).moved(y=np.where(ends, body.y, y))
+    state.move(new, after)
+    state.look[new] = SHORTEST_LOOK
+    state.balked[new] = False
+    return lanes[blocks.phase[lanes] == Phase.grounded]
+
+
+def _riders(state: State, block: BlockState, constants: BlockConstants) -> Riders:
+    """Describe blocks as a ride needs them."""
+    outline, whole = constants.outline, constants.round
+    rolls = block.rolls > 0.0
+    radius = np.where(rolls, whole.radius, outline.smallest)
+    mass, inertia = constants.mass_properties
+    small = 2.0 * GRAVITY * SMALL_RISE * outline.smallest
+    return Riders(
+        radius=radius,
+        ratio=np.where(rolls, inertia / (mass * radius**2), 0.0),
+        rolls=rolls,
+        barrier=np.where(rolls, whole.tallest - whole.radius, 0.0),
+        turning_slope=whole.turning_slope,
+        flat_curvature=outline.largest**2 / outline.smallest,
+        hop=np.maximum(
+            state.limits.hop_threshold * outline.heave, SMALL_RISE * outline.smallest
+        ),
+        closing=small,
+    )
+
+
+def _ride(state: State, lanes: np.ndarray, width: int) -> None:
+    """Move blocks on, and let happen what comes."""
+    block, constants = select((state.blocks, state.constants), lanes)
+    riders, direction = _riders(state, block, constants), block.direction
+
+    def friction_of(segments: np.ndarray) -> np.ndarray:
+        row = lanes.reshape(-1, *(1,) * (segments.ndim - 1))
+        return np.where(
+            riders.rolls.reshape(row.shape),
+            state.ground.rolling_friction[row, segments],
+            state.ground.sliding_friction[row, segments],
+        )
+
+    begin = Place(
+        element=block.element.astype(int),
+        x=direction * block.body.x,
+        y=block.body.y,
+        speed_squared=block.speed_squared,
+        time=block.time,
+        turned=np.zeros(len(lanes)),
+    )
+    held = state.held[lanes]
+    found = ride(state.path, friction_of, riders, begin, held, state.limits.time, width)
+    _record(state, lanes, block, riders, found)
+    end = found.end
+    after = block._replace(
+        time=end.time, element=end.element.astype(float), speed_squared=end.speed_squared
+    ).moved(
+        x=direction * end.x,
+        y=end.y,
+        orientation=block.body.orientation + direction * end.turned,
+    )
+    put(state.blocks, lanes, after)
+    goes_on = found.event == Event.looks_on
+    stands = goes_on & (end.element == begin.element)
+    longer = np.where(stands, 2 * width, min(2 * width, max(width, LONGEST_LOOK)))
+    state.look[lanes] = np.where(goes_on, longer, max(width // 2, SHORTEST_LOOK))
+    state.held[lanes[~goes_on]] = UNKNOWN
+    ground = state.path.elements
+    friction = 0.5 * (
+        friction_of(ground.behind[end.element]) + friction_of(ground.ahead[end.element])
+    )
+    there = _Arrival(
+        riders,
+        *(found.normal_x, found.normal_y, found.next_normal_x, found.next_normal_y),
+        friction,
+        moved=end.time > begin.time,
+    )
+    happening = {
+        Event.strikes: _strike,
+        Event.slow_corner: _turn_slowly,
+        Event.flies: _fly_off,
+        Event.slow: _slow_down,
+        Event.leaves: _leave,
+        Event.time_limit: _come_to_limit,
+    }
+    for event, happens in happening.items():
+        chosen = np.flatnonzero(found.event == event)
+        if len(chosen):
+            happens(state, lanes[chosen], select(there, chosen))
+            _count(state, lanes[chosen])
+
+
+class _Arrival(NamedTuple):
+    """Ends of rides; directions as for `Ride`."""
+
+    riders: Riders
+    normal_x: np.ndarray
+    normal_y: np.ndarray
+    next_normal_x: np.ndarray
+    next_normal_y: np.ndarray
+    friction: np.ndarray
+    """Tangent of the angle of friction on the element there."""
+    moved: np.ndarray
+    """True where the ride took time."""
+
+
+def _record(
+    state: State, lanes: np.ndarray, block: BlockState, riders: Riders, found: Ride
+) -> None:
+    """Record the pieces of rides."""
+    legs = found.legs
+    direction = block.direction[legs.rider]
+    rolls = block.rolls[legs.rider] > 0.0
+    radius = riders.radius[legs.rider]
+    turn = np.where(rolls, direction / radius, 0.0)
+    state.pieces.add(
+        lanes[legs.rider],
+        Pieces(
+            trajectory=np.zeros(len(direction)),
+            motion=np.where(rolls, MotionMode.rolling, MotionMode.sliding),
+            time=legs.time,
+            duration=legs.duration,
+            x=direction * legs.x,
+            y=legs.y,
+            v_x=direction * legs.v_x,
+            v_y=legs.v_y,
+            a_x=direction * legs.a_x,
+            a_y=legs.a_y,
+            orientation=block.body.orientation[legs.rider] + direction * legs.turned,
+            angular_velocity=turn * legs.speed,
+            angular_acceleration=turn * legs.acceleration,
+        ),
+    )
+
+
+def _end(state: State, lanes: np.ndarray, ending: Ending) -> None:
+    state.blocks.phase[lanes] = Phase.ended
+    state.blocks.ending[lanes] = ending
+
+
+def _count(state: State, lanes: np.ndarray) -> None:
+    """Count an event of blocks; end those that have had too many."""
+    blocks = state.blocks
+    blocks.events[lanes] += 1.0
+    many = blocks.events[lanes] >= state.limits.events
+    _end(state, lanes[many & (blocks.phase[lanes] != Phase.ended)], Ending.event_limit)
+
+
+def _leave(state: State, lanes: np.ndarray, there: _Arrival) -> None:
+    """End blocks at an end of the profile."""
+    _end(state, lanes, Ending.left_profile)
+
+
+def _come_to_limit(state: State, lanes: np.ndarray, there: _Arrival) -> None:
+    """End blocks whose time is over."""
+    _end(state, lanes, Ending.time_limit)
+
+
+def _strike(state: State, lanes: np.ndarray, there: _Arrival) -> None:
+    """Let blocks strike what is ahead at a corner."""
+    block, constants = select((state.blocks, state.constants), lanes)
+    segment = state.path.elements.behind[block.element.astype(int)]
+    corner = Corner(
+        *(block.direction * there.normal_x, there.normal_y),
+        *(block.direction * there.next_normal_x, there.next_normal_y),
+        segment.astype(float),
+    )
+    put(state.blocks, lanes, strike_corner(block, constants, corner))
+
+
+def _turn_slowly(state: State, lanes: np.ndarray, there: _Arrival) -> None:
+    """Let blocks that are too slow for an impact go on behind a corner, or stop where
+    they can: on ground that friction holds them on, or between two rises."""
+    blocks, ratio = state.blocks, there.riders.ratio
+    cos = there.normal_x * there.next_normal_x + there.normal_y * there.next_normal_y
+    kept = np.maximum((cos + ratio) / (1.0 + ratio), 0.0)
+    squared = kept**2 * blocks.speed_squared[lanes]
+    slow = squared < there.riders.closing * there.next_normal_y
+    held = np.abs(there.next_normal_x) <= there.friction * there.next_normal_y
+    held |= (there.next_normal_x <= 0.0) & (there.normal_x >= 0.0)
+    blocks.speed_squared[lanes] = squared
+    _end(state, lanes[slow & held], Ending.stopped)
+
+
+def _fly_off(state: State, lanes: np.ndarray, there: _Arrival) -> None:
+    """Let blocks leave the ground; those whose sections would not, roll on."""
+    block, constants = select((state.blocks, state.constants), lanes)
+    normal = block.direction * there.normal_x, there.normal_y
+    after, flies = take_off(block, constants, *normal)
+    flies = flies > 0.0
+    state.move(lanes[flies], select(after, flies))
+    state.held[lanes[~flies]] = block.element[~flies]
+
+
+def _slow_down(state: State, lanes: np.ndarray, there: _Arrival) -> None:
+    """Let blocks that are too slow lie down if they roll and have not the energy to turn
+    over, else start down-slope, or stop where friction holds them."""
+    blocks, riders = state.blocks, there.riders
+    columns = (v[:, None] for v in (there.normal_x, there.normal_y, there.friction))
+    lies = least_squared(riders, *columns)[:, 0] > 0.0
+    down = lanes[lies]
+    if len(down):
+        block, constants = select((blocks, state.constants), down)
+        plane = np.arctan2(block.direction * there.normal_x[lies], there.normal_y[lies])
+        state.move(down, lie_down(block, constants, plane))
+    steep = np.abs(there.normal_x) > there.friction * there.normal_y
+    back = there.normal_x < 0.0
+    # A block at rest that cannot go one way is turned once, and then lies between.
+    balks = ~there.moved & state.balked[lanes]
+    starts = ~lies & steep & ~(back & balks)
+    _end(state, lanes[~lies & ~starts], Ending.stopped)
+    state.balked[lanes] = ~there.moved & back
+    blocks.speed_squared[lanes[starts]] = 0.0
+    turning = lanes[starts & back]
+    mirrored = state.path.mirrored(blocks.element[turning].astype(int))
+    blocks.element[turning] = mirrored
+    blocks.direction[turning] *= -1.0
