@@ -70,7 +70,7 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
         stretches: result of `stretches_of(runs)`, computed if not given.
     """
     all_of = stretches_of(runs) if stretches is None else stretches
-    trajectory = runs.pieces.trajectory[all_of.piece]
+    trajectory = runs.pieces.trajectory[all_of.piece].astype(int)
     # The next stretch begins where this one ends: no passage is missed or counted
     # twice.
     same = np.append(trajectory[1:] == trajectory[:-1], False)
@@ -205,7 +205,8 @@ def _largest_of_parts(
     p = select(runs.pieces, part.piece)
     times = begin, end, _summit(p, gradient, begin, end)
     bodies = [state_after(p, time) for time in times]
-    mass, inertia = select(runs.release.mass_properties, p.trajectory)
+    trajectory = p.trajectory.astype(int)
+    mass, inertia = select(runs.release.mass_properties, trajectory)
     heights = [body.y - runs.profile.height(body.x) for body in bodies]
     squares = [body.v_x**2 + body.v_y**2 for body in bodies[:2]]
     energies = [
@@ -218,7 +219,7 @@ def _largest_of_parts(
         np.sqrt(np.maximum(*squares)),
         np.maximum(*energies),
     )
-    return p.trajectory, bin_of[cell], largest
+    return trajectory, bin_of[cell], largest
 
 
 def _over_cells(whole: Stretches, cells: np.ndarray) -> tuple[np.ndarray, ...]:
