@@ -145,7 +145,7 @@ class CentrePath:
             right = direction[chosen] > 0.0
             # Of equal heights the one ahead: the last to the right, else the first.
             highest = np.max(heights, axis=1)
-            rounding = LEFT_BEHIND**2 * radius[chosen]
+            rounding = LEFT_BEHIND * radius[chosen]
             same = heights >= (highest - rounding)[:, None]
             after = columns - 1 - np.argmax(same[:, ::-1], axis=1)
             column = np.where(right, after, np.argmax(same, axis=1))
@@ -167,6 +167,7 @@ class CentrePath:
         over = (foot >= ground.x) & (foot <= ground.end_x)
         height = np.where(ground.is_segment, on_segment, on_point)
         touches = np.where(ground.is_segment, over, apart >= 0.0)
+        touches &= self.reach[element] > h
         return np.where(touches, height, -np.inf)
 
     def ahead(
@@ -205,7 +206,9 @@ class CentrePath:
         step = there[:, 1:] - there[:, :-1]
         stop_x, stop_y = _meeting(one, two, step, h)
         # A block that stands at the end of its element is not set back.
-        stop_x[:, 0] = np.maximum(stop_x[:, 0], x)
+        past = stop_x[:, 0] < x
+        stop_x[:, 0] = np.where(past, x, stop_x[:, 0])
+        stop_y[:, 0] = np.where(past, y, stop_y[:, 0])
         start_x = np.concatenate([x[:, None], stop_x[:, :-1]], axis=1)
         start_y = np.concatenate([y[:, None], stop_y[:, :-1]], axis=1)
         return Ahead(

@@ -290,8 +290,9 @@ class State:
     ) -> None:
         """Record the way of blocks from where a piece left them to where they go on.
 
-        They move straight there, as gravity alone would have it, and come to the speed
-        with which they go on. Blocks at rest take the time of a fall.
+        They move straight there, and come to the velocities with which they go on;
+        what gravity gives or takes on the way they begin with less or more of. Blocks
+        at rest take the time of a fall.
         """
         d_x, d_y = after.body.x - x, after.body.y - y
         way = np.sqrt(d_x**2 + d_y**2)
@@ -300,23 +301,13 @@ class State:
             return
         lanes, after = lanes[apart], select(after, apart)
         d_x, d_y, way, x, y = (v[apart] for v in (d_x, d_y, way, x, y))
-        flies = after.phase == Phase.airborne
-        squared = np.where(
-            flies,
-            after.body.v_x**2 + after.body.v_y**2,
-            np.maximum(after.speed_squared, 0.0),
-        )
-        start = np.sqrt(np.maximum(squared + 2.0 * GRAVITY * d_y, 0.0))
-        stop = np.sqrt(squared)
-        time = 2.0 * way / np.maximum(start + stop, np.sqrt(GRAVITY * way))
-        radius = np.where(
-            after.rolls > 0.0,
-            self.constants.round.radius[lanes],
-            np.inf,
-        )
-        spin = np.where(
-            flies, after.body.angular_velocity, after.direction * stop / radius
-        )
+        speed, spin = self._velocities(lanes, after)
+        mass, inertia = select(self.constants.mass_properties, lanes)
+        kinetic = 0.5 * (speed**2 + inertia / mass * spin**2)
+        falls = np.minimum(kinetic, np.maximum(-GRAVITY * d_y, 0.0))
+        share = np.sqrt(1.0 - falls / np.where(kinetic > 0.0, kinetic, 1.0))
+        start = np.sqrt((share * speed) ** 2 + 2.0 * GRAVITY * np.maximum(d_y, 0.0))
+        time = 2.0 * way / np.maximum(start + speed, np.sqrt(GRAVITY * way))
         v_x, v_y = start * d_x / way, start * d_y / way
         zero = np.zeros(len(lanes))
         self.pieces.add(
@@ -324,10 +315,25 @@ class State:
             Pieces(
                 *(zero, zero + MotionMode.contact, after.time, time, x, y, v_x, v_y),
                 *(2.0 * (d_x - v_x * time) / time**2, 2.0 * (d_y - v_y * time) / time**2),
-                *(after.body.orientation - spin * time, spin, zero),
+                after.body.orientation - 0.5 * (share + 1.0) * spin * time,
+                *(share * spin, (1.0 - share) * spin / time),
             ),
         )
         self.blocks.time[lanes] = after.time + time
+
+    def _velocities(
+        self, lanes: np.ndarray, block: BlockState
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Give speeds [m/s] and angular velocities [rad/s], in the air or on the
+        ground."""
+        body, flies = block.body, block.phase == Phase.airborne
+        along = np.sqrt(np.maximum(block.speed_squared, 0.0))
+        rolls = block.rolls > 0.0
+        turn = np.where(rolls, along / self.constants.round.radius[lanes], 0.0)
+        return (
+            np.where(flies, np.sqrt(body.v_x**2 + body.v_y**2), along),
+            np.where(flies, body.angular_velocity, block.direction * turn),
+        )
 
 
 def _at_release(body: Body) -> BlockState:

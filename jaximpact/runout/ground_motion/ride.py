@@ -42,6 +42,9 @@ MILD = LARGEST_TURN
 points then lie closer than an eighth of the curve's radius."""
 CURVE = 2.0
 """Radii of the block up to which a segment may belong to a curve."""
+SMALL_TURN = 0.02
+"""Turn of an arc up to which it is one piece with the segment behind it [rad], which
+then lies apart from the path by 1e-4 of the radius."""
 PAST_THE_EDGE = 1e-3
 """Turn beyond the one at which a block leaves an edge, at which its flight begins
 [rad]; at the very one it would leave too slowly to be told from staying."""
@@ -523,7 +526,7 @@ def _recorded(
     joins = np.zeros(passed.shape, bool)
     joins[:, :-1] = (
         ~ahead.is_segment[:, :-1]
-        & ahead.is_whole[:, :-1]
+        & (length[:, :-1] < SMALL_TURN * h)
         & ahead.is_segment[:, 1:]
         & passed[:, 1:]
     )
