@@ -224,7 +224,7 @@ class State:
         n, surface = release.count, ground or profile
         numbers = None if ground is None else ground.numbers
         constants = _constants_of(release.block)
-        radius = constants.round.radius, constants.outline.smallest
+        radius = constants.round.radius, constants.outline.largest
         return cls(
             profile=profile,
             release=release,
@@ -325,9 +325,10 @@ class State:
         self, lanes: np.ndarray, block: BlockState
     ) -> tuple[np.ndarray, np.ndarray]:
         """Give speeds [m/s] and angular velocities [rad/s], in the air or on the
-        ground."""
+        ground; 0 for a block that has ended."""
         body, flies = block.body, block.phase == Phase.airborne
         along = np.sqrt(np.maximum(block.speed_squared, 0.0))
+        along = np.where(block.phase == Phase.ended, 0.0, along)
         rolls = block.rolls > 0.0
         turn = np.where(rolls, along / self.constants.round.radius[lanes], 0.0)
         return (

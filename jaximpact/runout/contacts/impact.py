@@ -24,12 +24,22 @@ from ...impact.events import Outcome
 from ...impact_response import ImpactResponse
 from ...scene import GRAVITY
 from ..blocks import BlockOutline, Body, put, select, support, support_of
+from ..centre_path import CentrePath
 from ..ground_motion.rolling import begin_on_ground
 from ..lane_programs import Values, closed_form
-from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
+from ..state import (
+    UNDER_WAY,
+    BlockConstants,
+    BlockState,
+    Limits,
+    Phase,
+    State,
+    choose,
+)
 from ..terrain import SAME_PLANE, Profile
 from ..trajectory import ContactRecord, Ending, MotionMode, Pieces
 from .contact_models import ClosedForm, Contacts
+from .footprint import on_footprint
 from .plane_contact import (
     Continuation,
     PlaneContact,
@@ -61,6 +71,7 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     it flies on, moves along the ground, or has stopped.
     """
     blocks, constants = select((state.blocks, state.constants), lanes)
+    blocks = on_footprint(state.profile, blocks, constants)
     segment = blocks.segment.astype(int)
     touched = touch(blocks, constants)
     struck = touched.contact
@@ -87,8 +98,24 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
         state.ground.rolling_friction[lanes, segment],
         state.limits,
     )
-    state.move(lanes, after, piece, sinks=True)
+    state.move(lanes, _falling(state.path, after, outline), piece, sinks=True)
     state.contacts.add(lanes, record)
+
+
+def _falling(
+    path: CentrePath, after: BlockState, outline: BlockOutline
+) -> BlockState:
+    """Let blocks fall that have stopped past the end of what they struck, above all
+    other ground."""
+    stopped = np.flatnonzero(after.ending == Ending.stopped)
+    if not len(stopped):
+        return after
+    body, largest = select((after.body, outline.largest), stopped)
+    _, lowest = path.locate(body.x, largest, np.ones(len(stopped)))
+    phase, ending = after.phase.copy(), after.ending.copy()
+    falls = stopped[body.y > lowest + IN_THE_GROUND * largest]
+    phase[falls], ending[falls] = Phase.airborne, UNDER_WAY
+    return after._replace(phase=phase, ending=ending)
 
 
 def _respond(

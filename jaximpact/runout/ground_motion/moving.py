@@ -42,7 +42,8 @@ def move_along(state: State, lanes: np.ndarray) -> None:
 def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
     """Put blocks onto the path of the centre, at the cost of the energy for it.
 
-    One that cannot come up has stopped: it is wedged where it lies.
+    One that cannot come up has stopped: it is wedged where it lies. One that a contact
+    took past the end of what it struck, higher above other ground than a hop, flies.
 
     Returns:
         The blocks that move.
@@ -62,13 +63,16 @@ def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
     squared = np.where(rounding, block.speed_squared, squared)
     wedged = (squared < 0.0) & ~left
     ends = left | wedged
+    flies = (lift < -riders.hop) & ~left
     ending = np.where(left, float(Ending.left_profile), float(Ending.stopped))
     after = block._replace(
-        element=element.astype(float),
+        element=np.where(flies, UNKNOWN, element),
         speed_squared=np.where(ends, block.speed_squared, squared),
-        phase=np.where(ends, float(Phase.ended), block.phase),
+        phase=np.select(
+            [ends, flies], [float(Phase.ended), float(Phase.airborne)], block.phase
+        ),
         ending=np.where(ends, ending, block.ending),
-    ).moved(y=np.where(ends, body.y, y))
+    ).moved(y=np.where(ends | flies, body.y, y))
     state.move(new, after)
     state.look[new] = SHORTEST_LOOK
     state.balked[new] = False

@@ -42,9 +42,12 @@ MILD = LARGEST_TURN
 points then lie closer than an eighth of the curve's radius."""
 CURVE = 2.0
 """Radii of the block up to which a segment may belong to a curve."""
-SMALL_TURN = 0.02
-"""Turn of an arc up to which it is one piece with the segment behind it [rad], which
-then lies apart from the path by 1e-4 of the radius."""
+PIECE_TURN, PIECE_LENGTH = 0.02, 4.0
+"""Turn [rad] and length, in radii, up to which small elements are one piece of a
+trajectory together: it lies apart from the path by a hundredth of the radius at
+most."""
+SMALL_PART = 0.25
+"""Part of these up to which an element is small."""
 PAST_THE_EDGE = 1e-3
 """Turn beyond the one at which a block leaves an edge, at which its flight begins
 [rad]; at the very one it would leave too slowly to be told from staying."""
@@ -522,20 +525,10 @@ def _recorded(
     turn = np.where(riders.rolls[:, None], length / h, 0.0)
     turned = np.cumsum(np.concatenate([begin.turned[:, None], turn], axis=1), axis=1)
 
-    # An arc of a curve and the segment behind it are one piece.
-    joins = np.zeros(passed.shape, bool)
-    joins[:, :-1] = (
-        ~ahead.is_segment[:, :-1]
-        & (length[:, :-1] < SMALL_TURN * h)
-        & ahead.is_segment[:, 1:]
-        & passed[:, 1:]
-    )
-    begins = passed.copy()
-    begins[:, 1:] &= ~joins[:, :-1]
+    begins = _begin_pieces(ahead, length, h) & passed
     rider, one = np.nonzero(begins)
-    two = one + joins[rider, one]
-    duration = time[rider, two + 1] - time[rider, one]
-    kept = duration > 0.0
+    two = _last_of_pieces(begins, passed)[rider, one]
+    kept = time[rider, two + 1] > time[rider, one]
     rider, one, two = rider[kept], one[kept], two[kept]
     whole = time[rider, two + 1] - time[rider, one]
     start = speed[rider, one]
@@ -546,7 +539,8 @@ def _recorded(
     def to_join(way: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         return 2.0 * (way - velocity * whole) / whole**2
 
-    way = length[rider, one] + np.where(two > one, length[rider, two], 0.0)
+    ways = np.cumsum(np.pad(length, ((0, 0), (1, 0))), axis=1)
+    way = ways[rider, two + 1] - ways[rider, one]
     legs = Legs(
         *(rider, time[rider, one], whole, x, y, v_x, v_y),
         a_x=to_join(ahead.stop_x[rider, two] - x, v_x),
@@ -582,3 +576,29 @@ def _recorded(
         ahead.next_normal_y[rows, here],
         legs,
     )
+
+
+def _begin_pieces(ahead: Ahead, length: np.ndarray, h: np.ndarray) -> np.ndarray:
+    """Tell which elements begin a piece: small ones go on with the piece before, as
+    long as they do not turn or lead too far."""
+    turn = np.where(ahead.is_segment, 0.0, length / h)
+    small = (turn < SMALL_PART * PIECE_TURN) & (
+        length < SMALL_PART * PIECE_LENGTH * h
+    )
+    turn = turn + np.maximum(_corner(ahead)[0], 0.0)
+    begins = np.ones(length.shape, bool)
+    begins[:, 1:] = ~(small[:, 1:] & small[:, :-1])
+    for amount, most in ((turn, PIECE_TURN), (length, PIECE_LENGTH * h)):
+        part = np.floor(np.cumsum(amount, axis=1) / most)
+        begins[:, 1:] |= part[:, 1:] != part[:, :-1]
+    return begins
+
+
+def _last_of_pieces(begins: np.ndarray, passed: np.ndarray) -> np.ndarray:
+    """Give the place of the last element of the piece that each element belongs to."""
+    columns = np.arange(begins.shape[1])
+    last = np.count_nonzero(passed, axis=1)[:, None] - 1
+    next_begin = np.where(begins, columns, begins.shape[1])
+    next_begin = np.minimum.accumulate(next_begin[:, ::-1], axis=1)[:, ::-1]
+    behind = np.pad(next_begin[:, 1:], ((0, 0), (0, 1)), constant_values=len(columns))
+    return np.minimum(behind - 1, last)
