@@ -48,6 +48,11 @@ class Elements(NamedTuple):
     """Number of the segment, or of the one behind a point, in the profile."""
     ahead: np.ndarray
     """Number of the segment, or of the one ahead of a point, in the profile."""
+    shorter: np.ndarray
+    """Length of the shorter of the segments beside a point [m]."""
+    on_curve: np.ndarray
+    """True of a point of a curve: both points beside it bend the same way, by at least
+    half as much."""
 
     def at(self, places: np.ndarray) -> "Elements":
         """Select elements."""
@@ -295,6 +300,14 @@ def _elements(x: np.ndarray, y: np.ndarray, numbers: np.ndarray) -> Elements:
         return out
 
     zero = np.zeros(len(x))
+    shorter, turn = zero.copy(), zero.copy()
+    shorter[1:-1] = np.minimum(length[1:], length[:-1])
+    turn[1:-1] = d_y[:-1] * d_x[1:] - d_x[:-1] * d_y[1:]
+    turn[1:-1] /= length[:-1] * length[1:]
+    beside = np.minimum(turn[:-2], turn[2:])
+    on_curve = zero > 1.0
+    on_curve[1:-1] = (turn[1:-1] > 0.0) & (beside >= 0.5 * turn[1:-1])
+    no_length, nowhere = np.zeros(len(length)), np.zeros(len(length), bool)
     return Elements(
         is_segment=woven(zero > 1.0, length > 0.0),
         x=woven(x, x[:-1]),
@@ -306,6 +319,8 @@ def _elements(x: np.ndarray, y: np.ndarray, numbers: np.ndarray) -> Elements:
         length=woven(zero, length),
         behind=woven(np.concatenate([numbers[:1], numbers]), numbers),
         ahead=woven(np.concatenate([numbers, numbers[-1:]]), numbers),
+        shorter=woven(shorter, no_length),
+        on_curve=woven(on_curve, nowhere),
     )
 
 

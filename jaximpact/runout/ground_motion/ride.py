@@ -18,7 +18,8 @@ $v' = v\,(\cos\delta + k)/(1 + k)$. At a convex break the block leaves the groun
 the path falls away faster than it does, $v^2\kappa > g\cos\alpha$, if it then comes
 higher above the path than a hop. Where the ground turns down by less than `MILD`,
 $\kappa$ is that of the curve that the points draw, from the middle of the shorter
-segment beside it, `CURVE` radii at most; else it is that of the arc, $1/r$.
+segment beside it; else it is that of the arc, $1/r$. A point that stands alone, where
+those beside it do not bend the same way, draws a curve of `CURVE` radii at most.
 
 **Events**: a corner that is struck, or a slow one; the take-off; a speed that has
 become too small; the end of the profile; the limit of time.
@@ -41,7 +42,7 @@ MILD = LARGEST_TURN
 """Turn of the ground at a point up to which it is taken for a point of a curve [rad]:
 points then lie closer than an eighth of the curve's radius."""
 CURVE = 2.0
-"""Radii of the block up to which a segment may belong to a curve."""
+"""Radii of the block, at both sides, to which a single point may belong to a curve."""
 PIECE_TURN, PIECE_LENGTH = 0.02, 4.0
 """Turn [rad] and length, in radii, up to which small elements are one piece of a
 trajectory together: it lies apart from the path by a hundredth of the radius at
@@ -306,13 +307,9 @@ def _is_loose(
 ) -> np.ndarray:
     """Tell where the path falls away faster than blocks do."""
     ground, element, h = path.elements, ahead.element, riders.radius[:, None]
-    beside = np.minimum(
-        ground.length[np.maximum(element - 1, 0)],
-        ground.length[np.minimum(element + 1, len(ground.x) - 1)],
-    )
-    turn = _turn(ahead, h)
-    arc = h * turn
-    curve = np.minimum(beside, 2.0 * CURVE * h) + arc
+    shorter, turn = ground.shorter[element], _turn(ahead, h)
+    near = np.minimum(shorter, 2.0 * CURVE * h)
+    curve = np.where(ground.on_curve[element], shorter, near) + h * turn
     falls = GRAVITY * ahead.start_normal_y
     mild = motion.start_squared * turn > falls * curve
     at_start = motion.start_squared > falls * h
