@@ -65,6 +65,9 @@ def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
     ends = left | wedged
     flies = (lift < -riders.hop) & ~left
     ending = np.where(left, float(Ending.left_profile), float(Ending.stopped))
+    # A block that flies goes on as it would have gone along what it struck.
+    along = block.direction * np.sqrt(np.maximum(block.speed_squared, 0.0))
+    spin = np.where(riders.rolls, along / riders.radius, 0.0)
     after = block._replace(
         element=np.where(flies, UNKNOWN, element),
         speed_squared=np.where(ends, block.speed_squared, squared),
@@ -72,7 +75,12 @@ def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
             [ends, flies], [float(Phase.ended), float(Phase.airborne)], block.phase
         ),
         ending=np.where(ends, ending, block.ending),
-    ).moved(y=np.where(ends | flies, body.y, y))
+    ).moved(
+        y=np.where(ends | flies, body.y, y),
+        v_x=np.where(flies, along * block.normal_y, body.v_x),
+        v_y=np.where(flies, -along * block.normal_x, body.v_y),
+        angular_velocity=np.where(flies, spin, body.angular_velocity),
+    )
     state.move(new, after)
     state.look[new] = SHORTEST_LOOK
     state.balked[new] = False
