@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .terrain import Profile
+from .terrain import Profile, straight_lines
 from .element_reach import reaches
 
 LEFT_BEHIND = 1e-9
@@ -49,7 +49,7 @@ class Elements(NamedTuple):
     ahead: np.ndarray
     """Number of the segment, or of the one ahead of a point, in the profile."""
     shorter: np.ndarray
-    """Length of the shorter of the segments beside a point [m]."""
+    """Length of the shorter of the straight lines beside a point [m]."""
     on_curve: np.ndarray
     """True of a point of a curve: both points beside it bend the same way, by at least
     half as much."""
@@ -300,13 +300,7 @@ def _elements(x: np.ndarray, y: np.ndarray, numbers: np.ndarray) -> Elements:
         return out
 
     zero = np.zeros(len(x))
-    shorter, turn = zero.copy(), zero.copy()
-    shorter[1:-1] = np.minimum(length[1:], length[:-1])
-    turn[1:-1] = d_y[:-1] * d_x[1:] - d_x[:-1] * d_y[1:]
-    turn[1:-1] /= length[:-1] * length[1:]
-    beside = np.minimum(turn[:-2], turn[2:])
-    on_curve = zero > 1.0
-    on_curve[1:-1] = (turn[1:-1] > 0.0) & (beside >= 0.5 * turn[1:-1])
+    shorter, on_curve = _curves(x, y)
     no_length, nowhere = np.zeros(len(length)), np.zeros(len(length), bool)
     return Elements(
         is_segment=woven(zero > 1.0, length > 0.0),
@@ -322,6 +316,23 @@ def _elements(x: np.ndarray, y: np.ndarray, numbers: np.ndarray) -> Elements:
         shorter=woven(shorter, no_length),
         on_curve=woven(on_curve, nowhere),
     )
+
+
+def _curves(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Give `Elements.shorter` and `Elements.on_curve` of the points of a polyline."""
+    line = straight_lines(x, y)
+    breaks = np.flatnonzero(np.diff(line)) + 1
+    ends = np.concatenate([[0], breaks, [len(x) - 1]])
+    d_x, d_y = np.diff(x[ends]), np.diff(y[ends])
+    length = np.sqrt(d_x**2 + d_y**2)
+    turn = np.zeros(len(ends))
+    turn[1:-1] = d_y[:-1] * d_x[1:] - d_x[:-1] * d_y[1:]
+    turn[1:-1] /= length[:-1] * length[1:]
+    beside = np.minimum(turn[:-2], turn[2:])
+    shorter, on_curve = length[np.append(line, line[-1])], np.zeros(len(x), bool)
+    shorter[breaks] = np.minimum(length[1:], length[:-1])
+    on_curve[breaks] = (turn[1:-1] > 0.0) & (beside >= 0.5 * turn[1:-1])
+    return shorter, on_curve
 
 
 def _meeting(one: Elements, two: Elements, step: np.ndarray, h: np.ndarray):

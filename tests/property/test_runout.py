@@ -191,7 +191,9 @@ def test_a_long_block_rolls_where_the_slope_turns_it_over():
             slope + 0.5 * np.pi,
         )
         runs = simulate_runout(profile, release, DEAD)
-        ways.append(set(runs.pieces.motion) - {MotionMode.flight})
+        # A round block takes its place on the ground, as a contact.
+        others = {MotionMode.flight, MotionMode.contact}
+        ways.append(set(runs.pieces.motion) - others)
     assert ways == [{MotionMode.rolling}, {MotionMode.sliding}]
 
 
@@ -226,7 +228,8 @@ def test_a_sphere_leaves_an_edge_if_it_is_fast():
         gentle, Release(SPHERE, -1.0, R, slow, 0.0, 0.0, slow / R), DEAD
     )
     assert len(pieces_of(runs, MotionMode.flight).time) == 1
-    assert len(pieces_of(runs, MotionMode.rolling).time) == 2
+    # To the edge, about it, and down from it.
+    assert len(pieces_of(runs, MotionMode.rolling).time) == 3
 
 
 @pytest.mark.parametrize(("share", "over"), [(1.01, True), (0.99, False)])
@@ -290,7 +293,11 @@ def test_contacts_that_take_time_go_from_velocity_to_velocity():
         BIPLANAR, release, FullModel("fast"), event_limit=60, hop_threshold=0.0
     )
     p = runs.pieces
-    contacts = np.flatnonzero(p.motion == MotionMode.contact)
+    # Not those in which a round block takes the place of an ellipse.
+    begun = runs.contacts.duration > 0.0
+    known = set(zip(*(c[begun] for c in runs.contacts[:2]), strict=True))
+    touches = [key in known for key in zip(p.trajectory, p.time, strict=True)]
+    contacts = np.flatnonzero((p.motion == MotionMode.contact) & touches)
     contacts = contacts[
         np.append(p.trajectory, -1)[contacts + 1] == p.trajectory[contacts]
     ]
@@ -645,5 +652,7 @@ def test_a_block_rolls_over_a_break_that_throws_it_less_than_a_hop():
         rise = (v * np.sin(angle)) ** 2 / (2.0 * G * np.cos(angle))
         outline = runs.release.outline
         low = rise < (outline.largest - outline.smallest)[0]
-        motions.append((low, runs.pieces.motion[rolling[0] + 1]))
+        # The ellipse takes the place of the round block as a contact.
+        goes_on = runs.pieces.motion[rolling[0] + 1 :]
+        motions.append((low, goes_on[goes_on != MotionMode.contact][0]))
     assert motions == [(True, MotionMode.rolling), (False, MotionMode.flight)]
