@@ -209,6 +209,9 @@ class State:
     """Number of elements ahead that a block on the ground looks at."""
     held: np.ndarray
     """Element that a block on the ground does not leave; -1 for none."""
+    passed: np.ndarray
+    """x, in the mirror of a block that moves to the left, up to which a block on the
+    ground passes over corners in a hop [m]."""
     balked: np.ndarray
     """True for a block at rest on the ground that could not go the other way."""
 
@@ -240,6 +243,7 @@ class State:
             pieces=Recorder(Pieces),
             look=np.zeros(n, int),
             held=np.full(n, UNKNOWN),
+            passed=np.full(n, -np.inf),
             balked=np.zeros(n, bool),
         )
 

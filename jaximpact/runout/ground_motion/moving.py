@@ -11,7 +11,8 @@ from ..state import UNKNOWN, BlockConstants, BlockState, Phase, State
 from ..trajectory import Ending, MotionMode, Pieces
 from ..centre_path import LEFT_BEHIND
 from .corner_strike import Corner, strike_corner
-from .ride import Event, Place, Ride, Riders, least_squared, ride
+from .ride import Event, Place, Ride, least_squared, ride
+from .riders import Riders
 from .rolling import SMALL_RISE, lie_down
 from .take_off import take_off
 
@@ -121,8 +122,10 @@ def _ride(state: State, lanes: np.ndarray, width: int) -> None:
         time=block.time,
         turned=np.zeros(len(lanes)),
     )
-    held = state.held[lanes]
-    found = ride(state.path, friction_of, riders, begin, held, state.limits.time, width)
+    found = ride(
+        *(state.path, friction_of, riders, begin, state.held[lanes]),
+        *(state.passed[lanes], state.limits.time, width),
+    )
     _record(state, lanes, block, riders, found)
     end = found.end
     after = block._replace(
@@ -138,6 +141,7 @@ def _ride(state: State, lanes: np.ndarray, width: int) -> None:
     longer = np.where(stands, 2 * width, min(2 * width, max(width, LONGEST_LOOK)))
     state.look[lanes] = np.where(goes_on, longer, max(width // 2, SHORTEST_LOOK))
     state.held[lanes[~goes_on]] = UNKNOWN
+    state.passed[lanes] = np.where(goes_on, found.passed, -np.inf)
     ground = state.path.elements
     friction = 0.5 * (
         friction_of(ground.behind[end.element]) + friction_of(ground.ahead[end.element])
