@@ -18,7 +18,8 @@ from ...io.toml import Key, known_table, number, of_kind, typed
 from ...scene import Soil
 from ...units import DEGREE
 from ..coordinates import LARGEST
-from ..profile_formats import ProfileTable, read_dxf_points, read_profile_table
+from ..dxf_profile import read_dxf_points
+from ..profile_formats import ProfileTable, read_profile_table
 from ..terrain import Profile, ground_columns, ground_values, with_ground_values
 from .ground_file import GroundInput
 from .ground_layout import GroundLayout, lay_out
