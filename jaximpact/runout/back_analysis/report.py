@@ -226,7 +226,9 @@ def _how(found: SlopeCalibration) -> list[str]:
     volumes = ", ".join(f"{volume:.3g}" for volume in searched.volumes)
     sigma = fit.observed.sigma
     errors = ", ".join(f"{name} {value:g}" for name, value in sigma.items())
+    smoothing = fit.slope.layout.smoothing
     return [
+        *([f"The profile is {smoothing}."] if smoothing else []),
         f"{searched.simulated} data sets of {fit.observed.released} blocks, and the "
         f"predictions, were computed by {law}, from the first round to the last: no "
         "table or emulator stands in for it.",
