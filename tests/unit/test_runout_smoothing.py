@@ -150,6 +150,7 @@ def study(folder):
     return folder / "slope.toml"
 
 
+@pytest.mark.slow
 def test_a_study_smooths_and_says_by_how_much(study, capsys):
     slope = read_slope_study(study)
     x, y = np.loadtxt("profile.csv", delimiter=",", skiprows=1).T
