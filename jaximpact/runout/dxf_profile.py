@@ -86,7 +86,7 @@ def read_dxf_points(
     if len(chains) > 1:
         raise InputError(_not_joined(lines, chains), file=path)
     points = _joined(path, lines, chains[0])
-    if len(points) > 3 and _distance(points[0], points[-1]) <= GAP:
+    if len(points) > 2 and _distance(points[0], points[-1]) <= GAP:
         _warn(path, "has a closed line; its upper part is taken as the profile")
         points = _upper_part(points)
     if points[0, 0] > points[-1, 0]:
@@ -342,17 +342,17 @@ def _not_joined(lines: list[Line], chains: list[list[int]]) -> str:
     counts = collections.Counter(line.layer for line in lines)
     blocks = sorted({line.block for line in lines} - {""})
     told = f", some of them in the blocks {', '.join(blocks)}" if blocks else ""
-    if len(counts) > 1:
-        told = ", ".join(f"{name!r}: {n}" for name, n in counts.items()) + told
-        return (
-            f"has lines that do not join on {len(counts)} layers ({told}); layer must "
-            "say which is the profile"
-        )
     gap, one, other = _nearest_ends(_ends(lines), chains)
     where = f"the nearest ends are {gap:.3g} m apart, at {_told(one)} and "
     where += f"{_told(other)}; gaps of up to {1e3 * GAP:g} mm are closed"
     if gap <= GAP:
         where = f"more than two ends meet at {_told(one)}"
+    if len(counts) > 1:
+        told = ", ".join(f"{name!r}: {n}" for name, n in counts.items()) + told
+        return (
+            f"has lines that do not join on {len(counts)} layers ({told}); layer must "
+            f"say which is the profile, or if it is all of them: {where}"
+        )
     return (
         f"has {len(chains)} lines on the layer {lines[0].layer!r} that do not "
         f"join{told}: {where}; a profile is one line"

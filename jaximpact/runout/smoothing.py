@@ -8,8 +8,8 @@ $$ w_j = \exp\left(-\frac{(x_j - x_i)^2}{2 s^2}\right) $$
 (local quadratic regression), where s is the length of the smoothing. It is exact for
 straight lines and parabolas, up to the ends and whatever the spacing of the points, so
 that crests and troughs much longer than s keep their heights; a moving average, or a
-local line, would flatten them. Points at distances larger than s keep their heights, as
-there is nothing to tell their noise from the ground.
+local line, would flatten them. Points that are much farther apart than s keep their
+heights, as nothing tells their noise from the ground.
 """
 
 import warnings
@@ -82,8 +82,8 @@ def smooth_heights(x: np.ndarray, y: np.ndarray, length: float) -> np.ndarray:
     spacing, moved = float(np.median(np.diff(x))), np.abs(smooth - y)
     if spacing > length:
         _warn(
-            f"a smoothing over {length:g} m leaves the noise of points that are "
-            f"{spacing:.3g} m apart; it takes a length of some times as much"
+            f"a smoothing over {length:g} m leaves most of the noise of points that "
+            f"are {spacing:.3g} m apart; it takes a length of some times as much"
         )
     if np.max(moved) > LARGEST_MOVE:
         i = int(np.argmax(moved))

@@ -261,6 +261,7 @@ def _checksums(found: SlopeCalibration) -> dict[str, str]:
 def as_json(found: SlopeCalibration) -> dict:
     """Collect every number, as a tree of plain values."""
     fit, posterior, predicted = found.fit, found.posterior, found.predicted
+    smoothing = fit.slope.layout.smoothing
     return {
         "title": fit.title,
         "parameters": {
@@ -302,6 +303,7 @@ def as_json(found: SlopeCalibration) -> dict:
             "versions": versions() | {"numpy": np.__version__},
             "seed": fit.slope.seed,
             "contacts": fit.slope.laws[0].told,
+            **({"profile": smoothing._asdict()} if smoothing else {}),
             "priors": {
                 p.name: [type(p.prior).__name__, *p.prior] for p in fit.parameters
             },
