@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 from error_messages import assert_one_line_error
 
-from jaximpact import Soil
+from jaximpact import Block, ConstantCoefficients, Soil
 from jaximpact.cli import main
 from jaximpact.errors import InputError, UnusualValueWarning
-from jaximpact.runout import Profile, read_slope_study
+from jaximpact.runout import (
+    ClosedForm,
+    Profile,
+    Release,
+    read_slope_study,
+    simulate_runout,
+)
 from jaximpact.runout.smoothing import smooth_heights
 
 UNUSUAL = "always::jaximpact.errors.UnusualValueWarning"
@@ -67,6 +73,28 @@ def test_noise_falls_as_the_theory_of_local_regression_says(sigma, length):
     before, after = (rms(np.diff(z - hillside(x)) / 0.25) for z in (y, smooth))
     # By sqrt(length^3) from a fifth at 0.5 m on.
     assert after < 0.2 * before * (0.5 / length) ** 1.5
+
+
+@pytest.mark.slow
+def test_blocks_stop_on_a_smoothed_profile_as_on_the_exact_one():
+    x = np.arange(0.0, 600.01, 0.25)
+    release = Release(
+        Block(mass=np.linspace(200.0, 2000.0, 12)),
+        x=5.0,
+        y=hillside(5.0) + 2.0,
+        v_x=5.0,
+    )
+    law = ClosedForm(ConstantCoefficients(e_n=0.35, e_t=0.85))
+    noise = 0.05 * np.random.default_rng(0).normal(size=len(x))
+    exact, smooth = (
+        simulate_runout(profile, release, law).x
+        for profile in (
+            Profile(x, hillside(x)),
+            Profile(x, hillside(x) + noise).smoothed(2.0),
+        )
+    )
+    # A block that only just passes a crest of the hillside stops metres farther.
+    np.testing.assert_allclose(smooth, exact, atol=5.0)
 
 
 def test_points_farther_apart_than_the_length_stay():
