@@ -47,6 +47,10 @@ ROUNDING = 1e-6
 """Distance between ends of lines up to which nobody needs to know of it [m]."""
 
 
+CONTROL = 16
+"""Flag of a vertex of a POLYLINE that is fitted by a spline: it is a control point."""
+
+
 class Line(NamedTuple):
     """Line of a drawing."""
 
@@ -134,6 +138,8 @@ def _read_lines(path: Path, layer: str | None) -> list[Line]:
                 if layer is not None and layer.casefold() != on.casefold():
                     continue
                 if kind in KINDS:
+                    if kind == "POLYLINE":
+                        _drop_frame(entity)
                     points = _chords(path, make_path(entity), metre)
                     if len(points) and np.any(points != points[0]):
                         lines.append(Line(_flat(path, on, points), on, block))
@@ -219,6 +225,12 @@ def _kind(entity) -> str:
         if block is None or block.block.is_xref or block.block.is_xref_overlay:
             return "INSERT whose block is in no or in another file"
     return kind
+
+
+def _drop_frame(polyline) -> None:
+    """Leave out the points that only control a polyline's curve, and lie beside it."""
+    vertices = polyline.vertices
+    vertices[:] = [v for v in vertices if not v.dxf.flags & CONTROL]
 
 
 def _warn(path: Path, text: str) -> None:

@@ -79,6 +79,14 @@ def test_arcs_of_polylines_are_cut_to_chords(drawing, tmp_path):
     assert np.max(np.abs(middle[:-1] - 100.0)) <= 0.01 + 0.03
 
 
+def test_control_points_of_a_fitted_polyline_are_not_its_points(drawing, tmp_path):
+    points = [(0.0, 230.0), (150.0, 400.0), (400.0, 0.0), (1000.0, 0.0)]
+    polyline = drawing.modelspace().add_polyline2d(points)
+    polyline.dxf.flags |= 4
+    polyline.vertices[1].dxf.flags |= 16
+    np.testing.assert_array_equal(read(drawing, tmp_path)[0], X)
+
+
 def test_points_that_stand_twice_are_dropped(drawing, tmp_path):
     drawing.modelspace().add_lwpolyline([(0, 5), (0, 5), (9, 1), (9, 1)])
     np.testing.assert_array_equal(read(drawing, tmp_path)[0], [0.0, 9.0])
