@@ -16,6 +16,7 @@ from ..quantities import InputColumn, columns_of_part
 from ..scene import Soil
 from ..units import DEGREE
 from .coordinates import NARROWEST, problem_with, warn_of_unusual
+from .smoothing import smooth_heights
 
 ROLLING_FRICTION_ANGLE = math.radians(20.0)
 """Default [rad]: an assumption, as the paper gives none."""
@@ -161,6 +162,25 @@ class Profile(ShownAsTable):
         """Interpolate the height of the ground at x [m]; beyond the ends it is that of
         the end points."""
         return np.interp(x, self.x, self.y)
+
+    def smoothed(self, length: float) -> "Profile":
+        """Smooth the heights, to take the noise out of a measured profile.
+
+        Each height becomes that of a parabola through the points about it, weighted by
+        a Gaussian along x. Points stay at their x, and segments keep their ground.
+
+        Args:
+            length: standard deviation of the Gaussian [m], at most a tenth of the
+                profile's length; some times the distance of the points.
+
+        Raises InputError for a length out of range. Warns of heights that change by
+        more than 0.5 m, as those of walls do, and of a length below the distance of the
+        points.
+        """
+        y = smooth_heights(self.x, self.y, length)
+        return Profile(
+            self.x, y, self.soil, self.rolling_friction_angle, self.roughness
+        )
 
     def display_rows(self) -> tuple[str, Rows]:
         """Give the number of segments, and ranges of what they are."""
