@@ -139,7 +139,7 @@ class CentrePath:
         past = np.searchsorted(self.points, x + radius, side="right")
         first, past = np.maximum(first, 0), np.minimum(past, last)
         best = np.full(len(x), -np.inf)
-        found = np.zeros(len(x), int)
+        element = np.zeros(len(x), int)
         # Block after block, with few columns where few segments are near.
         width = 2 * (past - first) + 1
         for columns in np.unique(2 ** np.ceil(np.log2(width)).astype(int)):
@@ -154,9 +154,9 @@ class CentrePath:
             same = heights >= (highest - rounding)[:, None]
             after = columns - 1 - np.argmax(same[:, ::-1], axis=1)
             column = np.where(right, after, np.argmax(same, axis=1))
-            found[chosen] = there[np.arange(len(chosen)), column]
+            element[chosen] = there[np.arange(len(chosen)), column]
             best[chosen] = highest
-        return np.where(direction > 0.0, found, self.mirrored(found)), best
+        return np.where(direction > 0.0, element, self.mirrored(element)), best
 
     def _heights(
         self, element: np.ndarray, x: np.ndarray, radius: np.ndarray
@@ -261,8 +261,8 @@ def _halved(ahead: Ahead, halved: np.ndarray, radius: np.ndarray) -> Ahead:
     second = np.zeros(source.shape, bool)
     second[blocks[halved], place[halved]] = True
     filled = source < 0
-    taken = np.where(filled, halved.shape[1] - 1, source)
-    parts = Ahead(*(np.take_along_axis(column, taken, axis=1) for column in ahead))
+    source = np.where(filled, halved.shape[1] - 1, source)
+    parts = Ahead(*(np.take_along_axis(column, source, axis=1) for column in ahead))
     # Half-way the normal is the mean of those at the ends.
     n_x = parts.start_normal_x + parts.stop_normal_x
     n_y = parts.start_normal_y + parts.stop_normal_y

@@ -207,7 +207,7 @@ class State:
     pieces: Recorder
     look: np.ndarray
     """Number of elements ahead that a block on the ground looks at."""
-    held: np.ndarray
+    stays_on: np.ndarray
     """Element that a block on the ground does not leave; -1 for none."""
     passed: np.ndarray
     """x, in the mirror of a block that moves to the left, up to which a block on the
@@ -242,7 +242,7 @@ class State:
             contacts=Recorder(ContactRecord),
             pieces=Recorder(Pieces),
             look=np.zeros(n, int),
-            held=np.full(n, UNKNOWN),
+            stays_on=np.full(n, UNKNOWN),
             passed=np.full(n, -np.inf),
             balked=np.zeros(n, bool),
         )
@@ -318,7 +318,10 @@ class State:
             lanes,
             Pieces(
                 *(zero, zero + MotionMode.contact, after.time, time, x, y, v_x, v_y),
-                *(2.0 * (d_x - v_x * time) / time**2, 2.0 * (d_y - v_y * time) / time**2),
+                *(
+                    2.0 * (d_x - v_x * time) / time**2,
+                    2.0 * (d_y - v_y * time) / time**2,
+                ),
                 after.body.orientation - 0.5 * (share + 1.0) * spin * time,
                 *(share * spin, (1.0 - share) * spin / time),
             ),

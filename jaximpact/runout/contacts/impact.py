@@ -102,9 +102,7 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     state.contacts.add(lanes, record)
 
 
-def _falling(
-    path: CentrePath, after: BlockState, outline: BlockOutline
-) -> BlockState:
+def _falling(path: CentrePath, after: BlockState, outline: BlockOutline) -> BlockState:
     """Let blocks fall that have stopped past the end of what they struck, above all
     other ground."""
     stopped = np.flatnonzero(after.ending == Ending.stopped)
@@ -292,14 +290,13 @@ def depart(
     # A block that a facet left above its segment comes down to it.
     drop = jnp.where(turned & ~on.leaves & ~on.stuck, on_segment.over, 0.0)
     on = on._replace(x=on.x - drop * jnp.sin(slope), y=on.y - drop * jnp.cos(slope))
-    record, piece = _recorded(
-        *(block, struck, response, after, on, seen, hops, free)
-    )
+    record, piece = _recorded(*(block, struck, response, after, on, seen, hops, free))
     continued = _continued(
         block, constants, slope, struck, after, on, seen, rolling_friction
     )
     departed = continued._replace(
-        time=block.time + response.duration * free, impacts=block.impacts + seen.is_impact
+        time=block.time + response.duration * free,
+        impacts=block.impacts + seen.is_impact,
     )
     return departed.counted(limits), record, piece
 

@@ -132,33 +132,36 @@ def _ride(state: State, lanes: np.ndarray, width: int) -> None:
         time=block.time,
         turned=np.zeros(len(lanes)),
     )
-    found = ride(
-        *(state.path, friction_of, riders, begin, state.held[lanes]),
+    ridden = ride(
+        *(state.path, friction_of, riders, begin, state.stays_on[lanes]),
         *(state.passed[lanes], state.limits.time, width),
     )
-    _record(state, lanes, block, riders, found)
-    end = found.end
+    _record(state, lanes, block, riders, ridden)
+    end = ridden.end
     after = block._replace(
-        time=end.time, element=end.element.astype(float), speed_squared=end.speed_squared
+        time=end.time,
+        element=end.element.astype(float),
+        speed_squared=end.speed_squared,
     ).moved(
         x=direction * end.x,
         y=end.y,
         orientation=block.body.orientation + direction * end.turned,
     )
     put(state.blocks, lanes, after)
-    goes_on = found.event == Event.looks_on
+    goes_on = ridden.event == Event.looks_on
     stands = goes_on & (end.element == begin.element)
     longer = np.where(stands, 2 * width, min(2 * width, max(width, LONGEST_LOOK)))
     state.look[lanes] = np.where(goes_on, longer, max(width // 2, SHORTEST_LOOK))
-    state.held[lanes[~goes_on]] = UNKNOWN
-    state.passed[lanes] = np.where(goes_on, found.passed, -np.inf)
+    state.stays_on[lanes[~goes_on]] = UNKNOWN
+    state.passed[lanes] = np.where(goes_on, ridden.passed, -np.inf)
     ground = state.path.elements
     friction = 0.5 * (
         friction_of(ground.behind[end.element]) + friction_of(ground.ahead[end.element])
     )
     there = _Arrival(
         riders,
-        *(found.normal_x, found.normal_y, found.next_normal_x, found.next_normal_y),
+        *(ridden.normal_x, ridden.normal_y),
+        *(ridden.next_normal_x, ridden.next_normal_y),
         friction,
         moved=end.time > begin.time,
     )
@@ -171,7 +174,7 @@ def _ride(state: State, lanes: np.ndarray, width: int) -> None:
         Event.time_limit: _come_to_limit,
     }
     for event, happens in happening.items():
-        chosen = np.flatnonzero(found.event == event)
+        chosen = np.flatnonzero(ridden.event == event)
         if len(chosen):
             happens(state, lanes[chosen], select(there, chosen))
             _count(state, lanes[chosen])
@@ -192,10 +195,10 @@ class _Arrival(NamedTuple):
 
 
 def _record(
-    state: State, lanes: np.ndarray, block: BlockState, riders: Riders, found: Ride
+    state: State, lanes: np.ndarray, block: BlockState, riders: Riders, ridden: Ride
 ) -> None:
     """Record the pieces of rides."""
-    legs = found.legs
+    legs = ridden.legs
     direction = block.direction[legs.rider]
     rolls = block.rolls[legs.rider] > 0.0
     radius = riders.radius[legs.rider]
@@ -263,10 +266,10 @@ def _turn_slowly(state: State, lanes: np.ndarray, there: _Arrival) -> None:
     kept = np.maximum((cos + ratio) / (1.0 + ratio), 0.0)
     squared = kept**2 * blocks.speed_squared[lanes]
     slow = squared < there.riders.closing * there.next_normal_y
-    held = np.abs(there.next_normal_x) <= there.friction * there.next_normal_y
-    held |= (there.next_normal_x <= 0.0) & (there.normal_x >= 0.0)
+    rests = np.abs(there.next_normal_x) <= there.friction * there.next_normal_y
+    rests |= (there.next_normal_x <= 0.0) & (there.normal_x >= 0.0)
     blocks.speed_squared[lanes] = squared
-    _end(state, lanes[slow & held], Ending.stopped)
+    _end(state, lanes[slow & rests], Ending.stopped)
 
 
 def _fly_off(state: State, lanes: np.ndarray, there: _Arrival) -> None:
@@ -276,7 +279,7 @@ def _fly_off(state: State, lanes: np.ndarray, there: _Arrival) -> None:
     after, flies = take_off(block, constants, *normal)
     flies = flies > 0.0
     state.move(lanes[flies], select(after, flies))
-    state.held[lanes[~flies]] = block.element[~flies]
+    state.stays_on[lanes[~flies]] = block.element[~flies]
 
 
 def _slow_down(state: State, lanes: np.ndarray, there: _Arrival) -> None:

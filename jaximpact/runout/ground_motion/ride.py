@@ -140,7 +140,7 @@ def ride(
     friction_of: FrictionOf,
     riders: Riders,
     begin: Place,
-    held: np.ndarray,
+    stays_on: np.ndarray,
     passed: np.ndarray,
     time_limit: float,
     width: int,
@@ -149,7 +149,7 @@ def ride(
 
     Args:
         friction_of: friction on the segments.
-        held: elements that riders do not leave, -1 for none.
+        stays_on: elements that riders do not leave, -1 for none.
         passed: x in the mirror up to which riders pass over corners and edges in a hop
             that is not followed [m].
         time_limit: time at which a ride ends, with the element that is passed then [s].
@@ -158,10 +158,10 @@ def ride(
     ahead = path.ahead(begin.element, begin.x, begin.y, riders.radius, width)
     ahead = in_small_turns(ahead, riders.radius)
     motion = _motion(path, friction_of, riders, ahead, begin.speed_squared)
-    event, place, passed = _first_event(path, riders, ahead, motion, held, passed)
+    event, place, passed = _first_event(path, riders, ahead, motion, stays_on, passed)
     ahead, motion = _cut(riders, ahead, motion, event, place)
-    found = _recorded(riders, begin, ahead, motion, event, place, time_limit)
-    return found._replace(passed=passed)
+    ridden = _recorded(riders, begin, ahead, motion, event, place, time_limit)
+    return ridden._replace(passed=passed)
 
 
 def _motion(
@@ -180,9 +180,7 @@ def _motion(
     loss = ahead.stop_y - ahead.start_y + friction * (ahead.stop_x - ahead.start_x)
     loss = _rate(riders)[:, None] * np.where(ahead.exists, loss, 0.0)
     # One after the other, so that it does not matter where a window begins.
-    squared = np.cumsum(
-        np.concatenate([speed_squared[:, None], -loss], axis=1), axis=1
-    )
+    squared = np.cumsum(np.concatenate([speed_squared[:, None], -loss], axis=1), axis=1)
     return _Motion(squared[:, :-1], squared[:, 1:], friction)
 
 
@@ -203,7 +201,7 @@ def _first_event(
     riders: Riders,
     ahead: Ahead,
     motion: _Motion,
-    held: np.ndarray,
+    stays_on: np.ndarray,
     passed: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Find the first event of each rider, and the place of its element, behind the last
@@ -218,11 +216,11 @@ def _first_event(
     grounded[corner] = Event.slow_corner
     grounded[corner & hard] = Event.strikes
     loose = _is_loose(path, riders, ahead, motion) & ~slow & ahead.exists
-    loose &= ahead.element != held[:, None]
+    loose &= ahead.element != stays_on[:, None]
     grounded[slow] = Event.slow
     grounded[~ahead.exists] = Event.looks_on
     grounded[~ahead.exists & (ahead.element == last)] = Event.leaves
-    asking, passed = np.arange(len(held)), passed.copy()
+    asking, passed = np.arange(len(stays_on)), passed.copy()
     while True:
         over = ahead.stop_x <= passed[:, None]
         events = np.where(over & corner & ~slow & ahead.exists, Event.none, grounded)
@@ -245,7 +243,9 @@ def _first_event(
 def _first(events: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Find the place of the first event of each row, and the event."""
     is_event = events != Event.none
-    place = np.where(np.any(is_event, axis=1), np.argmax(is_event, axis=1), events.shape[1])
+    place = np.where(
+        np.any(is_event, axis=1), np.argmax(is_event, axis=1), events.shape[1]
+    )
     padded = np.concatenate([events, np.full((len(events), 1), Event.looks_on)], axis=1)
     return place, padded[np.arange(len(events)), place]
 
@@ -273,7 +273,10 @@ def _is_slow(riders: Riders, ahead: Ahead, motion: _Motion) -> np.ndarray:
     stands = (start <= 0.0) & (stop <= 0.0)
     stands &= length > LEFT_BEHIND * riders.radius[:, None]
     return (
-        (start < at_start) | (stop < at_stop) | stands | (over_top & (at_top < at_start))
+        (start < at_start)
+        | (stop < at_stop)
+        | stands
+        | (over_top & (at_top < at_start))
     )
 
 
@@ -335,7 +338,9 @@ def _leaving(riders: Riders, ahead: Ahead, motion: _Motion) -> tuple[np.ndarray,
     beyond = sin * ahead.stop_normal_y > cos * ahead.stop_normal_x
     sin = np.where(beyond, ahead.stop_normal_x, sin)
     cos = np.where(beyond, ahead.stop_normal_y, cos)
-    at_once = ahead.is_whole | ~riders.rolls | (motion.start_squared > GRAVITY * h * n_y)
+    at_once = (
+        ahead.is_whole | ~riders.rolls | (motion.start_squared > GRAVITY * h * n_y)
+    )
     sin, cos = np.where(at_once, n_x, sin), np.where(at_once, n_y, cos)
     height = n_y - cos + friction * (n_x - sin)
     return (
