@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .terrain import Profile
 from .element_reach import reaches
+from .terrain import Profile
 
 LEFT_BEHIND = 1e-9
 """Distance to the end of an element, as a fraction of the radius, that is rounding."""
@@ -252,7 +252,9 @@ def _halved(ahead: Ahead, halved: np.ndarray, radius: np.ndarray) -> Ahead:
     """Divide some elements in two; rows that become shorter than others are filled up
     with what does not exist."""
     place = np.cumsum(1 + halved, axis=1) - 1
-    blocks, columns = np.indices(halved.shape)
+    count, width = halved.shape
+    blocks = np.broadcast_to(np.arange(count)[:, None], halved.shape)
+    columns = np.broadcast_to(np.arange(width), halved.shape)
     source = np.full((len(halved), int(np.max(place)) + 1), -1)
     source[blocks, place] = columns
     source[blocks[halved], place[halved] - 1] = columns[halved]

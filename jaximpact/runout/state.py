@@ -19,8 +19,8 @@ from .blocks import (
     put,
     select,
 )
-from .lane_programs import Values, closed_form
 from .centre_path import CentrePath
+from .lane_programs import Values, closed_form
 from .terrain import Ground, Profile, spread
 from .trajectory import (
     ContactRecord,

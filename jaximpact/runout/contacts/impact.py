@@ -36,7 +36,7 @@ from ..state import (
     State,
     choose,
 )
-from ..terrain import SAME_PLANE, Profile
+from ..terrain import Profile
 from ..trajectory import ContactRecord, Ending, MotionMode, Pieces
 from .contact_models import ClosedForm, Contacts
 from .footprint import on_footprint

@@ -63,13 +63,10 @@ def find_hops(
         cos = np.where(flat, run / np.where(flat, chord, 1.0), 1.0)
         over, bends = slope[asking, None] - grade, bend[asking, None]
         base = ahead.start_y - y[asking, None] - grade * one
-
-        def above(place: np.ndarray, over=over, bends=bends, base=base) -> np.ndarray:
-            return (over - bends * place) * place - base
-
         top = np.clip(0.5 * over / bends, one, two)
-        high = cos * above(top) >= riders.hop[asking, None]
-        lands = above(two) < -LEFT_BEHIND * h[:, None]
+        at_top, at_end = ((over - bends * at) * at - base for at in (top, two))
+        high = cos * at_top >= riders.hop[asking, None]
+        lands = at_end < -LEFT_BEHIND * h[:, None]
         root = np.sqrt(np.maximum(over**2 - 4.0 * bends * base, 0.0))
         landing = np.clip(0.5 * (over + root) / bends, one, two)
         closing = along[asking, None] * (root * cos) ** 2

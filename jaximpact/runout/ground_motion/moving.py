@@ -1,5 +1,5 @@
-"""Transition of blocks on the ground: along the path of the centre to the next event, and
-what happens there."""
+"""Transition of blocks on the ground: along the path of the centre to the next event,
+and what happens there."""
 
 from typing import NamedTuple
 
@@ -7,9 +7,9 @@ import numpy as np
 
 from ...scene import GRAVITY
 from ..blocks import put, select
+from ..centre_path import LEFT_BEHIND
 from ..state import UNKNOWN, BlockConstants, BlockState, Phase, State
 from ..trajectory import Ending, MotionMode, Pieces
-from ..centre_path import LEFT_BEHIND
 from .corner_strike import Corner, strike_corner
 from .ride import Event, Place, Ride, least_squared, ride
 from .riders import Riders
@@ -102,7 +102,7 @@ def _riders(state: State, block: BlockState, constants: BlockConstants) -> Rider
         ratio=np.where(rolls, inertia / (mass * radius**2), 0.0),
         rolls=rolls,
         barrier=np.where(rolls, whole.tallest - whole.radius, 0.0),
-        turning_slope=whole.turning_slope,
+        turning_slope=np.asarray(whole.turning_slope),
         flat_curvature=outline.largest**2 / outline.smallest,
         hop=np.maximum(
             state.limits.hop_threshold * outline.heave, SMALL_RISE * outline.smallest
@@ -283,7 +283,7 @@ def _fly_off(state: State, lanes: np.ndarray, there: _Arrival) -> None:
 
 
 def _slow_down(state: State, lanes: np.ndarray, there: _Arrival) -> None:
-    """Let blocks that are too slow lie down if they roll and have not the energy to turn
+    """Let blocks that are too slow lie down if they roll and lack the energy to turn
     over, else start down-slope, or stop where friction holds them."""
     blocks, riders = state.blocks, there.riders
     columns = (v[:, None] for v in (there.normal_x, there.normal_y, there.friction))

@@ -15,10 +15,11 @@ its speed. A sharper corner is one for the block: it strikes what is ahead, with
 velocity across it; one that is too slow for an impact goes on in the new direction with
 the part of its angular momentum about the new contact,
 $v' = v\,(\cos\delta + k)/(1 + k)$. At a convex break the block leaves the ground where
-the path falls away faster than it does, $v^2\kappa > g\cos\alpha$, if the flight is followed (`hops`). Where the ground turns down by less than `MILD`,
-$\kappa$ is that of the curve that the points draw, from the middle of the shorter
-segment beside it; else it is that of the arc, $1/r$. A point that stands alone, where
-those beside it do not bend the same way, draws a curve of `CURVE` radii at most.
+the path falls away faster than it does, $v^2\kappa > g\cos\alpha$, if the flight is
+followed (`hops`). Where the ground turns down by less than `MILD`, $\kappa$ is that of
+the curve that the points draw, from the middle of the shorter segment beside it; else
+it is that of the arc, $1/r$. A point that stands alone, where those beside it do not
+bend the same way, draws a curve of `CURVE` radii at most.
 
 **Events**: a corner that is struck, or a slow one; the take-off; a speed that has
 become too small; the end of the profile; the limit of time.
@@ -105,7 +106,7 @@ class Legs(NamedTuple):
 
 
 class Ride(NamedTuple):
-    """Rides up to their events; arrays `(blocks,)`, directions in the mirror as x is."""
+    """Rides up to their events; arrays `(blocks,)`, in the mirror as x is."""
 
     event: np.ndarray
     """Codes of `Event`."""
@@ -122,7 +123,7 @@ class Ride(NamedTuple):
 
 
 FrictionOf = Callable[[np.ndarray], np.ndarray]
-"""Gives tangents of angles of friction, for numbers of segments `(blocks, elements)`."""
+"""Gives tangents of angles of friction for numbers of segments, `(blocks, ...)`."""
 
 
 class _Motion(NamedTuple):
