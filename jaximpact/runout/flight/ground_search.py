@@ -139,7 +139,8 @@ def step(now: GroundSearch) -> tuple[GroundSearch, Values]:
         body, now.outline, axis, piece, candidates, lower, now.slack
     )
     bending = now.body.angular_velocity**2 * bending_or_size(now.outline)
-    time = now.time + not_out_and_in(free, lower, now.slack, bending)
+    depth_left = jnp.maximum(lower, 0.0)
+    time = now.time + not_out_and_in(free, depth_left, now.slack, bending)
 
     steps = now.steps + 1.0
     gives_up = ~enters & ~touches & (steps >= time_of_impact.MAX_STEPS)
