@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...scene import GRAVITY
-from ..blocks import Body
+from ..blocks import Body, select
 from ..lane_programs import Values
 from ..terrain import Profile
 from .narrow_phase import NEVER, Piece
@@ -26,6 +26,9 @@ FEW = 64
 WATCHED = 2, 4
 """Numbers of segments to watch: those at both sides of a break, or more. There is a
 program for each, whose compilation takes longer the more they are."""
+CACHED = 2**15
+"""Number of lanes times segments at once, for which the processor's caches have
+room."""
 AHEAD = 0.5
 """Fraction of its size that a block moves before it has to watch other segments."""
 
@@ -76,6 +79,14 @@ def earliest(body: Body, largest: Values, profile: Profile) -> np.ndarray:
         body: blocks in flight, arrays `(lanes,)`.
         largest: radius of the circumscribed circle [m].
     """
+    lanes = max(1, CACHED // profile.segments)
+    starts = range(0, len(body.x), lanes)
+    parts = (slice(start, start + lanes) for start in starts)
+    times = [_earliest(select(body, part), largest[part], profile) for part in parts]
+    return np.concatenate(times)
+
+
+def _earliest(body: Body, largest: Values, profile: Profile) -> np.ndarray:
     x, y, v_x, v_y = (np.asarray(value)[:, None] for value in body[:4])
     largest = np.asarray(largest)[:, None]
     sin, cos = profile.normal

@@ -222,8 +222,9 @@ def _search(
     size = np.maximum(np.abs(now.y), profile.size)
     own = select(outline, lanes)
     if watched is None:
-        until, covers = left, address_of(profile.covers)
-        found = first_contact(now, own, covers, size, until)
+        # A name of its own, so that the table lives as long as the search.
+        until, covers = left, profile.covers
+        found = first_contact(now, own, address_of(covers), size, until)
         segments = found.segment.astype(int)
     else:
         until = np.minimum(watched.until, left)
