@@ -5,6 +5,7 @@ import copy
 import pickle
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -24,7 +25,9 @@ def add_up(table, row):
 def add(state):
     table, row, total = state
     first, _, last = entries(table, row, 3)
-    return (table, row - 1.0, total + first * last), row > 0.0
+    # A lane that has ended is stepped too, beside others: it must stay in the table.
+    below = jnp.maximum(row - 1.0, 0.0)
+    return (table, below, total + first * last), row > 0.0
 
 
 def total_of(state):

@@ -41,13 +41,15 @@ def entries(table, row, width: int) -> list:
 
 
 def _read(table, row, *, width: int, column: int) -> np.ndarray:
-    def entry(address: float, place: float) -> float:
-        if address == 0.0:  # as machine code does where there is no lane
-            return 0.0
-        at = int(address) + 8 * (int(place) * width + column)
-        return ctypes.c_double.from_address(at).value
-
-    return np.asarray(np.vectorize(entry, otypes=[float])(table, row))
+    table, row = np.asarray(table), np.asarray(row)
+    places, values = width * row.astype(int) + column, np.zeros(row.shape)
+    # Where there is no lane the address is 0, and zeros are read.
+    for address in np.unique(table[table > 0.0]):
+        own = table == address
+        size = int(np.max(places[own])) + 1
+        memory = (ctypes.c_double * size).from_address(int(address))
+        values[own] = np.ctypeslib.as_array(memory)[places[own]]
+    return values
 
 
 def _read_from_xla(table, row, *, width: int, column: int):
