@@ -77,7 +77,7 @@ def by_every_segment(body, outline, profile):
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=shape_name)
-@pytest.mark.parametrize("segments", [60, 300])
+@pytest.mark.parametrize("segments", [300, 60])
 def test_the_first_contact_is_that_of_every_segment(shape, segments):
     """A profile of few segments too, if they are short against the block."""
     for seed in range(6):
