@@ -6,7 +6,6 @@ from .back_analysis.calibrate import calibrate_slope
 from .back_analysis.predictive import SlopeCalibration
 from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
-from .derivatives.gradients import Standing, differentiate_runout, runout_gradients
 from .hop_friction import rolling_friction_of_hops
 from .profile_formats import read_profile
 from .random_inputs import Lognormal, Normal, PowerLaw, Uniform, draw
@@ -17,7 +16,7 @@ from .study.profile_file import MapPlacement
 from .study.run_study import lazy_slope_study, run_slope_study
 from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
 from .terrain import Ground, Profile
-from .trajectory import ContactRecord, Ending, MotionMode, Pieces, Runs, RunTangents
+from .trajectory import ContactRecord, Ending, MotionMode, Pieces, Runs
 
 __all__ = [
     "Barrier",
@@ -39,15 +38,12 @@ __all__ = [
     "PowerLaw",
     "Profile",
     "Release",
-    "RunTangents",
     "Runs",
     "SlopeCalibration",
     "SlopeStudy",
-    "Standing",
     "Uniform",
     "calibrate_slope",
     "choose_contacts",
-    "differentiate_runout",
     "draw",
     "first_passages",
     "lazy_slope_study",
@@ -58,6 +54,5 @@ __all__ = [
     "read_slope_study",
     "rolling_friction_of_hops",
     "run_slope_study",
-    "runout_gradients",
     "simulate_runout",
 ]

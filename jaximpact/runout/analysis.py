@@ -1,7 +1,6 @@
 """Quantities derived from trajectories, exactly: passages of collectors, and largest
 values along the slope."""
 
-import enum
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -9,7 +8,7 @@ import numpy as np
 
 from .._numpy_settings import numpy_settings
 from .blocks import BlockOutline, MassProperties, select, support
-from .lane_programs import Values, closed_form, found_by_search, root
+from .lane_programs import Values, closed_form
 from .trajectory import (
     Pieces,
     Runs,
@@ -18,45 +17,6 @@ from .trajectory import (
     stretches_of,
     time_at,
 )
-
-
-class Follows(enum.IntEnum):
-    """Dependence of a time on the piece, as derivatives see it."""
-
-    nothing = 0
-    end = 1
-    """The end of the piece."""
-    turn = 2
-    """The time at which x turns back."""
-    place = 3
-    """The time at which the centre is at a place x."""
-
-
-class Moment(NamedTuple):
-    """Time on a piece."""
-
-    time: Values
-    """Time from the start of the piece [s]."""
-    follows: Values
-    """Code of `Follows`."""
-
-
-def moving_time(piece: Pieces, moment: Moment) -> Values:
-    """Give a time on a piece, with its derivative."""
-    follows = moment.follows
-    then = state_after(piece, moment.time)
-    turning = -piece.v_x / jnp.where(piece.a_x == 0.0, 1.0, piece.a_x)
-    of_end = jnp.where(follows == Follows.end, piece.duration, turning)
-    moved = jnp.where(follows == Follows.place, then.x, of_end)
-    slope = jnp.where(follows == Follows.place, -1.0 / then.v_x, 1.0)
-    slope = jnp.where(follows == Follows.nothing, 0.0, slope)
-    return found_by_search(moment.time, moved, slope)
-
-
-def stops_of(runs: Runs, chosen: Stretches) -> Moment:
-    """Give the ends of stretches."""
-    goes_on = chosen.stop < runs.pieces.duration[chosen.piece]
-    return Moment(chosen.stop, np.where(goes_on, Follows.turn, Follows.end))
 
 
 class Passages(NamedTuple):
@@ -109,22 +69,6 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
         x: place of the collector [m].
         stretches: result of `stretches_of(runs)`, computed if not given.
     """
-    piece, moment = find_passages(runs, x, stretches)
-    trajectory = runs.pieces.trajectory[piece].astype(int)
-    found = passage(
-        select(runs.pieces, piece),
-        moment,
-        select(runs.release.outline, trajectory),
-        select(runs.release.mass_properties, trajectory),
-        runs.profile.height(x),
-    )
-    return found._replace(trajectory=trajectory)
-
-
-def find_passages(
-    runs: Runs, x: float, stretches: Stretches | None = None
-) -> tuple[np.ndarray, Moment]:
-    """Find the pieces on which blocks pass a collector, and when; see `passages`."""
     all_of = stretches_of(runs) if stretches is None else stretches
     trajectory = runs.pieces.trajectory[all_of.piece].astype(int)
     # The next stretch begins where this one ends: no passage is missed or counted
@@ -133,20 +77,23 @@ def find_passages(
     ends = np.where(same, np.append(all_of.x_start[1:], 0.0), runs.x[trajectory])
     # Where a contact failed, nothing is known from there on.
     ends = np.where(np.isfinite(ends), ends, all_of.x_stop)
-    passes = np.flatnonzero((all_of.x_start >= x) != (ends >= x))
-    chosen = select(all_of, passes)
+    passes = (all_of.x_start >= x) != (ends >= x)
+    chosen, trajectory = select(all_of, passes), trajectory[passes]
     jumps = (chosen.x_start >= x) == (chosen.x_stop >= x)
-    at_stop = stops_of(runs, chosen)
-    return chosen.piece, Moment(
-        np.where(jumps, at_stop.time, time_at(runs, chosen, x)),
-        np.where(jumps, at_stop.follows, Follows.place),
+    found = _passage(
+        select(runs.pieces, chosen.piece),
+        np.where(jumps, chosen.stop, time_at(runs, chosen, x)),
+        select(runs.release.outline, trajectory),
+        select(runs.release.mass_properties, trajectory),
+        runs.profile.height(x),
     )
+    return found._replace(trajectory=trajectory)
 
 
 @closed_form
-def passage(
+def _passage(
     piece: Pieces,
-    moment: Moment,
+    time: Values,
     outline: BlockOutline,
     mass_properties: MassProperties,
     ground: Values,
@@ -154,9 +101,10 @@ def passage(
     """Describe a passage; whose it is stays open.
 
     Args:
+        time: time of it from the start of the piece [s].
         ground: height of the ground there [m].
     """
-    time, (mass, inertia) = moving_time(piece, moment), mass_properties
+    mass, inertia = mass_properties
     body = state_after(piece, time)
     height = body.y - ground
     sin, cos = jnp.sin(body.orientation), jnp.cos(body.orientation)
@@ -223,58 +171,27 @@ def maxima_along(
             outer edges counts to the outer bins.
         stretches: result of `stretches_of(runs)`, computed if not given.
     """
-    found = extremes(runs, edges, stretches)
-    largest = (
-        np.maximum.reduce(found.heights),
-        np.sqrt(np.maximum(*found.squared_speeds)),
-        np.maximum(*found.energies),
-    )
+    whole = stretches_of(runs) if stretches is None else stretches
+    trajectory, number, largest = _largest_of_parts(runs, edges, whole)
     shape = (runs.release.count, len(edges) - 1)
     maxima = Maxima(*(np.full(shape, -np.inf) for _ in Maxima._fields))
     for values, new in zip(maxima, largest, strict=True):
-        np.maximum.at(values, (found.trajectory, found.bin), new)
+        np.maximum.at(values, (trajectory, number), new)
     return Maxima(*(np.where(np.isfinite(v), v, np.nan) for v in maxima))
 
 
-def starts_of(chosen: Stretches) -> Moment:
-    """Give the starts of stretches."""
-    follows = np.where(chosen.start > 0.0, Follows.turn, Follows.nothing)
-    return Moment(chosen.start, follows)
+def _largest_of_parts(
+    runs: Runs, edges: np.ndarray, whole: Stretches
+) -> tuple[np.ndarray, np.ndarray, Maxima]:
+    """Compute the largest values on each part of a trajectory over one bin and segment.
 
+    The height of the centre above the ground is there a quadratic in time, and its
+    largest value stands at an end or where its derivative vanishes; squared speeds are
+    convex, and largest at an end. So these are exact, and no samples.
 
-class Extremes(NamedTuple):
-    """Values among which the largest are, for each part of a trajectory over one bin
-    and segment; arrays `(parts,)`."""
-
-    trajectory: np.ndarray
-    """Number of the block, from 0."""
-    bin: np.ndarray
-    """Number of the bin, from 0."""
-    piece: np.ndarray
-    """Number of the piece that the part is of."""
-    gradient: np.ndarray
-    """dy/dx of the segment [-]."""
-    moments: tuple[Moment, Moment, Moment]
-    """Both ends of the part, and the summit over its segment."""
-    heights: list[np.ndarray]
-    """Heights of the centre above the ground at these moments [m]."""
-    squared_speeds: list[np.ndarray]
-    """Squared speeds at both ends [m2/s2]."""
-    energies: list[np.ndarray]
-    """Kinetic energies at both ends [J]."""
-
-
-def extremes(
-    runs: Runs, edges: np.ndarray, stretches: Stretches | None = None
-) -> Extremes:
-    r"""Compute the values among which the largest are.
-
-    Over a part of a trajectory over one bin and segment the height of the centre above
-    the ground is a quadratic in time, and its largest value stands at an end or where
-    its derivative vanishes; squared speeds are convex, and largest at an end. So these
-    are exact, and no samples.
+    Returns:
+        For each part its block, its bin, and its largest values, arrays `(parts,)`.
     """
-    whole = stretches_of(runs) if stretches is None else stretches
     inner = runs.profile.x[(runs.profile.x > edges[0]) & (runs.profile.x < edges[-1])]
     cells = np.union1d(edges, inner)
     of, cell, at_low, at_high = _over_cells(whole, cells)
@@ -286,25 +203,23 @@ def extremes(
     )
     gradient = (np.diff(runs.profile.y) / np.diff(runs.profile.x))[segment]
     p = select(runs.pieces, part.piece)
-    moments = begin, end, _summit(p, gradient, begin, end)
-    bodies = [state_after(p, moment.time) for moment in moments]
+    times = begin, end, _summit(p, gradient, begin, end)
+    bodies = [state_after(p, time) for time in times]
     trajectory = p.trajectory.astype(int)
     mass, inertia = select(runs.release.mass_properties, trajectory)
-    speeds = [body.v_x**2 + body.v_y**2 for body in bodies[:2]]
+    heights = [body.y - runs.profile.height(body.x) for body in bodies]
+    squares = [body.v_x**2 + body.v_y**2 for body in bodies[:2]]
+    energies = [
+        0.5 * (mass * squared + inertia * body.angular_velocity**2)
+        for squared, body in zip(squares, bodies[:2], strict=True)
+    ]
     bin_of = np.searchsorted(edges, 0.5 * (cells[1:] + cells[:-1])) - 1
-    return Extremes(
-        trajectory=trajectory,
-        bin=bin_of[cell],
-        piece=part.piece,
-        gradient=gradient,
-        moments=moments,
-        heights=[body.y - runs.profile.height(body.x) for body in bodies],
-        squared_speeds=speeds,
-        energies=[
-            0.5 * (mass * squared + inertia * body.angular_velocity**2)
-            for squared, body in zip(speeds, bodies[:2], strict=True)
-        ],
+    largest = Maxima(
+        np.maximum.reduce(heights),
+        np.sqrt(np.maximum(*squares)),
+        np.maximum(*energies),
     )
+    return trajectory, bin_of[cell], largest
 
 
 def _over_cells(whole: Stretches, cells: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -332,41 +247,21 @@ def _ends_of_parts(
     cell: np.ndarray,
     at_low: np.ndarray,
     at_high: np.ndarray,
-) -> tuple[Moment, Moment]:
-    """Find when parts are at the lower and the upper end of their cells."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """Find when parts are at the lower and the upper end of their cells [s]."""
     back = part.sign < 0.0
-    start, stop = starts_of(part), stops_of(runs, part)
 
-    def end(of_stretch: np.ndarray, is_stop: np.ndarray, border: np.ndarray) -> Moment:
-        own_time = np.where(is_stop, stop.time, start.time)
-        own_follows = np.where(is_stop, stop.follows, start.follows)
-        return Moment(
-            np.where(of_stretch, own_time, time_at(runs, part, cells[border])),
-            np.where(of_stretch, own_follows, Follows.place),
-        )
+    def end(of_stretch, is_stop, border) -> np.ndarray:
+        own = np.where(is_stop, part.stop, part.start)
+        return np.where(of_stretch, own, time_at(runs, part, cells[border]))
 
     return end(at_low, back, cell), end(at_high, ~back, cell + 1)
 
 
-def _summit(p: Pieces, gradient: np.ndarray, begin: Moment, end: Moment) -> Moment:
-    """Find when the height above the segment is stationary, or the nearest end. There
-    it does not change with time, so that the time need not follow anything."""
+def _summit(
+    p: Pieces, gradient: np.ndarray, begin: np.ndarray, end: np.ndarray
+) -> np.ndarray:
+    """Find when the height above the segment is stationary, or the nearest end [s]."""
     rising, bending = p.v_y - gradient * p.v_x, p.a_y - gradient * p.a_x
     summit = np.where(bending < 0.0, -rising / np.where(bending < 0.0, bending, 1.0), 0)
-    low, high = np.minimum(begin.time, end.time), np.maximum(begin.time, end.time)
-    summit = np.clip(summit, low, high)
-    follows = np.where(summit == end.time, end.follows, Follows.nothing)
-    return Moment(summit, np.where(summit == begin.time, begin.follows, follows))
-
-
-@closed_form
-def values_at(
-    piece: Pieces, moment: Moment, gradient: Values, mass_properties: MassProperties
-) -> tuple[Values, Values, Values]:
-    """Compute the height of the centre above the ground's line, less that of the line
-    at x = 0 [m], speed [m/s] and kinetic energy [J] at a moment."""
-    mass, inertia = mass_properties
-    body = state_after(piece, moving_time(piece, moment))
-    squared = body.v_x**2 + body.v_y**2
-    energy = 0.5 * (mass * squared + inertia * body.angular_velocity**2)
-    return body.y - gradient * body.x, root(squared), energy
+    return np.clip(summit, np.minimum(begin, end), np.maximum(begin, end))

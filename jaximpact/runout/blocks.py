@@ -82,6 +82,13 @@ def select(tree, chosen):
     return jax.tree.map(lambda leaf: leaf[chosen], tree)
 
 
+def put(tree, chosen, new) -> None:
+    """Set lanes of every array in a tree to those of another tree."""
+    pairs = zip(jax.tree.leaves(tree), jax.tree.leaves(new), strict=True)
+    for leaf, values in pairs:
+        leaf[chosen] = values
+
+
 def fly(body: Body, time) -> Body:
     """Move blocks by a time of free flight [s], with constant spin: exact."""
     return Body(

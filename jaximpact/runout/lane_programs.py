@@ -2,12 +2,8 @@
 
 The run-out works lane by lane: no lane waits for the slowest, nothing is compiled again
 for another number of lanes, and a lane's result does not depend, to the last bit, on
-what runs beside it. The functions themselves are plain `jnp` of scalars and can be
-differentiated. Users' shapes and laws that have no machine code are run by XLA.
-
-`Carried` holds numbers of many blocks together with their derivatives, and `call` runs
-a program on both. Of two functions the derivatives are stated here, `found_by_search`
-and `root`: JAX cannot find them, or would find NaN where nothing changes.
+what runs beside it. The functions themselves are plain `jnp` of scalars. Users' shapes
+and laws that have no machine code are run by XLA.
 """
 
 import concurrent.futures
@@ -97,7 +93,7 @@ class Program:
             return _ByXla(self.functions, jax.tree.structure(inputs))
 
 
-def _kept(functions: Sequence[Callable], tree, compiled: Callable, *what) -> Any:
+def _kept(functions: Sequence[Callable], tree, compiled: Callable) -> Any:
     """Keep what is compiled of functions for inputs, a tree.
 
     Only of functions that the package defines under a name of their own. Raises
@@ -106,7 +102,7 @@ def _kept(functions: Sequence[Callable], tree, compiled: Callable, *what) -> Any
     names = [f"{f.__module__}.{f.__qualname__}" for f in functions]
     with collector_paused():
         if all(n.startswith(f"{PACKAGE}.") and "<" not in n for n in names):
-            return kept_code((*names, *what), tree, compiled)
+            return kept_code(tuple(names), tree, compiled)
         return compiled()
 
 
@@ -193,60 +189,24 @@ class _Plan(NamedTuple):
 
 
 class ClosedProgram:
-    """Program of a function without steps, which can be differentiated.
+    """Program of a function without steps.
 
     Called as a `Program` is. Results may be numbers of any type; all become floats. An
     input that is also a result is not copied, and one that is not used costs nothing.
     """
 
     def __init__(self, function: Callable):
-        def in_floats(*inputs):
-            return jax.tree.map(lambda x: jnp.asarray(x, float), function(*inputs))
-
-        self.named, self.function = function, in_floats
+        self.function = function
         self._plans: dict = {}
         clear_when_edited(self._plans.clear)
 
     def __call__(self, *inputs) -> Any:
-        return self._run(self.function, inputs)
-
-    def along(self, inputs: tuple, tangents: tuple) -> Any:
-        """Compute the derivatives of the results along some directions.
-
-        Args:
-            inputs: as for a call, arrays `(lanes,)`.
-            tangents: directions, for each input a tree like it, of arrays
-                `(parameters, lanes)`; None for an input that does not change.
-
-        Returns:
-            Results, a tree of arrays `(parameters, lanes)`: one lane of machine code
-            for each pair of a lane and a parameter.
-        """
-        return self._run(self._derivative, (inputs, tangents))
-
-    def _derivative(self, inputs: tuple, tangents: tuple) -> Any:
-        def of_changing(changing: list) -> Any:
-            rest = iter(changing)
-            return self.function(
-                *(
-                    x if tangent is None else next(rest)
-                    for x, tangent in zip(inputs, tangents, strict=True)
-                )
-            )
-
-        pairs = zip(inputs, tangents, strict=True)
-        changing = [(x, tangent) for x, tangent in pairs if tangent is not None]
-        numbers, directions = map(list, zip(*changing, strict=True))
-        return jax.jvp(of_changing, (numbers,), (directions,))[1]
-
-    def _run(self, function: Callable, inputs: tuple) -> Any:
         leaves, structure = jax.tree.flatten(inputs)
         heed_edits(structure)
-        key = function.__name__, structure
-        if key not in self._plans:
+        if structure not in self._plans:
             with tracing():
-                self._plans[key] = self._planned(function, inputs)
-        plan, kernel = self._plans[key]
+                self._plans[structure] = self._planned(inputs)
+        plan, kernel = self._plans[structure]
         shape = np.broadcast_shapes((1,), *map(np.shape, leaves))
         computed = iter(())
         if kernel is not None:
@@ -260,12 +220,12 @@ class ClosedProgram:
         spread = (x if x.shape == shape else np.broadcast_to(x, shape) for x in results)
         return jax.tree.unflatten(jax.tree.structure(plan.results), list(spread))
 
-    def _planned(self, function: Callable, inputs: tuple) -> tuple:
+    def _planned(self, inputs: tuple) -> tuple:
         """Give the plan, and what runs it."""
         structure = jax.tree.structure(inputs)
 
         def compiled() -> _Plan:
-            plan, reduced = _plan_of(function, structure)
+            plan, reduced = _plan_of(self.function, structure)
             if None not in plan.passed:
                 return plan
             of_lanes, ended = jax.vmap(reduced), np.zeros(1, bool)
@@ -280,11 +240,11 @@ class ClosedProgram:
             return plan._replace(code=code)
 
         try:
-            plan = _kept([self.named], inputs, compiled, function.__name__)
+            plan = _kept([self.function], inputs, compiled)
             return plan, plan.code and Kernel(plan.code, None)
         except NoMachineCode as problem:
             without_machine_code(problem)
-            plan, reduced = _plan_of(function, structure)
+            plan, reduced = _plan_of(self.function, structure)
             rows = jax.tree.structure([*plan.used])
             return plan, _ByXla((reduced, _stop, lambda state: state), rows)
 
@@ -293,7 +253,8 @@ def _plan_of(function: Callable, structure) -> tuple[_Plan, Callable]:
     """Give the plan of a function, and the function that has to be computed."""
 
     def flat(*leaves):
-        return function(*jax.tree.unflatten(structure, leaves))
+        results = function(*jax.tree.unflatten(structure, leaves))
+        return jax.tree.map(lambda x: jnp.asarray(x, float), results)
 
     one = [jax.ShapeDtypeStruct((), float)] * structure.num_leaves
     traced, results = jax.make_jaxpr(flat, return_shape=True)(*one)
@@ -321,98 +282,3 @@ def closed_form(function: Callable) -> ClosedProgram:
 
 def _stop(state):
     return state, jnp.zeros((), bool)
-
-
-def _product(slope: Values, change: Values) -> Values:
-    # 0 x inf is 0: an unchanged input changes nothing, however steep the function.
-    return jnp.where(change == 0.0, 0.0, slope * change)
-
-
-@jax.custom_jvp
-def found_by_search(value: Values, moved: Values, slope: Values = 1.0) -> Values:
-    """Give a value that a search found, together with its derivative.
-
-    Args:
-        value: result of the search, whose own derivative does not count.
-        moved: quantity that the result follows.
-        slope: derivative of the result with respect to that quantity.
-    """
-    return value
-
-
-@found_by_search.defjvp
-def _found_by_search_jvp(numbers, changes):
-    value, _, slope = numbers
-    return value, _product(slope, changes[1])
-
-
-@jax.custom_jvp
-def root(x: Values) -> Values:
-    """Square root of `max(x, 0)`; its derivative at 0 is infinite where x changes, and
-    0 where it does not."""
-    return jnp.sqrt(jnp.maximum(x, 0.0))
-
-
-@root.defjvp
-def _root_jvp(numbers, changes):
-    (x,), (change,) = numbers, changes
-    value = root(x)
-    return value, _product(jnp.where(x < 0.0, 0.0, 0.5 / value), change)
-
-
-class Carried(NamedTuple):
-    """Numbers of many blocks, and the derivatives that they carry."""
-
-    value: Any
-    """Tree of arrays `(blocks,)`, or with more axes behind."""
-    tangent: Any = None
-    """Tree of the same structure, its arrays with an axis of the parameters in front;
-    None where no derivatives are carried."""
-
-    def at(self, *index: np.ndarray) -> "Carried":
-        """Select blocks, or whatever the last axes of all arrays are of."""
-        return self.map(lambda tree: jax.tree.map(lambda leaf: leaf[..., *index], tree))
-
-    def put(self, lanes: np.ndarray, new: "Carried") -> None:
-        """Set some blocks in all arrays."""
-        own, other = jax.tree.leaves(self), jax.tree.leaves(new)
-        for leaf, values in zip(own, other, strict=True):
-            leaf[..., lanes] = values
-
-    def map(self, function: Callable, of_tangent: Callable | None = None) -> "Carried":
-        """Apply a linear function to the tree and to that of the derivatives, to which
-        another may be applied in its place."""
-        if self.tangent is None:
-            return Carried(function(self.value))
-        return Carried(function(self.value), (of_tangent or function)(self.tangent))
-
-    def copy(self) -> "Carried":
-        """Copy all arrays."""
-        return self.map(lambda tree: jax.tree.map(np.copy, tree))
-
-    def part(self, name: str) -> "Carried":
-        """Take a field of the tree."""
-        return self.map(lambda tree: getattr(tree, name))
-
-    def split(self) -> "tuple[Carried, ...]":
-        """Take a tuple of trees apart."""
-        if self.tangent is None:
-            return tuple(Carried(value) for value in self.value)
-        return tuple(map(Carried, self.value, self.tangent))
-
-
-def call(program: ClosedProgram, *inputs) -> Carried:
-    """Compute a program's results, with derivatives if any input carries them.
-
-    Values are the same with and without derivatives, to the last bit.
-
-    Args:
-        inputs: `Carried`, or trees of arrays without derivatives.
-    """
-    carried = [x if isinstance(x, Carried) else Carried(x) for x in inputs]
-    values = tuple(x.value for x in carried)
-    tangents = tuple(x.tangent for x in carried)
-    found = program(*values)
-    if all(tangent is None for tangent in tangents):
-        return Carried(found)
-    return Carried(found, program.along(values, tangents))

@@ -121,12 +121,7 @@ def checked_limits(time_limit: float, event_limit: int, hop_threshold: float) ->
 def follow(state: State, contacts: Contacts, width: int, progress: Progress) -> Runs:
     """Follow blocks from their release to their ends; see `simulate_runout`."""
     advance(state, contacts, width, progress)
-    return result_of(state)
-
-
-def result_of(state: State) -> Runs:
-    """Give the trajectories of blocks that have all ended."""
-    blocks = state.blocks.value
+    blocks = state.blocks
     return Runs(
         profile=state.profile,
         release=state.release,
@@ -135,14 +130,14 @@ def result_of(state: State) -> Runs:
         y=blocks.body.y,
         time=blocks.time,
         events=blocks.events.astype(int),
-        contacts=state.contacts.whole().value,
-        pieces=state.pieces.whole().value,
+        contacts=state.contacts.whole(),
+        pieces=state.pieces.whole(),
     )
 
 
 def advance(state: State, contacts: Contacts, width: int, progress: Progress) -> None:
     """Advance all blocks to the ends of their trajectories; see `simulate_runout`."""
-    phase = state.blocks.value.phase
+    phase = state.blocks.phase
     active, waiting, blocks = np.zeros(0, int), 0, state.release.count
     while True:
         active = active[phase[active] != Phase.ended]
@@ -166,7 +161,7 @@ def _move_to_contacts(state: State, active: np.ndarray) -> None:
         Phase.at_edge: cross_edges,
     }
     while True:
-        phase = state.blocks.value.phase[active]
+        phase = state.blocks.phase[active]
         lanes = {of: active[phase == of] for of in transitions}
         if not any(map(len, lanes.values())):
             return

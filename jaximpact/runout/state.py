@@ -10,8 +10,16 @@ import numpy as np
 
 from ..scene import Block, Soil
 from ..shapes import RoundBlock
-from .blocks import BlockOutline, Body, MassProperties, Release, outline_of
-from .lane_programs import Carried, Values, call, closed_form
+from .blocks import (
+    BlockOutline,
+    Body,
+    MassProperties,
+    Release,
+    outline_of,
+    put,
+    select,
+)
+from .lane_programs import Values, closed_form
 from .narrow_places import NarrowPlaces
 from .terrain import Ground, Profile, spread
 from .trajectory import ContactRecord, Ending, Pieces, Recorder
@@ -93,6 +101,11 @@ class BlockState(NamedTuple):
         """True for a block that rolls."""
         return self.rolls > 0.0
 
+    @property
+    def speed(self) -> Values:
+        """Speed along the ground [m/s]; 0 where its square is negative."""
+        return jnp.sqrt(jnp.maximum(self.speed_squared, 0.0))
+
     def moved(self, **fields: Values) -> "BlockState":
         """Copy the state with other fields of the body."""
         return self._replace(body=self.body._replace(**fields))
@@ -163,23 +176,6 @@ def _frictions_of(slider, friction_angle: Values, rolling_angle: Values) -> tupl
     return jnp.tan(rolling_angle), slider.friction(friction_angle)
 
 
-class Directions(NamedTuple):
-    """Derivatives of what a run begins with, with respect to some parameters: trees of
-    arrays with an axis of the parameters in front."""
-
-    body: Body
-    """Position and motion at release, `(parameters, blocks)`."""
-    block: Block
-    """Blocks, `(parameters, blocks)`."""
-    soil: Soil
-    """Ground, `(parameters, 1 or blocks, 1 or segments)`."""
-    rolling_friction_angle: Values
-    """Angle of rolling friction, `(parameters, 1 or blocks, 1 or segments)`."""
-    law: Any = None
-    """Parameters of a contact model in closed form, `(parameters,)`; None for the full
-    model."""
-
-
 @dataclasses.dataclass
 class State:
     """State of all blocks of a run, which changes as it goes on."""
@@ -198,17 +194,9 @@ class State:
     """Block numbers that select the random facets."""
     roughness: np.ndarray
     """Standard deviations of the angles of facets [rad], `(blocks, segments)`."""
-    blocks: Carried
-    """`BlockState`, arrays `(blocks,)`."""
-    constants: Carried
-    """`BlockConstants`, arrays `(blocks,)`."""
-    block: Carried
-    """`Block` for the contact model, arrays `(blocks,)`."""
-    ground: Carried
-    """`GroundOfBlocks`."""
-    law_tangent: Any
-    """Derivatives of the parameters of a contact model in closed form,
-    `(parameters,)`; None where none are carried."""
+    blocks: BlockState
+    constants: BlockConstants
+    ground: GroundOfBlocks
     contacts: Recorder
     pieces: Recorder
 
@@ -219,15 +207,12 @@ class State:
         release: Release,
         ground: Ground | None = None,
         limits: Limits = Limits(),  # noqa: B008, which is immutable
-        directions: Directions | None = None,
     ) -> "State":
         """Start all blocks; on the profile's own ground if no other is given."""
         n, surface = release.count, ground or profile
         numbers = None if ground is None else ground.numbers
-        parameters = None if directions is None else len(directions.body.x)
-        block = Carried(release.block, directions and directions.block)
-        constants = call(_constants_of, block)
-        radius = constants.value.round.radius, constants.value.outline.smallest
+        constants = _constants_of(release.block)
+        radius = constants.round.radius, constants.outline.smallest
         return cls(
             profile=profile,
             release=release,
@@ -238,20 +223,18 @@ class State:
             seed=0 if ground is None else ground.seed,
             numbers=np.arange(n) if numbers is None else numbers,
             roughness=spread(surface.roughness, n, profile.segments),
-            blocks=_at_release(release.body, directions),
+            blocks=_at_release(release.body),
             constants=constants,
-            block=block,
-            ground=_ground_of_blocks(surface, n, profile.segments, directions),
-            law_tangent=directions and directions.law,
-            contacts=Recorder(ContactRecord, parameters),
-            pieces=Recorder(Pieces, parameters),
+            ground=_ground_of_blocks(surface, n, profile.segments),
+            contacts=Recorder(ContactRecord),
+            pieces=Recorder(Pieces),
         )
 
     def move(
         self,
         lanes: np.ndarray,
-        after: Carried,
-        piece: Carried | None = None,
+        after: BlockState,
+        piece: Pieces | None = None,
         sinks: bool = False,
     ) -> None:
         """Move blocks on by a transition.
@@ -264,23 +247,23 @@ class State:
             piece: the motion, to be recorded.
             sinks: whether a block may end in the ground, as in its crater.
         """
-        x, y = after.value.body.x, after.value.body.y
+        x, y = after.body.x, after.body.y
         on_profile = (x > self.profile.x[0]) & (x < self.profile.x[-1])
         wedged = on_profile & (y < self.profile.height(x))
         if sinks:
-            wedged &= after.value.phase != Phase.ended
-        stopped = self.blocks.at(lanes[wedged])
-        self.blocks.put(lanes, after)
+            wedged &= after.phase != Phase.ended
+        stopped = select(self.blocks, lanes[wedged])
+        put(self.blocks, lanes, after)
         if np.any(wedged):
-            stopped.value.phase[:] = Phase.ended
-            stopped.value.ending[:] = Ending.stopped
-            self.blocks.put(lanes[wedged], stopped)
-            lanes, piece = lanes[~wedged], piece and piece.at(~wedged)
+            stopped.phase[:] = Phase.ended
+            stopped.ending[:] = Ending.stopped
+            put(self.blocks, lanes[wedged], stopped)
+            lanes, piece = lanes[~wedged], select(piece, ~wedged)
         if piece is not None:
             self.pieces.add(lanes, piece)
 
 
-def _at_release(body: Body, directions: Directions | None) -> Carried:
+def _at_release(body: Body) -> BlockState:
     zero = np.zeros(np.shape(body.x))
     state = BlockState(
         *(zero, body, zero + Phase.airborne, zero + UNDER_WAY),
@@ -288,38 +271,17 @@ def _at_release(body: Body, directions: Directions | None) -> Carried:
         *(zero, zero, zero, zero, zero),
     )
     # Each field is written to.
-    value = jax.tree.map(lambda leaf: np.array(leaf, float), state)
-    if directions is None:
-        return Carried(value)
-    count = len(directions.body.x)
-    tangent = jax.tree.map(lambda leaf: np.zeros((count, *leaf.shape)), value)
-    moving = Body(*(np.array(column, float) for column in directions.body))
-    return Carried(value, tangent._replace(body=moving))
+    return jax.tree.map(lambda leaf: np.array(leaf, float), state)
 
 
 def _ground_of_blocks(
-    surface: Ground | Profile, blocks: int, segments: int, directions: Directions | None
-) -> Carried:
+    surface: Ground | Profile, blocks: int, segments: int
+) -> GroundOfBlocks:
     soil, angle = jax.tree.map(
         np.atleast_2d, (surface.soil, surface.rolling_friction_angle)
     )
-    soil = Carried(soil, directions and directions.soil)
-    angle = Carried(angle, directions and directions.rolling_friction_angle)
-    frictions = call(
-        _frictions_of, soil.part("slider"), soil.part("friction_angle"), angle
-    )
-
-    def of_all(values):
-        return spread(values, blocks, segments)
-
-    def of_tangent(values):
-        return np.broadcast_to(values, (len(values), blocks, segments))
-
-    together = Carried(
-        GroundOfBlocks(soil.value, *frictions.value),
-        directions and GroundOfBlocks(soil.tangent, *frictions.tangent),
-    )
-    return together.map(
-        lambda tree: jax.tree.map(of_all, tree),
-        lambda tree: jax.tree.map(of_tangent, tree),
+    frictions = _frictions_of(soil.slider, soil.friction_angle, angle)
+    return jax.tree.map(
+        lambda values: spread(values, blocks, segments),
+        GroundOfBlocks(soil, *frictions),
     )

@@ -9,7 +9,7 @@ import numpy as np
 from ..io.display import Rows, ShownAsTable, range_of
 from ..scene import GRAVITY
 from .blocks import Body, Release, select
-from .lane_programs import Carried, Values
+from .lane_programs import Values
 from .terrain import Profile
 
 
@@ -117,42 +117,29 @@ class Recorder:
 
     Args:
         kind: `Pieces` or `ContactRecord`.
-        parameters: number of parameters whose derivatives the rows carry; None for
-            rows without derivatives.
     """
 
-    def __init__(self, kind: type, parameters: int | None = None):
-        def empty(shape):
-            return kind(*(np.zeros(shape) for _ in kind._fields))
-
-        tangent = None if parameters is None else empty((parameters, 0))
+    def __init__(self, kind: type):
         self.kind = kind
-        self.parts = [(np.zeros(0, int), Carried(empty(0), tangent))]
+        none = kind(*(np.zeros(0) for _ in kind._fields))
+        self.parts = [(np.zeros(0, int), none)]
 
-    def add(self, lanes: np.ndarray, rows: Carried) -> None:
+    def add(self, lanes: np.ndarray, rows: Pieces | ContactRecord) -> None:
         """Append a row for each of some blocks; whose it is gets written here."""
         if len(lanes):
             self.parts.append((lanes, rows))
 
-    def whole(self) -> Carried:
+    def whole(self) -> Any:
         """Sort all rows by trajectory, and within each by time."""
         trajectory = np.concatenate([lanes for lanes, _ in self.parts])
         order = np.argsort(trajectory, kind="stable")
-
-        def joined(parts: tuple) -> Any:
-            columns = (np.concatenate(c, axis=-1) for c in zip(*parts, strict=True))
-            return self.kind(*(column[..., order] for column in columns))
-
-        rows = [rows for _, rows in self.parts]
-        values = joined(tuple(row.value for row in rows))
-        values = values._replace(trajectory=trajectory[order])
+        columns = zip(*(rows for _, rows in self.parts), strict=True)
+        rows = self.kind(*(np.concatenate(column)[order] for column in columns))
+        rows = rows._replace(trajectory=trajectory[order])
         types = COLUMN_TYPES.items()
-        values = values._replace(
-            **{n: getattr(values, n).astype(t) for n, t in types if hasattr(values, n)}
+        return rows._replace(
+            **{n: getattr(rows, n).astype(t) for n, t in types if hasattr(rows, n)}
         )
-        if rows[0].tangent is None:
-            return Carried(values)
-        return Carried(values, joined(tuple(row.tangent for row in rows)))
 
 
 class Ending(enum.IntEnum):
@@ -245,23 +232,6 @@ class Runs(ShownAsTable):
             ("events", range_of(self.events), "-"),
         ]
         return f"Runs: {len(self.ending)} blocks; {endings}", rows
-
-
-class RunTangents(NamedTuple):
-    """Derivatives of the numbers of `Runs` with respect to some parameters.
-
-    Arrays with an axis of the parameters in front, in SI units and radians.
-    """
-
-    x: np.ndarray
-    """Centre at the end, `(parameters, blocks)`."""
-    y: np.ndarray
-    time: np.ndarray
-    """Time of the end, `(parameters, blocks)`."""
-    contacts: ContactRecord
-    """Contacts, `(parameters, contacts)`; 0 for numbers and codes."""
-    pieces: Pieces
-    """Pieces, `(parameters, pieces)`; 0 for numbers and codes."""
 
 
 class Stretches(NamedTuple):

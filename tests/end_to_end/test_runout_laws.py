@@ -23,7 +23,6 @@ from jaximpact.runout import (
     Release,
     read_profile,
     read_slope_study,
-    runout_gradients,
     simulate_runout,
 )
 from jaximpact.shapes import EllipticCylinder, RectangularPrism
@@ -274,34 +273,6 @@ def test_what_a_law_does_wrong_is_said_with_the_cure(law, words):
 def test_a_class_in_place_of_a_law_is_refused():
     with pytest.raises(InputError, match=r"write ByErrorFunction\(...\)"):
         ClosedForm(ByErrorFunction)
-
-
-class Constant(AbstractRebound):
-    my_e: object = parameter(0.5, "-", "[0, 1]", "normal restitution")
-
-    def __call__(self, block, impact):
-        return Rebound(
-            -self.my_e * impact.normal_velocity,
-            0.9 * impact.tangential_velocity,
-            impact.angular_velocity,
-        )
-
-
-def test_run_outs_are_differentiated_by_a_laws_own_parameter():
-    """A time t after its first bounce a sphere is at the height e v t - g t^2/2."""
-    release = Release(Block(), [10.0], [4.0], v_x=1.0)
-    fall = 4.0 - float(Block().semi_axes.minor)
-    speed, time = np.sqrt(2.0 * 9.81 * fall), 0.3
-    found = runout_gradients(
-        FLAT,
-        release,
-        ClosedForm(Constant(0.5)),
-        ["my_e"],
-        ["passage_centre_height_m"],
-        collectors=[10.0 + speed / 9.81 + 0.9 * time],
-    )
-    # Touches are early by up to 1e-9 of the block.
-    assert found.derivative.values.item() == pytest.approx(speed * time, rel=1e-6)
 
 
 TABLE = """

@@ -23,14 +23,14 @@ import numpy as np
 from ...impact.events import Outcome
 from ...impact_response import ImpactResponse
 from ...scene import GRAVITY
-from ..blocks import BlockOutline, Body, select, support, support_of
+from ..blocks import BlockOutline, Body, put, select, support, support_of
 from ..ground_motion.rolling import begin_on_ground
-from ..lane_programs import Carried, Values, call, closed_form
+from ..lane_programs import Values, closed_form
 from ..near_segments import columns_between, in_pairs
 from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
 from ..terrain import SAME_PLANE, Profile
 from ..trajectory import ContactRecord, Ending, MotionMode, Pieces
-from .contact_models import ClosedForm, Contacts, ask
+from .contact_models import ClosedForm, Contacts
 from .plane_contact import (
     Continuation,
     PlaneContact,
@@ -61,100 +61,90 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     its way, up-slope at most as far as the energy reaches that the contact took. Then
     it flies on, moves along the ground, or has stopped.
     """
-    blocks, constants = state.blocks.at(lanes), state.constants.at(lanes)
-    segment = blocks.value.segment.astype(int)
-    touched = call(touch, blocks, constants)
-    is_impact = touched.value.contact.closing >= touched.value.slow
-    struck = touched.part("contact")
+    blocks, constants = select((state.blocks, state.constants), lanes)
+    segment = blocks.segment.astype(int)
+    touched = touch(blocks, constants)
+    struck = touched.contact
+    is_impact = struck.closing >= touched.slow
     rough = is_impact & (state.roughness[lanes, segment] > 0.0)
     turn = np.zeros(len(lanes))
     if np.any(rough):
-        struck = struck.copy()
+        struck = jax.tree.map(np.copy, struck)
         turn = strike_facets(state, lanes, touched, struck, rough)
     response, outcome = _respond(state, lanes, struck, is_impact, contacts)
+    outline = constants.outline
     settled = _held_up(
-        *(state.profile, segment, blocks, constants.value.outline),
-        call(settle, blocks, constants, struck, response),
+        *(state.profile, segment, blocks, outline),
+        settle(blocks, constants, struck, response),
     )
-    now, outline = settled.value, constants.value.outline
     free = free_fraction(
-        *(state.profile, segment, blocks.value.body, outline, now.x, now.y),
-        *(now.after.orientation + struck.value.slope, (now.along_x, now.along_y)),
+        *(state.profile, segment, blocks.body, outline, settled.x, settled.y),
+        orientation=settled.after.orientation + struck.slope,
+        travel=(settled.along_x, settled.along_y),
     )
-    departed = call(
-        depart,
+    after, record, piece = depart(
         *(blocks, constants, touched, struck, response, settled),
         Seen(is_impact, turn, outcome, free, state.slope[segment]),
-        state.ground.part("rolling_friction").at(lanes, segment),
+        state.ground.rolling_friction[lanes, segment],
         state.limits,
     )
-    after, record, piece = departed.split()
     state.move(lanes, after, sinks=True)
     state.contacts.add(lanes, record)
-    takes_time = response.value.duration > 0.0
-    if np.any(takes_time):
-        state.pieces.add(lanes[takes_time], piece.at(takes_time))
+    takes_time = response.duration > 0.0
+    state.pieces.add(lanes[takes_time], select(piece, takes_time))
 
 
 def _respond(
     state: State,
     lanes: np.ndarray,
-    struck: Carried,
+    struck: PlaneContact,
     is_impact: np.ndarray,
     contacts: Contacts,
-) -> tuple[Carried, np.ndarray]:
+) -> tuple[ImpactResponse, np.ndarray]:
     """Ask the contact model; a touch without impact leaves the velocities alone."""
-    response, outcome = struck.map(_as_before), np.full(len(lanes), NO_IMPACT)
+    response, outcome = _as_before(struck), np.full(len(lanes), NO_IMPACT)
     if np.any(is_impact):
         striking = lanes[is_impact]
         if isinstance(contacts, ClosedForm):
             contacts = contacts.at(striking)
-        segment = state.blocks.value.segment[striking].astype(int)
-        found, outcome[is_impact] = ask(
-            contacts,
-            state.block.at(striking),
-            state.ground.part("soil").at(striking, segment),
-            call(impact_of, struck.at(is_impact)),
-            state.law_tangent,
+        segment = state.blocks.segment[striking].astype(int)
+        found = contacts(
+            select(state.release.block, striking),
+            select(state.ground.soil, (striking, segment)),
+            impact_of(select(struck, is_impact)),
         )
-        response.put(is_impact, found)
+        put(response, is_impact, found.response)
+        outcome[is_impact] = found.outcome
     return response, outcome
 
 
 def _held_up(
     profile: Profile,
     segment: np.ndarray,
-    blocks: Carried,
+    blocks: BlockState,
     outline: BlockOutline,
-    settled: Carried,
-) -> Carried:
+    settled: Settled,
+) -> Settled:
     """Keep blocks that are set back out of the ground from being set back into other
     ground, as between walls: their inscribed circle stays out of it."""
     smallest = outline.smallest
-    lanes = np.flatnonzero(blocks.value.gap < -IN_THE_GROUND * smallest)
+    lanes = np.flatnonzero(blocks.gap < -IN_THE_GROUND * smallest)
     if not len(lanes):
         return settled
-    body, now = select(blocks.value.body, lanes), select(settled.value, lanes)
+    body, now = select((blocks.body, settled), lanes)
     rise = now.x - body.x, now.y - body.y
     free = free_fraction(
         *(profile, segment[lanes], body, select(outline, lanes)),
         *(body.x, body.y, None, rise),
     )
-    lanes, free = lanes[free < 1.0], free[free < 1.0]
-    if not len(lanes):
-        return settled
-    settled, begun = settled.copy(), blocks.part("body")
-    pairs = [(settled.value, begun.value)]
-    if settled.tangent is not None:
-        pairs.append((settled.tangent, begun.tangent))
-    for tree, start in pairs:
-        for name in ("x", "y"):
-            place, first = getattr(tree, name), getattr(start, name)[..., lanes]
-            place[..., lanes] = first + free * (place[..., lanes] - first)
-    return settled
+    x, y = settled.x.copy(), settled.y.copy()
+    held = free < 1.0
+    x[lanes[held]] = (body.x + free * rise[0])[held]
+    y[lanes[held]] = (body.y + free * rise[1])[held]
+    return settled._replace(x=x, y=y)
 
 
-def _as_before(struck) -> ImpactResponse:
+def _as_before(struck: PlaneContact) -> ImpactResponse:
     return ImpactResponse(
         struck.normal_velocity.copy(),
         struck.tangential_velocity.copy(),
@@ -229,7 +219,7 @@ def free_fraction(
 
 
 class Seen(NamedTuple):
-    """State of a contact, found without derivatives."""
+    """Facts of a contact that NumPy finds, outside the programs."""
 
     is_impact: Values
     """1 for an impact, 0 for a touch too slow to be one."""
@@ -307,8 +297,7 @@ def _travelled(
     that at the mean velocity, which is too long up-slope where a block soon stops, and
     so ends where the energy that the contact took is used up. A block that is held up
     stays higher than gravity had moved it; the energy for that is taken from its
-    velocities, and what they lack from its climb out of the ground. Derivatives of all
-    this are dropped: they are left to the comparison with differences.
+    velocities, and what they lack from its climb out of the ground.
 
     Returns:
         The block; its centre; and whether it lacks the energy to climb.
@@ -326,17 +315,17 @@ def _travelled(
     taken = jnp.maximum(begun - kinetic - weight * rise_y, 0.0)
     ends = up > taken + NO_ENERGY * begun
     most = jnp.where(ends, taken / jnp.where(ends, up, 1.0), 1.0)
-    free = jax.lax.stop_gradient(jnp.minimum(free, most))
+    free = jnp.minimum(free, most)
     lost = weight * jnp.maximum((free - 1.0) * settled.along_y, 0.0)
     left = jnp.maximum(kinetic - lost, 0.0)
     kept = left / jnp.where(kinetic > 0.0, kinetic, 1.0)
-    kept = jax.lax.stop_gradient(jnp.sqrt(jnp.where(lost > 0.0, kept, 1.0)))
+    kept = jnp.sqrt(jnp.where(lost > 0.0, kept, 1.0))
 
     sin, cos = jnp.sin(struck.slope), jnp.cos(struck.slope)
     rise = (settled.x - block.body.x) * sin + rise_y * cos
     lacks = (lost > kinetic) & (rise > 0.0)
     back = jnp.minimum((lost - kinetic) / (weight * cos), rise)
-    back = jax.lax.stop_gradient(jnp.where(lacks, back, 0.0))
+    back = jnp.where(lacks, back, 0.0)
     return (
         after.scaled(kept)._replace(leaving=kept * after.leaving),
         settled.x + free * settled.along_x - back * sin,

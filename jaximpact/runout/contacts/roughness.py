@@ -23,9 +23,9 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from ...scene import GRAVITY
-from ..blocks import support
+from ..blocks import put, select, support
 from ..ground_motion.rolling import SMALL_RISE
-from ..lane_programs import Carried, Values, call, root
+from ..lane_programs import Values
 from ..random_inputs import key_of, uniforms_at
 from ..state import BlockConstants, State
 from .plane_contact import Continuation, PlaneContact, PostImpact, Touch, touch_facet
@@ -43,24 +43,24 @@ STREAM = "roughness"
 def strike_facets(
     state: State,
     lanes: np.ndarray,
-    touched: Carried,
-    struck: Carried,
+    touched: Touch,
+    struck: PlaneContact,
     rough: np.ndarray,
 ) -> np.ndarray:
     """Sample the facets that impacts strike.
 
     Args:
-        touched: `Touch` of the segments that the blocks touch.
-        struck: `PlaneContact` with what they strike, written to.
+        touched: contacts with the segments that the blocks touch.
+        struck: contacts with what they strike, written to.
         rough: which of the blocks strike rough ground.
 
     Returns:
         Angles of the facets from the segments [rad], `(lanes,)`; 0 for a block that
         strikes the segment.
     """
-    block = state.blocks.value
+    block = state.blocks
     deviation = state.roughness[lanes, block.segment[lanes].astype(int)]
-    slope, slow = touched.value.contact.slope, touched.value.slow
+    slope, slow = touched.contact.slope, touched.slow
     turned = np.zeros(len(lanes))
     open_yet = np.flatnonzero(rough)
     key = key_of(state.seed, STREAM)
@@ -73,15 +73,13 @@ def strike_facets(
             [block.impacts[some], attempt, number & 0xFFFFFFFF, number >> 32], key
         )
         turn = deviation[open_yet] * _truncated_normal(uniform)
-        facet = call(
-            touch_facet,
-            *(state.blocks.at(some), state.constants.at(some)),
-            *(touched.part("contact").part("slope").at(open_yet), turn),
+        facet = touch_facet(
+            *select((block, state.constants), some), slope[open_yet], turn
         )
         steepest = np.maximum(STEEPEST_FACET, np.abs(slope[open_yet]))
         good = np.abs(slope[open_yet] + turn) <= steepest
-        good &= facet.value.closing >= slow[open_yet]
-        struck.put(open_yet[good], facet.at(good))
+        good &= facet.closing >= slow[open_yet]
+        put(struck, open_yet[good], select(facet, good))
         turned[open_yet[good]] = turn[good]
         open_yet = open_yet[~good]
     return turned
@@ -124,7 +122,8 @@ def lift_off_facet(
     spin = after.angular_velocity
     kinetic = 0.5 * (mass * (v_n**2 + v_t**2) + inertia * spin**2)
     left = kinetic - mass * GRAVITY * jnp.cos(contact.slope) * depth
-    fraction = root(left / jnp.where(kinetic > 0.0, kinetic, 1.0))
+    kept = left / jnp.where(kinetic > 0.0, kinetic, 1.0)
+    fraction = jnp.sqrt(jnp.maximum(kept, 0.0))
     climbs = (left > 0.0) | (depth == 0.0)
     lift, over = jnp.where(climbs, depth, 0.0), jnp.maximum(over, 0.0)
     rising = -v_n * cos - v_t * sin

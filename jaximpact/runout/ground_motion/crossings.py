@@ -8,8 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...scene import GRAVITY
-from ..blocks import support
-from ..lane_programs import ClosedProgram, Values, call, closed_form, root
+from ..blocks import select, support
+from ..lane_programs import ClosedProgram, Values, closed_form
 from ..narrow_places import NONE
 from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
 from ..terrain import SAME_PLANE
@@ -49,13 +49,13 @@ class EdgeFrictions(NamedTuple):
 
 def cross_edges(state: State, lanes: np.ndarray) -> None:
     """Move blocks over convex breaks, into the air, back, or off the profile."""
-    others = state.narrow.about[state.blocks.value.edge[lanes].astype(int)]
+    others = state.narrow.about[state.blocks.edge[lanes].astype(int)]
     narrow = others[:, 0] != NONE
     if np.any(narrow):
         there, others = lanes[narrow], others[narrow]
         meets, obstacle = _obstacles(state, there, others, 1.0)
         behind, _ = _obstacles(state, there, others, -1.0)
-        _advance(state, _turn_to_obstacle, there[meets], obstacle.at(meets))
+        _advance(state, _turn_to_obstacle, there[meets], select(obstacle, meets))
         _advance(state, _cross_before_obstacle, there[behind & ~meets])
         narrow[narrow] = meets | behind
     _advance(state, _cross, lanes[~narrow])
@@ -70,7 +70,7 @@ def _obstacles(
         others: segments that they may touch, a row of `NarrowPlaces.about` for each.
         way: 1 for the turn in the direction of motion, -1 for the turn back.
     """
-    block, constants = state.blocks.at(lanes).value, state.constants.at(lanes).value
+    block, constants = select((state.blocks, state.constants), lanes)
     point, direction = block.edge.astype(int), way * block.direction
     beyond = np.where(direction > 0.0, point, point - 1)
     exists = (beyond >= 0) & (beyond < state.profile.segments)
@@ -93,15 +93,10 @@ def _advance(
     """Move blocks over breaks by one of the transitions."""
     if not len(lanes):
         return
-    profile, blocks = state.profile, state.blocks.at(lanes)
-    constants = state.constants.at(lanes)
-    point = blocks.value.edge.astype(int)
+    profile, rolling = state.profile, state.ground.rolling_friction
+    blocks, constants = select((state.blocks, state.constants), lanes)
+    point = blocks.edge.astype(int)
     left, right = np.maximum(point - 1, 0), np.minimum(point, profile.segments - 1)
-
-    def frictions(ground) -> EdgeFrictions:
-        rolling = ground.rolling_friction
-        return EdgeFrictions(rolling[..., lanes, left], rolling[..., lanes, right])
-
     edge = Edge(
         *(profile.x[point], profile.y[point]),
         left=Side(point > 0, point - 1, state.slope[left]),
@@ -110,11 +105,9 @@ def _advance(
     more: tuple = ()
     if obstacle is not None:
         segment = obstacle.segment.astype(int)
-        more = obstacle, state.ground.part("rolling_friction").at(lanes, segment)
-    crossed = call(
-        *(transition, blocks, constants, edge, state.ground.map(frictions)),
-        *(*more, state.limits),
-    )
+        more = obstacle, rolling[lanes, segment]
+    frictions = EdgeFrictions(rolling[lanes, left], rolling[lanes, right])
+    crossed = transition(blocks, constants, edge, frictions, *more, state.limits)
     state.move(lanes, crossed)
 
 
@@ -292,7 +285,10 @@ def _go_back(
     squared = speed**2 - rate * rise
     # Only rounding is left for a block that came from that segment.
     squared = jnp.where(jnp.abs(squared) < 1e-9 * rate * height, 0.0, squared)
-    goes = _begin_segment(block, constants, edge, side, friction, root(squared))
+    goes = _begin_segment(
+        *(block, constants, edge, side, friction),
+        speed=jnp.sqrt(jnp.maximum(squared, 0.0)),
+    )
     back = choose(squared < 0.0, block.ended(Ending.stopped), goes)
     return choose(side.exists > 0.0, back, block.ended(Ending.left_profile))
 

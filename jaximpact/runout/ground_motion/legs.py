@@ -6,7 +6,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...scene import GRAVITY
-from ..lane_programs import Values, call, closed_form, root
+from ..blocks import select
+from ..lane_programs import Values, closed_form
 from ..narrow_places import NONE
 from ..state import BlockConstants, BlockState, Limits, Phase, State, choose
 from ..terrain import SAME_PLANE
@@ -65,13 +66,13 @@ class _Break(NamedTuple):
 def move_along(state: State, lanes: np.ndarray) -> None:
     """Move blocks along their segments, to the end or as far as they get."""
     _find_segments(state, lanes)
-    place = state.blocks.value.segment[lanes].astype(int)
+    place = state.blocks.segment[lanes].astype(int)
     others = state.narrow.along[place]
     narrow = others[:, 0] != NONE
     if np.any(narrow):
         meets, obstacle = _obstacles(state, lanes[narrow], others[narrow])
         narrow[narrow] = meets
-        _advance(state, lanes[narrow], obstacle.at(meets))
+        _advance(state, lanes[narrow], select(obstacle, meets))
     _advance(state, lanes[~narrow])
 
 
@@ -79,9 +80,9 @@ def _obstacles(
     state: State, lanes: np.ndarray, others: np.ndarray
 ) -> tuple[np.ndarray, Obstacle]:
     """Find what blocks in narrow places run into on their way."""
-    block, constants = state.blocks.at(lanes).value, state.constants.at(lanes).value
+    block, constants = select((state.blocks, state.constants), lanes)
     own, profile = block.segment.astype(int), state.profile
-    start, foot = call(_start, block, constants, _local_ground(state, own)).value
+    start, foot = _start(block, constants, _local_ground(state, own))
     right, length = start.direction > 0.0, state.length[own]
     return obstacles_along(
         *(profile, others, own, (start.body.x, start.body.y), start.direction),
@@ -96,31 +97,21 @@ def _advance(state: State, lanes: np.ndarray, obstacle: Obstacle | None = None) 
     """Move blocks along their segments, towards obstacles if there are any."""
     if not len(lanes):
         return
-    blocks, constants = state.blocks.at(lanes), state.constants.at(lanes)
-    place = blocks.value.segment.astype(int)
+    blocks, constants = select((state.blocks, state.constants), lanes)
+    place, rolling = blocks.segment.astype(int), state.ground.rolling_friction
     last = state.profile.segments - 1
-    left, right = np.maximum(place - 1, 0), np.minimum(place + 1, last)
-
-    def frictions(ground) -> Frictions:
-        rolling = ground.rolling_friction
-        return Frictions(
-            rolling[..., lanes, place],
-            ground.sliding_friction[..., lanes, place],
-            rolling[..., lanes, left],
-            rolling[..., lanes, right],
-        )
-
-    ground = _local_ground(state, place), state.ground.map(frictions)
+    frictions = Frictions(
+        rolling[lanes, place],
+        state.ground.sliding_friction[lanes, place],
+        rolling[lanes, np.maximum(place - 1, 0)],
+        rolling[lanes, np.minimum(place + 1, last)],
+    )
+    given = blocks, constants, _local_ground(state, place), frictions
     if obstacle is None:
-        moved = call(_move, blocks, constants, *ground, state.limits)
+        after, leg = _move(*given, state.limits)
     else:
-        there = obstacle.segment.astype(int)
-        friction = state.ground.part("rolling_friction").at(lanes, there)
-        moved = call(
-            *(_move_to_obstacle, blocks, constants, *ground),
-            *(obstacle, friction, state.limits),
-        )
-    after, leg = moved.split()
+        friction = rolling[lanes, obstacle.segment.astype(int)]
+        after, leg = _move_to_obstacle(*given, obstacle, friction, state.limits)
     state.move(lanes, after, leg)
 
 
@@ -143,7 +134,7 @@ def _local_ground(state: State, place: np.ndarray) -> LocalGround:
 def _find_segments(state: State, lanes: np.ndarray) -> None:
     """Assign blocks that a contact took past the end of their segment to the next ones,
     as long as these go straight on."""
-    block = state.blocks.value
+    block = state.blocks
     while len(lanes):
         place = block.segment[lanes].astype(int)
         x, y = block.body.x[lanes], block.body.y[lanes]
@@ -250,15 +241,14 @@ def _follow(
     ratio = constants.inertia_ratio(block.rolls)
     needed = barrier(constants, slope, frictions.rolling)
     needed = jnp.where(block.is_rolling, needed, 0.0)
+    least = 2.0 * needed / (constants.mass_properties.mass * (1.0 + ratio))
     leg = follow_segment(
-        speed=root(block.speed_squared),
+        speed=block.speed,
         descent=block.direction * slope,
         distance=distance,
         friction=jnp.where(block.is_rolling, frictions.rolling, frictions.sliding),
         inertia_ratio=ratio,
-        least_speed=root(
-            2.0 * needed / (constants.mass_properties.mass * (1.0 + ratio))
-        ),
+        least_speed=jnp.sqrt(jnp.maximum(least, 0.0)),
     )
     height = constants.centre_height(block.rolls)
     block, piece = _advanced(block, leg, slope, height)
@@ -311,7 +301,7 @@ def _advanced(
     block: BlockState, leg: Leg, slope: Values, height: Values
 ) -> tuple[BlockState, Pieces]:
     """Move a block to the end of a leg, and describe that motion."""
-    body, speed = block.body, root(block.speed_squared)
+    body, speed = block.body, block.speed
     t_x, t_y = block.direction * jnp.cos(slope), -block.direction * jnp.sin(slope)
     turn = jnp.where(block.is_rolling, block.direction / height, 0.0)
     rolling, sliding = float(MotionMode.rolling), float(MotionMode.sliding)

@@ -24,7 +24,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..blocks import Body
-from ..lane_programs import Values, root
+from ..lane_programs import Values
 from ..narrow_places import NONE, ROUNDING
 from ..terrain import Profile
 from .running_into import Plane
@@ -47,10 +47,6 @@ class Obstacle(NamedTuple):
     point: Values
     """Number of the point; -1 for a face."""
 
-    def at(self, lanes: np.ndarray) -> "Obstacle":
-        """Select lanes."""
-        return Obstacle(*(column[lanes] for column in self))
-
 
 def distance_to(
     obstacle: Obstacle, body: Body, direction: tuple[Values, Values], height: Values
@@ -68,7 +64,8 @@ def distance_to(
     to_face = -(sin * to_x + cos * to_y) - height
     to_face /= jnp.where(towards > 0.0, towards, 1.0)
     along = direction[0] * to_x + direction[1] * to_y
-    to_point = along - root(along**2 - (to_x**2 + to_y**2 - height**2))
+    left = along**2 - (to_x**2 + to_y**2 - height**2)
+    to_point = along - jnp.sqrt(jnp.maximum(left, 0.0))
     return jnp.maximum(jnp.where(obstacle.is_point > 0.0, to_point, to_face), 0.0)
 
 

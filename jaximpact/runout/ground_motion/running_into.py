@@ -5,7 +5,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 
 from ..blocks import support
-from ..lane_programs import Values, root
+from ..lane_programs import Values
 from ..state import BlockConstants, BlockState, Phase, choose
 from ..trajectory import Ending
 from .rolling import begin_on_ground, small_speed
@@ -45,7 +45,7 @@ def run_into(
         rolling_friction: tangent of the angle of rolling friction there.
     """
     body, direction, after = block.body, block.direction, plane.slope
-    speed = root(block.speed_squared)
+    speed = block.speed
     spin = direction * speed / constants.centre_height(block.rolls)
     spin = jnp.where(block.is_rolling, spin, 0.0)
     sin, cos = jnp.sin(after), jnp.cos(after)

@@ -1,1 +1,0 @@
-"""Derivatives of trajectories with respect to block, ground and release."""
