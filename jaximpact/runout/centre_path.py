@@ -12,16 +12,19 @@ concave corner. So there are no narrow places: what a block cannot touch is not 
 All that is looked up is kept twice, for the profile and for its mirror image, since a
 block that moves to the left moves to the right in the mirror. Directions are unit
 vectors, not angles: sums, products and roots have the same bits for one block and for
-many.
+many, in NumPy too.
 """
 
 import dataclasses
 import math
 from typing import NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
 
+from ..backend.simd.tables import address_of, entries
 from .element_reach import reaches
+from .lane_programs import Values, closed_form
 from .terrain import Profile
 
 LEFT_BEHIND = 1e-9
@@ -100,6 +103,8 @@ class CentrePath:
     it."""
     points: np.ndarray
     """x of the points of the profile [m]."""
+    table: np.ndarray
+    """What programs read of the elements, `(elements, columns)`; see `_Column`."""
 
     @classmethod
     def of(cls, profile: Profile, radius: float) -> "CentrePath":
@@ -108,8 +113,14 @@ class CentrePath:
         segments = np.arange(profile.segments)
         forth = _elements(profile.x, profile.y, segments)
         back = _elements(-profile.x[::-1], profile.y[::-1], segments[::-1])
-        both = (np.concatenate(pair) for pair in zip(forth, back, strict=True))
-        return cls(Elements(*both), np.concatenate([reach, reach[::-1]]), profile.x)
+        both = Elements(*map(np.concatenate, zip(forth, back, strict=True)))
+        columns = [getattr(both, name).astype(float) for name in _Column._fields]
+        return cls(
+            both,
+            np.concatenate([reach, reach[::-1]]),
+            profile.x,
+            np.ascontiguousarray(np.stack(columns, axis=1)),
+        )
 
     @property
     def count(self) -> int:
@@ -205,30 +216,45 @@ class CentrePath:
             touched = np.take_along_axis(touched, order, axis=1)
             keep = max(2, int(np.max(np.count_nonzero(touched, axis=1))))
             there, touched = there[:, :keep], touched[:, :keep]
-        ground = self.elements.at(there)
-        one = Elements(*(column[:, :-1] for column in ground))
-        two = Elements(*(column[:, 1:] for column in ground))
-        step = there[:, 1:] - there[:, :-1]
-        stop_x, stop_y = _meeting(one, two, step, h)
+        one, two = there[:, :-1], there[:, 1:]
+        meeting = _meet(address_of(self.table), one, two, h)
+        stop_x, stop_y = meeting.x, meeting.y
         # A block that stands at the end of its element is not set back.
         past = stop_x[:, 0] < x
         stop_x[:, 0] = np.where(past, x, stop_x[:, 0])
         stop_y[:, 0] = np.where(past, y, stop_y[:, 0])
-        start_x = np.concatenate([x[:, None], stop_x[:, :-1]], axis=1)
-        start_y = np.concatenate([y[:, None], stop_y[:, :-1]], axis=1)
+        first_x, first_y = self._normals(element, x, y, radius)
+
+        def behind(first: np.ndarray, stops: np.ndarray) -> np.ndarray:
+            return np.concatenate([first[:, None], stops[:, :-1]], axis=1)
+
         return Ahead(
-            element=there[:, :-1],
-            next_element=there[:, 1:],
+            element=one,
+            next_element=two,
             exists=touched[:, 1:],
-            start_x=start_x,
-            start_y=start_y,
+            start_x=behind(x, stop_x),
+            start_y=behind(y, stop_y),
             stop_x=stop_x,
             stop_y=stop_y,
-            **_normals("start", one, start_x, start_y, h),
-            **_normals("stop", one, stop_x, stop_y, h),
-            **_normals("next", two, stop_x, stop_y, h),
-            is_segment=one.is_segment,
-            is_whole=np.ones(step.shape, bool),
+            start_normal_x=behind(first_x, meeting.next_normal_x),
+            start_normal_y=behind(first_y, meeting.next_normal_y),
+            stop_normal_x=meeting.normal_x,
+            stop_normal_y=meeting.normal_y,
+            next_normal_x=meeting.next_normal_x,
+            next_normal_y=meeting.next_normal_y,
+            is_segment=self.elements.is_segment[one],
+            is_whole=np.ones(one.shape, bool),
+        )
+
+    def _normals(
+        self, element: np.ndarray, x: np.ndarray, y: np.ndarray, radius: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Compute normals of the path where blocks touch elements."""
+        ground = self.elements.at(element)
+        is_segment = ground.is_segment
+        return (
+            np.where(is_segment, ground.normal_x, (x - ground.x) / radius),
+            np.where(is_segment, ground.normal_y, (y - ground.y) / radius),
         )
 
 
@@ -326,50 +352,78 @@ def _elements(x: np.ndarray, y: np.ndarray, numbers: np.ndarray) -> Elements:
     )
 
 
-def _meeting(one: Elements, two: Elements, step: np.ndarray, h: np.ndarray):
-    """Compute the centres of circles that touch an element and a later one [m].
+class _Meeting(NamedTuple):
+    """Circle that touches an element and a later one."""
 
-    Args:
-        step: difference of their numbers: 1 for a segment and a point of it, 2 for
-            segments that meet in a concave break.
-    """
-    # On a segment, with the other's point, or its start, in the segment's frame.
+    x: Values
+    """Centre [m]."""
+    y: Values
+    normal_x: Values
+    """Normal of the path there, on the first of them."""
+    normal_y: Values
+    next_normal_x: Values
+    """Normal of the path there, on the second."""
+    next_normal_y: Values
+
+
+class _Column(NamedTuple):
+    """Element, as a row of `CentrePath.table` says."""
+
+    is_segment: Values
+    x: Values
+    y: Values
+    normal_x: Values
+    normal_y: Values
+    length: Values
+
+    def normal_at(self, x: Values, y: Values, h: Values) -> tuple[Values, Values]:
+        """Give the normal of the path where the centre is at x, y."""
+        is_segment = self.is_segment > 0.0
+        return (
+            jnp.where(is_segment, self.normal_x, (x - self.x) / h),
+            jnp.where(is_segment, self.normal_y, (y - self.y) / h),
+        )
+
+
+@closed_form
+def _meet(table: Values, first: Values, second: Values, h: Values) -> _Meeting:
+    """Compute the circle that touches an element and a later one."""
+    one, two = (
+        _Column(*entries(table, row, len(_Column._fields))) for row in (first, second)
+    )
+    # On a segment, with the other's point, or its start, in the segment's frame: of a
+    # point of its own, or of a segment behind a concave break, its end.
     d_x, d_y = two.x - one.x, two.y - one.y
-    along = one.normal_y * d_x - one.normal_x * d_y
-    across = one.normal_x * d_x + one.normal_y * d_y
-    beside = step <= 2
-    along = np.where(beside, one.length, along)
-    across = np.where(beside, 0.0, across)
+    beside = second - first <= 2.0
+    along = jnp.where(
+        beside, one.length, one.normal_y * d_x - one.normal_x * d_y
+    )
+    across = jnp.where(beside, 0.0, one.normal_x * d_x + one.normal_y * d_y)
     sin = one.normal_x * two.normal_y - one.normal_y * two.normal_x
     cos = one.normal_x * two.normal_x + one.normal_y * two.normal_y
     to_line = h * sin / (1.0 + cos)
-    to_line += np.where(beside, 0.0, across * cos / np.where(sin > 0.0, sin, 1.0))
-    to_point = np.sqrt(np.maximum(across * (2.0 * h - across), 0.0))
-    foot = along - np.where(two.is_segment, to_line, to_point)
-    on_segment_x = one.x + foot * one.normal_y + h * one.normal_x
-    on_segment_y = one.y - foot * one.normal_x + h * one.normal_y
+    to_line += jnp.where(beside, 0.0, across * cos / jnp.where(sin > 0.0, sin, 1.0))
+    to_point = jnp.sqrt(jnp.maximum(across * (2.0 * h - across), 0.0))
+    to_segment = two.is_segment > 0.0
+    foot = along - jnp.where(to_segment, to_line, to_point)
     # On a point, with the other's line below it, or another point.
     over = -(two.normal_x * d_x + two.normal_y * d_y)
-    over = np.where(step == 1, 0.0, np.clip(over, 0.0, 2.0 * h))
-    past = np.sqrt(over * (2.0 * h - over))
-    line_x = one.x + (h - over) * two.normal_x + past * two.normal_y
-    line_y = one.y + (h - over) * two.normal_y - past * two.normal_x
-    apart = np.sqrt(d_x**2 + d_y**2)
-    apart = np.where(apart > 0.0, apart, 1.0)
-    rise = np.sqrt(np.maximum(h**2 - 0.25 * apart**2, 0.0)) / apart
-    point_x = one.x + 0.5 * d_x - rise * d_y
-    point_y = one.y + 0.5 * d_y + rise * d_x
-    on_point_x = np.where(two.is_segment, line_x, point_x)
-    on_point_y = np.where(two.is_segment, line_y, point_y)
-    return (
-        np.where(one.is_segment, on_segment_x, on_point_x),
-        np.where(one.is_segment, on_segment_y, on_point_y),
+    over = jnp.where(second - first <= 1.0, 0.0, jnp.clip(over, 0.0, 2.0 * h))
+    past = jnp.sqrt(over * (2.0 * h - over))
+    apart = jnp.sqrt(d_x**2 + d_y**2)
+    apart = jnp.where(apart > 0.0, apart, 1.0)
+    rise = jnp.sqrt(jnp.maximum(h**2 - 0.25 * apart**2, 0.0)) / apart
+    from_x = jnp.where(
+        to_segment,
+        (h - over) * two.normal_x + past * two.normal_y,
+        0.5 * d_x - rise * d_y,
     )
-
-
-def _normals(name: str, ground: Elements, x, y, h) -> dict[str, np.ndarray]:
-    n_x, n_y = (x - ground.x) / h, (y - ground.y) / h
-    return {
-        f"{name}_normal_x": np.where(ground.is_segment, ground.normal_x, n_x),
-        f"{name}_normal_y": np.where(ground.is_segment, ground.normal_y, n_y),
-    }
+    from_y = jnp.where(
+        to_segment,
+        (h - over) * two.normal_y - past * two.normal_x,
+        0.5 * d_y + rise * d_x,
+    )
+    on_segment = one.is_segment > 0.0
+    x = one.x + jnp.where(on_segment, foot * one.normal_y + h * one.normal_x, from_x)
+    y = one.y + jnp.where(on_segment, h * one.normal_y - foot * one.normal_x, from_y)
+    return _Meeting(x, y, *one.normal_at(x, y, h), *two.normal_at(x, y, h))

@@ -1,10 +1,12 @@
 """Transition of blocks on the ground: along the path of the centre to the next event,
 and what happens there."""
 
+import concurrent.futures
 from typing import NamedTuple
 
 import numpy as np
 
+from ...backend.threads import thread_count
 from ...scene import GRAVITY
 from ..blocks import put, select
 from ..centre_path import LEFT_BEHIND
@@ -19,7 +21,7 @@ from .take_off import take_off
 SHORTEST_LOOK, LONGEST_LOOK = 4, 128
 """Numbers of elements ahead that a ride looks at: few after an event, more as it goes
 on."""
-LARGEST_TABLE = 200_000
+LARGEST_TABLE = 60_000
 """Elements ahead, of all blocks together, that are looked at at a time, for the caches
 of a core."""
 
@@ -30,11 +32,19 @@ def move_along(state: State, lanes: np.ndarray) -> None:
     lanes = _placed(state, lanes)
     while len(lanes):
         looks = state.look[lanes]
+        jobs = []
         for width in np.unique(looks):
             alike = lanes[looks == width]
             parts = -(-len(alike) * int(width) // LARGEST_TABLE)
-            for part in np.array_split(alike, parts):
-                _ride(state, part, int(width))
+            jobs += [(part, int(width)) for part in np.array_split(alike, parts)]
+        # The first alone: what is compiled is compiled once.
+        _ride(state, *jobs[0])
+        if len(jobs) > 2 and thread_count() > 1:
+            with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
+                list(pool.map(lambda job: _ride(state, *job), jobs[1:]))
+        else:
+            for job in jobs[1:]:
+                _ride(state, *job)
         grounded = blocks.phase[lanes] == Phase.grounded
         known = blocks.element[lanes] != UNKNOWN
         lanes = lanes[grounded & known]

@@ -45,12 +45,14 @@ MILD = LARGEST_TURN
 points then lie closer than an eighth of the curve's radius."""
 CURVE = 2.0
 """Radii of the block, at both sides, to which a single point may belong to a curve."""
-PIECE_TURN, PIECE_LENGTH, PIECE_LENGTH_M = 0.02, 4.0, 0.5
-"""Turn [rad], and length in radii or in metres, whichever is more, up to which small
-elements are one piece of a trajectory together: it lies apart from the path by a
-hundredth of the radius, or by 1.25 mm, at most."""
+PIECE_TURN, PIECE_LENGTH = 0.05, 8.0
+"""Turn [rad] and length, in radii, up to which small elements are one piece of a
+trajectory together. It is a parabola, which follows a curve: it lies apart from the
+path by two hundredths of the radius, or 1 mm, at most."""
+LEAST_PIECE, MOST_PIECE = 0.5, 2.5
+"""Bounds of that length [m]."""
 SMALL_PART = 0.25
-"""Part of these up to which an element is small."""
+"""Part of these up to which an element, or a corner, is small."""
 PAST_THE_EDGE = 1e-3
 """Turn beyond the one at which a block leaves an edge, at which its flight begins
 [rad]; at the very one it would leave too slowly to be told from staying."""
@@ -506,12 +508,14 @@ def _begin_pieces(ahead: Ahead, length: np.ndarray, h: np.ndarray) -> np.ndarray
     long as they do not turn or lead too far."""
     arc = ~ahead.is_segment
     turn = np.where(arc, length / h, 0.0)
-    longest = np.maximum(PIECE_LENGTH * h, PIECE_LENGTH_M)
+    longest = np.clip(PIECE_LENGTH * h, LEAST_PIECE, MOST_PIECE)
     small = turn < SMALL_PART * PIECE_TURN
     small &= length < SMALL_PART * longest
-    total = turn + np.maximum(_corner(ahead)[0], 0.0)
+    corner = np.maximum(_corner(ahead)[0], 0.0)
+    total = turn + corner
     begins = np.ones(length.shape, bool)
     begins[:, 1:] = ~(small[:, 1:] & small[:, :-1])
+    begins[:, 1:] |= corner[:, :-1] >= SMALL_PART * PIECE_TURN
     for amount, most in ((total, PIECE_TURN), (length, longest)):
         part = np.floor(np.cumsum(amount, axis=1) / most)
         begins[:, 1:] |= part[:, 1:] != part[:, :-1]
