@@ -25,7 +25,7 @@ import numpy as np
 from ..backend.simd.tables import address_of, entries
 from .element_reach import reaches
 from .lane_programs import Values, closed_form
-from .terrain import Profile
+from .terrain import Profile, straight_lines
 
 LEFT_BEHIND = 1e-9
 """Distance to the end of an element, as a fraction of the radius, that is rounding."""
@@ -48,11 +48,13 @@ class Elements(NamedTuple):
     length: np.ndarray
     """Length of the segment [m]; 0 of a point."""
     behind: np.ndarray
-    """Number of the segment, or of the one behind a point, in the profile."""
+    """Number of the profile's segment behind a point, or of the first of an element's
+    segments."""
     ahead: np.ndarray
-    """Number of the segment, or of the one ahead of a point, in the profile."""
+    """Number of the profile's segment ahead of a point, or of the last of an element's
+    segments."""
     shorter: np.ndarray
-    """Length of the shorter of the segments beside a point [m]."""
+    """Length of the shorter of the straight lines beside a point [m]."""
     on_curve: np.ndarray
     """True of a point of a curve: both points beside it bend the same way, by at least
     half as much."""
@@ -102,23 +104,37 @@ class CentrePath:
     """Largest radius of a circle that touches an element [m], as far as blocks need
     it."""
     points: np.ndarray
-    """x of the points of the profile [m]."""
+    """x of the points at which the profile or its ground changes [m]."""
     table: np.ndarray
     """What programs read of the elements, `(elements, columns)`; see `_Column`."""
 
     @classmethod
-    def of(cls, profile: Profile, radius: float) -> "CentrePath":
-        """Find the paths over a profile for blocks up to a radius [m]."""
-        reach = reaches(profile.x, profile.y, 1.001 * radius)
-        segments = np.arange(profile.segments)
-        forth = _elements(profile.x, profile.y, segments)
-        back = _elements(-profile.x[::-1], profile.y[::-1], segments[::-1])
+    def of(
+        cls, profile: Profile, radius: float, changes: np.ndarray | None = None
+    ) -> "CentrePath":
+        """Find the paths over a profile for blocks up to a radius [m].
+
+        Args:
+            changes: true where the ground changes from a segment to the next,
+                `(segments - 1,)`; by default nowhere. Elsewhere segments on a straight
+                line are one element.
+        """
+        breaks = np.diff(straight_lines(profile.x, profile.y)) > 0
+        if changes is not None:
+            breaks |= changes
+        inner = np.flatnonzero(breaks) + 1
+        points = np.concatenate([[0], inner, [profile.segments]])
+        x, y = profile.x[points], profile.y[points]
+        reach = reaches(x, y, 1.001 * radius)
+        first, last = points[:-1], points[1:] - 1
+        forth = _elements(x, y, first, last)
+        back = _elements(-x[::-1], y[::-1], last[::-1], first[::-1])
         both = Elements(*map(np.concatenate, zip(forth, back, strict=True)))
         columns = [getattr(both, name).astype(float) for name in _Column._fields]
         return cls(
             both,
             np.concatenate([reach, reach[::-1]]),
-            profile.x,
+            x,
             np.ascontiguousarray(np.stack(columns, axis=1)),
         )
 
@@ -317,8 +333,11 @@ def _halved(ahead: Ahead, halved: np.ndarray, radius: np.ndarray) -> Ahead:
     )
 
 
-def _elements(x: np.ndarray, y: np.ndarray, numbers: np.ndarray) -> Elements:
-    """List the elements of a polyline, whose segments have these numbers."""
+def _elements(
+    x: np.ndarray, y: np.ndarray, first: np.ndarray, last: np.ndarray
+) -> Elements:
+    """List the elements of a polyline, given the numbers of the segments of the profile
+    that each of its lines begins and ends with."""
     d_x, d_y = np.diff(x), np.diff(y)
     length = np.sqrt(d_x**2 + d_y**2)
 
@@ -328,13 +347,7 @@ def _elements(x: np.ndarray, y: np.ndarray, numbers: np.ndarray) -> Elements:
         return out
 
     zero = np.zeros(len(x))
-    shorter, turn = zero.copy(), zero.copy()
-    shorter[1:-1] = np.minimum(length[1:], length[:-1])
-    turn[1:-1] = d_y[:-1] * d_x[1:] - d_x[:-1] * d_y[1:]
-    turn[1:-1] /= length[:-1] * length[1:]
-    beside = np.minimum(turn[:-2], turn[2:])
-    on_curve = zero > 1.0
-    on_curve[1:-1] = (turn[1:-1] > 0.0) & (beside >= 0.5 * turn[1:-1])
+    shorter, on_curve = _curves(x, y)
     no_length, nowhere = np.zeros(len(length)), np.zeros(len(length), bool)
     return Elements(
         is_segment=woven(zero > 1.0, length > 0.0),
@@ -345,11 +358,28 @@ def _elements(x: np.ndarray, y: np.ndarray, numbers: np.ndarray) -> Elements:
         normal_x=woven(zero, -d_y / length),
         normal_y=woven(zero, d_x / length),
         length=woven(zero, length),
-        behind=woven(np.concatenate([numbers[:1], numbers]), numbers),
-        ahead=woven(np.concatenate([numbers, numbers[-1:]]), numbers),
+        behind=woven(np.concatenate([first[:1], last]), first),
+        ahead=woven(np.concatenate([first, last[-1:]]), last),
         shorter=woven(shorter, no_length),
         on_curve=woven(on_curve, nowhere),
     )
+
+
+def _curves(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Give `Elements.shorter` and `Elements.on_curve` of the points of a polyline."""
+    line = straight_lines(x, y)
+    breaks = np.flatnonzero(np.diff(line)) + 1
+    ends = np.concatenate([[0], breaks, [len(x) - 1]])
+    d_x, d_y = np.diff(x[ends]), np.diff(y[ends])
+    length = np.sqrt(d_x**2 + d_y**2)
+    turn = np.zeros(len(ends))
+    turn[1:-1] = d_y[:-1] * d_x[1:] - d_x[:-1] * d_y[1:]
+    turn[1:-1] /= length[:-1] * length[1:]
+    beside = np.minimum(turn[:-2], turn[2:])
+    shorter, on_curve = length[np.append(line, line[-1])], np.zeros(len(x), bool)
+    shorter[breaks] = np.minimum(length[1:], length[:-1])
+    on_curve[breaks] = (turn[1:-1] > 0.0) & (beside >= 0.5 * turn[1:-1])
+    return shorter, on_curve
 
 
 class _Meeting(NamedTuple):
@@ -395,9 +425,7 @@ def _meet(table: Values, first: Values, second: Values, h: Values) -> _Meeting:
     # point of its own, or of a segment behind a concave break, its end.
     d_x, d_y = two.x - one.x, two.y - one.y
     beside = second - first <= 2.0
-    along = jnp.where(
-        beside, one.length, one.normal_y * d_x - one.normal_x * d_y
-    )
+    along = jnp.where(beside, one.length, one.normal_y * d_x - one.normal_x * d_y)
     across = jnp.where(beside, 0.0, one.normal_x * d_x + one.normal_y * d_y)
     sin = one.normal_x * two.normal_y - one.normal_y * two.normal_x
     cos = one.normal_x * two.normal_x + one.normal_y * two.normal_y

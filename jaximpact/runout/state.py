@@ -231,7 +231,7 @@ class State:
         return cls(
             profile=profile,
             release=release,
-            path=CentrePath.of(profile, float(np.max(radius))),
+            path=CentrePath.of(profile, float(np.max(radius)), _changes(surface)),
             limits=limits,
             seed=0 if ground is None else ground.seed,
             numbers=np.arange(n) if numbers is None else numbers,
@@ -353,6 +353,16 @@ def _at_release(body: Body) -> BlockState:
     )
     # Each field is written to.
     return jax.tree.map(lambda leaf: np.array(leaf, float), state)
+
+
+def _changes(surface: Ground | Profile) -> np.ndarray:
+    """Tell where the ground of any block changes from a segment to the next."""
+    leaves = jax.tree.leaves((surface.soil, surface.rolling_friction_angle))
+    changes = np.zeros(1, bool)
+    for leaf in map(np.atleast_2d, leaves):
+        if leaf.shape[1] > 1:
+            changes = changes | np.any(leaf[:, 1:] != leaf[:, :-1], axis=0)
+    return changes
 
 
 def _ground_of_blocks(

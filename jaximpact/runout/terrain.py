@@ -179,6 +179,13 @@ class Profile(ShownAsTable):
         """Give the fields, without what was computed from them."""
         return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
 
+    @cached_property
+    def straight_length(self) -> np.ndarray:
+        """Lengths of the straight lines that the segments belong to [m],
+        `(segments,)`."""
+        line = straight_lines(self.x, self.y)
+        return _fixed(np.bincount(line, weights=self.length)[line])
+
     def height(self, x) -> np.ndarray:
         """Interpolate the height of the ground at x [m]; beyond the ends it is that of
         the end points."""
@@ -221,6 +228,19 @@ def _fixed(values: np.ndarray) -> np.ndarray:
     """Make an array that is handed out many times read-only."""
     values.setflags(write=False)
     return values
+
+
+def straight_lines(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Number the straight lines of a polyline: points on a line divide it into
+    segments, and change nothing.
+
+    Returns:
+        The line of each segment, from 0, `(segments,)`.
+    """
+    d_x, d_y = np.diff(x), np.diff(y)
+    length = np.sqrt(d_x**2 + d_y**2)
+    turn = (d_y[:-1] * d_x[1:] - d_x[:-1] * d_y[1:]) / (length[:-1] * length[1:])
+    return np.concatenate([[0], np.cumsum(np.abs(turn) > SAME_PLANE)])
 
 
 def _problem_with_points(x: np.ndarray, y: np.ndarray) -> str | None:

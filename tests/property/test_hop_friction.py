@@ -78,7 +78,13 @@ def test_it_is_the_loss_between_flights(angles):
         rolls = np.flatnonzero(np.isin(pieces.motion[rows], [1, 2]))
         rows = rows[: rolls[0]] if len(rolls) else rows
         flights = rows[pieces.motion[rows] == MotionMode.flight]
-        hits = rows[pieces.motion[rows] == MotionMode.contact]
+        hits = rows[
+            1:
+        ][
+            (pieces.motion[rows[1:]] == MotionMode.contact)
+            # Not the one in which a round block takes the place of the ellipse.
+            & (pieces.motion[rows[:-1]] == MotionMode.flight)
+        ]
         if len(hits) < 3:
             continue
         energies = [

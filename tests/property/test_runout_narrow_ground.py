@@ -102,8 +102,8 @@ def test_blocks_find_their_ends_among_walls(of_profile, seed):
     for part in np.linspace(0.0, 1.0, 9):
         at = state_after(rolling, part * rolling.duration)
         depths.append(radius - distance_to_ground(profile, at.x, at.y))
-    # of rounding, over slopes of a hundred metres
-    assert np.all(np.max(depths, axis=0) < np.maximum(depths[0], 0.0) + 1e-7)
+    # Pieces lie apart from the path that the centre takes by a hundredth of the radius.
+    assert np.all(np.max(depths, axis=0) < np.maximum(depths[0], 0.0) + 0.01 * radius)
 
 
 @pytest.mark.parametrize("of_profile", [walls, sawtooth])

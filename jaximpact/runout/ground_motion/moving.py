@@ -81,6 +81,9 @@ def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
     along = block.direction * np.sqrt(np.maximum(block.speed_squared, 0.0))
     spin = np.where(riders.rolls, along / riders.radius, 0.0)
     ending = np.where(left, float(Ending.left_profile), float(Ending.stopped))
+    # A block that flies goes on as it would have gone along what it struck.
+    along = block.direction * np.sqrt(np.maximum(block.speed_squared, 0.0))
+    spin = np.where(riders.rolls, along / riders.radius, 0.0)
     after = block._replace(
         element=np.where(flies, UNKNOWN, element),
         speed_squared=np.where(ends, block.speed_squared, squared),
@@ -259,7 +262,15 @@ def _come_to_limit(state: State, lanes: np.ndarray, there: _Arrival) -> None:
 def _strike(state: State, lanes: np.ndarray, there: _Arrival) -> None:
     """Let blocks strike what is ahead at a corner."""
     block, constants = select((state.blocks, state.constants), lanes)
-    segment = state.path.elements.behind[block.element.astype(int)]
+    ground = state.path.elements.at(block.element.astype(int))
+    touching_x = block.direction * (
+        block.direction * block.body.x - there.riders.radius * there.next_normal_x
+    )
+    number = np.searchsorted(state.profile.x, touching_x, side="right") - 1
+    least = np.minimum(ground.behind, ground.ahead)
+    most = np.maximum(ground.behind, ground.ahead)
+    on_line = np.clip(number, least, most)
+    segment = np.where(ground.is_segment, on_line, ground.behind)
     corner = Corner(
         *(block.direction * there.normal_x, there.normal_y),
         *(block.direction * there.next_normal_x, there.next_normal_y),

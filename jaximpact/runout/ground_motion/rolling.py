@@ -192,11 +192,14 @@ def lie_down(block: BlockState, constants: BlockConstants, plane: Values) -> Blo
         plane: angle of the plane on which it rests [rad].
     """
     drop = constants.round.radius - constants.outline.smallest
+    sin, cos = jnp.sin(plane), jnp.cos(plane)
     return block._replace(
         rolls=jnp.zeros_like(block.rolls),
         element=jnp.full_like(block.element, UNKNOWN),
+        normal_x=sin,
+        normal_y=cos,
     ).moved(
-        x=block.body.x - drop * jnp.sin(plane),
-        y=block.body.y - drop * jnp.cos(plane),
+        x=block.body.x - drop * sin,
+        y=block.body.y - drop * cos,
         orientation=lying_orientation(block.body.orientation, constants, plane),
     )
