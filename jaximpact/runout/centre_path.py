@@ -239,7 +239,7 @@ class CentrePath:
         past = stop_x[:, 0] < x
         stop_x[:, 0] = np.where(past, x, stop_x[:, 0])
         stop_y[:, 0] = np.where(past, y, stop_y[:, 0])
-        first_x, first_y = self._normals(element, x, y, radius)
+        first_x, first_y = _normal(address_of(self.table), element, x, y, radius)
 
         def behind(first: np.ndarray, stops: np.ndarray) -> np.ndarray:
             return np.concatenate([first[:, None], stops[:, :-1]], axis=1)
@@ -260,17 +260,6 @@ class CentrePath:
             next_normal_y=meeting.next_normal_y,
             is_segment=self.elements.is_segment[one],
             is_whole=np.ones(one.shape, bool),
-        )
-
-    def _normals(
-        self, element: np.ndarray, x: np.ndarray, y: np.ndarray, radius: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Compute normals of the path where blocks touch elements."""
-        ground = self.elements.at(element)
-        is_segment = ground.is_segment
-        return (
-            np.where(is_segment, ground.normal_x, (x - ground.x) / radius),
-            np.where(is_segment, ground.normal_y, (y - ground.y) / radius),
         )
 
 
@@ -413,6 +402,12 @@ class _Column(NamedTuple):
             jnp.where(is_segment, self.normal_x, (x - self.x) / h),
             jnp.where(is_segment, self.normal_y, (y - self.y) / h),
         )
+
+
+@closed_form
+def _normal(table: Values, element: Values, x: Values, y: Values, h: Values):
+    """Compute the normal of the path on an element, as `_meet` does."""
+    return _Column(*entries(table, element, len(_Column._fields))).normal_at(x, y, h)
 
 
 @closed_form
