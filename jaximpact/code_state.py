@@ -264,7 +264,8 @@ class _Walker:
         # Without its module: one of a file by name is called by what is in the file.
         self.add("object", kind.__qualname__)
         self.visit(kind)
-        self.visit(_attributes(value))
+        own = _attributes(value)
+        self.visit({n: own[n] for n in own if n not in _worked_out(kind)})
         for name in _slots(kind):
             with contextlib.suppress(Exception):  # not set
                 self.visit(getattr(value, name))
@@ -373,6 +374,18 @@ def _is_key(value: jax.Array) -> bool:
 def _attributes(value) -> dict[str, Any]:
     found = getattr(value, "__dict__", None)
     return found if isinstance(found, dict) else {}
+
+
+def _worked_out(kind: type) -> set[str]:
+    """List what objects of the package work out when first asked: it follows from the
+    rest. Users may set theirs."""
+    return {
+        name
+        for base in kind.__mro__
+        if top_of(base.__module__) == PACKAGE
+        for name, held in vars(base).items()
+        if isinstance(held, functools.cached_property)
+    }
 
 
 def _slots(kind: type) -> list[str]:

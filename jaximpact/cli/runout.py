@@ -75,8 +75,13 @@ A profile's CSV has the columns x_m and y_m; any quantity of the soil,
 rolling_friction_angle_deg and roughness_deg, which hold from their point to the next;
 and material, which names a table [ground.materials.NAME] without from_x_m and to_x_m. A
 DXF drawing (AutoCAD; needs the package ezdxf) has the profile as one polyline, or lines
-and arcs that join, x to the right and y up, in metres or the unit that it names; layer
-says on which layer, where there are several lines.
+and arcs that join, also in blocks, x to the right and y up, in metres or the unit that
+it names; layer says on which layer, where there are several lines. Of a closed line the
+upper part is the profile.
+[profile] may have smooth_m, which takes the noise of measurement out of the heights of
+points some times closer: each becomes that of a parabola fitted to the points about it,
+weighted by a Gaussian along x whose standard deviation is smooth_m. The report says by
+how much heights move. Walls and steps are rounded off.
 Materials must not overlap. Where none is, [ground] holds.
 What [ground] does not give has its default below; rolling_friction_angle_deg is 20,
 an assumption, and roughness_deg 0.

@@ -12,17 +12,20 @@ concave corner. So there are no narrow places: what a block cannot touch is not 
 All that is looked up is kept twice, for the profile and for its mirror image, since a
 block that moves to the left moves to the right in the mirror. Directions are unit
 vectors, not angles: sums, products and roots have the same bits for one block and for
-many.
+many, in NumPy too.
 """
 
 import dataclasses
 import math
 from typing import NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
 
-from .terrain import Profile, straight_lines
+from ..backend.simd.tables import address_of, entries
 from .element_reach import reaches
+from .lane_programs import Values, closed_form
+from .terrain import Profile, straight_lines
 
 LEFT_BEHIND = 1e-9
 """Distance to the end of an element, as a fraction of the radius, that is rounding."""
@@ -45,9 +48,11 @@ class Elements(NamedTuple):
     length: np.ndarray
     """Length of the segment [m]; 0 of a point."""
     behind: np.ndarray
-    """Number of the segment, or of the one behind a point, in the profile."""
+    """Number of the profile's segment behind a point, or of the first of an element's
+    segments."""
     ahead: np.ndarray
-    """Number of the segment, or of the one ahead of a point, in the profile."""
+    """Number of the profile's segment ahead of a point, or of the last of an element's
+    segments."""
     shorter: np.ndarray
     """Length of the shorter of the straight lines beside a point [m]."""
     on_curve: np.ndarray
@@ -99,17 +104,39 @@ class CentrePath:
     """Largest radius of a circle that touches an element [m], as far as blocks need
     it."""
     points: np.ndarray
-    """x of the points of the profile [m]."""
+    """x of the points at which the profile or its ground changes [m]."""
+    table: np.ndarray
+    """What programs read of the elements, `(elements, columns)`; see `_Column`."""
 
     @classmethod
-    def of(cls, profile: Profile, radius: float) -> "CentrePath":
-        """Find the paths over a profile for blocks up to a radius [m]."""
-        reach = reaches(profile.x, profile.y, 1.001 * radius)
-        segments = np.arange(profile.segments)
-        forth = _elements(profile.x, profile.y, segments)
-        back = _elements(-profile.x[::-1], profile.y[::-1], segments[::-1])
-        both = (np.concatenate(pair) for pair in zip(forth, back, strict=True))
-        return cls(Elements(*both), np.concatenate([reach, reach[::-1]]), profile.x)
+    def of(
+        cls, profile: Profile, radius: float, changes: np.ndarray | None = None
+    ) -> "CentrePath":
+        """Find the paths over a profile for blocks up to a radius [m].
+
+        Args:
+            changes: true where the ground changes from a segment to the next,
+                `(segments - 1,)`; by default nowhere. Elsewhere segments on a straight
+                line are one element.
+        """
+        breaks = np.diff(straight_lines(profile.x, profile.y)) > 0
+        if changes is not None:
+            breaks |= changes
+        inner = np.flatnonzero(breaks) + 1
+        points = np.concatenate([[0], inner, [profile.segments]])
+        x, y = profile.x[points], profile.y[points]
+        reach = reaches(x, y, 1.001 * radius)
+        first, last = points[:-1], points[1:] - 1
+        forth = _elements(x, y, first, last)
+        back = _elements(-x[::-1], y[::-1], last[::-1], first[::-1])
+        both = Elements(*map(np.concatenate, zip(forth, back, strict=True)))
+        columns = [getattr(both, name).astype(float) for name in _Column._fields]
+        return cls(
+            both,
+            np.concatenate([reach, reach[::-1]]),
+            x,
+            np.ascontiguousarray(np.stack(columns, axis=1)),
+        )
 
     @property
     def count(self) -> int:
@@ -139,7 +166,7 @@ class CentrePath:
         past = np.searchsorted(self.points, x + radius, side="right")
         first, past = np.maximum(first, 0), np.minimum(past, last)
         best = np.full(len(x), -np.inf)
-        found = np.zeros(len(x), int)
+        element = np.zeros(len(x), int)
         # Block after block, with few columns where few segments are near.
         width = 2 * (past - first) + 1
         for columns in np.unique(2 ** np.ceil(np.log2(width)).astype(int)):
@@ -154,9 +181,9 @@ class CentrePath:
             same = heights >= (highest - rounding)[:, None]
             after = columns - 1 - np.argmax(same[:, ::-1], axis=1)
             column = np.where(right, after, np.argmax(same, axis=1))
-            found[chosen] = there[np.arange(len(chosen)), column]
+            element[chosen] = there[np.arange(len(chosen)), column]
             best[chosen] = highest
-        return np.where(direction > 0.0, found, self.mirrored(found)), best
+        return np.where(direction > 0.0, element, self.mirrored(element)), best
 
     def _heights(
         self, element: np.ndarray, x: np.ndarray, radius: np.ndarray
@@ -205,30 +232,34 @@ class CentrePath:
             touched = np.take_along_axis(touched, order, axis=1)
             keep = max(2, int(np.max(np.count_nonzero(touched, axis=1))))
             there, touched = there[:, :keep], touched[:, :keep]
-        ground = self.elements.at(there)
-        one = Elements(*(column[:, :-1] for column in ground))
-        two = Elements(*(column[:, 1:] for column in ground))
-        step = there[:, 1:] - there[:, :-1]
-        stop_x, stop_y = _meeting(one, two, step, h)
+        one, two = there[:, :-1], there[:, 1:]
+        meeting = _meet(address_of(self.table), one, two, h)
+        stop_x, stop_y = meeting.x, meeting.y
         # A block that stands at the end of its element is not set back.
         past = stop_x[:, 0] < x
         stop_x[:, 0] = np.where(past, x, stop_x[:, 0])
         stop_y[:, 0] = np.where(past, y, stop_y[:, 0])
-        start_x = np.concatenate([x[:, None], stop_x[:, :-1]], axis=1)
-        start_y = np.concatenate([y[:, None], stop_y[:, :-1]], axis=1)
+        first_x, first_y = _normal(address_of(self.table), element, x, y, radius)
+
+        def behind(first: np.ndarray, stops: np.ndarray) -> np.ndarray:
+            return np.concatenate([first[:, None], stops[:, :-1]], axis=1)
+
         return Ahead(
-            element=there[:, :-1],
-            next_element=there[:, 1:],
+            element=one,
+            next_element=two,
             exists=touched[:, 1:],
-            start_x=start_x,
-            start_y=start_y,
+            start_x=behind(x, stop_x),
+            start_y=behind(y, stop_y),
             stop_x=stop_x,
             stop_y=stop_y,
-            **_normals("start", one, start_x, start_y, h),
-            **_normals("stop", one, stop_x, stop_y, h),
-            **_normals("next", two, stop_x, stop_y, h),
-            is_segment=one.is_segment,
-            is_whole=np.ones(step.shape, bool),
+            start_normal_x=behind(first_x, meeting.next_normal_x),
+            start_normal_y=behind(first_y, meeting.next_normal_y),
+            stop_normal_x=meeting.normal_x,
+            stop_normal_y=meeting.normal_y,
+            next_normal_x=meeting.next_normal_x,
+            next_normal_y=meeting.next_normal_y,
+            is_segment=self.elements.is_segment[one],
+            is_whole=np.ones(one.shape, bool),
         )
 
 
@@ -252,7 +283,9 @@ def _halved(ahead: Ahead, halved: np.ndarray, radius: np.ndarray) -> Ahead:
     """Divide some elements in two; rows that become shorter than others are filled up
     with what does not exist."""
     place = np.cumsum(1 + halved, axis=1) - 1
-    blocks, columns = np.indices(halved.shape)
+    count, width = halved.shape
+    blocks = np.broadcast_to(np.arange(count)[:, None], halved.shape)
+    columns = np.broadcast_to(np.arange(width), halved.shape)
     source = np.full((len(halved), int(np.max(place)) + 1), -1)
     source[blocks, place] = columns
     source[blocks[halved], place[halved] - 1] = columns[halved]
@@ -261,8 +294,8 @@ def _halved(ahead: Ahead, halved: np.ndarray, radius: np.ndarray) -> Ahead:
     second = np.zeros(source.shape, bool)
     second[blocks[halved], place[halved]] = True
     filled = source < 0
-    taken = np.where(filled, halved.shape[1] - 1, source)
-    parts = Ahead(*(np.take_along_axis(column, taken, axis=1) for column in ahead))
+    source = np.where(filled, halved.shape[1] - 1, source)
+    parts = Ahead(*(np.take_along_axis(column, source, axis=1) for column in ahead))
     # Half-way the normal is the mean of those at the ends.
     n_x = parts.start_normal_x + parts.stop_normal_x
     n_y = parts.start_normal_y + parts.stop_normal_y
@@ -289,8 +322,11 @@ def _halved(ahead: Ahead, halved: np.ndarray, radius: np.ndarray) -> Ahead:
     )
 
 
-def _elements(x: np.ndarray, y: np.ndarray, numbers: np.ndarray) -> Elements:
-    """List the elements of a polyline, whose segments have these numbers."""
+def _elements(
+    x: np.ndarray, y: np.ndarray, first: np.ndarray, last: np.ndarray
+) -> Elements:
+    """List the elements of a polyline, given the numbers of the segments of the profile
+    that each of its lines begins and ends with."""
     d_x, d_y = np.diff(x), np.diff(y)
     length = np.sqrt(d_x**2 + d_y**2)
 
@@ -311,8 +347,8 @@ def _elements(x: np.ndarray, y: np.ndarray, numbers: np.ndarray) -> Elements:
         normal_x=woven(zero, -d_y / length),
         normal_y=woven(zero, d_x / length),
         length=woven(zero, length),
-        behind=woven(np.concatenate([numbers[:1], numbers]), numbers),
-        ahead=woven(np.concatenate([numbers, numbers[-1:]]), numbers),
+        behind=woven(np.concatenate([first[:1], last]), first),
+        ahead=woven(np.concatenate([first, last[-1:]]), last),
         shorter=woven(shorter, no_length),
         on_curve=woven(on_curve, nowhere),
     )
@@ -335,50 +371,82 @@ def _curves(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return shorter, on_curve
 
 
-def _meeting(one: Elements, two: Elements, step: np.ndarray, h: np.ndarray):
-    """Compute the centres of circles that touch an element and a later one [m].
+class _Meeting(NamedTuple):
+    """Circle that touches an element and a later one."""
 
-    Args:
-        step: difference of their numbers: 1 for a segment and a point of it, 2 for
-            segments that meet in a concave break.
-    """
-    # On a segment, with the other's point, or its start, in the segment's frame.
+    x: Values
+    """Centre [m]."""
+    y: Values
+    normal_x: Values
+    """Normal of the path there, on the first of them."""
+    normal_y: Values
+    next_normal_x: Values
+    """Normal of the path there, on the second."""
+    next_normal_y: Values
+
+
+class _Column(NamedTuple):
+    """Element, as a row of `CentrePath.table` says."""
+
+    is_segment: Values
+    x: Values
+    y: Values
+    normal_x: Values
+    normal_y: Values
+    length: Values
+
+    def normal_at(self, x: Values, y: Values, h: Values) -> tuple[Values, Values]:
+        """Give the normal of the path where the centre is at x, y."""
+        is_segment = self.is_segment > 0.0
+        return (
+            jnp.where(is_segment, self.normal_x, (x - self.x) / h),
+            jnp.where(is_segment, self.normal_y, (y - self.y) / h),
+        )
+
+
+@closed_form
+def _normal(table: Values, element: Values, x: Values, y: Values, h: Values):
+    """Compute the normal of the path on an element, as `_meet` does."""
+    return _Column(*entries(table, element, len(_Column._fields))).normal_at(x, y, h)
+
+
+@closed_form
+def _meet(table: Values, first: Values, second: Values, h: Values) -> _Meeting:
+    """Compute the circle that touches an element and a later one."""
+    one, two = (
+        _Column(*entries(table, row, len(_Column._fields))) for row in (first, second)
+    )
+    # On a segment, with the other's point, or its start, in the segment's frame: of a
+    # point of its own, or of a segment behind a concave break, its end.
     d_x, d_y = two.x - one.x, two.y - one.y
-    along = one.normal_y * d_x - one.normal_x * d_y
-    across = one.normal_x * d_x + one.normal_y * d_y
-    beside = step <= 2
-    along = np.where(beside, one.length, along)
-    across = np.where(beside, 0.0, across)
+    beside = second - first <= 2.0
+    along = jnp.where(beside, one.length, one.normal_y * d_x - one.normal_x * d_y)
+    across = jnp.where(beside, 0.0, one.normal_x * d_x + one.normal_y * d_y)
     sin = one.normal_x * two.normal_y - one.normal_y * two.normal_x
     cos = one.normal_x * two.normal_x + one.normal_y * two.normal_y
     to_line = h * sin / (1.0 + cos)
-    to_line += np.where(beside, 0.0, across * cos / np.where(sin > 0.0, sin, 1.0))
-    to_point = np.sqrt(np.maximum(across * (2.0 * h - across), 0.0))
-    foot = along - np.where(two.is_segment, to_line, to_point)
-    on_segment_x = one.x + foot * one.normal_y + h * one.normal_x
-    on_segment_y = one.y - foot * one.normal_x + h * one.normal_y
+    to_line += jnp.where(beside, 0.0, across * cos / jnp.where(sin > 0.0, sin, 1.0))
+    to_point = jnp.sqrt(jnp.maximum(across * (2.0 * h - across), 0.0))
+    to_segment = two.is_segment > 0.0
+    foot = along - jnp.where(to_segment, to_line, to_point)
     # On a point, with the other's line below it, or another point.
     over = -(two.normal_x * d_x + two.normal_y * d_y)
-    over = np.where(step == 1, 0.0, np.clip(over, 0.0, 2.0 * h))
-    past = np.sqrt(over * (2.0 * h - over))
-    line_x = one.x + (h - over) * two.normal_x + past * two.normal_y
-    line_y = one.y + (h - over) * two.normal_y - past * two.normal_x
-    apart = np.sqrt(d_x**2 + d_y**2)
-    apart = np.where(apart > 0.0, apart, 1.0)
-    rise = np.sqrt(np.maximum(h**2 - 0.25 * apart**2, 0.0)) / apart
-    point_x = one.x + 0.5 * d_x - rise * d_y
-    point_y = one.y + 0.5 * d_y + rise * d_x
-    on_point_x = np.where(two.is_segment, line_x, point_x)
-    on_point_y = np.where(two.is_segment, line_y, point_y)
-    return (
-        np.where(one.is_segment, on_segment_x, on_point_x),
-        np.where(one.is_segment, on_segment_y, on_point_y),
+    over = jnp.where(second - first <= 1.0, 0.0, jnp.clip(over, 0.0, 2.0 * h))
+    past = jnp.sqrt(over * (2.0 * h - over))
+    apart = jnp.sqrt(d_x**2 + d_y**2)
+    apart = jnp.where(apart > 0.0, apart, 1.0)
+    rise = jnp.sqrt(jnp.maximum(h**2 - 0.25 * apart**2, 0.0)) / apart
+    from_x = jnp.where(
+        to_segment,
+        (h - over) * two.normal_x + past * two.normal_y,
+        0.5 * d_x - rise * d_y,
     )
-
-
-def _normals(name: str, ground: Elements, x, y, h) -> dict[str, np.ndarray]:
-    n_x, n_y = (x - ground.x) / h, (y - ground.y) / h
-    return {
-        f"{name}_normal_x": np.where(ground.is_segment, ground.normal_x, n_x),
-        f"{name}_normal_y": np.where(ground.is_segment, ground.normal_y, n_y),
-    }
+    from_y = jnp.where(
+        to_segment,
+        (h - over) * two.normal_y - past * two.normal_x,
+        0.5 * d_y + rise * d_x,
+    )
+    on_segment = one.is_segment > 0.0
+    x = one.x + jnp.where(on_segment, foot * one.normal_y + h * one.normal_x, from_x)
+    y = one.y + jnp.where(on_segment, h * one.normal_y - foot * one.normal_x, from_y)
+    return _Meeting(x, y, *one.normal_at(x, y, h), *two.normal_at(x, y, h))

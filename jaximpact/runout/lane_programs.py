@@ -166,7 +166,8 @@ class _ByXla:
         for start in range(0, max(lanes, 1), LANES_OF_XLA):
             part = rows[:, start : start + LANES_OF_XLA]
             missing = LANES_OF_XLA - part.shape[1]
-            padded = np.pad(part, ((0, 0), (0, missing)), "edge" if lanes else "empty")
+            mode = "edge" if lanes else "constant"
+            padded = np.pad(part, ((0, 0), (0, missing)), mode)
             with tracing():
                 found = jax.tree.leaves(self._run(padded))
             parts.append([np.array(x[: LANES_OF_XLA - missing], float) for x in found])

@@ -19,8 +19,8 @@ from .blocks import (
     put,
     select,
 )
-from .lane_programs import Values, closed_form
 from .centre_path import CentrePath
+from .lane_programs import Values, closed_form
 from .terrain import Ground, Profile, spread
 from .trajectory import (
     ContactRecord,
@@ -207,8 +207,11 @@ class State:
     pieces: Recorder
     look: np.ndarray
     """Number of elements ahead that a block on the ground looks at."""
-    held: np.ndarray
+    stays_on: np.ndarray
     """Element that a block on the ground does not leave; -1 for none."""
+    passed: np.ndarray
+    """x, in the mirror of a block that moves to the left, up to which a block on the
+    ground passes over corners in a hop [m]."""
     balked: np.ndarray
     """True for a block at rest on the ground that could not go the other way."""
 
@@ -228,7 +231,7 @@ class State:
         return cls(
             profile=profile,
             release=release,
-            path=CentrePath.of(profile, float(np.max(radius))),
+            path=CentrePath.of(profile, float(np.max(radius)), _changes(surface)),
             limits=limits,
             seed=0 if ground is None else ground.seed,
             numbers=np.arange(n) if numbers is None else numbers,
@@ -239,7 +242,8 @@ class State:
             contacts=Recorder(ContactRecord),
             pieces=Recorder(Pieces),
             look=np.zeros(n, int),
-            held=np.full(n, UNKNOWN),
+            stays_on=np.full(n, UNKNOWN),
+            passed=np.full(n, -np.inf),
             balked=np.zeros(n, bool),
         )
 
@@ -314,7 +318,10 @@ class State:
             lanes,
             Pieces(
                 *(zero, zero + MotionMode.contact, after.time, time, x, y, v_x, v_y),
-                *(2.0 * (d_x - v_x * time) / time**2, 2.0 * (d_y - v_y * time) / time**2),
+                *(
+                    2.0 * (d_x - v_x * time) / time**2,
+                    2.0 * (d_y - v_y * time) / time**2,
+                ),
                 after.body.orientation - 0.5 * (share + 1.0) * spin * time,
                 *(share * spin, (1.0 - share) * spin / time),
             ),
@@ -346,6 +353,16 @@ def _at_release(body: Body) -> BlockState:
     )
     # Each field is written to.
     return jax.tree.map(lambda leaf: np.array(leaf, float), state)
+
+
+def _changes(surface: Ground | Profile) -> np.ndarray:
+    """Tell where the ground of any block changes from a segment to the next."""
+    leaves = jax.tree.leaves((surface.soil, surface.rolling_friction_angle))
+    changes = np.zeros(1, bool)
+    for leaf in map(np.atleast_2d, leaves):
+        if leaf.shape[1] > 1:
+            changes = changes | np.any(leaf[:, 1:] != leaf[:, :-1], axis=0)
+    return changes
 
 
 def _ground_of_blocks(

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 import jax
@@ -16,6 +17,8 @@ from ..quantities import InputColumn, columns_of_part
 from ..scene import Soil
 from ..units import DEGREE
 from .coordinates import NARROWEST, problem_with, warn_of_unusual
+from .covers import cover_table
+from .smoothing import smooth_heights
 
 ROLLING_FRICTION_ANGLE = math.radians(20.0)
 """Default [rad]: an assumption, as the paper gives none."""
@@ -147,27 +150,65 @@ class Profile(ShownAsTable):
         """Number of segments."""
         return len(self.x) - 1
 
-    @property
+    @cached_property
     def slope(self) -> np.ndarray:
         """Angles w at which the segments descend to the right [rad], `(segments,)`."""
-        return -np.arctan2(np.diff(self.y), np.diff(self.x))
+        return _fixed(-np.arctan2(np.diff(self.y), np.diff(self.x)))
 
-    @property
+    @cached_property
     def length(self) -> np.ndarray:
         """Lengths of the segments [m], `(segments,)`."""
-        return np.hypot(np.diff(self.x), np.diff(self.y))
+        return _fixed(np.hypot(np.diff(self.x), np.diff(self.y)))
 
-    @property
+    @cached_property
+    def normal(self) -> tuple[np.ndarray, np.ndarray]:
+        """Normals out of the ground, x and y, each `(segments,)`."""
+        return _fixed(np.sin(self.slope)), _fixed(np.cos(self.slope))
+
+    @cached_property
+    def size(self) -> float:
+        """Largest coordinate of the points, without sign [m]."""
+        return float(max(np.max(np.abs(self.x)), np.max(np.abs(self.y))))
+
+    @cached_property
+    def covers(self) -> np.ndarray:
+        """Tree of covers over the segments; see `covers.cover_table`."""
+        return _fixed(cover_table(self.x, self.y))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Give the fields, without what was computed from them."""
+        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+
+    @cached_property
     def straight_length(self) -> np.ndarray:
         """Lengths of the straight lines that the segments belong to [m],
         `(segments,)`."""
         line = straight_lines(self.x, self.y)
-        return np.bincount(line, weights=self.length)[line]
+        return _fixed(np.bincount(line, weights=self.length)[line])
 
     def height(self, x) -> np.ndarray:
         """Interpolate the height of the ground at x [m]; beyond the ends it is that of
         the end points."""
         return np.interp(x, self.x, self.y)
+
+    def smoothed(self, length: float) -> "Profile":
+        """Smooth the heights, to take the noise out of a measured profile.
+
+        Each height becomes that of a parabola through the points about it, weighted by
+        a Gaussian along x. Points stay at their x, and segments keep their ground.
+
+        Args:
+            length: standard deviation of the Gaussian [m], at most a tenth of the
+                profile's length; some times the distance of the points.
+
+        Raises InputError for a length out of range. Warns of heights that change by
+        more than 0.5 m, as those of walls do, and of a length below the distance of the
+        points.
+        """
+        y = smooth_heights(self.x, self.y, length)
+        return Profile(
+            self.x, y, self.soil, self.rolling_friction_angle, self.roughness
+        )
 
     def display_rows(self) -> tuple[str, Rows]:
         """Give the number of segments, and ranges of what they are."""
@@ -181,6 +222,12 @@ class Profile(ShownAsTable):
             shown = range_of(values / columns[name].factor)
             rows.append((name, shown, columns[name].unit))
         return f"Profile: {self.segments} segments", rows
+
+
+def _fixed(values: np.ndarray) -> np.ndarray:
+    """Make an array that is handed out many times read-only."""
+    values.setflags(write=False)
+    return values
 
 
 def straight_lines(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -118,7 +118,8 @@ def _output_of(line: str) -> str:
 def folder_of_a_page(folder: Path):
     """Working directory in which a page is run: files of the page are modules there,
     and the project's studies are named as from its root."""
-    (folder / "calibration").symlink_to(ROOT / "calibration")
+    for studies in ("calibration", "slopes"):
+        (folder / studies).symlink_to(ROOT / studies)
     known = set(sys.modules)
     sys.path.insert(0, str(folder))
     try:

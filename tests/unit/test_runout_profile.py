@@ -4,10 +4,11 @@ import warnings
 
 import numpy as np
 import pytest
+from paths import ROOT
 
 from jaximpact import Block, Soil
 from jaximpact.errors import InputError, UnusualValueWarning
-from jaximpact.runout import Profile, Release, read_profile
+from jaximpact.runout import Profile, Release, read_profile, read_slope_study
 from jaximpact.runout.flight.placement import check_release
 from jaximpact.runout.study.drawing import drawn_grounds
 
@@ -103,6 +104,13 @@ def test_a_bad_file_is_refused_in_a_line(tmp_path, text, said):
 def test_a_missing_file_is_refused_in_a_line(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
         read_profile(tmp_path / "none.csv")
+
+
+def test_the_measured_profile_of_the_repository_is_a_study():
+    profile = read_slope_study(ROOT / "slopes/wallace-creek/study.toml").profile
+    np.testing.assert_array_equal(profile.x, np.arange(0.0, 977.0, 2.0))
+    # The wall that its SOURCE.md names.
+    assert profile.height(252.0) - profile.height(294.0) == pytest.approx(21.95)
 
 
 def test_a_few_grounds_are_drawn_one_by_one_and_many_in_classes():

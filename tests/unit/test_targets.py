@@ -15,6 +15,7 @@ from jaximpact.backend import operation
 from jaximpact.backend.simd import NoMachineCode, compile_kernel, kernel, target
 from jaximpact.backend.simd import system_functions as functions
 from jaximpact.backend.simd.driver import driver_text
+from jaximpact.backend.simd.tables import entries
 from jaximpact.backend.simd.target import Target
 
 WINDOWS = Target("x86_64-pc-windows-msvc", "x86-64-v3", "+fma,+avx2")
@@ -42,7 +43,8 @@ def all_targets():
 
 @pytest.fixture(scope="module")
 def text():
-    """A kernel in LLVM's language: with a loop, elementary functions and quotients."""
+    """A kernel in LLVM's language: with a loop, elementary functions, quotients
+    and a table."""
     made, compile_text = [], kernel.compile_text
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
@@ -51,7 +53,7 @@ def text():
         compile_kernel(
             lambda x: (x, jnp.zeros(1)),
             lambda s: ((s[0] - 1.0, s[1] + jnp.exp(-s[0]) / (1.0 + s[0])), s[0] > 0.0),
-            lambda x, s: jnp.sin(s[1]) + jnp.sqrt(x),
+            lambda x, s: jnp.sin(s[1]) + jnp.sqrt(x) + entries(x, s[0], 1)[0],
             jnp.zeros(1),
         )
     return made[0]

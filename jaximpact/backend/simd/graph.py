@@ -74,6 +74,10 @@ def _select(condition: bool, yes: Number, no: Number) -> Number:
     return yes if condition else no
 
 
+def _read(address: int) -> float:
+    raise AssertionError("memory is read while kernels run, not while they are built")
+
+
 def _compare(fold: Callable, predicate: str, commutes: bool = False) -> Operation:
     return Operation(TRUTH, fold, f"fcmp {predicate} {{f}} {{0}}, {{1}}", commutes)
 
@@ -126,6 +130,8 @@ OPERATIONS = {
     "to_float": Operation(FLOAT, float, "sitofp {i} {0} to {f}"),
     "to_bits": Operation(INTEGER, bits_of, "bitcast {f} {0} to {i}"),
     "from_bits": Operation(FLOAT, float_of, "bitcast {i} {0} to {f}"),
+    # Written as several instructions: see `llvm_ir`. An address is never known.
+    "entry": Operation(FLOAT, _read, ""),
 }
 
 

@@ -33,6 +33,11 @@ from .target import this_target
 PACK = 8
 """Lanes in a vector: one register of AVX-512, two of AVX2, four of Neon."""
 FLOATS, INTEGERS, TRUTHS = (f"<{PACK} x {kind}>" for kind in (FLOAT, INTEGER, TRUTH))
+POINTERS = f"<{PACK} x ptr>"
+GATHER = f"@llvm.masked.gather.v{PACK}f64.v{PACK}p0"
+NOWHERE = 65_535
+"""Last address of those at which no system has memory. Columns without a lane, whose
+memory is zeros, come to addresses below it, and read zeros."""
 VECTORS = {"f": FLOATS, "i": INTEGERS, "t": TRUTHS}
 TYPES = {FLOAT: FLOATS, INTEGER: INTEGERS, TRUTH: TRUTHS}
 NAME = re.compile(r"%v\d+")
@@ -42,6 +47,7 @@ DECLARATIONS = f"""
 declare {FLOATS} @llvm.fabs.v{PACK}f64({FLOATS})
 declare {FLOATS} @llvm.sqrt.v{PACK}f64({FLOATS})
 declare {FLOATS} @llvm.fma.v{PACK}f64({FLOATS}, {FLOATS}, {FLOATS})
+declare {FLOATS} {GATHER}({POINTERS}, i32, {TRUTHS}, {FLOATS})
 attributes #0 = {{ "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
 """
 
@@ -191,6 +197,8 @@ class _Writer:
         operation, arguments = node.operation, node.arguments
         if operation == INPUT:
             return self.load(arguments[0], node.kind)
+        if operation == "entry":
+            return self.entry(self.name(arguments[0]))
         if is_quotient(node):
             numerator, divisor = arguments
             inverse = self.inverse(divisor)
@@ -207,6 +215,15 @@ class _Writer:
         if operation == "subtract" and place == 1:
             one = self.operation("negate", one)
         return self.operation("fused", one, other, rest)
+
+    def entry(self, address: str) -> str:
+        """Read the numbers at some addresses."""
+        there = self.new(f"icmp sgt {INTEGERS} {address}, {_constant(NOWHERE)}")
+        pointers = self.new(f"inttoptr {INTEGERS} {address} to {POINTERS}")
+        return self.new(
+            f"call {FLOATS} {GATHER}({POINTERS} {pointers}, i32 8, "
+            f"{TRUTHS} {there}, {FLOATS} {ZERO})"
+        )
 
     def operation(self, operation: str, *operands: str) -> str:
         return self.new(OPERATIONS[operation].text.format(*operands, **VECTORS))

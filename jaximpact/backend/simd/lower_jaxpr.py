@@ -308,6 +308,19 @@ class Translator:
             result = self.graph.choose(at(chosen, i, index), value, result)
         return _each(lambda _: result, indices)
 
+    def _table_entry(self, params, table: Values, row: Values) -> Values:
+        at, size = self.graph.apply, 8.0 * params["width"]
+
+        def entry(table: Value, row: Value) -> Value:
+            # Addresses are floats until here, exact below 2^52: so is their sum with
+            # that, whose lower bits are the address.
+            place = at("add", table, at("multiply", size, row))
+            bits = at("to_bits", at("add", place, 2.0**52))
+            address = at("bits_and", bits, 2**52 - 1)
+            return at("entry", at("integer_add", address, 8 * params["column"]))
+
+        return _each(entry, table, row)
+
     def _scatter(self, params, operand: Values, indices: Values, updates: Values):
         numbers = params["dimension_numbers"]
         rows = tuple(range(operand.ndim - 1))

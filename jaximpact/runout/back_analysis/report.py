@@ -226,7 +226,9 @@ def _how(found: SlopeCalibration) -> list[str]:
     volumes = ", ".join(f"{volume:.3g}" for volume in searched.volumes)
     sigma = fit.observed.sigma
     errors = ", ".join(f"{name} {value:g}" for name, value in sigma.items())
+    smoothing = fit.slope.layout.smoothing
     return [
+        *([f"The profile is {smoothing}."] if smoothing else []),
         f"{searched.simulated} data sets of {fit.observed.released} blocks, and the "
         f"predictions, were computed by {law}, from the first round to the last: no "
         "table or emulator stands in for it.",
@@ -259,6 +261,7 @@ def _checksums(found: SlopeCalibration) -> dict[str, str]:
 def as_json(found: SlopeCalibration) -> dict:
     """Collect every number, as a tree of plain values."""
     fit, posterior, predicted = found.fit, found.posterior, found.predicted
+    smoothing = fit.slope.layout.smoothing
     return {
         "title": fit.title,
         "parameters": {
@@ -300,6 +303,7 @@ def as_json(found: SlopeCalibration) -> dict:
             "versions": versions() | {"numpy": np.__version__},
             "seed": fit.slope.seed,
             "contacts": fit.slope.laws[0].told,
+            **({"profile": smoothing._asdict()} if smoothing else {}),
             "priors": {
                 p.name: [type(p.prior).__name__, *p.prior] for p in fit.parameters
             },

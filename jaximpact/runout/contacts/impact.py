@@ -27,6 +27,7 @@ from ..blocks import BlockOutline, Body, put, select, support, support_of
 from ..centre_path import CentrePath
 from ..ground_motion.rolling import begin_on_ground
 from ..lane_programs import Values, closed_form
+from ..near_segments import columns_between, in_pairs
 from ..state import (
     UNDER_WAY,
     BlockConstants,
@@ -36,7 +37,7 @@ from ..state import (
     State,
     choose,
 )
-from ..terrain import SAME_PLANE, Profile
+from ..terrain import Profile
 from ..trajectory import ContactRecord, Ending, MotionMode, Pieces
 from .contact_models import ClosedForm, Contacts
 from .footprint import on_footprint
@@ -102,9 +103,7 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     state.contacts.add(lanes, record)
 
 
-def _falling(
-    path: CentrePath, after: BlockState, outline: BlockOutline
-) -> BlockState:
+def _falling(path: CentrePath, after: BlockState, outline: BlockOutline) -> BlockState:
     """Let blocks fall that have stopped past the end of what they struck, above all
     other ground."""
     stopped = np.flatnonzero(after.ending == Ending.stopped)
@@ -202,11 +201,13 @@ def free_fraction(
     Returns:
         Fractions in [0, 1], `(lanes,)`.
     """
+    fraction = np.ones(len(x))
+    moving = np.flatnonzero((travel[0] != 0.0) | (travel[1] != 0.0))
+    if not len(moving):
+        return fraction
     d_x, d_y = travel
     largest, smallest = outline.largest, outline.smallest
-    direction = np.where(d_x > 0.0, 1, -1)
-    fraction = np.ones(len(x))
-    normal_x, normal_y = np.sin(profile.slope), np.cos(profile.slope)
+    normal_x, normal_y = profile.normal
 
     def gap(lanes, place, x, y, theta):
         """Compute the gaps of blocks to the lines of segments [m]."""
@@ -218,24 +219,26 @@ def free_fraction(
         height += normal_y[place] * (y[lanes] - profile.y[place])
         return height - reach
 
-    place, lanes = segment + direction, np.arange(len(x))
-    while True:
-        inside = (place >= 0) & (place < profile.segments)
-        place, lanes = place[inside], lanes[inside]
-        near = profile.x[np.where(direction[lanes] > 0, place, place + 1)]
-        reached = direction[lanes] * (near - x[lanes] - d_x[lanes]) < largest[lanes]
-        place, lanes = place[reached], lanes[reached]
+    to_right = d_x > 0.0
+    end = x + d_x + np.where(to_right, largest, -largest)
+    nearest, farthest = columns_between(profile, end, end)
+    first = np.where(to_right, segment + 1, nearest)[moving]
+    last = np.where(to_right, farthest, segment - 1)[moving]
+    for lanes, place in in_pairs(first, last):
+        lanes = moving[lanes]
+        closing = -(normal_x[place] * d_x[lanes] + normal_y[place] * d_y[lanes])
+        against = closing > IN_THE_GROUND * smallest[lanes]
+        lanes, place, closing = lanes[against], place[against], closing[against]
         if not len(lanes):
-            return fraction
+            continue
         clear = gap(lanes, place, body.x, body.y, body.orientation)
         left = np.maximum(gap(lanes, place, x, y, orientation), 0.0)
-        closing = -(normal_x[place] * d_x[lanes] + normal_y[place] * d_y[lanes])
         little = IN_THE_GROUND * smallest[lanes]
         # Rounding of a straight slope's points must not hold a block up.
         stops = (clear > -little) & (closing > left + little)
         ends = np.where(stops, left / np.where(stops, closing, 1.0), 1.0)
-        fraction[lanes] = np.minimum(fraction[lanes], ends)
-        place = place + direction[lanes]
+        np.minimum.at(fraction, lanes, ends)
+    return fraction
 
 
 class Seen(NamedTuple):
@@ -292,14 +295,13 @@ def depart(
     # A block that a facet left above its segment comes down to it.
     drop = jnp.where(turned & ~on.leaves & ~on.stuck, on_segment.over, 0.0)
     on = on._replace(x=on.x - drop * jnp.sin(slope), y=on.y - drop * jnp.cos(slope))
-    record, piece = _recorded(
-        *(block, struck, response, after, on, seen, hops, free)
-    )
+    record, piece = _recorded(*(block, struck, response, after, on, seen, hops, free))
     continued = _continued(
         block, constants, slope, struck, after, on, seen, rolling_friction
     )
     departed = continued._replace(
-        time=block.time + response.duration * free, impacts=block.impacts + seen.is_impact
+        time=block.time + response.duration * free,
+        impacts=block.impacts + seen.is_impact,
     )
     return departed.counted(limits), record, piece
 

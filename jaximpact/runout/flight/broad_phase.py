@@ -3,6 +3,9 @@
 A block inside its circumscribed circle reaches a segment only while its centre is
 within the circle's radius of the segment's column and no higher over the segment's
 line: a parabola between two times, in closed form, for every segment of the profile.
+
+That is for profiles of few segments, of which a block has to watch few. On all others
+a search goes through the tree of covers: `ground_search`.
 """
 
 from collections.abc import Iterator
@@ -11,15 +14,21 @@ from typing import NamedTuple
 import numpy as np
 
 from ...scene import GRAVITY
-from ..blocks import Body
+from ..blocks import Body, select
 from ..lane_programs import Values
 from ..terrain import Profile
 from .narrow_phase import NEVER, Piece
 
 FAR = Piece(1e9, 0.0, 2e9, 0.0)
 """Placeholder that is never reached, where a search watches fewer segments."""
-FEWEST = 2
-"""Least number of segments to watch: those at both sides of a break."""
+FEW = 64
+"""Number of segments of a profile up to which all are looked at."""
+WATCHED = 2, 4
+"""Numbers of segments to watch: those at both sides of a break, or more. There is a
+program for each, whose compilation takes longer the more they are."""
+CACHED = 2**15
+"""Number of lanes times segments at once, for which the processor's caches have
+room."""
 AHEAD = 0.5
 """Fraction of its size that a block moves before it has to watch other segments."""
 
@@ -37,7 +46,7 @@ class Candidates(NamedTuple):
 
 def watched_segments(
     body: Body, largest: Values, profile: Profile
-) -> Iterator[tuple[np.ndarray, Candidates]]:
+) -> Iterator[tuple[np.ndarray, Candidates | None]]:
     """Choose the segments that each lane has to watch to move by a good part of its
     size.
 
@@ -45,13 +54,22 @@ def watched_segments(
         body, largest: as for `earliest`.
 
     Yields:
-        Which of the lanes have to watch as many, bool `(lanes,)`, and their segments.
+        Which of the lanes have to watch as many, bool `(lanes,)`, and their segments;
+        None for lanes that have too many to watch.
     """
+    if profile.segments > FEW:
+        yield np.ones(len(body.x), bool), None
+        return
     times = earliest(body, largest, profile)
-    needed = _count_needed(body, largest, times)
-    for count in np.unique(needed):
-        chosen = needed == count
-        yield chosen, _nearest_segments(times[chosen], count, profile)
+    in_reach = _count_in_reach(body, largest, times)
+    fewest = 0
+    for count in WATCHED:
+        chosen = (in_reach >= fewest) & (in_reach < count)
+        if np.any(chosen):
+            yield chosen, _nearest_segments(times[chosen], count, profile)
+        fewest = count
+    if np.any(chosen := in_reach >= fewest):
+        yield chosen, None
 
 
 def earliest(body: Body, largest: Values, profile: Profile) -> np.ndarray:
@@ -61,10 +79,17 @@ def earliest(body: Body, largest: Values, profile: Profile) -> np.ndarray:
         body: blocks in flight, arrays `(lanes,)`.
         largest: radius of the circumscribed circle [m].
     """
+    lanes = max(1, CACHED // profile.segments)
+    starts = range(0, len(body.x), lanes)
+    parts = (slice(start, start + lanes) for start in starts)
+    times = [_earliest(select(body, part), largest[part], profile) for part in parts]
+    return np.concatenate(times)
+
+
+def _earliest(body: Body, largest: Values, profile: Profile) -> np.ndarray:
     x, y, v_x, v_y = (np.asarray(value)[:, None] for value in body[:4])
     largest = np.asarray(largest)[:, None]
-    slope = profile.slope
-    sin, cos = np.sin(slope), np.cos(slope)
+    sin, cos = profile.normal
     with np.errstate(divide="ignore", invalid="ignore"):
         first = (profile.x[:-1] - largest - x) / v_x
         last = (profile.x[1:] + largest - x) / v_x
@@ -87,16 +112,12 @@ def earliest(body: Body, largest: Values, profile: Profile) -> np.ndarray:
     return np.where(reached, np.maximum(times * (1.0 - 1e-12) - 1e-12, 0.0), NEVER)
 
 
-def _count_needed(body: Body, largest: Values, times: np.ndarray) -> np.ndarray:
-    """Count the segments that each lane has to watch: powers of two, so that few
-    programs are compiled."""
+def _count_in_reach(body: Body, largest: Values, times: np.ndarray) -> np.ndarray:
+    """Count the segments that each lane can reach before it has moved by a good part of
+    its size."""
     speed = np.abs(body.v_x) + np.abs(body.v_y) + np.sqrt(GRAVITY * largest)
     horizon = AHEAD * largest / speed
-    in_reach = np.count_nonzero(times <= horizon[:, None], axis=1)
-    needed = np.full(len(times), FEWEST)
-    while np.any(short := needed <= in_reach):
-        needed[short] *= 2
-    return needed
+    return np.count_nonzero(times <= horizon[:, None], axis=1)
 
 
 def _nearest_segments(times: np.ndarray, count: int, profile: Profile) -> Candidates:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
+from ...backend.simd.tables import address_of
 from ...scene import GRAVITY
 from ..blocks import BlockOutline, Body, fly, select
 from ..lane_programs import Values, closed_form
@@ -12,6 +13,7 @@ from ..state import UNDER_WAY, BlockState, Phase, State
 from ..terrain import Profile
 from ..trajectory import Ending, MotionMode, Pieces
 from .broad_phase import Candidates, watched_segments
+from .ground_search import first_contact
 from .time_of_impact import search
 
 
@@ -121,24 +123,30 @@ def _search(
     now: Body,
     outline: BlockOutline,
     profile: Profile,
-    watched: Candidates,
+    watched: Candidates | None,
     limit: np.ndarray,
 ) -> None:
-    """Advance some flights, as far as the segments that they watch allow."""
+    """Advance some flights, as far as the segments that they watch allow; without
+    those, to their ends."""
     left = limit[lanes] - ends.time[lanes]
-    until = np.minimum(watched.until, left)
-    size = np.maximum(
-        np.max(np.abs(profile.x)), np.maximum(np.abs(now.y), np.max(np.abs(profile.y)))
-    )
-    found = search(now, select(outline, lanes), watched.pieces, size, until)
+    size = np.maximum(np.abs(now.y), profile.size)
+    own = select(outline, lanes)
+    if watched is None:
+        # A name of its own, so that the table lives as long as the search.
+        until, covers = left, profile.covers
+        found = first_contact(now, own, address_of(covers), size, until)
+        segments = found.segment.astype(int)
+    else:
+        until = np.minimum(watched.until, left)
+        found = search(now, own, watched.pieces, size, until)
+        place = found.piece.astype(int)
+        segments = watched.segments[np.arange(len(lanes)), place]
     touched = found.touched > 0.0
     ends.failed[lanes] = found.given_up > 0.0
     # Where the search came to its limit, time must come to it too.
     to_limit = ~touched & (until == left) & (found.time >= until)
     ends.time[lanes] = np.where(to_limit, limit[lanes], ends.time[lanes] + found.time)
     ends.touched[lanes] = touched
-    place = found.piece.astype(int)
-    segments = watched.segments[np.arange(len(lanes)), place]
     ends.segment[lanes] = np.where(touched, segments, -1)
     ends.normal_x[lanes] = np.where(touched, found.normal_x, 0.0)
     ends.normal_y[lanes] = np.where(touched, found.normal_y, 0.0)

@@ -14,9 +14,10 @@ from ...shapes import AbstractElliptic
 from ..blocks import BlockOutline, Body, Release, select
 from ..coordinates import HIGHEST_CLIFF, RESOLVED
 from ..lane_programs import closed_form
+from ..near_segments import columns_between, in_pairs
 from ..terrain import Ground, Profile
-from .broad_phase import watched_segments
 from .flights import follow_flights
+from .narrow_phase import Piece
 from .time_of_impact import begin
 
 BURIED = 1e-6
@@ -27,8 +28,10 @@ LONGEST_FALL = 1e6
 
 
 @closed_form
-def _depths(*inputs):
-    return list(begin(*inputs).depths)
+def _depths(body: Body, outline: BlockOutline, piece: Piece):
+    """Compute the depths of blocks in segments [m], 0 for none."""
+    (depth,) = begin(body, outline, (piece,), 0.0, 0.0).depths
+    return depth
 
 
 def check_release(release: Release, profile: Profile) -> None:
@@ -47,11 +50,17 @@ def check_release(release: Release, profile: Profile) -> None:
     body, outline = release.body, release.outline
     _check_resolution(release, outline.smallest, profile)
     depth = np.zeros(release.count)
-    for chosen, watched in watched_segments(body, outline.largest, profile):
-        found = _depths(
-            select(body, chosen), select(outline, chosen), watched.pieces, 0.0, 0.0
-        )
-        depth[chosen] = np.max(found, axis=0)
+    size = outline.largest
+    for lane, segment in in_pairs(
+        *columns_between(profile, body.x - size, body.x + size)
+    ):
+        x, y = profile.x, profile.y
+        top = np.maximum(y[segment], y[segment + 1])
+        near = top >= body.y[lane] - size[lane]
+        lane, i = lane[near], segment[near]
+        piece = Piece(x[i], y[i], x[i + 1], y[i + 1])
+        found = _depths(select(body, lane), select(outline, lane), piece)
+        np.maximum.at(depth, lane, found)
     buried = depth > BURIED * outline.smallest
     if np.any(buried):
         i = int(np.argmax(buried))
@@ -117,16 +126,20 @@ def _lying_height_of_ellipse(
     tilt = (major**2 - minor**2) * sin * cos / width**2
     depth = major * minor / width
     height = np.full(np.shape(x), -np.inf)
-    for i, slope in enumerate(np.diff(profile.y) / np.diff(profile.x)):
-        left, right = (profile.x[i : i + 2, None] - x) / width
-        steep = (slope - tilt) * width / depth
+    slopes = np.diff(profile.y) / np.diff(profile.x)
+    for lane, i in in_pairs(*columns_between(profile, x - width, x + width)):
+        slope, across, down = slopes[i], width[lane], depth[lane]
+        left = (profile.x[i] - x[lane]) / across
+        right = (profile.x[i + 1] - x[lane]) / across
+        steep = (slope - tilt[lane]) * across / down
         place = np.clip(
             steep / np.sqrt(1.0 + steep**2), np.maximum(left, -1), np.minimum(right, 1)
         )
-        ground = profile.y[i] + slope * (place - left) * width
-        lower = tilt * place * width - depth * np.sqrt(np.maximum(1.0 - place**2, 0.0))
+        ground = profile.y[i] + slope * (place - left) * across
+        curved = np.sqrt(np.maximum(1.0 - place**2, 0.0))
+        lower = tilt[lane] * place * across - down * curved
         over = (left <= 1.0) & (right >= -1.0)
-        height = np.where(over, np.maximum(height, ground - lower), height)
+        np.maximum.at(height, lane[over], (ground - lower)[over])
     return height
 
 

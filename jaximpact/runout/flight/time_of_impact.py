@@ -79,6 +79,11 @@ class SearchResult(NamedTuple):
     """Number of steps taken."""
 
 
+def touching_gap(outline: BlockOutline, scale: Values) -> Values:
+    """Compute the gap within which a block touches [m]; scale as for `begin`."""
+    return TOUCHING * outline.largest + 4e-15 * scale
+
+
 def begin(
     body: Body,
     outline: BlockOutline,
@@ -102,7 +107,7 @@ def begin(
         outline=outline,
         pieces=pieces,
         depths=tuple(jnp.maximum(-width, 0.0) for width in widths),
-        slack=TOUCHING * outline.largest + 4e-15 * scale,
+        slack=touching_gap(outline, scale),
         until=until,
         time=zero,
         steps=zero,
@@ -123,14 +128,8 @@ def step(now: Search) -> tuple[Search, Values]:
     for number, (piece, depth) in enumerate(zip(now.pieces, now.depths, strict=True)):
         candidates = gaps(body, now.outline, axis, piece)
         gap = widest(candidates)
-        # Where a block in the ground comes out of it one way it may go in another.
-        opens = gap.opening >= -APPROACHING
-        deeper = opens & (gap.width + depth < -now.slack)
-        depth = jnp.where(deeper, -gap.width, depth)
-        # Once it is out, the piece lies where it lies.
-        depth = jnp.where(gap.width > now.slack, 0.0, depth)
+        depth, touches = depth_and_touch(gap, depth, now.slack)
         depths.append(depth)
-        touches = (gap.width + depth <= now.slack) & (gap.opening < -APPROACHING)
         first = touches & ~touched
         touched |= touches
         touched_piece = jnp.where(first, float(number), touched_piece)
@@ -140,10 +139,7 @@ def step(now: Search) -> tuple[Search, Values]:
         free = time_without_contact(
             body, now.outline, axis, piece, candidates, depth, now.slack
         )
-        # A step must not take the block out and in again: half the time of such a fall.
-        short = 0.5 * jnp.sqrt(depth / (GRAVITY + bending))
-        free = jnp.where(depth > now.slack, jnp.minimum(free, short), free)
-        advance = jnp.minimum(advance, free)
+        advance = jnp.minimum(advance, not_out_and_in(free, depth, now.slack, bending))
     time = jnp.minimum(now.time + advance, now.until)
     steps = now.steps + 1.0
     after = now._replace(
@@ -155,6 +151,26 @@ def step(now: Search) -> tuple[Search, Values]:
         gap=contact,
     )
     return after, ~touched & (after.time < now.until) & (steps < MAX_STEPS)
+
+
+def depth_and_touch(gap: Gap, depth: Values, slack: Values) -> tuple[Values, Values]:
+    """Update the depth of a block in a piece, and tell whether it touches it."""
+    # Where a block in the ground comes out of it one way it may go in another.
+    opens = gap.opening >= -APPROACHING
+    deeper = opens & (gap.width + depth < -slack)
+    depth = jnp.where(deeper, -gap.width, depth)
+    # Once it is out, the piece lies where it lies.
+    depth = jnp.where(gap.width > slack, 0.0, depth)
+    return depth, (gap.width + depth <= slack) & (gap.opening < -APPROACHING)
+
+
+def not_out_and_in(
+    free: Values, depth: Values, slack: Values, bending: Values
+) -> Values:
+    """Shorten a time without contact, so that it does not take a block in the ground
+    out and in again: to half the time of such a fall."""
+    short = 0.5 * jnp.sqrt(depth / (GRAVITY + bending))
+    return jnp.where(depth > slack, jnp.minimum(free, short), free)
 
 
 def finish(now: Search) -> SearchResult:

@@ -28,7 +28,7 @@ class Corner(NamedTuple):
 def strike_corner(
     block: BlockState, constants: BlockConstants, corner: Corner
 ) -> BlockState:
-    """Let a block strike the ground ahead, with the velocity that it has along the path.
+    """Let a block strike the ground ahead, with its velocity along the path.
 
     The round block strikes; where the ellipse in its place would turn away from the
     plane, it does so along its nearest axis.

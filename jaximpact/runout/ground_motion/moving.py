@@ -1,24 +1,27 @@
-"""Transition of blocks on the ground: along the path of the centre to the next event, and
-what happens there."""
+"""Transition of blocks on the ground: along the path of the centre to the next event,
+and what happens there."""
 
+import concurrent.futures
 from typing import NamedTuple
 
 import numpy as np
 
+from ...backend.threads import thread_count
 from ...scene import GRAVITY
 from ..blocks import put, select
+from ..centre_path import LEFT_BEHIND
 from ..state import UNKNOWN, BlockConstants, BlockState, Phase, State
 from ..trajectory import Ending, MotionMode, Pieces
-from ..centre_path import LEFT_BEHIND
 from .corner_strike import Corner, strike_corner
-from .ride import Event, Place, Ride, Riders, least_squared, ride
+from .ride import Event, Place, Ride, least_squared, ride
+from .riders import Riders
 from .rolling import SMALL_RISE, lie_down
 from .take_off import take_off
 
 SHORTEST_LOOK, LONGEST_LOOK = 4, 128
 """Numbers of elements ahead that a ride looks at: few after an event, more as it goes
 on."""
-LARGEST_TABLE = 200_000
+LARGEST_TABLE = 60_000
 """Elements ahead, of all blocks together, that are looked at at a time, for the caches
 of a core."""
 
@@ -29,11 +32,19 @@ def move_along(state: State, lanes: np.ndarray) -> None:
     lanes = _placed(state, lanes)
     while len(lanes):
         looks = state.look[lanes]
+        jobs = []
         for width in np.unique(looks):
             alike = lanes[looks == width]
             parts = -(-len(alike) * int(width) // LARGEST_TABLE)
-            for part in np.array_split(alike, parts):
-                _ride(state, part, int(width))
+            jobs += [(part, int(width)) for part in np.array_split(alike, parts)]
+        # The first alone: what is compiled is compiled once.
+        _ride(state, *jobs[0])
+        if len(jobs) > 2 and thread_count() > 1:
+            with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
+                list(pool.map(lambda job: _ride(state, *job), jobs[1:]))
+        else:
+            for job in jobs[1:]:
+                _ride(state, *job)
         grounded = blocks.phase[lanes] == Phase.grounded
         known = blocks.element[lanes] != UNKNOWN
         lanes = lanes[grounded & known]
@@ -43,7 +54,8 @@ def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
     """Put blocks onto the path of the centre, at the cost of the energy for it.
 
     One that cannot come up has stopped: it is wedged where it lies. One that a contact
-    took past the end of what it struck, higher above other ground than a hop, flies.
+    took past the end of what it struck, so high that its section does not touch other
+    ground, flies along what it struck.
 
     Returns:
         The blocks that move.
@@ -63,7 +75,11 @@ def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
     squared = np.where(rounding, block.speed_squared, squared)
     wedged = (squared < 0.0) & ~left
     ends = left | wedged
-    flies = (lift < -riders.hop) & ~left
+    outline = constants.outline
+    clear = outline.heave + SMALL_RISE * outline.smallest
+    flies = (lift < -clear) & ~left
+    along = block.direction * np.sqrt(np.maximum(block.speed_squared, 0.0))
+    spin = np.where(riders.rolls, along / riders.radius, 0.0)
     ending = np.where(left, float(Ending.left_profile), float(Ending.stopped))
     # A block that flies goes on as it would have gone along what it struck.
     along = block.direction * np.sqrt(np.maximum(block.speed_squared, 0.0))
@@ -99,7 +115,7 @@ def _riders(state: State, block: BlockState, constants: BlockConstants) -> Rider
         ratio=np.where(rolls, inertia / (mass * radius**2), 0.0),
         rolls=rolls,
         barrier=np.where(rolls, whole.tallest - whole.radius, 0.0),
-        turning_slope=whole.turning_slope,
+        turning_slope=np.asarray(whole.turning_slope),
         flat_curvature=outline.largest**2 / outline.smallest,
         hop=np.maximum(
             state.limits.hop_threshold * outline.heave, SMALL_RISE * outline.smallest
@@ -129,30 +145,36 @@ def _ride(state: State, lanes: np.ndarray, width: int) -> None:
         time=block.time,
         turned=np.zeros(len(lanes)),
     )
-    held = state.held[lanes]
-    found = ride(state.path, friction_of, riders, begin, held, state.limits.time, width)
-    _record(state, lanes, block, riders, found)
-    end = found.end
+    ridden = ride(
+        *(state.path, friction_of, riders, begin, state.stays_on[lanes]),
+        *(state.passed[lanes], state.limits.time, width),
+    )
+    _record(state, lanes, block, riders, ridden)
+    end = ridden.end
     after = block._replace(
-        time=end.time, element=end.element.astype(float), speed_squared=end.speed_squared
+        time=end.time,
+        element=end.element.astype(float),
+        speed_squared=end.speed_squared,
     ).moved(
         x=direction * end.x,
         y=end.y,
         orientation=block.body.orientation + direction * end.turned,
     )
     put(state.blocks, lanes, after)
-    goes_on = found.event == Event.looks_on
+    goes_on = ridden.event == Event.looks_on
     stands = goes_on & (end.element == begin.element)
     longer = np.where(stands, 2 * width, min(2 * width, max(width, LONGEST_LOOK)))
     state.look[lanes] = np.where(goes_on, longer, max(width // 2, SHORTEST_LOOK))
-    state.held[lanes[~goes_on]] = UNKNOWN
+    state.stays_on[lanes[~goes_on]] = UNKNOWN
+    state.passed[lanes] = np.where(goes_on, ridden.passed, -np.inf)
     ground = state.path.elements
     friction = 0.5 * (
         friction_of(ground.behind[end.element]) + friction_of(ground.ahead[end.element])
     )
     there = _Arrival(
         riders,
-        *(found.normal_x, found.normal_y, found.next_normal_x, found.next_normal_y),
+        *(ridden.normal_x, ridden.normal_y),
+        *(ridden.next_normal_x, ridden.next_normal_y),
         friction,
         moved=end.time > begin.time,
     )
@@ -165,7 +187,7 @@ def _ride(state: State, lanes: np.ndarray, width: int) -> None:
         Event.time_limit: _come_to_limit,
     }
     for event, happens in happening.items():
-        chosen = np.flatnonzero(found.event == event)
+        chosen = np.flatnonzero(ridden.event == event)
         if len(chosen):
             happens(state, lanes[chosen], select(there, chosen))
             _count(state, lanes[chosen])
@@ -186,10 +208,10 @@ class _Arrival(NamedTuple):
 
 
 def _record(
-    state: State, lanes: np.ndarray, block: BlockState, riders: Riders, found: Ride
+    state: State, lanes: np.ndarray, block: BlockState, riders: Riders, ridden: Ride
 ) -> None:
     """Record the pieces of rides."""
-    legs = found.legs
+    legs = ridden.legs
     direction = block.direction[legs.rider]
     rolls = block.rolls[legs.rider] > 0.0
     radius = riders.radius[legs.rider]
@@ -240,7 +262,15 @@ def _come_to_limit(state: State, lanes: np.ndarray, there: _Arrival) -> None:
 def _strike(state: State, lanes: np.ndarray, there: _Arrival) -> None:
     """Let blocks strike what is ahead at a corner."""
     block, constants = select((state.blocks, state.constants), lanes)
-    segment = state.path.elements.behind[block.element.astype(int)]
+    ground = state.path.elements.at(block.element.astype(int))
+    touching_x = block.direction * (
+        block.direction * block.body.x - there.riders.radius * there.next_normal_x
+    )
+    number = np.searchsorted(state.profile.x, touching_x, side="right") - 1
+    least = np.minimum(ground.behind, ground.ahead)
+    most = np.maximum(ground.behind, ground.ahead)
+    on_line = np.clip(number, least, most)
+    segment = np.where(ground.is_segment, on_line, ground.behind)
     corner = Corner(
         *(block.direction * there.normal_x, there.normal_y),
         *(block.direction * there.next_normal_x, there.next_normal_y),
@@ -257,10 +287,10 @@ def _turn_slowly(state: State, lanes: np.ndarray, there: _Arrival) -> None:
     kept = np.maximum((cos + ratio) / (1.0 + ratio), 0.0)
     squared = kept**2 * blocks.speed_squared[lanes]
     slow = squared < there.riders.closing * there.next_normal_y
-    held = np.abs(there.next_normal_x) <= there.friction * there.next_normal_y
-    held |= (there.next_normal_x <= 0.0) & (there.normal_x >= 0.0)
+    rests = np.abs(there.next_normal_x) <= there.friction * there.next_normal_y
+    rests |= (there.next_normal_x <= 0.0) & (there.normal_x >= 0.0)
     blocks.speed_squared[lanes] = squared
-    _end(state, lanes[slow & held], Ending.stopped)
+    _end(state, lanes[slow & rests], Ending.stopped)
 
 
 def _fly_off(state: State, lanes: np.ndarray, there: _Arrival) -> None:
@@ -270,11 +300,11 @@ def _fly_off(state: State, lanes: np.ndarray, there: _Arrival) -> None:
     after, flies = take_off(block, constants, *normal)
     flies = flies > 0.0
     state.move(lanes[flies], select(after, flies))
-    state.held[lanes[~flies]] = block.element[~flies]
+    state.stays_on[lanes[~flies]] = block.element[~flies]
 
 
 def _slow_down(state: State, lanes: np.ndarray, there: _Arrival) -> None:
-    """Let blocks that are too slow lie down if they roll and have not the energy to turn
+    """Let blocks that are too slow lie down if they roll and lack the energy to turn
     over, else start down-slope, or stop where friction holds them."""
     blocks, riders = state.blocks, there.riders
     columns = (v[:, None] for v in (there.normal_x, there.normal_y, there.friction))

@@ -15,11 +15,11 @@ its speed. A sharper corner is one for the block: it strikes what is ahead, with
 velocity across it; one that is too slow for an impact goes on in the new direction with
 the part of its angular momentum about the new contact,
 $v' = v\,(\cos\delta + k)/(1 + k)$. At a convex break the block leaves the ground where
-the path falls away faster than it does, $v^2\kappa > g\cos\alpha$, if it then comes
-higher above the path than a hop. Where the ground turns down by less than `MILD`,
-$\kappa$ is that of the curve that the points draw, from the middle of the shorter
-segment beside it; else it is that of the arc, $1/r$. A point that stands alone, where
-those beside it do not bend the same way, draws a curve of `CURVE` radii at most.
+the path falls away faster than it does, $v^2\kappa > g\cos\alpha$, if the flight is
+followed (`hops`). Where the ground turns down by less than `MILD`, $\kappa$ is that of
+the curve that the points draw, from the middle of the shorter segment beside it; else
+it is that of the arc, $1/r$. A point that stands alone, where those beside it do not
+bend the same way, draws a curve of `CURVE` radii at most.
 
 **Events**: a corner that is struck, or a slow one; the take-off; a speed that has
 become too small; the end of the profile; the limit of time.
@@ -37,23 +37,25 @@ import numpy as np
 
 from ...scene import GRAVITY
 from ..centre_path import LARGEST_TURN, LEFT_BEHIND, Ahead, CentrePath, in_small_turns
+from .hops import find_hops
+from .riders import Riders
 
 MILD = LARGEST_TURN
 """Turn of the ground at a point up to which it is taken for a point of a curve [rad]:
 points then lie closer than an eighth of the curve's radius."""
 CURVE = 2.0
 """Radii of the block, at both sides, to which a single point may belong to a curve."""
-PIECE_TURN, PIECE_LENGTH = 0.02, 4.0
+PIECE_TURN, PIECE_LENGTH = 0.05, 8.0
 """Turn [rad] and length, in radii, up to which small elements are one piece of a
-trajectory together: it lies apart from the path by a hundredth of the radius at
-most."""
+trajectory together. It is a parabola, which follows a curve: it lies apart from the
+path by two hundredths of the radius, or 1 mm, at most."""
+LEAST_PIECE, MOST_PIECE = 0.5, 2.5
+"""Bounds of that length [m]."""
 SMALL_PART = 0.25
-"""Part of these up to which an element is small."""
+"""Part of these up to which an element, or a corner, is small."""
 PAST_THE_EDGE = 1e-3
 """Turn beyond the one at which a block leaves an edge, at which its flight begins
 [rad]; at the very one it would leave too slowly to be told from staying."""
-FIRST_LOOK = 8
-"""Number of elements that a search for the end of a hop looks at first."""
 
 
 class Event(enum.IntEnum):
@@ -69,32 +71,6 @@ class Event(enum.IntEnum):
     leaves = 6
     """The end of the profile."""
     time_limit = 7
-
-
-class Riders(NamedTuple):
-    """Blocks on the ground, arrays `(blocks,)`."""
-
-    radius: np.ndarray
-    """Height of the centre over the ground [m]."""
-    ratio: np.ndarray
-    """k = I/(m r^2); 0 for a block that slides."""
-    rolls: np.ndarray
-    """True for a block that rolls."""
-    barrier: np.ndarray
-    """Height by which its long axis lifts a block that rolls [m]; 0 for a block that
-    slides."""
-    turning_slope: np.ndarray
-    """Tangent of the slope that tips a block over its long axis."""
-    flat_curvature: np.ndarray
-    """Radius of curvature with which a block that slides leaves an edge [m]."""
-    hop: np.ndarray
-    """Height of a flight that is not followed [m]."""
-    closing: np.ndarray
-    """Squared velocity across level ground that makes an impact [m2/s2]."""
-
-    def at(self, blocks: np.ndarray) -> "Riders":
-        """Select blocks."""
-        return Riders(*(column[blocks] for column in self))
 
 
 class Place(NamedTuple):
@@ -132,7 +108,7 @@ class Legs(NamedTuple):
 
 
 class Ride(NamedTuple):
-    """Rides up to their events; arrays `(blocks,)`, directions in the mirror as x is."""
+    """Rides up to their events; arrays `(blocks,)`, in the mirror as x is."""
 
     event: np.ndarray
     """Codes of `Event`."""
@@ -144,10 +120,12 @@ class Ride(NamedTuple):
     """Normal behind the corner at the end."""
     next_normal_y: np.ndarray
     legs: Legs
+    passed: np.ndarray
+    """x in the mirror up to which corners are passed over [m]."""
 
 
 FrictionOf = Callable[[np.ndarray], np.ndarray]
-"""Gives tangents of angles of friction, for numbers of segments `(blocks, elements)`."""
+"""Gives tangents of angles of friction for numbers of segments, `(blocks, ...)`."""
 
 
 class _Motion(NamedTuple):
@@ -165,7 +143,8 @@ def ride(
     friction_of: FrictionOf,
     riders: Riders,
     begin: Place,
-    held: np.ndarray,
+    stays_on: np.ndarray,
+    passed: np.ndarray,
     time_limit: float,
     width: int,
 ) -> Ride:
@@ -173,16 +152,19 @@ def ride(
 
     Args:
         friction_of: friction on the segments.
-        held: elements that riders do not leave, -1 for none.
+        stays_on: elements that riders do not leave, -1 for none.
+        passed: x in the mirror up to which riders pass over corners and edges in a hop
+            that is not followed [m].
         time_limit: time at which a ride ends, with the element that is passed then [s].
         width: number of elements to look at, from 2.
     """
     ahead = path.ahead(begin.element, begin.x, begin.y, riders.radius, width)
     ahead = in_small_turns(ahead, riders.radius)
     motion = _motion(path, friction_of, riders, ahead, begin.speed_squared)
-    event, place = _first_event(path, riders, ahead, motion, held)
+    event, place, passed = _first_event(path, riders, ahead, motion, stays_on, passed)
     ahead, motion = _cut(riders, ahead, motion, event, place)
-    return _recorded(riders, begin, ahead, motion, event, place, time_limit)
+    ridden = _recorded(riders, begin, ahead, motion, event, place, time_limit)
+    return ridden._replace(passed=passed)
 
 
 def _motion(
@@ -201,9 +183,7 @@ def _motion(
     loss = ahead.stop_y - ahead.start_y + friction * (ahead.stop_x - ahead.start_x)
     loss = _rate(riders)[:, None] * np.where(ahead.exists, loss, 0.0)
     # One after the other, so that it does not matter where a window begins.
-    squared = np.cumsum(
-        np.concatenate([speed_squared[:, None], -loss], axis=1), axis=1
-    )
+    squared = np.cumsum(np.concatenate([speed_squared[:, None], -loss], axis=1), axis=1)
     return _Motion(squared[:, :-1], squared[:, 1:], friction)
 
 
@@ -224,45 +204,51 @@ def _first_event(
     riders: Riders,
     ahead: Ahead,
     motion: _Motion,
-    held: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Find the first event of each rider, and the place of its element; behind the last
-    element where there is none."""
+    stays_on: np.ndarray,
+    passed: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Find the first event of each rider, and the place of its element, behind the last
+    one where there is none; and how far it passes over corners."""
     slow = _is_slow(riders, ahead, motion)
     sin, cos = _corner(ahead)
     corner = (sin > math.sin(MILD)) | (cos < 0.0)
     closing = motion.stop_squared * sin**2
     hard = closing >= riders.closing[:, None] * ahead.next_normal_y
     last = np.where(ahead.element >= path.count, 2, 1) * path.count - 1
-    events = np.full(slow.shape, Event.none)
-    events[corner] = Event.slow_corner
-    events[corner & hard] = Event.strikes
-    loose = _is_loose(path, riders, ahead, motion) & ~slow
-    events[slow] = Event.slow
-    events[~ahead.exists] = Event.looks_on
-    events[~ahead.exists & (ahead.element == last)] = Event.leaves
-    loose &= ahead.exists & (ahead.element != held[:, None])
-    # What is seen where nobody flies, and where all do that can.
-    grounded, events = events, np.where(loose, Event.flies, events)
-    asking = np.arange(len(events))
+    grounded = np.full(slow.shape, Event.none)
+    grounded[corner] = Event.slow_corner
+    grounded[corner & hard] = Event.strikes
+    loose = _is_loose(path, riders, ahead, motion) & ~slow & ahead.exists
+    loose &= ahead.element != stays_on[:, None]
+    grounded[slow] = Event.slow
+    grounded[~ahead.exists] = Event.looks_on
+    grounded[~ahead.exists & (ahead.element == last)] = Event.leaves
+    asking, passed = np.arange(len(stays_on)), passed.copy()
     while True:
+        over = ahead.stop_x <= passed[:, None]
+        events = np.where(over & corner & ~slow & ahead.exists, Event.none, grounded)
+        leaves = loose & (ahead.start_x >= passed[:, None])
+        events[leaves] = Event.flies
         place, event = _first(events)
         asking = asking[event[asking] == Event.flies]
         if not len(asking):
-            return event, place
+            return event, place, passed
         at = place[asking]
-        start = _leaving(riders.at(asking), _at(ahead, asking, at), _at(motion, asking, at))
-        rises = rises_over(
-            path, riders.at(asking), ahead.element[asking, at], *start
+        start = _leaving(
+            riders.at(asking), _at(ahead, asking, at), _at(motion, asking, at)
         )
-        asking, at = asking[~rises], at[~rises]
-        events[asking, at] = grounded[asking, at]
+        hops = find_hops(path, riders.at(asking), ahead.element[asking, at], *start)
+        asking, at = asking[~hops.flies], at[~hops.flies]
+        loose[asking, at] = False
+        passed[asking] = np.maximum(passed[asking], hops.landing_x[~hops.flies])
 
 
 def _first(events: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Find the place of the first event of each row, and the event."""
     is_event = events != Event.none
-    place = np.where(np.any(is_event, axis=1), np.argmax(is_event, axis=1), events.shape[1])
+    place = np.where(
+        np.any(is_event, axis=1), np.argmax(is_event, axis=1), events.shape[1]
+    )
     padded = np.concatenate([events, np.full((len(events), 1), Event.looks_on)], axis=1)
     return place, padded[np.arange(len(events)), place]
 
@@ -290,7 +276,10 @@ def _is_slow(riders: Riders, ahead: Ahead, motion: _Motion) -> np.ndarray:
     stands = (start <= 0.0) & (stop <= 0.0)
     stands &= length > LEFT_BEHIND * riders.radius[:, None]
     return (
-        (start < at_start) | (stop < at_stop) | stands | (over_top & (at_top < at_start))
+        (start < at_start)
+        | (stop < at_stop)
+        | stands
+        | (over_top & (at_top < at_start))
     )
 
 
@@ -352,7 +341,9 @@ def _leaving(riders: Riders, ahead: Ahead, motion: _Motion) -> tuple[np.ndarray,
     beyond = sin * ahead.stop_normal_y > cos * ahead.stop_normal_x
     sin = np.where(beyond, ahead.stop_normal_x, sin)
     cos = np.where(beyond, ahead.stop_normal_y, cos)
-    at_once = ahead.is_whole | ~riders.rolls | (motion.start_squared > GRAVITY * h * n_y)
+    at_once = (
+        ahead.is_whole | ~riders.rolls | (motion.start_squared > GRAVITY * h * n_y)
+    )
     sin, cos = np.where(at_once, n_x, sin), np.where(at_once, n_y, cos)
     height = n_y - cos + friction * (n_x - sin)
     return (
@@ -362,70 +353,6 @@ def _leaving(riders: Riders, ahead: Ahead, motion: _Motion) -> tuple[np.ndarray,
         cos,
         motion.start_squared + rate * h * height,
     )
-
-
-def rises_over(
-    path: CentrePath,
-    riders: Riders,
-    element: np.ndarray,
-    x: np.ndarray,
-    y: np.ndarray,
-    n_x: np.ndarray,
-    n_y: np.ndarray,
-    squared: np.ndarray,
-) -> np.ndarray:
-    """Tell which blocks come higher above the path than a hop, if they fly.
-
-    Args:
-        element: elements at which they leave, `(blocks,)`.
-        x, y: their centres there [m].
-        n_x, n_y: normals there.
-        squared: squared speeds there [m2/s2].
-    """
-    rises = np.zeros(len(x), bool)
-    asking, width = np.arange(len(x)), FIRST_LOOK
-    here = element, x, y
-    slope, bend = -n_x / n_y, 0.5 * GRAVITY / (squared * n_y**2)
-    while len(asking):
-        h = riders.radius[asking]
-        ahead = in_small_turns(path.ahead(*here, h, width), h)
-        one, two = ahead.start_x - x[asking, None], ahead.stop_x - x[asking, None]
-        run = np.maximum(two - one, 0.0)
-        rise = ahead.stop_y - ahead.start_y
-        chord = np.sqrt(run**2 + rise**2)
-        flat = run > 1e-12 * chord
-        grade = np.where(flat, rise / np.where(flat, run, 1.0), 0.0)
-        over = slope[asking, None] - grade
-        top = np.clip(0.5 * over / bend[asking, None], one, two)
-        path_y = ahead.start_y - y[asking, None]
-
-        def above(place, base):
-            fall = slope[asking, None] - bend[asking, None] * place
-            return fall * place - base
-
-        at_top = above(top, path_y + grade * (top - one))
-        at_end = above(two, path_y + rise)
-        height = at_top * np.where(flat, run / np.where(flat, chord, 1.0), 1.0)
-        high = ahead.exists & (height >= riders.hop[asking, None])
-        lands = ahead.exists & (at_end < -LEFT_BEHIND * h[:, None])
-        ends = ~ahead.exists & (ahead.next_element == ahead.element)
-        decided = high | lands | ends
-        column = np.argmax(decided, axis=1)
-        rows = np.arange(len(asking))
-        rises[asking] = (high | ends)[rows, column]
-        open_yet = ~np.any(decided, axis=1)
-        known = np.count_nonzero(ahead.exists, axis=1) - 1
-        moves = known[open_yet] >= 0
-        last = np.maximum(known[open_yet], 0)
-        rows = rows[open_yet]
-        here = tuple(
-            np.where(moves, after[rows, last], before[open_yet])
-            for after, before in zip(
-                (ahead.next_element, ahead.stop_x, ahead.stop_y), here, strict=True
-            )
-        )
-        asking, width = asking[open_yet], 2 * width
-    return rises
 
 
 def _cut(
@@ -572,22 +499,31 @@ def _recorded(
         ahead.next_normal_x[rows, here],
         ahead.next_normal_y[rows, here],
         legs,
+        passed=np.full(len(place), -np.inf),
     )
 
 
 def _begin_pieces(ahead: Ahead, length: np.ndarray, h: np.ndarray) -> np.ndarray:
     """Tell which elements begin a piece: small ones go on with the piece before, as
     long as they do not turn or lead too far."""
-    turn = np.where(ahead.is_segment, 0.0, length / h)
-    small = (turn < SMALL_PART * PIECE_TURN) & (
-        length < SMALL_PART * PIECE_LENGTH * h
-    )
-    turn = turn + np.maximum(_corner(ahead)[0], 0.0)
+    arc = ~ahead.is_segment
+    turn = np.where(arc, length / h, 0.0)
+    longest = np.clip(PIECE_LENGTH * h, LEAST_PIECE, MOST_PIECE)
+    small = turn < SMALL_PART * PIECE_TURN
+    small &= length < SMALL_PART * longest
+    corner = np.maximum(_corner(ahead)[0], 0.0)
+    total = turn + corner
     begins = np.ones(length.shape, bool)
     begins[:, 1:] = ~(small[:, 1:] & small[:, :-1])
-    for amount, most in ((turn, PIECE_TURN), (length, PIECE_LENGTH * h)):
+    begins[:, 1:] |= corner[:, :-1] >= SMALL_PART * PIECE_TURN
+    for amount, most in ((total, PIECE_TURN), (length, longest)):
         part = np.floor(np.cumsum(amount, axis=1) / most)
         begins[:, 1:] |= part[:, 1:] != part[:, :-1]
+    # An arc and the long segment behind it are one piece, where they lie close enough.
+    pair = arc[:, :-1] & ~arc[:, 1:] & ~small[:, 1:]
+    pair &= turn[:, :-1] * length[:, 1:] < PIECE_TURN * longest
+    begins[:, :-1] |= pair
+    begins[:, 1:] &= ~pair
     return begins
 
 

@@ -24,9 +24,7 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 
-from ..._safe import safe_sqrt
 from ...scene import GRAVITY
-from ..blocks import support
 from ..lane_programs import Values, closed_form
 from ..state import UNKNOWN, BlockConstants, BlockState, Phase
 from ..trajectory import Ending

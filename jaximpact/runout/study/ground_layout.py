@@ -9,6 +9,7 @@ import numpy as np
 from ...errors import nearest
 from ...io.toml import Key
 from ..random_inputs import Quantity, RandomField
+from ..smoothing import Smoothing
 from ..terrain import Profile, subdivide
 
 LEAST_PIECE = 0.1
@@ -48,6 +49,8 @@ class GroundLayout(NamedTuple):
     """Segments of each part, by its key, bool `(segments,)`."""
     owners: dict[str, list[str]]
     """Keys of the parts that have a quantity of their own, by its name."""
+    smoothing: Smoothing | None = None
+    """What a smoothing did to the profile."""
 
     @property
     def middles(self) -> np.ndarray:

@@ -10,6 +10,7 @@ from ...io.datasets import write_netcdf
 from ...io.display import align
 from ...io.files import write_text
 from ...io.output_files import NewFile
+from ..smoothing import Smoothing
 from ..trajectory import Ending
 from . import drawing
 from .barriers import (
@@ -122,6 +123,7 @@ def in_words(dataset: xr.Dataset) -> str:
     told = ", ".join(f"{name} {value}" for name, value in law.items())
     lines = [
         f"{dataset.title}: {blocks} blocks, contacts by {told.removeprefix('law ')}",
+        *_profile_in_words(dataset),
         "endings: " + ", ".join(f"{count} {name}" for name, count in endings.items()),
     ]
     if failed:
@@ -145,6 +147,13 @@ def in_words(dataset: xr.Dataset) -> str:
         lines.append(align(_passage_rows(dataset, blocks - failed)))
     lines += barriers_in_words(estimates_of(dataset))
     return "\n".join(lines)
+
+
+def _profile_in_words(dataset: xr.Dataset) -> list[str]:
+    if "profile" not in dataset.attrs:
+        return []
+    smoothing = Smoothing(**json.loads(dataset.attrs["profile"]))
+    return [f"profile: {smoothing}"]
 
 
 def _passage_rows(dataset: xr.Dataset, valid: int) -> list[tuple[str, ...]]:
@@ -223,6 +232,7 @@ def compare_in_words(datasets: Mapping[str, xr.Dataset]) -> str:
     first = next(iter(datasets.values()))
     blocks = first.sizes["block"]
     lines = [f"{first.title}: the same {blocks} blocks by {len(datasets)} laws"]
+    lines += _profile_in_words(first)
     found = [e for e in Ending if any(_count(d, e) for d in datasets.values())]
     percentiles = (f"{p} %" for p in PERCENTILES)
     rows: list[tuple[str, ...]] = [

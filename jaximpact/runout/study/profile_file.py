@@ -18,13 +18,19 @@ from ...io.toml import Key, known_table, number, of_kind, typed
 from ...scene import Soil
 from ...units import DEGREE
 from ..coordinates import LARGEST
-from ..profile_formats import ProfileTable, read_dxf_points, read_profile_table
+from ..dxf_profile import read_dxf_points
+from ..profile_formats import ProfileTable, read_profile_table
+from ..smoothing import Smoothing
 from ..terrain import Profile, ground_columns, ground_values, with_ground_values
 from .ground_file import GroundInput
 from .ground_layout import GroundLayout, lay_out
 
 SOURCES = ("points_m", "csv", "dxf")
 """Keys of the profile, of which one says its points."""
+SMOOTHING = "smooth_m"
+"""Key of the length over which the profile is smoothed [m]."""
+SHAPING = ("layer", SMOOTHING)
+"""Keys of the profile that say more of its points."""
 
 
 def read_ground_profile(
@@ -36,7 +42,7 @@ def read_ground_profile(
         checksums[ground.calibrated.file] = ground.calibrated.checksum
     top = Key(path)
     key = top["profile"]
-    table = known_table(top, content, "profile", (*SOURCES, "layer", *MAP_KEYS))
+    table = known_table(top, content, "profile", (*SOURCES, *SHAPING, *MAP_KEYS))
     sources = [name for name in SOURCES if name in table]
     if len(sources) != 1:
         raise key.error("needs one of points_m, csv and dxf, and no other")
@@ -57,15 +63,26 @@ def read_ground_profile(
         else:
             layer = typed(key, table, "layer", str) if "layer" in table else None
             given = ProfileTable(_of_dxf(file, layer, surface), (), None)
+    profile, smoothing = given.profile, None
+    if SMOOTHING in table:
+        # Before the profile is cut where the ground changes, so that it stays there.
+        profile, smoothing = _smoothed(key[SMOOTHING], table[SMOOTHING], profile)
     layout = lay_out(
         top["ground"],
-        given.profile,
+        profile,
         given.materials,
         ground.parts,
         ground.fields(),
         has_base=bool(ground.everywhere or given.quantities or ground.calibrated),
     )
-    return _with_parts(path, layout, ground)
+    return _with_parts(layout._replace(smoothing=smoothing), ground)
+
+
+def _smoothed(key: Key, given, profile: Profile) -> tuple[Profile, Smoothing]:
+    length = number(key, given, above=0.0, unit="m")
+    with key.located():
+        smoothed = profile.smoothed(length)
+    return smoothed, Smoothing.between(length, profile.y, smoothed.y)
 
 
 def _of_points(key: Key, points: list, surface: tuple) -> Profile:
@@ -112,7 +129,7 @@ def _check_said_once(ground: GroundInput, csv: Path, given: ProfileTable) -> Non
                 )
 
 
-def _with_parts(path: Path, layout: GroundLayout, ground: GroundInput) -> GroundLayout:
+def _with_parts(layout: GroundLayout, ground: GroundInput) -> GroundLayout:
     """Give segments and materials the quantities that are numbers."""
     profile = layout.profile
     values = {name: np.array(v) for name, v in ground_values(profile).items()}

@@ -260,6 +260,8 @@ def _settings(study: SlopeStudy) -> Rows:
         ("event limit", str(study.limits.events)),
         ("hop threshold", f"{study.limits.hop_threshold:g}"),
     ]
+    if study.smoothing is not None:
+        rows.append(("profile", str(study.smoothing)))
     if study.placement is not None:
         place = study.placement
         rows += [

@@ -281,6 +281,7 @@ def _attributes_of(study: SlopeStudy, codes: np.ndarray) -> dict[str, str]:
         "contacts": study.law,
         "laws": study.laws,
         "ground": study.ground_told,
+        **({"profile": study.smoothing._asdict()} if study.smoothing else {}),
         "seed": study.seed,
         "blocks": len(codes),
         "time_limit_s": study.limits.time,

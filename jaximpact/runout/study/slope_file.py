@@ -15,6 +15,7 @@ from ...io.toml import Key, check_keys, number, parse_toml, typed, whole
 from ..blocks import Release
 from ..contacts.contact_models import Contacts
 from ..random_inputs import Quantity, combinations, draw, is_random
+from ..smoothing import Smoothing
 from ..state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits
 from ..terrain import (
     ANGLE_COLUMNS,
@@ -107,6 +108,8 @@ class SlopeStudy(NamedTuple):
     """Barriers, by which blocks are counted."""
     placement: MapPlacement | None = None
     """Place of the profile on the map."""
+    smoothing: Smoothing | None = None
+    """What a smoothing did to the profile."""
     export_trajectories: int = DEFAULT_EXPORT
     """Number of trajectories in files: the first ones."""
     contact_error: float | None = None
@@ -277,6 +280,7 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
             limits=given.limits,
             barriers=read_barriers(path, content, profile),
             placement=read_map_placement(path, content),
+            smoothing=layout.smoothing,
             export_trajectories=whole(
                 top, content, "export_trajectories", DEFAULT_EXPORT, 1
             ),

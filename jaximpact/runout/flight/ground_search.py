@@ -1,0 +1,189 @@
+"""First contact of a block with ground whose segments are short against it.
+
+Each segment is searched for itself, as `time_of_impact` searches some at once, and the
+earliest contact counts. Most segments are never looked at: the search goes through the
+tree of `covers`. It moves the block until it comes close to a cover, and goes into it,
+to the covers and segments under it, from that time on; what it cannot reach before a
+contact that is found already, it leaves out.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+
+from ..blocks import BlockOutline, Body, fly
+from ..covers import END, ROOT, node
+from ..lane_programs import Program, Values
+from . import time_of_impact
+from .narrow_phase import (
+    Gap,
+    Piece,
+    bending_or_size,
+    gaps,
+    time_without_contact,
+    widest,
+)
+from .time_of_impact import depth_and_touch, not_out_and_in, touching_gap
+
+CLOSE = 0.01
+"""Gap to a cover, as a fraction of the circumscribed circle's radius, from which on a
+search goes into it."""
+
+
+class GroundSearch(NamedTuple):
+    """State of a search."""
+
+    body: Body
+    """Block at the start of the flight."""
+    outline: BlockOutline
+    tree: Values
+    """Address of the table of the covers."""
+    slack: Values
+    """Gap within which the block touches [m]."""
+    until: Values
+    """Time of the earliest contact so far, or up to which to search [s]; later ones do
+    not count."""
+    at: Values
+    """Row of the node that is looked at."""
+    entered: Values
+    """Time up to which nothing under the cover above is touched [s]."""
+    time: Values
+    """Time up to which the node is not touched [s]."""
+    is_new: Values
+    """True for a node that has not been looked at."""
+    depth: Values
+    """Depth of the block in a segment [m]; see `time_of_impact`."""
+    steps: Values
+    """Number of steps with this node."""
+    given_up: Values
+    """True where the steps with a node ran out at the time `until`."""
+    touched: Values
+    segment: Values
+    """Number of the segment touched, -1 for none."""
+    gap: Gap
+    """Gap at the contact."""
+
+
+class Contact(NamedTuple):
+    """Result of a search."""
+
+    time: Values
+    """Time of the contact [s], or up to which there is none."""
+    touched: Values
+    """1 where there is a contact."""
+    given_up: Values
+    """1 where the steps ran out."""
+    segment: Values
+    """Number of the segment touched, -1 for none."""
+    normal_x: Values
+    """Normal out of the ground at the contact."""
+    normal_y: Values
+    gap: Values
+    """Gap at the contact [m], as for `time_of_impact.search`."""
+
+
+def begin(
+    body: Body, outline: BlockOutline, tree: Values, scale: Values, until: Values
+) -> GroundSearch:
+    """Begin a search.
+
+    Args:
+        body, outline: the block at the start of its flight.
+        tree: address of the table of the covers.
+        scale: size of the coordinates [m], for their rounding.
+        until: longest time to follow [s].
+    """
+    zero = jnp.zeros_like(body.x)
+    return GroundSearch(
+        body=body,
+        outline=outline,
+        tree=tree,
+        slack=touching_gap(outline, scale),
+        until=until,
+        at=zero + ROOT,
+        entered=zero,
+        time=zero,
+        is_new=zero == 0.0,
+        depth=zero,
+        steps=zero,
+        given_up=zero > 0.0,
+        touched=zero > 0.0,
+        segment=zero - 1.0,
+        gap=Gap(*(zero,) * len(Gap._fields)),
+    )
+
+
+def step(now: GroundSearch) -> tuple[GroundSearch, Values]:
+    """Advance by a time without contact with the node, go into it, or leave it."""
+    cover, to_left = node(now.tree, now.at), now.body.v_x < 0.0
+    is_segment = cover.segment >= 0.0
+    piece = Piece(*cover[:4])
+    body = fly(now.body, now.time)
+    axis = jnp.sin(body.orientation), jnp.cos(body.orientation)
+    candidates = gaps(body, now.outline, axis, piece)
+    gap = widest(candidates)
+    begun_in = jnp.maximum(-gap.width, 0.0)
+    depth = jnp.where(now.is_new, begun_in, now.depth)
+    depth, touches = depth_and_touch(gap, depth, now.slack)
+    touches &= is_segment
+    # Of several segments touched at once the first counts.
+    earlier = (now.time < now.until) | (cover.segment < now.segment) | ~now.touched
+    first = touches & earlier
+    until = jnp.where(first, now.time, now.until)
+
+    close = CLOSE * now.outline.largest
+    enters = ~is_segment & (gap.width <= close)
+    # To a cover half of that is left, so that the block does not come into it.
+    lower = jnp.where(is_segment, depth, -0.5 * close)
+    free = time_without_contact(
+        body, now.outline, axis, piece, candidates, lower, now.slack
+    )
+    bending = now.body.angular_velocity**2 * bending_or_size(now.outline)
+    depth_left = jnp.maximum(lower, 0.0)
+    time = now.time + not_out_and_in(free, depth_left, now.slack, bending)
+
+    steps = now.steps + 1.0
+    gives_up = ~enters & ~touches & (steps >= time_of_impact.MAX_STEPS)
+    gives_up &= time < until
+    until = jnp.where(gives_up, time, until)
+    leaves = ~enters & (touches | (time >= until))
+    follows = jnp.where(to_left, cover.next_to_left, cover.next_to_right)
+    child = jnp.where(to_left, cover.child_to_left, cover.child_to_right)
+    at = jnp.where(enters, child, now.at)
+    at = jnp.where(leaves, follows, at)
+    # Only nodes under the same cover follow each other in the table.
+    is_beside = jnp.abs(follows - now.at) == 1.0
+    entered = jnp.where(leaves & ~is_beside, 0.0, now.entered)
+    entered = jnp.where(enters, now.time, entered)
+    is_new = enters | leaves
+    after = now._replace(
+        until=until,
+        at=at,
+        entered=entered,
+        time=jnp.where(is_new, entered, time),
+        is_new=is_new,
+        depth=depth,
+        steps=jnp.where(is_new, 0.0, steps),
+        given_up=(now.given_up & ~first) | gives_up,
+        touched=(now.touched | first) & ~gives_up,
+        segment=jnp.where(first, cover.segment, now.segment),
+        gap=Gap(*(jnp.where(first, a, b) for a, b in zip(gap, now.gap, strict=True))),
+    )
+    return after, at != END
+
+
+def finish(now: GroundSearch) -> Contact:
+    """Report the contact, or the time up to which there is none."""
+    return Contact(
+        time=now.until,
+        touched=now.touched.astype(float),
+        given_up=now.given_up.astype(float),
+        segment=now.segment,
+        normal_x=now.gap.normal_x,
+        normal_y=now.gap.normal_y,
+        gap=now.gap.width,
+    )
+
+
+first_contact = Program(begin, step, finish)
+"""`first_contact(body, outline, tree, scale, until)`; see `begin`."""

@@ -1,0 +1,223 @@
+"""Smoothing of measured profiles."""
+
+import json
+
+import numpy as np
+import pytest
+from error_messages import assert_one_line_error
+
+from jaximpact import Block, ConstantCoefficients, Soil
+from jaximpact.cli import main
+from jaximpact.errors import InputError, UnusualValueWarning
+from jaximpact.runout import (
+    ClosedForm,
+    Profile,
+    Release,
+    read_slope_study,
+    simulate_runout,
+)
+from jaximpact.runout.smoothing import smooth_heights
+
+UNUSUAL = "always::jaximpact.errors.UnusualValueWarning"
+
+
+def hillside(x):
+    return 200.0 * np.exp(-x / 150.0) + 4.0 * np.sin(x / 25.0)
+
+
+def rms(values):
+    return np.sqrt(np.mean(values**2))
+
+
+@pytest.fixture
+def irregular():
+    """Places from 1 mm to 5 m apart, some of them in heaps."""
+    rng = np.random.default_rng(3)
+    steps = 10.0 ** rng.uniform(-3.0, np.log10(5.0), 400)
+    return np.cumsum(steps) + 2.6e6
+
+
+@pytest.mark.parametrize("length", [0.2, 1.0, 5.0, 20.0])
+@pytest.mark.parametrize("curvature", [0.0, 1e-3])
+def test_lines_and_parabolas_stay_up_to_the_ends(irregular, length, curvature):
+    u = irregular - irregular[0]
+    y = 1800.0 - 0.7 * u + curvature * u**2
+    # x of millions of metres is rounded to 5e-10 m.
+    np.testing.assert_allclose(smooth_heights(irregular, y, length), y, atol=1e-7)
+
+
+def test_it_is_a_weighted_least_squares_fit_at_each_point(irregular):
+    x, length = irregular - irregular[0], 3.0
+    y = hillside(x) + np.random.default_rng(0).normal(size=len(x))
+    smooth = smooth_heights(x, y, length)
+    for i in (0, 1, 57, 200, len(x) - 1):
+        near = np.abs(x - x[i]) <= 4.0 * length
+        u = x[near] - x[i]
+        # NumPy's weights are of the residuals, not of their squares.
+        fit = np.polyfit(u, y[near], 2, w=np.exp(-0.25 * (u / length) ** 2))
+        # Of two solutions of the same equations; heights differ by some metres.
+        assert smooth[i] == pytest.approx(fit[-1], abs=1e-6)
+
+
+@pytest.mark.parametrize("sigma", [0.02, 0.05])
+@pytest.mark.parametrize("length", [0.5, 1.0, 2.0, 5.0])
+def test_noise_falls_as_the_theory_of_local_regression_says(sigma, length):
+    """The variance of a local parabola with a Gaussian kernel, away from the ends, is
+    27/32 of spacing / (length sqrt(pi)) times that of the noise."""
+    x = np.arange(0.0, 1000.01, 0.25)
+    y = hillside(x) + sigma * np.random.default_rng(0).normal(size=len(x))
+    smooth = smooth_heights(x, y, length)
+    expected = sigma * np.sqrt(27.0 / 32.0 * 0.25 / (length * np.sqrt(np.pi)))
+    # Some 4000 / 28 independent heights at 5 m: 6 % of scatter, and ends beside it.
+    assert rms(smooth - hillside(x)) == pytest.approx(expected, rel=0.2)
+    before, after = (rms(np.diff(z - hillside(x)) / 0.25) for z in (y, smooth))
+    # By sqrt(length^3) from a fifth at 0.5 m on.
+    assert after < 0.2 * before * (0.5 / length) ** 1.5
+
+
+@pytest.mark.slow
+def test_blocks_stop_on_a_smoothed_profile_as_on_the_exact_one():
+    x = np.arange(0.0, 600.01, 0.25)
+    release = Release(
+        Block(mass=np.linspace(200.0, 2000.0, 12)),
+        x=5.0,
+        y=hillside(5.0) + 2.0,
+        v_x=5.0,
+    )
+    law = ClosedForm(ConstantCoefficients(e_n=0.35, e_t=0.85))
+    noise = 0.05 * np.random.default_rng(0).normal(size=len(x))
+    exact, smooth = (
+        simulate_runout(profile, release, law).x
+        for profile in (
+            Profile(x, hillside(x)),
+            Profile(x, hillside(x) + noise).smoothed(2.0),
+        )
+    )
+    # A block that only just passes a crest of the hillside stops metres farther.
+    np.testing.assert_allclose(smooth, exact, atol=5.0)
+
+
+def test_points_farther_apart_than_the_length_stay():
+    x = np.arange(0.0, 300.0, 10.0)
+    y = np.random.default_rng(0).normal(size=30)
+    with pytest.warns(
+        UnusualValueWarning, match=r"points that are 10 m apart; it takes"
+    ):
+        np.testing.assert_allclose(smooth_heights(x, y, 2.0), y, atol=1e-12)
+
+
+@pytest.mark.filterwarnings(UNUSUAL)
+def test_a_wall_that_is_rounded_off_is_told_with_its_place():
+    x = np.arange(0.0, 100.0, 0.25)
+    wall = np.where(x < 50.0, 5.0, 0.0)
+    with pytest.warns(
+        UnusualValueWarning, match=r"by 2.* m at x = (49.75|50) m: it rou"
+    ):
+        Profile(x, wall).smoothed(1.0)
+
+
+def test_segments_keep_their_ground_and_ends_their_places():
+    x = np.linspace(0.0, 100.0, 401)
+    c_v, rolling = np.linspace(0.4, 0.9, 400), np.linspace(0.2, 0.5, 400)
+    rough = Profile(x, hillside(x), Soil(c_v=c_v), rolling, 0.1)
+    smooth = rough.smoothed(1.0)
+    np.testing.assert_array_equal(smooth.x, x)
+    np.testing.assert_array_equal(smooth.soil.c_v, c_v)
+    np.testing.assert_array_equal(smooth.rolling_friction_angle, rolling)
+    np.testing.assert_array_equal(smooth.roughness, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("length", "said"),
+    [
+        *(
+            (bad, "above 0 and at most a tenth of the profile's 100 m")
+            for bad in (0, -1)
+        ),
+        (10.1, "but is 10.1 m"),
+        *((bad, "must be a finite number") for bad in (np.nan, np.inf, [1.0, 2.0])),
+        ("wide", "must be a number"),
+    ],
+)
+def test_lengths_out_of_range_are_refused(length, said):
+    with pytest.raises(InputError, match=f"the length of a smoothing .*{said}"):
+        Profile([0.0, 50.0, 100.0], [50.0, 20.0, 0.0]).smoothed(length)
+
+
+STUDY = """
+[profile]
+csv = "profile.csv"
+smooth_m = 2
+
+[ground.materials.scree]
+from_x_m = 0
+to_x_m = 60.1
+c_v = 0.5
+[ground.materials.meadow]
+from_x_m = 60.1
+to_x_m = 200
+
+[release]
+x_m = 2
+clearance_m = 1
+
+[contacts]
+law = "constant coefficients"
+e_n = 0.3
+e_t = 0.8
+"""
+
+
+@pytest.fixture
+def study(folder):
+    x = np.arange(0.0, 200.01, 0.25)
+    y = hillside(x) + 0.05 * np.random.default_rng(0).normal(size=len(x))
+    rows = [f"{a},{b}" for a, b in zip(x.tolist(), y.tolist(), strict=True)]
+    (folder / "profile.csv").write_text("\n".join(["x_m,y_m", *rows]))
+    (folder / "slope.toml").write_text(STUDY)
+    return folder / "slope.toml"
+
+
+@pytest.mark.slow
+def test_a_study_smooths_and_says_by_how_much(study, capsys):
+    slope = read_slope_study(study)
+    x, y = np.loadtxt("profile.csv", delimiter=",", skiprows=1).T
+    moved = slope.profile.height(x) - y
+    assert rms(slope.profile.height(x) - hillside(x)) < 0.5 * 0.05
+    # The border of the materials is where the study has it.
+    assert 60.1 in slope.profile.x
+    np.testing.assert_array_equal(
+        slope.profile.soil.c_v[slope.profile.x[:-1] < 60], 0.5
+    )
+    assert main(["runout", "slope.toml", "--out", "out"]) == 0
+    told = (
+        f"smoothed over 2 m, which moves heights by up to {np.max(abs(moved)):.3g} m, "
+    )
+    told += f"{rms(moved):.3g} m rms"
+    assert f"profile: {told}\n" in capsys.readouterr().out
+    manifest = json.loads((study.parent / "out/manifest.json").read_text())
+    assert manifest["profile"] == {
+        "smooth_m": 2.0,
+        "largest_move_m": pytest.approx(np.max(np.abs(moved))),
+        "rms_move_m": pytest.approx(rms(moved)),
+    }
+    for name in ("report.txt", "report.html"):
+        assert told in (study.parent / "out" / name).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        *(
+            ("-1", "must be above 0 m"),
+            ("0", "must be above 0 m"),
+            ("nan", "be finite"),
+        ),
+        *(('"2 m"', "must be a number"), ("true", "must be a number")),
+        ("50", "at most a tenth of the profile's 200 m, but is 50 m"),
+    ],
+)
+def test_bad_lengths_of_a_study_are_refused_in_one_line(study, capsys, value, said):
+    study.write_text(STUDY.replace("smooth_m = 2", f"smooth_m = {value}"))
+    assert main(["runout", "slope.toml", "--out", "out"]) == 2
+    assert_one_line_error(capsys, "slope.toml, key profile.smooth_m: ", said)
