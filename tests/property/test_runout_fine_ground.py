@@ -1,0 +1,208 @@
+"""What holds of every run on ground that is finer than blocks: terraces, noisy hills,
+dams with rounded toes, ditches narrower than blocks, scans of 5 cm."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from runout_scenes import gain_between_pieces
+
+from jaximpact import Block, ConstantCoefficients
+from jaximpact.runout import (
+    ClosedForm,
+    Ending,
+    FullModel,
+    MotionMode,
+    Profile,
+    Release,
+    simulate_runout,
+)
+from jaximpact.runout.trajectory import state_after
+
+LAW = ClosedForm(ConstantCoefficients(e_n=0.35, e_t=0.85))
+
+
+def terraces(g):
+    """Walls of 0.2 to 1 m that lean by 1 cm, and a level run-out."""
+    x, y = [0.0], [0.0]
+    for _ in range(30):
+        x += [x[-1] + g.uniform(0.3, 1.5)]
+        x += [x[-1] + 0.01]
+        y += [y[-1] - g.uniform(0.0, 0.1)]
+        y += [y[-1] - g.uniform(0.2, 1.0)]
+    return [*x, x[-1] + 60.0], [*y, y[-1]]
+
+
+def hill(g):
+    """Points every 0.25 m, with 5 cm of noise."""
+    x = np.arange(0.0, 120.0, 0.25)
+    y = 60.0 * np.exp(-x / 40.0) + np.sin(x / 6.0)
+    return x, y + g.normal(0.0, 0.05, len(x))
+
+
+def dam(g):
+    """A slope, and the toe of a dam, rounded with a radius of 17 m."""
+    along = np.arange(0.0, 12.0 + 1e-9, g.choice([0.1, 0.25, 0.5]))
+    face = 17.0 - np.sqrt(17.0**2 - along**2)
+    x = np.concatenate([[0.0, 60.0], 70.0 + along, [92.0, 200.0]])
+    return x, np.concatenate([[40.0, 0.0], face, [face[-1] + 10.0] * 2])
+
+
+def ditches(g):
+    """V-shaped ditches, most of them narrower than blocks."""
+    x, y = [0.0], [0.0]
+    for _ in range(25):
+        apart, wide = g.uniform(0.5, 4.0), g.uniform(0.05, 0.6)
+        x += [x[-1] + apart]
+        x += [x[-1] + 0.5 * wide, x[-1] + wide]
+        y += [y[-1] - apart * g.uniform(0.0, 0.9)]
+        y += [y[-1] - g.uniform(0.05, 1.0), y[-1]]
+    return [*x, x[-1] + 60.0], [*y, y[-1]]
+
+
+def scan(g):
+    """Points every 5 cm of a surface that wanders by centimetres."""
+    x = np.arange(0.0, 30.0, 0.05)
+    y = 2.0 * np.sin(x / 5.0) - 0.6 * x + g.normal(0.0, 0.01, len(x))
+    y += np.cumsum(g.normal(0.0, 0.004, len(x)))
+    return np.append(x, 70.0), np.append(y, y[-1])
+
+
+GROUNDS = (terraces, hill, dam, ditches, scan)
+SHAPES = ("Ellipsoid", "EllipticCylinder", "RectangularPrism")
+
+
+def profile_of(ground, g):
+    return Profile(
+        *map(np.asarray, ground(g)), rolling_friction_angle=np.radians(g.uniform(0, 25))
+    )
+
+
+def blocks_over(profile, g, count, shape):
+    """Blocks of 1 kg to 50 t in the upper part of a slope, above all ground near."""
+    aspect_ratio = g.choice([1.0, 1.5, 2.0, 4.0], count)
+    mass = 10.0 ** g.uniform(0.0, 4.7, count)
+    block = Block(mass=mass, aspect_ratio=aspect_ratio, shape=shape)
+    high = 4.0 * float(np.max(np.asarray(block.semi_axes.major)))
+    length = profile.x[-1] - profile.x[0]
+    x = profile.x[0] + length * g.uniform(0.05, 0.4, count)
+    near = np.abs(profile.x - x[:, None]) < high
+    top = np.max(np.where(near, profile.y, -np.inf), axis=1)
+    return Release(
+        block,
+        x,
+        np.maximum(top, profile.height(x)) + 0.5 * high,
+        g.uniform(-3.0, 12.0, count),
+        0.0,
+        g.uniform(0.0, np.pi, count),
+        g.normal(0.0, 5.0, count),
+    )
+
+
+def check(runs):
+    """All that must hold of runs."""
+    profile, pieces = runs.profile, runs.pieces
+    assert set(runs.ending) <= {Ending.stopped, Ending.left_profile}
+    assert np.all(pieces.duration > 0.0)
+    trajectory = pieces.trajectory
+    size = runs.release.outline.smallest[trajectory]
+    end = state_after(pieces, pieces.duration)
+    last = np.append(np.diff(trajectory) > 0, True)
+    # Each block moves, and its last piece ends where and when its run does.
+    assert np.array_equal(trajectory[last], np.arange(len(runs.x)))
+    follows = np.where(last, 0, np.append(np.arange(1, len(last)), 0))
+    for found, start, of_run in (
+        (end.x, pieces.x, runs.x),
+        (end.y, pieces.y, runs.y),
+        (pieces.time + pieces.duration, pieces.time, runs.time),
+    ):
+        goes_on = np.where(last, of_run[trajectory], start[follows])
+        assert np.all(np.abs(goes_on - found) < 1e-7 * np.maximum(size, 1.0))
+    gain, mass = gain_between_pieces(runs)
+    # of a lift by 1e-7 m: a touch may be early by 1e-9 of the block
+    assert np.max(gain / mass, initial=0.0) < 1e-6
+    # A contact may take a centre into the crater, and a run may end there.
+    outside = pieces.motion != MotionMode.contact
+    for part in np.linspace(0.0, 1.0, 5):
+        at = state_after(pieces, part * pieces.duration)
+        in_crater = last & (runs.ending[trajectory] == Ending.stopped) & (part == 1.0)
+        on_profile = (at.x > profile.x[0]) & (at.x < profile.x[-1])
+        deep = profile.height(at.x) - at.y > 1e-7 * size
+        assert not np.any(deep & on_profile & outside & ~in_crater)
+
+
+@pytest.mark.parametrize("hop_threshold", [1.0, 0.0])
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_runs_in_closed_form(ground, hop_threshold):
+    g = np.random.default_rng(1)
+    for shape in SHAPES:
+        profile = profile_of(ground, g)
+        release = blocks_over(profile, g, 24, shape)
+        check(simulate_runout(profile, release, LAW, hop_threshold=hop_threshold))
+
+
+@pytest.mark.parametrize("hop_threshold", [1.0, 0.0])
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_runs_by_the_full_model(ground, hop_threshold):
+    g = np.random.default_rng(2)
+    profile = profile_of(ground, g)
+    release = blocks_over(profile, g, 16, "Ellipsoid")
+    contacts = FullModel("fast")
+    check(simulate_runout(profile, release, contacts, hop_threshold=hop_threshold))
+
+
+@pytest.mark.parametrize("contacts", [LAW, FullModel("fast")])
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_what_runs_beside_a_block_changes_no_bit(ground, contacts):
+    g = np.random.default_rng(3)
+    profile = profile_of(ground, g)
+    release = blocks_over(profile, g, 12, "Ellipsoid")
+    whole = simulate_runout(profile, release, contacts)
+    narrow = simulate_runout(profile, release, contacts, width=5)
+    for records in ("contacts", "pieces"):
+        for one, other in zip(
+            getattr(whole, records), getattr(narrow, records), strict=True
+        ):
+            np.testing.assert_array_equal(one, other)
+    for i in range(0, 12, 4):
+        alone = simulate_runout(profile, release.of_blocks(np.array([i])), contacts)
+        for name in ("ending", "x", "y", "time", "events"):
+            assert getattr(alone, name)[0] == getattr(whole, name)[i]
+
+
+def mirrored(profile, release):
+    """The same scene from behind."""
+    return (
+        Profile(
+            -profile.x[::-1],
+            profile.y[::-1],
+            rolling_friction_angle=profile.rolling_friction_angle[::-1],
+        ),
+        dataclasses.replace(
+            release,
+            x=-release.x,
+            v_x=-release.v_x,
+            orientation=-release.orientation,
+            angular_velocity=-release.angular_velocity,
+        ),
+    )
+
+
+@pytest.mark.parametrize("contacts", [LAW, FullModel("fast")])
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_a_mirrored_slope_gives_the_mirrored_run(ground, contacts):
+    """To what a shift of the release by 1e-9 m changes, some of it at each contact."""
+    g = np.random.default_rng(4)
+    profile = profile_of(ground, g)
+    release = blocks_over(profile, g, 24, "Ellipsoid")
+    there = simulate_runout(profile, release, contacts)
+    back = simulate_runout(*mirrored(profile, release), contacts)
+    change = np.zeros(24)
+    for shift in (1e-9, -1e-9, 3e-9, -3e-9):
+        moved = dataclasses.replace(release, x=release.x + shift)
+        other = simulate_runout(profile, moved, contacts)
+        change = np.maximum(change, np.abs(other.x - there.x))
+    known = change < 1e-3
+    assert np.mean(known) > 0.3
+    apart = np.abs(there.x + back.x)
+    assert np.all(apart[known] < 100.0 * change[known] + 1e-6)
