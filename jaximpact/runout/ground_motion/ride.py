@@ -477,12 +477,12 @@ def _recorded(
     rows, last = np.arange(len(place)), np.count_nonzero(passed, axis=1)
     here = np.minimum(place, len(columns) - 1)
     moved, behind = last > 0, np.maximum(last - 1, 0)
-    onto_next = np.isin(event, [Event.strikes, Event.slow_corner])
-    onto_next |= place >= len(columns)
+    # One that looks on stands behind what it passed; columns there may be filling.
+    passed_all = (event == Event.looks_on) & (place > 0)
+    onto_next = np.isin(event, [Event.strikes, Event.slow_corner]) | passed_all
+    at = rows, np.where(passed_all, place - 1, here)
     end = Place(
-        element=np.where(
-            onto_next, ahead.next_element[rows, here], ahead.element[rows, here]
-        ),
+        element=np.where(onto_next, ahead.next_element[at], ahead.element[at]),
         x=np.where(moved, ahead.stop_x[rows, behind], begin.x),
         y=np.where(moved, ahead.stop_y[rows, behind], begin.y),
         speed_squared=np.where(
