@@ -99,22 +99,45 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
         state.ground.rolling_friction[lanes, segment],
         state.limits,
     )
-    state.move(lanes, _falling(state.path, after, outline), piece, sinks=True)
+    after = _falling(state.path, after, constants, response.duration)
+    state.move(lanes, after, piece, sinks=True)
     state.contacts.add(lanes, record)
 
 
-def _falling(path: CentrePath, after: BlockState, outline: BlockOutline) -> BlockState:
-    """Let blocks fall that have stopped past the end of what they struck, above all
-    other ground."""
-    stopped = np.flatnonzero(after.ending == Ending.stopped)
-    if not len(stopped):
+def _falling(
+    path: CentrePath, after: BlockState, constants: BlockConstants, lasts: np.ndarray
+) -> BlockState:
+    """Let blocks fly on, as they would go along what they struck, that a contact took
+    past its end and that are above all other ground.
+
+    Args:
+        lasts: durations of the contacts [s].
+    """
+    stays = (after.phase == Phase.grounded) | (after.ending == Ending.stopped)
+    staying = np.flatnonzero(stays & (lasts > 0.0))
+    if not len(staying):
         return after
-    body, largest = select((after.body, outline.largest), stopped)
-    _, lowest = path.locate(body.x, largest, np.ones(len(stopped)))
-    phase, ending = after.phase.copy(), after.ending.copy()
-    falls = stopped[body.y > lowest + IN_THE_GROUND * largest]
-    phase[falls], ending[falls] = Phase.airborne, UNDER_WAY
-    return after._replace(phase=phase, ending=ending)
+    block, there = select((after, constants), staying)
+    largest = there.outline.largest
+    _, highest = path.locate(block.body.x, largest, np.ones(len(staying)))
+    falls = block.body.y > highest + IN_THE_GROUND * largest
+    block, there, staying = *select((block, there), falls), staying[falls]
+    ended = block.phase == Phase.ended
+    speed = np.sqrt(np.maximum(block.speed_squared, 0.0))
+    along = np.where(ended, 0.0, block.direction * speed)
+    rolls = (block.rolls > 0.0) & ~ended
+    spin = np.where(rolls, along / there.round.radius, 0.0)
+    flying = block._replace(
+        phase=np.full(len(staying), float(Phase.airborne)),
+        ending=np.full(len(staying), UNDER_WAY),
+    ).moved(
+        v_x=along * block.normal_y,
+        v_y=-along * block.normal_x,
+        angular_velocity=spin,
+    )
+    after = jax.tree.map(np.copy, after)
+    put(after, staying, flying)
+    return after
 
 
 def _respond(

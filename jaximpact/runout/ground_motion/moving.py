@@ -53,9 +53,7 @@ def move_along(state: State, lanes: np.ndarray) -> None:
 def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
     """Put blocks onto the path of the centre, at the cost of the energy for it.
 
-    One that cannot come up has stopped: it is wedged where it lies. One that a contact
-    took past the end of what it struck, so high that its section does not touch other
-    ground, flies along what it struck.
+    One that cannot come up has stopped: it is wedged where it lies.
 
     Returns:
         The blocks that move.
@@ -75,28 +73,13 @@ def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
     squared = np.where(rounding, block.speed_squared, squared)
     wedged = (squared < 0.0) & ~left
     ends = left | wedged
-    outline = constants.outline
-    clear = outline.heave + SMALL_RISE * outline.smallest
-    flies = (lift < -clear) & ~left
-    along = block.direction * np.sqrt(np.maximum(block.speed_squared, 0.0))
-    spin = np.where(riders.rolls, along / riders.radius, 0.0)
     ending = np.where(left, float(Ending.left_profile), float(Ending.stopped))
-    # A block that flies goes on as it would have gone along what it struck.
-    along = block.direction * np.sqrt(np.maximum(block.speed_squared, 0.0))
-    spin = np.where(riders.rolls, along / riders.radius, 0.0)
     after = block._replace(
-        element=np.where(flies, UNKNOWN, element),
+        element=element.astype(float),
         speed_squared=np.where(ends, block.speed_squared, squared),
-        phase=np.select(
-            [ends, flies], [float(Phase.ended), float(Phase.airborne)], block.phase
-        ),
+        phase=np.where(ends, float(Phase.ended), block.phase),
         ending=np.where(ends, ending, block.ending),
-    ).moved(
-        y=np.where(ends | flies, body.y, y),
-        v_x=np.where(flies, along * block.normal_y, body.v_x),
-        v_y=np.where(flies, -along * block.normal_x, body.v_y),
-        angular_velocity=np.where(flies, spin, body.angular_velocity),
-    )
+    ).moved(y=np.where(ends, body.y, y))
     state.move(new, after)
     state.look[new] = SHORTEST_LOOK
     state.balked[new] = False
