@@ -188,9 +188,13 @@ def mirrored(profile, release):
     )
 
 
-@pytest.mark.parametrize("contacts", [LAW, FullModel("fast")])
+@pytest.mark.parametrize(
+    ("contacts", "little"),
+    # Mirrored impacts are integrated by other steps, to the accuracy of "fast".
+    [(LAW, 1e-6), (FullModel("fast"), 2e-2)],
+)
 @pytest.mark.parametrize("ground", GROUNDS)
-def test_a_mirrored_slope_gives_the_mirrored_run(ground, contacts):
+def test_a_mirrored_slope_gives_the_mirrored_run(ground, contacts, little):
     """To what a shift of the release by 1e-9 m changes, some of it at each contact."""
     g = np.random.default_rng(4)
     profile = profile_of(ground, g)
@@ -205,4 +209,4 @@ def test_a_mirrored_slope_gives_the_mirrored_run(ground, contacts):
     known = change < 1e-3
     assert np.mean(known) > 0.3
     apart = np.abs(there.x + back.x)
-    assert np.all(apart[known] < 100.0 * change[known] + 1e-6)
+    assert np.all(apart[known] < 100.0 * change[known] + little)
