@@ -126,9 +126,12 @@ def step(now: GroundSearch) -> tuple[GroundSearch, Values]:
     depth = jnp.where(now.is_new, begun_in, now.depth)
     depth, touches = depth_and_touch(gap, depth, now.slack)
     touches &= is_segment
-    # Of several segments touched at once the first counts.
-    earlier = (now.time < now.until) | (cover.segment < now.segment) | ~now.touched
-    first = touches & earlier
+    # Of several segments touched at once the one counts that the block closes on
+    # fastest, in whatever order they come; of those at a point the first.
+    faster = now.gap.opening - gap.opening
+    alike = jnp.abs(faster) <= time_of_impact.APPROACHING
+    counts = jnp.where(alike, cover.segment < now.segment, faster > 0.0)
+    first = touches & ((now.time < now.until) | counts | ~now.touched)
     until = jnp.where(first, now.time, now.until)
 
     close = CLOSE * now.outline.largest
