@@ -278,13 +278,15 @@ def _turn_slowly(state: State, lanes: np.ndarray, there: _Arrival) -> None:
 
 
 def _fly_off(state: State, lanes: np.ndarray, there: _Arrival) -> None:
-    """Let blocks leave the ground; those whose sections would not, roll on."""
+    """Let blocks leave the ground; those whose sections would not, roll on. None leaves
+    the same element twice in a row."""
     block, constants = select((state.blocks, state.constants), lanes)
     normal = block.direction * there.normal_x, there.normal_y
     after, flies = take_off(block, constants, *normal)
     flies = flies > 0.0
     state.move(lanes[flies], select(after, flies))
-    state.stays_on[lanes[~flies]] = block.element[~flies]
+    # A section that flies may touch again at once, wider than the circle on the path.
+    state.stays_on[lanes] = block.element
 
 
 def _slow_down(state: State, lanes: np.ndarray, there: _Arrival) -> None:
