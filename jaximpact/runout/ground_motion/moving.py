@@ -13,9 +13,10 @@ from ..centre_path import LEFT_BEHIND
 from ..state import UNKNOWN, BlockConstants, BlockState, Phase, State
 from ..trajectory import Ending, MotionMode, Pieces
 from .corner_strike import Corner, strike_corner
-from .ride import Event, Place, Ride, least_squared, ride
+from .ride import Event, Place, Ride, ride
 from .riders import Riders
 from .rolling import SMALL_RISE, lie_down
+from .sight import least_squared
 from .take_off import take_off
 
 SHORTEST_LOOK, LONGEST_LOOK = 4, 128
@@ -292,8 +293,8 @@ def _slow_down(state: State, lanes: np.ndarray, there: _Arrival) -> None:
     """Let blocks that are too slow lie down if they roll and lack the energy to turn
     over, else start down-slope, or stop where friction holds them."""
     blocks, riders = state.blocks, there.riders
-    columns = (v[:, None] for v in (there.normal_x, there.normal_y, there.friction))
-    lies = least_squared(riders, *columns)[:, 0] > 0.0
+    normal = there.normal_x, there.normal_y
+    lies = least_squared(riders, *normal, there.friction) > 0.0
     down = lanes[lies]
     if len(down):
         block, constants = select((blocks, state.constants), down)

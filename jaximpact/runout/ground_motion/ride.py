@@ -36,15 +36,19 @@ from typing import NamedTuple
 import numpy as np
 
 from ...scene import GRAVITY
-from ..centre_path import LARGEST_TURN, LEFT_BEHIND, Ahead, CentrePath, in_small_turns
+from ..centre_path import Ahead, CentrePath, in_small_turns
 from .hops import find_hops
 from .riders import Riders
+from .sight import (
+    Bend,
+    Motion,
+    Sight,
+    least_squared,
+    look_at,
+    loss_with_height,
+    passage,
+)
 
-MILD = LARGEST_TURN
-"""Turn of the ground at a point up to which it is taken for a point of a curve [rad]:
-points then lie closer than an eighth of the curve's radius."""
-CURVE = 2.0
-"""Radii of the block, at both sides, to which a single point may belong to a curve."""
 PIECE_TURN, PIECE_LENGTH = 0.05, 8.0
 """Turn [rad] and length, in radii, up to which small elements are one piece of a
 trajectory together. It is a parabola, which follows a curve: it lies apart from the
@@ -128,16 +132,6 @@ FrictionOf = Callable[[np.ndarray], np.ndarray]
 """Gives tangents of angles of friction for numbers of segments, `(blocks, ...)`."""
 
 
-class _Motion(NamedTuple):
-    """Motion over the elements ahead, arrays `(blocks, elements)`."""
-
-    start_squared: np.ndarray
-    """Squared speed at the start of an element [m2/s2]."""
-    stop_squared: np.ndarray
-    friction: np.ndarray
-    """Tangent of the angle of friction."""
-
-
 def ride(
     path: CentrePath,
     friction_of: FrictionOf,
@@ -161,9 +155,12 @@ def ride(
     ahead = path.ahead(begin.element, begin.x, begin.y, riders.radius, width)
     ahead = in_small_turns(ahead, riders.radius)
     motion = _motion(path, friction_of, riders, ahead, begin.speed_squared)
-    event, place, passed = _first_event(path, riders, ahead, motion, stays_on, passed)
-    ahead, motion = _cut(riders, ahead, motion, event, place)
-    ridden = _recorded(riders, begin, ahead, motion, event, place, time_limit)
+    sight = _sight(path, riders, ahead, motion)
+    event, place, passed = _first_event(
+        path, riders, ahead, motion, sight, stays_on, passed
+    )
+    _cut(riders, ahead, motion, sight, event, place)
+    ridden = _recorded(riders, begin, ahead, motion, sight, event, place, time_limit)
     return ridden._replace(passed=passed)
 
 
@@ -173,7 +170,7 @@ def _motion(
     riders: Riders,
     ahead: Ahead,
     speed_squared: np.ndarray,
-) -> _Motion:
+) -> Motion:
     """Compute squared speeds over the elements ahead, as if nothing happened there."""
     ground = path.elements
     friction = 0.5 * (
@@ -181,44 +178,39 @@ def _motion(
         + friction_of(ground.ahead[ahead.element])
     )
     loss = ahead.stop_y - ahead.start_y + friction * (ahead.stop_x - ahead.start_x)
-    loss = _rate(riders)[:, None] * np.where(ahead.exists, loss, 0.0)
+    loss = loss_with_height(riders)[:, None] * np.where(ahead.exists, loss, 0.0)
     # One after the other, so that it does not matter where a window begins.
     squared = np.cumsum(np.concatenate([speed_squared[:, None], -loss], axis=1), axis=1)
-    return _Motion(squared[:, :-1], squared[:, 1:], friction)
+    return Motion(squared[:, :-1], squared[:, 1:], friction)
 
 
-def _rate(riders: Riders) -> np.ndarray:
-    """Compute the loss of squared speed with height, 2 g / (1 + k) [m/s2]."""
-    return 2.0 * GRAVITY / (1.0 + riders.ratio)
-
-
-def least_squared(riders: Riders, n_x, n_y, friction) -> np.ndarray:
-    """Compute the squared speed below which blocks do not roll on over their long axes
-    [m2/s2], as `rolling.barrier` does."""
-    steep = np.abs(n_x) > (riders.turning_slope[:, None] + friction) * n_y
-    return np.where(steep, 0.0, (_rate(riders) * riders.barrier)[:, None] * n_y)
+def _sight(path: CentrePath, riders: Riders, ahead: Ahead, motion: Motion) -> Sight:
+    """Look at the elements ahead, one by one."""
+    ground, element = path.elements, ahead.element
+    begins = np.ones(element.shape, bool)
+    begins[:, 1:] = element[:, 1:] != element[:, :-1]
+    bend = Bend(ground.shorter[element], ground.on_curve[element], begins)
+    columns = Riders(*(column[:, None] for column in riders))
+    return look_at(ahead, motion, bend, columns)
 
 
 def _first_event(
     path: CentrePath,
     riders: Riders,
     ahead: Ahead,
-    motion: _Motion,
+    motion: Motion,
+    sight: Sight,
     stays_on: np.ndarray,
     passed: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Find the first event of each rider, and the place of its element, behind the last
     one where there is none; and how far it passes over corners."""
-    slow = _is_slow(riders, ahead, motion)
-    sin, cos = _corner(ahead)
-    corner = (sin > math.sin(MILD)) | (cos < 0.0)
-    closing = motion.stop_squared * sin**2
-    hard = closing >= riders.closing[:, None] * ahead.next_normal_y
+    slow, corner = sight.slow > 0.0, sight.corner > 0.0
     last = np.where(ahead.element >= path.count, 2, 1) * path.count - 1
     grounded = np.full(slow.shape, Event.none)
     grounded[corner] = Event.slow_corner
-    grounded[corner & hard] = Event.strikes
-    loose = _is_loose(path, riders, ahead, motion) & ~slow & ahead.exists
+    grounded[sight.hard > 0.0] = Event.strikes
+    loose = (sight.loose > 0.0) & ~slow & ahead.exists
     loose &= ahead.element != stays_on[:, None]
     grounded[slow] = Event.slow
     grounded[~ahead.exists] = Event.looks_on
@@ -258,76 +250,13 @@ def _at(tree, rows: np.ndarray, columns: np.ndarray):
     return type(tree)(*(column[rows, columns] for column in tree))
 
 
-def _is_slow(riders: Riders, ahead: Ahead, motion: _Motion) -> np.ndarray:
-    """Tell where blocks become too slow for their kind of motion."""
-    start, stop, friction = motion
-    at_start = least_squared(
-        riders, ahead.start_normal_x, ahead.start_normal_y, friction
-    )
-    at_stop = least_squared(riders, ahead.stop_normal_x, ahead.stop_normal_y, friction)
-    # About a point, the speed is least where the path descends as friction does.
-    top = np.sqrt(1.0 + friction**2)
-    height = ahead.start_normal_y + friction * ahead.start_normal_x
-    at_top = start - (_rate(riders) * riders.radius)[:, None] * (top - height)
-    over_top = ~ahead.is_segment
-    over_top &= ahead.start_normal_x < friction * ahead.start_normal_y
-    over_top &= ahead.stop_normal_x > friction * ahead.stop_normal_y
-    length = ahead.stop_x - ahead.start_x + np.abs(ahead.stop_y - ahead.start_y)
-    stands = (start <= 0.0) & (stop <= 0.0)
-    stands &= length > LEFT_BEHIND * riders.radius[:, None]
-    return (
-        (start < at_start)
-        | (stop < at_stop)
-        | stands
-        | (over_top & (at_top < at_start))
-    )
-
-
-def _corner(ahead: Ahead) -> tuple[np.ndarray, np.ndarray]:
-    """Compute sine and cosine of the angle by which the path turns up behind an
-    element."""
-    n_x, n_y = ahead.stop_normal_x, ahead.stop_normal_y
-    next_x, next_y = ahead.next_normal_x, ahead.next_normal_y
-    return n_x * next_y - n_y * next_x, n_x * next_x + n_y * next_y
-
-
-def _is_loose(
-    path: CentrePath, riders: Riders, ahead: Ahead, motion: _Motion
-) -> np.ndarray:
-    """Tell where the path falls away faster than blocks do."""
-    ground, element, h = path.elements, ahead.element, riders.radius[:, None]
-    shorter, turn = ground.shorter[element], _turn(ahead, h)
-    near = np.minimum(shorter, 2.0 * CURVE * h)
-    curve = np.where(ground.on_curve[element], shorter, near) + h * turn
-    falls = GRAVITY * ahead.start_normal_y
-    mild = motion.start_squared * turn > falls * curve
-    at_start = motion.start_squared > falls * h
-    at_stop = motion.stop_squared > GRAVITY * ahead.stop_normal_y * h
-    begins = np.ones(element.shape, bool)
-    begins[:, 1:] = element[:, 1:] != element[:, :-1]
-    slides = begins & (motion.start_squared > falls * riders.flat_curvature[:, None])
-    sharp = np.where(riders.rolls[:, None], at_start | at_stop, slides)
-    return ~ahead.is_segment & (turn > 0.0) & np.where(ahead.is_whole, mild, sharp)
-
-
-def _turn(ahead: Ahead, h: np.ndarray) -> np.ndarray:
-    """Compute the angles of arcs [rad], which are small, from their chords."""
-    d_x, d_y = ahead.stop_x - ahead.start_x, ahead.stop_y - ahead.start_y
-    squared = 0.25 * (d_x**2 + d_y**2) / h**2
-    series = 1.0 + squared * (
-        1.0 / 6.0
-        + squared * (3.0 / 40.0 + squared * (15.0 / 336.0 + squared * 105.0 / 3456.0))
-    )
-    return 2.0 * np.sqrt(squared) * series
-
-
-def _leaving(riders: Riders, ahead: Ahead, motion: _Motion) -> tuple[np.ndarray, ...]:
+def _leaving(riders: Riders, ahead: Ahead, motion: Motion) -> tuple[np.ndarray, ...]:
     """Compute where riders leave arcs: centres, normals and squared speeds.
 
     Args:
         ahead, motion: the arcs, arrays `(blocks,)`.
     """
-    h, rate, friction = riders.radius, _rate(riders), motion.friction
+    h, rate, friction = riders.radius, loss_with_height(riders), motion.friction
     n_x, n_y = ahead.start_normal_x, ahead.start_normal_y
     # On the arc v^2 = g h cos(alpha), that is a cos + b sin = c.
     a, b = GRAVITY + rate, rate * friction
@@ -358,10 +287,11 @@ def _leaving(riders: Riders, ahead: Ahead, motion: _Motion) -> tuple[np.ndarray,
 def _cut(
     riders: Riders,
     ahead: Ahead,
-    motion: _Motion,
+    motion: Motion,
+    sight: Sight,
     event: np.ndarray,
     place: np.ndarray,
-) -> tuple[Ahead, _Motion]:
+) -> None:
     """Let elements end where blocks become slow on them, or leave them."""
     for kind, where in ((Event.slow, _slowing), (Event.flies, _leaving)):
         rows = np.flatnonzero(event == kind)
@@ -379,19 +309,22 @@ def _cut(
             (motion.stop_squared, squared),
         ):
             array[rows, columns] = values
-    return ahead, motion
+        shorter = passage(
+            _at(ahead, rows, columns), _at(motion, rows, columns), riders.at(rows)
+        )
+        for array, values in zip(sight.passage, shorter, strict=True):
+            array[rows, columns] = values
 
 
-def _slowing(riders: Riders, ahead: Ahead, motion: _Motion) -> tuple[np.ndarray, ...]:
+def _slowing(riders: Riders, ahead: Ahead, motion: Motion) -> tuple[np.ndarray, ...]:
     """Compute where riders become too slow: centres, normals and squared speeds.
 
     Args:
         ahead, motion: the elements, arrays `(blocks,)`.
     """
     n_x, n_y, friction = ahead.start_normal_x, ahead.start_normal_y, motion.friction
-    h, rate = riders.radius, _rate(riders)
-    columns = n_x[:, None], n_y[:, None], friction[:, None]
-    least = least_squared(riders, *columns)[:, 0]
+    h, rate = riders.radius, loss_with_height(riders)
+    least = least_squared(riders, n_x, n_y, friction)
     spare = np.maximum(motion.start_squared - least, 0.0)
     brake = rate * (friction * n_y - n_x)
     d_x, d_y = ahead.stop_x - ahead.start_x, ahead.stop_y - ahead.start_y
@@ -424,32 +357,28 @@ def _recorded(
     riders: Riders,
     begin: Place,
     ahead: Ahead,
-    motion: _Motion,
+    motion: Motion,
+    sight: Sight,
     event: np.ndarray,
     place: np.ndarray,
     time_limit: float,
 ) -> Ride:
     """Compute times and turns, and record the elements that were passed."""
     h, columns = riders.radius[:, None], np.arange(ahead.element.shape[1])
-    d_x, d_y = ahead.stop_x - ahead.start_x, ahead.stop_y - ahead.start_y
-    straight = np.sqrt(d_x**2 + d_y**2)
-    length = np.where(ahead.is_segment, straight, h * _turn(ahead, h))
+    length, duration, speed = sight.passage
     passed = columns < (place + np.isin(event, ENDS_ON))[:, None]
-    length = np.where(passed, length, 0.0)
-    speed = np.sqrt(np.maximum(motion.start_squared, 0.0))
-    sum_of_speeds = speed + np.sqrt(np.maximum(motion.stop_squared, 0.0))
-    moves = (length > 0.0) & (sum_of_speeds > 0.0)
-    duration = np.where(moves, 2.0 * length / np.where(moves, sum_of_speeds, 1.0), 0.0)
+    duration = np.where(passed, duration, 0.0)
     time = np.cumsum(np.concatenate([begin.time[:, None], duration], axis=1), axis=1)
     late = passed & (time[:, 1:] > time_limit)
     is_late = np.any(late, axis=1)
     place = np.where(is_late, np.argmax(late, axis=1), place)
     event = np.where(is_late, Event.time_limit, event)
     passed &= columns < (place + np.isin(event, ENDS_ON))[:, None]
+    length = np.where(passed, length, 0.0)
     turn = np.where(riders.rolls[:, None], length / h, 0.0)
     turned = np.cumsum(np.concatenate([begin.turned[:, None], turn], axis=1), axis=1)
 
-    begins = _begin_pieces(ahead, length, h) & passed
+    begins = _begin_pieces(ahead, sight.turn, length, h) & passed
     rider, one = np.nonzero(begins)
     two = _last_of_pieces(begins, passed)[rider, one]
     kept = time[rider, two + 1] > time[rider, one]
@@ -503,20 +432,18 @@ def _recorded(
     )
 
 
-def _begin_pieces(ahead: Ahead, length: np.ndarray, h: np.ndarray) -> np.ndarray:
+def _begin_pieces(
+    ahead: Ahead, turn: np.ndarray, length: np.ndarray, h: np.ndarray
+) -> np.ndarray:
     """Tell which elements begin a piece: small ones go on with the piece before, as
     long as they do not turn or lead too far."""
     arc = ~ahead.is_segment
-    turn = np.where(arc, length / h, 0.0)
     longest = np.clip(PIECE_LENGTH * h, LEAST_PIECE, MOST_PIECE)
     small = turn < SMALL_PART * PIECE_TURN
     small &= length < SMALL_PART * longest
-    corner = np.maximum(_corner(ahead)[0], 0.0)
-    total = turn + corner
     begins = np.ones(length.shape, bool)
     begins[:, 1:] = ~(small[:, 1:] & small[:, :-1])
-    begins[:, 1:] |= corner[:, :-1] >= SMALL_PART * PIECE_TURN
-    for amount, most in ((total, PIECE_TURN), (length, longest)):
+    for amount, most in ((turn, PIECE_TURN), (length, longest)):
         part = np.floor(np.cumsum(amount, axis=1) / most)
         begins[:, 1:] |= part[:, 1:] != part[:, :-1]
     # An arc and the long segment behind it are one piece, where they lie close enough.
