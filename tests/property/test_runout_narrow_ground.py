@@ -156,6 +156,23 @@ def test_a_sphere_strikes_the_top_of_a_step(high, wide):
     assert strike.slope == pytest.approx(-np.arcsin(before / R), abs=1e-9)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("high", [0.2, 2.0])
+def test_a_sphere_that_falls_on_an_edge_is_thrown_off_it(high, side):
+    """From both sides alike, by the direction from the edge to the centre, on a kerb as
+    on a wall: the level ground beside it is long."""
+    x = np.array([-20.0, 0.0, 1e-3, 20.0])
+    y = np.array([0.0, 0.0, high * R, high * R])
+    beside = 0.3 * R
+    if side < 0.0:
+        x, y = -x[::-1], y[::-1]
+    profile = Profile(x, y)
+    release = Release(SPHERE, side * (1e-3 - beside), 4.0)
+    strike = simulate_runout(profile, release, LAW).contacts
+    assert strike.slope[0] == pytest.approx(-side * np.arcsin(0.3), abs=1e-6)
+    assert strike.y[0] == pytest.approx(high * R + np.sqrt(R**2 - beside**2), abs=1e-6)
+
+
 @pytest.mark.parametrize(("width", "speed"), [(0.2, 1.2), (0.6, 0.6), (1.2, 0.3)])
 def test_a_sphere_strikes_the_far_edge_of_a_gap(width, speed):
     """Too slow to fly and fast enough for an impact, it turns about the near edge of a
