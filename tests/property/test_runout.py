@@ -285,10 +285,11 @@ def test_energy_never_grows_on_rough_slopes(law):
         assert np.max(gain / (mass * G)) < 1e-7
 
 
-def test_contacts_that_take_time_join_flight_and_flight():
+def test_contacts_that_take_time_are_no_faster_than_flights():
     """Their pieces begin with the velocities with which the flight before ends, and end
-    where the next piece begins, with the spin of which that has a part: a climb out of
-    the ground takes from all velocities alike."""
+    along the plane as the contact does, and out of it as fast as they went in: no speed
+    on the way is greater than one at an end of a flight. A block that has turned is set
+    back out of the ground by a piece of its own."""
     block = Block(mass=100.0, aspect_ratio=np.repeat([1.0, 2.0, 4.0], 4))
     release = Release(block, 0.0, 235.0, 20.0, 3.0, 0.4, np.tile([0, 20, 90, 200], 3))
     runs = simulate_runout(
@@ -297,11 +298,10 @@ def test_contacts_that_take_time_join_flight_and_flight():
     p = runs.pieces
     before, contact, after = (p.motion[i : len(p.motion) - 2 + i] for i in range(3))
     between = (before == MotionMode.flight) & (contact == MotionMode.contact)
-    between &= (after == MotionMode.flight) & (p.trajectory[:-2] == p.trajectory[2:])
+    between &= (after != MotionMode.rolling) & (p.trajectory[:-2] == p.trajectory[2:])
     contacts = np.flatnonzero(between) + 1
     assert len(contacts) > 100
-    starts = Body(*p[4:8], *p[10:12])
-    ends = state_after(p, p.duration)
+    starts, ends = Body(*p[4:8], *p[10:12]), state_after(p, p.duration)
     # The flight is worked out from its start by other sums: rounding.
     for start, end in zip(starts, ends, strict=True):
         np.testing.assert_allclose(
@@ -315,8 +315,9 @@ def test_contacts_that_take_time_join_flight_and_flight():
             rtol=0.0,
             atol=1e-8,
         )
-    share = starts.angular_velocity[contacts + 1] / ends.angular_velocity[contacts]
-    assert np.all((share > 0.9) & (share <= 1.0 + 1e-9))
+    fastest = np.maximum(np.hypot(p.v_x, p.v_y)[contacts], 1.0)
+    # Spin becomes speed along the plane: by some hundredths.
+    assert np.all(np.hypot(ends.v_x, ends.v_y)[contacts] < 1.03 * fastest)
 
 
 def test_contacts_in_closed_form_give_no_energy():

@@ -318,7 +318,9 @@ def depart(
     # A block that a facet left above its segment comes down to it.
     drop = jnp.where(turned & ~on.leaves & ~on.stuck, on_segment.over, 0.0)
     on = on._replace(x=on.x - drop * jnp.sin(slope), y=on.y - drop * jnp.cos(slope))
-    record, piece = _recorded(*(block, struck, response, after, on, seen, hops, free))
+    record, piece = _recorded(
+        *(block, struck, response, settled, after, on, seen, hops, free)
+    )
     continued = _continued(
         block, constants, slope, struck, after, on, seen, rolling_friction
     )
@@ -394,6 +396,7 @@ def _recorded(
     block: BlockState,
     struck: PlaneContact,
     response: ImpactResponse,
+    settled: Settled,
     after: PostImpact,
     on: Continuation,
     seen: Seen,
@@ -401,9 +404,10 @@ def _recorded(
     free: Values,
 ) -> tuple[ContactRecord, Pieces]:
     """Record a contact, and describe it as a piece of the trajectory: at constant
-    acceleration, from the place and the velocities at touch to the place from which the
-    block goes on. It lasts as long as the block travels, and less than the contact
-    where other ground is in its way."""
+    acceleration, from the place and the velocities at touch along the plane. The way
+    out of the ground is no part of it: in so short a time no block is so fast. It lasts
+    as long as the block travels, and less than the contact where other ground is in its
+    way."""
     body = block.body
     record = ContactRecord(
         0.0, block.time, block.segment, struck.slope, body.x, body.y,
@@ -414,8 +418,8 @@ def _recorded(
     time = jnp.where(duration > 0.0, duration, 1.0)
     piece = Pieces(
         0.0, float(MotionMode.contact), block.time, duration, *body[:4],
-        2.0 * (on.x - body.x - body.v_x * time) / time**2,
-        2.0 * (on.y - body.y - body.v_y * time) / time**2,
+        2.0 * (free * settled.along_x - body.v_x * time) / time**2,
+        2.0 * (free * settled.along_y - body.v_y * time) / time**2,
         *body[4:], (response.angular_velocity - body.angular_velocity) / time,
     )  # fmt: skip
     return record, piece
