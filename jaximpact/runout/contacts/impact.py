@@ -416,10 +416,20 @@ def _recorded(
     )  # fmt: skip
     duration = response.duration * free
     time = jnp.where(duration > 0.0, duration, 1.0)
+    way_x, way_y = free * settled.along_x, free * settled.along_y
+    rise_x, rise_y = on.x - body.x - way_x, on.y - body.y - way_y
+    # One that sinks and is too slow to have fallen so far sinks as it travels.
+    squared = after.normal_velocity**2 + after.tangential_velocity**2
+    flies = on.leaves & ~on.stuck & (0.5 * squared >= -GRAVITY * rise_y)
+    sinks = (rise_y < 0.0) & ~flies
+    way_x, way_y = (
+        jnp.where(sinks, way + rise, way)
+        for way, rise in ((way_x, rise_x), (way_y, rise_y))
+    )
     piece = Pieces(
         0.0, float(MotionMode.contact), block.time, duration, *body[:4],
-        2.0 * (free * settled.along_x - body.v_x * time) / time**2,
-        2.0 * (free * settled.along_y - body.v_y * time) / time**2,
+        2.0 * (way_x - body.v_x * time) / time**2,
+        2.0 * (way_y - body.v_y * time) / time**2,
         *body[4:], (response.angular_velocity - body.angular_velocity) / time,
     )  # fmt: skip
     return record, piece
