@@ -22,7 +22,7 @@ from .take_off import take_off
 SHORTEST_LOOK, LONGEST_LOOK = 4, 128
 """Numbers of elements ahead that a ride looks at: few after an event, more as it goes
 on."""
-LARGEST_TABLE = 60_000
+LARGEST_TABLE = 30_000
 """Elements ahead, of all blocks together, that are looked at at a time, for the caches
 of a core."""
 
