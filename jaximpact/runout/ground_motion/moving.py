@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..._numpy_settings import numpy_settings
 from ...backend.threads import thread_count
 from ...scene import GRAVITY
 from ..blocks import put, select
@@ -22,7 +23,7 @@ from .take_off import take_off
 SHORTEST_LOOK, LONGEST_LOOK = 4, 128
 """Numbers of elements ahead that a ride looks at: few after an event, more as it goes
 on."""
-LARGEST_TABLE = 60_000
+LARGEST_TABLE = 30_000
 """Elements ahead, of all blocks together, that are looked at at a time, for the caches
 of a core."""
 
@@ -38,17 +39,28 @@ def move_along(state: State, lanes: np.ndarray) -> None:
             alike = lanes[looks == width]
             parts = -(-len(alike) * int(width) // LARGEST_TABLE)
             jobs += [(part, int(width)) for part in np.array_split(alike, parts)]
-        # The first alone: what is compiled is compiled once.
-        _ride(state, *jobs[0])
-        if len(jobs) > 2 and thread_count() > 1:
-            with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
-                list(pool.map(lambda job: _ride(state, *job), jobs[1:]))
-        else:
-            for job in jobs[1:]:
-                _ride(state, *job)
+        _ride_side_by_side(state, jobs)
         grounded = blocks.phase[lanes] == Phase.grounded
         known = blocks.element[lanes] != UNKNOWN
         lanes = lanes[grounded & known]
+
+
+def _ride_side_by_side(state: State, jobs: list[tuple[np.ndarray, int]]) -> None:
+    """Let parts of the blocks ride, on all cores; the first alone, so that what has to
+    be compiled is compiled once."""
+
+    def ride_on(job: tuple[np.ndarray, int]) -> None:
+        with numpy_settings():  # which belong to a thread
+            _ride(state, *job)
+
+    first, *others = jobs
+    _ride(state, *first)
+    if len(others) < 2 or thread_count() == 1:
+        for job in others:
+            _ride(state, *job)
+        return
+    with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
+        list(pool.map(ride_on, others))
 
 
 def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
