@@ -61,9 +61,8 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     """Find every passage of a collector, exactly, from the pieces of the trajectories.
 
     A block that is released at x, or stops there, passes it if it comes from, or goes
-    to, the left of it. Where pieces follow on each other with a jump, as when an
-    ellipse continues as a round block, a place between the two is passed at the end of
-    the first.
+    to, the left of it. Pieces join but for rounding; a place between two is passed at
+    the end of the first.
 
     Args:
         x: place of the collector [m].

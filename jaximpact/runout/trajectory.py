@@ -20,6 +20,8 @@ class MotionMode(enum.IntEnum):
     rolling = 1
     sliding = 2
     contact = 3
+    """A contact that takes time; or the way of a block out of the ground, or to where a
+    round block rolls in its place."""
 
     def __str__(self) -> str:
         return self.name
@@ -29,7 +31,8 @@ class Pieces(NamedTuple):
     """Pieces of trajectories, arrays `(pieces,)`, trajectory after trajectory, in time.
 
     Every piece is a motion at constant acceleration, with a spin that changes at a
-    constant rate, so that it can be drawn, or met with a wall, in closed form.
+    constant rate, so that it can be drawn, or met with a wall, in closed form. It takes
+    time, and begins where and when the one before ended, but for rounding.
     """
 
     trajectory: Values
