@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from runout_scenes import LAWS, gain_between_pieces, gain_over_contacts
+from runout_scenes import LAWS, G, gain_between_pieces, gain_over_contacts
 
 from jaximpact import Block, ConstantCoefficients, FrictionalEllipsoid
 from jaximpact.parameters import parameter
@@ -172,7 +172,8 @@ def test_energy_never_rises_and_flights_stay_above_the_ground(shape, law):
     runs = simulate_runout(PROFILE, release, ClosedForm(law), event_limit=500)
     assert set(runs.count_endings()) <= {"stopped", "left profile"}
     gain, mass = gain_between_pieces(runs)
-    assert np.max(gain / mass) < 1e-9
+    # of a lift by 1e-8 of the block, up to which pieces may lie apart
+    assert np.max(gain / mass) < 1e-8 * G
     gain, mass = gain_over_contacts(runs)
     assert np.max(gain / mass) < 1e-9
     p, generator = runs.pieces, np.random.default_rng(0)
