@@ -77,24 +77,29 @@ def test_noise_falls_as_the_theory_of_local_regression_says(sigma, length):
 
 @pytest.mark.slow
 def test_blocks_stop_on_a_smoothed_profile_as_on_the_exact_one():
-    x = np.arange(0.0, 600.01, 0.25)
+    """In the median. Over 2 m this noise is left enough of to throw blocks up at crests
+    that they roll over without it."""
+    x, generator = np.arange(0.0, 600.01, 0.25), np.random.default_rng(1)
+    start = generator.uniform(3.0, 8.0, 60)
     release = Release(
-        Block(mass=np.linspace(200.0, 2000.0, 12)),
-        x=5.0,
-        y=hillside(5.0) + 2.0,
-        v_x=5.0,
+        Block(mass=300.0 * np.exp(generator.normal(0.0, 0.5, 60))),
+        x=start,
+        y=hillside(start) + 2.0,
+        v_x=generator.uniform(2.0, 12.0, 60),
     )
     law = ClosedForm(ConstantCoefficients(e_n=0.35, e_t=0.85))
     noise = 0.05 * np.random.default_rng(0).normal(size=len(x))
-    exact, smooth = (
-        simulate_runout(profile, release, law).x
+    exact, smooth, noisy = (
+        np.median(simulate_runout(profile, release, law).x)
         for profile in (
             Profile(x, hillside(x)),
-            Profile(x, hillside(x) + noise).smoothed(2.0),
+            Profile(x, hillside(x) + noise).smoothed(3.0),
+            Profile(x, hillside(x) + noise),
         )
     )
-    # A block that only just passes a crest of the hillside stops metres farther.
-    np.testing.assert_allclose(smooth, exact, atol=5.0)
+    # Measured: 0.1 % of the way; with the noise a third of it is missing.
+    assert smooth == pytest.approx(exact, rel=0.01)
+    assert noisy < 0.8 * exact
 
 
 def test_points_farther_apart_than_the_length_stay():
