@@ -40,8 +40,7 @@ class Elements(NamedTuple):
     """The point, or the start of the segment [m]."""
     y: np.ndarray
     end_x: np.ndarray
-    """The point, or the end of the segment [m]."""
-    end_y: np.ndarray
+    """x of the point, or of the end of the segment [m]."""
     normal_x: np.ndarray
     """Normal of the segment, out of the ground; of a point not used."""
     normal_y: np.ndarray
@@ -147,6 +146,11 @@ class CentrePath:
         """Give the places of the same elements in the mirror."""
         return len(self.reach) - 1 - element
 
+    def last(self, element: np.ndarray) -> np.ndarray:
+        """Give the place of the last element in the direction of motion, for blocks on
+        some elements."""
+        return np.where(element >= self.count, 2, 1) * self.count - 1
+
     def locate(
         self, x: np.ndarray, radius: np.ndarray, direction: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
@@ -219,8 +223,7 @@ class CentrePath:
             width: number of elements to look at, from 2; those that a block does not
                 reach count, too.
         """
-        side = np.where(element >= self.count, 1, 0)
-        last = (side + 1) * self.count - 1
+        last = self.last(element)
         window = element[:, None] + np.arange(width)
         there = np.minimum(window, last[:, None])
         h = radius[:, None]
@@ -343,7 +346,6 @@ def _elements(
         x=woven(x, x[:-1]),
         y=woven(y, y[:-1]),
         end_x=woven(x, x[1:]),
-        end_y=woven(y, y[1:]),
         normal_x=woven(zero, -d_y / length),
         normal_y=woven(zero, d_x / length),
         length=woven(zero, length),

@@ -205,14 +205,15 @@ class State:
     ground: GroundOfBlocks
     contacts: Recorder
     pieces: Recorder
-    look: np.ndarray
-    """Number of elements ahead that a block on the ground looks at."""
+    lookahead: np.ndarray
+    """Number of elements ahead that the next ride of a block on the ground
+    evaluates."""
     stays_on: np.ndarray
     """Element that a block on the ground does not leave; -1 for none."""
     passed: np.ndarray
     """x, in the mirror of a block that moves to the left, up to which a block on the
     ground passes over corners in a hop [m]."""
-    balked: np.ndarray
+    blocked: np.ndarray
     """True for a block at rest on the ground that could not go the other way."""
 
     @classmethod
@@ -241,10 +242,10 @@ class State:
             ground=_ground_of_blocks(surface, n, profile.segments),
             contacts=Recorder(ContactRecord),
             pieces=Recorder(Pieces),
-            look=np.zeros(n, int),
+            lookahead=np.zeros(n, int),
             stays_on=np.full(n, UNKNOWN),
             passed=np.full(n, -np.inf),
-            balked=np.zeros(n, bool),
+            blocked=np.zeros(n, bool),
         )
 
     def move(

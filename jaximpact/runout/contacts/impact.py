@@ -121,6 +121,8 @@ def _falling(
     largest = there.outline.largest
     _, highest = path.locate(block.body.x, largest, np.ones(len(staying)))
     falls = block.body.y > highest + IN_THE_GROUND * largest
+    if not np.any(falls):
+        return after
     block, there, staying = *select((block, there), falls), staying[falls]
     ended = block.phase == Phase.ended
     speed = np.sqrt(np.maximum(block.speed_squared, 0.0))

@@ -34,7 +34,7 @@ def strike_corner(
     plane, it does so along its nearest axis.
     """
     direction, body = block.direction, block.body
-    speed = jnp.sqrt(jnp.maximum(block.speed_squared, 0.0))
+    speed = block.speed
     height = constants.centre_height(block.rolls)
     spin = jnp.where(block.is_rolling, direction * speed / height, 0.0)
     sin, cos = corner.ahead_x, corner.ahead_y

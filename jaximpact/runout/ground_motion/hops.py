@@ -14,12 +14,12 @@ from ...scene import GRAVITY
 from ..centre_path import LEFT_BEHIND, CentrePath, in_small_turns
 from .riders import Riders
 
-FIRST_LOOK = 8
-"""Number of elements that a search for the end of a hop looks at first."""
+FIRST_LOOKAHEAD = 8
+"""Number of elements that a search for the end of a hop evaluates first."""
 
 
 class Hops(NamedTuple):
-    """What comes of hops, arrays `(blocks,)`."""
+    """Hops, followed as flights or not; arrays `(blocks,)`."""
 
     flies: np.ndarray
     """True for a flight that is followed."""
@@ -46,7 +46,7 @@ def find_hops(
         squared: squared speeds there [m2/s2].
     """
     flies, landing_x = np.zeros(len(x), bool), x.copy()
-    asking, width = np.arange(len(x)), FIRST_LOOK
+    asking, width = np.arange(len(x)), FIRST_LOOKAHEAD
     here = element, x, y
     slope, along = -n_x / n_y, squared * n_y**2
     bend = 0.5 * GRAVITY / along

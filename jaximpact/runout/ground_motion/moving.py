@@ -13,19 +13,19 @@ from ..blocks import put, select
 from ..centre_path import LEFT_BEHIND
 from ..state import UNKNOWN, BlockConstants, BlockState, Phase, State
 from ..trajectory import Ending, MotionMode, Pieces
+from .conditions import least_squared
 from .corner_strike import Corner, strike_corner
-from .ride import Event, Place, Ride, ride
+from .ride import Event, Place, Ride, friction_on, ride
 from .riders import Riders
 from .rolling import SMALL_RISE, lie_down
-from .sight import least_squared
 from .take_off import take_off
 
-SHORTEST_LOOK, LONGEST_LOOK = 4, 128
-"""Numbers of elements ahead that a ride looks at: few after an event, more as it goes
-on."""
+SHORTEST_LOOKAHEAD, LONGEST_LOOKAHEAD = 4, 128
+"""Numbers of elements ahead that a ride evaluates: few after an event, more while
+nothing happens."""
 LARGEST_TABLE = 30_000
-"""Elements ahead, of all blocks together, that are looked at at a time, for the caches
-of a core."""
+"""Number of elements of all blocks together that are evaluated at a time, for the
+caches of a core."""
 
 
 def move_along(state: State, lanes: np.ndarray) -> None:
@@ -33,10 +33,10 @@ def move_along(state: State, lanes: np.ndarray) -> None:
     blocks = state.blocks
     lanes = _placed(state, lanes)
     while len(lanes):
-        looks = state.look[lanes]
+        lookaheads = state.lookahead[lanes]
         jobs = []
-        for width in np.unique(looks):
-            alike = lanes[looks == width]
+        for width in np.unique(lookaheads):
+            alike = lanes[lookaheads == width]
             parts = -(-len(alike) * int(width) // LARGEST_TABLE)
             jobs += [(part, int(width)) for part in np.array_split(alike, parts)]
         _ride_side_by_side(state, jobs)
@@ -94,8 +94,8 @@ def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
         ending=np.where(ends, ending, block.ending),
     ).moved(y=np.where(ends, body.y, y))
     state.move(new, after)
-    state.look[new] = SHORTEST_LOOK
-    state.balked[new] = False
+    state.lookahead[new] = SHORTEST_LOOKAHEAD
+    state.blocked[new] = False
     return lanes[blocks.phase[lanes] == Phase.grounded]
 
 
@@ -121,7 +121,7 @@ def _riders(state: State, block: BlockState, constants: BlockConstants) -> Rider
 
 
 def _ride(state: State, lanes: np.ndarray, width: int) -> None:
-    """Move blocks on, and let happen what comes."""
+    """Move blocks along the path, and apply the events that end their rides."""
     block, constants = select((state.blocks, state.constants), lanes)
     riders, direction = _riders(state, block, constants), block.direction
 
@@ -139,7 +139,6 @@ def _ride(state: State, lanes: np.ndarray, width: int) -> None:
         y=block.body.y,
         speed_squared=block.speed_squared,
         time=block.time,
-        turned=np.zeros(len(lanes)),
     )
     ridden = ride(
         *(state.path, friction_of, riders, begin, state.stays_on[lanes]),
@@ -154,24 +153,22 @@ def _ride(state: State, lanes: np.ndarray, width: int) -> None:
     ).moved(
         x=direction * end.x,
         y=end.y,
-        orientation=block.body.orientation + direction * end.turned,
+        orientation=block.body.orientation + direction * ridden.turned,
     )
     put(state.blocks, lanes, after)
-    goes_on = ridden.event == Event.looks_on
+    goes_on = ridden.event == Event.continues
     stands = goes_on & (end.element == begin.element)
-    longer = np.where(stands, 2 * width, min(2 * width, max(width, LONGEST_LOOK)))
-    state.look[lanes] = np.where(goes_on, longer, max(width // 2, SHORTEST_LOOK))
+    longer = np.where(stands, 2 * width, min(2 * width, max(width, LONGEST_LOOKAHEAD)))
+    state.lookahead[lanes] = np.where(
+        goes_on, longer, max(width // 2, SHORTEST_LOOKAHEAD)
+    )
     state.stays_on[lanes[~goes_on]] = UNKNOWN
     state.passed[lanes] = np.where(goes_on, ridden.passed, -np.inf)
-    ground = state.path.elements
-    friction = 0.5 * (
-        friction_of(ground.behind[end.element]) + friction_of(ground.ahead[end.element])
-    )
     there = _Arrival(
         riders,
         *(ridden.normal_x, ridden.normal_y),
         *(ridden.next_normal_x, ridden.next_normal_y),
-        friction,
+        friction_on(state.path, friction_of, end.element),
         moved=end.time > begin.time,
     )
     happening = {
@@ -259,8 +256,8 @@ def _strike(state: State, lanes: np.ndarray, there: _Arrival) -> None:
     """Let blocks strike what is ahead at a corner."""
     block, constants = select((state.blocks, state.constants), lanes)
     ground = state.path.elements.at(block.element.astype(int))
-    touching_x = block.direction * (
-        block.direction * block.body.x - there.riders.radius * there.next_normal_x
+    touching_x = block.body.x - block.direction * (
+        there.riders.radius * there.next_normal_x
     )
     number = np.searchsorted(state.profile.x, touching_x, side="right") - 1
     least = np.minimum(ground.behind, ground.ahead)
@@ -315,10 +312,10 @@ def _slow_down(state: State, lanes: np.ndarray, there: _Arrival) -> None:
     steep = np.abs(there.normal_x) > there.friction * there.normal_y
     back = there.normal_x < 0.0
     # A block at rest that cannot go one way is turned once, and then lies between.
-    balks = ~there.moved & state.balked[lanes]
-    starts = ~lies & steep & ~(back & balks)
+    is_blocked = ~there.moved & state.blocked[lanes]
+    starts = ~lies & steep & ~(back & is_blocked)
     _end(state, lanes[~lies & ~starts], Ending.stopped)
-    state.balked[lanes] = ~there.moved & back
+    state.blocked[lanes] = ~there.moved & back
     blocks.speed_squared[lanes[starts]] = 0.0
     turning = lanes[starts & back]
     mirrored = state.path.mirrored(blocks.element[turning].astype(int))

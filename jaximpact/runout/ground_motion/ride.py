@@ -24,8 +24,8 @@ bend the same way, draws a curve of `CURVE` radii at most.
 **Events**: a corner that is struck, or a slow one; the take-off; a speed that has
 become too small; the end of the profile; the limit of time.
 
-Bits of a block's ride depend on nothing else: products, sums and roots alone, added up
-in order.
+The bits of a ride do not depend on the other blocks: products, sums and roots alone are
+computed, and added up in order.
 """
 
 import enum
@@ -37,17 +37,17 @@ import numpy as np
 
 from ...scene import GRAVITY
 from ..centre_path import Ahead, CentrePath, in_small_turns
-from .hops import find_hops
-from .riders import Riders
-from .sight import (
+from .conditions import (
     Bend,
+    Conditions,
     Motion,
-    Sight,
+    conditions_on,
     least_squared,
-    look_at,
     loss_with_height,
     passage,
 )
+from .hops import find_hops
+from .riders import Riders
 
 PIECE_TURN, PIECE_LENGTH = 0.05, 8.0
 """Turn [rad] and length, in radii, up to which small elements are one piece of a
@@ -66,8 +66,8 @@ class Event(enum.IntEnum):
     """What ends a ride."""
 
     none = 0
-    looks_on = 1
-    """Nothing: there are more elements to look at."""
+    continues = 1
+    """No event yet: there are more elements ahead."""
     strikes = 2
     slow_corner = 3
     flies = 4
@@ -86,8 +86,6 @@ class Place(NamedTuple):
     y: np.ndarray
     speed_squared: np.ndarray
     time: np.ndarray
-    turned: np.ndarray
-    """Angle by which the block has rolled [rad], in its direction of motion."""
 
 
 class Legs(NamedTuple):
@@ -105,6 +103,7 @@ class Legs(NamedTuple):
     a_x: np.ndarray
     a_y: np.ndarray
     turned: np.ndarray
+    """Angle by which the block has rolled before [rad], in its direction of motion."""
     speed: np.ndarray
     """Along the path, at the start [m/s]."""
     acceleration: np.ndarray
@@ -123,6 +122,8 @@ class Ride(NamedTuple):
     next_normal_x: np.ndarray
     """Normal behind the corner at the end."""
     next_normal_y: np.ndarray
+    turned: np.ndarray
+    """Angle by which the block has rolled [rad], in its direction of motion."""
     legs: Legs
     passed: np.ndarray
     """x in the mirror up to which corners are passed over [m]."""
@@ -142,7 +143,7 @@ def ride(
     time_limit: float,
     width: int,
 ) -> Ride:
-    """Move riders along the path, to an event or to the end of what they look at.
+    """Move riders along the path, to an event or to the last element evaluated.
 
     Args:
         friction_of: friction on the segments.
@@ -150,18 +151,30 @@ def ride(
         passed: x in the mirror up to which riders pass over corners and edges in a hop
             that is not followed [m].
         time_limit: time at which a ride ends, with the element that is passed then [s].
-        width: number of elements to look at, from 2.
+        width: number of elements to evaluate, from 2.
     """
     ahead = path.ahead(begin.element, begin.x, begin.y, riders.radius, width)
     ahead = in_small_turns(ahead, riders.radius)
     motion = _motion(path, friction_of, riders, ahead, begin.speed_squared)
-    sight = _sight(path, riders, ahead, motion)
+    conditions = _conditions(path, riders, ahead, motion)
     event, place, passed = _first_event(
-        path, riders, ahead, motion, sight, stays_on, passed
+        path, riders, ahead, motion, conditions, stays_on, passed
     )
-    _cut(riders, ahead, motion, sight, event, place)
-    ridden = _recorded(riders, begin, ahead, motion, sight, event, place, time_limit)
-    return ridden._replace(passed=passed)
+    _cut(riders, ahead, motion, conditions, event, place)
+    return _recorded(
+        riders, begin, ahead, motion, conditions, event, place, passed, time_limit
+    )
+
+
+def friction_on(
+    path: CentrePath, friction_of: FrictionOf, element: np.ndarray
+) -> np.ndarray:
+    """Compute tangents of the angles of friction on elements: about a point, the mean
+    of those beside it."""
+    ground = path.elements
+    return 0.5 * (
+        friction_of(ground.behind[element]) + friction_of(ground.ahead[element])
+    )
 
 
 def _motion(
@@ -172,11 +185,7 @@ def _motion(
     speed_squared: np.ndarray,
 ) -> Motion:
     """Compute squared speeds over the elements ahead, as if nothing happened there."""
-    ground = path.elements
-    friction = 0.5 * (
-        friction_of(ground.behind[ahead.element])
-        + friction_of(ground.ahead[ahead.element])
-    )
+    friction = friction_on(path, friction_of, ahead.element)
     loss = ahead.stop_y - ahead.start_y + friction * (ahead.stop_x - ahead.start_x)
     loss = loss_with_height(riders)[:, None] * np.where(ahead.exists, loss, 0.0)
     # One after the other, so that it does not matter where a window begins.
@@ -184,14 +193,16 @@ def _motion(
     return Motion(squared[:, :-1], squared[:, 1:], friction)
 
 
-def _sight(path: CentrePath, riders: Riders, ahead: Ahead, motion: Motion) -> Sight:
-    """Look at the elements ahead, one by one."""
+def _conditions(
+    path: CentrePath, riders: Riders, ahead: Ahead, motion: Motion
+) -> Conditions:
+    """Evaluate the conditions for events on the elements ahead."""
     ground, element = path.elements, ahead.element
     begins = np.ones(element.shape, bool)
     begins[:, 1:] = element[:, 1:] != element[:, :-1]
     bend = Bend(ground.shorter[element], ground.on_curve[element], begins)
     columns = Riders(*(column[:, None] for column in riders))
-    return look_at(ahead, motion, bend, columns)
+    return conditions_on(ahead, motion, bend, columns)
 
 
 def _first_event(
@@ -199,22 +210,21 @@ def _first_event(
     riders: Riders,
     ahead: Ahead,
     motion: Motion,
-    sight: Sight,
+    conditions: Conditions,
     stays_on: np.ndarray,
     passed: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Find the first event of each rider, and the place of its element, behind the last
     one where there is none; and how far it passes over corners."""
-    slow, corner = sight.slow > 0.0, sight.corner > 0.0
-    last = np.where(ahead.element >= path.count, 2, 1) * path.count - 1
+    slow, corner = conditions.slow > 0.0, conditions.corner > 0.0
     grounded = np.full(slow.shape, Event.none)
     grounded[corner] = Event.slow_corner
-    grounded[sight.hard > 0.0] = Event.strikes
-    loose = (sight.loose > 0.0) & ~slow & ahead.exists
+    grounded[conditions.hard > 0.0] = Event.strikes
+    loose = (conditions.loose > 0.0) & ~slow & ahead.exists
     loose &= ahead.element != stays_on[:, None]
     grounded[slow] = Event.slow
-    grounded[~ahead.exists] = Event.looks_on
-    grounded[~ahead.exists & (ahead.element == last)] = Event.leaves
+    grounded[~ahead.exists] = Event.continues
+    grounded[~ahead.exists & (ahead.element == path.last(ahead.element))] = Event.leaves
     asking, passed = np.arange(len(stays_on)), passed.copy()
     while True:
         over = ahead.stop_x <= passed[:, None]
@@ -241,7 +251,9 @@ def _first(events: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     place = np.where(
         np.any(is_event, axis=1), np.argmax(is_event, axis=1), events.shape[1]
     )
-    padded = np.concatenate([events, np.full((len(events), 1), Event.looks_on)], axis=1)
+    padded = np.concatenate(
+        [events, np.full((len(events), 1), Event.continues)], axis=1
+    )
     return place, padded[np.arange(len(events)), place]
 
 
@@ -288,7 +300,7 @@ def _cut(
     riders: Riders,
     ahead: Ahead,
     motion: Motion,
-    sight: Sight,
+    conditions: Conditions,
     event: np.ndarray,
     place: np.ndarray,
 ) -> None:
@@ -312,7 +324,7 @@ def _cut(
         shorter = passage(
             _at(ahead, rows, columns), _at(motion, rows, columns), riders.at(rows)
         )
-        for array, values in zip(sight.passage, shorter, strict=True):
+        for array, values in zip(conditions.passage, shorter, strict=True):
             array[rows, columns] = values
 
 
@@ -358,14 +370,19 @@ def _recorded(
     begin: Place,
     ahead: Ahead,
     motion: Motion,
-    sight: Sight,
+    conditions: Conditions,
     event: np.ndarray,
     place: np.ndarray,
+    over_to: np.ndarray,
     time_limit: float,
 ) -> Ride:
-    """Compute times and turns, and record the elements that were passed."""
+    """Compute times and turns, and record the elements that were passed.
+
+    Args:
+        over_to: x up to which corners are passed over, for `Ride.passed`.
+    """
     h, columns = riders.radius[:, None], np.arange(ahead.element.shape[1])
-    length, duration, speed = sight.passage
+    length, duration, speed = conditions.passage
     passed = columns < (place + np.isin(event, ENDS_ON))[:, None]
     duration = np.where(passed, duration, 0.0)
     time = np.cumsum(np.concatenate([begin.time[:, None], duration], axis=1), axis=1)
@@ -376,9 +393,9 @@ def _recorded(
     passed &= columns < (place + np.isin(event, ENDS_ON))[:, None]
     length = np.where(passed, length, 0.0)
     turn = np.where(riders.rolls[:, None], length / h, 0.0)
-    turned = np.cumsum(np.concatenate([begin.turned[:, None], turn], axis=1), axis=1)
+    turned = np.cumsum(np.pad(turn, ((0, 0), (1, 0))), axis=1)
 
-    begins = _begin_pieces(ahead, sight.turn, length, h) & passed
+    begins = _begin_pieces(ahead, conditions.turn, length, h) & passed
     rider, one = np.nonzero(begins)
     two = _last_of_pieces(begins, passed)[rider, one]
     kept = time[rider, two + 1] > time[rider, one]
@@ -407,7 +424,7 @@ def _recorded(
     here = np.minimum(place, len(columns) - 1)
     moved, behind = last > 0, np.maximum(last - 1, 0)
     # One that looks on stands behind what it passed; columns there may be filling.
-    passed_all = (event == Event.looks_on) & (place > 0)
+    passed_all = (event == Event.continues) & (place > 0)
     onto_next = np.isin(event, [Event.strikes, Event.slow_corner]) | passed_all
     at = rows, np.where(passed_all, place - 1, here)
     end = Place(
@@ -418,7 +435,6 @@ def _recorded(
             moved, motion.stop_squared[rows, behind], begin.speed_squared
         ),
         time=time[rows, last],
-        turned=turned[rows, last],
     )
     return Ride(
         event,
@@ -427,8 +443,9 @@ def _recorded(
         ahead.stop_normal_y[rows, here],
         ahead.next_normal_x[rows, here],
         ahead.next_normal_y[rows, here],
-        legs,
-        passed=np.full(len(place), -np.inf),
+        turned=turned[rows, last],
+        legs=legs,
+        passed=over_to,
     )
 
 

@@ -34,7 +34,7 @@ def take_off(
     mass, inertia = constants.mass_properties
     direction, body, rolls = block.direction, block.body, block.is_rolling
     radius = constants.centre_height(block.rolls)
-    speed = jnp.sqrt(jnp.maximum(block.speed_squared, 0.0))
+    speed = block.speed
     theta = body.orientation - jnp.arctan2(normal_x, normal_y)
     height, arm = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
     height = jnp.where(rolls, height, radius)

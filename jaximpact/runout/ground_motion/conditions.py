@@ -1,4 +1,4 @@
-"""What comes of a block on each element of the path ahead, seen by itself."""
+"""Conditions for events on each element of the path ahead, evaluated for each alone."""
 
 import math
 from typing import NamedTuple
@@ -49,13 +49,13 @@ class Passage(NamedTuple):
     """Speed at the start [m/s]."""
 
 
-class Sight(NamedTuple):
-    """What comes of a block on an element; truths are 1 and 0."""
+class Conditions(NamedTuple):
+    """Conditions for events on an element; 1 where true, 0 where false."""
 
     slow: Values
-    """True where it becomes too slow for its kind of motion."""
+    """True where the block becomes too slow for its kind of motion."""
     loose: Values
-    """True where the path falls away faster than it does."""
+    """True where the path falls away faster than the block does."""
     corner: Values
     """True where the path turns up behind the element by more than `MILD`."""
     hard: Values
@@ -110,8 +110,10 @@ passage = closed_form(_passage)
 
 
 @closed_form
-def look_at(ahead: Ahead, motion: Motion, bend: Bend, riders: Riders) -> Sight:
-    """Look at an element as if nothing happened before."""
+def conditions_on(
+    ahead: Ahead, motion: Motion, bend: Bend, riders: Riders
+) -> Conditions:
+    """Evaluate the conditions on an element, as if no event came before it."""
     is_arc, h = ~(ahead.is_segment > 0.0), riders.radius
     sin = ahead.stop_normal_x * ahead.next_normal_y
     sin -= ahead.stop_normal_y * ahead.next_normal_x
@@ -122,7 +124,7 @@ def look_at(ahead: Ahead, motion: Motion, bend: Bend, riders: Riders) -> Sight:
     hard = corner & (closing >= riders.closing * ahead.next_normal_y)
     arc = jnp.where(is_arc, _arc(ahead, h), 0.0)
     passed = _passage(ahead, motion, riders)
-    return Sight(
+    return Conditions(
         _is_slow(ahead, motion, riders, is_arc),
         _is_loose(ahead, motion, bend, riders, arc),
         corner,
