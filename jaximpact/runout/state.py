@@ -306,8 +306,9 @@ class State:
             return
         lanes, after = lanes[apart], select(after, apart)
         d_x, d_y, way, x, y = (v[apart] for v in (d_x, d_y, way, x, y))
-        speed, spin = self._velocities(lanes, after)
-        mass, inertia = select(self.constants.mass_properties, lanes)
+        constants = select(self.constants, lanes)
+        speed, spin = velocities(after, constants)
+        mass, inertia = constants.mass_properties
         kinetic = 0.5 * (speed**2 + inertia / mass * spin**2)
         falls = np.minimum(kinetic, np.maximum(-GRAVITY * d_y, 0.0))
         share = np.sqrt(1.0 - falls / np.where(kinetic > 0.0, kinetic, 1.0))
@@ -329,20 +330,21 @@ class State:
         )
         self.blocks.time[lanes] = after.time + time
 
-    def _velocities(
-        self, lanes: np.ndarray, block: BlockState
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Give speeds [m/s] and angular velocities [rad/s], in the air or on the
-        ground; 0 for a block that has ended."""
-        body, flies = block.body, block.phase == Phase.airborne
-        along = np.sqrt(np.maximum(block.speed_squared, 0.0))
-        along = np.where(block.phase == Phase.ended, 0.0, along)
-        rolls = block.rolls > 0.0
-        turn = np.where(rolls, along / self.constants.round.radius[lanes], 0.0)
-        return (
-            np.where(flies, np.sqrt(body.v_x**2 + body.v_y**2), along),
-            np.where(flies, body.angular_velocity, block.direction * turn),
-        )
+
+def velocities(
+    block: BlockState, constants: BlockConstants
+) -> tuple[np.ndarray, np.ndarray]:
+    """Compute speeds [m/s] and angular velocities [rad/s] of blocks, in the air or on
+    the ground; 0 for those that have ended."""
+    body, flies = block.body, block.phase == Phase.airborne
+    along = np.sqrt(np.maximum(block.speed_squared, 0.0))
+    along = np.where(block.phase == Phase.ended, 0.0, along)
+    rolls = block.rolls > 0.0
+    turn = np.where(rolls, along / constants.round.radius, 0.0)
+    return (
+        np.where(flies, np.sqrt(body.v_x**2 + body.v_y**2), along),
+        np.where(flies, body.angular_velocity, block.direction * turn),
+    )
 
 
 def _at_release(body: Body) -> BlockState:

@@ -36,6 +36,7 @@ from ..state import (
     Phase,
     State,
     choose,
+    velocities,
 )
 from ..terrain import Profile
 from ..trajectory import ContactRecord, Ending, MotionMode, Pieces
@@ -107,8 +108,8 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
 def _falling(
     path: CentrePath, after: BlockState, constants: BlockConstants, lasts: np.ndarray
 ) -> BlockState:
-    """Let blocks fly on, as they would go along what they struck, that a contact took
-    past its end and that are above all other ground.
+    """Let blocks fly that a contact carried past the end of the plane that they struck,
+    and that touch no ground there; they keep their velocities along the plane.
 
     Args:
         lasts: durations of the contacts [s].
@@ -124,11 +125,8 @@ def _falling(
     if not np.any(falls):
         return after
     block, there, staying = *select((block, there), falls), staying[falls]
-    ended = block.phase == Phase.ended
-    speed = np.sqrt(np.maximum(block.speed_squared, 0.0))
-    along = np.where(ended, 0.0, block.direction * speed)
-    rolls = (block.rolls > 0.0) & ~ended
-    spin = np.where(rolls, along / there.round.radius, 0.0)
+    speed, spin = velocities(block, there)
+    along = block.direction * speed
     flying = block._replace(
         phase=np.full(len(staying), float(Phase.airborne)),
         ending=np.full(len(staying), UNDER_WAY),
