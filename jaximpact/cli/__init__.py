@@ -16,10 +16,10 @@ from .._packages import version_of
 from ..errors import IncompleteError, InputError, UnusualValueWarning
 from ..finding import told, users_line
 from ..interruption import is_interrupt
-from . import calibrate, impacts, paper, runout, sensitivity, sweep, tabulate
+from . import calibrate, impacts, paper, runout, sweep, tabulate
 from .progress import forget, say
 
-COMMANDS = (impacts, sweep, runout, tabulate, sensitivity, calibrate, paper)
+COMMANDS = (impacts, sweep, runout, tabulate, calibrate, paper)
 USER_ERROR = 2
 SYSTEM_ERROR = 1
 INTERRUPTED = 130
