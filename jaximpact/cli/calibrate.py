@@ -37,8 +37,7 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
   [nuisance.slope_deg]  a column that was not measured, or not well: fitted for each
                         group, and added to the column where the tables hold it;
                         by = "campaign" (or another column of text, or "row"),
-                        prior = { mean = 30.0, sd = 5.0 }; of slope_deg also
-                        turns_ground = true: angle_deg and orientation_deg turn with it
+                        prior = { mean = 30.0, sd = 5.0 }
   [soil]                fixed values in place of the defaults, and laws in place of
                         the usual ones: flow = "FluidityRate", one of the package, or
                         flow = "my_laws.py:MyFlow", relative to the study; then its
