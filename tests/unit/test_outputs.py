@@ -115,11 +115,9 @@ def test_no_input_is_replaced(folder, capsys, command, new, make):
         (f"batch s.csv --out sub/{LIST}", None, f"must not end in {LIST}"),
         ("batch s.csv --out r.csv", "r.csv.manifest.json", "no manifest says"),
         ("batch s.csv --out r.csv", "r.csv.journal", "no journal of this run"),
-        ("figures --out sub --only 5", "sub/figure-5.png", "sub holds figure-5.png"),
-        ("calibrate tests.csv --out sub", "sub/report.md", "sub holds report.md"),
-        ("calibrate tests.csv --out sub", "sub/report", "needs a directory"),
-        ("validate --out sub --only C01", "sub/validation.md", "holds validation.md"),
-        ("figures --out sub --only 5", f"sub/{LIST}", "is no list of files"),
+        ("runout slope.toml --out sub", "sub/stops.png", "sub holds stops.png"),
+        ("calibrate tests.csv --out sub", "sub/report.html", "sub holds report.html"),
+        ("runout slope.toml --out sub", f"sub/{LIST}", "is no list of files"),
     ],
 )
 def test_what_is_not_known_is_left_alone(folder, capsys, command, own, message):
@@ -158,8 +156,8 @@ LOCK = ".jaximpact-lock"
         ("sweep x.nc --out y.nc", "y.nc"),
         ("sweep x.nc --out y.zarr", "y.zarr"),
         ("simulate scene.toml --plot p.png", "p.png"),
-        ("figures --out sub --only 5", "sub/figure-5.png"),
-        ("figures --out sub --only 5", f"sub/{LIST}"),
+        ("runout slope.toml --out sub", "sub/stops.png"),
+        ("runout slope.toml --out sub", f"sub/{LIST}"),
     ],
 )
 def test_an_output_in_place_of_what_is_no_file(folder, capsys, command, output, make):
@@ -356,7 +354,6 @@ def test_forgotten_fits_take_nothing_else_along(tmp_path):
         ("sweep x.nc --out y.nc", "y.nc"),
         ("simulate scene.toml --plot p.png", "p.png"),
         ("runout slope.toml --out sub", "sub"),
-        ("figures --out ./sub --only 5", "sub"),
         ("calibrate tests.csv --out sub", "sub"),
     ],
 )

@@ -221,15 +221,12 @@ class Objective(ForwardModel):
                 without derivatives is compiled where they are many.
         """
         x = np.asarray(x, float)
-        leaves, turn = self._impacts(x)
+        leaves = self._impacts(x)
         impacts = leaves.reshape(len(leaves), -1)
         values, outcomes = self.engine.run_values(impacts, self.accuracy, of)
-        nothing = np.zeros_like(values)
-        directions = np.zeros_like(impacts)
-        values, _ = self._as_stated(values, nothing, turn.ravel(), impacts, directions)
         predicted = values.reshape(len(x), *self.study.measured.shape)
         jacobian = np.zeros((*predicted.shape, x.shape[1]))
-        return self.evaluate(x, predicted, outcomes.reshape(turn.shape), jacobian)
+        return self.evaluate(x, predicted, outcomes.reshape(leaves.shape[1:]), jacobian)
 
     def values_by_parts(
         self, x: np.ndarray, progress: Callable[[str], object]

@@ -98,7 +98,6 @@ def _check(study: Study) -> None:
             file=study.path,
         )
     refused = {
-        "turns the ground (turns_ground)": any(n.turns_ground for n in study.nuisances),
         "ties parameters by expressions": bool(study.tied),
         "has parameters that differ by group": any(n.pooled for n in study.nuisances),
         "has a target that is computed from others": bool(
