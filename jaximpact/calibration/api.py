@@ -316,8 +316,7 @@ def run_study(
 ) -> StudyResult:
     """Fit a study, compute its diagnostics, and write the report.
 
-    The files are report.html, report.md with its pictures in report/, report.txt,
-    fit.json, fitted.csv and fit.png.
+    The files are report.html, fit.json and fitted.csv.
 
     Finished fits are kept in the directory's `unfinished` until the files are written:
     an interrupted run continues there.

@@ -114,22 +114,6 @@ def test_a_dataset_in_chunks_is_the_dataset_of_arrays():
     assert_same_bits(lazy.compute(), whole)
 
 
-def test_an_engine_whose_functions_have_one_result(monkeypatch, at_once):
-    """As cubed, which Dask stands for here."""
-    manager = type(xr.namedarray.parallelcompat.guess_chunkmanager("dask"))
-    apply, signatures = manager.apply_gufunc, []
-
-    def of_one_result(self, function, signature, *arrays, **how):
-        signatures.append(signature)
-        if "," in signature.partition("->")[2]:
-            raise NotImplementedError
-        return apply(self, function, signature, *arrays, **how)
-
-    monkeypatch.setattr(manager, "apply_gufunc", of_one_result)
-    assert_same_bits(sweep(BASE, AXES, chunks=2).compute(), at_once)
-    assert len(signatures) > 2
-
-
 def test_a_point_that_fails_ends_nothing():
     # a step size control that cannot be met
     impossible = Accuracy("impossible", 1e-300, 1e-300)
