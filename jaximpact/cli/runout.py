@@ -104,7 +104,7 @@ first passage, with intervals of 95 %.
 [profile] may have origin = [easting, northing] of x = 0, azimuth_deg, the direction of
 x from north clockwise, and crs = "EPSG:2056" or another in metres: then trajectories,
 stops, collectors and barriers are written for maps, as GeoJSON (longitude and latitude)
-and GeoPackage. It takes the package pyproj: pip install 'jaximpact[maps]'.
+and GeoPackage. That takes further packages: pip install 'jaximpact[maps]'.
 
 Further keys, before all tables:
   title          free text
