@@ -303,8 +303,7 @@ def run_study(
 ) -> StudyResult:
     """Fit a study, compute its diagnostics, and write the report.
 
-    The files are report.html, report.md with its pictures in report/, report.txt,
-    fit.json, fitted.csv and fit.png.
+    The files are report.html, fit.json and fitted.csv.
 
     Args:
         study_path: TOML file of the study, with its tables at paths relative to it; or

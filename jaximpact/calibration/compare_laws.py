@@ -1,7 +1,6 @@
 """Comparison of laws in one call: tests in, which law they prefer out, and what all of
 them predict."""
 
-import base64
 import dataclasses
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -14,7 +13,7 @@ from .._checks import expect
 from .._numpy_settings import numpy_settings
 from .._precision import require_float64
 from ..io.display import align
-from ..io.files import replacing, write_text
+from ..io.files import write_text
 from ..io.output_files import output_directory, together
 from ..parameters import Part
 from ..progress import Progress, ProgressFunction
@@ -41,10 +40,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-FILES = (
-    *("comparison.html", "comparison.txt", "comparison.csv", "comparison.json"),
-    "comparison.png",
-)
+FILES = ("comparison.html", "comparison.csv", "comparison.json")
 LEAST_WEIGHT = 1e-4
 """Weight below which a law has no part in the stacked prediction."""
 
@@ -247,7 +243,7 @@ class Comparison:
 
     @numpy_settings()
     def write(self, out: str | os.PathLike) -> None:
-        """Write comparison.html, .txt, .csv, .json and .png into a directory.
+        """Write comparison.html, comparison.csv and comparison.json into a directory.
 
         Raises InputError for a directory that cannot be used.
         """
@@ -256,14 +252,11 @@ class Comparison:
         inputs = self.compared.study.inputs
         directory = output_directory(Path(out), "compare", FILES, inputs=inputs)
         with directory as listed, together(listed) as new:
-            picture = comparison_picture(self.compared)
-            with replacing(new(FILES[4])) as temporary:
-                temporary.write_bytes(base64.b64decode(picture["base64"]))
-            contents = self._contents() | {"pictures": [picture]}
+            contents = self._contents()
+            contents |= {"pictures": [comparison_picture(self.compared)]}
             write_text(new(FILES[0]), render("comparison_page", "html", contents))
-            write_text(new(FILES[1]), str(self))
-            write_text(new(FILES[2]), comparison_csv(self.compared))
-            write_text(new(FILES[3]), in_lines(comparison_json(self.compared)) + "\n")
+            write_text(new(FILES[1]), comparison_csv(self.compared))
+            write_text(new(FILES[2]), in_lines(comparison_json(self.compared)) + "\n")
 
 
 @numpy_settings()

@@ -21,7 +21,7 @@ from .problem.noise import ProportionalScatter
 from .problem.nuisance import Prior
 
 FILE = "fit.json"
-FILES = ("report.html", "report.md", "report.txt", FILE, "fitted.csv", "fit.png")
+FILES = ("report.html", FILE, "fitted.csv")
 """Files that every calibration writes."""
 
 

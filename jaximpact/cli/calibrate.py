@@ -62,9 +62,8 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
                         measure = { e_n = 0.05, max_penetration_m = { relative = 0.1 } }
                         count = 3, criterion = "D" or "A"
 
-Written to DIR: report.html, one page with all that was found, and the same as report.md
-with pictures in report/; report.txt (also printed), fit.json with a manifest,
-fitted.csv and fit.png, and of a comparison comparison.csv.
+The report is printed. Written to DIR: report.html, the same with pictures on one page;
+fit.json with a manifest; fitted.csv; and of a comparison comparison.csv.
 
 A slope to fit, slope.toml, is a study of `jaximpact runout` with two tables more:
   [fit]                 quantities of the ground to fit, each with its prior as a
@@ -86,7 +85,7 @@ A slope to fit, slope.toml, is a study of `jaximpact runout` with two tables mor
     sigma               standard deviations of the errors of measurement, by column
     blocks              number released, if more than were observed
 All blocks are taken as independent samples of the releases and blocks of the study. Of
-more than 400 a random part is used. Written are report.html, report.txt (also printed),
+more than 400 a random part is used. The report is printed; written are report.html,
 fit.json with a manifest, samples.csv (the posterior), exceedance.csv (curves at
 collectors, lines and barriers) and, with [[barriers]], barriers.csv (shares and design
 values). Simulated data sets are kept in DIR/unfinished until then."""

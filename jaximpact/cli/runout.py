@@ -128,8 +128,8 @@ Further keys, before all tables:
 RESULT = """
 
 Every block has an ending: stopped, left profile, time limit, event limit or failed. All
-are counted; those that failed are left out of percentiles and curves. Written to DIR:
-report.txt (also printed), report.html, a page to hand over, manifest.json, blocks.nc,
+are counted; those that failed are left out of percentiles and curves. A summary is
+printed. Written to DIR: report.html, a page to hand over, manifest.json, blocks.nc,
 stops.csv, collectors.csv, barriers.csv, trajectories.csv, maps and drawings; where laws
 are compared, for each law in a directory of its own, and tables and drawings that set
 them side by side in DIR. After a run that was cut short the same command goes on from

@@ -177,8 +177,7 @@ def test_a_study_finds_the_same(found, written):
     tree = json.loads((written / "fit.json").read_text())
     for name, one in tree["variants"][0]["parameters"].items():
         assert one["value"] == pytest.approx(found.parameters[name]["value"], rel=1e-3)
-    assert "flow Saturating" in (written / "report.txt").read_text()
-    assert "my_laws.Saturating" in (written / "report.md").read_text()
+    assert "my_laws.Saturating" in (written / "report.html").read_text()
     assert tree["manifest"]["laws"]["flow"].startswith("my_laws.Saturating (")
     assert tree["manifest"]["parts"]["flow"]["name"].endswith("my_laws.py:Saturating")
 

@@ -609,15 +609,14 @@ def written(tmp_path_factory, engine):
         patched.setattr(run, "examine", interrupt)
         code = main(["calibrate", str(path), "--out", str(out)])
     assert code == 130
-    assert not out.exists()
+    assert not any(out.iterdir())
     assert main(["calibrate", str(path), "--out", str(out)]) == 0
     return out
 
 
 def test_the_files_are_there(written):
     assert sorted(p.name for p in written.iterdir()) == [
-        *("fit.json", "fit.png", "fitted.csv", "jaximpact-files.json"),
-        *("report", "report.html", "report.md", "report.txt"),
+        *("fit.json", "fitted.csv", "jaximpact-files.json", "report.html")
     ]
 
 
@@ -652,20 +651,6 @@ def test_the_page_says_what_is_not_determined(written):
     assert "alpha_vR" not in verdict.split("The tests identify")[1].split("</p>")[0]
 
 
-def test_markdown_is_the_same_and_its_pictures_are_there(written):
-    markdown = (written / "report.md").read_text()
-    pictures = re.findall(r"!\[[^]]*\]\(([^)]*)\)", markdown)
-    page = Page((written / "report.html").read_text())
-    assert len(pictures) == len(page.images)
-    for picture in pictures:
-        assert (written / picture).read_bytes().startswith(b"\x89PNG")
-    assert len(list((written / "report").iterdir())) == len(pictures)
-    heads = re.findall(r"<h\d>(.*?)</h\d>", (written / "report.html").read_text())
-    plain = [html.unescape(head) for head in heads]
-    lines = [x.lstrip("# ").replace("\\", "") for x in markdown.splitlines()]
-    assert [x for x in lines if x in plain] == plain
-
-
 def test_numbers_of_the_report(written):
     content = json.loads((written / "fit.json").read_text())
     (variant,) = content["variants"]
@@ -692,7 +677,7 @@ FEW = {
 
 
 @pytest.mark.parametrize(("rows", "words"), FEW.values(), ids=FEW)
-def test_a_report_of_next_to_nothing(tmp_path, engine, rows, words):
+def test_a_report_of_next_to_nothing(tmp_path, engine, capsys, rows, words):
     (tmp_path / "tests.csv").write_text(
         f"mass_kg,speed_mps,e_n,max_penetration_m\n{rows}\n"
     )
@@ -702,10 +687,10 @@ def test_a_report_of_next_to_nothing(tmp_path, engine, rows, words):
     (tmp_path / "study.toml").write_text(head[: head.index("[default_sigma]")])
     out = tmp_path / "out"
     assert main(["calibrate", str(tmp_path / "study.toml"), "--out", str(out)]) == 0
-    report = (out / "report.md").read_text()
+    report = capsys.readouterr().out
     assert "No parameter is identifiable" in report
-    assert words in report
-    table = report.split("| upper |")[1].split("\n\n")[0]
+    assert words in " ".join(report.split())
+    table = report.split("upper\n")[1].split("\n\n")[0]
     assert table.count("not identifiable") == 3
     json.loads((out / "fit.json").read_text())
 

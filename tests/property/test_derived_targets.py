@@ -27,11 +27,12 @@ def columns():
 
 @pytest.fixture(scope="module")
 def objective(columns):
-    """Mass and speed that are not known well."""
+    """Slope, mass and speed that are not known well."""
     study = study_of(
         joined_tables((table_given(columns),)),
         {
             "nuisance": {
+                "slope_deg": {"by": "row", "prior": {"mean": 0.0, "sd": 3.0}},
                 "mass_kg": {"by": "row", "prior": {"mean": 0.0, "sd": 5.0}},
                 "speed_mps": {"by": "row", "prior": {"mean": 0.0, "sd": 0.5}},
             },
@@ -67,12 +68,14 @@ def test_values_are_those_of_the_velocities(columns):
         assert found[name] == pytest.approx(values, rel=1e-9), name
 
 
-def test_derivatives(objective):
+def test_derivatives_with_respect_to_soil_and_nuisances(objective):
     """By central differences; the impacts are exact to 1e-9, the step is 1e-5 of a
     range, and second differences are below 1e-3 of it."""
     bounds = objective.bounds
     start = [p.start for p in objective.study.parameters]
-    values = np.concatenate([start, [1.0, -2.0, 3.0], [0.1, 0.0, -0.2]])
+    values = np.concatenate(
+        [start, [2.0, -1.0, 1.5], [1.0, -2.0, 3.0], [0.1, 0.0, -0.2]]
+    )
     x = bounds.coordinate(values)[None]
     jacobian, step = objective(x).jacobian[0], 1e-5
     for unknown in range(x.shape[1]):

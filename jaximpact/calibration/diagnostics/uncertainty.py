@@ -24,9 +24,8 @@ import numpy as np
 # Not scipy.stats, which takes 0.6 s to import.
 from scipy.special import chdtrc, ndtri, stdtrit
 
-from ..estimation.linear_algebra import inverse_positive
+from ..estimation.linear_algebra import LEAST_EIGENVALUE, inverse_positive
 from ..estimation.sigma import (
-    LEAST_EIGENVALUE,
     leverages,
     pseudo_inverse,
     standardised_rows,
