@@ -11,7 +11,7 @@ _MODULES = {
     "impact.reduced_models": ("select_model",),
     "impact.results": ("EnergyLedger",),
     "lazy": ("simulate_dataset", "write_zarr"),
-    "paper.sets": ("parametric_set",),
+    "parametric_sets": ("parametric_set", "simulate_set"),
     "rebound": (
         "AnglePowerLaw",
         "BozzoloPamini",

@@ -9,7 +9,7 @@ from .impact.reduced_models import select_model
 from .impact.results import EnergyLedger
 from .io.datasets import read_netcdf, write_netcdf
 from .lazy import simulate_dataset, write_zarr
-from .paper.sets import parametric_set
+from .parametric_sets import parametric_set, simulate_set
 from .rebound import (
     AnglePowerLaw,
     BozzoloPamini,
@@ -58,6 +58,7 @@ __all__ = [
     "simulate",
     "simulate_batch",
     "simulate_dataset",
+    "simulate_set",
     "sobol",
     "sweep",
     "vijayakumar_coefficient",

@@ -97,6 +97,7 @@ def test_the_module_runs_as_a_program():
     [
         ([], "COMMAND"),
         (["bach"], "'bach'"),
+        (["validate"], "in a checkout of the repository run python -m paper claims"),
         (["batch", "scenes.csv"], "--out"),
         (["batch", "--out", "o.csv"], "scenes.csv"),
         (["batch", "scenes.csv", "--out", "o.csv", "--accuracy", "fats"], "'fats'"),

@@ -707,13 +707,10 @@ def test_signs_that_mean_something_elsewhere():
     variant = {"name": "", "scores": [], "remarks": [], "tests": [("a < b",), ("$c$",)]}
     contents = {"several": False, "variants": [variant]}
     contents |= {"simple": [], "simple_scores": [], "simple_tests": []}
-    contents |= {"about": ["a < b", "c_v^2 * [x] | <b> # `d`"]}
+    contents |= {"about": ["a < b"]}
     page = render("prediction", "html", contents)
     assert "<p>a &lt; b</p>" in page
     assert '<th scope="col">a &lt; b</th>' in page
-    markdown = render("prediction", "md", contents)
-    assert "a \\< b\n" in markdown
-    assert "c_v^2 \\* \\[x\\] \\| \\<b\\> \\# \\`d\\`" in markdown
 
 
 # --- The posterior. ---

@@ -18,11 +18,12 @@ from jaximpact import (
     read_netcdf,
     repeat_sweep,
     simulate,
+    simulate_set,
     sweep,
     write_netcdf,
 )
 from jaximpact.errors import InputError
-from jaximpact.paper.sets import GROUNDS, PARAMETRIC_SETS
+from jaximpact.parametric_sets import GROUNDS, PARAMETRIC_SETS
 from jaximpact.sweeping import read_sweep_study
 
 BASE = Scene(block=Block(mass=200.0, aspect_ratio=1.5), impact=Impact(speed=11.0))
@@ -169,7 +170,7 @@ def test_points_that_fail_are_named_and_nan():
 
 @pytest.mark.parametrize("name", PARAMETRIC_SETS)
 def test_parametric_sets_are_those_of_the_paper(name):
-    dataset = sweep(*parametric_set(name), accuracy="fast")
+    dataset = simulate_set(name, accuracy="fast")
     assert tuple(dataset.ground.values) == GROUNDS
     base = json.loads(dataset.attrs["base"])
     assert (base["mass_kg"], base["speed_mps"], base["k_E"]) == (100.0, 14.0, 900.0)
@@ -191,7 +192,7 @@ def test_parametric_sets_are_those_of_the_paper(name):
 
 @pytest.mark.parametrize("ground", GROUNDS)
 def test_a_set_on_one_ground_is_that_part_of_the_whole(ground):
-    whole = sweep(*parametric_set("II"), accuracy="fast").sel(ground=ground)
+    whole = simulate_set("II", accuracy="fast").sel(ground=ground)
     alone = sweep(*parametric_set("II", ground), accuracy="fast")
     assert tuple(alone.sizes) == ("aspect_ratio",)
     xr.testing.assert_equal(alone, whole.drop_vars(["ground", "c_v", "gamma_v"]))
