@@ -6,7 +6,7 @@ float32 would cut arrays short without a word. It computes on one thread, since 
 run as many tasks at once as a worker has threads.
 
 `run_tasks` gives tasks to whatever has the interface of `concurrent.futures.Executor`:
-process pools of Python and joblib, MPI (mpi4py.futures), a client of Dask.
+process pools of Python and joblib, a client of Dask.
 """
 
 import concurrent.futures
