@@ -201,7 +201,6 @@ def _fitted(study, engine, targets):
         best=bounds.parameter(points.x[0]),
         draws=bounds.parameter(draws.x),
         weights=weights_of(objective, points, draws),
-        group_sd={},
         undetermined=(),
         allowed={},
         sigma=by_target(np.median(objective.sigma, axis=0)),

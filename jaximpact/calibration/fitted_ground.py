@@ -54,9 +54,6 @@ class FittedVariant(NamedTuple):
     """Degrees of freedom of each target."""
     accuracy: Accuracy
     """Accuracy of the impacts that the draws need."""
-    group_sd: dict[str, np.ndarray]
-    """Draws of the standard deviations of groups' factors that were estimated, by
-    parameter, shape (draws,)."""
 
     @property
     def trusted(self) -> bool:
@@ -207,8 +204,4 @@ def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
         inflation=entry["inflation"],
         freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},
         accuracy=Accuracy(**draws["accuracy"]),
-        group_sd={
-            name: np.array(draws["group_sd"][name])
-            for name in entry.get("group_sd", {})
-        },
     )

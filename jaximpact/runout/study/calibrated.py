@@ -183,7 +183,7 @@ def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
             found, places, calibrated.coordinates(np.array(best, float))
         )
         # A slope is a group of its own.
-        own = [_group_variance(content["manifest"], found, name) for name in names]
+        own = [_group_variance(content["manifest"], name) for name in names]
         covariance = covariance + np.diag(own)
     except InputError:
         raise
@@ -236,16 +236,13 @@ def _posterior(
     return mean, covariance
 
 
-def _group_variance(manifest: dict, found: dict, name: str) -> float:
+def _group_variance(manifest: dict, name: str) -> float:
     """Compute the variance of the logarithm of a new group's factor on a parameter; 0
     for a parameter without groups."""
     entry = manifest.get("nuisances", {}).get(name, {})
     if not entry.get("pooled"):
         return 0.0
-    sds, weights = np.array([entry["prior"]["sd"]]), None
-    if name in found.get("group_sd", {}):
-        sds, weights = found["draws"]["group_sd"][name], found["draws"]["weights"]
-    return float(np.average(np.square(sds), weights=weights))
+    return float(entry["prior"]["sd"]) ** 2
 
 
 def _soil(file: Path, manifest: dict, variant: dict) -> Soil:
