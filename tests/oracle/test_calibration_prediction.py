@@ -130,7 +130,7 @@ def variant_of(unknowns, draws, **changed):
         best=draws[0],
         draws=draws,
         weights=np.full(len(draws), 1.0 / len(draws)),
-        undetermined=(),
+        undetermined={},
         allowed={},
         sigma={"e_n": 0.05},
         proportional={},
