@@ -11,7 +11,7 @@ from runout_scenes import SLOPE_STUDY
 from jaximpact import Accuracy, Block, Impact, Scene, simulate_dataset, sweep
 from jaximpact.errors import InputError
 from jaximpact.lazy import impacts
-from jaximpact.runout import lazy_slope_study, read_slope_study, run_slope_study
+from jaximpact.runout import read_slope_study, run_slope_study
 
 BASE = Scene(block=Block(mass=200.0), impact=Impact(speed=11.0))
 AXES = {
@@ -186,9 +186,3 @@ def test_a_run_out_study_in_parts_is_the_study(tmp_path):
     whole = run_slope_study(study)
     with ThreadPoolExecutor(1) as pool:  # two portions
         xr.testing.assert_identical(run_slope_study(study, executor=pool), whole)
-    lazy = lazy_slope_study(study, 30).compute()
-    assert {"ending", "passage_speed_mps", "speed_mps_in_bin", "mass_kg"} <= {*lazy}
-    for name, variable in lazy.variables.items():
-        assert variable.values.tobytes() == whole[name].values.tobytes(), name
-        assert variable.attrs == whole[name].attrs
-    assert {*whole.attrs} - {*lazy.attrs} == {"endings"}

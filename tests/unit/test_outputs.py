@@ -13,7 +13,6 @@ import pytest
 from error_messages import assert_one_line_error
 
 from jaximpact import file_locks
-from jaximpact.calibration.estimation.fit_cache import FitCache
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.io import files as lock
@@ -333,14 +332,6 @@ def test_a_file_is_written_to_no_directory_of_results(folder, capsys):
     for out in ("sub/fitted.csv", "sub/report/a.png", "l.csv"):
         assert main(["batch", "s.csv", "--out", out]) == 2
         assert_one_line_error(capsys, "would overwrite a file of jaximpact calibrate")
-
-
-def test_forgotten_fits_take_nothing_else_along(tmp_path):
-    fits = ["fit-" + "a" * 64, f"fit-{'b' * 64}.0123456789abcdef.partial"]
-    for name in (*fits, "mine.npz", "c" * 64):
-        (tmp_path / name).write_text("")
-    FitCache(tmp_path).forget()
-    assert names_in(tmp_path) == {"mine.npz", "c" * 64}
 
 
 # --- one process at a time
