@@ -25,7 +25,7 @@ from .scene import Block, Impact, Scene, Soil
 from .second_derivatives import with_second_derivatives
 from .sensitivity import Range, elasticities, morris, sobol
 from .simulation import simulate
-from .sweeping import repeat_sweep, sweep
+from .sweeping import sweep
 
 __all__ = [
     "PRESETS",
@@ -53,7 +53,6 @@ __all__ = [
     "parametric_set",
     "predict",
     "read_netcdf",
-    "repeat_sweep",
     "select_model",
     "simulate",
     "simulate_batch",

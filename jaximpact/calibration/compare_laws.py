@@ -4,7 +4,6 @@ them predict."""
 import dataclasses
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -19,7 +18,6 @@ from ..io.output_files import output_directory, together
 from ..parameters import Part
 from ..progress import Progress, ProgressFunction
 from ..scene import Block, Soil
-from ..tasks import check_executor
 from .arguments import study_of_arguments, table_given
 from .comparison.comparison import Compared, ScoredLaw, compare_study
 from .comparison.contenders import Law
@@ -275,7 +273,6 @@ def compare(
     sigma: Mapping[str, float] | None = None,
     scatter: str | Mapping[str, str] | None = None,
     seed: int | None = None,
-    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> Comparison:
     """Find out which law predicts measured impacts best.
@@ -297,8 +294,6 @@ def compare(
         exact: whether each fit without a test is made to the end; otherwise one step
             from the fit to all stands for it where it is short.
         fit, ground, block, targets, sigma, scatter, seed: as for `calibrate`.
-        executor: fits the laws side by side in other processes, as for
-            `simulate_batch`. No number changes by it.
         progress: called with lines of text.
 
     Only targets that all laws predict are compared; the others are named. The default
@@ -311,14 +306,6 @@ def compare(
     expect("exact", exact, bool, np.bool_)
     options = dict(fit=fit, ground=ground, block=block, targets=targets)
     options |= dict(sigma=sigma, scatter=scatter, seed=seed)
-    if executor is not None:
-        check_executor(executor)
     study = study_of_arguments(tests, options)
-    compared = compare_study(
-        *(study, laws),
-        by=by,
-        exact=bool(exact),
-        executor=executor,
-        progress=progress,
-    )
+    compared = compare_study(study, laws, by=by, exact=bool(exact), progress=progress)
     return Comparison(compared)

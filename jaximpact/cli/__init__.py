@@ -16,10 +16,10 @@ from .._packages import version_of
 from ..errors import IncompleteError, InputError, UnusualValueWarning
 from ..finding import told, users_line
 from ..interruption import is_interrupt
-from . import calibrate, impacts, runout, sensitivity, sweep, tabulate
+from . import calibrate, impacts, runout, sweep, tabulate
 from .progress import forget, say
 
-COMMANDS = (impacts, sweep, runout, tabulate, sensitivity, calibrate)
+COMMANDS = (impacts, sweep, runout, tabulate, calibrate)
 MOVED = {
     "benchmark": "benchmarks",
     "figures": "paper figures",

@@ -69,7 +69,7 @@ def folder(folder):
 
 def test_help_explains_every_command_option_and_column(capsys):
     for command, words in (
-        ([], ["simulate", "batch", "calibrate", "sensitivity", "--version"]),
+        ([], ["simulate", "batch", "calibrate", "--version"]),
         (["batch"], ["--out", "--timing", "--accuracy", *INPUT_COLUMNS]),
         (["batch"], [*RESULT_COLUMNS, "outcome"]),
         (["simulate"], ["--json", "--plot", "--accuracy", *INPUT_COLUMNS]),
