@@ -35,11 +35,11 @@ from .impact.reduced_models import MODELS, model_places
 from .impact.results import ImpactSummary, empty_summary
 from .io.checks import check_scene
 from .io.journal import Journal
-from .progress import Progress, ProgressFunction, as_progress
+from .progress import Progress, ProgressFunction, listening
 from .scene import Block, Impact, Scene, Soil, as_scene, shape_of
 from .shapes import MixedShapes
 from .simulation import ImpactResult
-from .tasks import Task, check_executor, run_tasks
+from .tasks import Task, computing, run_tasks
 
 if TYPE_CHECKING:
     from .backend.xla_backend import MarchingWorker
@@ -147,8 +147,6 @@ def simulate_batch(
         IncompleteError: workers of the executor were lost for good.
     """
     require_float64()
-    if executor is not None:
-        check_executor(executor)
     setting = get_accuracy(accuracy)
     real_number("model_tolerance", model_tolerance, least=0.0)
     scene = as_scene(scene, soil, impact)
@@ -163,8 +161,8 @@ def simulate_batch(
     if journal is not None:
         subject = _subject(scene, count, setting, model_tolerance)
         opened = Journal(journal, subject, names, count)
-    with opened as kept:
-        collector = Collector(len(names), count, kept, as_progress(progress))
+    with computing(progress=progress, executor=executor), opened as kept:
+        collector = Collector(len(names), count, kept)
         missing = np.flatnonzero(collector.missing)
         if executor is None:
             compute_scenes(
@@ -272,8 +270,7 @@ class Collector:
     Args:
         width: how many numbers an impact has.
         count: how many impacts there are.
-        progress: told how many are done.
-        what: the impacts, as progress calls them.
+        what: the impacts, as the progress that listens calls them.
     """
 
     def __init__(
@@ -281,12 +278,11 @@ class Collector:
         width: int,
         count: int,
         journal: Journal | None,
-        progress: Progress,
         what: str = "impacts",
     ):
         self.numbers = np.empty((width, count))
         self.missing = np.ones(count, bool)
-        self._journal, self._progress = journal, progress
+        self._journal, self._progress = journal, listening()
         self._what, self._done = what, 0
         self._lock = threading.Lock()
         if journal is not None:
