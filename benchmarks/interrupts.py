@@ -45,8 +45,7 @@ COMMANDS = {
     "store": ("sweep", "sweep.toml", "--out", "out.zarr"),
     "simulate": ("simulate", "scene.toml", "--plot", "out.png"),
 }
-VOLATILE = {"report.html", "report.md", "report.txt", "fit.json", "manifest.json"}
-VOLATILE |= {"jaximpact-files.json"}
+VOLATILE = {"report.html", "fit.json", "manifest.json", "jaximpact-files.json"}
 """Files that tell seconds or dates, or digests of those."""
 
 

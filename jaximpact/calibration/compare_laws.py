@@ -1,11 +1,9 @@
 """Comparison of laws in one call: tests in, which law they prefer out, and what all of
 them predict."""
 
-import base64
 import dataclasses
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -15,12 +13,11 @@ from .._checks import expect
 from .._numpy_settings import numpy_settings
 from .._precision import require_float64
 from ..io.display import align
-from ..io.files import replacing, write_text
+from ..io.files import write_text
 from ..io.output_files import output_directory, together
 from ..parameters import Part
 from ..progress import Progress, ProgressFunction
 from ..scene import Block, Soil
-from ..tasks import check_executor
 from .arguments import study_of_arguments, table_given
 from .comparison.comparison import Compared, ScoredLaw, compare_study
 from .comparison.contenders import Law
@@ -43,10 +40,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-FILES = (
-    *("comparison.html", "comparison.txt", "comparison.csv", "comparison.json"),
-    "comparison.png",
-)
+FILES = ("comparison.html", "comparison.csv", "comparison.json")
 LEAST_WEIGHT = 1e-4
 """Weight below which a law has no part in the stacked prediction."""
 
@@ -249,7 +243,7 @@ class Comparison:
 
     @numpy_settings()
     def write(self, out: str | os.PathLike) -> None:
-        """Write comparison.html, .txt, .csv, .json and .png into a directory.
+        """Write comparison.html, comparison.csv and comparison.json into a directory.
 
         Raises InputError for a directory that cannot be used.
         """
@@ -258,14 +252,11 @@ class Comparison:
         inputs = self.compared.study.inputs
         directory = output_directory(Path(out), "compare", FILES, inputs=inputs)
         with directory as listed, together(listed) as new:
-            picture = comparison_picture(self.compared)
-            with replacing(new(FILES[4])) as temporary:
-                temporary.write_bytes(base64.b64decode(picture["base64"]))
-            contents = self._contents() | {"pictures": [picture]}
+            contents = self._contents()
+            contents |= {"pictures": [comparison_picture(self.compared)]}
             write_text(new(FILES[0]), render("comparison_page", "html", contents))
-            write_text(new(FILES[1]), str(self))
-            write_text(new(FILES[2]), comparison_csv(self.compared))
-            write_text(new(FILES[3]), in_lines(comparison_json(self.compared)) + "\n")
+            write_text(new(FILES[1]), comparison_csv(self.compared))
+            write_text(new(FILES[2]), in_lines(comparison_json(self.compared)) + "\n")
 
 
 @numpy_settings()
@@ -282,7 +273,6 @@ def compare(
     sigma: Mapping[str, float] | None = None,
     scatter: str | Mapping[str, str] | None = None,
     seed: int | None = None,
-    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> Comparison:
     """Find out which law predicts measured impacts best.
@@ -304,8 +294,6 @@ def compare(
         exact: whether each fit without a test is made to the end; otherwise one step
             from the fit to all stands for it where it is short.
         fit, ground, block, targets, sigma, scatter, seed: as for `calibrate`.
-        executor: fits the laws side by side in other processes, as for
-            `simulate_batch`. No number changes by it.
         progress: called with lines of text.
 
     Only targets that all laws predict are compared; the others are named. The default
@@ -318,14 +306,6 @@ def compare(
     expect("exact", exact, bool, np.bool_)
     options = dict(fit=fit, ground=ground, block=block, targets=targets)
     options |= dict(sigma=sigma, scatter=scatter, seed=seed)
-    if executor is not None:
-        check_executor(executor)
     study = study_of_arguments(tests, options)
-    compared = compare_study(
-        *(study, laws),
-        by=by,
-        exact=bool(exact),
-        executor=executor,
-        progress=progress,
-    )
+    compared = compare_study(study, laws, by=by, exact=bool(exact), progress=progress)
     return Comparison(compared)

@@ -37,8 +37,7 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
   [nuisance.slope_deg]  a column that was not measured, or not well: fitted for each
                         group, and added to the column where the tables hold it;
                         by = "campaign" (or another column of text, or "row"),
-                        prior = { mean = 30.0, sd = 5.0 }; of slope_deg also
-                        turns_ground = true: angle_deg and orientation_deg turn with it
+                        prior = { mean = 30.0, sd = 5.0 }
   [soil]                fixed values in place of the defaults, and laws in place of
                         the usual ones: flow = "FluidityRate", one of the package, or
                         flow = "my_laws.py:MyFlow", relative to the study; then its
@@ -63,10 +62,8 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
                         measure = { e_n = 0.05, max_penetration_m = { relative = 0.1 } }
                         count = 3, criterion = "D" or "A"
 
-Written to DIR: report.html, one page with all that was found, and the same as report.md
-with pictures in report/; report.txt (also printed), fit.json with a manifest,
-fitted.csv and fit.png, and of a comparison comparison.csv. Finished fits are kept in
-DIR/unfinished until then: after Ctrl-C the same command goes on there.
+The report is printed. Written to DIR: report.html, the same with pictures on one page;
+fit.json with a manifest; fitted.csv; and of a comparison comparison.csv.
 
 A slope to fit, slope.toml, is a study of `jaximpact runout` with two tables more:
   [fit]                 quantities of the ground to fit, each with its prior as a
@@ -88,7 +85,7 @@ A slope to fit, slope.toml, is a study of `jaximpact runout` with two tables mor
     sigma               standard deviations of the errors of measurement, by column
     blocks              number released, if more than were observed
 All blocks are taken as independent samples of the releases and blocks of the study. Of
-more than 400 a random part is used. Written are report.html, report.txt (also printed),
+more than 400 a random part is used. The report is printed; written are report.html,
 fit.json with a manifest, samples.csv (the posterior), exceedance.csv (curves at
 collectors, lines and barriers) and, with [[barriers]], barriers.csv (shares and design
 values). Simulated data sets are kept in DIR/unfinished until then."""
@@ -172,7 +169,7 @@ def add_parser(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Fit to impacts, or to a slope."""
-    from ..calibration.api import UNFINISHED, fit_and_examine
+    from ..calibration.api import fit_and_examine
     from ..calibration.problem.config import SlopeStudyError, read_study
     from ..calibration.report.files import as_text
 
@@ -181,25 +178,18 @@ def run(arguments: argparse.Namespace) -> None:
     except SlopeStudyError:
         _run_slope(arguments)
         return
-    kept = arguments.out / UNFINISHED
-
-    def prospect() -> str:
-        if kept.is_dir() and any(kept.iterdir()):
-            return f"finished fits are kept in {kept}; the same command goes on there"
-        return "no fit was finished; the same command starts from the beginning"
-
+    if arguments.workers is not None or arguments.scheduler is not None:
+        raise InputError(
+            "--workers and --scheduler are for slopes; a fit to impacts runs in this "
+            "process"
+        )
     begin = time.monotonic()
-    with (
-        resumable(prospect),
-        options.engine_of(arguments) as executor,
-        ProgressLines() as progress,
-    ):
+    with ProgressLines() as progress:
         result, examined, others = fit_and_examine(
             study,
             arguments.out,
             posterior=arguments.posterior,
             compare=arguments.compare,
-            executor=executor,
             progress=progress,
         )
     print(as_text(result, examined, others), end="")

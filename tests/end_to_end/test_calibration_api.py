@@ -145,7 +145,7 @@ def test_a_summary_says_what_is_not_determined(written):
     assert "not identifiable" in str(found)
     assert "No parameter is identifiable by itself" in str(found)
     assert "Warnings" in str(found)
-    assert "Warnings" in (written / "report.txt").read_text()
+    assert "Warnings" in (written / "report.html").read_text()
     # The command line's numbers are these: there is no second way.
     tree = json.loads((written / "fit.json").read_text())
     assert tree["variants"][0]["parameters"] == found.parameters

@@ -62,7 +62,6 @@ def test_a_study_compares_laws(tmp_path, capsys):
     assert "Halving predicts a test that it has not seen better" in text
     page = (out / "report.html").read_text()
     assert "Which law the tests prefer" in page
-    assert (out / "report" / "comparison.png").exists()
     tree = json.loads((out / "fit.json").read_text())
     assert tree["comparison"]["preferred"] == "Halving"
     # Six standard errors of a tenth.

@@ -22,7 +22,7 @@ def test_the_page_runs_as_it_stands(tmp_path):
     with folder_of_a_page(tmp_path):
         for block in blocks_of(PAGE):
             run(block, names)
-    assert "flow_exponent" in (tmp_path / "fitted/report.txt").read_text()
+    assert "flow_exponent" in (tmp_path / "fitted/report.html").read_text()
     assert "PowerFlow" in (tmp_path / "fitted/fit.json").read_text()
     assert len((tmp_path / "results.csv").read_text().splitlines()) == 4
 

@@ -13,7 +13,6 @@ from jaximpact.calibration.diagnostics.cross_validation import leave_out_each
 from jaximpact.calibration.diagnostics.examination import doubtful_scatter
 from jaximpact.calibration.diagnostics.further_tests import default_measure
 from jaximpact.calibration.diagnostics.uncertainty import estimate
-from jaximpact.calibration.estimation.fit_cache import FitCache
 from jaximpact.calibration.estimation.sigma import SETTLED, relative_sigma, settle
 from jaximpact.calibration.estimation.starts import fit
 from jaximpact.calibration.fitted_ground import read_fitted
@@ -328,21 +327,20 @@ def twin():
 
 
 @pytest.fixture(scope="module")
-def result(twin, tmp_path_factory):
-    memory = FitCache(tmp_path_factory.mktemp("kept") / "unfinished")
+def result(twin):
     found = study_of(
         joined_tables((table_given(twin),)), CONTENT | {"scatter": PROPORTIONAL}
     )
-    return fit_study(found, cache=memory), memory
+    return fit_study(found)
 
 
 @pytest.mark.slow
 def test_a_twin_shows_its_noise(result):
     """r from some 22 degrees of freedom: to 15 %; 3 of them. It is printed."""
-    variant = result[0].variants[0]
+    variant = result.variants[0]
     part = part_of(variant.objective, variant.points)
     assert part == pytest.approx(PART, rel=0.45)
-    assert target_rows(result[0], variant)[1][-1] == (
+    assert target_rows(result, variant)[1][-1] == (
         f"{100 * part:.3g} % of the value (estimated)"
     )
     # A further test is taken to be measured as well.
@@ -352,23 +350,9 @@ def test_a_twin_shows_its_noise(result):
 
 
 @pytest.mark.slow
-def test_it_goes_on_from_memory(result):
-    """Every fit is found again, and the numbers are the same."""
-    first, memory = result
-    kept = len(list(memory.folder.iterdir()))
-    again = fit_study(first.study, cache=memory)
-    assert memory.found >= kept
-    assert len(list(memory.folder.iterdir())) == kept
-    for name in ("parameters", "sigma"):
-        found, before = (getattr(one.variants[0], name) for one in (again, first))
-        np.testing.assert_array_equal(found, before)
-
-
-@pytest.mark.slow
 def test_predictions_have_the_part_of_their_values(result, tmp_path):
     """Through fit.json. One of a version before has the median's sigma everywhere."""
-    found = result[0]
-    examined = examine(found)
+    found, examined = result, examine(result)
     summary = " ".join(Calibration(found, examined).summary().split())
     assert "the same fraction of the value" in summary
     tree = as_json(found, examined)

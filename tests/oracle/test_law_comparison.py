@@ -425,7 +425,10 @@ def test_groups_targets_and_refusals_are_named(tmp_path):
         assert words in text
     found.write(tmp_path / "out")
     written = {path.name for path in (tmp_path / "out").iterdir()}
-    assert {"comparison.html", "comparison.csv", "comparison.png"} <= written
+    assert written == {
+        *("comparison.html", "comparison.csv", "comparison.json"),
+        "jaximpact-files.json",
+    }
     lines = (tmp_path / "out" / "comparison.csv").read_text().splitlines()
     assert len(lines) == 1 + 2 * 24 * 2
 

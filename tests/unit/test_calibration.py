@@ -451,19 +451,10 @@ def test_verdicts_of_the_twin(twin):
 def test_files_of_the_twin(twin):
     result, out = twin
     assert sorted(p.name for p in out.iterdir()) == [
-        "fit.json",
-        "fit.png",
-        "fitted.csv",
-        "jaximpact-files.json",
-        "report",
-        "report.html",
-        "report.md",
-        "report.txt",
+        *("fit.json", "fitted.csv", "jaximpact-files.json", "report.html")
     ]
-    report = (out / "report.txt").read_text()
+    report = (out / "report.html").read_text()
     assert "alpha_s is not identifiable" in report
-    line = next(x for x in report.splitlines() if x.strip().startswith("alpha_s"))
-    assert "not identifiable" in line
     assert "of 16 starts found the best fit" in report
     content = json.loads((out / "fit.json").read_text())
     alpha_s = content["variants"][0]["parameters"]["alpha_s"]

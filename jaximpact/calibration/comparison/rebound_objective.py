@@ -1,8 +1,8 @@
 """The objective function of a law of rebound, so that it is fitted as a ground is.
 
 The parameters of the law take the place of the ground's: the leaves of the law follow
-those of the scene, and everything else of `Objective` holds, nuisance parameters,
-turned ground and errors of measurement among them.
+those of the scene, and everything else of `Objective` holds, nuisance parameters and
+errors of measurement among them.
 """
 
 import dataclasses
@@ -23,7 +23,7 @@ from ...rebound import AbstractRebound, Rebound
 from ...restitution import defined_ratio
 from ...scene import Block, Impact
 from ..problem.config import Study
-from ..problem.derived_targets import DERIVED, base_columns, needed
+from ..problem.derived_targets import DERIVED, base_columns
 from ..problem.engine import XLA_AT_ONCE, Engine
 from ..problem.fitted_parameters import Parameter
 from ..problem.forward_model import UnknownColumn, bounds_of
@@ -156,9 +156,7 @@ class ReboundObjective(Objective):
             }
         )
         structure = jax.tree.structure((scene, template))
-        turned = any(nuisance.turns_ground for nuisance in study.nuisances)
-        targets = needed(study.targets) if turned else study.targets
-        engine = ReboundEngine(structure, targets, leaf_places(scene))
+        engine = ReboundEngine(structure, study.targets, leaf_places(scene))
         super().__init__(without, variant, engine, PRESETS["balanced"])
         count, first, tests = len(parameters), len(self._leaves), len(study.tests)
         self.study = dataclasses.replace(without, parameters=parameters)

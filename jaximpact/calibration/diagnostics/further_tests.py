@@ -39,7 +39,6 @@ from ..problem.candidates import (
     checked_axes,
     checked_measure,
 )
-from ..problem.derived_targets import SIGN
 from ..problem.noise import least_size
 from .results import VariantResult
 from .uncertainty import bounds_information, regular_covariance
@@ -315,9 +314,6 @@ def _common(fitted: VariantResult) -> dict[str, float]:
         if nuisance.pooled:
             continue  # the logarithm of a factor on a fitted parameter
         values[nuisance.name] = float(np.median(nuisance.base + fit[nuisance.group]))
-        for name, sign in SIGN.items() if nuisance.turns_ground else ():
-            stated = inputs.get(name, known[name].default)
-            values[name] = float(np.median(stated + sign * fit[nuisance.group]))
     return values
 
 

@@ -16,9 +16,7 @@ from ...scene import Scene
 from ...tasks import Item, Result, run_in_threads
 from .bounds import Bounds
 from .config import Study, Variant
-from .derived_targets import ANGLE, SIGN, as_stated, needed
 from .engine import Engine
-from .nuisance import SLOPE
 
 STEEPEST = 1e100
 """Derivatives above, whose squares could overflow, are set to 0."""
@@ -47,8 +45,6 @@ class UnknownColumn(NamedTuple):
     """Value to which the unknown is added [unit of the column], shape (tests,)."""
     unknown: np.ndarray
     """Index of the unknown of each test, shape (tests,)."""
-    turns_ground: bool = False
-    """Whether angle and orientation change with it."""
     pooled: bool = False
     """Whether it is the logarithm of a factor on the fitted parameter of its leaf."""
 
@@ -68,9 +64,9 @@ def unknown_columns(study: Study, scene: Scene) -> list[UnknownColumn]:
     first = len(found)
     for nuisance in study.nuisances:
         factor, leaf = columns[nuisance.name].factor, leaves[nuisance.name]
-        unknown, turns = first + nuisance.group, nuisance.turns_ground
+        unknown = first + nuisance.group
         found.append(
-            UnknownColumn(leaf, factor, nuisance.base, unknown, turns, nuisance.pooled)
+            UnknownColumn(leaf, factor, nuisance.base, unknown, nuisance.pooled)
         )
         first += len(nuisance.groups)
     return found
@@ -86,7 +82,7 @@ class ForwardModel:
         self.study, self.engine, self.accuracy = study, engine, accuracy
         self.bounds = bounds_of(study)
         self.scene = study.scene_of(variant)
-        self._leaf_of = leaf_places(self.scene)
+        leaf_of = leaf_places(self.scene)
         leaves = [np.asarray(x) for x in jax.tree.leaves(self.scene)]
         if {*study.targets} & {*CURVE_COLUMNS}:
             leaves.append(study.tests.times)
@@ -95,29 +91,22 @@ class ForwardModel:
         columns = columns_of(self.scene)
         # Leaf, SI value of one unit, and expression of each column that is tied.
         self._tied = [
-            (self._leaf_of[tied.name], columns[tied.name].factor, tied)
-            for tied in study.tied
+            (leaf_of[tied.name], columns[tied.name].factor, tied) for tied in study.tied
         ]
 
-    def _impacts(self, x) -> tuple[np.ndarray, np.ndarray]:
-        """Build the leaves of the scenes, shape (leaves, lanes, tests), and the turn of
-        the ground of each test [rad], shape (lanes, tests)."""
+    def _impacts(self, x) -> np.ndarray:
+        """Build the leaves of the scenes, shape (leaves, lanes, tests)."""
         p = self.bounds.parameter(x)
         leaves = np.repeat(self._leaves[:, None], len(x), axis=1)
-        turn = np.zeros(leaves.shape[1:])
         for column in self._columns:
             own = p[:, column.unknown]
             if column.pooled:
                 leaves[column.leaf] *= np.exp(own)
                 continue
             leaves[column.leaf] = column.factor * (column.base + own)
-            if column.turns_ground:
-                turn += column.factor * own
-        for name, sign in SIGN.items():
-            leaves[self._leaf_of[name]] += sign * turn
         for leaf, value, _ in self._tied_values(p):
             leaves[leaf] = value[:, None]
-        return leaves, turn
+        return leaves
 
     def _tied_values(self, p):
         """Compute the tied leaves and their derivatives with respect to the parameters
@@ -132,7 +121,7 @@ class ForwardModel:
         with a mask of the columns whose derivatives are wanted, (columns, lanes)."""
         study = self.study
         lanes, tests, targets = len(x), *study.measured.shape
-        leaves, turn = self._impacts(x)
+        leaves = self._impacts(x)
         by_x = self.bounds.slope(x)
         runs, of_lane = np.nonzero(wanted)
         impacts = leaves[:, of_lane].reshape(len(leaves), -1)
@@ -147,8 +136,6 @@ class ForwardModel:
                 if other.pooled and other.leaf == column.leaf and not column.pooled:
                     factor = factor * np.exp(p[here][:, other.unknown])
             directions[column.leaf, runs == run] = factor
-            for name, sign in SIGN.items() if column.turns_ground else ():
-                directions[self._leaf_of[name], runs == run] = sign * column.factor
         for leaf, _, slopes in self._tied_values(p):
             for index in range(slopes.shape[1]):
                 here = runs == index
@@ -157,11 +144,8 @@ class ForwardModel:
         values, derivatives, outcomes = self.engine.run(
             impacts, directions, self.accuracy
         )
-        found = self._as_stated(
-            values, derivatives, turn[of_lane].ravel(), impacts, directions
-        )
         values, derivatives = (
-            part.reshape(len(runs), tests, targets) for part in found
+            part.reshape(len(runs), tests, targets) for part in (values, derivatives)
         )
         # Where an outcome changes a derivative may be huge, and its square overflow.
         finite = np.isfinite(values) & (np.abs(derivatives) < STEEPEST)
@@ -181,22 +165,6 @@ class ForwardModel:
             )
         return predicted, codes, jacobian
 
-    def _as_stated(self, values, derivatives, turn, impacts, directions):
-        """Turn results and their derivatives to the axes that the tests are stated in,
-        by a turn of the ground [rad], shape (impacts,)."""
-        if not any(column.turns_ground for column in self._columns):
-            return values, derivatives
-        speed, angle, slope = (self._leaf_of[n] for n in ("speed_mps", ANGLE, SLOPE))
-        # No two nuisances change the slope.
-        return as_stated(
-            self.study.targets,
-            values,
-            derivatives,
-            (turn, directions[slope]),
-            (impacts[speed], directions[speed]),
-            impacts[angle] - turn,
-        )
-
 
 def engine_of(study: Study) -> Engine:
     """Return the engine for the first variant of a study, and all with its laws."""
@@ -213,11 +181,9 @@ def engines_of(study: Study) -> list[Engine]:
     damping = {said.column for s in soils for said in parameters_of(s.damping).values()}
     damped |= bool(damping & {*columns})
     model = PLANAR_DAMPED if damped else PLANAR
-    turned = any(nuisance.turns_ground for nuisance in study.nuisances)
-    targets = needed(study.targets) if turned else study.targets
     structures = [jax.tree.structure(scene) for scene in scenes]
     engines = {
-        structure: Engine(Assembly(structure, model, ledger=False), targets)
+        structure: Engine(Assembly(structure, model, ledger=False), study.targets)
         for structure in dict.fromkeys(structures)
     }
     return [engines[structure] for structure in structures]

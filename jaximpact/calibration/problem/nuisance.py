@@ -2,8 +2,7 @@
 
 A nuisance parameter has a value for each group of tests: a slope for each campaign, an
 orientation for each test. Where the tables hold the column, it is added to their
-values; otherwise it is the value itself. A slope can turn the ground under a block
-whose trajectory in space is known (`derived_targets`).
+values; otherwise it is the value itself.
 """
 
 import dataclasses
@@ -16,20 +15,15 @@ from ...errors import InputError
 from ...io.toml import Key, check_table, choice, number, typed, unknown
 from ...quantities import LABEL_COLUMNS
 from .dataset import Measurements
-from .derived_targets import ANGLE
 
-SLOPE = "slope_deg"
-KEYS = ("by", "prior", "turns_ground")
+KEYS = ("by", "prior")
 EACH_TEST = "row"
 """Value of `by` for groups of one test each."""
 REACH = 5.0
 """Half range of the search in standard deviations of the prior."""
-LEAST_GROUP_SD, MOST_GROUP_SD = 0.01, 1.0
-"""Range of the standard deviation of the logarithm of a group's factor: below, groups
-do not differ by what matters."""
-NOMINAL_GROUP_SD = 0.5
-"""Standard deviation of a group's logarithm from which an estimate starts; `REACH`
-times it bounds the logarithm."""
+MOST_GROUP_SD = 1.0
+"""Largest standard deviation of the logarithm of a group's factor: `REACH` times it
+bounds the logarithm."""
 EDGE = 1e-6
 """Fraction of that range kept from the ends of the column's range."""
 
@@ -57,12 +51,8 @@ class Nuisance:
     lower: np.ndarray
     """Lower bounds, shape (groups,); `upper` holds the upper ones."""
     upper: np.ndarray
-    turns_ground: bool = False
-    """Whether angle and orientation change with the slope."""
     pooled: bool = False
     """Whether it is the logarithm of a group's factor on a fitted parameter."""
-    estimated: bool = False
-    """Whether the prior's standard deviation is estimated; the one here is nominal."""
 
     def label(self, group: int) -> str:
         """Return the name of a group's value."""
@@ -91,12 +81,7 @@ def read_nuisances(
 ) -> tuple[Nuisance, ...]:
     """Read the table `nuisance` of a study."""
     entries = typed(top, content, "nuisance", dict, {})
-    found = tuple(_nuisance(top, n, e, tests, soil) for n, e in entries.items())
-    if ANGLE in entries and any(nuisance.turns_ground for nuisance in found):
-        raise top["nuisance"][SLOPE]["turns_ground"].error(
-            f"turns {ANGLE} too, which is a nuisance of its own; remove one"
-        )
-    return found
+    return tuple(_nuisance(top, n, e, tests, soil) for n, e in entries.items())
 
 
 def open_nuisances(
@@ -127,7 +112,7 @@ def open_nuisances(
 
 
 def pooled_nuisance(
-    top: Key, name: str, by: str, sd: float | None, tests: Measurements
+    top: Key, name: str, by: str, sd: float, tests: Measurements
 ) -> Nuisance:
     """Make the groups' deviations from a fitted parameter: logarithms of factors, with
     a normal prior of mean 0.
@@ -135,22 +120,12 @@ def pooled_nuisance(
     Args:
         name: the fitted parameter, which is positive.
         by: column of text whose values are the groups, or "row".
-        sd: standard deviation of the prior; None where it is to be estimated.
+        sd: standard deviation of the prior.
     """
-    estimated, sd = sd is None, NOMINAL_GROUP_SD if sd is None else sd
     groups, group = _groups(top["parameters"][name], by, tests)
     reach = np.full(len(groups), REACH * sd)
     prior, base = Prior(0.0, sd), np.zeros(len(tests))
-    return Nuisance(
-        *(name, by, groups, group, prior, base, -reach, reach),
-        pooled=True,
-        estimated=estimated,
-    )
-
-
-def group_sds(nuisances: Iterable[Nuisance]) -> dict[str, float]:
-    """Collect the estimated standard deviations of groups' factors."""
-    return {n.name: n.prior.sd for n in nuisances if n.estimated}
+    return Nuisance(name, by, groups, group, prior, base, -reach, reach, pooled=True)
 
 
 def entries_of(nuisances: Iterable[Nuisance], tests: Measurements) -> dict[str, dict]:
@@ -159,7 +134,6 @@ def entries_of(nuisances: Iterable[Nuisance], tests: Measurements) -> dict[str, 
     return {
         n.name: {"by": n.by, "prior": dataclasses.asdict(n.prior)}
         | {"added": n.name in tests.inputs}
-        | ({"turns_ground": True} if n.turns_ground else {})
         | ({"pooled": True} if n.pooled else {})
         for n in nuisances
     }
@@ -183,35 +157,14 @@ def _nuisance(top: Key, name: str, entry, tests: Measurements, soil) -> Nuisance
     lower = np.full(len(groups), prior.mean - REACH * prior.sd)
     upper = np.full(len(groups), prior.mean + REACH * prior.sd)
     room = EDGE * 2.0 * REACH * prior.sd
-    changed = [(columns[name], base)]
-    if turns := _turns_ground(key["turns_ground"], name, entry, tests):
-        angle = columns[ANGLE]
-        stated = tests.inputs.get(ANGLE, np.full(len(tests), angle.default))
-        changed.append((angle, stated))
-    for column, values in changed:
-        np.maximum.at(lower, group, column.lower - values + room)
-        np.minimum.at(upper, group, column.upper - values - room)
-        if not np.all((lower < prior.mean) & (prior.mean < upper)):
-            raise key["prior"]["mean"].error(
-                f"{column.name} must be {column.requirement}; the prior's mean puts it "
-                "outside"
-            )
-    return Nuisance(name, by, groups, group, prior, base, lower, upper, turns)
-
-
-def _turns_ground(key: Key, name: str, entry: dict, tests) -> bool:
-    """Read whether the ground turns; InputError without a slope to start from."""
-    turns = entry.get("turns_ground", False)
-    if not isinstance(turns, bool):
-        raise key.error(f"must be true or false, but is {turns!r}")
-    if turns and name != SLOPE:
-        raise key.error(f"belongs to {SLOPE}, but stands under {name}")
-    if turns and SLOPE not in tests.inputs:
-        raise key.error(
-            f"needs a column {SLOPE} in {tests.files[0].path.name}: the slope to which "
-            "its angles are stated"
+    column = columns[name]
+    np.maximum.at(lower, group, column.lower - base + room)
+    np.minimum.at(upper, group, column.upper - base - room)
+    if not np.all((lower < prior.mean) & (prior.mean < upper)):
+        raise key["prior"]["mean"].error(
+            f"{name} must be {column.requirement}; the prior's mean puts it outside"
         )
-    return turns
+    return Nuisance(name, by, groups, group, prior, base, lower, upper)
 
 
 def _groups(key: Key, by: str, tests: Measurements):

@@ -33,8 +33,8 @@ from ..diagnostics.results import StudyResult, VariantResult
 from ..problem.bounds import Bounds
 from ..problem.config import Study
 
-Picture = tuple[str, str, Figure, str, str]
-"""Group, name, figure, description and caption of a picture."""
+Picture = tuple[str, Figure, str, str]
+"""Group, figure, description and caption of a picture."""
 WIDTH, HEIGHT = 4.6, 3.5
 """Size of a panel [inch]: the report shows it 460 px wide."""
 MOST_PAIRS = 3
@@ -57,23 +57,21 @@ def draw_report(
 ) -> list[dict[str, list[dict]]]:
     """Draw the pictures of every variant, by their place in the report."""
     found: list[dict[str, list[dict]]] = []
-    for number, both in enumerate(zip(result.variants, examined, strict=True), 1):
-        prefix = f"{number}-" if len(result.variants) > 1 else ""
+    for both in zip(result.variants, examined, strict=True):
         groups: dict[str, list[dict]] = {}
-        for group, name, figure, description, caption in (
+        for group, figure, description, caption in (
             *_fit_pictures(result, *both),
             *_residual_pictures(result, *both),
         ):
-            shown = picture(prefix + name, figure, description, caption)
+            shown = picture(figure, description, caption)
             groups.setdefault(group, []).append(shown)
         found.append(groups)
     return found
 
 
-def picture(name: str, figure: Figure, description: str, caption: str) -> dict:
+def picture(figure: Figure, description: str, caption: str) -> dict:
     """Collect what a report needs to show a figure; `base64` is the PNG."""
     return {
-        "path": f"report/{name}.png",
         "base64": base64.b64encode(png_bytes(figure)).decode(),
         "description": description,
         "caption": caption,
@@ -86,7 +84,7 @@ def _fit_pictures(
     names = variant.names
     for name, profile in variant.profiles.items():
         yield (
-            *("profiles", f"profile-{name}", draw_profile(variant, profile)),
+            *("profiles", draw_profile(variant, profile)),
             f"Profile likelihood of {name}",
             f"Profile likelihood of {name}: twice the rise of the cost with {name} "
             "fixed and the others fitted again.",
@@ -94,7 +92,7 @@ def _fit_pictures(
     for a, b in _pairs(variant):
         figure = draw_pair(variant, diagnostics.draws, a, b)
         yield (
-            *("pairs", f"pair-{names[a]}-{names[b]}", figure),
+            *("pairs", figure),
             f"{names[b]} over {names[a]}",
             "Dots: draws of the posterior. Cross: best fit. Line, where both are "
             "identifiable: 95 % by the covariance.",
@@ -102,18 +100,18 @@ def _fit_pictures(
     for target, name in enumerate(result.study.targets):
         figure = draw_target(result, variant, diagnostics.bands, target)
         yield (
-            *("fit", f"fit-{name}", figure),
+            *("fit", figure),
             f"{name}, fitted over {only_varying(result) or 'measured'}",
             f"{name}: {TARGET_COLUMNS[name].meaning}. Bands hold 95 % of the model's "
             "values at the draws of the posterior, and of measurements.",
         )
     yield (
-        *("further", "further-tests", draw_candidates(diagnostics.together)),
+        *("further", draw_candidates(diagnostics.together)),
         "Gain of the next test",
         "Gain of the next test, with all results measured.",
     )
     yield (
-        *("starts", "starts", draw_waterfall(variant), "Costs of the starts"),
+        *("starts", draw_waterfall(variant), "Costs of the starts"),
         "Cost at the end of the fit from each start.",
     )
 
@@ -126,12 +124,12 @@ def _residual_pictures(
         for against in ("prediction", *varying_inputs(variant.objective)):
             figure = draw_residuals(result, variant, residuals, against)
             yield (
-                *("residuals", f"residuals-{against}", figure),
+                *("residuals", figure),
                 f"Residuals over {against}",
                 f"Residuals over {against}; grey: two standard deviations.",
             )
         yield (
-            *("residuals", "residuals-normal", draw_quantiles(residuals)),
+            *("residuals", draw_quantiles(residuals)),
             "Q-Q plot of the residuals",
             "Q-Q plot: residuals on the line are normal with the sigmas used.",
         )
@@ -139,7 +137,7 @@ def _residual_pictures(
     for left, what in ((diagnostics.each, "test"), (diagnostics.campaigns, "campaign")):
         if left is not None and np.any(np.isfinite(left.predicted[exact])):
             yield (
-                *(f"left_out_{what}", f"left-out-{what}", draw_left_out(result, left)),
+                *(f"left_out_{what}", draw_left_out(result, left)),
                 f"Each {what} predicted from the others",
                 f"Measured less predicted by the fit without its {what}; grey: 95 % "
                 "band.",

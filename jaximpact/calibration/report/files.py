@@ -1,7 +1,5 @@
-"""Files of a calibration: report.html, report.md with its pictures in report/,
-report.txt, fit.json, fitted.csv and fit.png."""
+"""Files of a calibration: report.html, fit.json and fitted.csv."""
 
-import base64
 import contextlib
 import dataclasses
 import json
@@ -31,7 +29,7 @@ from ..problem.config import Study
 from ..problem.dataset import LIMITS
 from ..problem.laws import as_entries, unusual
 from ..problem.noise import SCATTERS, least_size
-from ..problem.nuisance import entries_of, group_sds
+from ..problem.nuisance import entries_of
 from .comparison import comparison_csv, comparison_json
 from .contents import contents_of
 from .render import render
@@ -52,12 +50,8 @@ def study_directory(
     """Open the directory of a study's files; see `output_directory`."""
     names, count = [*FILES], len(study.variants)
     names += [COMPARISON] if compared else []
-    for number in range(1, count + 1):
-        # Names of other pictures depend on the fit.
-        prefix = f"{number}-" if count > 1 else ""
-        names += [f"report/{prefix}fit-{target}.png" for target in study.targets]
-        if posterior:
-            names.append(_posterior_name(number, count))
+    if posterior:
+        names += [_posterior_name(number, count) for number in range(1, count + 1)]
     return output_directory(out, "calibrate", names, inputs=study.inputs)
 
 
@@ -79,24 +73,17 @@ def _write_all(
     others: OtherLaws,
 ) -> None:
     # Matplotlib takes half a second to import, which workers need not.
-    from ...plotting.style import save_figure
     from .drawings import draw_report
-    from .overview import comparison_picture, plot_study
+    from .overview import comparison_picture
 
     contents = contents_of(result, examined, others.compared)
     drawn = draw_report(result, examined)
     if others.compared is not None:
         contents["comparison_pictures"] = [comparison_picture(others.compared)]
         write_text(new(COMPARISON), comparison_csv(others.compared))
-    # First, since their names, which depend on the fit, are not checked beforehand.
-    pictures = [p for groups in drawn for group in groups.values() for p in group]
-    for picture in pictures + contents["comparison_pictures"]:
-        with replacing(new(picture["path"])) as temporary:
-            temporary.write_bytes(base64.b64decode(picture["base64"]))
     for variant, groups in zip(contents["variants"], drawn, strict=True):
         variant["pictures"] |= groups
-    for kind in ("html", "md", "txt"):
-        write_text(new(f"report.{kind}"), render("report", kind, contents))
+    write_text(new("report.html"), render("report", "html", contents))
     for number, (variant, diagnostics) in enumerate(
         zip(result.variants, examined, strict=True), 1
     ):
@@ -106,11 +93,10 @@ def _write_all(
                 to_inference_data(variant, samples).to_netcdf(str(temporary))
     write_text(new("fit.json"), in_lines(as_json(result, examined, others)) + "\n")
     write_text(new("fitted.csv"), as_csv(result, examined))
-    save_figure(plot_study(result), new("fit.png"))
 
 
 def as_text(result: StudyResult, examined: list[Examination], others: OtherLaws) -> str:
-    """Render report.txt."""
+    """Render the report as text."""
     return render("report", "txt", contents_of(result, examined, others.compared))
 
 
@@ -274,7 +260,6 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
             }
             for index in range(count, len(variant.names))
         },
-        **_if_any("group_sd", group_sds(variant.objective.study.nuisances)),
         "unknowns": variant.names,
         "errors_of_draws": variant.errors_of_draws,
         "covariance_of_logarithms_or_half_ranges": uncertainty.covariance,
@@ -380,7 +365,6 @@ def _draws(variant: VariantResult, draws: Draws) -> dict:
         "covariance": draws.covariance(),
         "weights": _short(weights),
         "values": [_short(row) for row in variant.bounds.parameter(draws.x)],
-        **_if_any("group_sd", {n: _short(v) for n, v in draws.group_sds.items()}),
     }
 
 

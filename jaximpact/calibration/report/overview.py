@@ -1,4 +1,4 @@
-"""Pictures of all variants: fit.png, and laws that were compared."""
+"""Pictures of all variants, and of laws that were compared."""
 
 from typing import Any
 
@@ -88,7 +88,7 @@ def _measured_panel(axes: Axes, result: StudyResult, target: int) -> None:
 def comparison_picture(compared: Compared) -> dict:
     """Draw the picture of the report, as `picture` does."""
     return picture(
-        *("comparison", draw_comparison(compared)),
+        draw_comparison(compared),
         "Scores of the laws, less that of the best",
         "Score of each law less that of the best, with two standard errors; red: "
         "preferred, blue: ties, grey: worse.",

@@ -118,7 +118,7 @@ def nuisance_rows(variant: VariantResult) -> Rows:
             variant.names[index],
             f"{variant.parameters[index]:.4g}",
             f"{variant.standard_error(index):.3g}",
-            f"{n.prior.mean:g} +- {n.prior.sd:.4g}{' (estimated)' * n.estimated}",
+            f"{n.prior.mean:g} +- {n.prior.sd:.4g}",
         )
         for index, n in enumerate(nuisances, first)
     ]

@@ -1,4 +1,4 @@
-"""Texts from templates: one layout in HTML, Markdown or plain text."""
+"""Texts from templates: one layout in HTML or plain text."""
 
 import re
 import textwrap
@@ -18,7 +18,7 @@ def render(layout: str, kind: str, contents: dict, package: str = PACKAGE) -> st
     """Render a layout, the name of a template.
 
     Args:
-        kind: "html", "md" or "txt": the macros with which the layout is written.
+        kind: "html" or "txt": the macros with which the layout is written.
         contents: variables of the layout, as plain values.
         package: module whose folder of templates has the layout.
     """
@@ -41,14 +41,8 @@ def environment(kind: str, package: str) -> "jinja2.Environment":
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    found.filters.update(plain=_plain, wrap=_wrapped, align=align)
+    found.filters.update(wrap=_wrapped, align=align)
     return found
-
-
-def _plain(text: str) -> str:
-    """Escape text for Markdown."""
-    # Underscores within words are shown as they are.
-    return re.sub(r"([\\`*\[\]<>|#])", r"\\\1", " ".join(text.split("\n")))
 
 
 def _wrapped(text: str, first: int = 0, further: int = 0) -> str:

@@ -38,9 +38,9 @@ def calibrate_slope(
     Args:
         study: file of a slope with the tables [fit] and [observed], as
             `jaximpact calibrate --help` describes it.
-        out: directory for report.html, report.txt, fit.json, samples.csv,
-            exceedance.csv and, where there are barriers, barriers.csv; an interrupted
-            call continues there.
+        out: directory for report.html, fit.json, samples.csv, exceedance.csv
+            and, where there are barriers, barriers.csv; an interrupted call continues
+            there.
         executor: simulates in other processes, as for `simulate_batch`; no number
             changes by it.
         progress: called with lines of text, or as `progress(done, data sets)`.

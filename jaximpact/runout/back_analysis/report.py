@@ -1,5 +1,4 @@
-"""Files of a back-analysis: report.html with its pictures, report.txt, fit.json and
-tables."""
+"""Files of a back-analysis: report.html with its pictures, fit.json and tables."""
 
 import base64
 import hashlib
@@ -37,7 +36,7 @@ from .posterior import WIDE, FittedParameter
 from .predictive import RARE, ChannelPrediction, Curve, SlopeCalibration
 from .problem import ENDS
 
-FILES = ("report.html", "report.txt", "fit.json", "samples.csv", "exceedance.csv")
+FILES = ("report.html", "fit.json", "samples.csv", "exceedance.csv")
 BARRIER_FILE = "barriers.csv"
 PACKAGE = "jaximpact.runout.back_analysis"
 PERCENTILE_KEYS = ("percent", "observed", "low", "median", "high")
@@ -52,9 +51,8 @@ def write_report(found: SlopeCalibration, new: NewFile) -> None:
     Raises OSError where the file system refuses.
     """
     contents = contents_of(found) | {"pictures": draw_report(found)}
-    for kind in ("html", "txt"):
-        text = render("back_analysis", kind, contents, PACKAGE)
-        write_text(new(f"report.{kind}"), text)
+    text = render("back_analysis", "html", contents, PACKAGE)
+    write_text(new("report.html"), text)
     write_text(new("fit.json"), json.dumps(as_json(found), indent=1) + "\n")
     write_text(new("samples.csv"), _samples(found))
     write_text(new("exceedance.csv"), _exceedance(found))

@@ -50,7 +50,7 @@ SHOWN_PASSAGES = {
 """Quantities at collectors in texts: word, unit and factor."""
 STUDY_FILES = (
     *("blocks.nc", "stops.csv", "profile.png", "envelopes.png", "stops.png"),
-    *("report.txt", "report.html", "manifest.json"),
+    *("report.html", "manifest.json"),
 )
 COLLECTOR_FILES = ("collectors.csv", "collectors.png")
 COLLECTOR_COLUMNS = (
@@ -65,7 +65,7 @@ LAW_COLUMNS = (
     *("impacts_p50", *(f"stop_x_p{p}_m" for p in STOPS)),
     *("max_height_p95_m", "max_speed_p95_mps", "max_energy_p95_J"),
 )
-COMPARISON_FILES = ("comparison.csv", "comparison.png", "report.txt", "manifest.json")
+COMPARISON_FILES = ("comparison.csv", "comparison.png", "manifest.json")
 COMPARED_COLLECTOR_FILES = ("comparison_collectors.csv", "comparison_collectors.png")
 COMPARED_BARRIER_FILES = ("comparison_barriers.csv",)
 
@@ -108,7 +108,6 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> N
     at_barriers = estimates_of(dataset)
     if study.barriers:
         write_text(new("barriers.csv"), _csv(COLUMNS, barrier_rows(at_barriers)))
-    write_text(new("report.txt"), in_words(dataset) + "\n")
     manifest = {"title": dataset.title} | _attributes(dataset)
     if study.barriers:
         manifest["barriers"] = barriers_in_json(at_barriers)
@@ -199,8 +198,8 @@ def collector_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
 def write_comparison(
     study: SlopeStudy, datasets: Mapping[str, xr.Dataset], new: NewFile
 ) -> None:
-    """Write comparison.csv, comparison_collectors.csv, report.txt, manifest.json and
-    drawings, each whole or not at all.
+    """Write comparison.csv, comparison_collectors.csv, manifest.json and drawings, each
+    whole or not at all.
 
     Args:
         study: any of the studies compared.
@@ -221,7 +220,6 @@ def write_comparison(
             COLUMNS, datasets, lambda dataset: barrier_rows(estimates_of(dataset))
         )
         write_text(new("comparison_barriers.csv"), table)
-    write_text(new("report.txt"), compare_in_words(datasets) + "\n")
     laws = {law: _attributes(dataset) for law, dataset in datasets.items()}
     manifest = {"title": study.title, "laws": laws}
     write_text(new("manifest.json"), json.dumps(manifest, indent=1) + "\n")
