@@ -331,7 +331,7 @@ def compute_scenes(
         if not len(chosen):
             continue
         begin = time.perf_counter()
-        engines.add(prepare(structure, _at(leaves, chosen), accuracy, ledger))
+        engines.add(prepare(structure, _at(leaves, chosen), accuracy, ledger=ledger))
         started = time.perf_counter()
         for part in in_parts(chosen):
             own = _at(leaves, part)

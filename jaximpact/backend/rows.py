@@ -145,10 +145,15 @@ def in_parts(places: np.ndarray) -> Iterator[np.ndarray]:
 
 
 def prepare(
-    structure, leaves: Sequence, accuracy: Accuracy, ledger: bool = False
+    structure,
+    leaves: Sequence,
+    accuracy: Accuracy,
+    *,
+    ledger: bool = False,
+    varied: Sequence[int] = (),
 ) -> str:
-    """Compile what scenes need, and return the name of what computes them."""
-    chosen = _choose(*request(structure, leaves, accuracy, ledger), [])
+    """Compile what `compute_rows` needs, and return the name of what computes."""
+    chosen = _choose(*request(structure, leaves, accuracy, ledger), list(varied))
     return "XLA" if chosen is None else MACHINE_CODE
 
 
@@ -163,7 +168,7 @@ def values_of(wanted: Request, values: list, times, in_jax: bool) -> Solution:
     if chosen is None:
         return _by_xla(wanted, values, times, [], in_jax)
     kernels, *turn = chosen
-    run = _by_operation if in_jax else _directly
+    run: Callable = _by_operation if in_jax else _directly
     rows, _ = run(kernels, (), wanted.places, wanted.rest, values, *turn, times)
     return wanted.solution(rows)
 
@@ -194,7 +199,7 @@ def _columns_of_group(
     if chosen is None:
         return _by_xla(wanted, values, times, varied, in_jax)
     kernels, *turn = chosen
-    run = _by_operation if in_jax else _directly
+    run: Callable = _by_operation if in_jax else _directly
     rows, columns = None, []
     for first in range(0, len(varied), MOST_DIRECTIONS):
         along = varied[first : first + MOST_DIRECTIONS]
@@ -237,13 +242,13 @@ def _directly(kernels: KernelSet, along, places, rest, values, effort, program, 
         along=along,
         times=times,
     )
-    parts = [results.reshape(-1, *shape)]
+    parts = [results.reshape(len(results), *shape)]
     if samples is not None:
-        parts.append(samples.reshape(-1, *shape, *series))
+        parts.append(samples.reshape(len(samples), *shape, *series))
     return _split(along, values, parts, np.asarray)
 
 
-def _split(along, values, parts: Sequence[Sequence], stack: Callable):
+def _split(along, values, parts: Sequence, stack: Callable):
     """Separate results from their derivatives along directions.
 
     Args:
@@ -422,7 +427,9 @@ def _by_xla(
     scene = jax.tree.unflatten(wanted.structure, known)
     _, possible = exact_models(scene)
     assembly = Assembly(wanted.structure, MODELS[max(possible)], wanted.ledger)
-    program = functools.partial(in_xla, assembly, tuple(varied), wanted.engine.solver)
+    program: Callable = functools.partial(
+        in_xla, assembly, tuple(varied), wanted.engine.solver
+    )
     leaves, setting = wanted.leaves(values), wanted.rest[-2:]
     if in_jax:
         with tracing():

@@ -11,7 +11,7 @@ import jax
 import numpy as np
 import xarray as xr
 
-from .._checks import expect, real_number
+from .._checks import expect
 from .._packages import needed
 from .._precision import require_float64
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
@@ -63,7 +63,6 @@ class Block(NamedTuple):
     kinds: tuple[type[AbstractShape], ...]
     """Shapes that the index means."""
     accuracy: Accuracy
-    model_tolerance: float
     called: str
     """What errors call an impact: it is counted within its block."""
 
@@ -73,7 +72,6 @@ def simulate_dataset(
     base: SceneLike | None = None,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
-    model_tolerance: float = 0.0,
 ) -> xr.Dataset:
     """Simulate the impacts of a dataset.
 
@@ -85,7 +83,7 @@ def simulate_dataset(
             NumPy's or in chunks.
         base: scene of what the dataset does not hold, scalars only; the defaults if not
             given.
-        accuracy, model_tolerance: as for `simulate_batch`.
+        accuracy: as for `simulate_batch`.
 
     Returns:
         The dataset with a variable for each number of an impact, with units, and
@@ -109,11 +107,10 @@ def simulate_dataset(
     check_scene(scene)
     arrays, kinds = _quantities(dataset, scene)
     setting = get_accuracy(accuracy)
-    tolerance = real_number("model_tolerance", model_tolerance, least=0.0)
     varied = {dim for array in arrays.values() for dim in array.dims}
     dimensions = tuple(dim for dim in dataset.sizes if dim in varied)
-    variables = result_variables(scene, arrays, kinds, setting, tolerance, dimensions)
-    attributes = impact_attributes(scene, setting, tolerance, scene_values(scene))
+    variables = result_variables(scene, arrays, kinds, setting, dimensions)
+    attributes = impact_attributes(scene, setting, scene_values(scene))
     attributes |= shapes_attribute(kinds)
     outcomes = variables[OUTCOME_COLUMN]
     if not is_chunked(outcomes):
@@ -126,7 +123,6 @@ def lazy_grid(
     axes: Mapping[str, Mapping[str, np.ndarray]],
     coordinates: Mapping[str, Any],
     accuracy: Accuracy,
-    model_tolerance: float,
     chunks: Chunks,
 ) -> xr.Dataset:
     """Return the dataset of a sweep whose variables are computed when they are asked
@@ -166,10 +162,8 @@ def lazy_grid(
             values = np.array([different.index(kind) for kind in values])
         variable = xr.Variable((dimension,), values)
         arrays[name] = variable.chunk({dimension: lengths[dimension]})
-    variables = result_variables(
-        base, arrays, different, accuracy, model_tolerance, tuple(axes)
-    )
-    attributes = impact_attributes(base, accuracy, model_tolerance, scene_values(base))
+    variables = result_variables(base, arrays, different, accuracy, tuple(axes))
+    attributes = impact_attributes(base, accuracy, scene_values(base))
     return xr.Dataset(variables, coordinates, attributes | shapes_attribute(different))
 
 
@@ -251,7 +245,6 @@ def result_variables(
     arrays: Mapping[str, xr.Variable],
     kinds: Sequence[type[AbstractShape]],
     accuracy: Accuracy,
-    model_tolerance: float,
     dimensions: Sequence[Hashable],
 ) -> dict[str, xr.Variable]:
     """Return the numbers and outcomes of impacts, lazily if an array is.
@@ -265,7 +258,7 @@ def result_variables(
     plain = jax.tree.map(np.asarray, base)
     lazy = any(map(is_chunked, arrays.values()))
     called = "impact of a block, number" if lazy else "scene"
-    block = Block(plain, (*arrays,), tuple(kinds), accuracy, model_tolerance, called)
+    block = Block(plain, (*arrays,), tuple(kinds), accuracy, called)
     names = *OUTPUT_COLUMNS, OUTCOME_COLUMN
     words = outcomes_in_words([0]).dtype
     dtypes = *(float for _ in OUTPUT_COLUMNS), words
@@ -321,8 +314,6 @@ def _numbers_and_codes(block: Block, values: Sequence[np.ndarray]) -> list[np.nd
     scene = scene_with(base, flat)
     # The laws were checked by who sent them.
     check_scene(scene, batched=True, of=block.called, laws=False)
-    summary = compute_part(
-        jax.tree.map(np.asarray, scene), count, block.accuracy, block.model_tolerance
-    )
+    summary = compute_part(jax.tree.map(np.asarray, scene), count, block.accuracy)
     fields = *(column.field for column in OUTPUT_COLUMNS.values()), "outcome_code"
     return [getattr(summary, field).reshape(shape) for field in fields]
