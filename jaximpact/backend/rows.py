@@ -430,12 +430,12 @@ def _by_xla(
     program: Callable = functools.partial(
         in_xla, assembly, tuple(varied), wanted.engine.solver
     )
-    leaves, setting = wanted.leaves(values), wanted.rest[-2:]
+    leaves, (tolerance, floor) = wanted.leaves(values), wanted.rest[-2:]
     if in_jax:
         with tracing():
-            found = program(leaves, *setting, times)
+            found = program(leaves, tolerance, floor, times)
     else:
-        found = _in_parts(program, leaves, setting, times)
+        found = _in_parts(program, leaves, (tolerance, floor), times)
     if not varied:
         return found
     solution, columns = found
@@ -450,7 +450,7 @@ def _by_xla(
     ]
 
 
-def _in_parts(program, leaves: list, setting: np.ndarray, times):
+def _in_parts(program: Callable, leaves: list, setting: tuple, times):
     """Compute arrays of impacts by a program of XLA, which then has one of few sizes,
     on every core."""
     own = () if times is None else np.shape(times)[:-1]
