@@ -115,8 +115,8 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     (law,) = slope.laws
     if isinstance(law.contacts, ClosedForm):
         _warn_of_soil(path, law.name, parameters)
-    told = law.told | dict.fromkeys((p.column.name for p in of_law), "fitted")
-    slope = slope._replace(laws=[law._replace(told=told)])
+    told = law.description | dict.fromkeys((p.column.name for p in of_law), "fitted")
+    slope = slope._replace(laws=[law._replace(description=told)])
     profile = slope.layout.profile
     # What was observed and what the priors are changes no simulated block.
     rest = {k: v for k, v in content.items() if k not in (TABLE, FIT, "title")}
@@ -130,7 +130,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
         observed=observed,
         barriers=read_barriers(path, content, profile),
         data_sets=data_sets,
-        identity=json.dumps([rest, files, slope.laws[0].told], default=str),
+        identity=json.dumps([rest, files, slope.laws[0].description], default=str),
     )
     columns = 2 + PER_PLACE * len(fitted.places)
     check_memory(

@@ -220,7 +220,7 @@ def _coverage(fitted: tuple[FittedParameter, ...]) -> Rows:
 
 def _how(found: SlopeCalibration) -> list[str]:
     fit, searched = found.fit, found.searched
-    law = ", ".join(f"{k} {v}" for k, v in fit.slope.laws[0].told.items())
+    law = ", ".join(f"{k} {v}" for k, v in fit.slope.laws[0].description.items())
     volumes = ", ".join(f"{volume:.3g}" for volume in searched.volumes)
     sigma = fit.observed.sigma
     errors = ", ".join(f"{name} {value:g}" for name, value in sigma.items())
@@ -300,7 +300,7 @@ def as_json(found: SlopeCalibration) -> dict:
             "files": _checksums(found),
             "versions": versions() | {"numpy": np.__version__},
             "seed": fit.slope.seed,
-            "contacts": fit.slope.laws[0].told,
+            "contacts": fit.slope.laws[0].description,
             **({"profile": smoothing._asdict()} if smoothing else {}),
             "priors": {
                 p.name: [type(p.prior).__name__, *p.prior] for p in fit.parameters
