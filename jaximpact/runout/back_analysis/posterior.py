@@ -10,7 +10,7 @@ from scipy.special import bdtr, expit, logit
 from ...errors import InputError
 from ...store import Store
 from .data_sets import observed_summary, simulate_data_sets, simulated_summaries
-from .problem import Parameter, SlopeFit
+from .problem import SlopeFit, SlopeParameter
 from .regression import (
     Pool,
     make_pool,
@@ -172,7 +172,7 @@ RARE = 0.01
 class FittedParameter:
     """Posterior of one parameter, in the unit of its name."""
 
-    parameter: Parameter
+    parameter: SlopeParameter
     median: float
     low: float
     """Lower end of the 95 % interval."""
