@@ -113,7 +113,7 @@ def test_barriers_count_first_passages(results):
     folder, study, dataset = results
     runs = simulate(study, np.arange(90))
     rows = rows_of(folder / "barriers.csv")
-    for barrier in study.barriers:
+    for barrier in study.settings.barriers:
         found = passages(runs, barrier.x)
         blocks, first = np.unique(found.trajectory, return_index=True)
         over = found.lowest_height[first] > barrier.height
@@ -142,7 +142,7 @@ def test_barriers_count_first_passages(results):
     # All four effects occur.
     assert len(np.unique(dataset.barrier_effect.values)) == 4
     told = json.loads((folder / "manifest.json").read_text())["barriers"]
-    assert [b["name"] for b in told] == [b.name for b in study.barriers]
+    assert [b["name"] for b in told] == [b.name for b in study.settings.barriers]
     assert told[0]["estimates"]["energy_kJ_p99"]["high"] is None
     assert "too few for both ends" in output_module.in_words(dataset)
 
@@ -266,7 +266,7 @@ def test_without_a_place_there_is_no_map(slope, tmp_path):
 
 def test_files_are_announced(results):
     folder, study, _ = results
-    written = {path.name for path in folder.iterdir()} - {"jaximpact-files.json"}
+    written = {path.name for path in folder.iterdir()} - {"jaximpact-study.json"}
     assert written == {*output_module.names_of_files(study)}
 
 
@@ -275,7 +275,7 @@ def test_nothing_of_others_is_replaced(slope, tmp_path, capsys, name):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / name).write_text("mine")
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, f"holds {name}")
+    assert_one_line_error(capsys, f"has {name}")
     assert (tmp_path / "out" / name).read_text() == "mine"
 
 
@@ -319,7 +319,7 @@ def test_a_drawing_that_fails_leaves_all_or_nothing(
     said = "error: no file was written: RuntimeError: no font\\nat all"
     assert capsys.readouterr().err.splitlines()[-1] == f"jaximpact: {said}"
     left = {path.name for path in (tmp_path / "out").iterdir()}
-    assert left == {"jaximpact-files.json", "blocks.journal"}
+    assert left == {"jaximpact-study.json", "blocks.journal"}
     monkeypatch.setattr(drawing, "plot_stops", plot)
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
     assert (tmp_path / "out" / "stops.png").exists()
@@ -430,7 +430,7 @@ def test_paths_of_the_page_end_where_the_blocks_do(results):
             at = (at[0] + dx, at[1] + dy)
             reached.add(at[0])
     assert reached >= {*ended}
-    assert study.title in page
+    assert study.inputs.title in page
 
 
 def test_what_is_not_known_is_told(results, slope):
@@ -453,10 +453,15 @@ def test_what_is_not_known_is_told(results, slope):
 def test_texts_of_users_are_only_text(results, slope):
     _, study, dataset = results
     evil = '</script><img src=x onerror="a()"> {{ 3 }} $x$'
-    barriers = (study.barriers[0]._replace(name=evil), *study.barriers[1:])
-    dataset = dataset.assign_coords(barrier=[evil, study.barriers[1].name])
+    first, *others = study.settings.barriers
+    barriers = (first._replace(name=evil), *others)
+    study = study._replace(
+        settings=study.settings._replace(barriers=barriers),
+        inputs=study.inputs._replace(title=evil),
+    )
+    dataset = dataset.assign_coords(barrier=[b.name for b in barriers])
     runs = simulate(study, np.arange(3))
-    page = report_page(study._replace(title=evil, barriers=barriers), dataset, runs)
+    page = report_page(study, dataset, runs)
     assert "<img" not in page
     assert page.count("</script>") == 2
     assert data_of(page)["places"][2]["words"] == evil

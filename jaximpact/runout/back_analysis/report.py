@@ -31,7 +31,7 @@ from ..study.barriers import (
     interval_text,
     number_text,
 )
-from .observed import Count, Passages
+from .observed import ObservedCount, ObservedPassages
 from .posterior import WIDE, FittedParameter
 from .predictive import RARE, ChannelPrediction, Curve, SlopeCalibration
 from .problem import ENDS
@@ -179,7 +179,7 @@ def _channels(found: SlopeCalibration) -> Rows:
     rows: Rows = [("observed", "blocks", "", "observed", "predicted", "interval", "")]
     for prediction in found.predicted.channels:
         channel = prediction.channel
-        held_out = isinstance(channel, Passages) and channel.held_out
+        held_out = isinstance(channel, ObservedPassages) and channel.held_out
         words = channel.words + (", held out" if held_out else "")
         first = (words, str(channel.blocks))
         for percent, ours, low, middle, high in prediction.percentiles():
@@ -189,7 +189,7 @@ def _channels(found: SlopeCalibration) -> Rows:
             rows.append((*first, *cells))
             first = ("", "")
     for channel in found.fit.observed.channels:
-        if isinstance(channel, Count):
+        if isinstance(channel, ObservedCount):
             told = f"{channel.passed} of {channel.blocks}"
             rows.append((channel.words, str(channel.blocks), "", told, "", "", ""))
     return rows
@@ -220,7 +220,7 @@ def _coverage(fitted: tuple[FittedParameter, ...]) -> Rows:
 
 def _how(found: SlopeCalibration) -> list[str]:
     fit, searched = found.fit, found.searched
-    law = ", ".join(f"{k} {v}" for k, v in fit.slope.laws[0].told.items())
+    law = ", ".join(f"{k} {v}" for k, v in fit.slope.laws[0].description.items())
     volumes = ", ".join(f"{volume:.3g}" for volume in searched.volumes)
     sigma = fit.observed.sigma
     errors = ", ".join(f"{name} {value:g}" for name, value in sigma.items())
@@ -293,14 +293,14 @@ def as_json(found: SlopeCalibration) -> dict:
                 ],
             }
             for p in predicted.channels
-            if isinstance(p.channel, Passages) and p.channel.held_out
+            if isinstance(p.channel, ObservedPassages) and p.channel.held_out
         ],
         "warnings": warnings_of(found),
         "manifest": {
             "files": _checksums(found),
             "versions": versions() | {"numpy": np.__version__},
             "seed": fit.slope.seed,
-            "contacts": fit.slope.laws[0].told,
+            "contacts": fit.slope.laws[0].description,
             **({"profile": smoothing._asdict()} if smoothing else {}),
             "priors": {
                 p.name: [type(p.prior).__name__, *p.prior] for p in fit.parameters

@@ -27,21 +27,19 @@ from ..blocks import BlockOutline, Body, put, select, support, support_of
 from ..centre_path import CentrePath
 from ..ground_motion.rolling import begin_on_ground
 from ..lane_programs import Values, closed_form
-from ..near_segments import columns_between, in_pairs
 from ..state import (
     UNDER_WAY,
     BlockConstants,
     BlockState,
     Limits,
     Phase,
-    State,
+    RunState,
     choose,
     velocities,
 )
-from ..terrain import Profile
+from ..terrain import Profile, in_pairs
 from ..trajectory import ContactRecord, Ending, MotionMode, Pieces
 from .contact_models import ClosedForm, Contacts
-from .footprint import on_footprint
 from .plane_contact import (
     Continuation,
     PlaneContact,
@@ -49,6 +47,7 @@ from .plane_contact import (
     Settled,
     Touch,
     impact_of,
+    on_footprint,
     settle,
     touch,
 )
@@ -63,7 +62,7 @@ IN_THE_GROUND = 1e-6
 that segment is behind or above it."""
 
 
-def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
+def strike(state: RunState, lanes: np.ndarray, contacts: Contacts) -> None:
     """Compute the contacts of blocks with the ground, and how the blocks continue.
 
     A block touches a segment, or strikes a facet where the ground is rough. The contact
@@ -141,7 +140,7 @@ def _falling(
 
 
 def _respond(
-    state: State,
+    state: RunState,
     lanes: np.ndarray,
     struck: PlaneContact,
     is_impact: np.ndarray,
@@ -244,7 +243,7 @@ def free_fraction(
 
     to_right = d_x > 0.0
     end = x + d_x + np.where(to_right, largest, -largest)
-    nearest, farthest = columns_between(profile, end, end)
+    nearest, farthest = profile.columns_between(end, end)
     first = np.where(to_right, segment + 1, nearest)[moving]
     last = np.where(to_right, farthest, segment - 1)[moving]
     for lanes, place in in_pairs(first, last):

@@ -75,8 +75,8 @@ def names_of_files(study: SlopeStudy, comparison: bool = False) -> tuple[str, ..
     files = COMPARISON_FILES if comparison else STUDY_FILES
     of_collectors = COMPARED_COLLECTOR_FILES if comparison else COLLECTOR_FILES
     of_barriers = COMPARED_BARRIER_FILES if comparison else BARRIER_FILES
-    files += of_collectors if len(study.collectors) else ()
-    files += of_barriers if study.barriers else ()
+    files += of_collectors if len(study.settings.collectors) else ()
+    files += of_barriers if study.settings.barriers else ()
     return files if comparison else files + names_of_map_files(study)
 
 
@@ -93,23 +93,29 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> N
     write_netcdf(new("blocks.nc"), dataset)
     write_text(new("stops.csv"), _stops(dataset))
     first = simulate(study, np.arange(min(SHOWN, study.release.count)))
-    grounds = drawing.drawn_grounds(study.profile, study.materials, study.random_ground)
+    grounds = drawing.drawn_grounds(
+        study.profile, study.inputs.materials, study.inputs.random_ground
+    )
     drawing.plot_trajectories(
-        first, grounds, study.collectors, study.title, new("profile.png")
+        first,
+        grounds,
+        study.settings.collectors,
+        study.inputs.title,
+        new("profile.png"),
     )
     write_map_files(study, dataset, first, new)
     write_text(new("report.html"), report_page(study, dataset, first))
     drawing.plot_envelopes(dataset, study.profile, grounds, new("envelopes.png"))
     drawing.plot_stops(dataset, new("stops.png"))
-    if len(study.collectors):
+    if len(study.settings.collectors):
         rows = collector_rows(dataset)
         write_text(new("collectors.csv"), _csv(COLLECTOR_COLUMNS, rows))
         drawing.plot_collectors(dataset, new("collectors.png"))
     at_barriers = estimates_of(dataset)
-    if study.barriers:
+    if study.settings.barriers:
         write_text(new("barriers.csv"), _csv(COLUMNS, barrier_rows(at_barriers)))
     manifest = {"title": dataset.title} | _attributes(dataset)
-    if study.barriers:
+    if study.settings.barriers:
         manifest["barriers"] = barriers_in_json(at_barriers)
     write_text(new("manifest.json"), json.dumps(manifest, indent=1) + "\n")
 
@@ -209,19 +215,21 @@ def write_comparison(
     Raises OSError where the file system refuses.
     """
     write_text(new("comparison.csv"), _csv(LAW_COLUMNS, _law_rows(datasets)))
-    grounds = drawing.drawn_grounds(study.profile, study.materials, study.random_ground)
+    grounds = drawing.drawn_grounds(
+        study.profile, study.inputs.materials, study.inputs.random_ground
+    )
     drawing.plot_comparison(datasets, study.profile, grounds, new("comparison.png"))
-    if len(study.collectors):
+    if len(study.settings.collectors):
         table = _csv_of_laws(COLLECTOR_COLUMNS, datasets, collector_rows)
         write_text(new("comparison_collectors.csv"), table)
         drawing.plot_compared_collectors(datasets, new("comparison_collectors.png"))
-    if study.barriers:
+    if study.settings.barriers:
         table = _csv_of_laws(
             COLUMNS, datasets, lambda dataset: barrier_rows(estimates_of(dataset))
         )
         write_text(new("comparison_barriers.csv"), table)
     laws = {law: _attributes(dataset) for law, dataset in datasets.items()}
-    manifest = {"title": study.title, "laws": laws}
+    manifest = {"title": study.inputs.title, "laws": laws}
     write_text(new("manifest.json"), json.dumps(manifest, indent=1) + "\n")
 
 

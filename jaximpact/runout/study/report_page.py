@@ -73,15 +73,15 @@ def report_page(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> str:
     curves = page_curves(dataset)
     places = [
         {"x": x, "y": scale["y"] + scale["height"], "words": f"x = {x:g} m"}
-        for x in study.collectors.tolist()
+        for x in study.settings.collectors.tolist()
     ] + [
         {"x": b.x, "y": float(study.profile.height(b.x)) + b.height, "words": b.name}
-        for b in study.barriers
+        for b in study.settings.barriers
     ]
     start = places[-1]["x"] if places else _median_stop(dataset)
     data = curves | {"scale": scale, "places": places, "start": start}
     contents = {
-        "title": study.title,
+        "title": study.inputs.title,
         "summary": _summary(study, dataset),
         "unknown": unknowns(study, dataset),
         "drawing": drawing,
@@ -91,7 +91,7 @@ def report_page(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> str:
         f"{study.release.count}, coloured by speed; dashed lines are collectors.",
         "curve_words": CURVES,
         "curve_names": [words for _, words, _, _ in QUANTITIES],
-        "bins": study.bins,
+        "bins": study.settings.bins,
         "percents": PERCENTILES,
         **_results(dataset),
         "barrier_words": BARRIERS,
@@ -122,7 +122,7 @@ def _json(data: dict) -> "markupsafe.Markup":
 def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
     endings = json.loads(dataset.attrs["endings"])
     told = ", ".join(f"{count} {name}" for name, count in endings.items())
-    lines = [f"{study.release.count} blocks, contacts by {study.law_name}: {told}."]
+    lines = [f"{study.release.count} blocks, contacts by {study.law.name}: {told}."]
     stopped = stops_of(dataset)
     if len(stopped):
         low, high = percentile_interval(stopped, 95)
@@ -144,8 +144,8 @@ def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
 def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
     """List what a reader must not take from the numbers."""
     endings = json.loads(dataset.attrs["endings"])
-    law = f"Contacts are by {study.law_name}, whose coefficients are taken as known."
-    if not isinstance(study.contacts, ClosedForm):
+    law = f"Contacts are by {study.law.name}, whose coefficients are taken as known."
+    if not isinstance(study.law.contacts, ClosedForm):
         law = (
             "The ground's laws are readings of the literature that the model's paper "
             "names, not its authors' code: docs/model.md and docs/limits.md."
@@ -157,7 +157,7 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
         "are combinations of lists and no random samples.",
         "The motion is plane: blocks neither leave the profile sideways nor break.",
     ]
-    varied = any(ROLLING_COLUMN in name for name in study.ground_samples)
+    varied = any(ROLLING_COLUMN in name for name in study.inputs.ground_samples)
     angles = study.profile.rolling_friction_angle
     if np.all(angles == ROLLING_FRICTION_ANGLE) and not varied:
         lines.append(
@@ -175,9 +175,9 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
         )
     at_barriers = estimates_of(dataset)
     lines += _few_at_collectors(dataset) + too_few(at_barriers)
-    if study.barriers:
+    if study.settings.barriers:
         lines.append(NOTE)
-    if study.placement is None:
+    if study.inputs.placement is None:
         lines.append(NO_MAP)
     return lines
 
@@ -251,29 +251,32 @@ def _collectors(dataset: xr.Dataset) -> Rows:
 
 def _settings(study: SlopeStudy) -> Rows:
     rows: Rows = [("setting", "value")]
-    rows += [(f"contacts: {name}", str(value)) for name, value in study.law.items()]
+    rows += [
+        (f"contacts: {name}", str(value))
+        for name, value in study.law.description.items()
+    ]
     rows += [
         ("blocks", str(study.release.count)),
-        ("seed", str(study.seed)),
-        ("bins of x", str(study.bins)),
-        ("time limit [s]", f"{study.limits.time:g}"),
-        ("event limit", str(study.limits.events)),
-        ("hop threshold", f"{study.limits.hop_threshold:g}"),
+        ("seed", str(study.inputs.seed)),
+        ("bins of x", str(study.settings.bins)),
+        ("time limit [s]", f"{study.settings.limits.time:g}"),
+        ("event limit", str(study.settings.limits.events)),
+        ("hop threshold", f"{study.settings.limits.hop_threshold:g}"),
     ]
-    if study.smoothing is not None:
-        rows.append(("profile", str(study.smoothing)))
-    if study.placement is not None:
-        place = study.placement
+    if study.inputs.smoothing is not None:
+        rows.append(("profile", str(study.inputs.smoothing)))
+    if study.inputs.placement is not None:
+        place = study.inputs.placement
         rows += [
             ("x = 0 on the map", f"{place.easting:.2f}, {place.northing:.2f}"),
             ("direction of x, from north", f"{np.degrees(place.azimuth):g}°"),
             ("reference system", place.crs),
         ]
     # A law in closed form knows none of the soil's laws.
-    closed = isinstance(study.contacts, ClosedForm)
+    closed = isinstance(study.law.contacts, ClosedForm)
     laws = {n: v for n, v in study.laws.items() if n == SHAPE or not closed}
     rows += [(f"law: {name}", str(law)) for name, law in laws.items()]
-    ground = study.ground_told.items()
+    ground = study.inputs.ground_table.items()
     return rows + [(f"ground: {name}", _in_words(value)) for name, value in ground]
 
 
@@ -303,7 +306,9 @@ def _inputs(dataset: xr.Dataset) -> Rows:
 
 def _grounds(study: SlopeStudy) -> Rows:
     """Write the stretches of ground that is alike for all blocks."""
-    number, told = grounds_of(study.profile, study.materials, study.random_ground)
+    number, told = grounds_of(
+        study.profile, study.inputs.materials, study.inputs.random_ground
+    )
     x = study.profile.x
     rows: Rows = [("x from [m]", "to [m]", "ground")]
     start = 0
