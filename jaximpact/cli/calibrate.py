@@ -172,7 +172,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Fit to impacts, or to a slope."""
     from ..calibration.api import UNFINISHED, fit_and_examine
     from ..calibration.problem.config import SlopeStudyError, read_study
-    from ..calibration.report.files import as_text
+    from ..calibration.report.study_report import study_report
 
     try:
         study = read_study(arguments.study)
@@ -200,7 +200,7 @@ def run(arguments: argparse.Namespace) -> None:
             executor=executor,
             progress=progress,
         )
-    print(as_text(result, examined, others), end="")
+    print(study_report(result, examined, others.compared).text(), end="")
     seconds = time.monotonic() - begin
     say(f"{result.seconds:.0f} s for the fits, {seconds:.0f} s in all")
     say(f"the report is {arguments.out / 'report.html'}")
