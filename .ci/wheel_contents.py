@@ -1,7 +1,8 @@
 """Checks that a wheel holds every file of the package that git knows, and no others.
 
 Data files beside the modules (py.typed, the machine code's driver, tables, templates)
-are needed at run time; tests, benchmarks and documents are not for users' environments.
+are needed at run time; tests, benchmarks, the recomputed paper and documents are not
+for users' environments.
 """
 
 import subprocess

@@ -11,7 +11,7 @@ _MODULES = {
     "impact.reduced_models": ("select_model",),
     "impact.results": ("EnergyLedger",),
     "lazy": ("simulate_dataset", "write_zarr"),
-    "paper.sets": ("parametric_set",),
+    "parametric_sets": ("parametric_set", "simulate_set"),
     "rebound": (
         "AnglePowerLaw",
         "BozzoloPamini",
@@ -27,7 +27,7 @@ _MODULES = {
     "second_derivatives": ("with_second_derivatives",),
     "sensitivity": ("Range", "elasticities", "morris", "sobol"),
     "simulation": ("simulate",),
-    "sweeping": ("repeat_sweep", "sweep"),
+    "sweeping": ("sweep",),
 }
 """Where the public names are. Each module is imported when it is asked for: JAX takes a
 second to load, in which the commands must serve Ctrl-C already, and xarray, statistics

@@ -9,7 +9,7 @@ from .impact.reduced_models import select_model
 from .impact.results import EnergyLedger
 from .io.datasets import read_netcdf, write_netcdf
 from .lazy import simulate_dataset, write_zarr
-from .paper.sets import parametric_set
+from .parametric_sets import parametric_set, simulate_set
 from .rebound import (
     AnglePowerLaw,
     BozzoloPamini,
@@ -25,7 +25,7 @@ from .scene import Block, Impact, Scene, Soil
 from .second_derivatives import with_second_derivatives
 from .sensitivity import Range, elasticities, morris, sobol
 from .simulation import simulate
-from .sweeping import repeat_sweep, sweep
+from .sweeping import sweep
 
 __all__ = [
     "PRESETS",
@@ -53,11 +53,11 @@ __all__ = [
     "parametric_set",
     "predict",
     "read_netcdf",
-    "repeat_sweep",
     "select_model",
     "simulate",
     "simulate_batch",
     "simulate_dataset",
+    "simulate_set",
     "sobol",
     "sweep",
     "vijayakumar_coefficient",

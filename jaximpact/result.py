@@ -179,7 +179,7 @@ class ImpactResult(ImpactSummary):
 
         Quantities of the scene that vary are coordinates along the dimensions along
         which they do; all others stand in the attribute `base`. With the energy ledger
-        there are variables `energy_*_J`. `repeat_sweep` computes such a dataset again.
+        there are variables `energy_*_J`.
 
         Args:
             dims: names of the dimensions, one for each axis of `result.shape`; by

@@ -7,7 +7,7 @@ import jax
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._jax_internals import Tracer
+from ._jax_internals import Tracer, namespace_of
 from ._precision import require_float64
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .backend import MACHINE_CODE, get_engine
@@ -16,6 +16,7 @@ from .errors import InputError
 from .io.checks import check_scene, check_times, usual_values
 from .result import ImpactResult
 from .scene import Block, Impact, Scene, Soil, as_scene, shape_of, with_axes
+from .shapes import MixedShapes, shape_by_shape
 
 if TYPE_CHECKING:  # which takes a while to load
     from diffrax import AbstractAdaptiveSolver
@@ -80,7 +81,7 @@ def simulate(
         check_scene(scene, batched=True, warn=True)
         values, held = leaves, with_axes(scene, len(shape_of(scene)))
     chosen = get_engine(engine)
-    times, recorded = np.zeros(0), None
+    times = np.zeros(0)
     if save_at is not None:
         if history:
             raise InputError(
@@ -96,14 +97,30 @@ def simulate(
     if ledger is None:
         many = times.ndim > 1 or any(np.ndim(x) for x in values)
         ledger = not many and not any(isinstance(x, Tracer) for x in (*values, times))
-    if save_at is not None:
-        numbers, recorded = solve_at(structure, values, setting, ledger, times)
-    elif history:
-        numbers, recorded = solve_recorded(scene, setting, chosen)
-        if not ledger:
-            numbers = dataclasses.replace(numbers, energy=None)
+
+    def solved(structure, values, times):
+        """Compute impacts of blocks of one shape, and their histories."""
+        if save_at is not None:
+            return solve_at(structure, values, setting, ledger, times)
+        if history:
+            return solve_recorded(
+                jax.tree.unflatten(structure, values), setting, chosen
+            )
+        return solve(structure, values, setting, ledger, chosen), None
+
+    if isinstance(scene.block.shape, MixedShapes):
+        of_lanes = (*shape_of(held), times.shape[-1])
+        numbers, recorded = shape_by_shape(
+            lambda one, times: solved(
+                jax.tree.structure(one), jax.tree.leaves(one), times
+            ),
+            held,
+            namespace_of(times).broadcast_to(times, of_lanes),
+        )
     else:
-        numbers = solve(structure, values, setting, ledger, chosen)
+        numbers, recorded = solved(structure, values, times)
+    if history and not ledger:
+        numbers = dataclasses.replace(numbers, energy=None)
     return ImpactResult(
         **vars(numbers),
         scene=held,

@@ -1,21 +1,19 @@
-"""Results kept in files between runs: bytes, found again by kind and key.
+"""Results kept in files between runs: bytes, looked up by kind and key.
 
-A file is named by its kind and the SHA-256 of its key, and begins with a code of its
-name and content: what was cut short, damaged or put in another's place counts as not
-there. Files appear whole or not at all.
+A file is named by its kind and the SHA-256 of its key, and begins with the SHA-256 of
+its name and content: what was cut short, damaged or renamed counts as not there. Files
+appear whole or not at all.
 
-`Store` keeps what is only read, such as fits, beside the study that they belong to.
-`PrivateStore` keeps what is run: compiled code. Whoever can write that can run what he
-likes as this user, so nothing is read unless the directory and the file belong to the
-user, nobody else may write to them, and the code was made with a key that only the user
-can read (HMAC-SHA256). On Windows the user's own profile stands for owner and modes,
-which Python does not show there. docs/cache.md says what that protects from.
+`Store` keeps what is only read, such as simulated data sets, beside the study that they
+belong to. `PrivateStore` keeps what is run: compiled code. Whoever can write that can
+run what he likes as this user, so directory and files must belong to the user, and
+nobody else may write to them. On Windows the user's own profile stands for owner and
+modes, which Python does not show there. docs/cache.md says what that protects from.
 """
 
 import contextlib
 import functools
 import hashlib
-import hmac
 import os
 import re
 import secrets
@@ -35,26 +33,16 @@ LIMIT = 512 * 2**20
 for longest."""
 LOCK = ".lock"
 FILE_NAME = re.compile(r"[a-z]+-[0-9a-f]{64}(\.[0-9a-f]{16}\.partial|\.lock)?")
-KEY = "key"
-KEY_BYTES = 32
-CODE_BYTES = hashlib.sha256().digest_size
-HAS_OWNERS = (
-    all(
-        hasattr(os, name)
-        for name in ("geteuid", "fchmod", "O_DIRECTORY", "O_NOFOLLOW", "O_NONBLOCK")
-    )
-    and {os.open, os.stat, os.unlink, os.utime} <= os.supports_dir_fd
-)
-"""Whether the system says whose a file is and who may write to it, and finds files in a
-directory that is held open. Windows does not."""
+CHECKSUM_BYTES = hashlib.sha256().digest_size
+HAS_OWNERS = hasattr(os, "geteuid")
+"""Whether the system says whose a file is and who may write to it; Windows does not."""
 NO_LINKS = os.O_NOFOLLOW | os.O_NONBLOCK if HAS_OWNERS else 0
 """Flags with which no link is followed, and no pipe waits for who writes to it."""
-OTHERS = stat.S_IRWXG | stat.S_IRWXO
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
 class Refused(Exception):
-    """A file or directory that others could have changed; the message is one line."""
+    """A directory that others could have changed; the message is one line."""
 
 
 class Store:
@@ -62,105 +50,90 @@ class Store:
 
     Args:
         path: the directory, which is there when something is put; whatever else it
-            holds is left alone.
+            has is left alone.
     """
 
     def __init__(self, path: Path):
         self.path = path
-        self._key = b""
-        # Where a descriptor is held, files are looked up in the directory that was
-        # checked, not by its path, where another one may lie by then.
-        self._directory: int | None = None
 
     def get(self, kind: str, key: str) -> bytes | None:
-        """Return the content put under a key; None where there is none, or none to be
-        trusted."""
-        name = _file_name(kind, key)
-        with contextlib.suppress(OSError, Refused):
-            data = self._read(name)
-            content = data[CODE_BYTES:]
-            if hmac.compare_digest(data[:CODE_BYTES], self._code(name, content)):
-                return content
-        return None
+        """Return the content put under a key; None where there is none that is
+        whole."""
+        path = self._path_of(kind, key)
+        try:
+            data = self._read(path)
+        except OSError:
+            return None
+        content = data[CHECKSUM_BYTES:]
+        return content if data == _with_checksum(path, content) else None
 
     def put(self, kind: str, key: str, content: bytes) -> None:
         """Keep content under a key; OSError where the file system refuses."""
-        name = _file_name(kind, key)
-        self._write(name, self._code(name, content) + content, 0o666)
+        path = self._path_of(kind, key)
+        self._write(path, _with_checksum(path, content), 0o666)
 
     def clear(self) -> None:
         """Remove all that is kept, and the directory if that leaves it empty."""
         with contextlib.suppress(OSError):
-            for path in self.path.iterdir():
-                if FILE_NAME.fullmatch(path.name):
-                    path.unlink()
+            for path in self._files():
+                path.unlink()
             self.path.rmdir()
 
-    def _code(self, name: str, content: bytes) -> bytes:
-        # With its name, so that no file can be put in place of another.
-        code = hmac.new(self._key, f"{name}\n".encode(), "sha256")
-        code.update(content)
-        return code.digest()
+    def _path_of(self, kind: str, key: str) -> Path:
+        return self.path / f"{kind}-{hashlib.sha256(key.encode()).hexdigest()}"
 
-    def _at(self, name: str) -> str | Path:
-        """Return what to call a file by, beside the descriptor of its directory."""
-        return self.path / name if self._directory is None else name
+    def _files(self) -> list[Path]:
+        return [path for path in self.path.iterdir() if FILE_NAME.fullmatch(path.name)]
 
-    def _read(self, name: str) -> bytes:
-        path = self.path / name
-        if not path.is_file():  # A pipe would wait for who writes to it.
-            raise Refused(f"{path} is none of its files")
-        return path.read_bytes()
+    def _read(self, path: Path) -> bytes:
+        with open(os.open(path, os.O_RDONLY | NO_LINKS), "rb") as file:
+            status = os.fstat(file.fileno())
+            # A device may have no end.
+            if not stat.S_ISREG(status.st_mode) or not self._is_trusted(status):
+                return b""
+            return file.read()
 
-    def _write(self, name: str, data: bytes, mode: int) -> None:
-        partial = f"{name}.{secrets.token_hex(8)}.partial"
+    def _is_trusted(self, status: os.stat_result) -> bool:
+        return True
+
+    def _write(self, path: Path, data: bytes, mode: int) -> None:
+        partial = path.with_name(f"{path.name}.{secrets.token_hex(8)}.partial")
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL
-        here, before, after = self._directory, self._at(partial), self._at(name)
-        with unfinished(self.path / partial):
+        with unfinished(partial):
             try:
-                with open(os.open(before, flags, mode, dir_fd=here), "wb") as file:
-                    if here is not None:  # whatever the umask
-                        os.fchmod(file.fileno(), mode)
+                with open(os.open(partial, flags, mode), "wb") as file:
                     file.write(data)
-                os.replace(before, after, src_dir_fd=here, dst_dir_fd=here)
+                os.replace(partial, path)
             except BaseException:
                 with contextlib.suppress(OSError):
-                    os.unlink(before, dir_fd=here)
+                    partial.unlink()
                 raise
 
 
 class PrivateStore(Store):
-    """Compiled code by kind and key, in a directory of the user's own that is checked
-    and stays open.
-
-    Where there are no owners, on Windows, it is not held open, but in the user's
-    profile, which the system keeps for the user.
+    """Compiled code by kind and key, in a directory of the user's that is checked.
 
     Args:
-        path: the directory, made if need be.
-        own: whether its name alone shows that it is for this.
+        path: the directory, made for the user alone if need be.
 
     Raises OSError where the file system refuses, Refused where others could write.
     """
 
-    def __init__(self, path: Path, *, own: bool):
+    def __init__(self, path: Path):
         super().__init__(path)
-        if not HAS_OWNERS:
-            _check_profile(path, own)
         _make_private_directory(path)
-        if not HAS_OWNERS:
-            self._key = self._get_key()
-            return
-        # Before it is opened, which the file system may refuse for another user's.
-        self._check_owner(os.lstat(path))
-        directory = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
-        self._directory = directory
-        try:
-            self._check_directory(directory, own)
-            self._key = self._get_key()
-        except BaseException:
-            os.close(directory)
-            raise
+        status = os.lstat(path)
+        if stat.S_ISLNK(status.st_mode):
+            raise Refused(f"{path} is a link")
+        if HAS_OWNERS and status.st_uid != os.geteuid():
+            raise Refused(f"{path} belongs to another user")
+        # OSError for what is no directory.
+        is_ours = len(self._files()) == len(os.listdir(path))
+        if HAS_OWNERS and status.st_mode & OTHERS_WRITE:
+            # A directory that is for other things too, such as /tmp, stays as it is.
+            if not is_ours:
+                raise Refused(f"others may write to {path}; chmod 700 would close it")
+            path.chmod(stat.S_IRWXU)
 
     def get(self, kind: str, key: str) -> bytes | None:
         """Return the content put under a key; None where there is none, or none to be
@@ -169,14 +142,14 @@ class PrivateStore(Store):
         if content is not None:
             # The time of use; a directory may be for reading only.
             with contextlib.suppress(OSError):
-                os.utime(self._at(_file_name(kind, key)), dir_fd=self._directory)
+                os.utime(self._path_of(kind, key))
         return content
 
     def put(self, kind: str, key: str, content: bytes) -> None:
         """Keep content under a key, unless the file system refuses."""
-        name = _file_name(kind, key)
+        path = self._path_of(kind, key)
         with contextlib.suppress(OSError):
-            self._write(name, self._code(name, content) + content, 0o600)
+            self._write(path, _with_checksum(path, content), 0o600)
             self._remove_oldest()
 
     @contextlib.contextmanager
@@ -184,97 +157,43 @@ class PrivateStore(Store):
         """Have other processes that make the same content wait inside this until it is
         there, so that workers that start together compile once.
 
-        A process that is killed holds nobody up. Where the file system has no locks,
-        processes do not wait for each other.
+        A process that is killed does not hold up the others. Where the file system has
+        no locks, processes do not wait for each other.
         """
-        name = f"{_file_name(kind, key)}{LOCK}"
-        flags, descriptor = os.O_RDWR | os.O_CREAT | NO_LINKS, None
+        path = self._path_of(kind, key).with_suffix(LOCK)
+        descriptor = None
         with contextlib.ExitStack() as stack:
             # A directory may be for reading only.
             with contextlib.suppress(OSError):
-                descriptor = os.open(
-                    self._at(name), flags, 0o600, dir_fd=self._directory
-                )
+                descriptor = os.open(path, os.O_RDWR | os.O_CREAT | NO_LINKS, 0o600)
                 lock(descriptor, wait=True)
             # From here on the lock is this process's own.
-            stack.enter_context(unfinished(self.path / name, awaited=False))
+            stack.enter_context(unfinished(path, awaited=False))
             try:
                 yield
             finally:
                 # Who waits for a file that is removed finds the content by then.
                 if descriptor is not None:
-                    close_and_remove(descriptor, lambda: self._unlink(name))
+                    close_and_remove(descriptor, path.unlink)
 
-    def _unlink(self, name: str) -> None:
-        os.unlink(self._at(name), dir_fd=self._directory)
-
-    def _check_owner(self, status: os.stat_result) -> None:
-        if stat.S_ISLNK(status.st_mode):
-            raise Refused(f"{self.path} is a link")
-        if status.st_uid != os.geteuid():
-            raise Refused(f"{self.path} belongs to another user")
-
-    def _check_directory(self, directory: int, own: bool) -> None:
-        status = os.fstat(directory)
-        self._check_owner(status)
-        if not status.st_mode & OTHERS:
-            return
-        files = os.listdir(directory)
-        # A directory that is for other things too, such as /tmp, stays as it is.
-        if own or all(name == KEY or FILE_NAME.fullmatch(name) for name in files):
-            os.fchmod(directory, stat.S_IRWXU)
-        elif status.st_mode & OTHERS_WRITE:
-            raise Refused(f"others may write to {self.path}")
-
-    def _get_key(self) -> bytes:
-        """Return the key of the directory, made where there is none: by one of the
-        processes that start together, or what another keeps would count as not
-        there."""
-        key = self._stored_key()
-        if key is None:
-            with self.making(KEY, KEY):
-                key = self._stored_key()
-                if key is None:
-                    self._write(KEY, secrets.token_bytes(KEY_BYTES), 0o600)
-        # Where the file system has no locks another process may have written its own.
-        return self._read(KEY, forbidden=OTHERS) if key is None else key
-
-    def _stored_key(self) -> bytes | None:
-        with contextlib.suppress(FileNotFoundError):
-            key = self._read(KEY, forbidden=OTHERS)
-            if len(key) == KEY_BYTES:
-                return key
-        return None
-
-    def _read(self, name: str, forbidden: int = OTHERS_WRITE) -> bytes:
-        """Read a file of the user's own; Refused if it has any of the forbidden
-        modes."""
-        flags, place = os.O_RDONLY | NO_LINKS, self._at(name)
-        with open(os.open(place, flags, dir_fd=self._directory), "rb") as file:
-            status = os.fstat(file.fileno())
-            if not stat.S_ISREG(status.st_mode) or status.st_size > LIMIT:
-                raise Refused(f"{self.path / name} is none of its files")
-            if HAS_OWNERS and status.st_uid != os.geteuid():
-                raise Refused(f"{self.path / name} belongs to another user")
-            if HAS_OWNERS and status.st_mode & forbidden:
-                raise Refused(f"{self.path / name} is open to others")
-            return file.read()
+    def _is_trusted(self, status: os.stat_result) -> bool:
+        return not HAS_OWNERS or (
+            status.st_uid == os.geteuid() and not status.st_mode & OTHERS_WRITE
+        )
 
     def _remove_oldest(self) -> None:
-        found = []
-        here = self._directory
-        names = os.listdir(self.path if here is None else here)
-        for name in filter(FILE_NAME.fullmatch, names):
+        uses = []
+        for path in self._files():
             # Another process may have removed it.
             with contextlib.suppress(FileNotFoundError):
-                status = os.stat(self._at(name), dir_fd=here, follow_symlinks=False)
-                found.append((status.st_mtime_ns, status.st_size, name))
-        total = sum(size for _, size, _ in found)
-        for _, size, name in sorted(found):
+                status = path.lstat()
+                uses.append((status.st_mtime_ns, status.st_size, path))
+        total = sum(size for _, size, _ in uses)
+        for _, size, path in sorted(uses):
             if total <= LIMIT:
                 return
             with contextlib.suppress(OSError):
-                self._unlink(name)
+                path.unlink()
             total -= size
 
 
@@ -287,8 +206,8 @@ def open_cache() -> PrivateStore | None:
     `~/.cache`). Warns of a directory that is refused.
     """
     try:
-        place = _place()
-        return None if place is None else PrivateStore(place[0], own=place[1])
+        path = _directory()
+        return None if path is None else PrivateStore(path)
     except Refused as refused:
         warnings.warn(f"compiled code is not kept: {refused}", stacklevel=2)
     except OSError:
@@ -317,15 +236,16 @@ def kept(key: str, make: Callable[[], bytes]) -> bytes:
     return stored
 
 
-def _place() -> tuple[Path, bool] | None:
-    """Find the directory, and whether its name alone shows that it is for this."""
+def _directory() -> Path | None:
     stated = os.environ.get(VARIABLE)
     if stated == "":
         return None
     if stated is not None:
         if not os.path.isabs(stated):
             raise Refused(f"{VARIABLE} must be an absolute path, but is {stated}")
-        return Path(stated), False
+        if not HAS_OWNERS:
+            _check_profile(stated)
+        return Path(stated)
     caches = os.environ.get(CACHES, "")
     if not os.path.isabs(caches):
         # `~` itself where there is no home; one that is not there is not made.
@@ -333,28 +253,28 @@ def _place() -> tuple[Path, bool] | None:
         if not os.path.isdir(home):
             return None
         caches = os.path.join(home, ".cache")
-    return (Path(caches, "jaximpact"), True) if os.path.isabs(caches) else None
+    return Path(caches, "jaximpact") if os.path.isabs(caches) else None
 
 
-def _file_name(kind: str, key: str) -> str:
-    return f"{kind}-{hashlib.sha256(key.encode()).hexdigest()}"
-
-
-def _check_profile(path: Path, own: bool) -> None:
-    """Raise Refused for a directory that nothing shows to be the user's alone: one that
-    is named, and is not in the user's profile."""
+def _check_profile(path: str) -> None:
+    """Raise Refused for a directory outside of the user's profile, which nothing shows
+    to be the user's alone."""
     profile = os.path.realpath(os.path.expanduser("~"))
-    if not own and not Path(os.path.realpath(path)).is_relative_to(profile):
+    if not Path(os.path.realpath(path)).is_relative_to(profile):
         raise Refused(
             f"{path} is not in {profile}, and only there the system keeps others from "
             "writing"
         )
 
 
+def _with_checksum(path: Path, content: bytes) -> bytes:
+    # Of the name too, so that no file can be put in place of another.
+    return hashlib.sha256(f"{path.name}\n".encode() + content).digest() + content
+
+
 def _make_private_directory(path: Path) -> None:
-    """Make a directory and those above it for the user alone, whatever the umask."""
+    """Make a directory and those above it for the user alone."""
     missing = [each for each in (path, *path.parents) if not os.path.lexists(each)]
     for each in reversed(missing):
         with contextlib.suppress(FileExistsError):
-            os.mkdir(each, stat.S_IRWXU)
-            os.chmod(each, stat.S_IRWXU)
+            each.mkdir(stat.S_IRWXU)

@@ -1,7 +1,6 @@
 """Parametric sweeps: impacts over any quantities of the scene, with names and units."""
 
 import concurrent.futures
-import json
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -16,11 +15,9 @@ from ._numpy_settings import numpy_settings
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
 from .errors import InputError
-from .identity import name_of, part_names
 from .io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from .io.datasets import (
     OUTPUT_COLUMNS,
-    SHAPES,
     attributes_of,
     dataset_of,
     shape_coordinate,
@@ -42,7 +39,6 @@ from .quantities import OUTCOME_COLUMN, SLOTS, InputColumn, columns_of, why_unkn
 from .scene import Scene, SceneLike, as_scene
 from .scene_quantities import (
     SHAPE,
-    scene_of_values,
     scene_values,
     scene_with,
     shape_named,
@@ -103,7 +99,7 @@ def sweep(
         A dataset with a variable for each number of an impact, with names and units as
         in the tables, and `outcome` in words. Coordinates are the quantities of the
         axes. Points that fail are NaN with the outcome `failed`. Counts of outcomes,
-        base, accuracy, laws and versions are attributes, sufficient for `repeat_sweep`.
+        base, accuracy, laws and versions are attributes.
 
     Raises:
         InputError: an unknown quantity, a value out of its range, lists that do not
@@ -150,80 +146,6 @@ def sweep(
         scene_values(base),
         kinds,
     )
-
-
-@numpy_settings()
-def repeat_sweep(dataset: xr.Dataset, **how) -> xr.Dataset:
-    """Compute a sweep again, from nothing but what the dataset says about itself.
-
-    Args:
-        dataset: from `sweep`, whole or a selection that keeps its dimensions and, for
-            each parameter that varies, a shape that has it.
-        how: `journal` and `progress` of `sweep`.
-
-    Raises InputError if the dataset is no sweep, or was made with laws that are not
-    found again as they were.
-    """
-    expect("dataset", dataset, xr.Dataset)
-    try:
-        values = json.loads(dataset.attrs["base"])
-        accuracy = Accuracy(**json.loads(dataset.attrs["accuracy"]))
-        stored_laws = json.loads(dataset.attrs["laws"])
-        model_tolerance = float(dataset.attrs["model_tolerance"])
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(
-            f"the dataset does not say what it was computed from ({error!r}); "
-            "a dataset from sweep is needed"
-        ) from None
-
-    def check_same(slot: str, stored: str | None, found: str) -> None:
-        if stored != found:
-            raise InputError(
-                f"the dataset was computed with {slot} {stored}, but there is {found} "
-                "now"
-            )
-
-    def same_shape(text: str, stored: str) -> type[AbstractShape]:
-        kind = shape_named(text)
-        check_same(SHAPE, stored, name_of(kind))
-        return kind
-
-    base = scene_of_values(values)
-    for slot, name in part_names(base.soil, base.block).items():
-        check_same(slot, stored_laws.get(slot), name)
-    axes = axes_of(dataset)
-    shapes = json.loads(dataset.attrs.get(SHAPES, "{}"))
-    for along in (axes, *(a for a in axes.values() if isinstance(a, dict))):
-        if SHAPE in along:
-            along[SHAPE] = [same_shape(*shapes[label]) for label in along[SHAPE]]
-    return sweep(base, axes, accuracy=accuracy, model_tolerance=model_tolerance, **how)
-
-
-def axes_of(dataset: xr.Dataset) -> dict[str, Any]:
-    """Return the axes of a sweep, as `sweep` takes them."""
-    for name, coordinate in dataset.coords.items():
-        if coordinate.ndim > 1:
-            raise InputError(
-                f"{name} varies along {' and '.join(coordinate.dims)}, but a quantity "
-                "of a sweep varies along one dimension"
-            )
-    axes = {}
-    for dimension in dataset[OUTCOME_COLUMN].dims:
-        along = {
-            name: coordinate.values
-            for name, coordinate in dataset.coords.items()
-            if coordinate.dims == (dimension,)
-        }
-        own = list(along) == [dimension]
-        if own and (dimension == SHAPE or along[dimension].dtype.kind != "U"):
-            axes[dimension] = along[dimension]
-        else:
-            # Labels are the dimension's own coordinate.
-            axes[dimension] = {
-                LABELS if name == dimension else name: values
-                for name, values in along.items()
-            }
-    return axes
 
 
 def check_axes(axes: Axes, base: Scene, *, in_memory: bool = True) -> list[_Axis]:

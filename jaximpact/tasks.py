@@ -6,7 +6,7 @@ float32 would cut arrays short without a word. It computes on one thread, since 
 run as many tasks at once as a worker has threads.
 
 `run_tasks` gives tasks to whatever has the interface of `concurrent.futures.Executor`:
-process pools of Python and joblib, MPI (mpi4py.futures), a client of Dask.
+process pools of Python and joblib, a client of Dask.
 """
 
 import concurrent.futures
@@ -257,13 +257,6 @@ def call_each(
         take(place, function(*each))
 
 
-def run_task(executor: concurrent.futures.Executor, task: Callable[[], Any]) -> Any:
-    """Run one task on an executor and return its result. Raises as `run_tasks`."""
-    results: list = []
-    run_tasks(executor, [task], lambda _, result: results.append(result))
-    return results[0]
-
-
 class Stopped(Exception):
     """End of a task because another one has failed, or was interrupted."""
 
@@ -322,19 +315,6 @@ def run_in_threads(
             pool.shutdown(wait=False, cancel_futures=True)
             raise
         return [ended.result() for ended in running]
-
-
-def for_each(
-    function: Callable[[Item, Progress], Result],
-    items: Sequence[Item],
-    progress: Progress,
-    executor: concurrent.futures.Executor | None,
-) -> list[Result]:
-    """Call a function of every item: one after another, or in threads that wait side by
-    side where an executor does most of the work."""
-    if executor is None:
-        return [function(item, progress) for item in items]
-    return run_in_threads(function, items, progress)
 
 
 class WorkerlessWarner:

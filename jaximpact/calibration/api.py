@@ -3,7 +3,6 @@
 import dataclasses
 import os
 from collections.abc import Iterable, Mapping
-from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,7 +16,6 @@ from ..parameters import Part
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import columns_of_part
 from ..scene import Block, Soil
-from ..tasks import check_executor
 from .arguments import study_of_arguments, table_given
 from .comparison.comparison import (
     NO_OTHERS,
@@ -29,7 +27,6 @@ from .comparison.fitted_law import fit_simple
 from .diagnostics.examination import Examination, examine
 from .diagnostics.nuts import check_extra
 from .diagnostics.results import StudyResult, VariantResult
-from .estimation.fit_cache import FitCache
 from .fitted_ground import FittedGround, files_of_fit, fitted_of, read_fitted
 from .prediction import PredictedTests, predict_tests
 from .problem.config import CompareTable, Study, read_study
@@ -48,9 +45,6 @@ from .study import fit_study
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-UNFINISHED = "unfinished"
-"""Folder of finished fits in the directory of a study that is not yet written."""
 
 
 class Calibration:
@@ -213,7 +207,6 @@ def calibrate(
     scatter: str | Mapping[str, str] | None = None,
     out: str | os.PathLike | None = None,
     seed: int | None = None,
-    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> Calibration:
     """Fit ground parameters to measured impacts, and judge which are identifiable.
@@ -239,11 +232,8 @@ def calibrate(
         scatter: "constant" or "proportional", one for all targets whose sigma is
             estimated, or of each: whether sigma is the same in all tests, or the same
             fraction of the value. Default: "constant".
-        out: directory for the report; an interrupted call continues there.
+        out: directory for the report.
         seed: seed of starts and draws. Default: 0.
-        executor: makes fits that do not depend on each other in other processes, as for
-            `simulate_batch`: those of several variants, and those without some of the
-            tests. No number changes by it.
         progress: called with lines of text.
 
     Takes some ten seconds. Equal arguments give equal numbers on one machine.
@@ -257,9 +247,7 @@ def calibrate(
     study = study_of_arguments(tests, options)
     expect("out", out, str, os.PathLike, type(None))
     directory = None if out is None else Path(out)
-    return Calibration(
-        *fit_and_examine(study, directory, executor=executor, progress=progress)
-    )
+    return Calibration(*fit_and_examine(study, directory, progress=progress))
 
 
 @numpy_settings()
@@ -308,15 +296,11 @@ def run_study(
     *,
     posterior: bool = False,
     compare: bool = False,
-    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> StudyResult:
     """Fit a study, compute its diagnostics, and write the report.
 
     The files are report.html, fit.json and fitted.csv.
-
-    Finished fits are kept in the directory's `unfinished` until the files are written:
-    an interrupted run continues there.
 
     Args:
         study_path: TOML file of the study, with its tables at paths relative to it; or
@@ -327,7 +311,6 @@ def run_study(
             for ArviZ, one for each variant; needs the extra `jaximpact[bayes]`.
         compare: whether to compare laws too, as `[compare]` in the study says, or all
             that `compare` compares by default, and write comparison.csv.
-        executor: as for `calibrate`.
         progress: called with lines of text.
 
     Raises InputError for a study or a directory that cannot be used, BlockingIOError
@@ -339,7 +322,6 @@ def run_study(
         *(study, Path(out_dir)),
         posterior=posterior,
         compare=compare,
-        executor=executor,
         progress=progress,
     )
     return result
@@ -351,7 +333,6 @@ def fit_and_examine(
     *,
     posterior: bool = False,
     compare: bool = False,
-    executor: Executor | None,
     progress: Progress | ProgressFunction | None,
 ) -> tuple[StudyResult, list[Examination], OtherLaws]:
     """Fit a study and compute its diagnostics, fit other laws beside it, and write the
@@ -359,8 +340,6 @@ def fit_and_examine(
     require_float64()
     if posterior:
         check_extra()
-    if executor is not None:
-        check_executor(executor)
     progress = as_progress(progress)
     compare = compare or study.compare is not None
     stated = study.compare or CompareTable()
@@ -368,30 +347,22 @@ def fit_and_examine(
         # Before the fit, which takes its time.
         check_comparison(study, stated.laws, stated.by)
 
-    def computed(cache: FitCache | None) -> tuple:
-        result = fit_study(study, cache=cache, executor=executor, progress=progress)
-        examined = examine(
-            result, posterior=posterior, executor=executor, progress=progress
-        )
+    def computed() -> tuple:
+        result = fit_study(study, progress=progress)
+        examined = examine(result, posterior=posterior, progress=progress)
         others = OtherLaws(fit_simple(study, progress.within("simple laws: ")))
         if compare:
             compared = compare_study(
-                *(study, stated.laws),
-                by=stated.by,
-                cache=cache,
-                executor=executor,
-                progress=progress,
+                study, stated.laws, by=stated.by, progress=progress
             )
             others = others._replace(compared=compared)
         return result, examined, others
 
     if out_dir is None:
-        return computed(None)
+        return computed()
     directory = study_directory(study, out_dir, posterior=posterior, compared=compare)
     with directory as new:
-        cache = FitCache(out_dir / UNFINISHED)
-        result, examined, others = computed(cache)
+        result, examined, others = computed()
         progress("drawing")
         write_all(result, examined, new, others)
-        cache.forget()
     return result, examined, others

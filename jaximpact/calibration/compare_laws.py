@@ -4,7 +4,6 @@ them predict."""
 import dataclasses
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -21,7 +20,6 @@ from ..reports.document import Document
 from ..reports.json_tree import json_text
 from ..reports.tables import Table
 from ..scene import Block, Soil
-from ..tasks import check_executor
 from .arguments import study_of_arguments, table_given
 from .comparison.comparison import Compared, ScoredLaw, compare_study
 from .comparison.contenders import Law
@@ -273,7 +271,6 @@ def compare(
     sigma: Mapping[str, float] | None = None,
     scatter: str | Mapping[str, str] | None = None,
     seed: int | None = None,
-    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> Comparison:
     """Find out which law predicts measured impacts best.
@@ -295,8 +292,6 @@ def compare(
         exact: whether each fit without a test is made to the end; otherwise one step
             from the fit to all stands for it where it is short.
         fit, ground, block, targets, sigma, scatter, seed: as for `calibrate`.
-        executor: fits the laws side by side in other processes, as for
-            `simulate_batch`. No number changes by it.
         progress: called with lines of text.
 
     Only targets that all laws predict are compared; the others are named. The default
@@ -309,14 +304,6 @@ def compare(
     expect("exact", exact, bool, np.bool_)
     options = dict(fit=fit, ground=ground, block=block, targets=targets)
     options |= dict(sigma=sigma, scatter=scatter, seed=seed)
-    if executor is not None:
-        check_executor(executor)
     study = study_of_arguments(tests, options)
-    compared = compare_study(
-        *(study, laws),
-        by=by,
-        exact=bool(exact),
-        executor=executor,
-        progress=progress,
-    )
+    compared = compare_study(study, laws, by=by, exact=bool(exact), progress=progress)
     return Comparison(compared)

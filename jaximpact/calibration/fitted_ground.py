@@ -39,8 +39,8 @@ class FittedVariant(NamedTuple):
     """Draws in the units of the columns, shape (draws, unknowns)."""
     weights: np.ndarray
     """Weights of the draws; their sum is 1."""
-    undetermined: tuple[str, ...]
-    """Parameters that are not identifiable."""
+    undetermined: dict[str, str]
+    """Reasons why parameters are not identifiable, by name."""
     allowed: dict[str, tuple[float | None, float | None]]
     """95 % profile-likelihood interval of each parameter; None for a bound."""
     sigma: dict[str, float]
@@ -56,9 +56,6 @@ class FittedVariant(NamedTuple):
     """Degrees of freedom of each target."""
     accuracy: Accuracy
     """Accuracy of the impacts that the draws need."""
-    group_sd: dict[str, np.ndarray]
-    """Draws of the standard deviations of groups' factors that were estimated, by
-    parameter, shape (draws,)."""
 
     @property
     def trusted(self) -> bool:
@@ -190,15 +187,19 @@ def fitted_of(
 def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
     draws = entry["draws"]
     best = entry["parameters"] | entry["nuisances"]
+    if np.shape(draws["values"])[1:] != (len(entry["unknowns"]),):
+        raise ValueError("draws are not of the unknowns")
     return FittedVariant(
         variant=Variant(entry["name"], entry["soil"], laws),
         unknowns=tuple(entry["unknowns"]),
         best=np.array([best[name]["value"] for name in entry["unknowns"]]),
         draws=np.array(draws["values"]),
         weights=np.array(draws["weights"]) / np.sum(draws["weights"]),
-        undetermined=tuple(
-            name for name, one in entry["parameters"].items() if not one["determined"]
-        ),
+        undetermined={
+            name: one["reason"] or "no reason is given"
+            for name, one in entry["parameters"].items()
+            if not one["determined"]
+        },
         allowed={
             name: (one["low_95"], one["high_95"])
             for name, one in entry["profiles"].items()
@@ -213,8 +214,4 @@ def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
         inflation=entry["inflation"],
         freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},
         accuracy=Accuracy(**draws["accuracy"]),
-        group_sd={
-            name: np.array(draws["group_sd"][name])
-            for name in entry.get("group_sd", {})
-        },
     )

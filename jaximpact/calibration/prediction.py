@@ -8,8 +8,7 @@ estimated as a fraction of the value is that fraction of the draws' median. Resu
 that are never negative (`NEVER_NEGATIVE`) scatter on the scale of their logarithm.
 
 A nuisance parameter of a group that the fit knows has the fit's values; that of another
-group is sampled from its prior, once for each group and draw. The standard deviation
-of that prior, where it was estimated, is that of the draw.
+group is sampled from its prior, once for each group and draw.
 """
 
 from pathlib import Path
@@ -216,10 +215,8 @@ def unknowns(
                 best.append(fitted.best[known])
                 draws.append(of_fit[:, known])
                 continue
-            prior, sd = nuisance.prior, nuisance.prior.sd
-            if nuisance.name in fitted.group_sd:
-                sd = fitted.group_sd[nuisance.name][chosen]
-            drawn = random.normal(prior.mean, sd, len(weights))
+            prior = nuisance.prior
+            drawn = random.normal(prior.mean, prior.sd, len(weights))
             best.append(prior.mean)
             draws.append(np.clip(drawn, nuisance.lower[place], nuisance.upper[place]))
     return np.array(best), np.stack(draws, axis=1), weights

@@ -1,7 +1,6 @@
 """Fit of a whole study: starts, best fit, uncertainty and verdicts of its variants."""
 
 import time
-from concurrent.futures import Executor
 
 import numpy as np
 
@@ -16,9 +15,8 @@ from .diagnostics.identifiability import (
 from .diagnostics.jumps import Judged, judge
 from .diagnostics.results import StudyResult, VariantResult
 from .estimation.branches import NEAR
-from .estimation.fit_cache import FitCache
 from .estimation.least_squares import Fits, Reason
-from .estimation.sigma import all_given, settle
+from .estimation.sigma import settle
 from .estimation.starts import (
     fit_on,
     fit_starts,
@@ -45,16 +43,12 @@ LOWEST = 4
 def fit_study(
     study: Study,
     *,
-    cache: FitCache | None = None,
-    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> StudyResult:
     """Fit every variant of a study.
 
     Args:
         study: study to be fitted, from `read_study`.
-        cache: finished fits are kept and found there.
-        executor: makes the fits of several variants in other processes.
         progress: called with lines of text.
 
     Raises InputError where no start gives a prediction.
@@ -67,12 +61,8 @@ def fit_study(
     def fitted(item: tuple[Variant, Engine], progress: Progress) -> VariantResult:
         variant, engine = item
         objective = Objective(study, variant, engine)
-        objective.cache = cache
-        objective.executor = executor if several else None
         progress = progress.within(f"{variant.name}: ") if several else progress
-        found = _fit_variant(objective, variant, progress)
-        found.objective.executor = None
-        return found
+        return _fit_variant(objective, variant, progress)
 
     items = list(zip(study.variants, engines, strict=True))
     results = for_each_variant(engines, fitted, items, progress)
@@ -92,7 +82,7 @@ def best_fit(
         raise InputError("no start gives a prediction", file=study.path)
     origin = ends.best
     objective, best = settle(objective, one_of(ends, origin), fit_on, progress)
-    if not all_given(study):
+    if not np.all(study.sigma_given):
         # Which end is the best depends on what is estimated.
         ends = ends._replace(points=objective.reevaluate(ends.points))
         ends = polish(objective, ends, progress)

@@ -16,10 +16,16 @@ from .._packages import version_of
 from ..errors import IncompleteError, InputError, UnusualValueWarning
 from ..finding import told, users_line
 from ..interruption import is_interrupt
-from . import calibrate, impacts, paper, runout, sensitivity, sweep, tabulate
+from . import calibrate, impacts, runout, sweep, tabulate
 from .progress import forget, say
 
-COMMANDS = (impacts, sweep, runout, tabulate, sensitivity, calibrate, paper)
+COMMANDS = (impacts, sweep, runout, tabulate, calibrate)
+MOVED = {
+    "benchmark": "benchmarks",
+    "figures": "paper figures",
+    "validate": "paper claims",
+}
+"""Former commands, and the modules of the repository that do their work now."""
 USER_ERROR = 2
 SYSTEM_ERROR = 1
 INTERRUPTED = 130
@@ -79,10 +85,10 @@ def _run(
     argv: Sequence[str] | None, make_parser: Callable[[], argparse.ArgumentParser]
 ) -> None:
     words = sys.argv[1:] if argv is None else argv
-    if make_parser is _parser and list(words[:1]) == ["benchmark"]:
+    if make_parser is _parser and (instead := MOVED.get("".join(words[:1]))):
         raise InputError(
-            "benchmark is no longer a command of jaximpact; in a checkout of the "
-            "repository run python -m benchmarks"
+            f"{words[0]} is no longer a command of jaximpact; in a checkout of the "
+            f"repository run python -m {instead}"
         )
     if any("\0" in text for text in argv or ()):
         raise InputError("an argument holds a null character, which no name may hold")

@@ -63,8 +63,7 @@ gamma_v and k_E are fitted to all the results that it holds. A study is a TOML f
                         count = 3, criterion = "D" or "A"
 
 The report is printed. Written to DIR: report.html, the same with pictures on one page;
-fit.json with a manifest; fitted.csv; and of a comparison comparison.csv. Finished fits
-are kept in DIR/unfinished until then: after Ctrl-C the same command goes on there.
+fit.json with a manifest; fitted.csv; and of a comparison comparison.csv.
 
 A slope to fit, slope.toml, is a study of `jaximpact runout` with two tables more:
   [fit]                 quantities of the ground to fit, each with its prior as a
@@ -170,7 +169,7 @@ def add_parser(commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Fit to impacts, or to a slope."""
-    from ..calibration.api import UNFINISHED, fit_and_examine
+    from ..calibration.api import fit_and_examine
     from ..calibration.problem.config import SlopeStudyError, read_study
     from ..calibration.report.study_report import study_report
 
@@ -179,25 +178,18 @@ def run(arguments: argparse.Namespace) -> None:
     except SlopeStudyError:
         _run_slope(arguments)
         return
-    kept = arguments.out / UNFINISHED
-
-    def prospect() -> str:
-        if kept.is_dir() and any(kept.iterdir()):
-            return f"finished fits are kept in {kept}; the same command goes on there"
-        return "no fit was finished; the same command starts from the beginning"
-
+    if arguments.workers is not None or arguments.scheduler is not None:
+        raise InputError(
+            "--workers and --scheduler are for slopes; a fit to impacts runs in this "
+            "process"
+        )
     begin = time.monotonic()
-    with (
-        resumable(prospect),
-        options.engine_of(arguments) as executor,
-        ProgressLines() as progress,
-    ):
+    with ProgressLines() as progress:
         result, examined, others = fit_and_examine(
             study,
             arguments.out,
             posterior=arguments.posterior,
             compare=arguments.compare,
-            executor=executor,
             progress=progress,
         )
     print(study_report(result, examined, others.compared).text(), end="")

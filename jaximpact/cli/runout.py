@@ -104,7 +104,7 @@ first passage, with intervals of 95 %.
 [profile] may have origin = [easting, northing] of x = 0, azimuth_deg, the direction of
 x from north clockwise, and crs = "EPSG:2056" or another in metres: then trajectories,
 stops, collectors and barriers are written for maps, as GeoJSON (longitude and latitude)
-and GeoPackage. It takes the package pyproj: pip install 'jaximpact[maps]'.
+and GeoPackage. That takes further packages: pip install 'jaximpact[maps]'.
 
 Further keys, before all tables:
   title          free text
@@ -115,9 +115,6 @@ Further keys, before all tables:
   bins           of x, for the envelopes (default: 50)
   export_trajectories
                  in files, the first ones (default: 50)
-  contact_error  of an impact, as a fraction of its speed, up to which a quicker law of
-                 [[contacts]] may stand in for the full model (default: none may; the
-                 laws are compared)
   time_limit_s, event_limit
                  where a block still under way is given up (defaults: 600 and 10000)
   hop_threshold  height of a flight, as a fraction of the heave of the block's centre as
@@ -183,14 +180,10 @@ def run(arguments: argparse.Namespace) -> None:
     """Compute the study."""
     from ..io.files import make_directory
     from ..io.output_files import output_directory, together
-    from ..runout import choose_contacts, read_slope_studies, run_slope_study
+    from ..runout import read_slope_studies, run_slope_study
     from ..runout.study import output
 
     studies = read_slope_studies(arguments.study, arguments.accuracy)
-    if studies[0].contact_error is not None:
-        with ProgressLines() as progress:
-            studies = [choose_contacts(studies, partial(progress, "pilot blocks"))]
-        say(f"contacts by {studies[0].law_name}, chosen by contact_error")
     several = len(studies) > 1
     folders = [Path(study.law_directory if several else "") for study in studies]
     names = [

@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> None:
     from ..sweeping import read_sweep_study, sweep
 
     if arguments.set is not None:
-        from ..paper.sets import parametric_set  # loads matplotlib, for a second
+        from ..parametric_sets import parametric_set
 
         (base, axes), accuracy = parametric_set(arguments.set), None
         name = f"set_{arguments.set}"

@@ -44,8 +44,6 @@ from ..scene_quantities import (
 from ..shapes import AbstractShape
 from ..tasks import Task
 
-NUMBER = "number of an impact"
-"""Dimension of the numbers of an impact, before each is a variable."""
 BLOCK_BYTES = 8 * 2**17
 """Bytes of one number of all impacts of a block where chunks are "auto": 131 072
 impacts, some seconds of work of a core, which a scheduler can wait for and a worker may
@@ -281,28 +279,9 @@ def result_variables(
                 call, *arrays.values(), dask="parallelized", **outputs
             )
 
-    try:
-        found = of_blocks(
-            numbers_of_block, output_core_dims=[[] for _ in names], output_dtypes=dtypes
-        )
-    except NotImplementedError:  # cubed knows functions of one result only
-        stack = of_blocks(
-            stack_of_block,
-            output_core_dims=[[NUMBER]],
-            output_dtypes=[float],
-            dask_gufunc_kwargs={"output_sizes": {NUMBER: len(names)}},
-        )
-        found = [
-            xr.apply_ufunc(
-                words_of_stack if dtype == words else entry_of_stack,
-                stack,
-                input_core_dims=[[NUMBER]],
-                output_dtypes=[dtype],
-                dask="parallelized",
-                kwargs={"place": place},
-            )
-            for place, dtype in enumerate(dtypes)
-        ]
+    found = of_blocks(
+        numbers_of_block, output_core_dims=[[] for _ in names], output_dtypes=dtypes
+    )
     variables = {
         name: variable.transpose(*dimensions)
         for name, variable in zip(names, found, strict=True)
@@ -324,22 +303,6 @@ def numbers_of_block(block: Block, *values: np.ndarray) -> tuple[np.ndarray, ...
     """
     *numbers, codes = _numbers_and_codes(block, values)
     return *numbers, outcomes_in_words(codes)
-
-
-def stack_of_block(block: Block, *values: np.ndarray) -> np.ndarray:
-    """Return the same as one array, shape `(..., numbers)`, with the codes of the
-    outcomes."""
-    return np.stack(_numbers_and_codes(block, values), axis=-1)
-
-
-def entry_of_stack(stack: np.ndarray, place: int) -> np.ndarray:
-    """Return one of the numbers of a stack."""
-    return stack[..., place]
-
-
-def words_of_stack(stack: np.ndarray, place: int) -> np.ndarray:
-    """Return the outcomes of a stack, in words."""
-    return outcomes_in_words(stack[..., place])
 
 
 def _numbers_and_codes(block: Block, values: Sequence[np.ndarray]) -> list[np.ndarray]:

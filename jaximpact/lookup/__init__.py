@@ -4,24 +4,20 @@
 """
 
 from .contacts import Tabulated
-from .orientation_map import MapAxes, orientation_map, write_map
 from .table import Entry, ReboundTable, TableError
 from .table_files import read_table, write_csv, write_table
 from .tabulation import Nodes, measure_error, random_impacts, tabulate
 
 __all__ = [
     "Entry",
-    "MapAxes",
     "Nodes",
     "ReboundTable",
     "TableError",
     "Tabulated",
     "measure_error",
-    "orientation_map",
     "random_impacts",
     "read_table",
     "tabulate",
     "write_csv",
-    "write_map",
     "write_table",
 ]

@@ -1,4 +1,4 @@
-"""Studies of tables: block, ground, nodes and map, from a TOML file."""
+"""Studies of tables: block, ground, and nodes, from a TOML file."""
 
 import dataclasses
 import math
@@ -26,15 +26,10 @@ from ..parameters import parts_of
 from ..quantities import INPUT_COLUMNS, columns_of_part
 from ..scene import Block, Soil
 from ..units import DEGREE
-from .orientation_map import DIMENSIONS, MapAxes
 from .tabulation import SPEEDS, Nodes
 
-TABLES = ("block", "ground", "table", "map")
+TABLES = ("block", "ground", "table")
 TABLE_KEYS = ("slopes_deg", "total_speeds_mps", "nodes")
-MAP_KEYS = (
-    *("speeds_mps", "angles_deg", "angular_velocities_degps", "slope_deg"),
-    "orientations",
-)
 PARTS = {"block": ("block", Block), "ground": ("soil", Soil)}
 
 
@@ -50,7 +45,6 @@ class TableStudy(NamedTuple):
     speeds: tuple[float, float]
     """First and last total speed of the table [m/s]."""
     nodes: Nodes
-    map_axes: MapAxes
 
 
 def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
@@ -66,10 +60,11 @@ def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
     top, content = Key(path), load_toml(path)
     check_keys(top, content, (*TABLES, "accuracy"))
     table = known_table(top, content, "table", TABLE_KEYS)
-    slopes = _ascending(top["table"], table, "slopes_deg", "slope_deg", [0.0])
-    ends = _list(top["table"], table, "total_speeds_mps", list(SPEEDS))
+    slopes = _ascending_slopes(top["table"]["slopes_deg"], table.get("slopes_deg", [0]))
+    key = top["table"]["total_speeds_mps"]
+    ends = _numbers(key, table.get("total_speeds_mps", [*SPEEDS]))
     if len(ends) != 2 or not 0.0 < ends[0] < ends[1]:
-        raise top["table"]["total_speeds_mps"].error(
+        raise key.error(
             f"must be the first and the last, ascending from above 0, but is {ends}"
         )
     key, counts = top["table"]["nodes"], typed(top["table"], table, "nodes", dict, {})
@@ -80,7 +75,8 @@ def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
             for name, default in Nodes()._asdict().items()
         )
     )
-    _check_size(top["table"]["nodes"], (*nodes, len(slopes)))
+    impacts = math.prod((*nodes, len(slopes)))
+    check_memory(impacts * NUMBERS_PER_IMPACT, f"{impacts} impacts", **key.place)
     if accuracy is None:
         accuracy = choice(top, content, "accuracy", "fast", tuple(PRESETS))
     return TableStudy(
@@ -90,7 +86,6 @@ def read_table_study(path: Path, accuracy: str | None = None) -> TableStudy:
         DEGREE * np.array(slopes),
         (ends[0], ends[1]),
         nodes,
-        _map_axes(top, content),
     )
 
 
@@ -109,40 +104,16 @@ def _part(top: Key, content: dict, name: str) -> Any:
     return dataclasses.replace(whole, **fields)
 
 
-def _map_axes(top: Key, content: dict) -> MapAxes:
-    table, default = known_table(top, content, "map", MAP_KEYS), MapAxes()
-    axes = [
-        tuple(_ascending(top["map"], table, name, column, list(values)))
-        for name, column, values in zip(
-            MAP_KEYS[:3], DIMENSIONS, default[:3], strict=True
-        )
-    ]
-    slope = table.get("slope_deg", default.slope_deg)
-    slope = allowed(top["map"]["slope_deg"], INPUT_COLUMNS["slope_deg"], slope)
-    orientations = whole(top["map"], table, "orientations", default.orientations, 2)
-    _check_size(top["map"], (*map(len, axes), orientations))
-    return MapAxes._make((*axes, slope, orientations))
+def _ascending_slopes(key: Key, values: Any) -> list[float]:
+    slopes = _numbers(key, values)
+    for slope in slopes:
+        allowed(key, INPUT_COLUMNS["slope_deg"], slope)
+    if np.any(np.diff(slopes) <= 0.0):
+        raise key.error("must ascend")
+    return slopes
 
 
-def _check_size(key: Key, counts: tuple[int, ...]) -> None:
-    impacts = math.prod(counts)
-    check_memory(impacts * NUMBERS_PER_IMPACT, f"{impacts} impacts", **key.place)
-
-
-def _ascending(
-    key: Key, table: dict, name: str, column: str, default: list
-) -> list[float]:
-    """Read a list of values that ascend and that the column may hold."""
-    values = _list(key, table, name, default)
-    for value in values:
-        allowed(key[name], INPUT_COLUMNS[column], value)
-    if np.any(np.diff(values) <= 0.0):
-        raise key[name].error("must ascend")
-    return values
-
-
-def _list(key: Key, table: dict, name: str, default: list) -> list[float]:
-    values = table.get(name, default)
+def _numbers(key: Key, values: Any) -> list[float]:
     if not isinstance(values, list) or not values:
-        raise key[name].error(f"must be a list of numbers, but is {values!r}")
-    return [number(key[name], value) for value in values]
+        raise key.error(f"must be a list of numbers, but is {values!r}")
+    return [number(key, value) for value in values]

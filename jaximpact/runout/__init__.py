@@ -6,14 +6,12 @@ from .back_analysis.calibrate import calibrate_slope
 from .back_analysis.predictive import SlopeCalibration
 from .blocks import Release
 from .contacts.contact_models import ClosedForm, Contacts, FullModel
-from .hop_friction import rolling_friction_of_hops
 from .profile_formats import read_profile
 from .random_inputs import Lognormal, Normal, PowerLaw, Uniform, draw
 from .scheduler import simulate_runout
 from .study.barriers import Barrier
-from .study.law_choice import choose_contacts
 from .study.profile_file import MapPlacement
-from .study.run_study import lazy_slope_study, run_slope_study
+from .study.run_study import run_slope_study
 from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
 from .terrain import Ground, Profile
 from .trajectory import ContactRecord, Ending, MotionMode, Pieces, Runs
@@ -43,16 +41,13 @@ __all__ = [
     "SlopeStudy",
     "Uniform",
     "calibrate_slope",
-    "choose_contacts",
     "draw",
     "first_passages",
-    "lazy_slope_study",
     "maxima_along",
     "passages",
     "read_profile",
     "read_slope_studies",
     "read_slope_study",
-    "rolling_friction_of_hops",
     "run_slope_study",
     "simulate_runout",
 ]

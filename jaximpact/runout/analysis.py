@@ -1,12 +1,14 @@
 """Quantities derived from trajectories, exactly: passages of collectors, and largest
 values along the slope."""
 
+from functools import partial
 from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 
 from .._numpy_settings import numpy_settings
+from ..shapes import shape_by_shape
 from .blocks import BlockOutline, MassProperties, select, support
 from .lane_programs import Values, closed_form
 from .trajectory import (
@@ -79,29 +81,30 @@ def passages(runs: Runs, x: float, stretches: Stretches | None = None) -> Passag
     passes = (all_of.x_start >= x) != (ends >= x)
     chosen, trajectory = select(all_of, passes), trajectory[passes]
     jumps = (chosen.x_start >= x) == (chosen.x_stop >= x)
-    found = _passage(
+    release = runs.release
+    found = shape_by_shape(
+        partial(_passage, runs.profile.height(x)),
+        select(release.outline, trajectory),
+        select(release.mass_properties, trajectory),
         select(runs.pieces, chosen.piece),
         np.where(jumps, chosen.stop, time_at(runs, chosen, x)),
-        select(runs.release.outline, trajectory),
-        select(runs.release.mass_properties, trajectory),
-        runs.profile.height(x),
     )
     return found._replace(trajectory=trajectory)
 
 
 @closed_form
 def _passage(
-    piece: Pieces,
-    time: Values,
+    ground: Values,
     outline: BlockOutline,
     mass_properties: MassProperties,
-    ground: Values,
+    piece: Pieces,
+    time: Values,
 ) -> Passages:
     """Describe a passage; whose it is stays open.
 
     Args:
-        time: time of it from the start of the piece [s].
         ground: height of the ground there [m].
+        time: time of it from the start of the piece [s].
     """
     mass, inertia = mass_properties
     body = state_after(piece, time)

@@ -18,7 +18,7 @@ from .._checks import expect, real_numbers
 from ..io.checks import check_scene
 from ..io.display import Rows, ShownAsTable, range_of
 from ..scene import GRAVITY, Block, Scene
-from ..shapes import AbstractShape, SemiAxes
+from ..shapes import AbstractShape, MixedShapes, SemiAxes, shape_by_shape
 from ..units import DEGREE
 from .coordinates import LARGEST
 from .lane_programs import Values, closed_form
@@ -127,7 +127,10 @@ def _mass_properties(block: Block) -> MassProperties:
     return MassProperties(block.mass, block.inertia)
 
 
-_outline = closed_form(outline_of)
+@closed_form
+def _sizes(block: Block) -> tuple[SemiAxes, Values, Values]:
+    outline = outline_of(block)
+    return outline.axes, outline.largest, outline.smallest
 
 
 def _check_size(outline: BlockOutline) -> None:
@@ -221,6 +224,19 @@ class Release(ShownAsTable):
         """Select some blocks."""
         return Release(select(self.block, chosen), *select(self.body, chosen))
 
+    def by_shape(self) -> list[tuple["Release", np.ndarray]]:
+        """Divide the blocks by the class of their shapes, with the indices of each."""
+        shape = self.block.shape
+        if not isinstance(shape, MixedShapes):
+            return [(self, np.arange(self.count))]
+        parts = []
+        for place in np.unique(shape.index).astype(int):
+            lanes = np.flatnonzero(shape.index == place)
+            block = select(self.block, lanes)
+            block = dataclasses.replace(block, shape=shape.of_kind(place, lanes))
+            parts.append((Release(block, *select(self.body, lanes)), lanes))
+        return parts
+
     @property
     def body(self) -> Body:
         """Position and motion at release, arrays `(blocks,)`."""
@@ -229,12 +245,12 @@ class Release(ShownAsTable):
     @property
     def outline(self) -> BlockOutline:
         """Sections of the blocks in the plane of motion."""
-        return _outline(self.block)
+        return BlockOutline(self.block.shape, *shape_by_shape(_sizes, self.block))
 
     @property
     def mass_properties(self) -> MassProperties:
         """Mass [kg] and moment of inertia [kg m2], arrays `(blocks,)`."""
-        return _mass_properties(self.block)
+        return shape_by_shape(_mass_properties, self.block)
 
     def display_rows(self) -> tuple[str, Rows]:
         """Give the number of blocks and the ranges of their quantities."""

@@ -5,6 +5,7 @@ next contact, and then the impacts of all are computed together. A block that ha
 gives its place to the next. The trajectory of a block does not depend on the others.
 """
 
+import jax
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -13,17 +14,17 @@ from .._numpy_settings import numpy_settings
 from .._precision import require_float64
 from ..errors import InputError
 from ..io.checks import check_scene
-from ..progress import Progress, ProgressFunction, as_progress
+from ..progress import SILENT, Progress, ProgressFunction, as_progress
 from ..scene import Block, Impact, Scene, Soil, as_scene
 from .blocks import Release
-from .contacts.contact_models import Contacts, FullModel
+from .contacts.contact_models import ClosedForm, Contacts, FullModel
 from .contacts.impact import strike
 from .flight.flights import fly_on
 from .flight.placement import check_release, release_at_touch
 from .ground_motion.moving import move_along
 from .state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, Phase, State
 from .terrain import Ground, Profile
-from .trajectory import Runs
+from .trajectory import Runs, joined
 
 WIDTH = 8192
 """Number of blocks under way at once: enough for full cores, few enough for the
@@ -102,8 +103,12 @@ def simulate_runout(
         ),
     )
     check_scene(scenes, batched=True, warn=True, of="entry")
-    state = State.at_release(profile, release, ground, limits)
-    return follow(state, contacts or FullModel(), width, as_progress(progress))
+    return follow(
+        *(profile, release, ground, limits),
+        contacts=contacts or FullModel(),
+        width=width,
+        progress=as_progress(progress),
+    )
 
 
 def checked_limits(time_limit: float, event_limit: int, hop_threshold: float) -> Limits:
@@ -117,24 +122,57 @@ def checked_limits(time_limit: float, event_limit: int, hop_threshold: float) ->
 
 
 @numpy_settings()
-def follow(state: State, contacts: Contacts, width: int, progress: Progress) -> Runs:
-    """Follow blocks from their release to their ends; see `simulate_runout`."""
-    advance(state, contacts, width, progress)
-    blocks = state.blocks
+def follow(
+    profile: Profile,
+    release: Release,
+    ground: Ground | None,
+    limits: Limits,
+    *,
+    contacts: Contacts,
+    width: int = WIDTH,
+    progress: Progress = SILENT,
+) -> Runs:
+    """Follow blocks from their release to their ends, those of one shape at a time; see
+    `simulate_runout`."""
+    states, indices, done = [], [], 0
+    for alone, lanes in release.by_shape():
+        own, laws = ground, contacts
+        if len(lanes) < release.count:
+            own = (ground or Ground.of_profile(profile)).of_blocks(lanes)
+            laws = contacts.at(lanes) if isinstance(contacts, ClosedForm) else contacts
+        state = State.at_release(profile, alone, own, limits)
+        _advance(state, laws, width, _Counted(progress, done, release.count))
+        done += len(lanes)
+        states.append(state)
+        indices.append(lanes)
+    order = np.argsort(np.concatenate(indices))
+    blocks = jax.tree.map(
+        lambda *parts: np.concatenate(parts)[order], *(s.blocks for s in states)
+    )
     return Runs(
-        profile=state.profile,
-        release=state.release,
+        profile=profile,
+        release=release,
         ending=blocks.ending.astype(int),
         x=blocks.body.x,
         y=blocks.body.y,
         time=blocks.time,
         events=blocks.events.astype(int),
-        contacts=state.contacts.whole(),
-        pieces=state.pieces.whole(),
+        contacts=joined([s.contacts for s in states], indices),
+        pieces=joined([s.pieces for s in states], indices),
     )
 
 
-def advance(state: State, contacts: Contacts, width: int, progress: Progress) -> None:
+class _Counted(Progress):
+    """Progress of the blocks of one shape, among all."""
+
+    def __init__(self, whole: Progress, before: int, count: int):
+        self._whole, self._before, self._count = whole, before, count
+
+    def __call__(self, what, done=None, total=None):
+        self._whole(what, self._before + (done or 0), self._count)
+
+
+def _advance(state: State, contacts: Contacts, width: int, progress: Progress) -> None:
     """Advance all blocks to the ends of their trajectories; see `simulate_runout`."""
     phase = state.blocks.phase
     active, waiting, blocks = np.zeros(0, int), 0, state.release.count

@@ -2,6 +2,7 @@
 
 import dataclasses
 import enum
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -132,7 +133,7 @@ class Recorder:
         if len(lanes):
             self.parts.append((lanes, rows))
 
-    def whole(self) -> Any:
+    def sorted(self) -> Any:
         """Sort all rows by trajectory, and within each by time."""
         trajectory = np.concatenate([lanes for lanes, _ in self.parts])
         order = np.argsort(trajectory, kind="stable")
@@ -143,6 +144,15 @@ class Recorder:
         return rows._replace(
             **{n: getattr(rows, n).astype(t) for n, t in types if hasattr(rows, n)}
         )
+
+
+def joined(recorders: Sequence[Recorder], indices: Sequence[np.ndarray]) -> Any:
+    """Sort the rows of several recorders, with the indices of the blocks of each."""
+    whole = Recorder(recorders[0].kind)
+    for recorder, of_blocks in zip(recorders, indices, strict=True):
+        for lanes, rows in recorder.parts:
+            whole.add(of_blocks[lanes], rows)
+    return whole.sorted()
 
 
 class Ending(enum.IntEnum):

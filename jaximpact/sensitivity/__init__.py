@@ -6,6 +6,5 @@ Drawings are in `jaximpact.sensitivity.figures`.
 from .elasticities import Check, State, elasticities
 from .global_methods import morris, sobol
 from .ranges import Range
-from .text import in_words
 
-__all__ = ["Check", "Range", "State", "elasticities", "in_words", "morris", "sobol"]
+__all__ = ["Check", "Range", "State", "elasticities", "morris", "sobol"]

@@ -2,7 +2,7 @@
 
 from .base import AbstractShape, Foundation, Section, SemiAxes, foundation
 from .elliptic import AbstractElliptic, Ellipsoid, EllipticCylinder
-from .mixed import MixedShapes, mixed, shape_of_each
+from .mixed import MixedShapes, mixed, shape_by_shape, shape_of_each
 from .prism import RectangularPrism
 from .support import RoundBlock
 
@@ -19,5 +19,6 @@ __all__ = [
     "SemiAxes",
     "foundation",
     "mixed",
+    "shape_by_shape",
     "shape_of_each",
 ]

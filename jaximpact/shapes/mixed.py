@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from .._jax_internals import Tracer, broadcast_shapes, namespace_of
 from .._precision import float64_leaf
 from .._types import Flag, Scalar
 from ..errors import InputError
@@ -39,6 +40,11 @@ class MixedShapes(AbstractShape):
     def __reduce__(self):
         fields = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
         return _made_again, (self.kinds, fields)
+
+    def of_kind(self, place: int, lanes) -> AbstractShape:
+        """Return the shapes of lanes that all have one kind."""
+        kind = self.kinds[place]
+        return kind(**{name: getattr(self, name)[lanes] for name in declared_of(kind)})
 
     def alone(self, place: int) -> AbstractShape:
         """Return the shape of one kind. Lanes of another have its defaults, which are
@@ -209,6 +215,73 @@ def shape_of_each(kinds: Sequence[type[AbstractShape]]) -> AbstractShape:
                 value = np.where(index == places[kind], value, before)
             defaults[name] = value
     return made(index=index, **defaults)
+
+
+def shape_by_shape(function: Callable, lanes: Any, *further: Any) -> Any:
+    """Call a function of blocks once for each shape that they have.
+
+    Args:
+        function: called with `lanes` and `further` of the blocks of one shape; gives a
+            tree of arrays that begin with the axis of these blocks.
+        lanes: tree with a `MixedShapes` in it whose fields broadcast to one shape.
+        further: trees of arrays that begin with this shape.
+
+    Returns:
+        The results, which begin with that shape, in the order of the blocks.
+
+    Raises InputError where JAX traces which block has which shape.
+    """
+    nodes = jax.tree.leaves(lanes, is_leaf=_is_mixed)
+    several = next(filter(_is_mixed, nodes), None)
+    if several is None:
+        return function(lanes, *further)
+    if isinstance(several.index, Tracer):
+        raise InputError(
+            "JAX traces which block has which shape, but a program has one shape; "
+            "trace each shape by itself, or leave the index out of what is traced"
+        )
+    shape = broadcast_shapes(*map(np.shape, jax.tree.leaves(lanes)))
+    index = np.broadcast_to(np.asarray(several.index), shape)
+    kinds = np.unique(index).astype(int)
+    lanes = jax.tree.map(
+        lambda leaf: namespace_of(leaf).broadcast_to(leaf, shape), lanes
+    )
+    results: Any = None
+    for place in kinds:
+        chosen = ... if len(kinds) == 1 else index == place
+
+        def of_shape(leaf, place=place, chosen=chosen):
+            if isinstance(leaf, MixedShapes):
+                return leaf.of_kind(place, chosen)
+            return leaf[chosen]
+
+        own = jax.tree.map(of_shape, lanes, is_leaf=_is_mixed)
+        part = function(own, *jax.tree.map(of_shape, further))
+        if len(kinds) == 1:
+            return part
+        if results is None:
+            results = jax.tree.map(lambda leaf: _empty(leaf, shape), part)
+        results = jax.tree.map(
+            lambda whole, leaf, chosen=chosen: _put(whole, chosen, leaf), results, part
+        )
+    return results
+
+
+def _empty(leaf, shape: tuple[int, ...]):
+    """Make an array, of NumPy or of JAX as a leaf, of all lanes."""
+    xp = np if isinstance(leaf, np.ndarray) else jnp
+    return xp.zeros((*shape, *leaf.shape[1:]), leaf.dtype)
+
+
+def _put(whole, chosen, values):
+    if isinstance(whole, np.ndarray):
+        whole[chosen] = values
+        return whole
+    return whole.at[chosen].set(values)
+
+
+def _is_mixed(leaf) -> bool:
+    return isinstance(leaf, MixedShapes)
 
 
 def _declared(kinds: Sequence[type[AbstractShape]]) -> dict[str, Declared]:

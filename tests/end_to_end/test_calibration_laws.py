@@ -2,12 +2,10 @@
 kept and refused."""
 
 import json
-from types import SimpleNamespace
 
 import jax
 import numpy as np
 import pytest
-from calibration_studies import Linear
 from error_messages import assert_one_line_error
 from text_files import write_rows
 
@@ -22,8 +20,6 @@ from jaximpact import (
     simulate_batch,
 )
 from jaximpact.calibration import read_study, suggest_tests
-from jaximpact.calibration.estimation.fit_cache import FitCache
-from jaximpact.calibration.estimation.starts import fit
 from jaximpact.calibration.fitted_ground import read_fitted
 from jaximpact.calibration.problem.forward_model import engine_of, engines_of
 from jaximpact.calibration.problem.objective import Objective
@@ -233,23 +229,6 @@ def test_a_law_that_was_edited_is_another(tmp_path, written, folder, capsys):
     (tmp_path / "gone.py").write_text(LAWS.replace("1.0 + ", "1.1 + "))
     assert main(arguments) == 2
     assert_one_line_error(capsys, "fit.json", "changed since", "calibrate again")
-
-
-def test_fits_of_an_edited_law_are_not_taken_from_memory(tmp_path):
-    """The predictions stand in for the model's, so that nothing but the law differs."""
-    path = write_study(tmp_path, 'targets = ["e_n"]\n' + STUDY)
-
-    def fitted():
-        study = read_study(path)
-        objective = Linear(study, study.variants[0], SimpleNamespace(name="none"))
-        objective.matrix = np.ones((1, 3))
-        objective.cache = FitCache(tmp_path / "kept")
-        fit(objective, np.zeros((1, 3)))
-        return objective.cache.found
-
-    assert (fitted(), fitted()) == (0, 1)
-    write_laws(tmp_path, LAWS + "\n\nHERE = 1\n")
-    assert (fitted(), fitted()) == (0, 1)
 
 
 BAD = {

@@ -69,7 +69,7 @@ def folder(folder):
 
 def test_help_explains_every_command_option_and_column(capsys):
     for command, words in (
-        ([], ["simulate", "batch", "calibrate", "sensitivity", "--version"]),
+        ([], ["simulate", "batch", "calibrate", "--version"]),
         (["batch"], ["--out", "--timing", "--accuracy", *INPUT_COLUMNS]),
         (["batch"], [*RESULT_COLUMNS, "outcome"]),
         (["simulate"], ["--json", "--plot", "--accuracy", *INPUT_COLUMNS]),
@@ -97,6 +97,7 @@ def test_the_module_runs_as_a_program():
     [
         ([], "COMMAND"),
         (["bach"], "'bach'"),
+        (["validate"], "in a checkout of the repository run python -m paper claims"),
         (["batch", "scenes.csv"], "--out"),
         (["batch", "--out", "o.csv"], "scenes.csv"),
         (["batch", "scenes.csv", "--out", "o.csv", "--accuracy", "fats"], "'fats'"),

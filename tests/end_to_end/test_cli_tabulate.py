@@ -1,4 +1,4 @@
-"""Tables through the command: made, used, refused; and maps over all orientations."""
+"""Tables through the command: made, used, refused."""
 
 import json
 
@@ -8,14 +8,12 @@ import xarray as xr
 from error_messages import assert_one_line_error
 from text_files import rows_of, write_changed
 
-from jaximpact import Block, Impact, Outcome, Scene, Soil, read_netcdf, simulate_batch
+from jaximpact import Block, Soil, read_netcdf
 from jaximpact.cli import main
 from jaximpact.io.journal import Journal
 from jaximpact.lookup import (
-    MapAxes,
     Nodes,
     Tabulated,
-    orientation_map,
     read_table,
     tabulate,
 )
@@ -34,11 +32,6 @@ gamma_v = 4
 slopes_deg = [-10, 0, 40]
 total_speeds_mps = [0.5, 40]
 nodes = { speed = 4, elevation = 6, azimuth = 9 }
-
-[map]
-speeds_mps = [5, 10]
-angles_deg = [0, 40]
-angular_velocities_degps = [0, 500]
 """
 SLOPE = """
 count = 20
@@ -75,7 +68,7 @@ def made(tmp_path_factory):
     """What the command writes."""
     path = tmp_path_factory.mktemp("made")
     (path / "table.toml").write_text(TABLE)
-    files = ("--out", "table.nc", "--csv", "table.csv", "--map", "map.csv")
+    files = ("--out", "table.nc", "--csv", "table.csv")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(path)
         assert main(["tabulate", "table.toml", *files]) == 0
@@ -96,57 +89,6 @@ def test_the_command_makes_the_table(made):
     manifest = json.loads((made / "table.csv.manifest.json").read_text())
     assert manifest["error"]["median"] == table.error.median
     assert not list(made.glob("*.journal"))
-
-
-def test_the_map_is_that_of_the_model(made):
-    rows = rows_of(made / "map.csv")
-    assert len(rows) == 8
-    assert (made / "map.png").stat().st_size > 10_000
-    # A sphere has one orientation: its map is the model.
-    for row in rows:
-        impact = Impact(
-            speed=float(row["speed_mps"]),
-            angle=np.radians(float(row["angle_deg"])),
-            orientation=0.5 * np.pi,
-            angular_velocity=np.radians(float(row["angular_velocity_degps"])),
-        )
-        scene = Scene(Block(mass=[200.0]), Soil(gamma_v=4.0), impact)
-        found = simulate_batch(scene, accuracy="fast")
-        assert float(row["e_n_mean"]) == pytest.approx(float(found.e_n[0]), rel=1e-6)
-        assert float(row["e_n_sd"]) == 0.0
-        assert int(row["impacts"]) == 1
-    assert json.loads((made / "map.csv.manifest.json").read_text())["orientations"] == 1
-
-
-def test_statistics_over_orientations():
-    """Against the impacts one by one, those that move away left out."""
-    axes = MapAxes((8.0,), (60.0,), (0.0, 3000.0), 5.0, 40)
-    found = orientation_map(Block(aspect_ratio=2.0), Soil(), axes)
-    orientation = (np.arange(40) + 0.5) * np.pi / 40
-    impact = Impact(
-        speed=np.full(40, 8.0),
-        angle=np.radians(60.0),
-        orientation=orientation,
-        angular_velocity=np.radians(3000.0),
-        slope=np.radians(5.0),
-    )
-    result = simulate_batch(
-        Scene(Block(aspect_ratio=2.0), Soil(), impact), accuracy="fast"
-    )
-    names = np.array([str(Outcome(int(code))) for code in result.outcome_code])
-    struck = names != "separating"
-    cell = found.isel(speed_mps=0, angle_deg=0, angular_velocity_degps=1)
-    assert 0 < cell.separating == np.sum(~struck) < 40
-    assert cell.impacts == struck.sum()
-    e_n = np.asarray(result.e_n)[struck]
-    # The same model, by another path through the tables' units, whose rounding changes
-    # steps: by the error of "fast".
-    assert cell.e_n_mean == pytest.approx(np.mean(e_n), rel=1e-4)
-    assert cell.e_n_sd == pytest.approx(np.std(e_n), rel=1e-4)
-    assert cell.e_n_p95 == pytest.approx(np.percentile(e_n, 95), rel=1e-4)
-    shares = [cell[name] for name in cell.data_vars if str(name).startswith("share")]
-    assert float(sum(shares)) == pytest.approx(1.0)
-    assert cell.share_toppled == np.mean(names[struck] == "toppled")
 
 
 def test_the_slope_uses_the_table(here, made):
@@ -240,8 +182,6 @@ def test_the_file_is_that_of_python(made):
         ("[0.5, 40]", "[40, 0.5]", ("table.total_speeds_mps", "ascending")),
         ("azimuth = 9", "azimut = 9", ("nodes.azimut", "did you mean azimuth?")),
         ("azimuth = 9", "azimuth = 1", ("key table.nodes.azimuth", "at least 2")),
-        ("angles_deg = [0, 40]", "angles_deg = [40, 0]", ("map.angles_deg", "ascend")),
-        ("speeds_mps = [5, 10]", "speeds_mps = [0]", ("map.speeds_mps", "above 0")),
         ("[block]", 'accuracy = "best"\n[block]', ("key accuracy", "one of")),
     ],
 )
@@ -254,9 +194,9 @@ def test_bad_files_are_refused_in_one_line(here, capsys, old, new, parts):
 @pytest.mark.parametrize(
     ("options", "part"),
     [
-        ((), "one of --out, --csv and --map is needed"),
+        ((), "--out or --csv is needed"),
         (("--out", "table.csv"), "--out must end in .nc"),
-        (("--csv", "a.csv", "--map", "a.csv"), "--csv and --map must differ"),
+        (("--csv", "a.nc"), "--csv must end in .csv"),
     ],
 )
 def test_wrong_options_are_refused(here, capsys, options, part):

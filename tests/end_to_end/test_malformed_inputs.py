@@ -58,7 +58,6 @@ OUT = {
     "sweep": ["--out", "out.nc"],
     "runout": ["--out", "out"],
     "tabulate": ["--out", "out.nc"],
-    "sensitivity": ["--out", "out"],
     "calibrate": ["--out", "out"],
 }
 
@@ -131,7 +130,7 @@ def refused(capsys, *arguments):
         ("runout", '[profile]\ncsv = "..\\data.csv"', "write / or single quotes"),
         ("runout", '[profile]\ncsv = "slopes\\base.csv"', "write / or single quotes"),
         ("calibrate", 'data = "new\\tests.csv"', "write / or single quotes"),
-        ("sensitivity", 'flow = "laws\\my.py:My"', "write / or single quotes"),
+        ("simulate", 'flow = "laws\\my.py:My"', "write / or single quotes"),
         (
             "runout",
             f"collectors_m = {list(range(1, 102))}\n" + SLOPE,
@@ -139,19 +138,6 @@ def refused(capsys, *arguments):
         ),
         ("runout", SLOPE + "[[barriers]]\n" * 101, "key barriers: are 101, but at mo"),
         ("tabulate", "[table.nodes]\nspeed = 1_000_000_000_000", "table.nodes: "),
-        ("tabulate", "[map]\norientations = 1_000_000_000_000", "key map: "),
-        (
-            "sensitivity",
-            "blocks = 4503599627370496\n[parameters]\nc_v = {lower = 1, upper = 2}\n"
-            "k_E = {lower = 1, upper = 2}",
-            "18014398509481984 impacts, would take",
-        ),
-        (
-            "sensitivity",
-            "trajectories = 1_000_000_000_000_000\n[parameters]\n"
-            "c_v = {lower = 1, upper = 2}\nk_E = {lower = 1, upper = 2}",
-            "3000000000000000 impacts, would take",
-        ),
         ("calibrate", STUDY + "starts = 1_000_000_000_000_000", "key starts: "),
         (
             "calibrate",

@@ -1,7 +1,6 @@
 """Validation: how claims are judged, on sets made up so that they hold, hold partly and
 fail; the readings; the command; and the page that shows its result."""
 
-import dataclasses
 import json
 import math
 import re
@@ -11,7 +10,6 @@ import pytest
 import xarray as xr
 from error_messages import assert_one_line_error
 from made_up_sets import A_R, ANGLE, LONG, ideal
-from matplotlib.figure import Figure
 from other_laws import other_laws
 from text_files import rows_of
 from validation_page import assert_page_shows, page
@@ -24,23 +22,28 @@ from jaximpact import (
     parametric_set,
     simulate,
 )
-from jaximpact.cli import main
-from jaximpact.paper import Finding, Judgement, Verdict
-from jaximpact.paper import claim_data as study
-from jaximpact.paper import validation as run
-from jaximpact.paper.claim_data import RANDOM_SETS, SLOPE, Study
-from jaximpact.paper.claims import JUDGES, read_claims
-from jaximpact.paper.comparisons.comparison import Change, Comparison
-from jaximpact.paper.criteria import (
+from jaximpact.cli import main as run_command
+from jaximpact.parametric_sets import GROUNDS
+from jaximpact.runout import ClosedForm, Ending
+from jaximpact.scene_quantities import SLOTS
+from paper import claim_data as study
+from paper import validation as run
+from paper.__main__ import make_parser
+from paper.claim_data import RANDOM_SETS, SLOPE, Study
+from paper.claims import JUDGES, read_claims
+from paper.criteria import (
     FALLS,
     RISES,
+    Finding,
+    Judgement,
     NotComputed,
     Part,
+    Verdict,
     combine,
     ranges,
     trend,
 )
-from jaximpact.paper.readings import (
+from paper.readings import (
     AS_IT_IS,
     READINGS,
     SLOPE_READINGS,
@@ -48,14 +51,15 @@ from jaximpact.paper.readings import (
     Reading,
     with_contact_at,
 )
-from jaximpact.paper.report import moves
-from jaximpact.paper.sets import GROUNDS
-from jaximpact.runout import ClosedForm, Ending
-from jaximpact.scene_quantities import SLOTS
+from paper.report import moves
 
 pytestmark = pytest.mark.slow
 
 SETS = ideal()
+
+
+def main(argv):
+    return run_command(argv, make_parser)
 
 
 def test_a_trend_asks_for_every_step_and_for_the_ends():
@@ -455,9 +459,8 @@ def test_the_contact_coefficient_elsewhere_is_that_of_velocities():
 
 @pytest.fixture(scope="module")
 def out(tmp_path_factory):
-    """Everything but the laws, which have tests of their own, by the command."""
     directory = tmp_path_factory.mktemp("validation") / "made"
-    assert main(["validate", "--out", str(directory), "--only", *read_claims()]) == 0
+    assert main(["claims", "--out", str(directory)]) == 0
     return directory
 
 
@@ -517,7 +520,7 @@ def test_runs_down_a_slope_have_readings_of_their_own(monkeypatch, capsys):
     monkeypatch.setattr(run, "READINGS", (firm,))
     monkeypatch.setattr(run, "SLOPE_READINGS", SLOPE_READINGS[:2])
     monkeypatch.setattr(run, "_judge", made_up)
-    assert main(["validate", "--only", "C01", "C34", "--readings"]) == 0
+    assert main(["readings", "--only", "C01", "C34"]) == 0
     printed = capsys.readouterr().out
     assert re.search(r"C01  H    F\nhold 1    0\n\n   1  firm", printed)
     assert re.search(r"C34  H    F  F\nhold 1    0  0\n\n   1  released", printed)
@@ -549,7 +552,7 @@ def test_readings_go_on_where_they_stopped(tmp_path, monkeypatch, capsys):
         return judge(name, sets, criterion)
 
     monkeypatch.setattr(run, "_judge", stopping)
-    command = ["validate", "--out", str(tmp_path), "--only", "C01", "C06", "--readings"]
+    command = ["readings", "--out", str(tmp_path), "--only", "C01", "C06"]
     assert main(command) == 130
     assert_one_line_error(capsys, "goes on from here")
     assert judged.count("firm") == 2
@@ -565,38 +568,6 @@ def test_readings_go_on_where_they_stopped(tmp_path, monkeypatch, capsys):
     ]
 
 
-def test_laws_stand_beside_the_claims(tmp_path, monkeypatch, capsys):
-    change = Change("c_v", 1.0, 0.5, False, (2.1, 3.9), 0.03)
-    comparison = Comparison(
-        *("depth", "depth [cm]", ("1 m/s", "2 m/s"), (2.0, 4.0), (2.5, 5.0)),
-        *("1 to 2 m/s", "Somebody (1999)", "note", (change,), "laws_depth", Figure),
-    )
-    failed = dataclasses.replace(comparison, model=(2.0, math.nan), changes=())
-    monkeypatch.setattr(run, "compare_with_laws", lambda progress: [comparison])
-    command = ["validate", "--only", "laws", "--out", str(tmp_path)]
-    assert main(command) == 0
-    printed, _ = capsys.readouterr()
-    assert "model 2.50, 5.00 against 2.00, 4.00 at 1 m/s, 2 m/s, 25 % off; 3 % off" in (
-        " ".join(printed.split())
-    )
-    assert "1 laws: 1 hold partly" in printed
-    (row,) = findings(tmp_path)
-    assert row["id"] == "L01"
-    assert row["where"] == "Somebody (1999)"
-    assert row["numbers"] == {
-        "law_at_1_m/s": 2.0,
-        "model_at_1_m/s": 2.5,
-        "law_at_2_m/s": 4.0,
-        "model_at_2_m/s": 5.0,
-    }
-    assert (tmp_path / "laws_depth.png").is_file()
-
-    monkeypatch.setattr(run, "compare_with_laws", lambda progress: [failed])
-    assert main(command) == 1
-    assert "not computed: L01" in capsys.readouterr().err
-    assert findings(tmp_path)[0]["numbers"]["model_at_2_m/s"] is None
-
-
 def test_what_cannot_be_computed_is_said_and_the_rest_goes_on(monkeypatch, capsys):
     def failing(sets, name):
         if name == "II":
@@ -604,7 +575,7 @@ def test_what_cannot_be_computed_is_said_and_the_rest_goes_on(monkeypatch, capsy
         return SETS[name]
 
     monkeypatch.setattr(study.Study, "_compute", failing)
-    assert main(["validate", "--only", "C01", "C05"]) == 1
+    assert main(["claims", "--only", "C01", "C05"]) == 1
     printed, errors = capsys.readouterr()
     assert "2 of 7 impacts of set II failed" in printed
     assert "2 claims: 1 hold, 1 not computed" in printed
@@ -625,8 +596,8 @@ def test_a_set_with_a_failed_impact_is_no_ground_for_a_verdict(monkeypatch):
 
 
 def test_unknown_claims_are_refused(capsys, tmp_path):
-    assert main(["validate", "--only", "law"]) == 2
-    assert_one_line_error(capsys, "'law'", "did you mean 'laws'")
+    assert main(["claims", "--only", "c07"]) == 2
+    assert_one_line_error(capsys, "'c07'", "did you mean 'C07'")
     (tmp_path / "file").touch()
-    assert main(["validate", "--only", "C01", "--out", str(tmp_path / "file")]) == 2
+    assert main(["claims", "--only", "C01", "--out", str(tmp_path / "file")]) == 2
     assert_one_line_error(capsys, "--out", "cannot be made")

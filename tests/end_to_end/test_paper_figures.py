@@ -11,15 +11,9 @@ from error_messages import assert_one_line_error
 from text_files import rows_of
 
 from jaximpact import Accuracy, Block, Impact, Soil, simulate
-from jaximpact.cli import main
+from jaximpact.cli import main as run_command
 from jaximpact.errors import InputError
-from jaximpact.paper import figures as run
-from jaximpact.paper.figures import PAPER_FIGURES, Study, write_figures, write_table
-from jaximpact.paper.figures.drawing import colours_of
-from jaximpact.paper.figures.slope_figures import ENDING_COLUMN, LINE
-from jaximpact.paper.figures.tables import BRANCH, DURATION, JUMP, SERIES, peak
-from jaximpact.paper.goodness_of_fit import fit_exponential
-from jaximpact.paper.sets import GROUNDS
+from jaximpact.parametric_sets import GROUNDS
 from jaximpact.quantities import (
     FURTHER_COLUMNS,
     INPUT_COLUMNS,
@@ -27,8 +21,20 @@ from jaximpact.quantities import (
     RESULT_COLUMNS,
 )
 from jaximpact.units import DEGREE
+from paper import figures as run
+from paper.__main__ import make_parser
+from paper.figures import PAPER_FIGURES, Study, write_figures, write_table
+from paper.figures.drawing import colours_of
+from paper.figures.slope_figures import ENDING_COLUMN, LINE
+from paper.figures.tables import BRANCH, DURATION, JUMP, SERIES, peak
+from paper.goodness_of_fit import fit_exponential
 
 pytestmark = pytest.mark.slow
+
+
+def main(argv):
+    return run_command(argv, make_parser)
+
 
 # What is promised of every figure.
 COEFFICIENT = 1e-3

@@ -6,6 +6,7 @@ import json
 import re
 
 import numpy as np
+import pyogrio
 import pyproj
 import pytest
 from error_messages import assert_one_line_error
@@ -226,7 +227,6 @@ def test_ends_and_collectors_on_the_map(results):
 
 
 def test_other_programs_read_the_maps(results):
-    pyogrio = pytest.importorskip("pyogrio", reason="a reader of maps")
     folder, *_ = results
     for name in ("trajectories", "stops", "collectors"):
         package = pyogrio.read_info(folder / "maps.gpkg", layer=name)
@@ -242,13 +242,15 @@ def test_other_programs_read_the_maps(results):
             assert ours.tolist() == pytest.approx(theirs.tolist(), nan_ok=True)
 
 
-def test_a_block_that_failed_has_no_place(results):
+def test_a_block_that_failed_has_no_place(results, tmp_path):
     _, study, dataset = results
     dataset = dataset.copy(deep=True)
     dataset.x_m.values[3] = np.nan
-    features = [*map_files._stops(dataset, study.placement)]
-    assert features[3].positions == []
-    assert features[3].properties["x_m"] is None
+    first = simulate(study, np.arange(70))
+    map_files.write_map_files(study, dataset, first, lambda name: tmp_path / name)
+    features = layer(tmp_path, "stops")["features"]
+    assert features[3]["geometry"] is None
+    assert features[3]["properties"]["x_m"] is None
     assert len(features) == 90
 
 

@@ -1,8 +1,6 @@
 """What the tests of calibration share: studies in files, their objectives, and a linear
 model in place of impacts, of which every answer is known."""
 
-import time
-
 import numpy as np
 from text_files import write_rows
 
@@ -25,14 +23,11 @@ def objective_of(path, engine, accuracy=None):
 
 
 class Linear(Objective):
-    """Predictions that are linear in x: `matrix @ x`, one target.
+    """Predictions that are linear in x: `matrix @ x`, one target."""
 
-    `seconds` is how long it takes, where a fit is to be caught at work."""
-
-    matrix, seconds = None, 0.0
+    matrix = None
 
     def _predict(self, x, wanted):
-        time.sleep(self.seconds)
         predicted = (x @ self.matrix.T)[:, :, None]
         jacobian = np.where(wanted.T[:, None, None, :], self.matrix[:, None, :], 0.0)
         return predicted, np.zeros((len(x), len(self.matrix))), jacobian

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 from scipy.special import ndtri
 
-from jaximpact.paper.biplanar import ASPECT_RATIOS, SPINS_DEGPS
-from jaximpact.paper.claim_data import RANDOM_SETS, SLOPE
+from paper.biplanar import ASPECT_RATIOS, SPINS_DEGPS
+from paper.claim_data import RANDOM_SETS, SLOPE
 
 A_R = xr.DataArray(
     np.linspace(1.0, 4.0, 7), coords={"aspect_ratio": np.linspace(1.0, 4.0, 7)}

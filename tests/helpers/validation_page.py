@@ -5,8 +5,8 @@ import re
 import numpy as np
 from paths import DOCS
 
-from jaximpact.paper import Finding, Verdict
-from jaximpact.paper.claims import SLOPE_CLAIMS
+from paper.claims import SLOPE_CLAIMS
+from paper.criteria import Finding, Verdict
 
 PAGE = DOCS / "validation.md"
 

@@ -32,7 +32,6 @@ from jaximpact.calibration.diagnostics.cross_validation import (
     linearised,
 )
 from jaximpact.calibration.diagnostics.further_tests import as_text, choose, merit
-from jaximpact.calibration.diagnostics.group_sds import GroupSds
 from jaximpact.calibration.diagnostics.identifiability import Verdict
 from jaximpact.calibration.diagnostics.importance_sampling import draw
 from jaximpact.calibration.diagnostics.nuts import compare_errors
@@ -40,8 +39,6 @@ from jaximpact.calibration.diagnostics.posterior import Chains, Draws
 from jaximpact.calibration.diagnostics.predictive import bands_of
 from jaximpact.calibration.diagnostics.residuals import residuals_of
 from jaximpact.calibration.diagnostics.uncertainty import estimate, regular_covariance
-from jaximpact.calibration.estimation import fit_cache as memory
-from jaximpact.calibration.estimation.fit_cache import FitCache
 from jaximpact.calibration.estimation.least_squares import bounded_step
 from jaximpact.calibration.estimation.starts import fit
 from jaximpact.calibration.problem.forward_model import engine_of
@@ -143,7 +140,7 @@ def test_draws_of_a_normal_posterior(tmp_path):
 def test_draws_that_do_not_count_are_drawn_again(tmp_path, monkeypatch):
     """From a proposal ten times too narrow they find the posterior all the same."""
     objective, points, uncertainty = linear(tmp_path, *line(20))
-    narrow = GroupSds(objective, points, 100.0 * points.hessian[0], 1.0)
+    narrow = np.linalg.inv(100.0 * points.hessian[0])
     monkeypatch.setattr(draws, "laplace", lambda *arguments: narrow)
     found = draw(objective, points, 1.0, count=2000)
     assert len(found.effective_fraction) > 1
@@ -562,38 +559,6 @@ def test_a_sigma_in_words():
     assert str(Sigma(relative=0.1)) == "10 %"
 
 
-# --- What is kept. ---
-
-
-def test_finished_fits_are_not_made_again(tmp_path, engine, monkeypatch):
-    objective = objective_of(write_study(tmp_path, np.full((4, 2), 0.2)), engine)
-    objective.cache = FitCache(tmp_path / "kept")
-    x = objective.bounds.coordinate(TRUE)[None]
-    first = fit(objective, x)
-    (path,) = (tmp_path / "kept").iterdir()
-
-    def fail(*arguments):
-        raise AssertionError("fitted again")
-
-    with monkeypatch.context() as patched:
-        patched.setattr(
-            "jaximpact.calibration.estimation.starts.levenberg_marquardt", fail
-        )
-        again = fit(objective, x)
-        with pytest.raises(AssertionError, match="fitted again"):
-            fit(objective, x + 0.1)
-        with pytest.raises(AssertionError, match="fitted again"):
-            fit(objective.with_sigma(2.0 * objective.sigma), x)
-    for one, other in zip(first.points, again.points, strict=True):
-        np.testing.assert_array_equal(one, other)
-    assert first.reasons == again.reasons
-    path.write_bytes(path.read_bytes()[:100])  # cut short: made anew
-    fit(objective, x)
-    assert objective.cache.found == 1
-    objective.cache.forget()
-    assert not (tmp_path / "kept").exists()
-
-
 # --- The report. ---
 
 
@@ -623,8 +588,8 @@ class Page(html.parser.HTMLParser):
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory, engine):
-    """A noisy twin of two campaigns with a parameter that nothing depends on,
-    interrupted once, and its files."""
+    """A noisy twin of two campaigns with a parameter that nothing depends on, and its
+    files; interrupted once, which leaves none behind."""
     folder = tmp_path_factory.mktemp("report")
     measured = model(folder, engine, TESTS)
     measured = measured * (
@@ -635,30 +600,16 @@ def written(tmp_path_factory, engine):
     )
     path = write_study(folder, measured, text + BY_ONE, campaigns=["a", "b"] * 2)
     out = folder / "out"
-    interrupted = []
 
     def interrupt(*arguments, **named):
-        interrupted.append(len(list((out / run.UNFINISHED).iterdir())))
         raise KeyboardInterrupt
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(run, "examine", interrupt)
         code = main(["calibrate", str(path), "--out", str(out)])
     assert code == 130
-    assert interrupted[0] >= 3  # starts, refinement, profiles
-    assert sorted(p.name for p in out.iterdir()) == [run.UNFINISHED]
-    made = []
-    real = memory.FitCache.recall
-
-    def recall(self, objective, details, make):
-        return real(self, objective, details, lambda: made.append(1) or make())
-
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(memory.FitCache, "recall", recall)
-        assert main(["calibrate", str(path), "--out", str(out)]) == 0
-    # Only the fits without each of 4 tests, of which a step may take the place, and of
-    # 2 campaigns were left to make.
-    assert 2 <= len(made) <= 6
+    assert not any(out.iterdir())
+    assert main(["calibrate", str(path), "--out", str(out)]) == 0
     return out
 
 
@@ -762,7 +713,6 @@ def summary(mean, deviation, effective=np.inf):
     ones = np.ones(len(mean))
     return Draws(
         x=x.reshape(4000, -1),
-        group_sds={},
         log_weights=np.zeros(4000),
         cost=np.zeros(4000),
         predicted=np.zeros((4000, 1, 1)),

@@ -15,7 +15,6 @@ from jaximpact.calibration.diagnostics.cross_validation import leave_out_each
 from jaximpact.calibration.diagnostics.examination import doubtful_scatter
 from jaximpact.calibration.diagnostics.further_tests import default_measure
 from jaximpact.calibration.diagnostics.uncertainty import estimate
-from jaximpact.calibration.estimation.fit_cache import FitCache
 from jaximpact.calibration.estimation.sigma import SETTLED, relative_sigma, settle
 from jaximpact.calibration.estimation.starts import fit
 from jaximpact.calibration.problem.config import study_of
@@ -329,21 +328,20 @@ def twin():
 
 
 @pytest.fixture(scope="module")
-def result(twin, tmp_path_factory):
-    memory = FitCache(tmp_path_factory.mktemp("kept") / "unfinished")
+def result(twin):
     found = study_of(
         joined_tables((table_given(twin),)), CONTENT | {"scatter": PROPORTIONAL}
     )
-    return fit_study(found, cache=memory), memory
+    return fit_study(found)
 
 
 @pytest.mark.slow
 def test_a_twin_shows_its_noise(result):
     """r from some 22 degrees of freedom: to 15 %; 3 of them. It is printed."""
-    variant = result[0].variants[0]
+    variant = result.variants[0]
     part = part_of(variant.objective, variant.points)
     assert part == pytest.approx(PART, rel=0.45)
-    assert target_table(result[0], variant).rows[0][-1] == (
+    assert target_table(result, variant).rows[0][-1] == (
         f"{100 * part:.3g} % of the value (estimated)"
     )
     # A further test is taken to be measured as well.
@@ -353,23 +351,9 @@ def test_a_twin_shows_its_noise(result):
 
 
 @pytest.mark.slow
-def test_it_goes_on_from_memory(result):
-    """Every fit is found again, and the numbers are the same."""
-    first, memory = result
-    kept = len(list(memory.folder.iterdir()))
-    again = fit_study(first.study, cache=memory)
-    assert memory.found >= kept
-    assert len(list(memory.folder.iterdir())) == kept
-    for name in ("parameters", "sigma"):
-        found, before = (getattr(one.variants[0], name) for one in (again, first))
-        np.testing.assert_array_equal(found, before)
-
-
-@pytest.mark.slow
 def test_predictions_have_the_part_of_their_values(result, tmp_path):
     """Through fit.json."""
-    found = result[0]
-    examined = examine(found)
+    found, examined = result, examine(result)
     summary = " ".join(Calibration(found, examined).summary().split())
     assert "the same fraction of the value" in summary
     tree = as_json(found, examined)

@@ -128,13 +128,12 @@ def variant_of(unknowns, draws, **changed):
         best=draws[0],
         draws=draws,
         weights=np.full(len(draws), 1.0 / len(draws)),
-        undetermined=(),
+        undetermined={},
         allowed={},
         sigma={"e_n": 0.05},
         proportional={},
         estimated={"e_n": False},
         inflation=4.0,
-        group_sd={},
         freedom={"e_n": 7.0},
         accuracy=PRESETS["balanced"],
     )
@@ -175,29 +174,6 @@ def test_one_draw_with_all_the_weight_leaves_a_new_group_its_prior():
     np.testing.assert_array_equal(draws[:, 0], variant.draws[7, 0])
     assert np.sqrt(np.cov(draws[:, 1], aweights=weights)) == pytest.approx(4.0, abs=0.3)
     assert not alone.trusted
-
-
-def test_a_new_group_has_the_standard_deviation_of_its_draw():
-    """Draws of two estimates of it, one of which has a quarter of the weight."""
-    random = np.random.default_rng(1)
-    low = np.arange(2000) < 1000
-    variant = variant_of(
-        ("c_v", "c_v[north]"),
-        np.stack([np.ones(2000), random.normal(0.1, 0.01, 2000)], axis=1),
-        group_sd={"c_v": np.where(low, 0.05, 0.3)},
-        weights=np.where(low, 0.25, 0.75) / 1000.0,
-    )
-    entry = {"by": "campaign", "prior": {"mean": 0.0, "sd": 0.5}, "pooled": True}
-    ground = ground_of({"c_v": entry | {"added": False}}, variant)
-    columns = {"campaign": ["north", "south"], "angle_deg": [30, 30]}
-    study = held_out_study(ground, joined_tables((table_given(columns),)))
-    _, draws, weights = unknowns(study, variant, 0)
-    assert np.mean(draws[:, 1]) == pytest.approx(0.1, abs=1e-3)
-    # 500 draws with one, 1500 with the other: standard deviations to 3 and 2 %.
-    new = draws[:, 2]
-    assert np.std(new[:500]) == pytest.approx(0.05, rel=0.12)
-    assert np.std(new[500:]) == pytest.approx(0.3, rel=0.08)
-    np.testing.assert_allclose(weights, 1.0 / 2000.0)
 
 
 def test_a_file_of_the_same_name_is_no_known_group():

@@ -6,7 +6,15 @@ import pytest
 from runout_scenes import SPHERE, G, R
 
 from jaximpact import Block, ConstantCoefficients, Impact, Soil, simulate
-from jaximpact.paper.biplanar import (
+from jaximpact.runout import (
+    ClosedForm,
+    FullModel,
+    MotionMode,
+    Profile,
+    Release,
+    simulate_runout,
+)
+from paper.biplanar import (
     ASPECT_RATIOS,
     SLOPE,
     SPEED,
@@ -15,19 +23,11 @@ from jaximpact.paper.biplanar import (
     jumps,
     restitutions,
 )
-from jaximpact.paper.claim_data import (
+from paper.claim_data import (
     COMPARED_X,
     bounces,
     off_the_parabola,
     paths_apart,
-)
-from jaximpact.runout import (
-    ClosedForm,
-    FullModel,
-    MotionMode,
-    Profile,
-    Release,
-    simulate_runout,
 )
 
 SHAPE = len(ASPECT_RATIOS), len(SPINS_DEGPS)

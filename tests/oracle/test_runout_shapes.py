@@ -4,11 +4,19 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from runout_scenes import LAWS, G, gain_between_pieces, gain_over_contacts
+from runout_scenes import G, gain_between_pieces, gain_over_contacts
 
-from jaximpact import Block, ConstantCoefficients, FrictionalEllipsoid
+from jaximpact import Block, ConstantCoefficients, FrictionalEllipsoid, Soil
 from jaximpact.parameters import parameter
-from jaximpact.runout import ClosedForm, MotionMode, Profile, Release, simulate_runout
+from jaximpact.runout import (
+    ClosedForm,
+    Ground,
+    MotionMode,
+    Profile,
+    Release,
+    passages,
+    simulate_runout,
+)
 from jaximpact.runout.blocks import Body, fly, select
 from jaximpact.runout.flight.flights import follow_flights
 from jaximpact.runout.flight.placement import lying_height
@@ -190,20 +198,34 @@ def test_energy_never_rises_and_flights_stay_above_the_ground(shape, law):
 
 
 def test_mixed_shapes_go_as_each_alone():
-    """To the rounding of what is computed beside them, for as long as it has not
-    grown."""
-    kinds = [Ellipsoid, RectangularPrism] * 6
-    mixed = release_of(shape_of_each(kinds), 12)
-    law = ClosedForm(LAWS[3])
-    runs = simulate_runout(PROFILE, mixed, law)
+    """To the last bit, with a law and a ground of each block, and random facets."""
+    kinds, slow = [Ellipsoid, RectangularPrism] * 6, np.linspace(0.3, 0.6, 12)
+    law = ClosedForm(ConstantCoefficients(slow, 0.85))
+    ground = Ground(Soil(gamma_v=slow[:, None] * 10.0), roughness=0.05, seed=3)
+    told = []
+    runs = simulate_runout(
+        *(PROFILE, release_of(shape_of_each(kinds), 12), law),
+        ground=ground,
+        progress=lambda done, count: told.append((done, count)),
+    )
+    assert told[-1] == (12, 12)
+    assert told == sorted(told)
+    places = passages(runs, 100.0)
     for place, kind in enumerate((Ellipsoid, RectangularPrism)):
-        alone = simulate_runout(PROFILE, release_of(kind(), 12), law)
-        for lane in range(place, 12, 2):
-            first = int(np.argmax(runs.contacts.trajectory == lane))
-            of_alone = int(np.argmax(alone.contacts.trajectory == lane))
-            for name in ("time", "x", "y", "orientation"):
-                assert getattr(runs.contacts, name)[first] == pytest.approx(
-                    getattr(alone.contacts, name)[of_alone], rel=1e-6
+        alone = simulate_runout(PROFILE, release_of(kind(), 12), law, ground=ground)
+        lanes = np.arange(place, 12, 2)
+        np.testing.assert_array_equal(runs.x[lanes], alone.x[lanes])
+        pairs = (
+            (runs.contacts, alone.contacts),
+            (runs.pieces, alone.pieces),
+            (places, passages(alone, 100.0)),
+        )
+        for several, one in pairs:
+            rows, rows_alone = (np.isin(t.trajectory, lanes) for t in (several, one))
+            assert np.any(rows)
+            for name in several._fields:
+                np.testing.assert_array_equal(
+                    getattr(several, name)[rows], getattr(one, name)[rows_alone]
                 )
 
 

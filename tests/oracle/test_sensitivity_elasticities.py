@@ -24,13 +24,9 @@ from jaximpact.errors import InputError
 from jaximpact.quantities import INPUT_COLUMNS, RESULT_COLUMNS
 from jaximpact.scene import GRAVITY
 from jaximpact.scene_quantities import scene_with
-from jaximpact.sensitivity import Check, State, in_words
+from jaximpact.sensitivity import Check, State
 from jaximpact.sensitivity.derivatives import differences
-from jaximpact.sensitivity.figures import (
-    plot_elasticity_map,
-    plot_heat_map,
-    plot_tornado,
-)
+from jaximpact.sensitivity.figures import plot_heat_map, plot_tornado
 
 VERTICAL = Scene(Block(mass=500.0))
 OBLIQUE = Scene(
@@ -144,7 +140,6 @@ def test_a_wrong_derivative_is_called_so(monkeypatch):
     assert found.check.values.tolist() == [
         [Check.differs, Check.agrees, Check.differs]
     ]  # the force changes by 0.003 % only: 2 % of that is nothing
-    assert "!" in in_words(found)
     assert "?" in [t.get_text()[-1] for t in plot_heat_map(found).axes[0].texts]
 
 
@@ -264,7 +259,6 @@ def test_a_failed_impact_has_no_elasticity(monkeypatch):
     assert (found.state[1] == State.impact_failed).all()
     assert np.isnan(found.elasticity[1]).all()
     assert (found.check[1] == Check.unchecked).all()
-    assert "3 of 6 have no elasticity" in in_words(found)
 
 
 # --- many impacts, names, files
@@ -297,10 +291,6 @@ def test_axes_and_arrays_of_scenes_give_what_each_scene_gives(tmp_path):
     write_netcdf(tmp_path / "grid.nc", grid)
     assert read_netcdf(tmp_path / "grid.nc").elasticity.equals(grid.elasticity)
 
-    figure = plot_elasticity_map(grid, "e_n", tmp_path / "map.png")
-    titles = [axes.get_title() for axes in figure.axes]
-    assert titles[:2] == ["k_E", "the strongest"]
-    assert (tmp_path / "map.png").stat().st_size > 0
     with pytest.raises(ValueError, match="choose with"):
         plot_tornado(grid)
 
@@ -325,19 +315,6 @@ def test_wrong_names_are_refused_with_the_nearest(arguments, words):
 # --- text and drawings
 
 
-def test_the_table_shows_numbers_and_reasons(upright):
-    text = in_words(upright)
-    lines = {
-        line.split()[0]: line.split() for line in text.splitlines() if line.strip()
-    }
-    value = float(upright.elasticity.sel(parameter="k_E", output="e_n"))
-    assert lines["e_n"][3:] == [f"{value:.3g}", "x=0"]
-    assert lines["omega_radps"][3:] == ["y=0", "y=0"]
-    assert lines["e_t"][3:] == ["none", "none"]
-    for reason in ("x=0: the parameter", "y=0: the output", "none: the output"):
-        assert reason in text
-
-
 def test_a_tornado_has_the_strongest_on_top(of_random_scenes, tmp_path):
     of_one = of_random_scenes.isel(scene=0).sel(output=["e_n"])
     figure = plot_tornado(of_one, tmp_path / "tornado.png")
@@ -357,5 +334,6 @@ def test_a_heat_map_has_a_number_or_a_reason_in_each_cell(upright):
     assert len(texts) == 2 * len(RESULT_COLUMNS)
     first = float(upright.elasticity.sel(parameter="k_E", output="e_n"))
     assert texts[:2] == [f"{first:.2g}", "x=0"]
+    assert {"y=0", "none"} < set(texts)
     with pytest.raises(ValueError, match="must hold elasticity"):
         plot_tornado(upright.drop_vars("elasticity"))

@@ -22,8 +22,7 @@ from jaximpact import (
 )
 from jaximpact.errors import InputError
 from jaximpact.quantities import RESULT_COLUMNS
-from jaximpact.sensitivity import in_words
-from jaximpact.sensitivity.figures import plot_heat_map, plot_morris, plot_sobol
+from jaximpact.sensitivity.figures import plot_heat_map
 from jaximpact.sensitivity.global_methods import (
     LEVELS,
     check_blocks,
@@ -263,23 +262,14 @@ def test_a_study_of_a_known_function(ishigami_model, tmp_path):
     assert json.loads(found.attrs["ranges"])["delta_1"]["lower"] == -np.pi
     assert "SALib" in json.loads(found.attrs["versions"])
 
-    dropped = int(e_n.groups_dropped)
-    text = in_words(found)
-    assert f"e_n: {dropped} of 4096 blocks left out" in text
-    assert f"{outcomes['failed']} failed" in text
-    assert "e_t: none, since no group has all its values" in text
     write_netcdf(tmp_path / "indices.nc", found)
     assert read_netcdf(tmp_path / "indices.nc").total_order.equals(found.total_order)
-    figure = plot_sobol(found, tmp_path / "sobol.png")
-    assert f"{dropped} of 4096 blocks left out" in figure.axes[0].get_title()
-    bars = [bar.get_width() for bar in figure.axes[0].patches]
-    assert bars == [*e_n.first_order.values, *e_n.total_order.values]
     assert [t.get_text() for t in plot_heat_map(found).axes[0].texts][3:6] == [
         "none"
     ] * 3
 
 
-def test_effects_of_a_known_function(ishigami_model, tmp_path):
+def test_effects_of_a_known_function(ishigami_model):
     found = morris(Scene(), ISHIGAMI_RANGES, ("e_n",), trajectories=64)
     # The levels are at thirds of the range, of which x3 = pi fails: half of its steps
     # of two thirds reach it.
@@ -294,9 +284,6 @@ def test_effects_of_a_known_function(ishigami_model, tmp_path):
     effect = found.sel(output="e_n", parameter="delta_1")
     exact = 7.0 * 0.75 / (2.0 / 3.0)
     assert float(effect.mean_absolute_effect) == pytest.approx(exact, rel=1e-12)
-    figure = plot_morris(found, tmp_path / "morris.png")
-    assert figure.axes[0].get_xlabel() == "mu* [-]"
-    assert "mu* / sigma" in in_words(found)
 
 
 # --- with the model

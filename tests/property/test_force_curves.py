@@ -1,7 +1,6 @@
 """Forces against time as targets of a fit."""
 
 import hashlib
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,12 +13,10 @@ from jaximpact.calibration.arguments import study_given
 from jaximpact.calibration.diagnostics.cross_validation import leave_out_each
 from jaximpact.calibration.diagnostics.results import StudyResult
 from jaximpact.calibration.diagnostics.uncertainty import estimate
-from jaximpact.calibration.estimation.fit_cache import FitCache
-from jaximpact.calibration.estimation.least_squares import Fits, Reason
 from jaximpact.calibration.estimation.sigma import settle
 from jaximpact.calibration.estimation.starts import fit
 from jaximpact.calibration.problem.forward_model import engine_of
-from jaximpact.calibration.problem.objective import Objective, Points
+from jaximpact.calibration.problem.objective import Objective
 from jaximpact.calibration.report.files import as_json
 from jaximpact.errors import InputError
 from jaximpact.progress import Progress
@@ -81,31 +78,25 @@ def test_points_of_curves_are_rows(objective):
     ("old", "new"), [("0.01,2e4", "0.01,2.5e4"), ("0.01,2e4", "0.012,2e4")]
 )
 def test_an_edited_curve_is_noticed_as_an_edited_table(old, new, tmp_path):
-    """Finished fits are not taken for it, and its checksum is another."""
+    """Its checksum is another."""
     curve = "time_s,normal_force_N\n0.005,3e4\n0.01,2e4\n"
     (tmp_path / "curve.csv").write_text(curve)
     head, row = ["angle_deg", "e_n", "force_curve"], [0.0, 0.3, "curve.csv"]
     write_rows(tmp_path / "tests.csv", head, [row, row])
     (tmp_path / "study.toml").write_text(STUDY)
 
-    def fitted():
-        """Number of fits taken from those kept, and the files with their checksums."""
+    def files():
+        """The files with their checksums."""
         study = read_study(tmp_path / "study.toml")
-        objective = Objective(study, study.variants[0], SimpleNamespace(name="none"))
-        point = Points(*np.zeros((len(Points._fields), 1)))
-        cache = FitCache(tmp_path / "kept")
-        cache.recall(objective, (), lambda: Fits(point, [Reason.converged], np.ones(1)))
         assert study.inputs[1:] == [tmp_path / "tests.csv", tmp_path / "curve.csv"]
-        tree = as_json(StudyResult(study, [], 0.0, ""), [])
-        return cache.found, tree["manifest"]["data"]
+        return as_json(StudyResult(study, [], 0.0, ""), [])["manifest"]["data"]
 
     checksum = hashlib.sha256(curve.encode()).hexdigest()
-    found, (table, of_curve) = fitted()
-    assert (found, of_curve) == (0, {"file": "curve.csv", "sha256": checksum})
-    assert fitted() == (1, [table, of_curve])
+    table, of_curve = files()
+    assert of_curve == {"file": "curve.csv", "sha256": checksum}
     (tmp_path / "curve.csv").write_text(curve.replace(old, new))
-    found, (same, changed) = fitted()
-    assert (found, same) == (0, table)
+    same, changed = files()
+    assert same == table
     assert changed["sha256"] != checksum
 
 

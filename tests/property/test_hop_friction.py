@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
+from benchmarks.hop_friction import rolling_friction_of_hops
 from jaximpact import Block, Soil
-from jaximpact.errors import InputError
 from jaximpact.runout import (
     FullModel,
     MotionMode,
     Profile,
     Release,
-    rolling_friction_of_hops,
     simulate_runout,
 )
 
@@ -34,19 +33,6 @@ def test_longer_and_slower_blocks_lose_more(angles):
     assert np.all(np.diff(angles[1:]) > 0.0)
     fast = rolling_friction_of_hops(BLOCKS, Soil(), speed=14.0)
     assert np.all(fast[1:] < angles[1:])
-
-
-def test_a_block_does_not_depend_on_the_others(angles):
-    alone = rolling_friction_of_hops(Block(mass=100.0, aspect_ratio=2.0), Soil())
-    np.testing.assert_array_equal(alone, angles[2:3])
-
-
-def test_soils_of_blocks():
-    """Fields of soils broadcast with those of blocks."""
-    block = Block(mass=100.0, aspect_ratio=2.0)
-    both = rolling_friction_of_hops(block, Soil(k_E=[50.0, 2e4], gamma_v=[0.5, 50.0]))
-    stiff = rolling_friction_of_hops(block, Soil(k_E=2e4, gamma_v=50.0))
-    assert both[0] < both[1] == stiff[0]
 
 
 def test_it_is_the_loss_between_flights(angles):
@@ -101,11 +87,3 @@ def test_it_is_the_loss_between_flights(angles):
     # The radius and the start differ by rounding, which hops magnify.
     expected = np.arctan(lost / (100.0 * GRAVITY * way))
     assert angles[2] == pytest.approx(expected, rel=0.02)
-
-
-def test_nothing_to_derive():
-    assert np.isnan(rolling_friction_of_hops(BLOCKS, Soil(), speed=0.0)).all()
-    with pytest.raises(InputError, match="speed must be a finite number of at least 0"):
-        rolling_friction_of_hops(BLOCKS, Soil(), speed=-1.0)
-    with pytest.raises(InputError, match="block must be of type Block"):
-        rolling_friction_of_hops(100.0, Soil())

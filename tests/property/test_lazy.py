@@ -11,7 +11,7 @@ from runout_scenes import SLOPE_STUDY
 from jaximpact import Accuracy, Block, Impact, Scene, simulate_dataset, sweep
 from jaximpact.errors import InputError
 from jaximpact.lazy import impacts
-from jaximpact.runout import lazy_slope_study, read_slope_study, run_slope_study
+from jaximpact.runout import read_slope_study, run_slope_study
 
 BASE = Scene(block=Block(mass=200.0), impact=Impact(speed=11.0))
 AXES = {
@@ -114,22 +114,6 @@ def test_a_dataset_in_chunks_is_the_dataset_of_arrays():
     assert_same_bits(lazy.compute(), whole)
 
 
-def test_an_engine_whose_functions_have_one_result(monkeypatch, at_once):
-    """As cubed, which Dask stands for here."""
-    manager = type(xr.namedarray.parallelcompat.guess_chunkmanager("dask"))
-    apply, signatures = manager.apply_gufunc, []
-
-    def of_one_result(self, function, signature, *arrays, **how):
-        signatures.append(signature)
-        if "," in signature.partition("->")[2]:
-            raise NotImplementedError
-        return apply(self, function, signature, *arrays, **how)
-
-    monkeypatch.setattr(manager, "apply_gufunc", of_one_result)
-    assert_same_bits(sweep(BASE, AXES, chunks=2).compute(), at_once)
-    assert len(signatures) > 2
-
-
 def test_a_point_that_fails_ends_nothing():
     # a step size control that cannot be met
     impossible = Accuracy("impossible", 1e-300, 1e-300)
@@ -202,9 +186,3 @@ def test_a_run_out_study_in_parts_is_the_study(tmp_path):
     whole = run_slope_study(study)
     with ThreadPoolExecutor(1) as pool:  # two portions
         xr.testing.assert_identical(run_slope_study(study, executor=pool), whole)
-    lazy = lazy_slope_study(study, 30).compute()
-    assert {"ending", "passage_speed_mps", "speed_mps_in_bin", "mass_kg"} <= {*lazy}
-    for name, variable in lazy.variables.items():
-        assert variable.values.tobytes() == whole[name].values.tobytes(), name
-        assert variable.attrs == whole[name].attrs
-    assert {*whole.attrs} - {*lazy.attrs} == {"endings"}

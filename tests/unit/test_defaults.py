@@ -17,8 +17,8 @@ from jaximpact import (
 )
 from jaximpact.accuracy import DEFAULT_ACCURACY
 from jaximpact.calibration.problem.config import ACCURACY, STARTS
-from jaximpact.cli import calibrate, options, runout, sensitivity, tabulate
-from jaximpact.lookup import Nodes, orientation_map
+from jaximpact.cli import calibrate, options, runout, tabulate
+from jaximpact.lookup import Nodes
 from jaximpact.lookup import tabulate as make_table
 from jaximpact.lookup.tabulation import SPEEDS
 from jaximpact.quantities import columns_of
@@ -58,7 +58,6 @@ def test_a_ground_is_as_rough_and_rolls_as_a_profile_does():
         (FullModel, DEFAULT_ACCURACY),
         (elasticities, "reference"),
         (make_table, "fast"),
-        (orientation_map, "fast"),
     ],
 )
 def test_accuracy(function, expected):
@@ -82,9 +81,6 @@ def test_accuracy(function, expected):
             f"and roughness_deg {ANGLE_COLUMNS['roughness_deg'].default:g}",
         ),
         (runout.STUDY, "seed of the random numbers (default: 0)"),
-        (sensitivity.DESCRIPTION, f"two (default: {default(sobol, 'blocks')})"),
-        (sensitivity.DESCRIPTION, f"(default: {default(morris, 'trajectories')})"),
-        (sensitivity.DESCRIPTION, f"samples (default: {default(sobol, 'seed')})"),
         (calibrate.DESCRIPTION, f"from where (default: {STARTS}, 0)"),
         (calibrate.DESCRIPTION, f"reference (default: {ACCURACY})"),
         (tabulate.DESCRIPTION, f"total_speeds_mps = {[0.1, 120]}"),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import expon, kstest, norm
 
-from jaximpact.paper.goodness_of_fit import fit_exponential, fit_normal
+from paper.goodness_of_fit import fit_exponential, fit_normal
 
 FITS = {
     "exponential": (fit_exponential, expon, lambda random, n: random.exponential(2, n)),

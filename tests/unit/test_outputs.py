@@ -13,14 +13,12 @@ import pytest
 from error_messages import assert_one_line_error
 
 from jaximpact import file_locks
-from jaximpact.calibration.estimation.fit_cache import FitCache
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.io import files as lock
 from jaximpact.io.output_files import LIST, output_directory
 
 SCENES = "mass_kg\n100\n"
-TABLE = "[map]\nspeeds_mps = [5]\n"
 SLOPE = """\
 count = 2
 collectors_m = [50]
@@ -42,7 +40,7 @@ INPUTS = {
     "s.csv": SCENES,
     "x.nc": "[axes]\nangle_deg = [10]\n",
     "scene.toml": "",
-    "table.toml": TABLE,
+    "table.toml": "",
     "slope.toml": SLOPE,
     "profile.csv": PROFILE,
     "tests.csv": TESTS,
@@ -87,14 +85,12 @@ OVERWRITING = [
     ("sweep x.nc --out l.nc", "l.nc", soft("x.nc")),
     ("simulate scene.toml --plot p.png", "p.png", soft("scene.toml")),
     ("tabulate table.toml --out t.nc", "t.nc", soft("table.toml")),
-    ("tabulate table.toml --map m.csv", "m.png", soft("table.toml")),
     ("tabulate table.toml --csv c.csv", "c.csv.manifest.json", hard("table.toml")),
     ("predict none tests.csv --out tests.csv", None, None),
     ("predict sub tests.csv --out sub/fitted.csv", "sub/fitted.csv", hard("s.csv")),
     ("predict sub tests.csv --out l.csv", "l.csv", soft("tests.csv")),
     ("runout slope.toml --out sub", "sub/manifest.json", hard("slope.toml")),
     ("runout slope.toml --out sub", "sub/collectors.csv", soft("profile.csv")),
-    ("sensitivity scene.toml --out sub", "sub/tornado.png", hard("scene.toml")),
     ("calibrate sub/fitted.csv --out sub", "sub/fitted.csv", hard("tests.csv")),
     ("calibrate tests.csv --out sub", "sub/report.html", soft("tests.csv")),
 ]
@@ -118,12 +114,9 @@ def test_no_input_is_replaced(folder, capsys, command, new, make):
         (f"batch s.csv --out sub/{LIST}", None, f"must not end in {LIST}"),
         ("batch s.csv --out r.csv", "r.csv.manifest.json", "no manifest says"),
         ("batch s.csv --out r.csv", "r.csv.journal", "no journal of this run"),
-        ("tabulate table.toml --map m.csv", "m.png", "no manifest says"),
-        ("tabulate table.toml --csv m.csv --map ./m.csv", None, "must differ"),
-        ("figures --out sub --only 5", "sub/figure-5.png", "sub holds figure-5.png"),
+        ("runout slope.toml --out sub", "sub/stops.png", "sub holds stops.png"),
         ("calibrate tests.csv --out sub", "sub/report.html", "sub holds report.html"),
-        ("validate --out sub --only C01", "sub/validation.md", "holds validation.md"),
-        ("figures --out sub --only 5", f"sub/{LIST}", "is no list of files"),
+        ("runout slope.toml --out sub", f"sub/{LIST}", "is no list of files"),
     ],
 )
 def test_what_is_not_known_is_left_alone(folder, capsys, command, own, message):
@@ -162,9 +155,8 @@ LOCK = ".jaximpact-lock"
         ("sweep x.nc --out y.nc", "y.nc"),
         ("sweep x.nc --out y.zarr", "y.zarr"),
         ("simulate scene.toml --plot p.png", "p.png"),
-        ("tabulate table.toml --map m.csv", "m.png"),
-        ("figures --out sub --only 5", "sub/figure-5.png"),
-        ("figures --out sub --only 5", f"sub/{LIST}"),
+        ("runout slope.toml --out sub", "sub/stops.png"),
+        ("runout slope.toml --out sub", f"sub/{LIST}"),
     ],
 )
 def test_an_output_in_place_of_what_is_no_file(folder, capsys, command, output, make):
@@ -342,14 +334,6 @@ def test_a_file_is_written_to_no_directory_of_results(folder, capsys):
         assert_one_line_error(capsys, "would overwrite a file of jaximpact calibrate")
 
 
-def test_forgotten_fits_take_nothing_else_along(tmp_path):
-    fits = ["fit-" + "a" * 64, f"fit-{'b' * 64}.0123456789abcdef.partial"]
-    for name in (*fits, "mine.npz", "c" * 64):
-        (tmp_path / name).write_text("")
-    FitCache(tmp_path).forget()
-    assert names_in(tmp_path) == {"mine.npz", "c" * 64}
-
-
 # --- one process at a time
 
 
@@ -361,7 +345,6 @@ def test_forgotten_fits_take_nothing_else_along(tmp_path):
         ("sweep x.nc --out y.nc", "y.nc"),
         ("simulate scene.toml --plot p.png", "p.png"),
         ("runout slope.toml --out sub", "sub"),
-        ("figures --out ./sub --only 5", "sub"),
         ("calibrate tests.csv --out sub", "sub"),
     ],
 )

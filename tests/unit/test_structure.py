@@ -35,13 +35,12 @@ LAYERS = """
     result
     tasks
     simulation
-    batch lazy sweeping impact_response second_derivatives
+    batch lazy sweeping parametric_sets impact_response second_derivatives
     rebound
     calibration
     sensitivity
     lookup
     runout
-    paper
     cli __main__
 """
 """Rooms of the package, from below: a module imports from its own room, from rooms of
@@ -51,7 +50,7 @@ ROOMS = {room: place for place, room in enumerate(LAYERS.split())}
 
 PUBLIC = (
     *("jaximpact", "jaximpact.calibration", "jaximpact.errors", "jaximpact.laws"),
-    *("jaximpact.lookup", "jaximpact.parameters", "jaximpact.paper"),
+    *("jaximpact.lookup", "jaximpact.parameters"),
     *("jaximpact.plotting", "jaximpact.rebound", "jaximpact.runout"),
     *("jaximpact.sensitivity", "jaximpact.shapes"),
 )

@@ -2,7 +2,6 @@
 seen."""
 
 from collections.abc import Iterable, Sequence
-from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numpy as np
@@ -10,8 +9,6 @@ import numpy as np
 from ...errors import InputError, nearest
 from ...progress import Progress, ProgressFunction, as_progress
 from ...scene_quantities import SHAPE
-from ...tasks import for_each
-from ..estimation.fit_cache import FitCache
 from ..problem.config import Study
 from ..problem.dataset import CAMPAIGN
 from .contenders import Contender, Law, contenders_of
@@ -128,15 +125,10 @@ def compare_study(
     *,
     by: str | Sequence[str] | None = None,
     exact: bool = False,
-    cache: FitCache | None = None,
-    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> Compared:
     """Fit laws to the tests of a study and score their predictions; arguments are those
-    of `compare`, and a cache of finished fits.
-
-    Laws of rebound are always fitted to the end. An executor makes the fits of all
-    laws, and of all groups left out, at a time.
+    of `compare`. Laws of rebound are always fitted to the end.
 
     Raises InputError for laws or columns that cannot be used, and where no law can be
     fitted.
@@ -157,20 +149,16 @@ def compare_study(
     study = of_targets(study, targets)
     groups = [_each_test(study), *_groups_left_out(study, by)]
 
-    def fitted(number: int, progress: Progress) -> tuple[ScoredLaw, list] | str:
-        contender = contenders[number]
-        within = progress.within(f"law {number + 1} of {len(contenders)}: ")
+    scored, refused = [], {}
+    for number, contender in enumerate(contenders, 1):
+        within = progress.within(f"law {number} of {len(contenders)}: ")
         within(contender.name)
         try:
-            found = fit_law(study, contender, within, executor, cache)
+            found = fit_law(study, contender, within)
         except InputError as error:
-            return str(error)
-        return _scored(contender, found, groups, exact, within)
-
-    every = for_each(fitted, range(len(contenders)), progress, executor)
-    named = zip((contender.name for contender in contenders), every, strict=True)
-    refused = {name: found for name, found in named if isinstance(found, str)}
-    scored = [found for found in every if not isinstance(found, str)]
+            refused[contender.name] = str(error)
+            continue
+        scored.append(_scored(contender, found, groups, exact, within))
     if not scored:
         raise InputError(f"no law could be fitted: {'; '.join(refused.values())}")
     fits, densities = zip(*scored, strict=True)

@@ -2,8 +2,6 @@
 stand beside every calibration."""
 
 import dataclasses
-from collections.abc import Mapping
-from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numpy as np
@@ -18,12 +16,11 @@ from ..diagnostics.uncertainty import (
     estimate,
     regular_covariance,
 )
-from ..estimation.fit_cache import FitCache
-from ..estimation.sigma import all_given, freedom_of_targets, relative_sigma
+from ..estimation.sigma import freedom_of_targets, relative_sigma
 from ..problem.config import Study
 from ..problem.forward_model import engine_of
 from ..problem.noise import least_size
-from ..problem.nuisance import EACH_TEST, group_sds
+from ..problem.nuisance import EACH_TEST
 from ..problem.objective import Objective, Points, names_of
 from ..study import best_fit
 from .contenders import SIMPLE, Contender
@@ -57,8 +54,6 @@ class FittedLaw(NamedTuple):
     freedom: np.ndarray
     """Degrees of freedom of each sigma, shape (targets,); infinite where it is
     given."""
-    group_sd: Mapping[str, float] = {}
-    """Estimated standard deviations of groups' factors, by parameter."""
 
     def sigma_of(self, predicted: np.ndarray) -> np.ndarray:
         """Compute the standard deviation of measurements about predictions."""
@@ -143,28 +138,16 @@ def objective_of(study: Study, contender: Contender) -> Objective:
     return Objective(alone, law, engine_of(alone))
 
 
-def fit_law(
-    study: Study,
-    contender: Contender,
-    progress: Progress = SILENT,
-    executor: Executor | None = None,
-    cache: FitCache | None = None,
-) -> LawFit:
-    """Fit a law to the tests of a study, by an executor if there is one and the law is
-    no closed form.
-
-    Args:
-        cache: finished fits of the model are kept and found there.
+def fit_law(study: Study, contender: Contender, progress: Progress = SILENT) -> LawFit:
+    """Fit a law to the tests of a study.
 
     Impacts are computed no more accurately than the sigmas need.
 
     Raises InputError where no start gives a prediction.
     """
     objective = objective_of(study, contender)
-    if not contender.is_rebound:
-        objective.executor, objective.cache = executor, cache
-        if all_given(study):
-            objective = objective.no_finer_than_sigmas()
+    if not contender.is_rebound and np.all(study.sigma_given):
+        objective = objective.no_finer_than_sigmas()
     objective, _, best = best_fit(objective, progress)
     objective = objective.no_finer_than_sigmas()
     points = objective(best.points.x)
@@ -189,7 +172,6 @@ def fit_law(
             np.inf,
             np.maximum(freedom_of_targets(objective, points), 1.0),
         ),
-        group_sd=group_sds(study.nuisances),
     )
     return LawFit(objective, points, uncertainty, fitted)
 
@@ -253,7 +235,6 @@ def _unknowns(fitted: FittedLaw, study: Study) -> tuple[np.ndarray, np.ndarray]:
     places: list[int | None] = list(range(count))
     values, variances = [*fitted.values[:count]], [0.0] * count
     for nuisance in study.nuisances:
-        sd = fitted.group_sd.get(nuisance.name, nuisance.prior.sd)
         for group in range(len(nuisance.groups)):
             label = nuisance.label(group)
             if nuisance.by != EACH_TEST and label in fitted.unknowns:
@@ -263,7 +244,7 @@ def _unknowns(fitted: FittedLaw, study: Study) -> tuple[np.ndarray, np.ndarray]:
             else:
                 places.append(None)
                 values.append(nuisance.prior.mean)
-                variances.append(sd**2)
+                variances.append(nuisance.prior.sd**2)
     covariance = np.diag(variances)
     new = [row for row, place in enumerate(places) if place is not None]
     old = [place for place in places if place is not None]

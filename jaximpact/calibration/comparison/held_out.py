@@ -29,7 +29,6 @@ import numpy as np
 from scipy.special import gammaln, log_ndtr, logsumexp, stdtr
 
 from ...progress import SILENT, Progress
-from ...tasks import for_each
 from ..diagnostics.cross_validation import LEFT_OUT, SMALL_STEP, linearised, move
 from ..diagnostics.uncertainty import Uncertainty, estimate, regular_covariance
 from ..estimation.branches import draws_about, has_left, is_abrupt
@@ -77,8 +76,7 @@ def held_out(
     """Predict each group of tests by the fit to the others.
 
     Args:
-        objective: objective with the sigmas of the fit to all; where it has an
-            executor, all groups are refitted at a time.
+        objective: objective with the sigmas of the fit to all.
         best, uncertainty: the fit to all, of one lane.
         group: index of the group of each test, shape (tests,).
         exact: whether every group is refitted.
@@ -94,7 +92,7 @@ def held_out(
     predicted, deviation = np.full(shape, np.nan), np.full(shape, np.nan)
     density = np.zeros(len(left[0]))
 
-    def predict(number: int, progress: Progress) -> None:
+    for number in range(len(groups)):
         progress("groups left out", number, len(groups))
         tests, rest = left[number], objective.without(left[number])
         if refitted[number]:
@@ -106,7 +104,6 @@ def held_out(
         predicted[tests], deviation[tests] = points.predicted[0, tests], of_rest[0]
         density[tests] = of_rest[1]
 
-    for_each(predict, range(len(groups)), progress, objective.executor)
     known = study.known
     return HeldOut(
         density=density,

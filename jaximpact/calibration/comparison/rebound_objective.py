@@ -1,8 +1,8 @@
 """The objective function of a law of rebound, so that it is fitted as a ground is.
 
 The parameters of the law take the place of the ground's: the leaves of the law follow
-those of the scene, and everything else of `Objective` holds, nuisance parameters,
-turned ground and errors of measurement among them.
+those of the scene, and everything else of `Objective` holds, nuisance parameters and
+errors of measurement among them.
 """
 
 import dataclasses

@@ -15,13 +15,11 @@ than a fifth of a standard error of every soil parameter; where more than `AT_MO
 tests move the fit farther, also for those of them that move it least.
 """
 
-from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numpy as np
 from scipy.special import bdtr
 
-from ...tasks import for_each
 from ..estimation.least_squares import Progress, Reason, StoppingRule, bounded_step
 from ..estimation.sigma import sizes
 from ..estimation.starts import SILENT, fit
@@ -93,7 +91,6 @@ def leave_out_each(
     uncertainty: Uncertainty,
     *,
     at_most: int = AT_MOST,
-    executor: Executor | None = None,
     progress: Progress = SILENT,
 ) -> LeftOut:
     """Predict each test by the fit without it; tests without a measurement are skipped.
@@ -103,8 +100,7 @@ def leave_out_each(
         points: the best fit, of one lane.
         uncertainty: uncertainty of the fit.
         at_most: largest number of fits.
-        executor: makes the fits in other processes, all at a time.
-        progress: told a line of text for each.
+        progress: called with a line of text for each.
     """
     study = objective.study
     # Points of a curve are one test.
@@ -123,7 +119,6 @@ def leave_out_each(
     return _leave_out(
         *(objective, points, uncertainty, names, group, starts, steps),
         progress.within("tests left out: "),
-        executor,
     )
 
 
@@ -133,7 +128,6 @@ def leave_out_campaigns(
     uncertainty: Uncertainty,
     ends: np.ndarray | None = None,
     *,
-    executor: Executor | None = None,
     progress: Progress = SILENT,
 ) -> LeftOut | None:
     """Predict each campaign by the fit without it; None where there is only one.
@@ -155,7 +149,6 @@ def leave_out_campaigns(
     return _leave_out(
         *(objective, points, uncertainty, names, group, starts, steps),
         progress.within("campaigns left out: "),
-        executor,
     )
 
 
@@ -173,7 +166,7 @@ def linearised(objective: Objective, points: Points, left: np.ndarray) -> np.nda
 
 
 def _leave_out(
-    objective, points, uncertainty, names, group, starts, steps, progress, executor
+    objective, points, uncertainty, names, group, starts, steps, progress
 ) -> LeftOut:
     """Predict each group without it: by its linearised step, or by a fit where that is
     NaN."""
@@ -184,7 +177,8 @@ def _leave_out(
     coarser = objective.no_finer_than_sigmas()
     errors = uncertainty.standard_errors
 
-    def leave_out(number: int, progress: Progress) -> Reason:
+    reasons = []
+    for number in range(len(names)):
         progress(f"{number} of {len(names)}")
         tests, step = group == number, steps[number]
         if np.all(np.isfinite(step)):
@@ -192,7 +186,6 @@ def _leave_out(
             best = move(rest, points, step)
         else:
             rest = coarser.without(tests)
-            rest.executor = executor
             fits = fit(rest, starts, rule=LEFT_OUT)
             best, reason = fits.points.take([fits.best]), fits.reasons[fits.best]
         covariance = regular_covariance(rest, best, uncertainty.inflation)
@@ -203,9 +196,7 @@ def _leave_out(
         scatter = (objective.sigma * part) ** 2 * uncertainty.inflation
         deviation[tests] = np.sqrt(scatter[tests] + variance)
         ends[number] = best.x[0]
-        return reason
-
-    reasons = for_each(leave_out, range(len(names)), progress, executor)
+        reasons.append(reason)
     moved = (ends - points.x[0]) / np.where(errors < 1e6, errors, np.nan)
     quantile = uncertainty.quantile
     return LeftOut(names, group, ends, reasons, moved, predicted, deviation, quantile)

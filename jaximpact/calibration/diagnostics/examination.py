@@ -11,7 +11,6 @@ either kind has one number that is estimated. Where all z are equal it is 0.
 """
 
 from collections.abc import Collection
-from concurrent.futures import Executor
 from typing import NamedTuple
 
 import numpy as np
@@ -94,14 +93,12 @@ def examine(
     result: StudyResult,
     *,
     posterior: bool = False,
-    executor: Executor | None = None,
     progress: Progress | ProgressFunction | None = None,
 ) -> list[Examination]:
     """Compute the diagnostics of every variant.
 
     Args:
         posterior: whether to sample the posterior by NUTS too.
-        executor: makes the fits without some of the tests in other processes.
         progress: called with lines of text.
     """
     progress = as_progress(progress)
@@ -110,7 +107,7 @@ def examine(
     def examined(variant: VariantResult, progress: Progress) -> Examination:
         name = variant.variant.name
         progress = progress.within(f"{name}: ") if several else progress
-        return _examine(result, variant, posterior, executor, progress)
+        return _examine(result, variant, posterior, progress)
 
     if posterior:
         # NUTS calls back from within JAX, where several threads could deadlock.
@@ -123,7 +120,6 @@ def _examine(
     result: StudyResult,
     variant: VariantResult,
     posterior: bool,
-    executor: Executor | None,
     progress: Progress,
 ) -> Examination:
     study, objective, points = result.study, variant.objective, variant.points
@@ -131,10 +127,10 @@ def _examine(
     draws = check(variant.draws, objective, inflation, progress)
     fit, each = (objective, points, variant.uncertainty), None
     if np.sum(np.any(study.known, axis=1)) > 1:
-        each = leave_out_each(*fit, executor=executor, progress=progress)
+        each = leave_out_each(*fit, progress=progress)
     order = np.argsort(variant.start_costs, kind="stable")
     ends = variant.bounds.coordinate(variant.end_parameters[order])
-    campaigns = leave_out_campaigns(*fit, ends, executor=executor, progress=progress)
+    campaigns = leave_out_campaigns(*fit, ends, progress=progress)
     progress("further tests")
     wanted = study.candidates
     single, together = (

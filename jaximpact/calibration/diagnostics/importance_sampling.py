@@ -6,11 +6,10 @@ the covariance of the curvature (Laplace), restricted to the bounds; the weights
 $$ w \propto e^{-\text{cost} / s^2} / q(x) , $$
 
 with s^2 the inflation of the covariance and q the density of the proposal. Without a
-prior of the study the prior is uniform in x between the bounds. Estimated standard
-deviations of groups are sampled first, and x about its mean for them (`group_sds`).
-Where the effective sample size is small, more are sampled, of a proposal that is fitted
-to the weighted draws; q is then the mixture of all proposals (adaptive multiple
-importance sampling, Cornuet et al. 2012).
+prior of the study the prior is uniform in x between the bounds. Where the effective
+sample size is small, more are sampled, of a proposal that is fitted to the weighted
+draws; q is then the mixture of all proposals (adaptive multiple importance sampling,
+Cornuet et al. 2012).
 
 Impacts have the accuracy `balanced`, whatever that of the fit. With small sigmas their
 errors count in the cost: some of the draws are computed again more accurately, and
@@ -28,6 +27,7 @@ the normal one for a linear model. The draws keep their values and get other wei
 parameters, 95 % intervals of the model held 87 %.)
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -38,7 +38,6 @@ from ..estimation.sigma import LEAST_FREEDOM, freedom_of_targets
 from ..estimation.starts import SILENT
 from ..problem.noise import LOSSES
 from ..problem.objective import Objective, Points
-from .group_sds import GroupSds
 from .posterior import Draws, moments, normalised
 from .uncertainty import laplace
 
@@ -121,23 +120,25 @@ def sample(
         parts: number of parts of a round, each of which has its own proposal.
     """
     random, at_first = np.random.default_rng(seed), objective.at(LADDER[0])
-    groups = laplace(*about, inflation)
-    size = len(groups.x)
+    best, root = about[1].x[0], _root(laplace(*about, inflation))
+    low, high = objective.bounds.low, objective.bounds.high
+    size = len(best)
+
+    def between(standard: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Convert to x, and find the draws between the bounds."""
+        x = best + np.einsum("pq,dq->dp", root, standard)
+        return x, np.all((x >= low) & (x <= high), axis=1)
+
     proposals = [_Proposal(np.zeros(size), np.eye(size))]
     drawn, fractions = [], []
     progress = progress.within("draws of the posterior: ")
     for number in range(1, ROUNDS * parts + 1):
-        proposed, proposals[-1] = _propose(
-            random, groups, proposals[-1], count // parts
-        )
+        standard, x, inside = _propose(random, proposals[-1], count // parts, between)
+        proposals[-1] = proposals[-1]._replace(inside=inside)
         tell = progress.within(f"round {number}, ")
-        computed = at_first.values_by_parts(proposed.x, tell)[:2]
-        drawn.append((*proposed, *computed))
-        standard, x, sds, log_density, cost, predicted = map(
-            np.concatenate, zip(*drawn, strict=True)
-        )
-        log_density = log_density + _log_mixture(proposals, standard)
-        log_weight = -cost / inflation - log_density + groups.log_ratio(x, sds)
+        drawn.append((standard, x, *at_first.values_by_parts(x, tell)[:2]))
+        standard, x, cost, predicted = map(np.concatenate, zip(*drawn, strict=True))
+        log_weight = -cost / inflation - _log_mixture(proposals, standard)
         weights = normalised(log_weight)
         effective = 1.0 / np.sum(weights**2)
         fractions.append(effective / len(x))
@@ -145,9 +146,8 @@ def sample(
             break
         centre, spread = moments(standard, _tempered(log_weight, ADAPTED * size))
         proposals.append(_Proposal(centre, WIDER * spread + LEAST_FIRST * np.eye(size)))
-    of_groups = dict(zip(groups.names, sds.T, strict=True))
     accuracy, part = at_first.accuracy, np.array(fractions)
-    return Draws(x, of_groups, log_weight, cost, predicted, part, accuracy, np.nan)
+    return Draws(x, log_weight, cost, predicted, part, accuracy, np.nan)
 
 
 def check(
@@ -221,19 +221,6 @@ def _log_mixture(proposals: list[_Proposal], standard: np.ndarray) -> np.ndarray
     return np.logaddexp.reduce(densities, axis=0)
 
 
-class _Proposed(NamedTuple):
-    """Draws of a proposal."""
-
-    standard: np.ndarray
-    """Unknowns in standard deviations about their mean, shape (draws, unknowns)."""
-    x: np.ndarray
-    sds: np.ndarray
-    """Standard deviations of groups, shape (draws, nuisances)."""
-    log_density: np.ndarray
-    """Logarithm of the density of these, and of x over that of `standard`, up to a
-    constant, shape (draws,)."""
-
-
 def _error_of(
     draws: Draws, objective: Objective, inflation: float, progress: Progress
 ) -> float:
@@ -267,32 +254,30 @@ def error_of_costs(
 
 
 def _propose(
-    random, groups: GroupSds, proposal: _Proposal, count: int
-) -> tuple[_Proposed, _Proposal]:
-    """Sample a proposal between the bounds, and find its share between them."""
-    low, high = groups.bounds.low, groups.bounds.high
-    inside, found, batches = [], 0, 0
+    random,
+    proposal: _Proposal,
+    count: int,
+    between: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Sample a proposal between the bounds: draws in standard deviations, the same in
+    x, and the share of all that lie between the bounds."""
+    standard, x, found, batches = [], [], 0, 0
     while found < count and batches < TRIES:
-        normal = random.normal(size=(count, len(low)))
+        normal = random.normal(size=(count, len(proposal.centre)))
         scale = np.sqrt(random.chisquare(TAILS, size=(count, 1)) / TAILS)
-        standard = proposal.centre + (normal / scale) @ _root(proposal.covariance).T
-        sds, log_density = groups.sample(random, count)
-        # Without groups there is one mean and one covariance for all.
-        mean, spread = groups.of_unknowns(sds if groups.names else sds[:1])
-        x = mean + np.einsum("...pq,...q->...p", _root(spread), standard)
-        log_density = log_density - 0.5 * np.linalg.slogdet(spread)[1]
-        kept = np.all((x >= low) & (x <= high), axis=1)
-        part = _Proposed(standard, x, sds, log_density)
-        inside.append(_Proposed(*(values[kept] for values in part)))
-        found, batches = found + int(np.sum(kept)), batches + 1
-    rows = (np.concatenate(values)[:count] for values in zip(*inside, strict=True))
-    return _Proposed(*rows), proposal._replace(inside=found / (batches * count))
+        drawn = proposal.centre + (normal / scale) @ _root(proposal.covariance).T
+        of_drawn, inside = between(drawn)
+        standard.append(drawn[inside])
+        x.append(of_drawn[inside])
+        found, batches = found + int(np.sum(inside)), batches + 1
+    rows = np.concatenate(standard)[:count], np.concatenate(x)[:count]
+    return *rows, found / (batches * count)
 
 
 def _root(covariance: np.ndarray) -> np.ndarray:
-    """Compute a root R of covariances R R^T, shape (..., n, n)."""
+    """Compute a root R of a covariance R R^T."""
     values, vectors = np.linalg.eigh(covariance)
-    return vectors * np.sqrt(np.maximum(values, 0.0))[..., None, :]
+    return vectors * np.sqrt(np.maximum(values, 0.0))
 
 
 def weights_of(objective: Objective, points: Points, draws: Draws) -> np.ndarray:

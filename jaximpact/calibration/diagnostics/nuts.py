@@ -1,14 +1,12 @@
 r"""Sampling of the posterior by NUTS (Hoffman and Gelman 2014), with blackjax.
 
 The density is that of `importance_sampling`: e^{-cost / s^2}, uniform in x between the
-bounds where there is no prior, with the sigmas of the fit, and with the standard
-deviations of groups that are estimated as further unknowns (`group_sds`). It is sampled
-in y, without bounds,
+bounds where there is no prior, with the sigmas of the fit. It is sampled in y, without
+bounds,
 
 $$ x = x_{low} + (x_{high} - x_{low}) / (1 + e^{-y}) , $$
 
-likewise for the logarithms of these, starting from the weighted draws, whose covariance
-is the first mass matrix.
+starting from the weighted draws, whose covariance is the first mass matrix.
 
 Impacts have the accuracy that the draws were found to need. The density sampled is that
 of this accuracy, whatever the errors of its gradient: a leapfrog step with any force
@@ -40,11 +38,9 @@ from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import TARGET_COLUMNS, columns_of
 from ..problem.noise import losses
 from ..problem.objective import Objective
-from .group_sds import GroupSds
 from .importance_sampling import CHECKED, draw, error_of_costs
 from .posterior import Chains, Draws, moments
 from .results import VariantResult
-from .uncertainty import laplace
 
 if TYPE_CHECKING:
     import arviz  # pyright: ignore[reportMissingImports]
@@ -102,20 +98,18 @@ def sample_posterior(
     at_best = fitted.objective, fitted.points, inflation
     draws = draws or draw(*at_best, seed=seed, progress=progress)
     objective = fitted.objective.at(draws.accuracy)
-    groups = laplace(objective, fitted.points, inflation)
-    host = _Host(objective, groups, progress)
+    host = _Host(objective, inflation, progress)
     position, statistics = _run_chains(host, draws, chains, warmup, count, seed)
     unknowns = host.unknowns(position)
     arviz, each = _arviz(), np.moveaxis(unknowns, -1, 0)
     scale_reduction = np.array([float(arviz.rhat(values)) for values in each])
     effective = np.array([float(arviz.ess(values)) for values in each])
-    x, sds = host.split(unknowns.reshape(chains * count, -1))
+    x = unknowns.reshape(chains * count, -1)
     cost, predicted, _ = objective.values_by_parts(x, progress.within("sampled: "))
     progress("sampling: some of the draws again, more accurately")
     every = -(-len(x) // CHECKED)
     return Draws(
         x=x,
-        group_sds=dict(zip(groups.names, sds.T, strict=True)),
         log_weights=np.zeros(len(x)),
         cost=cost,
         predicted=predicted,
@@ -135,7 +129,7 @@ def _run_chains(
     statistics of `Chains`."""
     import blackjax  # pyright: ignore[reportMissingImports]
 
-    y = host.unbounded(draws)
+    y = host.unbounded(draws.x)
     log_density = _as_function(host, y.shape[1])
     chosen = np.random.default_rng(seed).choice(len(draws.x), chains, p=draws.weights)
     mass = moments(y, draws.weights)[1]
@@ -206,12 +200,10 @@ def _arviz() -> Any:
 class _Host:
     """Density and gradient in y, computed by NumPy and machine code."""
 
-    def __init__(self, objective: Objective, groups: GroupSds, progress: Progress):
-        self.objective, self.groups, self.progress = objective, groups, progress
-        ends = np.log(groups.values[[0, -1]])
-        bounds, count = objective.bounds, len(groups.names)
-        self.low = np.append(bounds.low, np.full(count, ends[0]))
-        self.range = np.append(bounds.high, np.full(count, ends[1])) - self.low
+    def __init__(self, objective: Objective, inflation: float, progress: Progress):
+        self.objective, self.inflation, self.progress = objective, inflation, progress
+        self.low = objective.bounds.low
+        self.range = objective.bounds.high - self.low
         self.calls, self.kept, self.talked = 0, 0, 0.0
         self.raised: BaseException | None = None
 
@@ -227,21 +219,14 @@ class _Host:
         # Such a trajectory diverges, and sampling ends soon.
         return np.full(y.shape[:-1], -np.inf), np.zeros(y.shape)
 
-    def unbounded(self, draws: Draws) -> np.ndarray:
-        """Convert draws to y."""
-        logarithms = [np.log(sds) for sds in draws.group_sds.values()]
-        unknowns = np.column_stack([draws.x, *logarithms])
-        fraction = (unknowns - self.low) / self.range
+    def unbounded(self, x: np.ndarray) -> np.ndarray:
+        """Convert x to y."""
+        fraction = (x - self.low) / self.range
         return logit(np.clip(fraction, EDGE, 1.0 - EDGE))
 
     def unknowns(self, y: np.ndarray) -> np.ndarray:
-        """Convert y to x and logarithms of the standard deviations of groups."""
+        """Convert y to x."""
         return self.low + self.range * expit(y)
-
-    def split(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Part x from the standard deviations of groups, each shape (rows, ...)."""
-        count = len(self.objective.bounds.lower)
-        return unknowns[:, :count], np.exp(unknowns[:, count:])
 
     def check(self) -> None:
         """Raise the exception of a callback, if there was one."""
@@ -250,13 +235,10 @@ class _Host:
 
     def _evaluate(self, y: np.ndarray):
         rows = np.atleast_2d(y)
-        x, sds = self.split(self.unknowns(rows))
-        points, inflation = self.objective(x), self.groups.inflation
-        part = expit(rows)
-        value = -points.cost / inflation + self.groups.log_ratio(x, sds)
+        points, part = self.objective(self.unknowns(rows)), expit(rows)
+        value = -points.cost / self.inflation
         value = value + np.sum(np.log(np.maximum(part * (1.0 - part), 1e-300)), axis=1)
-        by_x, by_s = self.groups.slopes(x, sds)
-        slopes = np.append(by_x - points.gradient / inflation, by_s, axis=1)
+        slopes = -points.gradient / self.inflation
         gradient = slopes * self.range * part * (1.0 - part) + 1.0 - 2.0 * part
         self.calls += 1
         now = time.monotonic()
@@ -311,8 +293,6 @@ def to_inference_data(
     shape = chains.statistics["lp"].shape
     parameters = objective.bounds.parameter(samples.x)
     posterior = dict(zip(fitted.names, parameters.T, strict=True))
-    for name, sds in samples.group_sds.items():
-        posterior[f"group_sd[{name}]"] = sds
     sampled = (predicted + sigma * scatter).reshape(*shape, -1)
     data: Any = _arviz().from_dict(
         posterior={n: values.reshape(shape) for n, values in posterior.items()},

@@ -20,8 +20,7 @@ class Chains(NamedTuple):
     of the density up to a constant, divergence (as at discontinuities), mean acceptance
     probability, number of leapfrog steps."""
     scale_reduction: np.ndarray
-    """R-hat of the unknowns and of estimated standard deviations of groups, shape
-    (unknowns and these,): near 1 where the chains agree."""
+    """R-hat of the unknowns, shape (unknowns,): near 1 where the chains agree."""
     effective: np.ndarray
     """Effective sample sizes, the same shape."""
     seconds: float
@@ -33,9 +32,6 @@ class Draws(NamedTuple):
 
     x: np.ndarray
     """Unknowns, shape (draws, unknowns); chain after chain."""
-    group_sds: dict[str, np.ndarray]
-    """Estimated standard deviations of groups' factors, by parameter, shape (draws,);
-    the cost is that with their best values."""
     log_weights: np.ndarray
     """Logarithms of the weights up to a constant, shape (draws,)."""
     cost: np.ndarray
@@ -81,8 +77,7 @@ class Draws(NamedTuple):
             return self
         names = "x", "log_weights", "cost", "predicted"
         rows = {name: getattr(self, name)[::step] for name in names}
-        sds = {name: values[::step] for name, values in self.group_sds.items()}
-        return self._replace(**rows, group_sds=sds)
+        return self._replace(**rows)
 
     def mean(self) -> np.ndarray:
         """Compute the posterior mean of x."""

@@ -10,8 +10,7 @@ with h and v those of the loss: 1 for Gaussian scatter, the curvature of the los
 limit; for a robust loss the mean of its second derivative, and of its slope squared
 over (n - p) / n (Huber 1981, section 7.6). The covariance is H^-1 V H^-1, its inverse
 the Fisher matrix. Where sigmas are given and the misfit is larger than they allow, the
-covariance is multiplied by the reduced chi-square. Where standard deviations of groups
-are estimated, it is that over their distribution (`group_sds`).
+covariance is multiplied by the reduced chi-square.
 
 Where the sigma of a target is estimated from many measurements, v is the squared slope
 of each over 1 - leverage, so that the scatter may differ between tests (White 1980;
@@ -25,18 +24,15 @@ import numpy as np
 # Not scipy.stats, which takes 0.6 s to import.
 from scipy.special import chdtrc, ndtri, stdtrit
 
-from ..estimation.linear_algebra import inverse_positive
+from ..estimation.linear_algebra import LEAST_EIGENVALUE, inverse_positive
 from ..estimation.sigma import (
-    LEAST_EIGENVALUE,
     leverages,
     pseudo_inverse,
     standardised_rows,
     weights_of_cells,
 )
 from ..problem.noise import losses, true_curvature
-from ..problem.nuisance import group_sds
 from ..problem.objective import Objective, Points
-from .group_sds import GroupSds
 from .posterior import Draws
 
 USELESS_ERROR = 1.0
@@ -92,9 +88,6 @@ def estimate(objective: Objective, points: Points) -> Uncertainty:
     poor = given and freedom > 0.5 and chdtrc(freedom, squares) < IMPROBABLE
     inflation = reduced if poor else 1.0
     covariance = _sandwich(curvature, variance) * inflation
-    if group_sds(study.nuisances):
-        groups = laplace(objective, points, inflation)
-        covariance = _over_sds(groups, curvature, variance, inflation)
     scattered = not given or inflation > 1.0
     half = 0.5 + CONFIDENCE / 2.0
     quantile = stdtrit(max(freedom, 1.0), half) if scattered else ndtri(half)
@@ -160,29 +153,11 @@ def regular_covariance(
     return half @ (variance / inflation + extra) @ half
 
 
-def laplace(objective: Objective, points: Points, inflation: float) -> GroupSds:
-    """Approximate the posterior by Laplace's method, for each standard deviation of
-    groups.
-
-    It follows from the curvature alone, with the sigmas taken as true.
-    """
+def laplace(objective: Objective, points: Points, inflation: float) -> np.ndarray:
+    """Approximate the covariance of the posterior by Laplace's method: from the
+    curvature alone, with the sigmas taken as true."""
     curvature = _parts(objective, points)[0] / inflation
-    weak = np.diag(bounds_information(objective))
-    return GroupSds(objective, points, curvature + weak, inflation)
-
-
-def _over_sds(
-    groups: GroupSds, curvature: np.ndarray, variance: np.ndarray, inflation: float
-) -> np.ndarray:
-    """Average the covariance over standard deviations of groups: its mean, and the
-    covariance of the means of x."""
-    sds = groups.lattice()
-    x, _ = groups.of_unknowns(sds)
-    changes = groups.information(sds) * inflation - groups.information(groups.best)
-    mean = np.zeros_like(curvature)
-    for change in map(np.diag, changes):
-        mean += _sandwich(curvature + change, variance + change)
-    return inflation * mean / len(sds) + np.atleast_2d(np.cov(x.T, bias=True))
+    return inverse_positive(curvature + np.diag(bounds_information(objective)))
 
 
 def bounds_information(objective: Objective) -> np.ndarray:

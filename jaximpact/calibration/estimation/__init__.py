@@ -1,1 +1,1 @@
-"""Minimisation of the objective: methods, starting points, kept fits."""
+"""Minimisation of the objective: methods and starting points."""

@@ -13,15 +13,6 @@ Where scatter is proportional (`problem.noise`) the sigmas of a target are a fac
 the sizes of the predictions, and r is found likewise. A fit takes its sigmas as given,
 so that it gains nothing by predicting more in order to have larger ones; fit and sigmas
 are updated in turn.
-
-So are standard deviations s of groups' factors that are not given. The likelihood with
-all unknowns integrated out, of the model linearised at the fit (Laplace's
-approximation), is largest where
-
-$$ s^2 = \sum_g b_g^2 \, / \, (G - \sum_g V_{gg} / s^2) , $$
-
-with b the logarithms of the G factors at the fit for this s, and V their covariance:
-again restricted maximum likelihood (MacKay 1992, doi 10.1162/neco.1992.4.3.415).
 """
 
 import numpy as np
@@ -29,10 +20,9 @@ import numpy as np
 from ...progress import Progress
 from ..problem.config import Study
 from ..problem.noise import least_size, losses, root_mean_square, scale_of_normal
-from ..problem.nuisance import LEAST_GROUP_SD, MOST_GROUP_SD, Nuisance
 from ..problem.objective import Objective, Points
 from .least_squares import Fits
-from .linear_algebra import LEAST_EIGENVALUE, pseudo_inverse
+from .linear_algebra import pseudo_inverse
 
 LEAST_PART = 1e-3
 """Sigma over the root mean square of a target, or over its size where scatter is
@@ -41,9 +31,6 @@ without noise would give 0."""
 LEAST_FREEDOM = 0.99
 """Degrees of freedom that a target needs for a sigma of its own: one, to rounding."""
 ROUNDS = 20
-SD_ROUNDS, SD_SETTLED = 1000, 1e-6
-"""Most rounds of the standard deviations of groups at one fit, and their relative
-change at which these end."""
 SETTLED = 3e-3
 """Relative change of every sigma at which the rounds end."""
 
@@ -164,65 +151,16 @@ def estimate_sigma(objective: Objective, points: Points) -> np.ndarray:
     return np.where(wanted, np.maximum(sigma, least), sigma)
 
 
-def all_given(study: Study) -> bool:
-    """Tell whether no standard deviation is estimated."""
-    return bool(np.all(study.sigma_given)) and not _estimated(study)
-
-
-def _estimated(study: Study) -> list[Nuisance]:
-    """List the nuisances whose standard deviation is estimated."""
-    return [nuisance for nuisance in study.nuisances if nuisance.estimated]
-
-
-def estimate_group_sds(objective: Objective, points: Points) -> list[float]:
-    """Estimate the standard deviations of groups' factors at a fit (points of one
-    lane), one for each nuisance that is estimated."""
-    bounds, x, sd = objective.bounds, points.x[0], objective.prior_sd.copy()
-    sds = [nuisance.prior.sd for nuisance in _estimated(objective.study)]
-    p, slope = bounds.parameter(x), bounds.slope(x)
-    apart, places = (p - objective.prior_mean), places_of_estimated(objective.study)
-    hessian = points.hessian[0] - np.diag((slope / sd) ** 2)
-    gradient = points.gradient[0] - slope * apart / sd**2
-    fixed = (x <= bounds.low) | (x >= bounds.high)
-    for _ in range(SD_ROUNDS):
-        before = sds
-        matrix = hessian + np.diag((slope / sd) ** 2)
-        matrix[fixed, :] = matrix[:, fixed] = 0.0
-        inverse = pseudo_inverse(matrix)
-        moved = apart - slope * (inverse @ (gradient + slope * apart / sd**2))
-        variance = slope**2 * np.diag(inverse)
-        sds = []
-        for own in places:
-            taken = np.sum(1.0 - variance[own] / sd[own] ** 2)
-            square = np.sum(moved[own] ** 2) / max(taken, LEAST_EIGENVALUE)
-            sds.append(float(np.clip(np.sqrt(square), LEAST_GROUP_SD, MOST_GROUP_SD)))
-            sd[own] = sds[-1]
-        if np.max(np.abs(np.log(np.divide(sds, before)))) < SD_SETTLED:
-            break
-    return sds
-
-
-def places_of_estimated(study: Study) -> list[slice]:
-    """List the indices of the unknowns of each nuisance that is estimated."""
-    found, first = [], len(study.parameters)
-    for nuisance in study.nuisances:
-        last = first + len(nuisance.groups)
-        if nuisance.estimated:
-            found.append(slice(first, last))
-        first = last
-    return found
-
-
 def settle(
     objective: Objective, fits: Fits, fit, progress: Progress
 ) -> tuple[Objective, Fits]:
-    """Update sigmas, standard deviations of groups and fit in turn until they agree.
+    """Update sigmas and fit in turn until they agree.
 
     Args:
         fits: the best fit, of one lane.
         fit: called as `fit(objective, x, progress=...)`.
     """
-    if all_given(objective.study):
+    if np.all(objective.study.sigma_given):
         return objective, fits
     for number in range(1, ROUNDS + 1):
         sigma = estimate_sigma(objective, fits.points)
@@ -230,11 +168,6 @@ def settle(
         known = objective.study.known
         change = np.max(np.abs(np.log(sigma / objective.sigma)[known]))
         objective = objective.with_sigma(sigma)
-        if estimated := _estimated(objective.study):
-            sds = estimate_group_sds(objective, fits.points)
-            ratio = np.divide(sds, [nuisance.prior.sd for nuisance in estimated])
-            change = max(change, np.max(np.abs(np.log(ratio))))
-            objective = objective.with_group_sds(sds)
         points = objective.reevaluate(fits.points)
         fits = Fits(points, fits.reasons, fits.steps)
         if change <= SETTLED:

@@ -1,12 +1,9 @@
 """Multistart: fits from all starts, and a search by those that are left behind."""
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.special import ndtri
 
 from ...progress import SILENT, Progress
-from ...tasks import Task, run_task
 from ..problem.bounds import Bounds
 from ..problem.config import Study
 from ..problem.objective import Objective, Points
@@ -87,29 +84,10 @@ def fit(
             for Levenberg-Marquardt.
         method: one of `METHODS`.
         rule: stopping rule of Levenberg-Marquardt.
-        progress: told a line of text after every step, unless the objective's executor
-            makes the fit.
+        progress: called with a line of text after every step.
 
     Equal arguments give equal numbers on one machine.
     """
-
-    def make() -> Fits:
-        how = x, free, method, rule
-        if objective.executor is None:
-            return _fit(objective, *how, progress)
-        return run_task(objective.executor, Task(_fit, objective.sent(), *how))
-
-    return _recall(objective, (x, free, method, rule), make)
-
-
-def _fit(
-    objective: Objective,
-    x: np.ndarray,
-    free: np.ndarray | None,
-    method: str,
-    rule: StoppingRule,
-    progress: Progress = SILENT,
-) -> Fits:
     if method == "levenberg-marquardt":
         return levenberg_marquardt(objective, x, free, rule, progress)
     # optax takes its time to import, and few want it.
@@ -117,14 +95,6 @@ def _fit(
 
     by_gradient = {"adam": first_order.adam, "l-bfgs": first_order.l_bfgs}
     return by_gradient[method](objective, x, progress)
-
-
-def _recall(objective: Objective, details: tuple, make: Callable[[], Fits]) -> Fits:
-    """Read fits from the cache, if there is one, or make them."""
-    # Laws of unknown source cannot be recognised as the same.
-    if objective.cache is None or objective.laws is None:
-        return make()
-    return objective.cache.recall(objective, details, make)
 
 
 def fit_starts(
@@ -204,13 +174,8 @@ def _evolved(objective: Objective, x: np.ndarray, progress: Progress) -> Populat
         SCREENED * members_for(x.shape[1]),
         (study.seed, 1),
     )
-
-    def make() -> Fits:
-        found = evolve(objective, x, candidates, progress.within("search, "))
-        points = robust_of(objective).values(found)
-        return Fits(points, [Reason.searched] * len(found), np.zeros(len(found), int))
-
-    points = _recall(objective, (x, candidates, "evolution"), make).points
+    found = evolve(objective, x, candidates, progress.within("search, "))
+    points = robust_of(objective).values(found)
     return Population(points.x, points.cost)
 
 
@@ -283,15 +248,7 @@ def fit_on(objective: Objective, x: np.ndarray, *, progress: Progress = SILENT) 
     fits = fit(objective, x, progress=progress)
     if fits.reasons[0].at_minimum:
         return fits
-    return _descend(objective, fits, progress)
-
-
-def _descend(objective: Objective, fits: Fits, progress: Progress) -> Fits:
-    """Descend along a jump, or read it from the cache."""
-    details = fits.points.x, fits.reasons, "on branches"
-    return _recall(
-        objective, details, lambda: descend_on_branches(objective, fits, progress)
-    )
+    return descend_on_branches(objective, fits, progress)
 
 
 def with_origin(fits: Fits, origin: int, best: Fits) -> Fits:
@@ -309,7 +266,7 @@ def _at_place(fits: Fits, lane: int) -> np.ndarray:
 def _descended(objective: Objective, fits: Fits, progress: Progress) -> Fits:
     """Continue the best fit along a jump that has stopped it."""
     best, steps = fits.best, fits.steps.copy()
-    one = _descend(objective, one_of(fits, best), progress)
+    one = descend_on_branches(objective, one_of(fits, best), progress)
     steps[best] = one.steps[0]
     fits = _joined(fits, _at_place(fits, best), one.points)._replace(steps=steps)
     return fits.ending([best], one.points, one.reasons)

@@ -19,7 +19,6 @@ from .expressions import Tied, read_tied
 from .nuisance import (
     EACH_TEST,
     MOST_GROUP_SD,
-    NOMINAL_GROUP_SD,
     Nuisance,
     Prior,
     pooled_nuisance,
@@ -32,7 +31,6 @@ DEFAULT_BOUNDS = {
     "k_E": (10.0, 1e5),
 }
 """Bounds of the parameters that are fitted by default [units of the columns]."""
-ESTIMATED = "estimated"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -98,15 +96,16 @@ def _pooled(
             "is missing: the column whose values are the groups of group_sd"
         )
     by = choice(key, entry, "by", CAMPAIGN, (*LABEL_COLUMNS, EACH_TEST))
-    stated = entry.get("group_sd", ESTIMATED)
-    estimated = stated == ESTIMATED
-    sd = NOMINAL_GROUP_SD if estimated else number(key["group_sd"], stated)
+    if "group_sd" not in entry:
+        raise key["group_sd"].error(
+            "is missing: the standard deviation of the groups' logarithms, like 0.3"
+        )
+    sd = number(key["group_sd"], entry["group_sd"])
     if not (0.0 < sd <= MOST_GROUP_SD and parameter.logarithmic):
         raise key["group_sd"].error(
             f"must lie above 0 and up to {MOST_GROUP_SD:g}, for a parameter whose "
             f"lower bound is above 0, but is {sd:g}"
         )
-    sd = None if estimated else sd
     return pooled_nuisance(top, parameter.name, by, sd, tests)
 
 

@@ -21,12 +21,9 @@ EACH_TEST = "row"
 """Value of `by` for groups of one test each."""
 REACH = 5.0
 """Half range of the search in standard deviations of the prior."""
-LEAST_GROUP_SD, MOST_GROUP_SD = 0.01, 1.0
-"""Range of the standard deviation of the logarithm of a group's factor: below, groups
-do not differ by what matters."""
-NOMINAL_GROUP_SD = 0.5
-"""Standard deviation of a group's logarithm from which an estimate starts; `REACH`
-times it bounds the logarithm."""
+MOST_GROUP_SD = 1.0
+"""Largest standard deviation of the logarithm of a group's factor: `REACH` times it
+bounds the logarithm."""
 EDGE = 1e-6
 """Fraction of that range kept from the ends of the column's range."""
 
@@ -56,8 +53,6 @@ class Nuisance:
     upper: np.ndarray
     pooled: bool = False
     """Whether it is the logarithm of a group's factor on a fitted parameter."""
-    estimated: bool = False
-    """Whether the prior's standard deviation is estimated; the one here is nominal."""
 
     def label(self, group: int) -> str:
         """Return the name of a group's value."""
@@ -117,7 +112,7 @@ def open_nuisances(
 
 
 def pooled_nuisance(
-    top: Key, name: str, by: str, sd: float | None, tests: Measurements
+    top: Key, name: str, by: str, sd: float, tests: Measurements
 ) -> Nuisance:
     """Make the groups' deviations from a fitted parameter: logarithms of factors, with
     a normal prior of mean 0.
@@ -125,22 +120,12 @@ def pooled_nuisance(
     Args:
         name: the fitted parameter, which is positive.
         by: column of text whose values are the groups, or "row".
-        sd: standard deviation of the prior; None where it is to be estimated.
+        sd: standard deviation of the prior.
     """
-    estimated, sd = sd is None, NOMINAL_GROUP_SD if sd is None else sd
     groups, group = _groups(top["parameters"][name], by, tests)
     reach = np.full(len(groups), REACH * sd)
     prior, base = Prior(0.0, sd), np.zeros(len(tests))
-    return Nuisance(
-        *(name, by, groups, group, prior, base, -reach, reach),
-        pooled=True,
-        estimated=estimated,
-    )
-
-
-def group_sds(nuisances: Iterable[Nuisance]) -> dict[str, float]:
-    """Collect the estimated standard deviations of groups' factors."""
-    return {n.name: n.prior.sd for n in nuisances if n.estimated}
+    return Nuisance(name, by, groups, group, prior, base, -reach, reach, pooled=True)
 
 
 def entries_of(nuisances: Iterable[Nuisance], tests: Measurements) -> dict[str, dict]:

@@ -11,19 +11,16 @@ a lane.
 
 import copy
 import dataclasses
-import functools
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ...accuracy import PRESETS, Accuracy
-from ...identity import described
 from .config import Study, Variant
 from .engine import Engine
 from .forward_model import ForwardModel, bounds_of
 from .noise import losses
-from .nuisance import Prior
 
 FAILED_COST = 5e5
 """Loss, with derivative zero, of a result that could not be computed: large, so that a
@@ -86,29 +83,6 @@ class Objective(ForwardModel):
         super().__init__(study, variant, engine, accuracy or PRESETS[study.accuracy])
         self.sigma, self.loss = study.sigma, study.loss
         self.prior_mean, self.prior_sd = _priors(study)
-        self.cache: Any = None
-        """Cache of finished fits, a `FitCache`, if there is one."""
-        self.executor: Any = None
-        """Executor that makes fits in other processes, if there is one."""
-
-    def sent(self) -> "Objective":
-        """Return the objective without what belongs to this process."""
-        return self._changed(cache=None, executor=None)
-
-    @functools.cached_property
-    def laws(self) -> tuple | None:
-        """Description of all laws and shapes without their numbers; None if the source
-        of one is unknown."""
-        return described(self.scene)
-
-    def depends_on(self) -> tuple:
-        """List the numbers and names on which the values depend."""
-        study = self.study
-        arrays = self._leaves, self.sigma, study.measured, study.censored
-        arrays += study.weights, self.prior_mean, self.prior_sd, *self.bounds
-        arrays += tuple(part for column in self._columns for part in column)
-        ties = tuple(f"{t.name} = {t.text}, {dict(t.constants)}" for t in study.tied)
-        return *arrays, ties, study.targets, self.loss, self.accuracy, self.laws
 
     def at(self, accuracy: Accuracy) -> "Objective":
         """Return the objective with impacts of another accuracy."""
@@ -133,22 +107,6 @@ class Objective(ForwardModel):
     def with_sigma(self, sigma: np.ndarray) -> "Objective":
         """Return the objective with other sigmas, shape (tests, targets)."""
         return self._changed(sigma=sigma)
-
-    def with_group_sds(self, sds: list[float]) -> "Objective":
-        """Return the objective with other standard deviations of groups' factors.
-
-        Args:
-            sds: one for each nuisance that is estimated (`Nuisance.estimated`).
-        """
-        left = iter(sds)
-        nuisances = tuple(
-            dataclasses.replace(n, prior=Prior(n.prior.mean, next(left)))
-            if n.estimated
-            else n
-            for n in self.study.nuisances
-        )
-        study = dataclasses.replace(self.study, nuisances=nuisances)
-        return self._changed(study=study, prior_sd=_priors(study)[1])
 
     def with_loss(self, loss: str) -> "Objective":
         """Return the objective with another loss, one of `LOSSES`."""

@@ -47,9 +47,9 @@ def residuals(
         does not state are nominal: 5 % of the target's root mean square, or of each
         value where scatter is proportional. Bounds are the caller's to keep.
 
-    Raises InputError for a study with limits among its measurements, a ground that
-    turns, tied or grouped parameters, or targets computed from others, which are no
-    plain residuals; for an unknown variant; and as `read_study` does.
+    Raises InputError for a study with limits among its measurements, tied or grouped
+    parameters, or targets computed from others, which are no plain residuals; for an
+    unknown variant; and as `read_study` does.
     """
     require_float64()
     expect("study", study, Study, str, os.PathLike)

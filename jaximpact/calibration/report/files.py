@@ -25,7 +25,7 @@ from ..problem.config import Study
 from ..problem.dataset import LIMITS
 from ..problem.laws import as_entries, unusual
 from ..problem.noise import SCATTERS, least_size
-from ..problem.nuisance import entries_of, group_sds
+from ..problem.nuisance import entries_of
 from .comparison import comparison_csv, comparison_json
 
 COMPARISON = "comparison.csv"
@@ -219,7 +219,6 @@ def _variant(result: StudyResult, variant: VariantResult) -> dict:
             }
             for index in range(count, len(variant.names))
         },
-        **_if_any("group_sd", group_sds(variant.objective.study.nuisances)),
         "unknowns": variant.names,
         "errors_of_draws": variant.errors_of_draws,
         "covariance_of_logarithms_or_half_ranges": uncertainty.covariance,
@@ -321,7 +320,6 @@ def _draws(variant: VariantResult, draws: Draws) -> dict:
         "covariance": draws.covariance(),
         "weights": _short(weights),
         "values": [_short(row) for row in variant.bounds.parameter(draws.x)],
-        **_if_any("group_sd", {n: _short(v) for n, v in draws.group_sds.items()}),
     }
 
 

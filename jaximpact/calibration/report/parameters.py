@@ -99,7 +99,7 @@ def nuisance_table(variant: VariantResult) -> Table:
             variant.names[index],
             variant.parameters[index],
             variant.standard_error(index),
-            f"{n.prior.mean:g} +- {n.prior.sd:.4g}{' (estimated)' * n.estimated}",
+            f"{n.prior.mean:g} +- {n.prior.sd:.4g}",
         )
         for index, n in enumerate(nuisances, len(variant.verdicts))
     ]

@@ -26,8 +26,7 @@ from ...store import Store
 from ...tasks import call_each
 from ..analysis import first_passages, passages
 from ..contacts.contact_models import ClosedForm
-from ..scheduler import WIDTH, follow
-from ..state import State
+from ..scheduler import follow
 from ..trajectory import Ending, stretches_of
 from .observed import (
     PASSAGE_COLUMNS,
@@ -116,8 +115,7 @@ def _simulate(fit: SlopeFit, u: np.ndarray, blocks: int, seed: int) -> np.ndarra
     contacts: Any = fit.slope.laws[0].contacts
     if of_law:
         contacts = ClosedForm(dataclasses.replace(contacts.law, **of_law))
-    state = State.at_release(profile, release, ground, fit.slope.limits)
-    runs = follow(state, contacts, WIDTH, Progress())
+    runs = follow(profile, release, ground, fit.slope.limits, contacts=contacts)
     columns = [np.where(runs.ending == Ending.stopped, runs.x, np.nan)]
     stretches = stretches_of(runs)
     for x in fit.places:

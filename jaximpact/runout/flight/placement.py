@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ..._checks import expect, real_numbers
 from ...errors import UnusualValueWarning
 from ...scene import GRAVITY, Scene
-from ...shapes import AbstractElliptic
+from ...shapes import AbstractElliptic, shape_by_shape
 from ..blocks import BlockOutline, Body, Release, select
 from ..coordinates import HIGHEST_CLIFF, RESOLVED
 from ..lane_programs import closed_form
@@ -59,7 +59,8 @@ def check_release(release: Release, profile: Profile) -> None:
         near = top >= body.y[lane] - size[lane]
         lane, i = lane[near], segment[near]
         piece = Piece(x[i], y[i], x[i + 1], y[i + 1])
-        found = _depths(select(body, lane), select(outline, lane), piece)
+        here = select((body, outline), lane)
+        found = shape_by_shape(lambda here, piece: _depths(*here, piece), here, piece)
         np.maximum.at(depth, lane, found)
     buried = depth > BURIED * outline.smallest
     if np.any(buried):
@@ -108,6 +109,16 @@ def lying_height(
     Args:
         outline, x, orientation: blocks, `(blocks,)`; x on the profile.
     """
+    return shape_by_shape(
+        lambda outline, *blocks: _lying_height(profile, outline, *blocks),
+        *(outline, x, orientation),
+    )
+
+
+def _lying_height(
+    profile: Profile, outline: BlockOutline, x: np.ndarray, orientation: np.ndarray
+) -> np.ndarray:
+    """Compute `lying_height` of blocks of one shape."""
     if isinstance(outline.shape, AbstractElliptic):
         return _lying_height_of_ellipse(profile, outline, x, orientation)
     top = np.max(profile.y) + 2.0 * outline.largest
@@ -177,7 +188,7 @@ def release_at_touch(
     leaves = [np.asarray(leaf, float) for leaf in jax.tree.leaves(scene)]
     shape = np.broadcast_shapes(*(leaf.shape for leaf in leaves), x.shape, (1,))
     of_blocks = jax.tree.map(lambda leaf: np.broadcast_to(leaf, shape), scene)
-    v_n, v_t, support, arm = (np.asarray(found) for found in _at_touch(of_blocks))
+    v_n, v_t, support, arm = shape_by_shape(_at_touch, of_blocks)
     segment = np.clip(
         np.searchsorted(profile.x, x, side="right") - 1, 0, profile.segments - 1
     )

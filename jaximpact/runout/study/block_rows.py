@@ -10,8 +10,7 @@ from ...progress import Progress, ProgressFunction, as_progress
 from ...tasks import Task
 from ..analysis import first_passages, maxima_along, passages
 from ..blocks import select
-from ..scheduler import WIDTH, follow
-from ..state import State
+from ..scheduler import follow
 from ..trajectory import Ending, Runs, state_after, stretches_of
 from .slope_file import SlopeStudy
 
@@ -68,8 +67,11 @@ def _part_of(study: SlopeStudy, chosen: np.ndarray) -> SlopeStudy:
 
 def _simulate(study: SlopeStudy, progress: Progress) -> Runs:
     # All that `simulate_runout` checks was checked as the study was read.
-    start = study.profile, study.release, study.ground, study.limits
-    return follow(State.at_release(*start), study.contacts, WIDTH, progress)
+    return follow(
+        *(study.profile, study.release, study.ground, study.limits),
+        contacts=study.contacts,
+        progress=progress,
+    )
 
 
 def edges_of(study: SlopeStudy) -> np.ndarray:

@@ -45,8 +45,7 @@ class NamedLaw(NamedTuple):
 
 
 def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]:
-    """Read one law from `[contacts]`, or as many as there are `[[contacts]]`; with
-    `contact_error` the full model is always one of them.
+    """Read one law from `[contacts]`, or as many as there are `[[contacts]]`.
 
     Args:
         content: content of the file.
@@ -59,8 +58,6 @@ def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]
     if not isinstance(tables, list):
         tables = [typed(top, content, "contacts", dict, tables)]
     laws = [_law(top, content, table, accuracy) for table in tables]
-    if "contact_error" in content:
-        laws += _full_model_if_missing(top, content, laws, accuracy)
     if (accuracy is not None or "accuracy" in content) and not any(
         isinstance(law.contacts, FullModel) for law in laws
     ):
@@ -71,18 +68,6 @@ def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]
         if law.directory in [other.directory for other in laws[:place]]:
             raise key["name"].error(f"{law.name!r} stands twice; name tells laws apart")
     return laws
-
-
-def _full_model_if_missing(
-    top: Key, content: dict, laws: list[NamedLaw], accuracy: str | None
-) -> list[NamedLaw]:
-    """Make the full model, by which the errors of the others are measured."""
-    given = [law for law in laws if isinstance(law.contacts, FullModel)]
-    if len(given) > 1:
-        raise top["contacts"].error(
-            "holds the full model twice; contact_error is measured by one"
-        )
-    return [] if given else [_law(top, content, {"law": FULL_MODEL}, accuracy)]
 
 
 def _law(top: Key, content: dict, table, accuracy: str | None) -> NamedLaw:

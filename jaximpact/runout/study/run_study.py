@@ -12,14 +12,12 @@ import time
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from ..._checks import whole_number
 from ..._numpy_settings import numpy_settings
-from ..._packages import needed, versions
+from ..._packages import versions
 from ...batch import Collector
 from ...errors import UnusualValueWarning
 from ...io.journal import Journal
@@ -54,8 +52,6 @@ PORTIONS = 64
 """Number of portions that an executor gets, if they are neither small nor large."""
 LARGEST_PORTION = 1024
 """Largest number of blocks of such a portion, which a worker may lose."""
-CHUNK = 1024
-"""Blocks of a chunk of a lazy study, some seconds of work of a core."""
 QUICK = 2.0
 """Time of a portion [s] below which the next has twice the size."""
 
@@ -154,55 +150,34 @@ def _subject(study: SlopeStudy) -> dict:
 
 
 class _BlockRows:
-    """Numbers of blocks by name, from rows of NumPy or of Dask.
+    """Numbers of blocks by name, from rows in the order of `columns_of_rows`."""
 
-    Args:
-        rows: in the order of `columns_of_rows`.
-    """
-
-    def __init__(self, study: SlopeStudy, rows: Any):
+    def __init__(self, study: SlopeStudy, rows: np.ndarray):
         self.study, self.rows = study, rows
         self.place = {name: i for i, name in enumerate(columns_of_rows(study))}
 
-    def of_block(self, name: str) -> Any:
+    def of(self, name: str) -> np.ndarray:
         """Give a number, `(blocks,)`."""
         return self.rows[:, self.place[name]]
 
-    def at(self, name: str, places: Iterable[float]) -> Any:
+    def at(self, name: str, places: Iterable[float]) -> np.ndarray:
         """Give a number of first passages, `(blocks, places)`."""
         return self.rows[:, [self.place[f"{name} at {x!r}"] for x in places]]
 
-    def in_bins(self, name: str) -> Any:
+    def in_bins(self, name: str) -> np.ndarray:
         """Give a largest value in each bin, `(blocks, bins)`."""
         bins = range(self.study.bins)
         return self.rows[:, [self.place[f"{name} in bin {i}"] for i in bins]]
-
-    def block_variables(self, endings: Any) -> dict[str, tuple]:
-        """Describe endings, given in words, inputs, and numbers of each block."""
-        variables = {"ending": ("block", endings, {"long_name": "why it ended"})}
-        variables |= _inputs_of(self.study.release) | _ground_of(self.study)
-        for name, told in BLOCK_NUMBERS.items():
-            variables[name] = "block", self.of_block(name), _about(*told)
-        return variables
-
-    def passage_variable(self, name: str) -> tuple:
-        """Describe a number of the first passages of collectors."""
-        values = self.at(name, self.study.collectors.tolist())
-        return ("block", "collector"), values, _about(*PASSAGE_NUMBERS[name])
-
-    def bin_variable(self, name: str) -> tuple:
-        """Describe a largest value in each bin."""
-        unit, meaning = ENVELOPES[name]
-        meaning = f"{meaning} in the bin; nan for a block that is never there"
-        # Of half the size, and precise enough for curves.
-        values = self.in_bins(name).astype(np.float32)
-        return ("block", "bin"), values, _about(unit, meaning)
 
 
 def _dataset(study: SlopeStudy, numbers: np.ndarray) -> xr.Dataset:
     rows, codes = _BlockRows(study, numbers), numbers[:, 0].astype(int)
     valid = codes != Ending.failed
-    variables = rows.block_variables(_endings_in_words(codes))
+    endings = np.array([str(ending) for ending in Ending])[codes]
+    variables = {"ending": ("block", endings, {"long_name": "why it ended"})}
+    variables |= _inputs_of(study.release) | _ground_of(study)
+    for name, (unit, meaning) in BLOCK_NUMBERS.items():
+        variables[name] = "block", rows.of(name), _about(unit, meaning)
     # NetCDF 3 takes a dimension of no length for one that grows.
     if len(study.collectors):
         variables |= _passages(rows, valid)
@@ -214,51 +189,6 @@ def _dataset(study: SlopeStudy, numbers: np.ndarray) -> xr.Dataset:
     percentiles = ("percentile", np.array(PERCENTILES), _about("%", ""))
     coordinates = _coordinates_of(study) | barriers | {"percentile": percentiles}
     return xr.Dataset(variables, coordinates, _attributes_of(study, codes))
-
-
-@numpy_settings()
-def lazy_slope_study(study: SlopeStudy, chunks: int = CHUNK) -> xr.Dataset:
-    """Return the blocks of a study as a dataset that is computed chunk by chunk.
-
-    For studies larger than memory: `jaximpact.write_zarr` writes it and can be
-    interrupted. Chunks are computed by whatever scheduler or client of Dask there is,
-    one thread a chunk.
-
-    Args:
-        study: result of `read_slope_study`.
-        chunks: number of blocks of a chunk, from 1.
-
-    Returns:
-        A dataset over blocks, collectors if there are any, and bins, with what
-        `run_slope_study` gives of each block, to the last bit. Percentiles, counts and
-        barriers, which are of all blocks together, are not there.
-
-    Raises InputError where Dask is not installed.
-    """
-    array = needed("dask.array", "a study in chunks")
-    dask = needed("dask", "a study in chunks")
-    count, size = study.release.count, whole_number("chunks", chunks, 1)
-    width, parts = len(columns_of_rows(study)), []
-    for start in range(0, count, size):
-        chosen = np.arange(start, min(start + size, count))
-        part = dask.delayed(task_of(study, chosen), pure=True)()
-        parts.append(array.from_delayed(part, (len(chosen), width), float))
-    rows = _BlockRows(study, array.concatenate(parts))
-    kind = _endings_in_words(np.zeros(1)).dtype
-    endings = rows.of_block("ending").map_blocks(_endings_in_words, dtype=kind)
-    variables = rows.block_variables(endings)
-    for name in PASSAGE_NUMBERS if len(study.collectors) else ():
-        variables[name] = rows.passage_variable(name)
-    for name in ENVELOPES:
-        variables[f"{name}_in_bin"] = rows.bin_variable(name)
-    attributes = _attributes_of(study, np.zeros(count))
-    del attributes["endings"]
-    return xr.Dataset(variables, _coordinates_of(study), attributes)
-
-
-def _endings_in_words(codes: np.ndarray) -> np.ndarray:
-    """Give the words of endings, as an array of the shape of their codes."""
-    return np.array([str(ending) for ending in Ending])[codes.astype(int)]
 
 
 def _coordinates_of(study: SlopeStudy) -> dict:
@@ -318,7 +248,12 @@ def _envelopes(rows: _BlockRows, valid: np.ndarray) -> dict[str, tuple]:
             np.fmax.reduce(values, axis=1),  # NaN only for a block without any
             _about(unit, f"{meaning} on its way"),
         )
-        variables[f"{name}_in_bin"] = rows.bin_variable(name)
+        # Of half the size, and precise enough for curves.
+        variables[f"{name}_in_bin"] = (
+            ("block", "bin"),
+            values.astype(np.float32),
+            _about(unit, f"{meaning} in the bin; nan for a block that is never there"),
+        )
     return variables
 
 
@@ -327,11 +262,12 @@ def _passages(rows: _BlockRows, valid: np.ndarray) -> dict[str, tuple]:
     ones."""
     variables = {}
     for name, (unit, meaning) in PASSAGE_NUMBERS.items():
-        variables[name] = rows.passage_variable(name)
+        values = rows.at(name, rows.study.collectors.tolist())
+        variables[name] = ("block", "collector"), values, _about(unit, meaning)
         if name not in ("passages", "passage_time_s"):
             variables[f"{name}_percentiles"] = (
                 ("percentile", "collector"),
-                _percentiles(variables[name][1][valid]),
+                _percentiles(values[valid]),
                 _about(unit, f"{meaning}: percentiles of the blocks that pass"),
             )
     meaning = "blocks that pass the collector, without those that failed"

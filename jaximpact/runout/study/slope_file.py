@@ -49,7 +49,6 @@ run-outs."""
 NUMBERS = (
     *("title", "accuracy", "count", "seed", "collectors_m", "bins"),
     *("time_limit_s", "event_limit", "hop_threshold", "export_trajectories"),
-    "contact_error",
 )
 DEFAULT_COUNT = 1000
 """Default number of blocks where something is random."""
@@ -112,8 +111,6 @@ class SlopeStudy(NamedTuple):
     """What a smoothing did to the profile."""
     export_trajectories: int = DEFAULT_EXPORT
     """Number of trajectories in files: the first ones."""
-    contact_error: float | None = None
-    """Error of impacts up to which a quicker law may stand in for the full model."""
 
 
 class SlopeInput(NamedTuple):
@@ -224,9 +221,8 @@ def read_slope_study(path: Path, accuracy: str | None = None) -> SlopeStudy:
 def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStudy]:
     """Read a study that may compare contact laws.
 
-    There is one study for each law, with the same blocks, releases and ground; where
-    the file gives `contact_error`, one for the full model too. See `read_slope_study`
-    and `choose_contacts`.
+    There is one study for each law, with the same blocks, releases and ground. See
+    `read_slope_study`.
     """
     path = Path(path)
     top = Key(path)
@@ -245,9 +241,6 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         f"{count} blocks in {bins} bins of the envelopes",
         **top["count"].place,
     )
-    error = content.get("contact_error")
-    if error is not None:
-        error = number(top["contact_error"], error, least=0.0)
     samples, release, ground = given.sample(count, seed)
     inputs = [*checksums, *(file for law in laws for file in law.checksums)]
     return [
@@ -284,7 +277,6 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
             export_trajectories=whole(
                 top, content, "export_trajectories", DEFAULT_EXPORT, 1
             ),
-            contact_error=error,
         )
         for law in laws
     ]

@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..restitution import vijayakumar_coefficient
-from ..runout.state import HOP_THRESHOLD
-from ..scene import Scene
-from ..units import DEGREE
+from jaximpact.restitution import vijayakumar_coefficient
+from jaximpact.runout.state import HOP_THRESHOLD
+from jaximpact.scene import Scene
+from jaximpact.units import DEGREE
+
 from .biplanar import SLOPE, BiplanarCase
 
 

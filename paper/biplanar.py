@@ -17,11 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..runout.blocks import Release, select
-from ..runout.terrain import ROLLING_FRICTION_ANGLE, Profile
-from ..runout.trajectory import MotionMode, Runs, state_after
-from ..scene import GRAVITY, Block, Soil
-from ..units import DEGREE
+from jaximpact.runout.blocks import Release, select
+from jaximpact.runout.terrain import ROLLING_FRICTION_ANGLE, Profile
+from jaximpact.runout.trajectory import MotionMode, Runs, state_after
+from jaximpact.scene import GRAVITY, Block, Soil
+from jaximpact.units import DEGREE
 
 HEIGHT, SLOPE_LENGTH, FLAT_LENGTH = 230.0, 400.0, 600.0
 """Height and lengths in plan [m]."""

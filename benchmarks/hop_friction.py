@@ -1,5 +1,7 @@
 r"""Rolling friction that loses as much energy as the hops of a block.
 
+    python -m benchmarks.hop_friction [SPEED ...]
+
 A block that is not round rolls by striking with one end after another. Where each of
 these hops is an impact, it loses the kinetic and potential energy $\Delta E$ over a
 distance L along level ground, as much as by the angle of rolling friction
@@ -7,23 +9,27 @@ distance L along level ground, as much as by the angle of rolling friction
 $$ \tan\varphi_r = \frac{\Delta E}{m g L} $$
 
 This depends on the block more than on the ground, and on the speed: see
-`docs/limits.md`.
+`docs/limits.md`. Printed are the angles of blocks of 100 kg on the default ground, for
+some speeds at the start.
 """
 
+import sys
+
 import jax
+import jax.numpy as jnp
 import numpy as np
 
-from .._checks import expect, real_number
-from .._numpy_settings import numpy_settings
-from ..accuracy import Accuracy
-from ..scene import GRAVITY, Block, Soil
-from ..shapes import RoundBlock
-from .blocks import Release, outline_of, support_of
-from .contacts.contact_models import FullModel
-from .lane_programs import closed_form
-from .scheduler import simulate_runout
-from .terrain import Ground, Profile
-from .trajectory import MotionMode, Runs
+from jaximpact import Block, Soil
+from jaximpact.runout import (
+    FullModel,
+    Ground,
+    MotionMode,
+    Profile,
+    Release,
+    Runs,
+    simulate_runout,
+)
+from jaximpact.scene import GRAVITY
 
 ORIENTATIONS = 32
 """Orientations at the start of each block, evenly over half a turn."""
@@ -31,14 +37,23 @@ CLEARANCE = 1e-3
 """Height over the ground at the start [m]."""
 ROUNDING = 1e-9
 """Heave, as a fraction of the radius, that is rounding."""
+ASPECT_RATIOS = 1.2, 1.5, 2.0, 3.0, 4.0
 
 
-@numpy_settings()
+def main() -> None:
+    """Print the angles, a line for each speed."""
+    jax.config.update("jax_enable_x64", True)
+    print("m/s   ", *(f"A_r {ratio:<4g}" for ratio in ASPECT_RATIOS))
+    for speed in map(float, sys.argv[1:] or ("6", "10", "20")):
+        block = Block(mass=100.0, aspect_ratio=np.array(ASPECT_RATIOS))
+        angles = np.degrees(rolling_friction_of_hops(block, Soil(), speed))
+        print(f"{speed:<6g}", *(f"{angle:<8.1f}" for angle in angles))
+
+
 def rolling_friction_of_hops(
     block: Block,
     soil: Soil,
     speed: float = 10.0,
-    accuracy: str | Accuracy = "fast",
 ) -> np.ndarray:
     """Find the angle of rolling friction that loses as much energy as hops [rad].
 
@@ -51,18 +66,12 @@ def rolling_friction_of_hops(
         block, soil: fields that broadcast to `(blocks,)`.
         speed: speed at the start [m/s], from 0. A block loses the more over a distance
             the slower it is, so take the speed at which it rolls on the slope.
-        accuracy: accuracy of the impacts.
 
     Returns:
         Angles; NaN for round blocks, which do not hop, and for blocks that make no
         three contacts before they roll. To some hundredths of their tangents: more
         orientations change them by as much.
-
-    Raises InputError for a speed below 0, and for what is no block or soil.
     """
-    expect("block", block, Block)
-    expect("soil", soil, Soil)
-    speed = real_number("speed", speed, least=0.0)
     count = max(np.size(leaf) for leaf in jax.tree.leaves((block, soil)))
 
     def repeated(leaf):
@@ -71,13 +80,13 @@ def rolling_friction_of_hops(
         )
 
     blocks, soils = jax.tree.map(repeated, (block, soil))
-    rolling = _round_block(blocks)
     turns = (np.arange(ORIENTATIONS) + 0.5) / ORIENTATIONS * np.pi
     theta = np.tile(turns, count)
+    radius, rolling = _radii(blocks, theta)
     release = Release(
         blocks,
         x=0.0,
-        y=support_of(_outline(blocks), theta).radius + CLEARANCE,
+        y=radius + CLEARANCE,
         v_x=speed,
         orientation=theta,
         angular_velocity=speed / rolling.radius,
@@ -86,7 +95,7 @@ def rolling_friction_of_hops(
     runs = simulate_runout(
         Profile([-far, far], [0.0, 0.0]),
         release,
-        FullModel(accuracy),
+        FullModel("fast"),
         ground=Ground(jax.tree.map(lambda leaf: leaf[:, None], soils)),
         hop_threshold=0.0,
     )
@@ -94,6 +103,18 @@ def rolling_friction_of_hops(
     is_round = rolling.tallest <= (1.0 + ROUNDING) * rolling.radius
     hops = (way > 0.0) & ~is_round[::ORIENTATIONS]
     return np.where(hops, np.arctan(lost / np.where(hops, way, 1.0)), np.nan)
+
+
+def _radii(blocks: Block, theta: np.ndarray):
+    """Compute the heights of the centres over the ground at the start [m], and the
+    round blocks that roll in place of the blocks."""
+
+    def of_one(block, theta):
+        shape, axes = block.shape, block.semi_axes
+        height = shape.support(axes, jnp.sin(theta), jnp.cos(theta))
+        return height, shape.round_block(axes)
+
+    return jax.tree.map(np.asarray, jax.jit(jax.vmap(of_one))(blocks, theta))
 
 
 def _losses(runs: Runs) -> np.ndarray:
@@ -126,10 +147,5 @@ def _losses(runs: Runs) -> np.ndarray:
     return found
 
 
-_outline = closed_form(outline_of)
-
-
-@closed_form
-def _round_block(block: Block) -> RoundBlock:
-    outline = outline_of(block)
-    return outline.shape.round_block(outline.axes)
+if __name__ == "__main__":
+    main()

@@ -14,15 +14,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ...accuracy import Accuracy
-from ...impact.events import Outcome
-from ...progress import Progress
-from ...quantities import OUTCOME_COLUMN
-from ...runout import FullModel, Runs, simulate_runout
-from ...scene import Scene
-from ...sweeping import Axes, sweep
+from jaximpact.accuracy import Accuracy
+from jaximpact.parametric_sets import TABLE_1, check_ground, parametric_set
+from jaximpact.progress import Progress
+from jaximpact.quantities import OUTCOME_COLUMN
+from jaximpact.runout import FullModel, Runs, simulate_runout
+from jaximpact.scene import Scene
+from jaximpact.sweeping import Axes, sweep
+
 from ..biplanar import BiplanarCase
-from ..sets import TABLE_1, check_ground, parametric_set, record_impacts
+from ..study import record_impacts
 
 Table = Any
 """A pandas.DataFrame, whose own annotations give a Series for every choice of rows."""
@@ -125,9 +126,8 @@ def series_table(
     """
     recorded = record_impacts(base, points, study.accuracy, study.progress)
     parts = []
-    for point, (numbers, history) in zip(points, recorded, strict=True):
+    for point, (outcome, history) in zip(points, recorded, strict=True):
         columns = {name: getattr(history, SERIES[name]) for name in series}
-        outcome = str(Outcome(int(numbers.outcome_code)))
         parts.append(pd.DataFrame({**point, **columns, OUTCOME_COLUMN: outcome}))
     return pd.concat(parts, ignore_index=True)
 

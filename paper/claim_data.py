@@ -7,18 +7,27 @@ import itertools
 import numpy as np
 import xarray as xr
 
-from ..accuracy import DEFAULT_ACCURACY
-from ..batch import simulate_batch
-from ..progress import Progress
-from ..runout import Ending, FullModel, MotionMode, Runs, passages, simulate_runout
-from ..runout.trajectory import stretches_of
-from ..scene import GRAVITY, Scene
-from ..scene_quantities import scene_of_values, scene_values
-from ..sweeping import Axes, sweep
+from jaximpact.accuracy import DEFAULT_ACCURACY
+from jaximpact.batch import simulate_batch
+from jaximpact.parametric_sets import TABLE_1, parametric_set
+from jaximpact.progress import Progress
+from jaximpact.runout import (
+    Ending,
+    FullModel,
+    MotionMode,
+    Runs,
+    passages,
+    simulate_runout,
+)
+from jaximpact.runout.trajectory import stretches_of
+from jaximpact.scene import GRAVITY, Scene
+from jaximpact.scene_quantities import scene_of_values, scene_values
+from jaximpact.sweeping import Axes, sweep
+
 from .biplanar import ASPECT_RATIOS, SPINS_DEGPS, Jumps, jumps, restitutions
 from .criteria import NotComputed
 from .readings import AS_IT_IS, Reading, SlopeReading, with_contact_at
-from .sets import TABLE_1, parametric_set, record_impacts
+from .study import record_impacts
 
 ACCURACY = DEFAULT_ACCURACY
 SERIES, SLOPE = "courses", "slope"

@@ -13,10 +13,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
-from ...impact.events import Outcome
-from ...plotting.style import legend_outside, letter, panels
-from ...quantities import OUTCOME_COLUMN
-from ...units import DEGREE
+from jaximpact.impact.events import Outcome
+from jaximpact.plotting.style import legend_outside, letter, panels
+from jaximpact.quantities import OUTCOME_COLUMN
+from jaximpact.units import DEGREE
+
 from .tables import BRANCH, Table
 
 ASPECT_RATIO = "aspect_ratio"

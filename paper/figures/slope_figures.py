@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...impact.events import Outcome
-from ...plotting.style import (
+from jaximpact.impact.events import Outcome
+from jaximpact.plotting.style import (
     BLUE,
     SOIL,
     VERMILION,
@@ -19,11 +19,12 @@ from ...plotting.style import (
     legend_outside,
     log_scale,
 )
-from ...quantities import OUTCOME_COLUMN, columns_of_part
-from ...runout import Ending, MotionMode, Pieces, Runs
-from ...scene import GRAVITY
-from ...scene_quantities import scene_values
-from ...units import DEGREE
+from jaximpact.quantities import OUTCOME_COLUMN, columns_of_part
+from jaximpact.runout import Ending, MotionMode, Pieces, Runs
+from jaximpact.scene import GRAVITY
+from jaximpact.scene_quantities import scene_values
+from jaximpact.units import DEGREE
+
 from ..biplanar import (
     ASPECT_RATIOS,
     COEFFICIENTS,

@@ -12,17 +12,18 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ..._packages import versions
-from ..._precision import require_float64
-from ...accuracy import get_accuracy
-from ...identity import part_names
-from ...impact.events import Outcome
-from ...io.checks import chosen_values
-from ...io.files import put_text, replacing
-from ...io.output_files import NewFile, manifest_path, output_directory
-from ...plotting.style import png_bytes
-from ...quantities import OUTCOME_COLUMN
-from ...scene_quantities import scene_values
+from jaximpact._packages import versions
+from jaximpact._precision import require_float64
+from jaximpact.accuracy import get_accuracy
+from jaximpact.identity import part_names
+from jaximpact.impact.events import Outcome
+from jaximpact.io.checks import chosen_values
+from jaximpact.io.files import put_text, replacing
+from jaximpact.io.output_files import NewFile, manifest_path, output_directory
+from jaximpact.plotting.style import png_bytes
+from jaximpact.quantities import OUTCOME_COLUMN
+from jaximpact.scene_quantities import scene_values
+
 from .impact_figures import IMPACT_FIGURES
 from .slope_figures import ENDING_COLUMN, SLOPE_FIGURES, case_values
 from .tables import PaperFigure, Study, Table

@@ -4,7 +4,7 @@ import csv
 import io
 import textwrap
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from .claims import JUDGES
@@ -30,7 +30,6 @@ class Validation(NamedTuple):
     """All findings."""
 
     claims: list[Finding]
-    laws: list[Finding]
     readings: ByReading
     """Empty if they were not asked for."""
 
@@ -39,18 +38,16 @@ class Validation(NamedTuple):
         """Ids of what should have been computed and was not."""
         return [
             finding.id
-            for finding in (*self.claims, *self.laws)
+            for finding in self.claims
             if finding.judgement.verdict is Verdict.not_computed
-            and (finding.id in JUDGES or finding in self.laws)
+            and finding.id in JUDGES
         ]
 
 
 def as_text(validation: Validation) -> str:
     """Write the findings one below another, what they say and what decides, then
     counts."""
-    parts = []
-    for findings, count in _parts(validation):
-        parts += [*map(_lines, findings), f"{count}\n"]
+    parts = [*map(_lines, validation.claims), f"{_counts(validation.claims)}\n"]
     parts += map(_matrix_text, _groups(validation.readings))
     return "\n".join(parts)
 
@@ -71,19 +68,17 @@ def _lines(finding: Finding) -> str:
     return f"{claim}\n{evidence}\n"
 
 
-def _parts(validation: Validation) -> Iterator[tuple[list[Finding], str]]:
-    """Claims and laws, if there are any, with how many have which verdict."""
+def _counts(findings: list[Finding]) -> str:
+    """Write how many have which verdict."""
     words = {
         Verdict.holds: "hold",
         Verdict.partly: "hold partly",
         Verdict.fails: "fail",
         Verdict.not_computed: "not computed",
     }
-    for findings, of in ((validation.claims, "claims"), (validation.laws, "laws")):
-        found = Counter(finding.judgement.verdict for finding in findings)
-        counts = [f"{found[v]} {word}" for v, word in words.items() if found[v]]
-        if findings:
-            yield findings, f"{len(findings)} {of}: {', '.join(counts)}"
+    found = Counter(finding.judgement.verdict for finding in findings)
+    counts = [f"{found[v]} {word}" for v, word in words.items() if found[v]]
+    return f"{len(findings)} claims: {', '.join(counts)}"
 
 
 def as_csv(findings: Iterable[Finding]) -> str:
@@ -112,14 +107,12 @@ def _csv(columns: tuple[str, ...], rows: Iterable[dict]) -> str:
 
 def as_markdown(validation: Validation) -> str:
     """Write the findings in tables, and what the readings change."""
-    parts = []
     header = ("", "where", "claim", "verdict", "what decides")
-    for findings, count in _parts(validation):
-        rows = [
-            (f.id, f.where, f.claim, _marked(f.judgement.verdict), f.judgement.evidence)
-            for f in findings
-        ]
-        parts += [markdown_table(header, rows), f"{count}.\n"]
+    rows = [
+        (f.id, f.where, f.claim, _marked(f.judgement.verdict), f.judgement.evidence)
+        for f in validation.claims
+    ]
+    parts = [markdown_table(header, rows), f"{_counts(validation.claims)}.\n"]
     asked = [(f.id, f.criterion) for f in validation.claims if f.judgement.asked]
     parts.append(markdown_table(("", "criterion"), asked))
     for group in _groups(validation.readings):

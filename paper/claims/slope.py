@@ -3,11 +3,12 @@
 import numpy as np
 import xarray as xr
 
+from jaximpact.parametric_sets import GROUNDS
+
 from ..biplanar import COEFFICIENTS
 from ..claim_data import SLOPE, Study, elongated
 from ..criteria import Judgement, between, condition, conditions, judge, key_of
 from ..goodness_of_fit import Fit, fit_exponential, fit_normal
-from ..sets import GROUNDS
 
 ON_THE_PARABOLA = 1e-6
 """[m]"""

@@ -5,6 +5,8 @@ Eq. 5 (the energetic coefficient) and Fig. 13 (A_r 2 over the orientation, with 
 import numpy as np
 import xarray as xr
 
+from jaximpact.parametric_sets import PARAMETRIC_SETS
+
 from ..claim_data import (
     RANDOM_SETS,
     Study,
@@ -32,7 +34,6 @@ from ..criteria import (
     trend,
     trends,
 )
-from ..sets import PARAMETRIC_SETS
 from .impacts import trends_along_the_major_axis
 
 NEGATIVE_TO_DEG = 50.0

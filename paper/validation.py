@@ -1,8 +1,8 @@
-"""Validation from claims and laws to its files.
+"""Validation from claims to its files.
 
 validation.md, validation.csv and validation.json hold the findings; readings.csv the
 verdicts under every reading of the model, written after each of them, so that an
-interrupted run goes on. What the laws are compared by is drawn.
+interrupted run goes on.
 """
 
 import contextlib
@@ -14,19 +14,17 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from .._packages import versions
-from .._precision import require_float64
-from ..accuracy import get_accuracy
-from ..interruption import resumable
-from ..io.checks import chosen_values
-from ..io.files import read_text, write_text
-from ..io.output_files import NewFile, output_directory
-from ..plotting.style import save_figure
-from ..progress import Progress, ProgressFunction, as_progress
+from jaximpact._packages import versions
+from jaximpact._precision import require_float64
+from jaximpact.accuracy import get_accuracy
+from jaximpact.interruption import resumable
+from jaximpact.io.checks import chosen_values
+from jaximpact.io.files import read_text, write_text
+from jaximpact.io.output_files import NewFile, output_directory
+from jaximpact.progress import Progress, ProgressFunction, as_progress
+
 from .claim_data import ACCURACY, RANDOM_IMPACTS, SEED, Study
 from .claims import JUDGES, SLOPE_CLAIMS, SUPPLEMENT, read_claims
-from .comparisons import compare_with_laws
-from .comparisons.comparison import Comparison, as_findings
 from .criteria import Finding, Judgement, NotComputed, Verdict
 from .readings import AS_IT_IS, READINGS, SLOPE_READINGS
 from .report import (
@@ -39,7 +37,6 @@ from .report import (
     readings_csv,
 )
 
-LAWS = "laws"
 FILES = ("validation.csv", "validation.md", "validation.json")
 READINGS_FILES = READINGS_TABLE, READINGS_CONDITIONS = "readings.csv", "readings.json"
 Say = Callable[[str], None]
@@ -53,12 +50,12 @@ def validate(
     progress: Progress | ProgressFunction | None = None,
     say: Say | None = None,
 ) -> Validation:
-    """Judge the paper's claims, and compare the model with laws of others.
+    """Judge the paper's claims.
 
     Args:
         out: directory for the files, made if need be; those of an earlier run there are
             replaced or removed, but for readings of the same model. None writes none.
-        only: ids of claims, and `laws`; all for none.
+        only: ids of claims; all for none.
         readings: also judge the claims under every reading of `READINGS`, those on
             slope run-out under `SLOPE_READINGS`, and write them to `out`.
         progress: takes lines of progress.
@@ -74,13 +71,13 @@ def validate(
     require_float64()
     progress, say = as_progress(progress), say or (lambda text: None)
     claims = read_claims()
-    chosen = chosen_values("--only", only, {name: name for name in (*claims, LAWS)})
+    chosen = chosen_values("--only", only, {name: name for name in claims})
     directory, kept = contextlib.nullcontext(), {}
     if out is not None:
         out = Path(out)
         kept = _read_readings(out)
         names = FILES + (READINGS_FILES if readings or kept else ())
-        directory = output_directory(out, "validate", names)
+        directory = output_directory(out, "claims", names)
     with directory as new:
         study = Study(progress=progress)
         found = []
@@ -88,7 +85,6 @@ def validate(
             if name in chosen:
                 progress(f"{name}: {claim.claim}")
                 found.append(Finding(*claim, _judge(name, study, claim.criterion)))
-        comparisons = compare_with_laws(progress) if LAWS in chosen else []
         by_reading = {}
         if readings:
             ids = [name for name in JUDGES if name in chosen and name != SUPPLEMENT]
@@ -101,9 +97,9 @@ def validate(
                 )
             with contextlib.nullcontext() if new is None else resumable():
                 by_reading |= _judge_readings(ids, kept, new, progress)
-        validation = Validation(found, as_findings(comparisons), by_reading)
+        validation = Validation(found, by_reading)
         if new is not None:
-            _write_all(new, validation, comparisons)
+            _write_all(new, validation)
             if kept:
                 # Those of an earlier run are of the same model, and stay.
                 for name in READINGS_FILES:
@@ -180,13 +176,9 @@ def _read_readings(out: Path) -> ByReading:
     return known
 
 
-def _write_all(
-    new: NewFile, validation: Validation, comparisons: list[Comparison]
-) -> None:
-    for name, draw in {row.figure_name: row.draw for row in comparisons}.items():
-        save_figure(draw(), new(f"{name}.png"))
+def _write_all(new: NewFile, validation: Validation) -> None:
     table, page, tree = map(new, FILES)
-    findings = [*validation.claims, *validation.laws]
+    findings = validation.claims
     write_text(table, as_csv(findings))
     write_text(page, as_markdown(validation))
     stored = [_finding_json(finding) for finding in findings]

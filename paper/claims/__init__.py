@@ -11,9 +11,10 @@ from collections.abc import Callable
 from importlib import resources
 from typing import NamedTuple
 
+from jaximpact.parametric_sets import GROUNDS
+
 from ..claim_data import Study
 from ..criteria import Judgement, Verdict, condition, judge, key_of
-from ..sets import GROUNDS
 from . import impacts, restitution, slope
 
 

@@ -9,9 +9,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ...plotting.style import BLUE, GREEN, VERMILION, in_style, legend_outside
-from ...quantities import OUTCOME_COLUMN
-from ..sets import record_impacts
+from jaximpact.plotting.style import BLUE, GREEN, VERMILION, in_style, legend_outside
+from jaximpact.quantities import OUTCOME_COLUMN
+
+from ..study import record_impacts
 from .drawing import (
     ANGLE,
     ASPECT_RATIO,

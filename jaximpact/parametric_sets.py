@@ -1,25 +1,20 @@
-"""The paper's parametric sets, as sweeps, and the recording of impacts of a set.
+"""The paper's parametric sets, as sweeps.
 
 Source: Dattola et al. (2023), Table 2, Fig. 13 and the supplementary material. The
 paper gives ranges; the steps within them are ours.
 """
 
-import concurrent.futures
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
-from .._numpy_settings import numpy_settings
-from ..accuracy import Accuracy, get_accuracy
-from ..backend.derivative_rules import solve_recorded
-from ..backend.threads import thread_count
-from ..errors import InputError, nearest
-from ..impact.results import History, ImpactSummary
-from ..progress import Progress
-from ..scene import Scene
-from ..scene_quantities import scene_of_values, scene_values
-from ..sweeping import LABELS, Axes
+from ._numpy_settings import numpy_settings
+from .accuracy import DEFAULT_ACCURACY, Accuracy
+from .errors import InputError, nearest
+from .scene import Scene
+from .scene_quantities import scene_of_values
+from .sweeping import LABELS, Axes, sweep
 
 TABLE_1 = "Table 1"
 GROUNDS = (TABLE_1, "c_v 0.5, gamma_v 1.70", "c_v 0.5, gamma_v 0.85")
@@ -73,10 +68,30 @@ def parametric_set(name: str, ground: str | None = None) -> tuple[Scene, Axes]:
         return scene_of_values(values), axes
     check_ground(ground)
     place = GROUNDS.index(ground)
-    own = {quantity: numbers[place] for quantity, numbers in axes[GROUND].items()}
-    del own[LABELS]
+    soil = {quantity: numbers[place] for quantity, numbers in axes[GROUND].items()}
+    del soil[LABELS]
     others = {axis: numbers for axis, numbers in axes.items() if axis != GROUND}
-    return scene_of_values(values | own), others
+    return scene_of_values(values | soil), others
+
+
+def simulate_set(
+    name: str,
+    ground: str | None = None,
+    *,
+    accuracy: str | Accuracy = DEFAULT_ACCURACY,
+) -> xr.Dataset:
+    """Compute a parametric set of the paper.
+
+    Args:
+        name, ground: as for `parametric_set`.
+        accuracy: as for `sweep`.
+
+    Returns:
+        The dataset of `sweep`: named axes, every number of an impact with its unit, and
+        the outcome in words. `sweep(*parametric_set(name))` is the same; axes and base
+        may be changed there.
+    """
+    return sweep(*parametric_set(name, ground), accuracy=accuracy)
 
 
 def check_ground(ground: str) -> None:
@@ -86,32 +101,3 @@ def check_ground(ground: str) -> None:
             f"the ground must be one of {', '.join(map(repr, GROUNDS))}, but is "
             f"{ground!r}; did you mean {nearest(ground, GROUNDS)!r}?"
         )
-
-
-def record_impacts(
-    base: Scene,
-    points: Sequence[Mapping],
-    accuracy: str | Accuracy,
-    progress: Progress,
-) -> list[tuple[ImpactSummary, History]]:
-    """Compute impacts with their histories.
-
-    Args:
-        points: what differs from the base, quantities in the units of their columns.
-    """
-    values, setting = scene_values(base), get_accuracy(accuracy)
-
-    def record(point):
-        return solve_recorded(scene_of_values(values | dict(point)), setting)
-
-    progress("time series", 0, len(points))
-    # The first compiles what all use.
-    results = [record(points[0])]
-    pool = concurrent.futures.ThreadPoolExecutor(thread_count())
-    try:
-        for result in pool.map(record, points[1:]):
-            results.append(result)
-            progress("time series", len(results), len(points))
-    finally:
-        pool.shutdown(cancel_futures=True)
-    return results
