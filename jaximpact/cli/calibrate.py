@@ -200,7 +200,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _run_slope(arguments: argparse.Namespace) -> None:
     from ..runout import calibrate_slope
-    from ..runout.back_analysis.report import in_words
+    from ..runout.back_analysis.report import report
 
     if arguments.posterior:
         raise InputError(
@@ -217,7 +217,7 @@ def _run_slope(arguments: argparse.Namespace) -> None:
         found = calibrate_slope(
             arguments.study, arguments.out, executor=executor, progress=progress
         )
-    print(in_words(found), end="")
+    print(report(found).text(), end="")
     say(f"{time.monotonic() - begin:.0f} s in all")
     say(f"the report is {arguments.out / 'report.html'}")
 

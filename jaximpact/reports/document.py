@@ -57,7 +57,8 @@ class Section:
         return any(self.parts)
 
 
-class Interactive(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Interactive:
     """Part of a page alone, with a template of its own."""
 
     package: str
