@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -186,6 +186,15 @@ class Profile(ShownAsTable):
         line = straight_lines(self.x, self.y)
         return _fixed(np.bincount(line, weights=self.length)[line])
 
+    def columns_between(
+        self, left: np.ndarray, right: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Find the first and the last segment whose columns lie between two places, or
+        reach into there, for each lane."""
+        first = np.searchsorted(self.x, left, side="left") - 1
+        last = np.searchsorted(self.x, right, side="right") - 1
+        return np.maximum(first, 0), np.minimum(last, self.segments - 1)
+
     def height(self, x) -> np.ndarray:
         """Interpolate the height of the ground at x [m]; beyond the ends it is that of
         the end points."""
@@ -228,6 +237,32 @@ def _fixed(values: np.ndarray) -> np.ndarray:
     """Make an array that is handed out many times read-only."""
     values.setflags(write=False)
     return values
+
+
+PAIRS = 2**18
+"""Number of pairs at once, by which the memory for them is bounded."""
+
+
+def in_pairs(
+    first: np.ndarray, last: np.ndarray
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Pair each lane with its segments.
+
+    Args:
+        first, last: segments of the lanes, `(lanes,)`; none where the last is less.
+
+    Yields:
+        Lanes and segments of some pairs.
+    """
+    count = np.maximum(last - first + 1, 0)
+    ends = np.cumsum(count)
+    start, begun = 0, 0
+    while start < len(count):
+        stop = max(start + 1, int(np.searchsorted(ends, begun + PAIRS, side="right")))
+        lanes = np.repeat(np.arange(start, stop), count[start:stop])
+        before = (ends - count)[lanes]
+        yield lanes, first[lanes] + np.arange(begun, begun + len(lanes)) - before
+        start, begun = stop, int(ends[stop - 1])
 
 
 def straight_lines(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -100,7 +100,7 @@ def test_the_command_compares(slope, tmp_path, capsys):
         *("constant-coefficients", "mu-0-6", "mu-0-2"),
         *("comparison.csv", "comparison_collectors.csv", "report.html"),
         *("comparison.png", "comparison_collectors.png", "manifest.json"),
-        "jaximpact-files.json",
+        "jaximpact-study.json",
     }
     assert not list((tmp_path / "out").glob("*/*.journal"))
     rows = {row["law"]: row for row in rows_of(tmp_path / "out" / "comparison.csv")}

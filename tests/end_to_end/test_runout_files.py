@@ -262,7 +262,7 @@ def test_without_a_place_there_is_no_map(slope, tmp_path):
 
 def test_files_are_announced(results):
     folder, study, _ = results
-    written = {path.name for path in folder.iterdir()} - {"jaximpact-files.json"}
+    written = {path.name for path in folder.iterdir()} - {"jaximpact-study.json"}
     assert written == {*output_module.names_of_files(study)}
 
 
@@ -271,7 +271,7 @@ def test_nothing_of_others_is_replaced(slope, tmp_path, capsys, name):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / name).write_text("mine")
     assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, f"holds {name}")
+    assert_one_line_error(capsys, f"has {name}")
     assert (tmp_path / "out" / name).read_text() == "mine"
 
 
@@ -315,7 +315,7 @@ def test_a_drawing_that_fails_leaves_all_or_nothing(
     said = "error: no file was written: RuntimeError: no font\\nat all"
     assert capsys.readouterr().err.splitlines()[-1] == f"jaximpact: {said}"
     left = {path.name for path in (tmp_path / "out").iterdir()}
-    assert left == {"jaximpact-files.json", "blocks.journal"}
+    assert left == {"jaximpact-study.json", "blocks.journal"}
     monkeypatch.setattr(drawing, "draw_stops", plot)
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
     assert (tmp_path / "out" / "stops.png").exists()

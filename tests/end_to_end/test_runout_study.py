@@ -254,7 +254,7 @@ def test_the_command_writes_all(slope, tmp_path, capsys):
         *("manifest.json", "blocks.nc", "stops.csv", "collectors.csv"),
         *("profile.png", "envelopes.png", "stops.png", "collectors.png"),
         *("report.html", "trajectories.csv"),
-        "jaximpact-files.json",
+        "jaximpact-study.json",
     }
     dataset = read_netcdf(tmp_path / "out" / "blocks.nc")
     assert dict(dataset.sizes) == {

@@ -615,7 +615,7 @@ def written(tmp_path_factory, engine):
 
 def test_the_files_are_there(written):
     assert sorted(p.name for p in written.iterdir()) == [
-        *("fit.json", "fitted.csv", "jaximpact-files.json", "report.html")
+        *("fit.json", "fitted.csv", "jaximpact-study.json", "report.html")
     ]
 
 

@@ -27,7 +27,6 @@ from ..blocks import BlockOutline, Body, put, select, support, support_of
 from ..centre_path import CentrePath
 from ..ground_motion.rolling import begin_on_ground
 from ..lane_programs import Values, closed_form
-from ..near_segments import columns_between, in_pairs
 from ..state import (
     UNDER_WAY,
     BlockConstants,
@@ -38,10 +37,9 @@ from ..state import (
     choose,
     velocities,
 )
-from ..terrain import Profile
+from ..terrain import Profile, in_pairs
 from ..trajectory import ContactRecord, Ending, MotionMode, Pieces
 from .contact_models import ClosedForm, Contacts
-from .footprint import on_footprint
 from .plane_contact import (
     Continuation,
     PlaneContact,
@@ -49,6 +47,7 @@ from .plane_contact import (
     Settled,
     Touch,
     impact_of,
+    on_footprint,
     settle,
     touch,
 )
@@ -244,7 +243,7 @@ def free_fraction(
 
     to_right = d_x > 0.0
     end = x + d_x + np.where(to_right, largest, -largest)
-    nearest, farthest = columns_between(profile, end, end)
+    nearest, farthest = profile.columns_between(end, end)
     first = np.where(to_right, segment + 1, nearest)[moving]
     last = np.where(to_right, farthest, segment - 1)[moving]
     for lanes, place in in_pairs(first, last):

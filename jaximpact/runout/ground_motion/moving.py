@@ -13,12 +13,9 @@ from ..blocks import put, select
 from ..centre_path import LEFT_BEHIND
 from ..state import UNKNOWN, BlockConstants, BlockState, Phase, State
 from ..trajectory import Ending, MotionMode, Pieces
-from .conditions import least_squared
-from .corner_strike import Corner, strike_corner
+from .conditions import Riders, least_squared
 from .ride import Event, Place, Ride, friction_on, ride
-from .riders import Riders
-from .rolling import SMALL_RISE, lie_down
-from .take_off import take_off
+from .rolling import SMALL_RISE, Corner, lie_down, strike_corner, take_off
 
 SHORTEST_LOOKAHEAD, LONGEST_LOOKAHEAD = 4, 128
 """Numbers of elements ahead that a ride evaluates: few after an event, more while

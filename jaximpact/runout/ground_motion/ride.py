@@ -16,10 +16,10 @@ velocity across it; one that is too slow for an impact goes on in the new direct
 the part of its angular momentum about the new contact,
 $v' = v\,(\cos\delta + k)/(1 + k)$. At a convex break the block leaves the ground where
 the path falls away faster than it does, $v^2\kappa > g\cos\alpha$, if the flight is
-followed (`hops`). Where the ground turns down by less than `MILD`, $\kappa$ is that of
-the curve that the points draw, from the middle of the shorter segment beside it; else
-it is that of the arc, $1/r$. A point that stands alone, where those beside it do not
-bend the same way, draws a curve of `CURVE` radii at most.
+followed (`conditions`). Where the ground turns down by less than `MILD`, $\kappa$ is
+that of the curve that the points draw, from the middle of the shorter segment beside
+it; else it is that of the arc, $1/r$. A point that stands alone, where those beside it
+do not bend the same way, draws a curve of `CURVE` radii at most.
 
 **Events**: a corner that is struck, or a slow one; the take-off; a speed that has
 become too small; the end of the profile; the limit of time.
@@ -41,13 +41,13 @@ from .conditions import (
     Bend,
     Conditions,
     Motion,
+    Riders,
     conditions_on,
+    find_hops,
     least_squared,
     loss_with_height,
     passage,
 )
-from .hops import find_hops
-from .riders import Riders
 
 PIECE_TURN, PIECE_LENGTH = 0.05, 8.0
 """Turn [rad] and length, in radii, up to which small elements are one piece of a

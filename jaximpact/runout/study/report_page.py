@@ -52,7 +52,7 @@ CURVES = (
 BARRIERS = (
     "A block passes over if its lowest point, at its first passage of x, is above the "
     "top; else it breaks the barrier if its kinetic energy exceeds the capacity, and "
-    "is stopped if not. " + NOTE
+    "is stopped if not."
 )
 
 
@@ -183,9 +183,9 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
         )
     lines = [
         law,
-        "Intervals tell how far other random blocks might lead, and nothing of errors "
-        "of the model, the ground or the releases. They mean nothing for blocks that "
-        "are combinations of lists and no random samples.",
+        "Intervals say how much the numbers would change with other random blocks. "
+        "They do not include errors of the model, the ground or the releases, and mean "
+        "nothing where blocks are combinations of lists.",
         "The motion is plane: blocks neither leave the profile sideways nor break.",
     ]
     varied = any(ROLLING_COLUMN in name for name in study.ground_samples)
@@ -218,7 +218,7 @@ def _few_at_collectors(dataset: xr.Dataset) -> list[str]:
         return []
     counts = zip(dataset.collector.values, dataset.blocks_passing.values, strict=True)
     return [
-        f"Only {count} blocks pass x = {x:g} m: an interval of the 99 % value takes "
+        f"Only {count} blocks pass x = {x:g} m: an interval of the 99 % value needs "
         f"{least_blocks(99)}."
         for x, count in counts
         if count < least_blocks(99)
