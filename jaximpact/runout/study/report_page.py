@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from ...reports.document import Box, Document, Interactive, Part, Section
-from ...reports.tables import Table, interval_text
+from ...reports.tables import Table, interval_text, listed
 from ...scene_quantities import SHAPE
 from ..contacts.contact_models import ClosedForm
 from ..terrain import ROLLING_COLUMN, ROLLING_FRICTION_ANGLE
@@ -217,12 +217,9 @@ def _few_at_collectors(dataset: xr.Dataset) -> list[str]:
     if "collector" not in dataset.sizes:
         return []
     counts = zip(dataset.collector.values, dataset.blocks_passing.values, strict=True)
-    return [
-        f"Only {count} blocks pass x = {x:g} m: an interval of the 99 % value needs "
-        f"{least_blocks(99)}."
-        for x, count in counts
-        if count < least_blocks(99)
-    ]
+    few = [f"{n} pass x = {x:g} m" for x, n in counts if n < least_blocks(99)]
+    needed = f"An interval of the 99 % value needs {least_blocks(99)} blocks"
+    return [f"{needed}, but {listed(few)}."] if few else []
 
 
 def _median_stop(dataset: xr.Dataset) -> float:
