@@ -32,9 +32,9 @@ from jaximpact.progress import Progress
 from jaximpact.runout.back_analysis.data_sets import column_of, simulate_data_sets
 from jaximpact.runout.back_analysis.observed import (
     PASSAGE_COLUMNS,
-    Count,
-    Passages,
-    Stops,
+    ObservedCount,
+    ObservedPassages,
+    ObservedStops,
 )
 from jaximpact.runout.back_analysis.posterior import Posterior, posterior_of, search
 from jaximpact.runout.back_analysis.predictive import at_barrier, predict
@@ -166,17 +166,17 @@ def observe(fit: SlopeFit, blocks: np.ndarray, quantities, most: int) -> SlopeFi
     """Observe a data set: all stopping points, values at the first line of the counts,
     and the counts themselves."""
     stops = blocks[np.isfinite(blocks[:, 0]), 0]
-    channels: list = [Stops(stops)] if len(stops) else []
-    lines = [c for c in fit.observed.channels if isinstance(c, Count)]
+    channels: list = [ObservedStops(stops)] if len(stops) else []
+    lines = [c for c in fit.observed.channels if isinstance(c, ObservedCount)]
     for quantity in quantities:
         values = blocks[:, column_of(fit.places, lines[0].place, quantity)]
         values = values[np.isfinite(values)][:most]
         if len(values):
-            channels.append(Passages(lines[0].place, quantity, values, False))
+            channels.append(ObservedPassages(lines[0].place, quantity, values, False))
     for line in lines:
         passing = blocks[:, column_of(fit.places, line.place, PASSAGE_COLUMNS[0])]
         passed = int(np.sum(np.isfinite(passing)))
-        channels.append(Count(line.place, passed, len(blocks)))
+        channels.append(ObservedCount(line.place, passed, len(blocks)))
     observed = fit.observed._replace(channels=tuple(channels))
     return dataclasses.replace(fit, observed=observed)
 

@@ -185,7 +185,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     studies = read_slope_studies(arguments.study, arguments.accuracy)
     several = len(studies) > 1
-    folders = [Path(study.law_directory if several else "") for study in studies]
+    folders = [Path(study.law.directory if several else "") for study in studies]
     names = [
         (f / name).as_posix()
         for f in folders
@@ -194,15 +194,14 @@ def run(arguments: argparse.Namespace) -> None:
     if several:
         names += output.names_of_files(studies[0], comparison=True)
     datasets, journals = {}, []
-    directory = output_directory(
-        arguments.out, "runout", names, inputs=studies[0].inputs
-    )
+    files = dict.fromkeys(file for study in studies for file in study.inputs.files)
+    directory = output_directory(arguments.out, "runout", names, inputs=list(files))
     with resumable(), directory as new, options.engine_of(arguments) as executor:
         for study, folder in zip(studies, folders, strict=True):
             make_directory(arguments.out / folder, option="--out")
             journals.append(arguments.out / folder / "blocks.journal")
             if several:
-                say(f"contacts by {study.law_name}")
+                say(f"contacts by {study.law.name}")
             with ProgressLines() as progress:
                 dataset = run_slope_study(
                     study,
@@ -210,12 +209,12 @@ def run(arguments: argparse.Namespace) -> None:
                     progress=partial(progress, "blocks"),
                     executor=executor,
                 )
-            datasets[study.law_name] = dataset
+            datasets[study.law.name] = dataset
         with together(new) as add:
             for study, folder in zip(studies, folders, strict=True):
                 report = output.write_slope_study(
                     study,
-                    datasets[study.law_name],
+                    datasets[study.law.name],
                     lambda name, folder=folder: add((folder / name).as_posix()),
                 )
             if several:

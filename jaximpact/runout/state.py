@@ -186,7 +186,7 @@ def _frictions_of(slider, friction_angle: Values, rolling_angle: Values) -> tupl
 
 
 @dataclasses.dataclass
-class State:
+class RunState:
     """State of all blocks of a run, which changes as it goes on."""
 
     profile: Profile
@@ -223,7 +223,7 @@ class State:
         release: Release,
         ground: Ground | None = None,
         limits: Limits = Limits(),  # noqa: B008, which is immutable
-    ) -> "State":
+    ) -> "RunState":
         """Start all blocks; on the profile's own ground if no other is given."""
         n, surface = release.count, ground or profile
         numbers = None if ground is None else ground.numbers

@@ -116,14 +116,14 @@ def slope_with(path, *pairs):
 
 def coordinates(study):
     """x of what was drawn."""
-    c_v, gamma_v, dilatancy = (study.ground_samples[name] for name in NAMES)
+    c_v, gamma_v, dilatancy = (study.inputs.ground_samples[name] for name in NAMES)
     return np.stack([np.log(c_v), np.log(gamma_v), dilatancy / 0.5])
 
 
 def test_blocks_get_soils_as_the_calibration_left_them(here):
     study = read_slope_study(here / "slope.toml")
     x = coordinates(study)
-    drawn = study.ground_samples
+    drawn = study.inputs.ground_samples
     assert drawn["dilatancy"].min() >= 0.0
     assert drawn["dilatancy"].max() <= 1.0
     # The third is cut at 0 and 1, 2.4 and 3.6 deviations off, which is hardly seen in
@@ -139,8 +139,8 @@ def test_blocks_get_soils_as_the_calibration_left_them(here):
     # What the fit held is held: the variant's before the study's.
     np.testing.assert_array_equal(study.profile.soil.k_E, 700.0)
     np.testing.assert_array_equal(study.profile.soil.beta, 0.8)
-    assert len(study.checksums["fit.json"]) == 64
-    assert study.ground_told == DEFAULTS | {"from": "fit"}
+    assert len(study.inputs.checksums_by_name["fit.json"]) == 64
+    assert study.inputs.ground_table == DEFAULTS | {"from": "fit"}
 
 
 def test_neither_the_count_nor_other_draws_matter(here):
@@ -148,21 +148,23 @@ def test_neither_the_count_nor_other_draws_matter(here):
     few = read_slope_study(slope_with(here, ("count = 4000", "count = 50")))
     for name in NAMES:
         np.testing.assert_array_equal(
-            few.ground_samples[name], whole.ground_samples[name][:50]
+            few.inputs.ground_samples[name], whole.inputs.ground_samples[name][:50]
         )
     plain = read_slope_study(slope_with(here, ('from = "fit"', "c_v = 1")))
     np.testing.assert_array_equal(plain.release.x, whole.release.x)
     np.testing.assert_array_equal(plain.release.block.mass, whole.release.block.mass)
     other = read_slope_study(slope_with(here, ("seed = 7", "seed = 8")))
-    assert not np.any(other.ground_samples["c_v"] == whole.ground_samples["c_v"])
+    assert not np.any(
+        other.inputs.ground_samples["c_v"] == whole.inputs.ground_samples["c_v"]
+    )
 
 
 def test_a_parameter_that_is_said_is_held_and_the_others_follow(here):
     said = ('from = "fit"', 'from = "fit"\nc_v = 0.8')
     study = read_slope_study(slope_with(here, said))
-    assert set(study.ground_samples) == {"gamma_v", "dilatancy"}
+    assert set(study.inputs.ground_samples) == {"gamma_v", "dilatancy"}
     np.testing.assert_array_equal(study.profile.soil.c_v, 0.8)
-    x = np.log(study.ground_samples["gamma_v"])
+    x = np.log(study.inputs.ground_samples["gamma_v"])
     ratio = COVARIANCE[0, 1] / COVARIANCE[0, 0]
     mean = MEAN[1] + ratio * (np.log(0.8) - MEAN[0])
     deviation = np.sqrt(COVARIANCE[1, 1] - ratio * COVARIANCE[0, 1])
@@ -173,11 +175,11 @@ def test_a_parameter_that_is_said_is_held_and_the_others_follow(here):
     # Block by block, where it differs from block to block.
     said = ('from = "fit"', 'from = "fit"\nc_v = { from = 0.4, to = 1.2 }')
     study = read_slope_study(slope_with(here, said))
-    c_v, gamma_v = (np.log(study.ground_samples[name]) for name in NAMES[:2])
+    c_v, gamma_v = (np.log(study.inputs.ground_samples[name]) for name in NAMES[:2])
     slope = np.polyfit(c_v, gamma_v, 1)[0]
     assert slope == pytest.approx(ratio, abs=0.06)
     said = ('from = "fit"', 'from = "fit"\nc_v = 0.5\ngamma_v = 4\ndilatancy = 0')
-    assert read_slope_study(slope_with(here, said)).ground_samples == {}
+    assert read_slope_study(slope_with(here, said)).inputs.ground_samples == {}
 
 
 def test_a_segment_may_have_its_own(here):
@@ -185,7 +187,7 @@ def test_a_segment_may_have_its_own(here):
     study = read_slope_study(slope_with(here, said))
     np.testing.assert_array_equal(study.ground.soil.c_v[:, 1], 3.0)
     np.testing.assert_array_equal(
-        study.ground.soil.c_v[:, 0], study.ground_samples["c_v"]
+        study.ground.soil.c_v[:, 0], study.inputs.ground_samples["c_v"]
     )
 
 
@@ -195,7 +197,7 @@ def test_samples_are_those_of_the_fit_by_their_weights(here):
     accuracy = fit()["variants"][0]["draws"]["accuracy"]
     draws = {"values": values, "weights": [3.0, 1.0] * 500, "accuracy": accuracy}
     write(here, fit(draws=draws))
-    found = read_slope_study(here / "slope.toml").ground_samples
+    found = read_slope_study(here / "slope.toml").inputs.ground_samples
     low = found["c_v"] < 1.0
     # Four standard errors of 4000 blocks.
     assert np.mean(low) == pytest.approx(0.75, abs=4.0 * np.sqrt(0.1875 / 4000.0))

@@ -110,7 +110,7 @@ def test_barriers_count_first_passages(results):
     folder, study, dataset = results
     runs = simulate(study, np.arange(90))
     rows = rows_of(folder / "barriers.csv")
-    for barrier in study.barriers:
+    for barrier in study.settings.barriers:
         found = passages(runs, barrier.x)
         blocks, first = np.unique(found.trajectory, return_index=True)
         over = found.lowest_height[first] > barrier.height
@@ -139,7 +139,7 @@ def test_barriers_count_first_passages(results):
     # All four effects occur.
     assert len(np.unique(dataset.barrier_effect.values)) == 4
     told = json.loads((folder / "manifest.json").read_text())["barriers"]
-    assert [b["name"] for b in told] == [b.name for b in study.barriers]
+    assert [b["name"] for b in told] == [b.name for b in study.settings.barriers]
     assert told[0]["estimates"]["energy_kJ_p99"]["high"] is None
 
 
@@ -426,7 +426,7 @@ def test_paths_of_the_page_end_where_the_blocks_do(results):
             at = (at[0] + dx, at[1] + dy)
             reached.add(at[0])
     assert reached >= {*ended}
-    assert study.title in page
+    assert study.inputs.title in page
 
 
 def test_what_is_not_known_is_told(results, slope):
@@ -453,10 +453,15 @@ def _page(study, dataset, runs):
 def test_texts_of_users_are_only_text(results, slope):
     _, study, dataset = results
     evil = '</script><img src=x onerror="a()"> {{ 3 }} $x$'
-    barriers = (study.barriers[0]._replace(name=evil), *study.barriers[1:])
-    dataset = dataset.assign_coords(barrier=[evil, study.barriers[1].name])
+    first, *others = study.settings.barriers
+    barriers = (first._replace(name=evil), *others)
+    study = study._replace(
+        settings=study.settings._replace(barriers=barriers),
+        inputs=study.inputs._replace(title=evil),
+    )
+    dataset = dataset.assign_coords(barrier=[b.name for b in barriers])
     runs = simulate(study, np.arange(3))
-    page = _page(study._replace(title=evil, barriers=barriers), dataset, runs)
+    page = _page(study, dataset, runs)
     assert "<img" not in page
     assert page.count("</script>") == 3
     assert data_of(page)["places"][2]["words"] == evil

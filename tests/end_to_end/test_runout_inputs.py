@@ -64,7 +64,8 @@ def test_the_command_takes_all(study, tmp_path, capsys):
     read = read_slope_study(study)
     np.testing.assert_array_equal(dataset.mass_kg, read.release.block.mass)
     np.testing.assert_array_equal(
-        dataset.ground_materials_meadow_k_E, read.ground_samples["materials_meadow_k_E"]
+        dataset.ground_materials_meadow_k_E,
+        read.inputs.ground_samples["materials_meadow_k_E"],
     )
     assert 2.0 <= dataset.release_x_m.min() < dataset.release_x_m.max() <= 30.0
     manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())

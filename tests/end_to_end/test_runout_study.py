@@ -126,7 +126,7 @@ def test_lists_make_every_combination():
 def test_the_file_says_what_is_computed(slope):
     study = read_slope_study(slope)
     assert study.release.count == 60
-    assert list(study.collectors) == [40.0, 60.0]
+    assert list(study.settings.collectors) == [40.0, 60.0]
     assert list(np.degrees(study.profile.rolling_friction_angle).round(9)) == [
         *(25, 10, 25, 25)
     ]
@@ -136,7 +136,7 @@ def test_the_file_says_what_is_computed(slope):
     assert len(np.unique(mass)) == 60
     assert list(study.release.block.aspect_ratio[:4]) == [1.0, 1.5, 2.0, 1.0]
     np.testing.assert_allclose(study.release.v_y, 5.0 * np.sin(np.radians(10.0)))
-    assert study.law == {
+    assert study.law.description == {
         "law": "frictional ellipsoid",
         "e_contact": 0.3,
         "friction_coefficient": 0.6,
@@ -160,7 +160,7 @@ def test_a_profile_from_a_csv(changed, tmp_path):
     assert list(study.profile.x) == [0.0, 80.0, 200.0]
     assert list(study.profile.soil.c_v) == [1.0, 0.5]
     assert list(np.degrees(study.profile.rolling_friction_angle).round(9)) == [25, 10]
-    assert set(study.checksums) == {"slope.toml", "profile.csv"}
+    assert set(study.inputs.checksums_by_name) == {"slope.toml", "profile.csv"}
 
 
 def test_neither_portions_nor_the_count_matter(slope, changed, monkeypatch):
@@ -213,7 +213,8 @@ class FailsOnTheFlat(ConstantCoefficients):
 
 def test_nothing_is_averaged_over_failures(slope):
     study = read_slope_study(slope)
-    study = study._replace(contacts=ClosedForm(FailsOnTheFlat(0.4, 0.9)))
+    law = study.law._replace(contacts=ClosedForm(FailsOnTheFlat(0.4, 0.9)))
+    study = study._replace(law=law)
     dataset = run_slope_study(study)
     failed = dataset.ending.values == "failed"
     assert np.all(study.release.block.mass[failed] > 100.0)
@@ -312,8 +313,8 @@ def test_interruption_says_how_to_go_on(slope, capsys, monkeypatch):
 def test_the_full_model_takes_an_accuracy(changed):
     law = SLOPE[SLOPE.index("[contacts]") :]
     study = read_slope_study(changed((law, "")), accuracy="fast")
-    assert study.contacts == FullModel("fast")
-    few = run_slope_study(study._replace(bins=3))
+    assert study.law.contacts == FullModel("fast")
+    few = run_slope_study(study._replace(settings=study.settings._replace(bins=3)))
     assert set(few.ending.values) <= {str(Ending.stopped), str(Ending.left_profile)}
     assert json.loads(few.attrs["contacts"])["accuracy"] == "fast"
 

@@ -262,8 +262,12 @@ def test_ground_samples_changes_no_other_number(slope, changed):
     )
     np.testing.assert_array_equal(plain.release.x, varied.release.x)
     np.testing.assert_array_equal(plain.release.block.mass, varied.release.block.mass)
-    assert set(varied.ground_samples) == {"c_v", "roughness_deg", "segment_2_k_E"}
-    drawn, soil = varied.ground_samples, varied.ground.soil
+    assert set(varied.inputs.ground_samples) == {
+        "c_v",
+        "roughness_deg",
+        "segment_2_k_E",
+    }
+    drawn, soil = varied.inputs.ground_samples, varied.ground.soil
     assert len(set(drawn["c_v"])) == 40
     np.testing.assert_array_equal(soil.c_v, drawn["c_v"][:, None])
     np.testing.assert_array_equal(drawn["segment_2_k_E"][:4], [600, 700, 800, 600])
@@ -285,7 +289,7 @@ def test_ground_samples_changes_no_other_number(slope, changed):
     )
     np.testing.assert_array_equal(varied.ground.soil.c_v[:, 1], 0.9)
     np.testing.assert_array_equal(
-        varied.ground.soil.c_v[:, 2], varied.ground_samples["c_v"]
+        varied.ground.soil.c_v[:, 2], varied.inputs.ground_samples["c_v"]
     )
 
 
@@ -306,7 +310,9 @@ def test_drawn_ground_is_kept_and_a_block_can_be_repeated(slope, changed, tmp_pa
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
     dataset = read_netcdf(tmp_path / "out" / "blocks.nc")
     study = read_slope_study(slope)
-    np.testing.assert_array_equal(dataset.ground_c_v, study.ground_samples["c_v"])
+    np.testing.assert_array_equal(
+        dataset.ground_c_v, study.inputs.ground_samples["c_v"]
+    )
     assert dataset.ground_c_v.attrs["units"] == "-"
     manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
     assert manifest["ground"]["c_v"] == {"mean": 0.5, "sd": 0.1, "least": 0}
@@ -319,7 +325,7 @@ def test_drawn_ground_is_kept_and_a_block_can_be_repeated(slope, changed, tmp_pa
             Block(mass=block.mass_kg.values),
             *(block[f"release_{n}"].values for n in ("x_m", "y_m", "v_x_mps")),
         ),
-        study.contacts,
+        study.law.contacts,
         ground=Ground(
             dataclasses.replace(study.profile.soil, c_v=block.ground_c_v.values),
             study.profile.rolling_friction_angle,

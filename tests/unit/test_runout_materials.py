@@ -71,7 +71,7 @@ def test_a_range_cuts_the_segment_in_which_it_begins(slope):
         np.degrees(study.ground.rolling_friction_angle), [20, 20, 32, 32]
     )
     assert study.release.count == 1000
-    drawn = study.ground_samples["materials_scree_gamma_v"]
+    drawn = study.inputs.ground_samples["materials_scree_gamma_v"]
     np.testing.assert_array_equal(soil.gamma_v[:, 0], drawn)
     np.testing.assert_array_equal(soil.gamma_v[:, 1], drawn)
     np.testing.assert_array_equal(soil.gamma_v[:, 2:], 8.7)
@@ -99,8 +99,8 @@ def test_samples_are_those_of_the_study_without_cuts(slope, changed):
     by_range = read_slope_study(slope)
     by_column = read_slope_study(changed(*RANGES, (POINTS, 'csv = "p.csv"')))
     np.testing.assert_array_equal(
-        by_range.ground_samples["materials_scree_gamma_v"],
-        by_column.ground_samples["materials_scree_gamma_v"],
+        by_range.inputs.ground_samples["materials_scree_gamma_v"],
+        by_column.inputs.ground_samples["materials_scree_gamma_v"],
     )
 
 

@@ -32,10 +32,10 @@ from .observed import (
     PASSAGE_COLUMNS,
     PER_PLACE,
     STOP_COLUMN,
-    Count,
     Observed,
-    Passages,
-    Stops,
+    ObservedCount,
+    ObservedPassages,
+    ObservedStops,
 )
 from .problem import CONTACTS, SlopeFit
 
@@ -150,7 +150,7 @@ def summary_names(observed: Observed) -> list[str]:
     """List the names of the summary statistics."""
     names = []
     for channel in observed.fitted:
-        if isinstance(channel, Count):
+        if isinstance(channel, ObservedCount):
             names.append(channel.words)
         else:
             names += [f"{statistic} of {channel.words}" for statistic in STATISTICS]
@@ -161,12 +161,12 @@ def observed_summary(observed: Observed) -> np.ndarray:
     """Compute the summary statistics of what was observed, `(statistics,)`."""
     parts = []
     for channel in observed.fitted:
-        if isinstance(channel, Count):
+        if isinstance(channel, ObservedCount):
             counts = np.array([channel.passed])
             parts.append(_logit_of_share(counts, channel.blocks)[:, None])
         else:
             values = channel.values[None]
-            if not isinstance(channel, Stops):
+            if not isinstance(channel, ObservedStops):
                 values = np.log(values)
             parts.append(_statistics(values, channel.blocks))
     return np.concatenate(parts, axis=1)[0]
@@ -187,14 +187,14 @@ def simulated_summaries(
     """
     rng, parts = np.random.default_rng(seed), []
     for channel in observed.fitted:
-        if isinstance(channel, Count):
+        if isinstance(channel, ObservedCount):
             of = outcomes[:, : channel.blocks]
             speed = of[..., column_of(places, channel.place, PASSAGE_COLUMNS[0])]
             passed = np.sum(np.isfinite(speed), axis=1)
             parts.append(_logit_of_share(passed, channel.blocks)[:, None])
             continue
         values = measured(observed, channel, outcomes, places, rng)
-        if not isinstance(channel, Stops):
+        if not isinstance(channel, ObservedStops):
             # Errors can be larger than a small value: what is measured is above 0.
             values = np.log(np.maximum(values, 1e-3))
         parts.append(_statistics(values, channel.blocks))
@@ -203,7 +203,7 @@ def simulated_summaries(
 
 def measured(
     observed: Observed,
-    channel: Stops | Passages,
+    channel: ObservedStops | ObservedPassages,
     outcomes: np.ndarray,
     places: list[float],
     rng: np.random.Generator,
@@ -211,7 +211,7 @@ def measured(
     """Give the values of a channel in simulated data sets with errors of measurement,
     `(data sets, blocks)`; see `simulated_summaries`."""
     name, column = STOP_COLUMN, 0
-    if isinstance(channel, Passages):
+    if isinstance(channel, ObservedPassages):
         name = channel.quantity
         column = column_of(places, channel.place, name)
     values = outcomes[..., column]

@@ -12,7 +12,7 @@ from ...errors import InputError
 from ...progress import Progress
 from ...store import Store
 from .data_sets import observed_summary, simulate_data_sets, simulated_summaries
-from .problem import Parameter, SlopeFit
+from .problem import SlopeFit, SlopeParameter
 from .regression import (
     Pool,
     make_pool,
@@ -180,7 +180,7 @@ RARE = 0.01
 class FittedParameter:
     """Posterior of one parameter, in the unit of its name."""
 
-    parameter: Parameter
+    parameter: SlopeParameter
     median: float
     low: float
     """Lower end of the 95 % interval."""

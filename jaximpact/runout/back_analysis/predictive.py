@@ -23,7 +23,13 @@ from .data_sets import (
     simulated_summaries,
     summary_names,
 )
-from .observed import PASSAGE_COLUMNS, PER_PLACE, Count, Passages, Stops
+from .observed import (
+    PASSAGE_COLUMNS,
+    PER_PLACE,
+    ObservedCount,
+    ObservedPassages,
+    ObservedStops,
+)
 from .posterior import TAILS, Posterior, Searched
 from .problem import SlopeFit
 
@@ -83,7 +89,7 @@ class Curve(NamedTuple):
 class ChannelPrediction(NamedTuple):
     """Observed values of a channel beside predicted data sets of the same size."""
 
-    channel: Stops | Passages
+    channel: ObservedStops | ObservedPassages
     predicted: np.ndarray
     """Sorted values of each data set, NaN last, `(data sets, values)`."""
 
@@ -139,7 +145,7 @@ def predict(
         channels=tuple(
             ChannelPrediction(channel, _values(fit, channel, data_sets))
             for channel in fit.observed.channels
-            if not isinstance(channel, Count)
+            if not isinstance(channel, ObservedCount)
         ),
         curves=tuple(
             curve
@@ -175,7 +181,7 @@ def _check(fit: SlopeFit, outcomes: np.ndarray) -> ModelCheck:
 
 
 def _values(
-    fit: SlopeFit, channel: Stops | Passages, outcomes: np.ndarray
+    fit: SlopeFit, channel: ObservedStops | ObservedPassages, outcomes: np.ndarray
 ) -> np.ndarray:
     """Give the first values of each data set with errors of measurement, sorted, as
     many as were observed."""

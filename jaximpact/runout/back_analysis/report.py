@@ -18,7 +18,7 @@ from ..study.barriers import (
     effect_table,
     estimate_table,
 )
-from .observed import Count, Passages
+from .observed import ObservedCount, ObservedPassages
 from .posterior import WIDE, FittedParameter
 from .predictive import RARE, SlopeCalibration
 
@@ -183,7 +183,7 @@ def _channels(found: SlopeCalibration) -> Table:
     rows = []
     for prediction in found.predicted.channels:
         channel = prediction.channel
-        held_out = isinstance(channel, Passages) and channel.held_out
+        held_out = isinstance(channel, ObservedPassages) and channel.held_out
         first = (channel.words + ", held out" * held_out, channel.blocks)
         for percent, observed, low, middle, high in prediction.percentiles():
             inside = "inside" if low <= observed <= high else "outside"
@@ -191,7 +191,7 @@ def _channels(found: SlopeCalibration) -> Table:
             rows.append((*first, f"{percent} %", observed, middle, interval, inside))
             first = ("", "")
     for channel in found.fit.observed.channels:
-        if isinstance(channel, Count):
+        if isinstance(channel, ObservedCount):
             passed = f"{channel.passed} of {channel.blocks}"
             rows.append((channel.words, channel.blocks, "", passed, "", "", ""))
     columns = ("observed", "blocks", "", "observed", "predicted", "interval", "")
@@ -251,7 +251,7 @@ def _coverage(fitted: tuple[FittedParameter, ...]) -> Table:
 
 def _how(found: SlopeCalibration) -> list[str]:
     fit, searched = found.fit, found.searched
-    law = ", ".join(f"{k} {v}" for k, v in fit.slope.laws[0].told.items())
+    law = ", ".join(f"{k} {v}" for k, v in fit.slope.laws[0].description.items())
     volumes = ", ".join(f"{volume:.3g}" for volume in searched.volumes)
     sigma = fit.observed.sigma
     errors = ", ".join(f"{name} {value:g}" for name, value in sigma.items())
@@ -323,14 +323,14 @@ def as_json(found: SlopeCalibration) -> dict:
                 ],
             }
             for p in predicted.channels
-            if isinstance(p.channel, Passages) and p.channel.held_out
+            if isinstance(p.channel, ObservedPassages) and p.channel.held_out
         ],
         "warnings": warnings_of(found),
         "manifest": {
             "files": _checksums(found),
             "versions": versions() | {"numpy": np.__version__},
             "seed": fit.slope.seed,
-            "contacts": fit.slope.laws[0].told,
+            "contacts": fit.slope.laws[0].description,
             **({"profile": smoothing} if smoothing else {}),
             "priors": {
                 p.name: [type(p.prior).__name__, *p.prior] for p in fit.parameters

@@ -33,7 +33,7 @@ from ..state import (
     BlockState,
     Limits,
     Phase,
-    State,
+    RunState,
     choose,
     velocities,
 )
@@ -62,7 +62,7 @@ IN_THE_GROUND = 1e-6
 that segment is behind or above it."""
 
 
-def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
+def strike(state: RunState, lanes: np.ndarray, contacts: Contacts) -> None:
     """Compute the contacts of blocks with the ground, and how the blocks continue.
 
     A block touches a segment, or strikes a facet where the ground is rough. The contact
@@ -140,7 +140,7 @@ def _falling(
 
 
 def _respond(
-    state: State,
+    state: RunState,
     lanes: np.ndarray,
     struck: PlaneContact,
     is_impact: np.ndarray,

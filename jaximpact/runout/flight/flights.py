@@ -18,7 +18,7 @@ from ...backend.simd.tables import address_of
 from ...scene import GRAVITY
 from ..blocks import BlockOutline, Body, fly, select
 from ..lane_programs import Values, closed_form
-from ..state import UNDER_WAY, BlockState, Phase, State
+from ..state import UNDER_WAY, BlockState, Phase, RunState
 from ..terrain import Profile
 from ..trajectory import Ending, MotionMode, Pieces
 from .ground_search import first_contact
@@ -282,7 +282,7 @@ def _search(
     ends.gap[lanes] = np.where(touched, found.gap, 0.0)
 
 
-def fly_on(state: State, lanes: np.ndarray) -> None:
+def fly_on(state: RunState, lanes: np.ndarray) -> None:
     """Advance blocks in the air to the ends of their flights."""
     blocks, outline = select((state.blocks, state.constants.outline), lanes)
     left = np.maximum(state.limits.time - blocks.time, 0.0)

@@ -24,7 +24,7 @@ from .narrow_phase import (
     widest,
 )
 from .time_of_impact import (
-    Contact,
+    FirstContact,
     depth_and_touch,
     not_out_and_in,
     reported,
@@ -163,7 +163,7 @@ def step(now: GroundSearch) -> tuple[GroundSearch, Values]:
     return after, at != END
 
 
-def finish(now: GroundSearch) -> Contact:
+def finish(now: GroundSearch) -> FirstContact:
     """Report the contact, or the time up to which there is none."""
     return reported(now.until, now.touched, now.given_up, now.segment, now.gap)
 

@@ -58,7 +58,7 @@ class Search(NamedTuple):
     """Gap at the contact."""
 
 
-class Contact(NamedTuple):
+class FirstContact(NamedTuple):
     """Result of a search."""
 
     time: Values
@@ -171,7 +171,7 @@ def not_out_and_in(
     return jnp.where(depth > slack, jnp.minimum(free, short), free)
 
 
-def finish(now: Search) -> Contact:
+def finish(now: Search) -> FirstContact:
     """Report the contact, or the time up to which there is none."""
     given_up = ~now.touched & (now.time < now.until)
     return reported(now.time, now.touched, given_up, now.piece, now.gap)
@@ -179,9 +179,9 @@ def finish(now: Search) -> Contact:
 
 def reported(
     time: Values, touched: Values, given_up: Values, number: Values, gap: Gap
-) -> Contact:
+) -> FirstContact:
     """Report the end of a search, with truths as 1 and 0."""
-    return Contact(
+    return FirstContact(
         time=time,
         touched=touched.astype(float),
         given_up=given_up.astype(float),

@@ -50,7 +50,7 @@ CURVE = 2.0
 """Radii of the block, at both sides, to which a single point may belong to a curve."""
 
 
-class Motion(NamedTuple):
+class MotionAhead(NamedTuple):
     """Motion over the elements ahead, arrays `(blocks, elements)`."""
 
     start_squared: np.ndarray
@@ -125,7 +125,7 @@ def _arc(ahead: Ahead, h: Values) -> Values:
     return 2.0 * jnp.sqrt(squared) * series
 
 
-def _passage(ahead: Ahead, motion: Motion, riders: Riders) -> Passage:
+def _passage(ahead: Ahead, motion: MotionAhead, riders: Riders) -> Passage:
     h = riders.radius
     d_x, d_y = ahead.stop_x - ahead.start_x, ahead.stop_y - ahead.start_y
     straight = jnp.sqrt(d_x**2 + d_y**2)
@@ -143,7 +143,7 @@ passage = closed_form(_passage)
 
 @closed_form
 def conditions_on(
-    ahead: Ahead, motion: Motion, bend: Bend, riders: Riders
+    ahead: Ahead, motion: MotionAhead, bend: Bend, riders: Riders
 ) -> Conditions:
     """Evaluate the conditions on an element, as if no event came before it."""
     is_arc, h = ~(ahead.is_segment > 0.0), riders.radius
@@ -166,7 +166,9 @@ def conditions_on(
     )
 
 
-def _is_slow(ahead: Ahead, motion: Motion, riders: Riders, is_arc: Values) -> Values:
+def _is_slow(
+    ahead: Ahead, motion: MotionAhead, riders: Riders, is_arc: Values
+) -> Values:
     start, stop, friction = motion
     n_x, n_y = ahead.start_normal_x, ahead.start_normal_y
     m_x, m_y = ahead.stop_normal_x, ahead.stop_normal_y
@@ -184,7 +186,7 @@ def _is_slow(ahead: Ahead, motion: Motion, riders: Riders, is_arc: Values) -> Va
 
 
 def _is_loose(
-    ahead: Ahead, motion: Motion, bend: Bend, riders: Riders, arc: Values
+    ahead: Ahead, motion: MotionAhead, bend: Bend, riders: Riders, arc: Values
 ) -> Values:
     h = riders.radius
     near = jnp.minimum(bend.shorter, 2.0 * CURVE * h)

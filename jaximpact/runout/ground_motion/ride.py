@@ -40,7 +40,7 @@ from ..centre_path import Ahead, CentrePath, in_small_turns
 from .conditions import (
     Bend,
     Conditions,
-    Motion,
+    MotionAhead,
     Riders,
     conditions_on,
     find_hops,
@@ -183,18 +183,18 @@ def _motion(
     riders: Riders,
     ahead: Ahead,
     speed_squared: np.ndarray,
-) -> Motion:
+) -> MotionAhead:
     """Compute squared speeds over the elements ahead, as if nothing happened there."""
     friction = friction_on(path, friction_of, ahead.element)
     loss = ahead.stop_y - ahead.start_y + friction * (ahead.stop_x - ahead.start_x)
     loss = loss_with_height(riders)[:, None] * np.where(ahead.exists, loss, 0.0)
     # One after the other, so that it does not matter where a window begins.
     squared = np.cumsum(np.concatenate([speed_squared[:, None], -loss], axis=1), axis=1)
-    return Motion(squared[:, :-1], squared[:, 1:], friction)
+    return MotionAhead(squared[:, :-1], squared[:, 1:], friction)
 
 
 def _conditions(
-    path: CentrePath, riders: Riders, ahead: Ahead, motion: Motion
+    path: CentrePath, riders: Riders, ahead: Ahead, motion: MotionAhead
 ) -> Conditions:
     """Evaluate the conditions for events on the elements ahead."""
     ground, element = path.elements, ahead.element
@@ -209,7 +209,7 @@ def _first_event(
     path: CentrePath,
     riders: Riders,
     ahead: Ahead,
-    motion: Motion,
+    motion: MotionAhead,
     conditions: Conditions,
     stays_on: np.ndarray,
     passed: np.ndarray,
@@ -262,7 +262,9 @@ def _at(tree, rows: np.ndarray, columns: np.ndarray):
     return type(tree)(*(column[rows, columns] for column in tree))
 
 
-def _leaving(riders: Riders, ahead: Ahead, motion: Motion) -> tuple[np.ndarray, ...]:
+def _leaving(
+    riders: Riders, ahead: Ahead, motion: MotionAhead
+) -> tuple[np.ndarray, ...]:
     """Compute where riders leave arcs: centres, normals and squared speeds.
 
     Args:
@@ -299,7 +301,7 @@ def _leaving(riders: Riders, ahead: Ahead, motion: Motion) -> tuple[np.ndarray, 
 def _cut(
     riders: Riders,
     ahead: Ahead,
-    motion: Motion,
+    motion: MotionAhead,
     conditions: Conditions,
     event: np.ndarray,
     place: np.ndarray,
@@ -328,7 +330,9 @@ def _cut(
             array[rows, columns] = values
 
 
-def _slowing(riders: Riders, ahead: Ahead, motion: Motion) -> tuple[np.ndarray, ...]:
+def _slowing(
+    riders: Riders, ahead: Ahead, motion: MotionAhead
+) -> tuple[np.ndarray, ...]:
     """Compute where riders become too slow: centres, normals and squared speeds.
 
     Args:
@@ -369,7 +373,7 @@ def _recorded(
     riders: Riders,
     begin: Place,
     ahead: Ahead,
-    motion: Motion,
+    motion: MotionAhead,
     conditions: Conditions,
     event: np.ndarray,
     place: np.ndarray,

@@ -13,7 +13,7 @@ from ...scene import Soil
 from ..random_inputs import Quantity, RandomField
 from ..terrain import Ground, ground_columns, ground_values, with_ground_values
 from .calibrated import Calibrated, read_calibrated
-from .ground_layout import GroundLayout, Part
+from .ground_layout import GroundLayout, GroundPart
 from .quantity import read_ground_quantity
 
 LAWS = tuple(parts_of(Soil))
@@ -34,7 +34,7 @@ class GroundInput(NamedTuple):
     """Soil with the laws; the values of parameters are in the other fields."""
     everywhere: dict[str, Quantity | RandomField]
     """Quantities of the whole slope, by name."""
-    parts: dict[str, Part]
+    parts: dict[str, GroundPart]
     """Segments and materials with quantities of their own, by key."""
     calibrated: Calibrated | None
     """Calibration to sample parameters from, other than those in `everywhere`."""
@@ -135,7 +135,7 @@ class GroundInput(NamedTuple):
         return Ground(*with_ground_values(profile.soil, found), seed)
 
 
-def _segments(ground: Key, table: dict, soil: Soil) -> dict[str, Part]:
+def _segments(ground: Key, table: dict, soil: Soil) -> dict[str, GroundPart]:
     parts, segments = {}, typed(ground, table, "segment", dict, {})
     for name in segments:
         key = ground["segment"][name]
@@ -143,11 +143,13 @@ def _segments(ground: Key, table: dict, soil: Soil) -> dict[str, Part]:
             raise key.error("must be the number of a segment")
         values = typed(ground["segment"], segments, name, dict)
         quantities = _quantities(key, values, soil)
-        parts[f"segment.{name}"] = Part(f"segment.{name}", quantities, int(name) - 1)
+        parts[f"segment.{name}"] = GroundPart(
+            f"segment.{name}", quantities, int(name) - 1
+        )
     return parts
 
 
-def _materials(ground: Key, table: dict, soil: Soil) -> dict[str, Part]:
+def _materials(ground: Key, table: dict, soil: Soil) -> dict[str, GroundPart]:
     parts, materials = {}, typed(ground, table, "materials", dict, {})
     for name in materials:
         key = ground["materials"][name]
@@ -158,7 +160,7 @@ def _materials(ground: Key, table: dict, soil: Soil) -> dict[str, Part]:
         quantities = _quantities(key, values, soil, ENDS)
         if len(ends) == 1 or (ends and not ends[0] < ends[1]):
             raise key.error("needs from_x_m and to_x_m, the larger one")
-        parts[f"materials.{name}"] = Part(
+        parts[f"materials.{name}"] = GroundPart(
             f"materials.{name}", quantities, ends=tuple(ends) or None
         )
     return parts

@@ -77,9 +77,11 @@ DEGREE_DECIMALS = 9
 
 def names_of_map_files(study: SlopeStudy) -> tuple[str, ...]:
     """List the names of the files of trajectories and maps."""
-    if study.placement is None:
+    if study.inputs.placement is None:
         return (TRAJECTORY_FILE,)
-    places = PLACE_FILES if len(study.collectors) or study.barriers else ()
+    places = (
+        PLACE_FILES if len(study.settings.collectors) or study.settings.barriers else ()
+    )
     return (TRAJECTORY_FILE, *MAP_FILES, *places)
 
 
@@ -111,7 +113,7 @@ def write_map_files(
 
     Raises OSError where the file system refuses.
     """
-    place = study.placement
+    place = study.inputs.placement
     with contextlib.ExitStack() as stack:
         table = stack.enter_context(replacing(new(TRAJECTORY_FILE)))
         lines = _write_trajectories(table, study, first)
@@ -151,7 +153,7 @@ def _portions(study: SlopeStudy, first: Runs) -> Iterator[tuple[int, Runs, int]]
         Number of the first block of a portion, the trajectories, and how many of them
         are wanted.
     """
-    count = min(study.export_trajectories, study.release.count)
+    count = min(study.settings.export_trajectories, study.release.count)
     computed = first.release.count
     yield 0, first, min(count, computed)
     for start in range(computed, count, PORTION):
@@ -161,7 +163,7 @@ def _portions(study: SlopeStudy, first: Runs) -> Iterator[tuple[int, Runs, int]]
 
 def _write_trajectories(path: Path, study: SlopeStudy, first: Runs) -> list[np.ndarray]:
     """Write the rows of the table; give the lines on the map, if there is one."""
-    place, lines = study.placement, []
+    place, lines = study.inputs.placement, []
     heads = (*TRAJECTORY_COLUMNS, *(("easting_m", "northing_m") if place else ()))
     with open(path, "w", encoding="utf-8", newline="\n") as table:
         table.write(",".join(heads) + "\n")

@@ -66,8 +66,8 @@ def names_of_files(study: SlopeStudy, comparison: bool = False) -> tuple[str, ..
     files = COMPARISON_FILES if comparison else STUDY_FILES
     of_collectors = COMPARED_COLLECTOR_FILES if comparison else COLLECTOR_FILES
     of_barriers = COMPARED_BARRIER_FILES if comparison else BARRIER_FILES
-    files += of_collectors if len(study.collectors) else ()
-    files += of_barriers if study.barriers else ()
+    files += of_collectors if len(study.settings.collectors) else ()
+    files += of_barriers if study.settings.barriers else ()
     return files if comparison else files + names_of_map_files(study)
 
 
@@ -84,10 +84,12 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> D
     write_netcdf(new("blocks.nc"), dataset)
     write_text(new("stops.csv"), _stop_table(dataset).csv())
     first = simulate(study, np.arange(min(SHOWN, study.release.count)))
-    grounds = drawing.drawn_grounds(study.profile, study.materials, study.random_ground)
+    grounds = drawing.drawn_grounds(
+        study.profile, study.inputs.materials, study.inputs.random_ground
+    )
     figures = {
         "profile": drawing.draw_trajectories(
-            first, grounds, study.collectors, study.title
+            first, grounds, study.settings.collectors, study.inputs.title
         ),
         "envelopes": drawing.draw_envelopes(dataset, study.profile, grounds),
         "stops": drawing.draw_stops(dataset),
@@ -95,13 +97,13 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> D
     write_map_files(study, dataset, first, new)
     report = slope_report(study, dataset, first)
     write_text(new("report.html"), report.page())
-    if len(study.collectors):
+    if len(study.settings.collectors):
         write_text(new("collectors.csv"), collector_table(dataset).csv())
         figures["collectors"] = drawing.draw_collectors(dataset)
     for name, figure in figures.items():
         save_figure(figure, new(f"{name}.png"))
     manifest = {"title": dataset.title} | _attributes(dataset)
-    if study.barriers:
+    if study.settings.barriers:
         at_barriers = estimates_of(dataset)
         write_text(new("barriers.csv"), estimate_table(at_barriers).csv())
         manifest["barriers"] = barriers_in_json(at_barriers)
@@ -145,7 +147,9 @@ def write_comparison(
 
     Returns the report. Raises OSError where the file system refuses.
     """
-    grounds = drawing.drawn_grounds(study.profile, study.materials, study.random_ground)
+    grounds = drawing.drawn_grounds(
+        study.profile, study.inputs.materials, study.inputs.random_ground
+    )
     draw = partial(drawing.draw_comparison, datasets, study.profile, grounds)
     picture = Picture(
         draw,
@@ -156,16 +160,18 @@ def write_comparison(
     write_text(new("report.html"), report.page())
     write_text(new("comparison.csv"), _law_table(datasets).csv())
     save_figure(draw(), new("comparison.png"))
-    if len(study.collectors):
+    if len(study.settings.collectors):
         table = _of_laws(datasets, collector_table)
         write_text(new("comparison_collectors.csv"), table.csv())
         figure = drawing.draw_compared_collectors(datasets)
         save_figure(figure, new("comparison_collectors.png"))
-    if study.barriers:
+    if study.settings.barriers:
         table = _of_laws(datasets, lambda one: estimate_table(estimates_of(one)))
         write_text(new("comparison_barriers.csv"), table.csv())
     laws = {law: _attributes(dataset) for law, dataset in datasets.items()}
-    write_text(new("manifest.json"), json_text({"title": study.title, "laws": laws}))
+    write_text(
+        new("manifest.json"), json_text({"title": study.inputs.title, "laws": laws})
+    )
     return report
 
 

@@ -76,7 +76,7 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
     ]
     curves = {
         "curve_names": [words for _, words, _, _ in QUANTITIES],
-        "bins": study.bins,
+        "bins": study.settings.bins,
         "percents": PERCENTILES,
         "data": _data(study, dataset, drawing["scale"]),
     }
@@ -101,7 +101,7 @@ def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document
         ),
         Section("Computed from", [_origin(dataset)], printed=False),
     ]
-    return Document(study.title, answer, sections)
+    return Document(study.inputs.title, answer, sections)
 
 
 def barrier_parts(estimates: Sequence[BarrierEstimates]) -> list[Part]:
@@ -136,10 +136,10 @@ def _data(study: SlopeStudy, dataset: xr.Dataset, scale: dict) -> "markupsafe.Ma
 
     places = [
         {"x": x, "y": scale["y"] + scale["height"], "words": f"x = {x:g} m"}
-        for x in study.collectors.tolist()
+        for x in study.settings.collectors.tolist()
     ] + [
         {"x": b.x, "y": float(study.profile.height(b.x)) + b.height, "words": b.name}
-        for b in study.barriers
+        for b in study.settings.barriers
     ]
     start = places[-1]["x"] if places else _median_stop(dataset)
     data = page_curves(dataset) | {"scale": scale, "places": places, "start": start}
@@ -151,7 +151,7 @@ def _data(study: SlopeStudy, dataset: xr.Dataset, scale: dict) -> "markupsafe.Ma
 def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
     endings = json.loads(dataset.attrs["endings"])
     counts = ", ".join(f"{count} {name}" for name, count in endings.items())
-    lines = [f"{study.release.count} blocks, contacts by {study.law_name}: {counts}."]
+    lines = [f"{study.release.count} blocks, contacts by {study.law.name}: {counts}."]
     stopped = stops_of(dataset)
     if len(stopped):
         low, high = percentile_interval(stopped, 95)
@@ -167,16 +167,16 @@ def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
             f"{name[:1].upper()}{name[1:]}: {arrive.count} blocks arrive, {through[0]} "
             f"pass over, and {through[1]} break the barrier."
         )
-    if study.smoothing is not None:
-        lines.append(f"The profile is {study.smoothing}.")
+    if study.inputs.smoothing is not None:
+        lines.append(f"The profile is {study.inputs.smoothing}.")
     return lines
 
 
 def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
     """List what a reader must not take from the numbers."""
     endings = json.loads(dataset.attrs["endings"])
-    law = f"Contacts are by {study.law_name}, whose coefficients are taken as known."
-    if not isinstance(study.contacts, ClosedForm):
+    law = f"Contacts are by {study.law.name}, whose coefficients are taken as known."
+    if not isinstance(study.law.contacts, ClosedForm):
         law = (
             "The ground's laws are readings of the literature that the model's paper "
             "names, not its authors' code: docs/model.md and docs/limits.md."
@@ -188,7 +188,7 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
         "nothing where blocks are combinations of lists.",
         "The motion is plane: blocks neither leave the profile sideways nor break.",
     ]
-    varied = any(ROLLING_COLUMN in name for name in study.ground_samples)
+    varied = any(ROLLING_COLUMN in name for name in study.inputs.ground_samples)
     angles = study.profile.rolling_friction_angle
     if np.all(angles == ROLLING_FRICTION_ANGLE) and not varied:
         lines.append(
@@ -206,9 +206,9 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
         )
     at_barriers = estimates_of(dataset)
     lines += _few_at_collectors(dataset) + too_few(at_barriers)
-    if study.barriers:
+    if study.settings.barriers:
         lines.append(NOTE)
-    if study.placement is None:
+    if study.inputs.placement is None:
         lines.append(NO_MAP)
     return lines
 
@@ -274,30 +274,31 @@ def _collectors(dataset: xr.Dataset) -> list[Part]:
 
 def _settings(study: SlopeStudy) -> Table:
     rows: list[tuple[str, object]] = [
-        (f"contacts: {name}", str(value)) for name, value in study.law.items()
+        (f"contacts: {name}", str(value))
+        for name, value in study.law.description.items()
     ]
     rows += [
         ("blocks", str(study.release.count)),
-        ("seed", str(study.seed)),
-        ("bins of x", str(study.bins)),
-        ("time limit [s]", f"{study.limits.time:g}"),
-        ("event limit", str(study.limits.events)),
-        ("hop threshold", f"{study.limits.hop_threshold:g}"),
+        ("seed", str(study.inputs.seed)),
+        ("bins of x", str(study.settings.bins)),
+        ("time limit [s]", f"{study.settings.limits.time:g}"),
+        ("event limit", str(study.settings.limits.events)),
+        ("hop threshold", f"{study.settings.limits.hop_threshold:g}"),
     ]
-    if study.smoothing is not None:
-        rows.append(("profile", str(study.smoothing)))
-    if study.placement is not None:
-        place = study.placement
+    if study.inputs.smoothing is not None:
+        rows.append(("profile", str(study.inputs.smoothing)))
+    if study.inputs.placement is not None:
+        place = study.inputs.placement
         rows += [
             ("x = 0 on the map", f"{place.easting:.2f}, {place.northing:.2f}"),
             ("direction of x, from north", f"{np.degrees(place.azimuth):g}°"),
             ("reference system", place.crs),
         ]
     # A law in closed form knows none of the soil's laws.
-    closed = isinstance(study.contacts, ClosedForm)
+    closed = isinstance(study.law.contacts, ClosedForm)
     laws = {n: v for n, v in study.laws.items() if n == SHAPE or not closed}
     rows += [(f"law: {name}", str(law)) for name, law in laws.items()]
-    ground = study.ground_told.items()
+    ground = study.inputs.ground_table.items()
     rows += [(f"ground: {name}", _in_words(value)) for name, value in ground]
     return Table(("setting", "value"), rows)
 
@@ -328,7 +329,9 @@ def _inputs(dataset: xr.Dataset) -> Table:
 
 def _grounds(study: SlopeStudy) -> Table:
     """Write the stretches of ground that is alike for all blocks."""
-    number, told = grounds_of(study.profile, study.materials, study.random_ground)
+    number, told = grounds_of(
+        study.profile, study.inputs.materials, study.inputs.random_ground
+    )
     x = study.profile.x
     rows, start = [], 0
     for segment, ground in enumerate(number):

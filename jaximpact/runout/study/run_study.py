@@ -78,8 +78,8 @@ def simulate(
     part = study if chosen is None else _part_of(study, chosen)
     # All that `simulate_runout` checks was checked as the study was read.
     return follow(
-        *(part.profile, part.release, part.ground, part.limits),
-        contacts=part.contacts,
+        *(part.profile, part.release, part.ground, part.settings.limits),
+        contacts=part.law.contacts,
         progress=as_progress(progress),
     )
 
@@ -89,13 +89,13 @@ def _part_of(study: SlopeStudy, chosen: np.ndarray) -> SlopeStudy:
     return study._replace(
         release=study.release.of_blocks(chosen),
         ground=study.ground.of_blocks(chosen),
-        ground_samples={},
+        inputs=study.inputs._replace(ground_samples={}),
     )
 
 
 def edges_of(study: SlopeStudy) -> np.ndarray:
     """Give the edges of the bins of x [m], `(bins + 1,)`."""
-    return np.linspace(study.profile.x[0], study.profile.x[-1], study.bins + 1)
+    return np.linspace(study.profile.x[0], study.profile.x[-1], study.settings.bins + 1)
 
 
 def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
@@ -154,7 +154,9 @@ def _energies(runs: Runs) -> tuple[np.ndarray, np.ndarray]:
 
 def places_of(study: SlopeStudy) -> list[float]:
     """List the places at which passages are found: collectors and barriers [m]."""
-    return sorted({*study.collectors.tolist(), *(b.x for b in study.barriers)})
+    return sorted(
+        {*study.settings.collectors.tolist(), *(b.x for b in study.settings.barriers)}
+    )
 
 
 def columns_of_rows(study: SlopeStudy) -> list[str]:
@@ -163,7 +165,7 @@ def columns_of_rows(study: SlopeStudy) -> list[str]:
         "ending",
         *BLOCK_NUMBERS,
         *(f"{n} at {x!r}" for x in places_of(study) for n in PASSAGE_NUMBERS),
-        *(f"{n} in bin {i}" for n in ENVELOPES for i in range(study.bins)),
+        *(f"{n} in bin {i}" for n in ENVELOPES for i in range(study.settings.bins)),
     ]
 
 
@@ -268,8 +270,8 @@ def _run_elsewhere(
 
 def _subject(study: SlopeStudy) -> dict:
     return {
-        "runout": study.checksums,
-        "contacts": study.law,
+        "runout": study.inputs.checksums_by_name,
+        "contacts": study.law.description,
         "laws": study.laws,
         "versions": versions() | {"numpy": np.__version__},
     }
@@ -292,7 +294,7 @@ class _BlockRows:
 
     def in_bins(self, name: str) -> np.ndarray:
         """Give a largest value in each bin, `(blocks, bins)`."""
-        bins = range(self.study.bins)
+        bins = range(self.study.settings.bins)
         return self.rows[:, [self.place[f"{name} in bin {i}"] for i in bins]]
 
 
@@ -305,11 +307,12 @@ def _dataset(study: SlopeStudy, numbers: np.ndarray) -> xr.Dataset:
     for name, (unit, meaning) in BLOCK_NUMBERS.items():
         variables[name] = "block", rows.of(name), _about(unit, meaning)
     # NetCDF 3 takes a dimension of no length for one that grows.
-    if len(study.collectors):
+    if len(study.settings.collectors):
         variables |= _passages(rows, valid)
-    places = [barrier.x for barrier in study.barriers]
+    places = [barrier.x for barrier in study.settings.barriers]
     of_barriers, barriers = barrier_variables(
-        study.barriers, {name: rows.at(name, places) for name in PASSAGE_NUMBERS}
+        study.settings.barriers,
+        {name: rows.at(name, places) for name in PASSAGE_NUMBERS},
     )
     variables |= of_barriers | _envelopes(rows, valid)
     percentiles = ("percentile", np.array(PERCENTILES), _about("%", ""))
@@ -320,8 +323,8 @@ def _dataset(study: SlopeStudy, numbers: np.ndarray) -> xr.Dataset:
 def _coordinates_of(study: SlopeStudy) -> dict:
     """Describe blocks, collectors if there are any, and bins, as coordinates."""
     edges = edges_of(study)
-    at = {"collector": ("collector", study.collectors, _about("m", "x"))}
-    return (at if len(study.collectors) else {}) | {
+    at = {"collector": ("collector", study.settings.collectors, _about("m", "x"))}
+    return (at if len(study.settings.collectors) else {}) | {
         "block": np.arange(study.release.count),
         "bin": ("bin", 0.5 * (edges[1:] + edges[:-1]), _about("m", "x, middle")),
         "bin_left_m": ("bin", edges[:-1], _about("m", "x, left end of the bin")),
@@ -333,20 +336,24 @@ def _attributes_of(study: SlopeStudy, codes: np.ndarray) -> dict[str, str]:
     """Describe title, inputs and endings as attributes of a dataset, in JSON."""
     endings = (ending for ending in Ending if np.any(codes == ending))
     told = {
-        "files": study.checksums,
-        "contacts": study.law,
+        "files": study.inputs.checksums_by_name,
+        "contacts": study.law.description,
         "laws": study.laws,
-        "ground": study.ground_told,
-        **({"profile": study.smoothing._asdict()} if study.smoothing else {}),
-        "seed": study.seed,
+        "ground": study.inputs.ground_table,
+        **(
+            {"profile": study.inputs.smoothing._asdict()}
+            if study.inputs.smoothing
+            else {}
+        ),
+        "seed": study.inputs.seed,
         "blocks": len(codes),
-        "time_limit_s": study.limits.time,
-        "event_limit": study.limits.events,
-        "hop_threshold": study.limits.hop_threshold,
+        "time_limit_s": study.settings.limits.time,
+        "event_limit": study.settings.limits.events,
+        "hop_threshold": study.settings.limits.hop_threshold,
         "endings": {str(e): int(np.sum(codes == e)) for e in endings},
         "versions": versions() | {"numpy": np.__version__},
     }
-    return {"title": study.title} | {k: json.dumps(v) for k, v in told.items()}
+    return {"title": study.inputs.title} | {k: json.dumps(v) for k, v in told.items()}
 
 
 def _envelopes(rows: _BlockRows, valid: np.ndarray) -> dict[str, tuple]:
@@ -388,7 +395,7 @@ def _passages(rows: _BlockRows, valid: np.ndarray) -> dict[str, tuple]:
     ones."""
     variables = {}
     for name, (unit, meaning) in PASSAGE_NUMBERS.items():
-        values = rows.at(name, rows.study.collectors.tolist())
+        values = rows.at(name, rows.study.settings.collectors.tolist())
         variables[name] = ("block", "collector"), values, _about(unit, meaning)
         if name not in ("passages", "passage_time_s"):
             variables[f"{name}_percentiles"] = (
@@ -442,7 +449,7 @@ def _inputs_of(release: Release) -> dict:
 def _ground_of(study: SlopeStudy) -> dict:
     """List the samples of the ground, in the units of the names."""
     variables, columns = {}, ground_columns(study.ground.soil)
-    for name, values in study.ground_samples.items():
+    for name, values in study.inputs.ground_samples.items():
         # Of all columns that a name may end with, the longest.
         ends = [c for c in columns if f"_{name}".endswith(f"_{c}")]
         column = columns[max(ends, key=len)]
