@@ -333,7 +333,7 @@ def as_json(prediction: PredictedTests) -> dict:
             {
                 "name": variant.fitted.variant.name,
                 "scores": score(prediction, variant),
-                "undetermined": variant.fitted.undetermined,
+                "undetermined": list(variant.fitted.undetermined),
                 "accuracy_of_draws": variant.fitted.accuracy.name,
             }
             for variant in prediction.variants
