@@ -10,7 +10,6 @@ from .accuracy import Accuracy
 from .batch import Collector, compute_scenes
 from .impact.results import ImpactSummary
 from .io.journal import Journal
-from .progress import Progress, as_progress
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -56,21 +55,17 @@ class ImpactResponses(NamedTuple):
 
 
 def respond(
-    scene: Scene,
-    accuracy: Accuracy,
-    journal: Journal | None = None,
-    progress: Progress | None = None,
+    scene: Scene, accuracy: Accuracy, journal: Journal | None = None
 ) -> ImpactResponses:
     """Integrate impacts by the full model; every field an array `(lanes,)`.
 
     Args:
         journal: keeps the columns `COLUMNS` by the index of the impact; what it holds
             is not computed again.
-        progress: told of the impacts.
     """
     scene = jax.tree.map(np.asarray, scene)
     lanes = len(scene.impact.speed)
-    collector = Collector(len(COLUMNS), lanes, journal, as_progress(progress))
+    collector = Collector(len(COLUMNS), lanes, journal)
 
     def keep(places: np.ndarray, summary: ImpactSummary) -> None:
         columns = [getattr(summary, name) for name in FIELDS]

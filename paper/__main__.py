@@ -14,17 +14,7 @@ ACCURACY = "reference"
 FIGURES = """\
 Compute and draw figures 4 to 14 of Dattola, Crosta and di Prisco (2023).
 
-  4   set I: displacement and force over time
-  5   sets I and II: their largest values against aspect ratio
-  6   set III at 20 degrees: displacement, force, rotation and R_r over time
-  7   set III along the major axis: largest values and rotation against impact angle
-  8   set IV: restitution, largest values and rotation against orientation
-  9   set III: restitution against impact angle
-  10  the slope of two planes
-  11  runs down it without initial spin: path, height, velocities
-  12  heights of jumps in runs with all spins, with exponential fits
-  13  coefficients of a spinning block against orientation
-  14  restitution in all impacts of these runs, with normal fits
+{}
 
 Each is figure-N.png, drawn from the table figure-N.csv; figure-N.csv.manifest.json says
 what it was computed from. All together take a minute on two cores."""
@@ -54,7 +44,7 @@ def make_parser() -> Parser:
         "figures",
         run_figures,
         help="figures 4 to 14",
-        description=FIGURES,
+        description=_figures_help,
     )
     _add_directory(figures, "drawings and tables", required=True)
     options.add_only(figures, "N", "numbers of figures")
@@ -76,6 +66,13 @@ def make_parser() -> Parser:
         _add_directory(command, "tables", required=False)
         options.add_only(command, "ID", "claims to judge, as in C07 C08")
     return parser
+
+
+def _figures_help() -> str:
+    from .figures import PAPER_FIGURES
+
+    titles = [f"  {n:<3} {figure.title}" for n, figure in PAPER_FIGURES.items()]
+    return FIGURES.format("\n".join(titles))
 
 
 def _add_directory(

@@ -267,8 +267,8 @@ def paths_apart(runs: Runs) -> np.ndarray:
     apart = np.zeros(len(still))
     stretches = stretches_of(runs)
     for x in COMPARED_X:
-        found = passages(runs, x, stretches)
-        heights = [found.centre_height[found.trajectory == block] for block in still]
+        at_x = passages(runs, x, stretches)
+        heights = [at_x.centre_height[at_x.trajectory == block] for block in still]
         for place, height in enumerate(heights):
             passed = len(height) and len(heights[0])
             worst = np.max(np.abs(height - heights[0][0])) if passed else np.nan

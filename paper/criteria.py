@@ -52,7 +52,7 @@ class Judgement:
     verdict: Verdict
     evidence: str
     """Deciding numbers with their units, in a line."""
-    held: int = 0
+    met: int = 0
     asked: int = 0
     """Checks that the criterion asks for, steps of trends and places of conditions: how
     many hold, and how many there are."""
@@ -66,7 +66,7 @@ class Part(NamedTuple):
     """A part of a criterion: its verdict, and how many of its checks hold."""
 
     verdict: Verdict
-    held: int
+    met: int
     asked: int
 
 
@@ -121,8 +121,8 @@ def conditions(met: xr.DataArray, what: str) -> Parts:
 
 def combine(verdicts: Iterable[Verdict]) -> Verdict:
     """Find the verdict of parts together."""
-    found = set(verdicts)
-    return found.pop() if len(found) == 1 else Verdict.partly
+    kinds = set(verdicts)
+    return kinds.pop() if len(kinds) == 1 else Verdict.partly
 
 
 def judge(evidence: str, *groups: Part | Parts) -> Judgement:
@@ -141,7 +141,7 @@ def judge(evidence: str, *groups: Part | Parts) -> Judgement:
     return Judgement(
         combine(part.verdict for part in parts),
         "; ".join(texts),
-        sum(part.held for part in parts),
+        sum(part.met for part in parts),
         sum(part.asked for part in parts),
     )
 
@@ -149,8 +149,8 @@ def judge(evidence: str, *groups: Part | Parts) -> Judgement:
 def tally(group: Parts) -> str:
     """Say where parts hold."""
     form, name = _PLACES[group.dimension]
-    found = [part.verdict for part in group.parts]
-    hold = [verdict is Verdict.holds for verdict in found]
+    verdicts = [part.verdict for part in group.parts]
+    hold = [verdict is Verdict.holds for verdict in verdicts]
     if all(hold):
         return f"{group.what} at every {name}"
     if any(hold):
@@ -158,7 +158,7 @@ def tally(group: Parts) -> str:
         text = f"{group.what} at {sum(hold)} of {len(hold)}: {where}"
     else:
         text = f"{group.what} at no {name}"
-    in_part = [verdict is Verdict.partly for verdict in found]
+    in_part = [verdict is Verdict.partly for verdict in verdicts]
     if any(in_part):
         text += f" (in part at {form.format(ranges(group.at, in_part))})"
     return text
@@ -195,7 +195,7 @@ def trend_in_words(values: ArrayLike, unit: str, *directions: int) -> str:
     for direction in directions:
         part = trend(values, direction)
         verb = "rises" if direction == RISES else "falls"
-        words.append(f"{verb} in {part.held} of {part.asked} steps")
+        words.append(f"{verb} in {part.met} of {part.asked} steps")
     return ", ".join(words)
 
 

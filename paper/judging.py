@@ -87,8 +87,8 @@ def _read(out: Path) -> ByReading:
         if json.loads((out / CONDITIONS).read_text("utf-8")) != conditions():
             return {}
         table = pd.read_csv(out / READINGS_TABLE, keep_default_na=False)
-        for reading, name, verdict, held, asked, evidence in table.values:
-            judgement = Judgement(Verdict(verdict), evidence, int(held), int(asked))
+        for reading, name, verdict, met, asked, evidence in table.values:
+            judgement = Judgement(Verdict(verdict), evidence, int(met), int(asked))
             known.setdefault(reading, {})[name] = judgement
     except (OSError, ValueError):
         return {}

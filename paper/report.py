@@ -70,7 +70,7 @@ def readings_table(readings: ByReading) -> str:
 
 
 def _cells(judgement: Judgement) -> dict[str, str | int]:
-    names = ("verdict", "held", "asked", "evidence")
+    names = ("verdict", "met", "asked", "evidence")
     return {name: getattr(judgement, name) for name in names}
 
 
@@ -158,8 +158,8 @@ def moves(as_it_is: Judgements, others: ByReading) -> str:
 
 
 def _share(judgement: Judgement) -> float:
-    return judgement.held / max(judgement.asked, 1)
+    return judgement.met / max(judgement.asked, 1)
 
 
 def _tally(judgement: Judgement) -> str:
-    return f"{judgement.verdict}, {judgement.held} of {judgement.asked}"
+    return f"{judgement.verdict}, {judgement.met} of {judgement.asked}"

@@ -11,7 +11,7 @@ import jax
 import numpy as np
 import xarray as xr
 
-from .._checks import expect, real_number
+from .._checks import expect
 from .._packages import needed
 from .._precision import require_float64
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
@@ -63,7 +63,6 @@ class _Block(NamedTuple):
     kinds: tuple[type[AbstractShape], ...]
     """Shapes that the index means."""
     accuracy: Accuracy
-    model_tolerance: float
     called: str
     """What errors call an impact: it is counted within its block."""
 
@@ -73,7 +72,6 @@ def simulate_dataset(
     base: SceneLike | None = None,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
-    model_tolerance: float = 0.0,
 ) -> xr.Dataset:
     """Simulate the impacts of a dataset.
 
@@ -85,7 +83,7 @@ def simulate_dataset(
             NumPy's or in chunks.
         base: scene of what the dataset does not hold, scalars only; the defaults if not
             given.
-        accuracy, model_tolerance: as for `simulate_batch`.
+        accuracy: as for `simulate_batch`.
 
     Returns:
         The dataset with a variable for each number of an impact, with units, and
@@ -109,11 +107,10 @@ def simulate_dataset(
     check_scene(scene)
     arrays, kinds = _quantities(dataset, scene)
     setting = get_accuracy(accuracy)
-    tolerance = real_number("model_tolerance", model_tolerance, least=0.0)
     varied = {dim for array in arrays.values() for dim in array.dims}
     dimensions = tuple(dim for dim in dataset.sizes if dim in varied)
-    variables = _result_variables(scene, arrays, kinds, setting, tolerance, dimensions)
-    attributes = impact_attributes(scene, setting, tolerance, scene_values(scene))
+    variables = _result_variables(scene, arrays, kinds, setting, dimensions)
+    attributes = impact_attributes(scene, setting, scene_values(scene))
     attributes |= shapes_attribute(kinds)
     outcomes = variables[OUTCOME_COLUMN]
     if outcomes.chunks is None:
@@ -126,7 +123,6 @@ def lazy_grid(
     axes: Mapping[str, Mapping[str, np.ndarray]],
     coordinates: Mapping[str, Any],
     accuracy: Accuracy,
-    model_tolerance: float,
     chunks: Chunks,
 ) -> xr.Dataset:
     """Return the dataset of a sweep whose variables are computed when they are asked
@@ -166,10 +162,8 @@ def lazy_grid(
             values = np.array([different.index(kind) for kind in values])
         variable = xr.Variable((dimension,), values)
         arrays[name] = variable.chunk({dimension: lengths[dimension]})
-    variables = _result_variables(
-        base, arrays, different, accuracy, model_tolerance, tuple(axes)
-    )
-    attributes = impact_attributes(base, accuracy, model_tolerance, scene_values(base))
+    variables = _result_variables(base, arrays, different, accuracy, tuple(axes))
+    attributes = impact_attributes(base, accuracy, scene_values(base))
     return xr.Dataset(variables, coordinates, attributes | shapes_attribute(different))
 
 
@@ -244,7 +238,6 @@ def _result_variables(
     arrays: Mapping[str, xr.Variable],
     kinds: Sequence[type[AbstractShape]],
     accuracy: Accuracy,
-    model_tolerance: float,
     dimensions: Sequence[Hashable],
 ) -> dict[str, xr.Variable]:
     """Return the numbers and outcomes of impacts, lazily if an array is.
@@ -261,7 +254,6 @@ def _result_variables(
         (*arrays,),
         tuple(kinds),
         accuracy,
-        model_tolerance,
         called="impact of a block, number" if lazy else "scene",
     )
     names = *OUTPUT_COLUMNS, OUTCOME_COLUMN
@@ -313,9 +305,7 @@ def _numbers(block: _Block, *values: np.ndarray) -> tuple[np.ndarray, ...]:
     scene = scene_with(base, flat)
     # The laws were checked by who sent them.
     check_scene(scene, batched=True, of=block.called, laws=False)
-    summary = compute_part(
-        jax.tree.map(np.asarray, scene), count, block.accuracy, block.model_tolerance
-    )
+    summary = compute_part(jax.tree.map(np.asarray, scene), count, block.accuracy)
     numbers = [getattr(summary, column.field) for column in OUTPUT_COLUMNS.values()]
     words = outcomes_in_words(summary.outcome_code)
     return tuple(of_column.reshape(shape) for of_column in (*numbers, words))

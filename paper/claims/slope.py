@@ -79,7 +79,7 @@ def heights_are_exponential(study: Study) -> Judgement:
             f"mean height {_listed([fit.mean for fit in fits.values()])} m, "
             f"{count.min():.0f} to {count.max():.0f} jumps"
         )
-    near = sum(part.held for part in parts)
+    near = sum(part.met for part in parts)
     words.append(f"near at {near} of {len(parts)} places")
     return judge("; ".join(words), *parts)
 

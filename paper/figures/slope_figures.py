@@ -69,7 +69,7 @@ BEFORE_HOPS: dict[str, Any] = {"color": VERMILION, "ls": "--"}
 
 
 def blocks_table(runs: Runs, trajectory: np.ndarray) -> Table:
-    """Aspect ratio, the sphere's spin and the ending of some trajectories, a row for
+    """Aspect ratio, the sphere's spin and the ending of trajectories, a row for
     each place."""
     shapes = np.repeat(ASPECT_RATIOS, len(SPINS_DEGPS))
     spins = np.tile(SPINS_DEGPS, len(ASPECT_RATIOS))
@@ -217,13 +217,13 @@ def compute_14(study: Study) -> Table:
     """Return a row for each impact; coefficients are NaN where the centre does not come
     down."""
     runs = study.runs
-    contacts, found = runs.contacts, restitutions(runs)
+    contacts, coefficients = runs.contacts, restitutions(runs)
     chosen = np.flatnonzero(contacts.outcome >= 0)
     table = blocks_table(runs, contacts.trajectory[chosen])
     columns = {
         "x_m": contacts.x[chosen],
-        "e_n": found.e_n[chosen],
-        "e_t": found.e_t[chosen],
+        "e_n": coefficients.e_n[chosen],
+        "e_t": coefficients.e_t[chosen],
         HOP: contacts.hop[chosen].astype(int),
         OUTCOME_COLUMN: [str(Outcome(code)) for code in contacts.outcome[chosen]],
     }

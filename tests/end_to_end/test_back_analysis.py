@@ -13,7 +13,6 @@ from benchmarks.back_analysis import BENCHES, observe
 from jaximpact import calibrate
 from jaximpact.cli import main
 from jaximpact.errors import InputError
-from jaximpact.progress import Progress
 from jaximpact.runout import calibrate_slope, read_slope_study, run_slope_study
 from jaximpact.runout.back_analysis import posterior as posterior_module
 from jaximpact.runout.back_analysis import predictive
@@ -168,7 +167,7 @@ def test_a_posterior_of_one_ground_gives_a_plain_study(fitted, observed, tmp_pat
     u = fitted.posterior.u[:1]
     (friction,) = fitted.fit.values(u)[0]
     one = dataclasses.replace(fitted.posterior, u=u)
-    found = predict(fitted.fit, one, None, Progress())
+    found = predict(fitted.fit, one, None)
     blocks, seed = found.blocks, _seed(fitted.fit, predictive.STREAM, 0)
     (truth,) = estimates_of(plain_study(observed, tmp_path, blocks, seed, friction))
     for name, estimate in found.barriers[0].estimates.items():

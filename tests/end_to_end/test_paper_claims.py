@@ -103,7 +103,7 @@ def test_every_claim_has_a_judge():
 def test_claims_hold_on_sets_made_to_their_words(name):
     judgement = JUDGES[name](SETS)
     assert judgement.verdict is HOLDS
-    assert judgement.held == judgement.asked > 0
+    assert judgement.met == judgement.asked > 0
     assert judgement.evidence
 
 
@@ -223,7 +223,7 @@ def test_every_judge_is_tried_both_ways():
 def test_claims_fail_where_nothing_of_them_holds(name):
     judgement = JUDGES[name](FAILING[name])
     assert judgement.verdict is FAILS
-    assert judgement.held < judgement.asked
+    assert judgement.met < judgement.asked
 
 
 def test_claims_of_one_place_hold_partly():
@@ -232,7 +232,7 @@ def test_claims_of_one_place_hold_partly():
     for name in ("C25", "C26", "C28"):
         judgement = JUDGES[name](other)
         assert judgement.verdict is PARTLY
-        assert 0 < judgement.held < judgement.asked
+        assert 0 < judgement.met < judgement.asked
 
 
 def test_what_differs_on_another_ground_is_named():
@@ -433,7 +433,7 @@ def test_the_table_is_of_the_claims_and_their_verdicts(out):
     for row, claim in zip(rows, read_claims().values(), strict=True):
         assert {name: row[name] for name in claim._fields} == claim._asdict()
         assert row["verdict"] == found[row["id"]][2].strip("*")
-        assert 0 <= int(row["held"]) <= int(row["asked"])
+        assert 0 <= int(row["met"]) <= int(row["asked"])
 
 
 def test_readings_of_the_page_are_those_of_the_command(page):

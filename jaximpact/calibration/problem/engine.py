@@ -1,6 +1,6 @@
 """Engines: the compiled model that computes impacts with a directional derivative.
 
-On a CPU impacts are computed in machine code (`compile_native_along`): one directional
+On a CPU impacts are computed in machine code (`compile_along_one`): one directional
 derivative a run, and as many runs as derivatives are wanted. Laws without machine code,
 and other devices, are computed by XLA in programs for a fixed number of impacts.
 """
@@ -16,8 +16,8 @@ import numpy as np
 
 from ...accuracy import Accuracy
 from ...backend.native_backend import (
+    compile_along_one,
     compile_native,
-    compile_native_along,
     computes_on_cpu,
     solve_rows,
     with_setting,
@@ -55,7 +55,7 @@ class Engine:
         """Machine code of the model; None where there is none."""
         if not computes_on_cpu():
             return None
-        return compile_native_along(self.assembly)
+        return compile_along_one(self.assembly)
 
     def __getstate__(self) -> dict:
         # Machine code belongs to a process; another one compiles its own.

@@ -10,7 +10,7 @@ from ...accuracy import Accuracy
 from ...impact.problem import Assembly
 from ...impact.reduced_models import PLANAR, PLANAR_DAMPED
 from ...parameters import parameters_of
-from ...progress import Progress
+from ...progress import Progress, listening, telling
 from ...quantities import CURVE_COLUMNS, columns_of, leaf_places
 from ...scene import Scene
 from ...tasks import Item, Result, run_in_threads
@@ -204,4 +204,5 @@ def for_each_variant(
     in_xla = any(engine.kernel is None for engine in engines)
     if in_xla or len(variants) == 1:
         return [function(variant, progress) for variant in variants]
-    return run_in_threads(function, variants, progress)
+    with telling(progress):
+        return run_in_threads(lambda item: function(item, listening()), variants)

@@ -11,7 +11,6 @@ that there are. Of values at a collector: the same of their logarithms. Of a cou
 a line: the logit of the share.
 """
 
-import concurrent.futures
 import dataclasses
 import hashlib
 import io
@@ -21,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from ..._packages import versions
-from ...progress import Progress
+from ...progress import tell
 from ...store import Store
 from ...tasks import call_each
 from ..analysis import first_passages, passages
@@ -49,20 +48,16 @@ def simulate_data_sets(
     blocks: int,
     stream: int,
     store: Store | None = None,
-    progress: Progress | None = None,
     what: str = "data sets",
-    executor: concurrent.futures.Executor | None = None,
 ) -> np.ndarray:
-    """Simulate a data set for each candidate.
+    """Simulate a data set for each candidate, by the executor that is set.
 
     Args:
         u: candidates, as probabilities under the priors, `(data sets, parameters)`.
         blocks: blocks released in each.
         stream: number that tells apart the random numbers of several calls.
         store: keeps chunks that are done.
-        progress: told how many are done.
         what: name of the data sets in progress.
-        executor: computes chunks in other processes; the results are the same.
 
     Returns:
         `(data sets, blocks, 1 + 4 * places + 1)`: x where a block stopped [m]; at each
@@ -70,7 +65,7 @@ def simulate_data_sets(
         the lowest point [m] at the first passage; 1 for a block that failed, else 0.
         NaN for a block that does not stop, or does not come there.
     """
-    size, progress = max(1, CHUNK // blocks), progress or Progress()
+    size = max(1, CHUNK // blocks)
     parts = [u[start : start + size] for start in range(0, len(u), size)]
     keys = [_key(fit, part, blocks, stream, i) for i, part in enumerate(parts)]
     found = [_stored(store, key) for key in keys]
@@ -84,10 +79,10 @@ def simulate_data_sets(
             buffer = io.BytesIO()
             np.save(buffer, outcomes)
             store.put("dataset", keys[i], buffer.getvalue())
-        progress(what, _count(found), len(u))
+        tell(what, _count(found), len(u))
 
-    progress(what, _count(found), len(u))
-    call_each(_simulate, work, take, executor)
+    tell(what, _count(found), len(u))
+    call_each(_simulate, work, take)
     return np.concatenate([outcomes for outcomes in found if outcomes is not None])
 
 

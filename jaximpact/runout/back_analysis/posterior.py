@@ -1,7 +1,6 @@
 """Posterior of the fitted parameters: rounds of simulation, each in the part of the
 prior that is plausible still, and what their data sets say of each parameter."""
 
-import concurrent.futures
 import dataclasses
 from typing import NamedTuple
 
@@ -9,7 +8,6 @@ import numpy as np
 from scipy.special import bdtr, expit, logit
 
 from ...errors import InputError
-from ...progress import Progress
 from ...store import Store
 from .data_sets import observed_summary, simulate_data_sets, simulated_summaries
 from .problem import SlopeFit, SlopeParameter
@@ -81,12 +79,7 @@ class Searched(NamedTuple):
     """Number of them that lack a channel of what was observed."""
 
 
-def search(
-    fit: SlopeFit,
-    store: Store | None,
-    progress: Progress,
-    executor: concurrent.futures.Executor | None = None,
-) -> Searched:
+def search(fit: SlopeFit, store: Store | None) -> Searched:
     """Simulate data sets in boxes that shrink to where the posterior is.
 
     A box holds all but 0.1 % of each parameter's posterior as the round before found
@@ -109,9 +102,8 @@ def search(
             rng = np.random.default_rng((fit.slope.seed, number))
             new = rng.uniform(region.low, region.high, (missing, dimension))
             outcomes = simulate_data_sets(
-                *(fit, new, fit.observed.released, number, store, progress),
+                *(fit, new, fit.observed.released, number, store),
                 what=f"data sets of round {number + 1}",
-                executor=executor,
             )
             found = simulated_summaries(fit.observed, outcomes, fit.places, number)
             u, summaries = np.vstack([u, new]), np.vstack([summaries, found])

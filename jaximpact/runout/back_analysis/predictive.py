@@ -1,14 +1,12 @@
 """Predictions with the fitted ground: data sets like the observed one, values at
 collectors, curves of exceedance, and what barriers do, each with its interval."""
 
-import concurrent.futures
 import dataclasses
 from typing import NamedTuple
 
 import numpy as np
 
 from ...io.display import Rows, ShownAsTable
-from ...progress import Progress
 from ...store import Store
 from ..study.barriers import Barrier, BarrierEstimates, estimates_at
 from ..study.intervals import (
@@ -122,21 +120,14 @@ class Predicted(NamedTuple):
     """Number of blocks released on each."""
 
 
-def predict(
-    fit: SlopeFit,
-    posterior: Posterior,
-    store: Store | None,
-    progress: Progress,
-    executor: concurrent.futures.Executor | None = None,
-) -> Predicted:
+def predict(fit: SlopeFit, posterior: Posterior, store: Store | None) -> Predicted:
     """Simulate data sets for samples of the posterior, and compare and count."""
     released = fit.observed.released
     size = max(released, LEAST_BLOCKS)
     blocks = DATA_SETS * size
     outcomes = simulate_data_sets(
-        *(fit, posterior.u[:DRAWS], blocks, STREAM, store, progress),
+        *(fit, posterior.u[:DRAWS], blocks, STREAM, store),
         what="predicted data sets",
-        executor=executor,
     )
     data_sets = outcomes.reshape(-1, size, outcomes.shape[-1])
     names = {x: tuple(b.name for b in fit.barriers if b.x == x) for x in fit.places}

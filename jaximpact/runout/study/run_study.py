@@ -25,7 +25,7 @@ from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import columns_of_part
 from ...scene_quantities import SHAPE, text_of
 from ...shapes import MixedShapes
-from ...tasks import Task, check_executor, run_tasks
+from ...tasks import Task, computing, run_tasks
 from ...units import DEGREE
 from ..analysis import first_passages, maxima_along, passages
 from ..blocks import Release, select
@@ -215,10 +215,8 @@ def run_slope_study(
     opened = contextlib.nullcontext()
     if journal is not None:
         opened = Journal(journal, _subject(study), columns, count)
-    with opened as kept:
-        collector = Collector(
-            len(columns), count, kept, as_progress(progress), "blocks"
-        )
+    with computing(progress=progress, executor=executor), opened as kept:
+        collector = Collector(len(columns), count, kept, "blocks")
         if executor is None:
             _run_here(study, collector)
         else:
@@ -257,7 +255,6 @@ def _run_elsewhere(
     executor: concurrent.futures.Executor, study: SlopeStudy, collector: Collector
 ) -> None:
     """Compute the blocks that are not done by the workers of an executor."""
-    check_executor(executor)
     waiting = np.flatnonzero(collector.missing)
     size = int(np.clip(-(-len(waiting) // PORTIONS), FIRST_PORTION, LARGEST_PORTION))
     portions = [waiting[i : i + size] for i in range(0, len(waiting), size)]
