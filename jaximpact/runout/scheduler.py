@@ -104,7 +104,10 @@ def simulate_runout(
     )
     check_scene(scenes, batched=True, warn=True, of="entry")
     return follow(
-        *(profile, release, ground, limits),
+        profile=profile,
+        release=release,
+        ground=ground,
+        limits=limits,
         contacts=contacts or FullModel(),
         width=width,
         progress=as_progress(progress),

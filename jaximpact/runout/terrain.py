@@ -34,19 +34,34 @@ def _angle(
     name: str, default: float, upper: float, upper_allowed: bool, meaning: str
 ) -> InputColumn:
     return InputColumn(
-        *(name, "ground", name.removesuffix("_deg"), DEGREE, default / DEGREE),
-        *(0.0, upper, True, upper_allowed, "deg", meaning),
+        name=name,
+        part="ground",
+        field=name.removesuffix("_deg"),
+        factor=DEGREE,
+        default=default / DEGREE,
+        lower=0.0,
+        upper=upper,
+        lower_allowed=True,
+        upper_allowed=upper_allowed,
+        unit="deg",
+        meaning=meaning,
     )
 
 
 ANGLE_COLUMNS: dict[str, InputColumn] = {
     ROLLING_COLUMN: _angle(
-        *(ROLLING_COLUMN, ROLLING_FRICTION_ANGLE, 90.0, False),
-        "angle of rolling friction",
+        name=ROLLING_COLUMN,
+        default=ROLLING_FRICTION_ANGLE,
+        upper=90.0,
+        upper_allowed=False,
+        meaning="angle of rolling friction",
     ),
     ROUGHNESS_COLUMN: _angle(
-        *(ROUGHNESS_COLUMN, 0.0, ROUGHEST / DEGREE, True),
-        "standard deviation of the angle of the ground's facets",
+        name=ROUGHNESS_COLUMN,
+        default=0.0,
+        upper=ROUGHEST / DEGREE,
+        upper_allowed=True,
+        meaning="standard deviation of the angle of the ground's facets",
     ),
 }
 """Columns of the ground beside those of its soil."""

@@ -79,30 +79,6 @@ def test_draws_depend_on_seed_and_name_alone():
     np.testing.assert_allclose(few["a"][:3], FIRST_DRAWS, rtol=1e-15)
 
 
-def test_draws_follow_their_distributions():
-    drawn = draw(
-        {
-            "normal": Normal(10.0, 2.0),
-            "cut": Normal(10.0, 2.0, 9.0, 12.0),
-            "uniform": Uniform(-1.0, 3.0),
-        },
-        40_000,
-        0,
-    )
-    # Five standard errors of mean and deviation.
-    assert np.mean(drawn["normal"]) == pytest.approx(10.0, abs=5 * 2.0 / 200.0)
-    assert np.std(drawn["normal"]) == pytest.approx(2.0, abs=5 * 2.0 / 283.0)
-    assert np.mean(drawn["uniform"]) == pytest.approx(1.0, abs=5 * 4.0 / 693.0)
-    assert drawn["uniform"].min() >= -1.0
-    assert drawn["uniform"].max() <= 3.0
-    assert drawn["cut"].min() >= 9.0
-    assert drawn["cut"].max() <= 12.0
-    inside = drawn["normal"][(drawn["normal"] > 9.0) & (drawn["normal"] < 12.0)]
-    # The mean of a cut normal distribution is that of what it leaves.
-    assert np.mean(drawn["cut"]) == pytest.approx(np.mean(inside), abs=0.04)
-    assert abs(np.corrcoef(drawn["normal"], drawn["uniform"])[0, 1]) < 5.0 / 200.0
-
-
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_far_tails_keep_their_distribution(side):
     """Beyond 12 standard deviations what is left is near exponential, with a mean of
@@ -141,26 +117,6 @@ def test_the_file_says_what_is_computed(slope):
         "e_contact": 0.3,
         "friction_coefficient": 0.6,
     }
-
-
-def test_without_chance_there_is_a_block_for_each_combination(slope, changed):
-    changed(
-        ("count = 60\n", ""),
-        ("{ mean = 100, sd = 60, least = 20 }", "[50, 100]"),
-        ("{ from = 2, to = 6 }", "3"),
-        ("{ from = 0, to = 180 }", "0"),
-    )
-    assert read_slope_study(slope).release.count == 6
-
-
-def test_a_profile_from_a_csv(changed, tmp_path):
-    (tmp_path / "profile.csv").write_text("x_m,y_m,c_v\n0,50,1\n80,0,0.2\n200,0,0\n")
-    points = "points_m = [[0, 50], [50, 20], [55, 20], [80, 0], [200, 0]]"
-    study = read_slope_study(changed((points, 'csv = "profile.csv"')))
-    assert list(study.profile.x) == [0.0, 80.0, 200.0]
-    assert list(study.profile.soil.c_v) == [1.0, 0.5]
-    assert list(np.degrees(study.profile.rolling_friction_angle).round(9)) == [25, 10]
-    assert set(study.inputs.checksums_by_name) == {"slope.toml", "profile.csv"}
 
 
 def test_neither_portions_nor_the_count_matter(slope, changed, monkeypatch):

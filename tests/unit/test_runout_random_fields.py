@@ -16,7 +16,6 @@ from jaximpact.runout import (
     Release,
     Uniform,
     read_slope_study,
-    run_slope_study,
     simulate_runout,
 )
 from jaximpact.runout.random_inputs import RandomField
@@ -182,15 +181,6 @@ def test_what_else_is_random_does_not_matter(slope, changed):
     np.testing.assert_array_equal(few.ground.soil.k_E, study.ground.soil.k_E[:3])
     changed(("count = 30\n", ""), ("{ from = 2, to = 6 }", "3"))
     assert read_slope_study(slope).release.count == 1000
-
-
-def test_portions_do_not_matter(slope, monkeypatch):
-    study = read_slope_study(slope)
-    whole = run_slope_study(study)
-    monkeypatch.setattr("jaximpact.runout.study.run_study.FIRST_PORTION", 7)
-    np.testing.assert_array_equal(run_slope_study(study).x_m, whole.x_m)
-    # Blocks do differ by their ground alone.
-    assert len(set(whole.x_m.values)) == 30
 
 
 @pytest.mark.parametrize(

@@ -102,7 +102,11 @@ def search(fit: SlopeFit, store: Store | None) -> Searched:
             rng = np.random.default_rng((fit.slope.seed, number))
             new = rng.uniform(region.low, region.high, (missing, dimension))
             outcomes = simulate_data_sets(
-                *(fit, new, fit.observed.released, number, store),
+                fit=fit,
+                u=new,
+                blocks=fit.observed.released,
+                stream=number,
+                store=store,
                 what=f"data sets of round {number + 1}",
             )
             found = simulated_summaries(fit.observed, outcomes, fit.places, number)

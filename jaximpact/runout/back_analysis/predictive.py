@@ -126,7 +126,11 @@ def predict(fit: SlopeFit, posterior: Posterior, store: Store | None) -> Predict
     size = max(released, LEAST_BLOCKS)
     blocks = DATA_SETS * size
     outcomes = simulate_data_sets(
-        *(fit, posterior.u[:DRAWS], blocks, STREAM, store),
+        fit=fit,
+        u=posterior.u[:DRAWS],
+        blocks=blocks,
+        stream=STREAM,
+        store=store,
         what="predicted data sets",
     )
     data_sets = outcomes.reshape(-1, size, outcomes.shape[-1])

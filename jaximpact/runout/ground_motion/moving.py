@@ -138,8 +138,14 @@ def _ride(state: RunState, lanes: np.ndarray, width: int) -> None:
         time=block.time,
     )
     ridden = ride(
-        *(state.path, friction_of, riders, begin, state.stays_on[lanes]),
-        *(state.passed[lanes], state.limits.time, width),
+        path=state.path,
+        friction_of=friction_of,
+        riders=riders,
+        begin=begin,
+        stays_on=state.stays_on[lanes],
+        passed=state.passed[lanes],
+        time_limit=state.limits.time,
+        width=width,
     )
     _record(state, lanes, block, riders, ridden)
     end = ridden.end
@@ -162,10 +168,12 @@ def _ride(state: RunState, lanes: np.ndarray, width: int) -> None:
     state.stays_on[lanes[~goes_on]] = UNKNOWN
     state.passed[lanes] = np.where(goes_on, ridden.passed, -np.inf)
     there = _Arrival(
-        riders,
-        *(ridden.normal_x, ridden.normal_y),
-        *(ridden.next_normal_x, ridden.next_normal_y),
-        friction_on(state.path, friction_of, end.element),
+        riders=riders,
+        normal_x=ridden.normal_x,
+        normal_y=ridden.normal_y,
+        next_normal_x=ridden.next_normal_x,
+        next_normal_y=ridden.next_normal_y,
+        friction=friction_on(state.path, friction_of, end.element),
         moved=end.time > begin.time,
     )
     happening = {
@@ -262,9 +270,11 @@ def _strike(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
     on_line = np.clip(number, least, most)
     segment = np.where(ground.is_segment, on_line, ground.behind)
     corner = Corner(
-        *(block.direction * there.normal_x, there.normal_y),
-        *(block.direction * there.next_normal_x, there.next_normal_y),
-        segment.astype(float),
+        here_x=block.direction * there.normal_x,
+        here_y=there.normal_y,
+        ahead_x=block.direction * there.next_normal_x,
+        ahead_y=there.next_normal_y,
+        segment=segment.astype(float),
     )
     put(state.blocks, lanes, strike_corner(block, constants, corner))
 

@@ -416,7 +416,13 @@ def _recorded(
     ways = np.cumsum(np.pad(length, ((0, 0), (1, 0))), axis=1)
     way = ways[rider, two + 1] - ways[rider, one]
     legs = Legs(
-        *(rider, time[rider, one], whole, x, y, v_x, v_y),
+        rider=rider,
+        time=time[rider, one],
+        duration=whole,
+        x=x,
+        y=y,
+        v_x=v_x,
+        v_y=v_y,
         a_x=to_join(ahead.stop_x[rider, two] - x, v_x),
         a_y=to_join(ahead.stop_y[rider, two] - y, v_y),
         turned=turned[rider, one],

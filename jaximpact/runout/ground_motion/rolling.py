@@ -151,8 +151,12 @@ def begin_on_ground(
             rotation [rad/s].
     """
     motion = begin_ground_motion(
-        *(constants, plane, rolling_friction),
-        *(height, tangential_velocity, angular_velocity),
+        constants=constants,
+        slope=plane,
+        rolling_friction=rolling_friction,
+        height=height,
+        tangential_velocity=tangential_velocity,
+        angular_velocity=angular_velocity,
     )
     stays, body = motion.stays > 0.0, block.body
     over = jnp.where(stays, 0.0, constants.centre_height(motion.rolls) - height)

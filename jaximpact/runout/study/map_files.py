@@ -123,8 +123,11 @@ def write_map_files(
         ends = np.stack([dataset.x_m.values, dataset.y_m.values], axis=1)
         layers = [
             Layer(
-                *("trajectories", True, lines),
-                *(properties[: len(lines)], BLOCK_PROPERTIES),
+                name="trajectories",
+                is_line=True,
+                positions=lines,
+                properties=properties[: len(lines)],
+                kinds=BLOCK_PROPERTIES,
             ),
             Layer(
                 "stops",
@@ -260,7 +263,11 @@ def write_geojson(path: Path, layer: Layer, code: int) -> None:
 
     places = [in_degrees(positions) for positions in layer.positions]
     _write(
-        *(path, "GeoJSON", layer, places, f"EPSG:{LONGITUDE_AND_LATITUDE}"),
+        path=path,
+        driver="GeoJSON",
+        layer=layer,
+        positions=places,
+        crs=f"EPSG:{LONGITUDE_AND_LATITUDE}",
         RFC7946="YES",
         COORDINATE_PRECISION=DEGREE_DECIMALS,
     )

@@ -78,7 +78,10 @@ def simulate(
     part = study if chosen is None else _part_of(study, chosen)
     # All that `simulate_runout` checks was checked as the study was read.
     return follow(
-        *(part.profile, part.release, part.ground, part.settings.limits),
+        profile=part.profile,
+        release=part.release,
+        ground=part.ground,
+        limits=part.settings.limits,
         contacts=part.law.contacts,
         progress=as_progress(progress),
     )

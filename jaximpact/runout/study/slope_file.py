@@ -284,8 +284,12 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     )
     return [
         SlopeStudy(
-            *(profile, release, ground, law, settings),
-            inputs._replace(checksums=inputs.checksums | law.checksums),
+            profile=profile,
+            release=release,
+            ground=ground,
+            law=law,
+            settings=settings,
+            inputs=inputs._replace(checksums=inputs.checksums | law.checksums),
         )
         for law in given.laws
     ]
