@@ -36,7 +36,7 @@ def test_segments_descend_and_rise():
         (([0.0, 1e9], [0.0, 1.0]), "x of point 2 must be within 1e[+]08 m of 0"),
         (
             ([0, 1], [0, 0], Soil(), np.radians(-6.0)),
-            r"rolling_friction_angle_deg must be in \[0, 90\) deg, but is -0.10.* on seg",
+            r"friction_angle_deg must be in \[0, 90\) deg, but is -0.10.* segment 1",
         ),
         (
             ([0, 1, 2], [0, 0, 0], Soil(), 0.1, [0.1, np.nan]),
