@@ -10,7 +10,6 @@ import dataclasses
 import hashlib
 import threading
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import jax
@@ -121,8 +120,8 @@ def simulate_batch(
         integrated gets NaN and the outcome `failed`; the rest go on. Each result is, to
         rounding, the one that the scene gives by itself.
 
-    All cores are used. Not differentiable; for
-    derivatives use `simulate`, which takes arrays too.
+    All cores are used. Not differentiable; for derivatives use `simulate`, which takes
+    arrays too.
 
     Raises:
         ValueError: a value out of its range, naming the scene.
@@ -146,18 +145,29 @@ def simulate_batch(
     with computing(progress=progress, executor=executor), opened as kept:
         collector = Collector(len(names), count, kept)
         missing = np.flatnonzero(collector.missing)
+        begin = started = time.perf_counter()
         if executor is None:
-            compute_scenes(
-                scene,
-                setting,
-                lambda places, of_places: collector.take(places, _rows(of_places)),
-                places=missing,
-                ledger=ledger,
-                timing=timing,
-            )
+            name = _prepare(scene, setting, ledger)
+            started = time.perf_counter()
+            for part in in_parts(missing):
+                rows = compute_part(_at(scene, part), len(part), setting, ledger)
+                collector.take(part, rows.T)
         else:
-            how = setting, ledger
-            _compute_elsewhere(executor, scene, missing, collector.take, how, timing)
+            name = "executor"
+            size = int(np.clip(-(-len(missing) // PARTS), LEAST_PART, LARGEST_PART))
+            parts = [missing[i : i + size] for i in range(0, len(missing), size)]
+            run_tasks(
+                executor,
+                (
+                    Task(compute_part, _at(scene, part), len(part), setting, ledger)
+                    for part in parts
+                ),
+                lambda number, rows: collector.take(parts[number], rows.T),
+            )
+    if timing is not None:
+        timing |= {"engine": name, "impacts": len(missing)}
+        timing["compile_s"] = started - begin
+        timing["run_s"] = time.perf_counter() - started
     return ImpactResult(
         **vars(jax.tree.unflatten(structure, list(collector.numbers))),
         scene=scene,
@@ -165,18 +175,27 @@ def simulate_batch(
     )
 
 
-def _rows(numbers: ImpactSummary) -> np.ndarray:
-    """Return the numbers of impacts as rows `(impacts, numbers)`."""
-    return np.stack(jax.tree.leaves(numbers), axis=-1)
+def _prepare(scene: Scene, accuracy: Accuracy, ledger: bool) -> str:
+    """Compile what scenes need, and return the names of what computes them."""
+    names = set()
+    for alone, lanes in by_shape(scene):
+        leaves, structure = jax.tree.flatten(_at(alone, lanes))
+        names.add(prepare(structure, leaves, accuracy, ledger=ledger))
+    return " and ".join(sorted(names))
 
 
+def _at(scene: Scene, places: np.ndarray) -> Scene:
+    """Return the scenes at some places; what is the same for all as one number."""
+    return jax.tree.map(
+        lambda leaf: leaf[0] if leaf.strides == (0,) else leaf[places], scene
+    )
+
+
+@numpy_settings()
 def compute_part(
-    scene: Scene,
-    count: int,
-    accuracy: Accuracy,
-    ledger: bool = False,
-) -> ImpactSummary:
-    """Compute scenes that were checked, and return their numbers.
+    scene: Scene, count: int, accuracy: Accuracy, ledger: bool = False
+) -> np.ndarray:
+    """Compute scenes that were checked.
 
     Args:
         scene: fields that broadcast to `(count,)`.
@@ -184,60 +203,21 @@ def compute_part(
         accuracy, ledger: as for `simulate_batch`.
 
     Returns:
-        Arrays `(count,)`, each with memory of its own, so that those which nobody wants
-        can be let go.
+        Rows `(numbers, count)`, in the order of the fields of `ImpactSummary`.
     """
-    found = jax.tree.map(lambda _: np.empty(count), empty_summary(ledger))
-    leaves = jax.tree.leaves(found)
-
-    def keep(places: np.ndarray, numbers: ImpactSummary) -> None:
-        for leaf, values in zip(leaves, jax.tree.leaves(numbers), strict=True):
-            leaf[places] = values
-
+    rows = np.empty((len(jax.tree.leaves(empty_summary(ledger))), count))
     every = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count,)), scene)
-    compute_scenes(every, accuracy, keep, ledger=ledger)
-    return found
+    for alone, lanes in by_shape(every):
+        for part in in_parts(np.flatnonzero(np.broadcast_to(lanes, count))):
+            leaves, structure = jax.tree.flatten(_at(alone, part))
+            found, _ = compute_rows(structure, leaves, accuracy, ledger=ledger)
+            rows[:, part] = np.broadcast_to(found.T, (len(part), len(found))).T
+    return rows
 
 
-def _rows_of_part(*arguments) -> np.ndarray:
-    """Compute scenes as `compute_part`, and return rows `(count, numbers)`."""
-    return _rows(compute_part(*arguments))
-
-
-def _compute_elsewhere(
-    executor: concurrent.futures.Executor,
-    scene: Scene,
-    places: np.ndarray,
-    take: Callable[[np.ndarray, np.ndarray], None],
-    how: tuple,
-    timing: dict | None,
-) -> None:
-    """Compute the scenes of some places by the workers of an executor."""
-    size = int(np.clip(-(-len(places) // PARTS), LEAST_PART, LARGEST_PART))
-    parts = [places[i : i + size] for i in range(0, len(places), size)]
-
-    def chosen(leaf: np.ndarray, part: np.ndarray) -> np.ndarray:
-        # What is the same for all is sent once.
-        return leaf[0] if leaf.strides == (0,) else leaf[part]
-
-    begin = time.perf_counter()
-    run_tasks(
-        executor,
-        (
-            Task(
-                _rows_of_part,
-                jax.tree.map(lambda leaf, part=part: chosen(leaf, part), scene),
-                len(part),
-                *how,
-            )
-            for part in parts
-        ),
-        lambda number, rows: take(parts[number], rows),
-    )
-    if timing is not None:
-        seconds = time.perf_counter() - begin
-        timing |= {"engine": "executor", "impacts": len(places)}
-        timing |= {"compile_s": 0.0, "run_s": seconds}
+def summary_of(rows: np.ndarray, ledger: bool = False) -> ImpactSummary:
+    """Name the rows that `compute_part` gives."""
+    return jax.tree.unflatten(jax.tree.structure(empty_summary(ledger)), list(rows))
 
 
 class Collector:
@@ -296,50 +276,3 @@ def _subject(scene: Scene, count: int, accuracy: Accuracy) -> dict:
         "laws": names,
         "versions": versions(),
     }
-
-
-@numpy_settings()
-def compute_scenes(
-    scene: Scene,
-    accuracy: Accuracy,
-    keep: Callable[[np.ndarray, ImpactSummary], None],
-    *,
-    places: np.ndarray | None = None,
-    ledger: bool = False,
-    timing: dict | None = None,
-) -> None:
-    """Compute scenes on all cores, without checking them.
-
-    Args:
-        scene: every field an array of one length.
-        accuracy: of the integration.
-        keep: called as `keep(places, numbers)` as results come.
-        places: indices of the scenes to compute; all by default.
-        ledger, timing: as for `simulate_batch`.
-    """
-    count = len(scene.impact.speed)
-    wanted = np.arange(count) if places is None else places
-    of_numbers = jax.tree.structure(empty_summary(ledger))
-    compiling, running, engines = 0.0, 0.0, set()
-    for alone, of_shape in by_shape(scene):
-        leaves, structure = jax.tree.flatten(alone)
-        chosen = wanted[np.broadcast_to(of_shape, count)[wanted]]
-        if not len(chosen):
-            continue
-        begin = time.perf_counter()
-        engines.add(prepare(structure, _at(leaves, chosen), accuracy, ledger=ledger))
-        started = time.perf_counter()
-        for part in in_parts(chosen):
-            own = _at(leaves, part)
-            rows, _ = compute_rows(structure, own, accuracy, ledger=ledger)
-            keep(part, jax.tree.unflatten(of_numbers, list(rows)))
-        compiling += started - begin
-        running += time.perf_counter() - started
-    if timing is not None:
-        timing |= {"engine": " and ".join(sorted(engines)), "impacts": len(wanted)}
-        timing |= {"compile_s": compiling, "run_s": running}
-
-
-def _at(leaves: list[np.ndarray], places: np.ndarray) -> list[np.ndarray]:
-    """Return leaves at some places; what is the same for all as one number."""
-    return [leaf[0] if leaf.strides == (0,) else leaf[places] for leaf in leaves]

@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Array
 
 from .accuracy import Accuracy
-from .batch import Collector, compute_scenes
-from .impact.results import ImpactSummary
+from .backend.rows import in_parts
+from .batch import Collector, compute_part, summary_of
 from .io.journal import Journal
 from .scene import Scene
 
@@ -66,12 +66,10 @@ def respond(
     scene = jax.tree.map(np.asarray, scene)
     lanes = len(scene.impact.speed)
     collector = Collector(len(COLUMNS), lanes, journal)
-
-    def keep(places: np.ndarray, summary: ImpactSummary) -> None:
+    for part in in_parts(np.flatnonzero(collector.missing)):
+        own = jax.tree.map(lambda leaf, part=part: leaf[part], scene)
+        summary = summary_of(compute_part(own, len(part), accuracy))
         columns = [getattr(summary, name) for name in FIELDS]
-        collector.take(places, np.stack(columns, axis=-1))
-
-    missing = None if journal is None else np.flatnonzero(collector.missing)
-    compute_scenes(scene, accuracy, keep, places=missing)
+        collector.take(part, np.stack(columns, axis=-1))
     *response, outcome = collector.numbers
     return ImpactResponses(ImpactResponse(*response), outcome.astype(int))

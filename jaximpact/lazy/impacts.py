@@ -15,7 +15,7 @@ from .._checks import expect
 from .._packages import needed
 from .._precision import require_float64
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from ..batch import compute_part
+from ..batch import compute_part, summary_of
 from ..errors import InputError
 from ..io.checks import check_memory, check_scene
 from ..io.datasets import (
@@ -305,7 +305,8 @@ def _numbers(block: _Block, *values: np.ndarray) -> tuple[np.ndarray, ...]:
     scene = scene_with(base, flat)
     # The laws were checked by who sent them.
     check_scene(scene, batched=True, of=block.called, laws=False)
-    summary = compute_part(jax.tree.map(np.asarray, scene), count, block.accuracy)
+    scene = jax.tree.map(np.asarray, scene)
+    summary = summary_of(compute_part(scene, count, block.accuracy))
     numbers = [getattr(summary, column.field) for column in OUTPUT_COLUMNS.values()]
     words = outcomes_in_words(summary.outcome_code)
     return tuple(of_column.reshape(shape) for of_column in (*numbers, words))
