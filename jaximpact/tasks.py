@@ -33,7 +33,7 @@ from ._packages import versions
 from .backend.threads import one_thread
 from .backend.xla_compilation import keep_programs
 from .errors import IncompleteError, InputError, NoWorkersWarning
-from .finding import class_of_file, file_of, told, users_line
+from .finding import class_of_file, describe_error, file_of, users_line
 from .identity import code_digest, is_ours, name_of
 from .parameters import Part
 from .progress import Progress, ProgressFunction, as_progress, listening, telling
@@ -90,7 +90,7 @@ class Task:
         except SystemExit as error:
             # Workers would obey, one after another.
             file, row = users_line(error)
-            raise InputError(told(error), file=file, row=row) from error
+            raise InputError(describe_error(error), file=file, row=row) from error
 
     def __dask_tokenize__(self):
         return type(self).__name__, hashlib.sha256(self.payload).hexdigest()

@@ -24,7 +24,7 @@ LAYERS = """
     _numpy_settings
     _packages interruption progress file_locks store
     finding code_state parameters identity accuracy
-    shapes laws scene
+    shapes laws part_checks scene
     quantities scene_quantities
     impact restitution
     integrator
