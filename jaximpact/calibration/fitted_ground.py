@@ -21,6 +21,8 @@ from .problem.noise import ProportionalScatter
 from .problem.nuisance import Prior
 
 FILE = "fit.json"
+FORMAT = 2
+"""Version of the tree in it; other ones are refused."""
 FILES = ("report.html", FILE, "fitted.csv")
 """Files that every calibration writes."""
 
@@ -115,6 +117,10 @@ def read_fitted(path: Path) -> FittedGround:
             f"must be the {FILE} of a calibration, or its directory, but is no JSON",
             file=path,
         ) from error
+    if not isinstance(tree, dict) or tree.get("format") != FORMAT:
+        raise InputError(
+            f"is no {FILE} of a calibration of this version; calibrate again", file=path
+        )
     try:
         parts, *laws = (
             parts_of_entries(entry.get("parts", {}), path)

@@ -212,14 +212,14 @@ def run(arguments: argparse.Namespace) -> None:
             datasets[study.law.name] = dataset
         with together(new) as add:
             for study, folder in zip(studies, folders, strict=True):
-                output.write_slope_study(
+                report = output.write_slope_study(
                     study,
                     datasets[study.law.name],
                     lambda name, folder=folder: add((folder / name).as_posix()),
                 )
             if several:
-                output.write_comparison(studies[0], datasets, add)
+                report = output.write_comparison(studies[0], datasets, add)
         for journal in journals:
             journal.unlink()
-    print(output.compare_in_words(datasets) if several else output.in_words(dataset))
+    print(report.text(), end="")
     say(f"tables and drawings written to {arguments.out}")

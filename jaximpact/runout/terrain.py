@@ -129,25 +129,15 @@ class Profile(ShownAsTable):
                     f"but got shape {np.shape(values)}"
                 ) from None
 
-        given = {
-            "rolling_friction_angle": rolling_friction_angle,
-            "roughness": roughness,
-        }
-        angles, fields = {}, {}
-        for column in ANGLE_COLUMNS.values():
-            angles[column.field] = values = of_segments(
-                column.field, given[column.field]
+        given = {"rolling_friction_angle": rolling_friction_angle}
+        given |= {"roughness": roughness}
+        fields = {}
+        for column in ground_columns(soil).values():
+            field, of_soil = column.field, column.part == "soil"
+            name = f"Soil.{field}" if of_soil else field
+            values = of_segments(
+                name, getattr(soil, field) if of_soil else given[field]
             )
-            allowed = column.is_allowed(values / DEGREE)
-            if not np.all(allowed):
-                i = int(np.argmin(allowed))
-                raise ValueError(
-                    f"a profile's {column.field} must be {column.requirement}, but is "
-                    f"{values[i] / DEGREE:g} on segment {i + 1}"
-                )
-        for column in columns_of_part("soil", soil).values():
-            field = column.field
-            fields[field] = values = of_segments(f"Soil.{field}", getattr(soil, field))
             allowed = column.is_allowed(values / column.factor)
             if not np.all(allowed):
                 i = int(np.argmin(allowed))
@@ -155,6 +145,10 @@ class Profile(ShownAsTable):
                     f"a profile's {column.name} must be {column.requirement}, but is "
                     f"{column.told(values[i], column.si_unit, f' on segment {i + 1}')}"
                 )
+            fields[field] = values
+        angles = {
+            column.field: fields.pop(column.field) for column in ANGLE_COLUMNS.values()
+        }
         # NumPy arrays, since they are looked up lane by lane.
         soil = jax.tree.map(np.asarray, dataclasses.replace(soil, **fields))
         for field, value in {"x": x, "y": y, "soil": soil, **angles}.items():

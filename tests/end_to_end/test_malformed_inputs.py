@@ -519,7 +519,9 @@ def test_a_pipe_is_read(folder):
     os.close(reading)
 
 
-@pytest.mark.parametrize("tree", [[], {"manifest": 3}, {"variants": [[]]}, 10**400])
+@pytest.mark.parametrize(
+    "tree", [[], {"format": 2, "manifest": 3}, {"format": 2, "variants": [[]]}, 10**400]
+)
 def test_a_damaged_fit_is_refused(folder, capsys, tree):
     (folder / "fit.json").write_text(json.dumps(tree))
     (folder / "tests.csv").write_text(TESTS)

@@ -98,7 +98,7 @@ def test_the_command_compares(slope, tmp_path, capsys):
     found = {path.name for path in (tmp_path / "out").iterdir()}
     assert found == {
         *("constant-coefficients", "mu-0-6", "mu-0-2"),
-        *("comparison.csv", "comparison_collectors.csv"),
+        *("comparison.csv", "comparison_collectors.csv", "report.html"),
         *("comparison.png", "comparison_collectors.png", "manifest.json"),
         "jaximpact-study.json",
     }

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from jaximpact.runout import read_slope_study, run_slope_study
-from jaximpact.runout.study.report_page import report_page
+from jaximpact.runout.study.report_page import slope_report
 from jaximpact.runout.study.run_study import simulate
 
 BROWSER = next(
@@ -59,7 +59,7 @@ def page(tmp_path_factory):
     study = read_slope_study(folder / "slope.toml")
     dataset = run_slope_study(study)
     file = folder / "report.html"
-    file.write_text(report_page(study, dataset, simulate(study, np.arange(50))))
+    file.write_text(slope_report(study, dataset, simulate(study, np.arange(50))).page())
     return file, dataset
 
 

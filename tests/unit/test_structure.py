@@ -31,6 +31,7 @@ LAYERS = """
     backend
     io
     plotting
+    reports
     result
     tasks
     simulation

@@ -1,8 +1,6 @@
-"""The pictures of the report of a calibration, each of one variant."""
+"""Drawings of a calibration: of all its variants, of one, and of laws compared."""
 
-import base64
 import itertools
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -18,23 +16,20 @@ from ...plotting.style import (
     log_scale,
     panels,
     plain,
-    png_bytes,
     points,
 )
 from ...quantities import TARGET_COLUMNS, InputColumn, columns_of
+from ..comparison.comparison import Compared
 from ..diagnostics.cross_validation import LeftOut
-from ..diagnostics.examination import Examination
 from ..diagnostics.further_tests import Suggestions
 from ..diagnostics.identifiability import LikelihoodProfile
 from ..diagnostics.posterior import Draws
 from ..diagnostics.predictive import Bands
-from ..diagnostics.residuals import Residuals, varying_inputs
+from ..diagnostics.residuals import Residuals
 from ..diagnostics.results import StudyResult, VariantResult
 from ..problem.bounds import Bounds
 from ..problem.config import Study
 
-Picture = tuple[str, Figure, str, str]
-"""Group, figure, description and caption of a picture."""
 WIDTH, HEIGHT = 4.6, 3.5
 """Size of a panel [inch]: the report shows it 460 px wide."""
 MOST_PAIRS = 3
@@ -52,100 +47,8 @@ ELLIPSE = 2.448
 """Radius that holds 95 % of a normal distribution of two variables."""
 
 
-def draw_report(
-    result: StudyResult, examined: list[Examination]
-) -> list[dict[str, list[dict]]]:
-    """Draw the pictures of every variant, by their place in the report."""
-    found: list[dict[str, list[dict]]] = []
-    for both in zip(result.variants, examined, strict=True):
-        groups: dict[str, list[dict]] = {}
-        for group, figure, description, caption in (
-            *_fit_pictures(result, *both),
-            *_residual_pictures(result, *both),
-        ):
-            shown = picture(figure, description, caption)
-            groups.setdefault(group, []).append(shown)
-        found.append(groups)
-    return found
-
-
-def picture(figure: Figure, description: str, caption: str) -> dict:
-    """Collect what a report needs to show a figure; `base64` is the PNG."""
-    return {
-        "base64": base64.b64encode(png_bytes(figure)).decode(),
-        "description": description,
-        "caption": caption,
-    }
-
-
-def _fit_pictures(
-    result: StudyResult, variant: VariantResult, diagnostics: Examination
-) -> Iterator[Picture]:
-    names = variant.names
-    for name, profile in variant.profiles.items():
-        yield (
-            *("profiles", draw_profile(variant, profile)),
-            f"Profile likelihood of {name}",
-            f"Profile likelihood of {name}: twice the rise of the cost with {name} "
-            "fixed and the others fitted again.",
-        )
-    for a, b in _pairs(variant):
-        figure = draw_pair(variant, diagnostics.draws, a, b)
-        yield (
-            *("pairs", figure),
-            f"{names[b]} over {names[a]}",
-            "Dots: draws of the posterior. Cross: best fit. Line, where both are "
-            "identifiable: 95 % by the covariance.",
-        )
-    for target, name in enumerate(result.study.targets):
-        figure = draw_target(result, variant, diagnostics.bands, target)
-        yield (
-            *("fit", figure),
-            f"{name}, fitted over {only_varying(result) or 'measured'}",
-            f"{name}: {TARGET_COLUMNS[name].meaning}. Bands hold 95 % of the model's "
-            "values at the draws of the posterior, and of measurements.",
-        )
-    yield (
-        *("further", draw_candidates(diagnostics.together)),
-        "Gain of the next test",
-        "Gain of the next test, with all results measured.",
-    )
-    yield (
-        *("starts", draw_waterfall(variant), "Costs of the starts"),
-        "Cost at the end of the fit from each start.",
-    )
-
-
-def _residual_pictures(
-    result: StudyResult, variant: VariantResult, diagnostics: Examination
-) -> Iterator[Picture]:
-    residuals = diagnostics.residuals
-    if np.any(np.isfinite(residuals.values)):
-        for against in ("prediction", *varying_inputs(variant.objective)):
-            figure = draw_residuals(result, variant, residuals, against)
-            yield (
-                *("residuals", figure),
-                f"Residuals over {against}",
-                f"Residuals over {against}; grey: two standard deviations.",
-            )
-        yield (
-            *("residuals", draw_quantiles(residuals)),
-            "Q-Q plot of the residuals",
-            "Q-Q plot: residuals on the line are normal with the sigmas used.",
-        )
-    exact = result.study.censored == 0
-    for left, what in ((diagnostics.each, "test"), (diagnostics.campaigns, "campaign")):
-        if left is not None and np.any(np.isfinite(left.predicted[exact])):
-            yield (
-                *(f"left_out_{what}", draw_left_out(result, left)),
-                f"Each {what} predicted from the others",
-                f"Measured less predicted by the fit without its {what}; grey: 95 % "
-                "band.",
-            )
-
-
-def _pairs(variant: VariantResult) -> list[tuple[int, int]]:
-    """Choose pairs of parameters, the most correlated first."""
+def most_correlated(variant: VariantResult) -> list[tuple[int, int]]:
+    """Choose the pairs of parameters that are drawn, the most correlated first."""
     correlation = np.abs(variant.uncertainty.correlation)
     pairs = itertools.combinations(range(len(variant.verdicts)), 2)
     return sorted(pairs, key=lambda pair: -correlation[pair])[:MOST_PAIRS]
@@ -430,25 +333,115 @@ def draw_candidates(found: Suggestions) -> Figure:
 
 @in_style
 def draw_waterfall(variant: VariantResult) -> Figure:
+    """Draw the costs of the starts in order, hollow those not at the best fit."""
     figure, axes = _panel()
-    plot_waterfall(axes, variant, BLUE, "o", "found the best fit", "elsewhere or stuck")
+    order = np.argsort(variant.start_costs, kind="stable")
+    costs = np.maximum(variant.start_costs[order], LEAST_COST)
+    rank, reached = np.arange(1, len(costs) + 1), variant.reached[order]
+    style: dict[str, Any] = dict(color=BLUE, marker="o", ls="none", markersize=4)
+    axes.plot(rank, costs, color=BLUE, linewidth=0.8)
+    axes.plot(rank[reached], costs[reached], label="found the best fit", **style)
+    if not np.all(reached):
+        style |= dict(mfc="white", label="elsewhere or stuck")
+        axes.plot(rank[~reached], costs[~reached], **style)
+    log_scale(axes, "y")
+    # Equal costs would leave the axis without an extent.
+    axes.set_ylim(costs[0] / 1.2, 1.2 * costs[-1])
+    axes.set_xlabel("start, best first")
+    axes.set_ylabel("cost at the end [-]")
     axes.legend()
     return figure
 
 
-def plot_waterfall(
-    axes: Axes, variant: VariantResult, color, marker, label, other
-) -> None:
-    """Add the costs of the starts in order to axes; hollow those not at the best
-    fit."""
-    order = np.argsort(variant.start_costs, kind="stable")
-    costs = np.maximum(variant.start_costs[order], LEAST_COST)
-    rank, reached = np.arange(1, len(costs) + 1), variant.reached[order]
-    style: dict[str, Any] = dict(color=color, marker=marker, ls="none", markersize=4)
-    axes.plot(rank, costs, color=color, linewidth=0.8)
-    axes.plot(rank[reached], costs[reached], label=label, **style)
-    if not np.all(reached):
-        axes.plot(rank[~reached], costs[~reached], mfc="white", label=other, **style)
-    log_scale(axes, "y")
-    axes.set_xlabel("start, best first")
-    axes.set_ylabel("cost at the end [-]")
+@in_style
+def plot_study(result: StudyResult) -> Figure:
+    """Draw the fit of every target.
+
+    A target stands over the impact angle where the tests differ in it alone; otherwise
+    fitted stands over measured.
+    """
+    study = result.study
+    count = len(study.targets)
+    columns = {1: 1, 2: 2, 4: 2}.get(count, 3)
+    rows = -(-count // columns)
+    figure, axes = panels(
+        rows, columns, height=3.0, title=plain(study.title), count=count
+    )
+    over_angle = only_varying(result) == "angle_deg"
+    for target in range(len(study.targets)):
+        draw = _angle_panel if over_angle else _measured_panel
+        draw(axes[target], result, target)
+    if over_angle:
+        for panel in axes:
+            panel.legend()
+    elif len(result.variants) > 1:
+        axes[0].legend()
+    return figure
+
+
+def _angle_panel(axes: Axes, result: StudyResult, target: int) -> None:
+    study = result.study
+    angle = study.tests.inputs["angle_deg"]
+    order = np.argsort(angle, kind="stable")
+    measured, censored = study.measured[:, target], study.censored[:, target]
+    exact = censored == 0
+    style: dict[str, Any] = dict(color="black", linestyle="none")
+    sigma = study.sigma[exact, target] if study.sigma_given[target] else None
+    axes.errorbar(
+        angle[exact], measured[exact], sigma, marker="x", label="measured", **style
+    )
+    for sign, marker, word in ((1, "^", "above"), (-1, "v", "below")):
+        limits = censored == sign
+        if np.any(limits):
+            style |= dict(marker=marker, label=f"{word} this")
+            axes.plot(angle[limits], measured[limits], **style)
+    for number, variant in enumerate(result.variants):
+        name, fitted = plain(variant.variant.name), variant.predicted[order, target]
+        axes.plot(angle[order], fitted, label=name, markersize=4, **points(number))
+    axes.set_xlabel("impact angle from the normal [deg]")
+    axes.set_ylabel(label_of(study.targets[target]))
+
+
+def _measured_panel(axes: Axes, result: StudyResult, target: int) -> None:
+    study = result.study
+    measured, known = study.measured[:, target], study.known[:, target]
+    exact = (study.censored[:, target] == 0) & known
+    limits = known & ~exact
+    sigma = study.sigma[exact, target] if study.sigma_given[target] else None
+    for number, variant in enumerate(result.variants):
+        fitted = variant.predicted[:, target]
+        style: dict[str, Any] = dict(linestyle="none", markersize=4, **points(number))
+        name = plain(variant.variant.name)
+        axes.errorbar(measured[exact], fitted[exact], xerr=sigma, label=name, **style)
+        if np.any(limits):
+            # Hollow: only a limit of the measured value is known.
+            axes.plot(measured[limits], fitted[limits], mfc="none", **style)
+    low, high = axes.get_xlim()
+    axes.axline((low, low), (high, high), color=GREY, linewidth=1)
+    hollow = " (hollow: limit)" if np.any(limits) else ""
+    axes.set_xlabel(f"measured {label_of(study.targets[target])}{hollow}")
+    axes.set_ylabel("fitted")
+
+
+@in_style
+def draw_comparison(compared: Compared) -> Figure:
+    """Draw the difference of each law to the best, with two standard errors."""
+    found = compared.ranking()
+    count = len(compared.laws)
+    figure, (axes,) = panels(1, 1, height=0.9 + 0.28 * count)
+    places = np.arange(count)
+    apart, error = found.apart, np.nan_to_num(2.0 * found.error)
+    for place in places:
+        tied = place in found.ties
+        colour = VERMILION if place == found.preferred else BLUE if tied else GREY
+        axes.errorbar(
+            apart[place], place, xerr=error[place], marker="o", color=colour, capsize=3
+        )
+    axes.axvline(0.0, color="black", lw=0.8)
+    names = [plain(law.name) for law in compared.laws]
+    axes.set_yticks(places, names)
+    axes.invert_yaxis()
+    axes.set_xlabel(
+        "log predictive density less that of the best, with two standard errors"
+    )
+    return figure
