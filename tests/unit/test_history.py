@@ -46,6 +46,18 @@ def of_speeds(speed, times=TIMES):
     return simulate(scene, save_at=times, ledger=False).history
 
 
+def test_histories_and_ledgers_show_values_with_units_and_meanings(steps):
+    energy, history = steps.energy, steps.history
+    value = f"{float(energy.kinetic_in):.6g} J"
+    assert f"kinetic_in={value}" in repr(energy)
+    assert f"kinetic_in    {value}" in str(energy)
+    assert f"{value}</td>" in energy._repr_html_()
+    lines = str(history).splitlines()
+    assert lines[0] == f"History: {len(history.time)} times"
+    assert any("normal_force" in x and x.endswith("N, normal force") for x in lines)
+    assert "N, normal force" in history._repr_html_()
+
+
 @pytest.mark.slow
 def test_history_of_steps_and_at_their_times_are_the_same(steps):
     """To the last bit, as are the numbers, whichever code gives them."""
