@@ -209,7 +209,7 @@ def test_malformed_studies(folder, capsys, study):
 
 
 @pytest.mark.parametrize(
-    ("data", "said"),
+    "table",
     [
         (
             "mass_kg\n" + HUGE + "\n",
@@ -226,11 +226,54 @@ def test_malformed_studies(folder, capsys, study):
         ("mass_kg,name\n1,\ud800\n", "row 2: is not text in UTF-8"),
         ("angle_deg\n95\n", "must be in (-90, 90) deg, but is 95"),
         ("poisson\n30\n", "but is 30; %? 30 % is 0.3"),
+        ("", "is empty"),
+        ("\n\n", "is empty"),
+        ("mass_kg\n", "no rows"),
+        ("mass_kg,sped_mps\n1,2\n", "row 1", "sped_mps", "speed_mps?"),
+        ("MASS_KG\n1\n", "row 1", "MASS_KG", "mass_kg?"),
+        ("gamma_w\n1\n", "row 1", "column gamma_w", "gamma_v?"),
+        ("mass_kg,k_E,mass_kg\n1,2,3\n", "row 1", "mass_kg", "twice"),
+        ("mass_kg,\n1,2\n", "row 1", "column 2", "no name"),
+        ("100,14\n100,15\n", "row 1", "column 100", "must name"),
+        ("mass_kg,e_n\n1,0.5\n", "row 1", "e_n", "is a result"),
+        ("sigma_e_n\n0.5\n", "row 1", "sigma_e_n", "is a result"),
+        ("outcome\ndetached\n", "row 1", "outcome", "is a result"),
+        ("mass_kg;k_E\n1;2\n", "row 1", "separated by ';'"),
+        ("mass_kg\tk_E\n1\t2\n", "row 1", "separated by tabs"),
+        ("mass_kg\n1,5\n", "row 2", "2 cells", "has 1", "point"),
+        ('mass_kg\n"1,5"\n', "row 2", "mass_kg", "'1,5'", "point"),
+        ("mass_kg,k_E\n1,2\n3\n", "row 3", "1 cells", "has 2"),
+        ("k_E,mass_kg\n1,2\n3,heavy\n", "row 3", "column mass_kg", "'heavy'"),
+        ("k_E,mass_kg\n1,2\n,2\n", "row 3", "column k_E", "is empty"),
+        ("mass_kg\n1_000\n", "row 2", "mass_kg", "'1_000'"),
+        ("mass_kg\nnan\n", "row 2", "mass_kg", "but is nan"),
+        ("orientation_deg\ninf\n", "row 2", "finite", "but is inf"),
+        ("orientation_deg\n1e999\n", "row 2", "finite", "1e999"),
+        ("mass_kg\n1\n-5\n", "row 3", "mass_kg", "above 0 kg", "-5"),
+        ("aspect_ratio\n0\n", "row 2", "aspect_ratio", "above 0, but"),
+        ("angle_deg\n90\n", "row 2", "angle_deg", "(-90, 90) deg", "is 90"),
+        ("angle_deg\n-91\n", "row 2", "angle_deg", "is -91"),
+        ("relative_density\n90\n", "row 2", "[0, 1]", "is 90"),
+        ("mass_kg\n\n1\n\n-1\n", "row 5", "mass_kg"),
+        ('note,mass_kg\n"a\nb",1\nc,-1\n', "row 4", "mass_kg"),
+        ('note,mass_kg\n"a,1\nb,2\n', "row 2", "not valid CSV"),
+        (b"note,mass_kg\na,1\n\xe4,1\n", "row 3", "UTF-8"),
+        (
+            b"\xff\xfem\x00a\x00s\x00s\x00_\x00k\x00g\x00\n\x001\x00\n\x00",
+            "row 1",
+            "UTF-8",
+        ),
+        (b"mass_kg\n1\n\x00\n", "row 3", "null"),
     ],
 )
-def test_malformed_tables(folder, capsys, data, said):
-    (folder / "scenes.csv").write_bytes(data.encode("utf-8", "surrogatepass"))
-    assert said in refused(capsys, "batch", "scenes.csv", *OUT["batch"])
+def test_malformed_tables(folder, capsys, table):
+    data, *said = table
+    is_text = isinstance(data, str)
+    data = data.encode("utf-8", "surrogatepass") if is_text else data
+    (folder / "scenes.csv").write_bytes(data)
+    line = refused(capsys, "batch", "scenes.csv", *OUT["batch"])
+    for part in ("scenes.csv", *said):
+        assert part in line
 
 
 @pytest.mark.parametrize(
