@@ -253,7 +253,6 @@ def test_pipes_that_studies_name(folder, capsys, command, study, said):
         (["simulate", "s.toml", "--plot", "a\0.png"], "null character"),
         (["simulate", "s.toml", "--bogus\x1b[31m"], "--bogus\\x1b[31m"),
         (["sweep", "--set", "\x1b[2J"], "\\x1b[2J is no parametric set"),
-        ("must be at least",),
         (["predict", "x" * 5_000, "tests.csv"], "File name too long"),
     ],
 )
