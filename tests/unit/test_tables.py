@@ -215,7 +215,7 @@ def test_results_are_appended_to_rows_left_as_they_were(table_of, tmp_path):
     rows = [f'{k + 1}.50,"block, {k}",1e1' for k in range(count)]
     table = table_of("\r\n".join(["mass_kg, name ,speed_mps", *rows]))
     result = FakeResult(count)
-    write_results(tmp_path / "results.csv", table, result, FAST, 0.0)
+    write_results(tmp_path / "results.csv", table, result, FAST)
 
     text = (tmp_path / "results.csv").read_text()
     assert text.endswith("\n")
@@ -234,14 +234,14 @@ def test_what_is_undefined_is_written_as_nan(table_of, tmp_path):
     result = FakeResult(1)
     result.e_t = np.array([np.nan])
     table = table_of("mass_kg\n1\n")
-    write_results(tmp_path / "results.csv", table, result, FAST, 0.0)
+    write_results(tmp_path / "results.csv", table, result, FAST)
     header, row = csv.reader((tmp_path / "results.csv").read_text().splitlines())
     assert row[header.index("e_t")] == "nan"
 
 
 def test_the_manifest_says_from_what_the_results_came(table_of, tmp_path):
     table = table_of("mass_kg\n1\n2\n")
-    write_results(tmp_path / "results.csv", table, FakeResult(2), FAST, 0.0)
+    write_results(tmp_path / "results.csv", table, FakeResult(2), FAST)
     manifest = json.loads(manifest_path(tmp_path / "results.csv").read_text())
     assert manifest["scenes"]["file"] == "scenes.csv"
     assert manifest["scenes"]["sha256"] == table.sha256
