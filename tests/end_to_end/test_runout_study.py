@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from error_messages import assert_one_line_error
-from slope_study import SLOPE
+from slope_study import SLOPE, refusals
 from text_files import rows_of
 
 import jaximpact.runout.study.output  # noqa: F401, takes `simulate` before a test replaces it
@@ -240,52 +240,45 @@ def test_the_full_model_takes_an_accuracy(changed):
     assert json.loads(few.attrs["contacts"])["accuracy"] == "fast"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "parts"),
-    [
-        ("count = 90", "cuont = 60", ("key cuont", "did you mean count?")),
-        ("count = 90", "count = 0", ("key count", "at least 1")),
-        ("seed = 7", "seed = -1", ("key seed", "at least 0")),
-        ("[40, 60]", "[60, 240]", ("key collectors_m", "between the ends")),
-        ("[40, 60]", "[60, 60]", ("key collectors_m", "twice")),
-        ("[50, 20], ", "[90, 20], ", ("profile.points_m", "x that increases")),
-        ("[50, 20], ", "[50], ", ("profile.points_m", "list of [x, y]")),
-        ("[50, 20], ", "[50, nan], ", ("profile.points_m", "finite")),
-        ("[50, 20], ", '["50", 20], ', ("profile.points_m", "list of [x, y]")),
-        ("segment.2", "segment.02", ("ground.segment.02", "number of a segment")),
-        ("least = 20", "least = 20000", ("block.mass_kg", "holds nothing between")),
-        ("points_m", "ponits_m", ("profile.ponits_m", "did you mean points_m?")),
-        ("c_v = 0.5", "c_w = 0.5", ("ground.segment.2.c_w", "did you mean c_v?")),
-        ("c_v = 0.5", "c_v = -1", ("ground.segment.2.c_v", "at least 0")),
-        ("segment.2", "segment.9", ("ground.segment.9", "from 1 to 4")),
-        ("least = 20", "lest = 20", ("block.mass_kg.lest", "did you mean least?")),
-        (", least = 20", "", ("block.mass_kg", "above 0 kg", "for block")),
-        ("from = 2, to = 6", "from = 2", ("release.x_m", "{ from, to }")),
-        ("from = 2, to = 6", "from = 6, to = 2", ("release.x_m", "go up")),
-        ("from = 2, to = 6", "from = -2, to = 6", ("key release", "is released at x")),
-        ("clearance_m = 0.5", "y_m = 40", ("key release", "in the ground")),
-        ("clearance_m = 0.5", "", ("key release", "y_m or clearance_m")),
-        ("clearance_m = 0.5", "clearance_m = -1", ("release.clearance_m", "least 0")),
-        (
-            "speed_mps = 5",
-            "speed_mps = 5\nv_x_mps = 5",
-            ("key release", "speed_mps and v_x"),
-        ),
-        ("[1, 1.5, 2]", "[]", ("block.aspect_ratio", "empty list")),
-        ("[1, 1.5, 2]", '"round"', ("block.aspect_ratio", "must be a number")),
-        ("frictional", "frictionless", ("contacts.law", "did you mean frictional ell")),
-        ("e_contact = 0.3", "", ("contacts.e_contact", "is needed")),
-        ("e_contact = 0.3", "e_contact = 1.3", ("contacts.e_contact", "in [0, 1]")),
-        ("seed = 7", 'accuracy = "fast"', ("contacts.law", "takes none")),
-        ("export_trajectories = 70", "export_trajectories = 0", ("at least 1",)),
-        ("export_trajectories", "export_trajectory", ("mean export_trajectories?",)),
-        ("azimuth_deg = 90", "azimut_deg = 90", ("did you mean azimuth_deg?",)),
-        ("azimuth_deg = 90\n", "", ("profile.azimuth_deg", "needed beside origin")),
-        ("x_m = 85", "x_m = 285", ("barriers.2.x_m", "between the ends")),
-        ("height_m = 1\n", "", ("barriers.1.height_m", "is needed")),
-    ],
+test_bad_files_are_refused_in_one_line = refusals(
+    ("count = 90", "cuont = 60", ("key cuont", "did you mean count?")),
+    ("count = 90", "count = 0", ("key count", "at least 1")),
+    ("seed = 7", "seed = -1", ("key seed", "at least 0")),
+    ("[40, 60]", "[60, 240]", ("key collectors_m", "between the ends")),
+    ("[40, 60]", "[60, 60]", ("key collectors_m", "twice")),
+    ("[50, 20], ", "[90, 20], ", ("profile.points_m", "x that increases")),
+    ("[50, 20], ", "[50], ", ("profile.points_m", "list of [x, y]")),
+    ("[50, 20], ", "[50, nan], ", ("profile.points_m", "finite")),
+    ("[50, 20], ", '["50", 20], ', ("profile.points_m", "list of [x, y]")),
+    ("segment.2", "segment.02", ("ground.segment.02", "number of a segment")),
+    ("least = 20", "least = 20000", ("block.mass_kg", "holds nothing between")),
+    ("points_m", "ponits_m", ("profile.ponits_m", "did you mean points_m?")),
+    ("c_v = 0.5", "c_w = 0.5", ("ground.segment.2.c_w", "did you mean c_v?")),
+    ("c_v = 0.5", "c_v = -1", ("ground.segment.2.c_v", "at least 0")),
+    ("segment.2", "segment.9", ("ground.segment.9", "from 1 to 4")),
+    ("least = 20", "lest = 20", ("block.mass_kg.lest", "did you mean least?")),
+    (", least = 20", "", ("block.mass_kg", "above 0 kg", "for block")),
+    ("from = 2, to = 6", "from = 2", ("release.x_m", "{ from, to }")),
+    ("from = 2, to = 6", "from = 6, to = 2", ("release.x_m", "go up")),
+    ("from = 2, to = 6", "from = -2, to = 6", ("key release", "is released at x")),
+    ("clearance_m = 0.5", "y_m = 40", ("key release", "in the ground")),
+    ("clearance_m = 0.5", "", ("key release", "y_m or clearance_m")),
+    ("clearance_m = 0.5", "clearance_m = -1", ("release.clearance_m", "least 0")),
+    (
+        "speed_mps = 5",
+        "speed_mps = 5\nv_x_mps = 5",
+        ("key release", "speed_mps and v_x"),
+    ),
+    ("[1, 1.5, 2]", "[]", ("block.aspect_ratio", "empty list")),
+    ("[1, 1.5, 2]", '"round"', ("block.aspect_ratio", "must be a number")),
+    ("frictional", "frictionless", ("contacts.law", "did you mean frictional ell")),
+    ("e_contact = 0.3", "", ("contacts.e_contact", "is needed")),
+    ("e_contact = 0.3", "e_contact = 1.3", ("contacts.e_contact", "in [0, 1]")),
+    ("seed = 7", 'accuracy = "fast"', ("contacts.law", "takes none")),
+    ("export_trajectories = 70", "export_trajectories = 0", ("at least 1",)),
+    ("export_trajectories", "export_trajectory", ("mean export_trajectories?",)),
+    ("azimuth_deg = 90", "azimut_deg = 90", ("did you mean azimuth_deg?",)),
+    ("azimuth_deg = 90\n", "", ("profile.azimuth_deg", "needed beside origin")),
+    ("x_m = 85", "x_m = 285", ("barriers.2.x_m", "between the ends")),
+    ("height_m = 1\n", "", ("barriers.1.height_m", "is needed")),
 )
-def test_bad_files_are_refused_in_one_line(changed, capsys, old, new, parts):
-    changed((old, new))
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "slope.toml", *parts)

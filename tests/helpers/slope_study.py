@@ -6,7 +6,9 @@ import io
 from pathlib import Path
 from typing import NamedTuple
 
+import pytest
 import xarray as xr
+from error_messages import assert_one_line_error
 
 from jaximpact.cli import main
 from jaximpact.runout import SlopeStudy, read_slope_study, run_slope_study
@@ -52,6 +54,49 @@ x_m = 85
 height_m = 2
 capacity_kJ = 1
 """
+
+
+FRICTIONAL = """
+law = "frictional ellipsoid"
+e_contact = 0.3
+friction_coefficient = 0.6
+"""
+CONSTANT = """
+law = "constant coefficients"
+e_n = 0.3
+e_t = 0.8
+"""
+
+
+def slope_text(
+    top="seed = 7",
+    profile="points_m = [[0, 50], [50, 20], [80, 0], [200, 0]]",
+    ground="",
+    block="mass_kg = 100",
+    release="x_m = { from = 2, to = 6 }",
+    contacts=FRICTIONAL,
+):
+    """The text of a study: what stands before its tables, and in each of them."""
+    tables = {"profile": profile, "block": block, "contacts": contacts}
+    tables["release"] = f"{release}\nclearance_m = 0.5\nspeed_mps = 5"
+    named = "\n\n".join(f"[{name}]\n{text}" for name, text in tables.items())
+    return f"{top}\n\n{ground}\n\n{named}\n"
+
+
+def refusals(*table):
+    """A test that studies with another text are refused in one line.
+
+    Args:
+        table: text, the text in its place, and parts of the message.
+    """
+
+    @pytest.mark.parametrize(("old", "new", "parts"), table)
+    def test(changed, capsys, old, new, parts):
+        changed((old, new))
+        assert main(["runout", "slope.toml", "--out", "out"]) == 2
+        assert_one_line_error(capsys, "slope.toml", *parts)
+
+    return test
 
 
 class SlopeResults(NamedTuple):
