@@ -76,12 +76,12 @@ def by_shape(scene: Scene) -> list[tuple[Scene, np.ndarray]]:
             f"the index of mixed shapes must be one of 0 to {len(shape.kinds) - 1}, "
             f"but holds {unknown.flat[0]:g}"
         )
-    found = []
+    groups = []
     for place in np.unique(index.astype(int)):
         block = dataclasses.replace(scene.block, shape=shape.alone(place))
         alone = Scene(block, scene.soil, scene.impact)
-        found.append((jax.tree.map(np.asarray, alone), index == place))
-    return found
+        groups.append((jax.tree.map(np.asarray, alone), index == place))
+    return groups
 
 
 def simulate_batch(
@@ -210,8 +210,8 @@ def compute_part(
     for alone, lanes in by_shape(every):
         for part in in_parts(np.flatnonzero(np.broadcast_to(lanes, count))):
             leaves, structure = jax.tree.flatten(_at(alone, part))
-            found, _ = compute_rows(structure, leaves, accuracy, ledger=ledger)
-            rows[:, part] = np.broadcast_to(found.T, (len(part), len(found))).T
+            numbers, _ = compute_rows(structure, leaves, accuracy, ledger=ledger)
+            rows[:, part] = np.broadcast_to(numbers.T, (len(part), len(numbers))).T
     return rows
 
 
