@@ -22,8 +22,10 @@ ONE_BY_ONE = "blocks of several shapes are computed shape by shape: shape_by_sha
 
 
 class MixedShapes(AbstractShape):
-    """One of several shapes, `index` says which: what tables and scenes of blocks of
-    several shapes hold. Impacts and run-outs are computed shape by shape.
+    """One of several shapes, `index` says which.
+
+    Tables and scenes of blocks of several shapes hold it; impacts and run-outs are
+    computed shape by shape.
 
     `mixed(Ellipsoid, RectangularPrism)` is such a class. Its parameters are those of
     all its shapes, each once; those that the shape of a lane does not have change
