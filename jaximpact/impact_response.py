@@ -67,8 +67,8 @@ def respond(
     lanes = len(scene.impact.speed)
     collector = Collector(len(COLUMNS), lanes, journal)
     for part in in_parts(np.flatnonzero(collector.missing)):
-        own = jax.tree.map(lambda leaf, part=part: leaf[part], scene)
-        summary = summary_of(compute_part(own, len(part), accuracy))
+        scenes = jax.tree.map(lambda leaf, part=part: leaf[part], scene)
+        summary = summary_of(compute_part(scenes, len(part), accuracy))
         columns = [getattr(summary, name) for name in FIELDS]
         collector.take(part, np.stack(columns, axis=-1))
     *response, outcome = collector.numbers

@@ -54,17 +54,17 @@ def _kept_here(compile_kernel: Callable) -> Any:
     locks: dict[tuple, threading.Lock] = {}
 
     @functools.wraps(compile_kernel)
-    def compiled(*given, **by_name) -> Kernel | None:
-        arguments = signature.bind(*given, **by_name)
+    def compiled(*positional, **by_name) -> Kernel | None:
+        arguments = signature.bind(*positional, **by_name)
         arguments.apply_defaults()  # that a kernel has one key, however it is asked for
         heed_edits(arguments.args[0].structure)
         # Of threads that ask at once, one compiles.
         with locks.setdefault(arguments.args, threading.Lock()):
-            found = kernel_or_problem(*arguments.args)
-        if isinstance(found, NoMachineCode):
-            without_machine_code(found)
+            kernel = kernel_or_problem(*arguments.args)
+        if isinstance(kernel, NoMachineCode):
+            without_machine_code(kernel)
             return None
-        return found
+        return kernel
 
     function: Any = compiled
     function.cache_clear = kernel_or_problem.cache_clear

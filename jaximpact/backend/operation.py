@@ -68,13 +68,13 @@ def call(
         Rows of results, each of the shape of the lanes; then what is sampled, with an
         axis of times behind.
     """
-    lanes, own = [*values, effort, program], []
+    lanes, further = [*values, effort, program], []
     shape = broadcast_shapes(*map(np.shape, lanes))
     if kernels.directions:
-        own.append(np.array(along, float))
+        further.append(np.array(along, float))
     if times is not None:
         shape = broadcast_shapes(shape, np.shape(times)[:-1])
-        own.append(times)
+        further.append(times)
     shapes = [shape] * kernels.result_rows
     if times is not None:
         shapes += [(*shape, np.shape(times)[-1])] * kernels.sampled_rows
@@ -82,7 +82,7 @@ def call(
     operands = [
         *(_of_rank(x, len(shape) + 1) for x in of_all),
         *(_of_rank(x, len(shape)) for x in lanes),
-        *(_of_rank(x, len(shape) + 1) for x in own),
+        *(_of_rank(x, len(shape) + 1) for x in further),
     ]
     results = result_types(shapes, operands)
     call_of = jax.ffi.ffi_call(_name(kernels), results, vmap_method="expand_dims")

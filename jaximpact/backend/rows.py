@@ -186,9 +186,9 @@ def columns_of(
     # value does.
     for group in (others | {wanted.place_of_times}, posture, damping):
         if of_group := [place for place in varied if place in group]:
-            found = _columns_of_group(wanted, values, times, of_group, in_jax)
-            solution = found[0] if solution is None else solution
-            by_leaf |= zip(of_group, found[1], strict=True)
+            of_leaves = _columns_of_group(wanted, values, times, of_group, in_jax)
+            solution = of_leaves[0] if solution is None else solution
+            by_leaf |= zip(of_group, of_leaves[1], strict=True)
     return solution, [by_leaf[place] for place in varied]
 
 
@@ -205,8 +205,8 @@ def _columns_of_group(
         along = varied[first : first + MOST_DIRECTIONS]
         padded = (*along, *[-1] * (MOST_DIRECTIONS - len(along)))
         inputs = wanted.places, wanted.rest, values, *turn, times
-        rows, found = run(kernels, padded, *inputs)
-        columns += [tuple(part[k] for part in found) for k in range(len(along))]
+        rows, along_each = run(kernels, padded, *inputs)
+        columns += [tuple(part[k] for part in along_each) for k in range(len(along))]
     return wanted.solution(rows), columns
 
 
@@ -229,11 +229,11 @@ def _directly(kernels: KernelSet, along, places, rest, values, effort, program, 
         series = np.shape(times)[-1:]
         shape = np.broadcast_shapes(shape, np.shape(times)[:-1])
         times = np.broadcast_to(times, shape + series).reshape(-1, *series)
-    own = np.empty((len(values), *shape))
+    inputs = np.empty((len(values), *shape))
     for row, value in enumerate(values):
-        own[row] = value
+        inputs[row] = value
     results, samples = kernels.compute(
-        own.reshape(len(values), math.prod(shape)),
+        inputs.reshape(len(values), math.prod(shape)),
         thread_count(),
         common=rest,
         places=places,
@@ -260,10 +260,10 @@ def _split(along, values, parts: Sequence, stack: Callable):
         count = len(part) // (1 + len(along))
         rows.extend(part[:count])
         if along and count:
-            found = stack(part[count:])
-            found = found.reshape(len(along), count, *part[0].shape)
+            along_each = stack(part[count:])
+            along_each = along_each.reshape(len(along), count, *part[0].shape)
             known = stack(part[:count])
-            columns.append(_of_numbers(values, known, found, sampled == 1))
+            columns.append(_of_numbers(values, known, along_each, sampled == 1))
     return rows, columns
 
 
@@ -315,8 +315,8 @@ def _no_second_order(kernels, along, places, rest, primals, tangents):
             "in jaximpact.with_second_derivatives, which takes differences "
             '(documentation: "Optimisers of SciPy")'
         )
-    found = _traced(kernels, along, places, rest.value, *primals)
-    return found, jax.tree.map(jnp.zeros_like, found)
+    results = _traced(kernels, along, places, rest.value, *primals)
+    return results, jax.tree.map(jnp.zeros_like, results)
 
 
 def _choose(wanted: Request, values: list, varied: list[int]):
@@ -433,12 +433,12 @@ def _by_xla(
     leaves, (tolerance, floor) = wanted.leaves(values), wanted.rest[-2:]
     if in_jax:
         with tracing():
-            found = program(leaves, tolerance, floor, times)
+            results = program(leaves, tolerance, floor, times)
     else:
-        found = _in_parts(program, leaves, (tolerance, floor), times)
+        results = _in_parts(program, leaves, (tolerance, floor), times)
     if not varied:
-        return found
-    solution, columns = found
+        return results
+    solution, columns = results
     parts = [jax.tree.leaves(part) for part in solution if part is not None]
     stack = namespace_of(*jax.tree.leaves(solution)).stack
     return solution, [
@@ -453,8 +453,8 @@ def _by_xla(
 def _in_parts(program: Callable, leaves: list, setting: tuple, times):
     """Compute arrays of impacts by a program of XLA, which then has one of few sizes,
     on every core."""
-    own = () if times is None else np.shape(times)[:-1]
-    shape = np.broadcast_shapes(own, *map(np.shape, leaves))
+    of_times = () if times is None else np.shape(times)[:-1]
+    shape = np.broadcast_shapes(of_times, *map(np.shape, leaves))
     lanes = math.prod(shape)
     if not shape or not lanes:
         with tracing():
@@ -477,10 +477,10 @@ def _in_parts(program: Callable, leaves: list, setting: tuple, times):
 
     with tracing(), concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
         first = part(0)  # compiles what the others run
-        found = [first, *pool.map(part, range(width, lanes, width))]
+        parts = [first, *pool.map(part, range(width, lanes, width))]
     if isinstance(first, Solution):
-        return jax.tree.map(functools.partial(joined, 0), *found)
-    solutions, columns = zip(*found, strict=True)
+        return jax.tree.map(functools.partial(joined, 0), *parts)
+    solutions, columns = zip(*parts, strict=True)
     return (
         jax.tree.map(functools.partial(joined, 0), *solutions),
         jax.tree.map(functools.partial(joined, 1), *columns),

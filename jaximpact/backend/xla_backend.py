@@ -105,8 +105,8 @@ def in_xla(assembly, varied: tuple[int, ...], solver, leaves, tolerance, floor, 
     def of_lane(row, times):
         return _compiled(assembly, varied, solver, row, tolerance, floor, times)
 
-    own = () if times is None else np.shape(times)[:-1]
-    shape = broadcast_shapes(own, *map(np.shape, leaves))
+    of_times = () if times is None else np.shape(times)[:-1]
+    shape = broadcast_shapes(of_times, *map(np.shape, leaves))
     if not shape:
         return of_lane(leaves, times)
     lanes = math.prod(shape)
@@ -114,14 +114,14 @@ def in_xla(assembly, varied: tuple[int, ...], solver, leaves, tolerance, floor, 
     if times is not None:
         series = np.shape(times)[-1:]
         times = jnp.broadcast_to(times, shape + series).reshape(lanes, *series)
-    found = jax.vmap(of_lane)(rows, times)
+    results = jax.vmap(of_lane)(rows, times)
 
     def with_lanes(x, axis):
         return x.reshape(*x.shape[:axis], *shape, *x.shape[axis + 1 :])
 
     if not varied:
-        return jax.tree.map(lambda x: with_lanes(x, 0), found)
-    solution, columns = found
+        return jax.tree.map(lambda x: with_lanes(x, 0), results)
+    solution, columns = results
     columns = jax.tree.map(lambda x: with_lanes(jnp.moveaxis(x, 0, 1), 1), columns)
     return jax.tree.map(lambda x: with_lanes(x, 0), solution), columns
 

@@ -193,7 +193,7 @@ def _check_field(
         index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
         where = f" ({of} {index}" + (f" and {more} more)" if more else ")")
         first = float(np.ravel(values)[index])
-        return column.told(first, column.si_unit, where if values.ndim else "")
+        return column.describe(first, column.si_unit, where if values.ndim else "")
 
     if not (column.holds(low) and column.holds(high)):
         bad = ~column.is_allowed(values / column.factor)

@@ -448,7 +448,7 @@ def _warn_of_unusual(
         warnings.warn(
             UnusualValueWarning(
                 f"{path}, row {lines[index]}, column {name}: is "
-                f"{column.told(values[index], column.unit, where)}",
+                f"{column.describe(values[index], column.unit, where)}",
                 name,
             ),
             stacklevel=3,

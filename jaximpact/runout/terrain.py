@@ -141,9 +141,10 @@ class Profile(ShownAsTable):
             allowed = column.is_allowed(values / column.factor)
             if not np.all(allowed):
                 i = int(np.argmin(allowed))
+                where = f" on segment {i + 1}"
                 raise ValueError(
                     f"a profile's {column.name} must be {column.requirement}, but is "
-                    f"{column.told(values[i], column.si_unit, f' on segment {i + 1}')}"
+                    f"{column.describe(values[i], column.si_unit, where)}"
                 )
             fields[field] = values
         angles = {
@@ -367,7 +368,7 @@ class Ground:
                 value = float(values[~allowed].flat[0])
                 raise InputError(
                     f"a ground's {column.name} must be {column.requirement}, but holds "
-                    f"{column.told(value, column.si_unit)}"
+                    f"{column.describe(value, column.si_unit)}"
                 )
 
     @classmethod

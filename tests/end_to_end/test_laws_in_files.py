@@ -123,8 +123,6 @@ class Ideal(AbstractHardening):
     ("text", "said"),
     [
         ('[soil]\nflow = "none.py:A"', "none.py: cannot be read: No such"),
-        ('[soil]\nflow = "my_laws.py:Creepin"', "did you mean Creeping?"),
-        ('[soil]\nflow = "my_shapes.py:Hollow"', "must derive from AbstractFlow"),
         ('[soil]\nflow = "Perzina"', "key flow: flow 'Perzina' is unknown; did you"),
         ('[soil]\nflow = "no.such:Law"', "no.such cannot be imported"),
         ("[soil]\nflow = 3", "key flow: must be a text, but is 3"),
@@ -283,24 +281,12 @@ def test_batch_takes_what_the_table_does_not_say_from_a_scene(laws, scene):
             "shape,corner_radius_ratio,mass_kg\nEllipsoid,\nRectangularPrism,1.5\n",
             "row 2: has 2 cells, but the header has 3",
         ),
-        ("shape,shape\nEllipsoid,Ellipsoid\n", "column shape: stands twice"),
-        ("flow\n", "has a header but no rows"),
     ],
 )
 def test_tables_that_cannot_be_used(laws, capsys, table, said):
     (laws / "scenes.csv").write_text(table)
     assert main(["batch", "scenes.csv", "--out", "results.csv"]) == 2
     assert_one_line_error(capsys, said)
-
-
-def test_a_law_that_was_edited_is_another_law_for_the_journal(laws):
-    scenes = Scene(soil=Soil(flow="my_laws.py:Creeping", my_rate=[2.0, 3.0]))
-    simulate_batch(scenes, accuracy="fast", journal=laws / "j")
-    text = (laws / "my_laws.py").read_text()
-    (laws / "my_laws.py").write_text(text.replace("+ creep", "+ 2.0 * creep"))
-    edited = Scene(soil=Soil(flow="my_laws.py:Creeping", my_rate=[2.0, 3.0]))
-    with pytest.raises(InputError, match="no journal of this run"):
-        simulate_batch(edited, accuracy="fast", journal=laws / "j")
 
 
 # Sweeps

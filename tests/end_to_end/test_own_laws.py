@@ -134,8 +134,6 @@ def test_what_is_wrong_with_a_law_is_told(what, tmp_path):
 def test_a_law_by_its_class_or_an_unknown_name_is_told():
     with pytest.raises(InputError, match=r"write Vesic\(\)"):
         Soil(bearing=type(Soil().bearing))
-    with pytest.raises(InputError, match="a class derived from AbstractFlow"):
-        Soil(flow=Soil().bearing)
     with pytest.raises(TypeError, match=r"no parameter 'gama_v'; did you mean gamma_v"):
         Soil(gama_v=1.0)
     with pytest.raises(AttributeError, match="with flow FluidityRate; did you mean"):

@@ -179,14 +179,14 @@ def _compiled(
     functions: LaneFunctions, inputs, own_inputs=(), copies: int = 1
 ) -> tuple[Code, tuple]:
     """Give the code, and shapes of results and own results."""
-    given = inputs, own_inputs
-    begin, states = jax.make_jaxpr(functions.begin, return_shape=True)(*given)
+    arguments = inputs, own_inputs
+    begin, states = jax.make_jaxpr(functions.begin, return_shape=True)(*arguments)
     step = jax.make_jaxpr(functions.step)(*states)
     finish, results = jax.make_jaxpr(functions.finish, return_shape=True)(
-        *given, *states
+        *arguments, *states
     )
     layout = _Layout(copies)
-    at_given, at_states, at_results = map(layout.allot, (given, states, results))
+    at_given, at_states, at_results = map(layout.allot, (arguments, states, results))
     functions_written = [
         ("begin", begin, at_given, at_states, dict(masked=True)),
         ("step", step, at_states, at_states, dict(says=True)),
@@ -283,7 +283,7 @@ def _written(
     its results go to those of the targets, but for the truth that it `says` last."""
     graph, outputs, said = Graph(), [], False
     copies = max(part.copies for part in (*sources, *targets))
-    held: dict[tuple, np.ndarray] = {}
+    arrays_of: dict[tuple, np.ndarray] = {}
 
     def inputs_of(copy: int) -> list[np.ndarray]:
         arrays, kinds = [], iter(traced.in_avals)
@@ -291,22 +291,22 @@ def _written(
             row = part.start_of(copy)
             for shape in part.shapes:
                 kind = NUMPY[next(kinds).dtype.kind]
-                if (row, shape) not in held:
+                if (row, shape) not in arrays_of:
                     values = np.empty(shape, object)
                     for i, index in enumerate(np.ndindex(shape)):
                         values[index] = graph.input(row + i, kind)
-                    held[row, shape] = values
-                arrays.append(held[row, shape])
+                    arrays_of[row, shape] = values
+                arrays.append(arrays_of[row, shape])
                 row += math.prod(shape)
         return arrays
 
-    found = Translator(graph).run(
+    results = Translator(graph).run(
         traced.jaxpr, traced.consts, [inputs_of(copy) for copy in range(copies)]
     )
-    for copy, arrays in enumerate(found):
+    for copy, arrays in enumerate(results):
         if says:
-            *arrays, told = arrays
-            said = told.item()
+            *arrays, truth = arrays
+            said = truth.item()
         arrays = iter(arrays)
         for part in targets:
             values = [x for _ in part.shapes for x in next(arrays).ravel()]
