@@ -182,31 +182,6 @@ def test_laws_can_be_replaced_one_by_one():
     assert "test_simulate.TwiceAsStrong (" in theirs.manifest()["laws"]["bearing"]
 
 
-@pytest.mark.parametrize(
-    ("wrong", "said"),
-    [
-        ({"block": Block(mass=-1.0)}, r"Block.mass must be above 0"),
-        ({"block": Block(aspect_ratio=0.0)}, r"Block.aspect_ratio must be above 0"),
-        ({"impact": Impact(angle=math.pi / 2)}, r"Impact.angle must be in \(-90, 90\)"),
-        ({"impact": Impact(speed=float("nan"))}, r"Impact.speed must be above 0"),
-        ({"soil": Soil(poisson=0.7)}, r"Soil.poisson must be in \[0, 0.5\]"),
-        (
-            {
-                "soil": Soil(k_E=np.array([1.0, 2.0])),
-                "impact": Impact(speed=np.array([1.0, 2.0, 3.0])),
-            },
-            r"broadcast, but have shapes \(2,\), \(3,\)",
-        ),
-        ({"accuracy": "balancd"}, r"did you mean balanced\?"),
-    ],
-)
-def test_refusals_say_what_is_needed(wrong, said):
-    arguments = {"block": Block(), "soil": Soil(), "impact": Impact(), **wrong}
-    accuracy = arguments.pop("accuracy", "fast")
-    with pytest.raises(ValueError, match=said):
-        simulate(*arguments.values(), accuracy=accuracy)
-
-
 @pytest.mark.slow
 def test_importing_needs_no_float64():
     """JAX may be set up after jaximpact is imported, as its commands do."""

@@ -26,17 +26,6 @@ def test_a_scene_or_its_parts_are_the_same():
     assert simulate(Scene()).e_n == simulate(Block()).e_n
 
 
-def test_what_is_no_scene_is_told():
-    with pytest.raises(InputError, match="a scene holds its soil and its impact"):
-        simulate(Scene(), Soil())
-    with pytest.raises(
-        InputError, match="soil must be of type Soil, but is of type Bl"
-    ):
-        simulate(Block(), Block())
-    with pytest.raises(InputError, match="block must be of type Block, but is 3"):
-        simulate(3)
-
-
 def test_degrees():
     impact = Impact.from_degrees(
         10.0, angle=30.0, orientation=45.0, angular_velocity=90.0, slope=-20.0
