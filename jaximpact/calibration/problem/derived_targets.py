@@ -13,6 +13,7 @@ normal, and the changes of momentum: the impulses of the ground, less those of g
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
 
 from ...units import DEGREE
@@ -111,3 +112,17 @@ def derive(
         np.stack([one.value for one in found], axis=1),
         np.stack([one.rate for one in found], axis=1),
     )
+
+
+def derived(name: str, scene, v_n, v_t):
+    """Compute a derived target of an impact from its velocities after, by JAX."""
+    block, impact = scene.block, scene.impact
+    if name == ENERGY_RATIO:
+        return (v_n**2 + v_t**2) / impact.speed**2
+    if name == REBOUND_ANGLE:
+        # At rest the angle is 0, and so is its derivative.
+        at_rest = (v_n == 0.0) & (v_t == 0.0)
+        return jnp.arctan2(v_t, jnp.where(at_rest, 1.0, -v_n)) / DEGREE
+    normal = name == IMPULSES[0]
+    along = jnp.cos(impact.angle) if normal else jnp.sin(impact.angle)
+    return block.mass * (impact.speed * along - (v_n if normal else v_t))

@@ -8,10 +8,13 @@ with respect to the fitted parameters are computed together.
 import ast
 import dataclasses
 import functools
+import operator
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
+from ..._jax_internals import namespace_of
 from ...errors import nearest
 from ...io.toml import Key
 from ...quantities import InputColumn
@@ -21,6 +24,13 @@ LONGEST = 500
 CORNERS = 256
 """Points within the bounds at which a tied parameter is checked."""
 
+OPERATORS: dict[type[ast.operator], Callable] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
 Dual = tuple[np.ndarray, np.ndarray]
 """Value (lanes,) and derivatives (lanes, parameters)."""
 FUNCTIONS: dict[str, tuple[Callable, Callable]] = {
@@ -48,6 +58,13 @@ class Tied:
         """The parsed expression."""
         return ast.parse(self.text, mode="eval").body
 
+    def value_of(self, values: Mapping[str, Any]) -> Any:
+        """Compute the value from those of the fitted parameters, by name: numbers or
+        arrays of NumPy or JAX."""
+        xp = namespace_of(*values.values())
+        with np.errstate(all="ignore"):
+            return _value(self.tree, xp, {**values, **self.constants})
+
     def evaluate(self, names: tuple[str, ...], p: np.ndarray) -> Dual:
         """Compute the value and its derivatives with respect to the parameters.
 
@@ -68,6 +85,24 @@ class Tied:
             duals[name] = np.full(len(p), value), np.zeros(p.shape)
         with np.errstate(all="ignore"):
             return _evaluate(self.tree, duals, p.shape)
+
+
+def _value(node: ast.expr, xp, values: Mapping[str, Any]) -> Any:
+    match node:
+        case ast.Constant(value=int() | float() as number):
+            return float(number)
+        case ast.Name(id=name):
+            return values[name]
+        case ast.UnaryOp(op=ast.UAdd(), operand=inner):
+            return _value(inner, xp, values)
+        case ast.UnaryOp(op=ast.USub(), operand=inner):
+            return -_value(inner, xp, values)
+        case ast.Call(func=ast.Name(id=name), args=[inner]):
+            return getattr(xp, name)(_value(inner, xp, values))
+        case ast.BinOp(left=left, op=sign, right=right):
+            pair = _value(left, xp, values), _value(right, xp, values)
+            return OPERATORS[type(sign)](*pair)
+    raise AssertionError(ast.dump(node))  # `_names` has refused it
 
 
 def _evaluate(node: ast.expr, names: Mapping[str, Dual], shape) -> Dual:

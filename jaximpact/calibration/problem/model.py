@@ -1,0 +1,326 @@
+"""The forward model: predictions of all tests as a function of the unknowns, by JAX."""
+
+import copy
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from ..._types import Structure
+from ...accuracy import Accuracy
+from ...backend import MACHINE_CODE
+from ...backend.native_backend import compile_native, computes_on_cpu
+from ...batch import by_shape
+from ...impact.problem import Assembly
+from ...impact.reduced_models import PLANAR
+from ...progress import Progress
+from ...quantities import (
+    CURVE_COLUMNS,
+    DERIVED_COLUMNS,
+    TARGET_COLUMNS,
+    InputColumn,
+    columns_of,
+    leaf_places,
+)
+from ...scene import Scene
+from ...simulation import simulate
+from ...tasks import Item, Result, run_in_threads
+from .bounds import Bounds
+from .config import Study
+from .dataset import Measurements
+from .derived_targets import derived
+from .program import OwnColumn, Program, Response, Rows
+
+XLA = "XLA"
+
+
+def bounds_of(study: Study) -> Bounds:
+    """Collect the ranges of a study's unknowns."""
+    soil, nuisances = study.parameters, study.nuisances
+    lower = [p.lower for p in soil], *(n.lower for n in nuisances)
+    upper = [p.upper for p in soil], *(n.upper for n in nuisances)
+    groups = sum(len(nuisance.groups) for nuisance in nuisances)
+    logarithmic = [p.logarithmic for p in soil] + [False] * groups
+    return Bounds(
+        np.concatenate(lower), np.concatenate(upper), np.array(logarithmic, bool)
+    )
+
+
+class UnknownColumn(NamedTuple):
+    """Unknowns that set one column of the scene."""
+
+    name: str
+    base: np.ndarray
+    """Value to which the unknown is added [unit of the column], shape (tests,)."""
+    unknown: np.ndarray
+    """Index of the unknown of each test, shape (tests,)."""
+    pooled: bool = False
+    """Whether it is the logarithm of a factor on the fitted parameter of its name."""
+
+
+def unknown_columns(study: Study) -> list[UnknownColumn]:
+    """List the columns of the scene that are fitted: parameters, then nuisances."""
+    tests, first = len(study.tests), len(study.parameters)
+    found = [
+        UnknownColumn(parameter.name, np.zeros(tests), np.full(tests, index))
+        for index, parameter in enumerate(study.parameters)
+    ]
+    for nuisance in study.nuisances:
+        unknown = first + nuisance.group
+        found.append(
+            UnknownColumn(nuisance.name, nuisance.base, unknown, nuisance.pooled)
+        )
+        first += len(nuisance.groups)
+    return found
+
+
+class Impacts(NamedTuple):
+    """Impacts of one shape among all of a study."""
+
+    program: Program
+    places: np.ndarray
+    """Indices among all impacts, shape (impacts,)."""
+    leaves: np.ndarray
+    """Leaves that are no constants, shape (impacts, leaves)."""
+
+
+class ForwardModel:
+    """Predictions of a study's tests as a function of the unknowns, in the units of
+    their columns.
+
+    Points of one curve are tests of one impact, which is computed once.
+    """
+
+    def __init__(
+        self,
+        tests: Measurements,
+        targets: tuple[str, ...],
+        columns: Sequence[UnknownColumn],
+        impacts: list[Impacts],
+    ):
+        first, self.impact = np.unique(tests.first_of_row, return_inverse=True)
+        self.unknown = np.stack([column.unknown[first] for column in columns], axis=1)
+        """Index of the unknown of each impact and column, (impacts, columns)."""
+        self.base = np.stack([column.base[first] for column in columns], axis=1)
+        self.impacts = impacts
+        is_curve = np.isin(targets, [*CURVE_COLUMNS])
+        others, curves = np.sum(~is_curve), np.sum(is_curve)
+        timed = np.isfinite(tests.times) & np.any(is_curve)
+        slot = np.zeros(len(tests), int)
+        for test in np.flatnonzero(timed):
+            before = self.impact[:test][timed[:test]]
+            slot[test] = np.sum(before == self.impact[test])
+        most = int(np.max(slot[timed], initial=-1)) + 1
+        self.times = np.full((len(first), most), np.inf)
+        self.times[self.impact[timed], slot[timed]] = tests.times[timed]
+        self.cell = np.full((len(tests), len(targets)), -1)
+        """Index of each test's target among the results of its impact; -1 where a test
+        cannot have one."""
+        self.cell[np.ix_(~timed, ~is_curve)] = np.arange(others)
+        of_curves = others + most * np.arange(curves) + slot[timed, None]
+        self.cell[np.ix_(timed, is_curve)] = of_curves
+        self.count = int(others + most * curves)
+
+    @property
+    def engine(self) -> str:
+        """Name of what computes the impacts."""
+        native = all(impacts.program.machine_code for impacts in self.impacts)
+        return MACHINE_CODE if native else XLA
+
+    def predict(self, p: Array, accuracy: Accuracy) -> Array:
+        """Predict all tests, shape (tests, targets), as a function of JAX of the
+        unknowns, shape (unknowns,); NaN where there is no prediction."""
+        own = self.base + p[self.unknown]
+        results = jnp.full((len(own), self.count), jnp.nan)
+        for program, places, leaves in self.impacts:
+            rows = own[places], leaves, self.times[places]
+            of_one = functools.partial(program.results, accuracy=accuracy)
+            found, _ = jax.vmap(of_one)(*rows)
+            results = results.at[places].set(found)
+        found = results[self.impact[:, None], self.cell]
+        return jnp.where(self.cell >= 0, found, jnp.nan)
+
+    def evaluate(
+        self, p: np.ndarray, accuracy: Accuracy, *, derivatives: bool
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """Predict all tests for many unknowns.
+
+        Args:
+            p: unknowns, shape (lanes, unknowns).
+
+        Returns:
+            Predictions, shape (lanes, tests, targets); codes of the outcomes, shape
+            (lanes, tests); and, if wanted, derivatives with respect to the unknowns of
+            each test (`unknown`), shape (lanes, tests, targets, columns).
+        """
+        own = self.base + p[:, self.unknown]
+        lanes, impacts, columns = own.shape
+        results = np.full((lanes, impacts, self.count), np.nan)
+        outcomes = np.empty((lanes, impacts))
+        slopes = np.zeros((*results.shape, columns)) if derivatives else None
+        for program, places, leaves in self.impacts:
+            rows = Rows(
+                own[:, places].reshape(-1, columns),
+                np.tile(leaves, (lanes, 1)),
+                np.tile(self.times[places], (lanes, 1)),
+            )
+            found = program.run(rows, accuracy, derivatives=derivatives)
+            found = [each.reshape(lanes, -1, *each.shape[1:]) for each in found]
+            results[:, places], outcomes[:, places] = found[:2]
+            if slopes is not None:
+                slopes[:, places] = found[2]
+        cells = slice(None), self.impact[:, None], self.cell
+        predicted = np.where(self.cell >= 0, results[cells], np.nan)
+        return (
+            predicted,
+            outcomes[:, self.impact],
+            None if slopes is None else slopes[cells],
+        )
+
+    def of_tests(self, tests: np.ndarray) -> "ForwardModel":
+        """Return the model of the tests at some places alone."""
+        part = copy.copy(self)
+        kept, part.impact = np.unique(self.impact[tests], return_inverse=True)
+        part.cell = self.cell[tests]
+        part.unknown, part.base = self.unknown[kept], self.base[kept]
+        part.times = self.times[kept]
+        part.impacts = []
+        for program, places, leaves in self.impacts:
+            here = np.isin(places, kept)
+            if np.any(here):
+                new = np.searchsorted(kept, places[here])
+                part.impacts.append(Impacts(program, new, leaves[here]))
+        return part
+
+
+def forward_models(
+    study: Study,
+    grounds: Sequence[Sequence[tuple[Any, np.ndarray]]],
+    columns: Sequence[UnknownColumn],
+    response: Response,
+) -> list[ForwardModel]:
+    """Make the model on each of several grounds, with common programs.
+
+    Args:
+        grounds: for each ground the trees of the tests of each shape, leaves (tests,),
+            with the mask of these tests.
+    """
+    first = np.unique(study.tests.first_of_row)
+    leaves_of: dict[Structure, list[np.ndarray]] = {}
+    places_of: dict[Structure, dict[str, int]] = {}
+    split = []
+    for shapes in grounds:
+        split.append([])
+        for tree, mask in shapes:
+            structure = jax.tree.structure(tree)
+            places_of[structure] = response.places(tree)
+            here = np.flatnonzero(np.broadcast_to(mask, len(study.tests))[first])
+            leaves = np.stack(
+                [np.asarray(leaf)[first[here]] for leaf in jax.tree.leaves(tree)]
+            )
+            leaves_of.setdefault(structure, []).append(leaves)
+            split[-1].append((structure, here, leaves))
+    known = response.columns
+    own = [OwnColumn(c.name, known[c.name].factor, c.pooled) for c in columns]
+    tied = [(one, known[one.name].factor) for one in study.tied]
+    programs = {}
+    for structure, all_leaves in leaves_of.items():
+        leaves = np.concatenate(all_leaves, axis=1)
+        same = np.all(leaves == leaves[:, :1], axis=1)
+        programs[structure] = Program(
+            structure,
+            np.where(same, leaves[:, 0], np.nan),
+            places_of[structure],
+            own,
+            tied,
+            response,
+        )
+    return [
+        ForwardModel(
+            *(study.tests, study.targets, columns),
+            [
+                Impacts(programs[structure], here, leaves[programs[structure].varied].T)
+                for structure, here, leaves in shapes
+            ],
+        )
+        for shapes in split
+    ]
+
+
+class ImpactResponse(NamedTuple):
+    """The model of impacts."""
+
+    targets: tuple[str, ...]
+    columns: Mapping[str, InputColumn]
+
+    def places(self, tree: Scene) -> dict[str, int]:
+        """Find the leaf of each column of a scene."""
+        return leaf_places(tree)
+
+    def by_machine_code(self, structure: Structure) -> bool:
+        """Tell whether the laws have machine code."""
+        if not computes_on_cpu():
+            return False
+        return compile_native(Assembly(structure, PLANAR, ledger=False)) is not None
+
+    def __call__(self, tree: Scene, times: Array, accuracy: Accuracy):
+        """Simulate an impact."""
+        save_at = times if times.shape[-1] else None
+        found = simulate(tree, accuracy=accuracy, save_at=save_at)
+
+        def value(name: str) -> Array:
+            return getattr(found, TARGET_COLUMNS[name].field)
+
+        results = [jnp.stack(results_in_order(self.targets, tree, value))]
+        if found.history is not None:
+            results += [
+                getattr(found.history, CURVE_COLUMNS[name].field)
+                for name in self.targets
+                if name in CURVE_COLUMNS
+            ]
+        return jnp.concatenate(results), found.outcome_code
+
+
+def results_in_order(
+    targets: tuple[str, ...], scene: Scene, value: Callable[[str], Array]
+) -> list[Array]:
+    """Collect the targets that are no forces at times, some of which follow from
+    others."""
+    return [
+        derived(name, scene, value("v_n_mps"), value("v_t_mps"))
+        if name in DERIVED_COLUMNS
+        else value(name)
+        for name in targets
+        if name not in CURVE_COLUMNS
+    ]
+
+
+def models_of(study: Study) -> list[ForwardModel]:
+    """Make the model of impacts for each variant of a study."""
+    scenes = [study.scene_of(variant) for variant in study.variants]
+    known = {name: c for scene in scenes for name, c in columns_of(scene).items()}
+    response = ImpactResponse(study.targets, known)
+    grounds = [by_shape(scene) for scene in scenes]
+    return forward_models(study, grounds, unknown_columns(study), response)
+
+
+def for_each_variant(
+    models: Sequence[ForwardModel],
+    function: Callable[[Item, Progress], Result],
+    variants: Sequence[Item],
+    progress: Progress,
+) -> list[Result]:
+    """Call a function of every variant, in threads where all have machine code.
+
+    Machine code runs outside Python's lock, so that the Python arithmetic of one
+    variant overlaps the impacts of another; XLA would compile for each. The numbers are
+    those of one call after the other.
+    """
+    in_xla = any(model.engine == XLA for model in models)
+    if in_xla or len(variants) == 1:
+        return [function(variant, progress) for variant in variants]
+    return run_in_threads(function, variants, progress)
