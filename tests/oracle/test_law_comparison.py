@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from calibration_studies import Linear
+from calibration_studies import Linear, NoModel
 from error_messages import assert_one_line
 from scipy import stats
 from scipy.optimize import minimize_scalar
@@ -203,7 +203,7 @@ def fitted_linear_model(count, sigma):
     objective = objective_of(study, Contender("constant", ConstantCoefficients))
     linear = Linear.__new__(Linear)
     vars(linear).update(vars(objective))
-    linear.study, linear.engine = study, None
+    linear.study, linear.model = study, NoModel()
     linear.bounds = linear.bounds._replace(
         lower=np.full(2, -1e3), upper=np.full(2, 1e3), logarithmic=np.zeros(2, bool)
     )
@@ -239,8 +239,8 @@ class Flipping(Linear):
 
     beyond, first = np.inf, None
 
-    def _predict(self, x, wanted):
-        predicted, outcomes, jacobian = super()._predict(x, wanted)
+    def _predict(self, x, derivatives):
+        predicted, outcomes, jacobian = super()._predict(x, derivatives)
         row = np.all(self.matrix == self.first, axis=1)[:, None]
         predicted = np.where(row & (predicted > self.beyond), 50.0, predicted)
         return predicted, outcomes, jacobian

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jaximpact.calibration import read_study, residuals
-from jaximpact.calibration.problem.forward_model import engine_of
+from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective, start_of
 from jaximpact.errors import InputError
 
@@ -39,7 +39,7 @@ def study(tmp_path):
 @pytest.mark.slow
 def test_half_the_sum_of_squares_is_the_cost(study):
     function, start = residuals(study)
-    objective = Objective(study, study.variants[0], engine_of(study))
+    objective = Objective(study, study.variants[0], models_of(study)[0])
     expected = objective(start_of(study)[None])
     received, slope = jax.jit(
         jax.value_and_grad(lambda tree: 0.5 * jnp.sum(function(tree) ** 2))

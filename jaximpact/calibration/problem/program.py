@@ -5,7 +5,7 @@ filled with impacts without speed, which end at once.
 """
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import jax
@@ -16,12 +16,12 @@ from jax import Array
 from ..._types import Structure
 from ...accuracy import Accuracy
 from ...backend.xla_compilation import unfused_jit
-from ...quantities import InputColumn
+from ...identity import clear_when_edited, heed_edits
 from .expressions import Tied
 
 SIZES = tuple(64 * 4**power for power in range(5))
 """Numbers of impacts for which programs are compiled: each takes some 0.2 s."""
-XLA_SIZES = (256,)
+XLA_SIZES = (64,)
 """The same where XLA integrates: each takes half a minute."""
 QUICK = {"xla_backend_optimization_level": "0"}
 """Options of XLA: around the machine code there is little to optimise, and compiling
@@ -29,24 +29,27 @@ takes half the time."""
 
 
 class Response(Protocol):
-    """How the results of one impact follow from its tree: a scene, or more."""
+    """How the results of impacts follow from their tree: a scene, or more."""
 
-    targets: tuple[str, ...]
-    """Names of the results."""
-    columns: Mapping[str, InputColumn]
-    """Columns of the tree."""
+    @property
+    def targets(self) -> tuple[str, ...]:
+        """Names of the results."""
+        ...
 
     def places(self, tree: Any) -> dict[str, int]:
         """Find the leaf of each column that a tree has."""
         ...
 
-    def by_machine_code(self, structure: Structure) -> bool:
-        """Tell whether machine code computes it, and not XLA."""
+    def in_xla(self, structure: Structure) -> bool:
+        """Tell whether XLA computes it, and not machine code."""
         ...
 
-    def __call__(self, tree: Any, times: Array, accuracy: Accuracy) -> tuple:
-        """Compute the results that are no forces, then forces at the times, target by
-        target, and the code of the outcome."""
+    def __call__(
+        self, tree: Any, times: Array, accuracy: Accuracy
+    ) -> tuple[list[Array], Array]:
+        """Compute results of many impacts, arrays (impacts, results): those that are no
+        forces, then forces at the times (impacts, times), target by target; and the
+        codes of the outcomes."""
         ...
 
 
@@ -75,9 +78,8 @@ class Program:
     """Results of impacts that have one structure.
 
     Args:
-        structure: tree of an impact: a scene, or a scene and a law.
-        constants: SI values of the leaves, shape (leaves,); NaN where impacts differ.
-        places: index of the leaf of each column.
+        structure: tree of an impact.
+        constants: SI values of the leaves; None where impacts differ.
         columns: columns that unknowns set.
         tied: columns that follow from fitted parameters, with the SI value of one unit.
         response: computes the results of an impact.
@@ -86,65 +88,66 @@ class Program:
     def __init__(
         self,
         structure: Structure,
-        constants: np.ndarray,
-        places: Mapping[str, int],
-        columns: Sequence[OwnColumn],
-        tied: Sequence[tuple[Tied, float]],
+        constants: tuple[float | None, ...],
+        columns: tuple[OwnColumn, ...],
+        tied: tuple[tuple[Tied, float], ...],
         response: Response,
     ):
-        self.structure, self.places, self.tied = structure, places, tied
-        self.columns, self.response = columns, response
-        self.machine_code = response.by_machine_code(structure)
-        self.constants = constants.tolist()
+        self.structure, self.constants, self.columns = structure, constants, columns
+        self.tied, self.response = tied, response
+        template = jax.tree.unflatten(structure, [0.0] * len(constants))
+        self.places = response.places(template)
         # The speed, too, which is zero in impacts that fill.
-        speed = np.arange(len(constants)) == places["speed_mps"]
-        self.varied = np.flatnonzero(np.isnan(constants) | speed)
+        differ = [value is None for value in constants]
+        differ[self.places["speed_mps"]] = True
+        self.varied = np.flatnonzero(differ)
+        self.in_xla = response.in_xla(structure)
         self._compiled: dict = {}
 
     def results(
         self, own: Array, leaves: Array, times: Array, accuracy: Accuracy
     ) -> tuple[Array, Array]:
-        """Compute the results of one impact and the code of its outcome; arguments are
-        those of one row of `Rows`."""
+        """Compute results (impacts, results) and codes of the outcomes (impacts,);
+        arguments are those of `Rows`."""
         values: list[Any] = list(self.constants)
         for number, place in enumerate(self.varied):
-            values[place] = leaves[number]
+            values[place] = leaves[:, number]
         fitted = {}
         for number, column in enumerate(self.columns):
-            place = self.places.get(
-                column.name
-            )  # of another shape's column there is none
             if column.pooled:
-                values[place] = values[place] * jnp.exp(own[number])
+                values[self.places[column.name]] *= jnp.exp(own[:, number])
                 continue
-            fitted[column.name] = own[number]
-            if place is not None:
-                values[place] = column.factor * own[number]
+            fitted[column.name] = own[:, number]
+            # A parameter of another shape changes nothing.
+            if column.name in self.places:
+                values[self.places[column.name]] = column.factor * own[:, number]
         for tied, factor in self.tied:
-            values[self.places[tied.name]] = factor * tied.value_of(fitted)
-        return self.response(
-            jax.tree.unflatten(self.structure, values), times, accuracy
-        )
+            values[self.places[tied.name]] = factor * tied.evaluate(fitted)
+        tree = jax.tree.unflatten(self.structure, values)
+        results, outcome = self.response(tree, times, accuracy)
+        return jnp.concatenate(results, axis=1), outcome
 
     def derivatives(
         self, own: Array, leaves: Array, times: Array, accuracy: Accuracy
     ) -> tuple[Array, Array, Array]:
-        """Compute as `results`, and the derivatives of the results with respect to
-        `own`."""
+        """Compute as `results`, and the derivatives of each result with respect to the
+        unknowns of its impact, shape (impacts, results, columns)."""
 
         def of_own(own):
-            found = self.results(own, leaves, times, accuracy)
-            return found[0], found
+            return self.results(own, leaves, times, accuracy)
 
-        slopes, found = jax.jacfwd(of_own, has_aux=True)(own)
-        return *found, slopes
+        results, along, outcome = jax.linearize(of_own, own, has_aux=True)
+        columns = jnp.broadcast_to(
+            jnp.eye(own.shape[1])[:, None], (own.shape[1], *own.shape)
+        )
+        return results, outcome, jax.vmap(along, out_axes=2)(columns)
 
     def run(
         self, rows: Rows, accuracy: Accuracy, *, derivatives: bool
     ) -> list[np.ndarray]:
         """Compute many impacts: results (impacts, results), codes of the outcomes
         (impacts,) and, if wanted, derivatives (impacts, results, columns)."""
-        sizes = SIZES if self.machine_code else XLA_SIZES
+        sizes = XLA_SIZES if self.in_xla else SIZES
         compiled = self._of(accuracy, derivatives)
         parts = []
         for first in range(0, len(rows.own), sizes[-1]):
@@ -169,13 +172,40 @@ class Program:
     def _of(self, accuracy: Accuracy, derivatives: bool) -> Callable:
         """Return the compiled function of many impacts."""
         # XLA takes so long to compile that one program serves both.
-        derivatives |= not self.machine_code
+        derivatives |= self.in_xla
         key = accuracy, derivatives
         if key not in self._compiled:
-            of_one = self.derivatives if derivatives else self.results
-            of_all = jax.vmap(functools.partial(of_one, accuracy=accuracy))
-            if self.machine_code:
-                self._compiled[key] = jax.jit(of_all, compiler_options=QUICK)
-            else:
+            function = self.derivatives if derivatives else self.results
+            of_all = functools.partial(function, accuracy=accuracy)
+            if self.in_xla:
                 self._compiled[key] = unfused_jit(of_all)
+            else:
+                self._compiled[key] = jax.jit(of_all, compiler_options=QUICK)
         return self._compiled[key]
+
+
+@functools.lru_cache(maxsize=64)
+def _kept(*arguments) -> Program:
+    return Program(*arguments)
+
+
+clear_when_edited(_kept.cache_clear)
+
+
+def program_of(
+    structure: Structure,
+    leaves: np.ndarray,
+    columns: Sequence[OwnColumn],
+    tied: Sequence[tuple[Tied, float]],
+    response: Response,
+) -> Program:
+    """Make a program, or return the one that this process has made of the same.
+
+    Args:
+        leaves: leaves of all impacts, shape (leaves, impacts).
+    """
+    heed_edits(structure)
+    same = np.all(leaves == leaves[:, :1], axis=1).tolist()
+    first = leaves[:, 0].tolist()
+    constants = (value if one else None for value, one in zip(first, same, strict=True))
+    return _kept(structure, (*constants,), (*columns,), (*tied,), response)
