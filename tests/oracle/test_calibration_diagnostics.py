@@ -862,24 +862,6 @@ def test_nuts_agrees_with_laplace(tmp_path):
     assert np.all(np.abs(predicted - noisy.ravel()) < 4.0 * sigma)
 
 
-def test_an_interrupt_of_the_sampling_is_one(tmp_path):
-    """Ctrl-C within the density comes out as that, not as an error of JAX."""
-    pytest.importorskip("blackjax")
-    pytest.importorskip("arviz")
-    tests = TESTS[:1]
-    measured = model(tmp_path, tests)
-    text = STUDY.replace("starts = 6", "starts = 2")
-    variant = fit_study(read_study(write_study(tmp_path, measured, text, tests)))
-    variant = variant.variants[0]
-
-    def interrupted(progress):
-        if "density" in progress:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        sample_posterior(variant, chains=2, warmup=20, count=2, progress=interrupted)
-
-
 def test_sampling_without_the_extra(tmp_path, capsys, monkeypatch):
     real = __import__("importlib.util").util.find_spec
     monkeypatch.setattr(

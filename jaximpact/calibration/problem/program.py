@@ -104,6 +104,15 @@ class Program:
         self.in_xla = response.in_xla(structure)
         self._compiled: dict = {}
 
+    def __reduce__(self):
+        # Compiled functions stay in their process. A class made at run time, as for
+        # several shapes, is pickled with its owner, not with a tree structure.
+        template = jax.tree.unflatten(self.structure, [0.0] * len(self.constants))
+        return _made_again, (
+            template,
+            *(self.constants, self.columns, self.tied, self.response),
+        )
+
     def results(
         self, own: Array, leaves: Array, times: Array, accuracy: Accuracy
     ) -> tuple[Array, Array]:
@@ -187,6 +196,10 @@ class Program:
 @functools.lru_cache(maxsize=64)
 def _kept(*arguments) -> Program:
     return Program(*arguments)
+
+
+def _made_again(template: Any, *arguments) -> Program:
+    return _kept(jax.tree.structure(template), *arguments)
 
 
 clear_when_edited(_kept.cache_clear)
