@@ -1,8 +1,9 @@
 # make calibrate   set up, fit the study calibration/wyllie
-# make test        set up, run the tests
+# make test        set up, run the tests, but for pages and notebooks
 # make quick       set up, run the quick ones: every room, machine code included
 # make lint        set up, check the style and the types
-# make docs        set up, build the site in out/docs; warnings are errors
+# make docs        set up, build the site in out/docs, where warnings are errors, and run every
+#                  page and notebook
 # make pages       set up, put what the pages' blocks print now into the pages
 # make notebooks   set up, execute the notebooks and store their outputs
 # make driver      make driver.ll from driver.c, which needs clang
@@ -37,7 +38,7 @@ calibrate: $(VENV)/.installed
 # are begun by name, so that the last ones are the short ones of tests/unit and both workers
 # end at about the same time; xdist would begin with those of the most tests.
 test: $(VENV)/.installed
-	$(VENV)/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder $(TESTS)
+	$(VENV)/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -m "not docs" $(TESTS)
 
 quick: $(VENV)/.installed
 	$(VENV)/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -m "not slow and not xla and not docs" $(TESTS)
@@ -55,6 +56,7 @@ notebooks: $(VENV)/.installed
 
 docs: $(VENV)/.docs
 	$(VENV)/bin/python -m sphinx -b html -W --keep-going -n docs $(OUT)/docs
+	$(VENV)/bin/python -m pytest -n 2 -m docs tests
 
 # The stamps are written last, so that an installation that broke off is taken up again.
 $(VENV)/.installed: pyproject.toml

@@ -21,25 +21,24 @@ import csv
 import dataclasses
 import itertools
 import time
-from concurrent.futures import Executor
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from jaximpact.cli import options
-from jaximpact.progress import Progress
 from jaximpact.runout.back_analysis.data_sets import column_of, simulate_data_sets
 from jaximpact.runout.back_analysis.observed import (
     PASSAGE_COLUMNS,
-    Count,
-    Passages,
-    Stops,
+    ObservedCount,
+    ObservedPassages,
+    ObservedStops,
 )
 from jaximpact.runout.back_analysis.posterior import Posterior, posterior_of, search
 from jaximpact.runout.back_analysis.predictive import at_barrier, predict
 from jaximpact.runout.back_analysis.problem import SlopeFit, read_slope_fit
 from jaximpact.store import Store
+from jaximpact.tasks import computing
 
 SCREE = """
 [profile]
@@ -166,17 +165,17 @@ def observe(fit: SlopeFit, blocks: np.ndarray, quantities, most: int) -> SlopeFi
     """Observe a data set: all stopping points, values at the first line of the counts,
     and the counts themselves."""
     stops = blocks[np.isfinite(blocks[:, 0]), 0]
-    channels: list = [Stops(stops)] if len(stops) else []
-    lines = [c for c in fit.observed.channels if isinstance(c, Count)]
+    channels: list = [ObservedStops(stops)] if len(stops) else []
+    lines = [c for c in fit.observed.channels if isinstance(c, ObservedCount)]
     for quantity in quantities:
         values = blocks[:, column_of(fit.places, lines[0].place, quantity)]
         values = values[np.isfinite(values)][:most]
         if len(values):
-            channels.append(Passages(lines[0].place, quantity, values, False))
+            channels.append(ObservedPassages(lines[0].place, quantity, values, False))
     for line in lines:
         passing = blocks[:, column_of(fit.places, line.place, PASSAGE_COLUMNS[0])]
         passed = int(np.sum(np.isfinite(passing)))
-        channels.append(Count(line.place, passed, len(blocks)))
+        channels.append(ObservedCount(line.place, passed, len(blocks)))
     observed = fit.observed._replace(channels=tuple(channels))
     return dataclasses.replace(fit, observed=observed)
 
@@ -194,10 +193,10 @@ def main() -> None:
     )
     options.add_engine(parser)
     arguments = parser.parse_args()
-    with options.engine_of(arguments) as executor:
+    with options.engine_of(arguments) as executor, computing(executor=executor):
         repeat_twins(
             *(arguments.folder, arguments.repeats, arguments.names),
-            *(arguments.from_priors, executor),
+            arguments.from_priors,
         )
 
 
@@ -206,9 +205,8 @@ def repeat_twins(
     repeats: int,
     names: list[str],
     from_priors: bool,
-    executor: Executor | None,
 ) -> None:
-    """Repeat the twins of each slope; an executor computes their data sets."""
+    """Repeat the twins of each slope."""
     folder.mkdir(parents=True, exist_ok=True)
     of = "-from-priors" if from_priors else ""
     results, barriers = folder / f"coverage{of}.csv", folder / f"barriers{of}.csv"
@@ -230,9 +228,9 @@ def repeat_twins(
         begin, (fit, truths, blocks) = time.process_time(), twins[name]
         _, _, quantities, most, _ = SLOPES[name]
         twin = observe(fit, blocks[repeat], quantities, most)
-        found = posterior_of(twin, search(twin, store, Progress(), executor))
+        found = posterior_of(twin, search(twin, store))
         u = truths[repeat]
-        _append(barriers, _rows_of_barriers(twin, found, u, name, repeat, executor))
+        _append(barriers, _rows_of_barriers(twin, found, u, name, repeat))
         true = fit.values(u)
         inside = np.abs(np.mean(found.values < true, axis=0) - 0.5) < 0.34
         sd = np.std(found.values, axis=0)
@@ -263,12 +261,11 @@ def _rows_of_barriers(
     u: np.ndarray,
     name: str,
     repeat: int,
-    executor: Executor | None,
 ) -> list[tuple]:
     """Compare what a fit says of its barriers with the truth."""
     if not fit.barriers:
         return []
-    predicted = predict(fit, found, None, Progress(), executor)
+    predicted = predict(fit, found, None)
     outcomes = simulate_data_sets(fit, u[None], TRUE_BLOCKS, TRUE_BARRIER_STREAM)
     rows: list[tuple] = []
     for told in predicted.barriers:

@@ -30,7 +30,7 @@ def main() -> None:
     from jaximpact.calibration.problem.forward_model import models_of
     from jaximpact.calibration.problem.objective import Objective
     from jaximpact.cli import options
-    from jaximpact.tasks import call_each
+    from jaximpact.tasks import call_each, computing
 
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=200)
@@ -42,7 +42,7 @@ def main() -> None:
     print("twin        sigmas     parameter  covered  median error  median interval")
     engine = None
     chosen = [arguments.twin] if arguments.twin else make.TWINS
-    with options.engine_of(arguments) as executor:
+    with options.engine_of(arguments) as executor, computing(executor=executor):
         for name in chosen:
             study = read_study(FOLDER / name / "study.toml")
             study = dataclasses.replace(study, starts=arguments.starts)
@@ -63,7 +63,7 @@ def main() -> None:
                     for seed in range(1, arguments.repeats + 1)
                 )
                 objectives = ((Objective(s, s.variants[0], engine),) for s in studies)
-                call_each(_repeat, objectives, rows.__setitem__, executor)
+                call_each(_repeat, objectives, rows.__setitem__)
                 seconds = time.perf_counter() - begin
                 in_order = [rows[place] for place in sorted(rows)]
                 _print(name, make.TWINS[name], stated, in_order, seconds)

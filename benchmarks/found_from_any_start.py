@@ -39,7 +39,7 @@ from jaximpact.calibration.problem.objective import Objective
 from jaximpact.calibration.study import fit_study, judge_lowest, starts_of
 from jaximpact.cli import options
 from jaximpact.progress import Progress
-from jaximpact.tasks import call_each
+from jaximpact.tasks import call_each, computing
 
 from .realistic_twins import BOUNDS, Twin
 
@@ -116,7 +116,8 @@ def repeat(
                 file.write(json.dumps(row) + "\n")
 
     work = ((made[seed - 1], engine, number) for seed, number in missing)
-    call_each(_repeated, work, take, executor)
+    with computing(executor=executor):
+        call_each(_repeated, work, take)
     _summarise(list(rows.values()))
 
 

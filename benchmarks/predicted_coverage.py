@@ -201,7 +201,7 @@ def _fitted(study, engine, targets):
         best=bounds.parameter(points.x[0]),
         draws=bounds.parameter(draws.x),
         weights=weights_of(objective, points, draws),
-        undetermined=(),
+        undetermined={},
         allowed={},
         sigma=by_target(np.median(objective.sigma, axis=0)),
         proportional={name: scatter[name] for name in targets if proportional[name]},

@@ -51,8 +51,8 @@ def version_of(package: str) -> str:
 def versions() -> dict[str, str]:
     """Return the versions of Python and of the packages that a result depends on, by
     name."""
-    found = {"python": platform.python_version()}
-    return found | {package: version_of(package) for package in PACKAGES}
+    installed = {"python": platform.python_version()}
+    return installed | {package: version_of(package) for package in PACKAGES}
 
 
 PACKAGE = __name__.partition(".")[0]
@@ -67,8 +67,8 @@ def top_of(module: str) -> str:
 
 def is_of_python(module: str) -> bool:
     """Tell whether a module belongs to Python itself."""
-    own = top_of(module) in sys.stdlib_module_names or module == "builtins"
-    return own and module != "__main__"
+    is_standard = top_of(module) in sys.stdlib_module_names or module == "builtins"
+    return is_standard and module != "__main__"
 
 
 @functools.lru_cache(maxsize=4096)

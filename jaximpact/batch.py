@@ -1,50 +1,36 @@
-"""Many impacts: the same model over arrays of scenes, on every core or device.
+"""Many impacts: the same model over arrays of scenes, on every core.
 
-Each worker integrates a fixed number of lanes at once, and a lane that has ended takes
-the next scene, so that no lane waits for the slowest. On a CPU lanes run in machine
-code (`backend.native_backend`); on other devices, and for laws that have none, in XLA's
-programs (`backend.xla_backend`).
+They are computed by `backend.rows` in parts, after each of which progress is reported
+and results are kept, and a batch can be interrupted.
 """
 
 import concurrent.futures
 import contextlib
-import contextvars
 import dataclasses
 import hashlib
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Union
 
 import jax
 import numpy as np
 
-from ._checks import real_number
 from ._numpy_settings import numpy_settings
 from ._packages import versions
 from ._precision import require_float64
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from .backend.derivative_rules import effort
-from .backend.native_backend import NativeWorker, compile_native, computes_on_cpu
-from .backend.threads import thread_count
+from .backend.rows import compute_rows, in_parts, prepare
 from .errors import InputError
-from .identity import heed_edits, part_names
-from .impact.problem import Assembly
-from .impact.reduced_models import MODELS, model_places
+from .identity import part_names
 from .impact.results import ImpactSummary, empty_summary
 from .io.checks import check_scene
 from .io.journal import Journal
-from .progress import Progress, ProgressFunction, as_progress
+from .progress import Progress, ProgressFunction, listening
 from .scene import Block, Impact, Scene, Soil, as_scene, shape_of
 from .shapes import MixedShapes
 from .simulation import ImpactResult
-from .tasks import Task, check_executor, run_tasks
+from .tasks import Task, computing, run_tasks
 
-if TYPE_CHECKING:
-    from .backend.xla_backend import MarchingWorker
-
-Worker = Union[NativeWorker, "MarchingWorker"]
 PARTS = 32
 """Parts that an executor gets of a batch, if they are neither small nor large."""
 LEAST_PART = 256
@@ -90,12 +76,12 @@ def by_shape(scene: Scene) -> list[tuple[Scene, np.ndarray]]:
             f"the index of mixed shapes must be one of 0 to {len(shape.kinds) - 1}, "
             f"but holds {unknown.flat[0]:g}"
         )
-    found = []
+    groups = []
     for place in np.unique(index.astype(int)):
         block = dataclasses.replace(scene.block, shape=shape.alone(place))
         alone = Scene(block, scene.soil, scene.impact)
-        found.append((jax.tree.map(np.asarray, alone), index == place))
-    return found
+        groups.append((jax.tree.map(np.asarray, alone), index == place))
+    return groups
 
 
 def simulate_batch(
@@ -105,7 +91,6 @@ def simulate_batch(
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
     ledger: bool = False,
-    model_tolerance: float = 0.0,
     journal: Path | None = None,
     progress: Progress | ProgressFunction | None = None,
     timing: dict | None = None,
@@ -119,9 +104,6 @@ def simulate_batch(
             as by itself.
         accuracy: as for `simulate`.
         ledger: also keep the energy ledger of each impact.
-        model_tolerance: error in `e_n` and `e_bar` up to which a reduced model may be
-            used where its error was measured; see `select_model`. 0: only where the
-            reduced model is exact.
         journal: file that keeps the results as they come. A journal of an interrupted
             run is read, and only what is missing is computed. The file is left behind;
             remove it once the results are safe.
@@ -138,8 +120,8 @@ def simulate_batch(
         integrated gets NaN and the outcome `failed`; the rest go on. Each result is, to
         rounding, the one that the scene gives by itself.
 
-    All cores are used, or all devices if JAX has several. Not differentiable; for
-    derivatives use `simulate`, which takes arrays too.
+    All cores are used. Not differentiable; for derivatives use `simulate`, which takes
+    arrays too.
 
     Raises:
         ValueError: a value out of its range, naming the scene.
@@ -147,10 +129,7 @@ def simulate_batch(
         IncompleteError: workers of the executor were lost for good.
     """
     require_float64()
-    if executor is not None:
-        check_executor(executor)
     setting = get_accuracy(accuracy)
-    real_number("model_tolerance", model_tolerance, least=0.0)
     scene = as_scene(scene, soil, impact)
     check_scene(scene, batched=True, warn=True)
     if isinstance(scene.block.shape, MixedShapes):
@@ -161,108 +140,84 @@ def simulate_batch(
     names = [jax.tree_util.keystr(path)[1:] for path, _ in template]
     opened = contextlib.nullcontext()
     if journal is not None:
-        subject = _subject(scene, count, setting, model_tolerance)
+        subject = _subject(scene, count, setting)
         opened = Journal(journal, subject, names, count)
-    with opened as kept:
-        collector = Collector(len(names), count, kept, as_progress(progress))
+    with computing(progress=progress, executor=executor), opened as kept:
+        collector = Collector(len(names), count, kept)
         missing = np.flatnonzero(collector.missing)
+        begin = started = time.perf_counter()
         if executor is None:
-            compute_scenes(
-                scene,
-                setting,
-                lambda places, of_places: collector.take(places, _rows(of_places)),
-                places=missing,
-                model_tolerance=model_tolerance,
-                ledger=ledger,
-                timing=timing,
-            )
+            name = _prepare(scene, setting, ledger)
+            started = time.perf_counter()
+            for part in in_parts(missing):
+                rows = compute_part(_at(scene, part), len(part), setting, ledger)
+                collector.take(part, rows.T)
         else:
-            how = setting, model_tolerance, ledger
-            _compute_elsewhere(executor, scene, missing, collector.take, how, timing)
+            name = "executor"
+            size = int(np.clip(-(-len(missing) // PARTS), LEAST_PART, LARGEST_PART))
+            parts = [missing[i : i + size] for i in range(0, len(missing), size)]
+            run_tasks(
+                executor,
+                (
+                    Task(compute_part, _at(scene, part), len(part), setting, ledger)
+                    for part in parts
+                ),
+                lambda number, rows: collector.take(parts[number], rows.T),
+            )
+    if timing is not None:
+        timing |= {"engine": name, "impacts": len(missing)}
+        timing["compile_s"] = started - begin
+        timing["run_s"] = time.perf_counter() - started
     return ImpactResult(
         **vars(jax.tree.unflatten(structure, list(collector.numbers))),
         scene=scene,
         accuracy=setting,
-        model_tolerance=model_tolerance,
     )
 
 
-def _rows(numbers: ImpactSummary) -> np.ndarray:
-    """Return the numbers of impacts as rows `(impacts, numbers)`."""
-    return np.stack(jax.tree.leaves(numbers), axis=-1)
+def _prepare(scene: Scene, accuracy: Accuracy, ledger: bool) -> str:
+    """Compile what scenes need, and return the names of what computes them."""
+    names = set()
+    for alone, lanes in by_shape(scene):
+        leaves, structure = jax.tree.flatten(_at(alone, lanes))
+        names.add(prepare(structure, leaves, accuracy, ledger=ledger))
+    return " and ".join(sorted(names))
 
 
+def _at(scene: Scene, places: np.ndarray) -> Scene:
+    """Return the scenes at some places; what is the same for all as one number."""
+    return jax.tree.map(
+        lambda leaf: leaf[0] if leaf.strides == (0,) else leaf[places], scene
+    )
+
+
+@numpy_settings()
 def compute_part(
-    scene: Scene,
-    count: int,
-    accuracy: Accuracy,
-    model_tolerance: float,
-    ledger: bool = False,
-) -> ImpactSummary:
-    """Compute scenes that were checked, and return their numbers.
+    scene: Scene, count: int, accuracy: Accuracy, ledger: bool = False
+) -> np.ndarray:
+    """Compute scenes that were checked.
 
     Args:
         scene: fields that broadcast to `(count,)`.
         count: from 1.
-        accuracy, model_tolerance, ledger: as for `simulate_batch`.
+        accuracy, ledger: as for `simulate_batch`.
 
     Returns:
-        Arrays `(count,)`, each with memory of its own, so that those which nobody wants
-        can be let go.
+        Rows `(numbers, count)`, in the order of the fields of `ImpactSummary`.
     """
-    found = jax.tree.map(lambda _: np.empty(count), empty_summary(ledger))
-    leaves = jax.tree.leaves(found)
-
-    def keep(places: np.ndarray, numbers: ImpactSummary) -> None:
-        for leaf, values in zip(leaves, jax.tree.leaves(numbers), strict=True):
-            leaf[places] = values
-
+    rows = np.empty((len(jax.tree.leaves(empty_summary(ledger))), count))
     every = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count,)), scene)
-    compute_scenes(
-        every, accuracy, keep, model_tolerance=model_tolerance, ledger=ledger
-    )
-    return found
+    for alone, lanes in by_shape(every):
+        for part in in_parts(np.flatnonzero(np.broadcast_to(lanes, count))):
+            leaves, structure = jax.tree.flatten(_at(alone, part))
+            numbers, _ = compute_rows(structure, leaves, accuracy, ledger=ledger)
+            rows[:, part] = np.broadcast_to(numbers.T, (len(part), len(numbers))).T
+    return rows
 
 
-def _rows_of_part(*arguments) -> np.ndarray:
-    """Compute scenes as `compute_part`, and return rows `(count, numbers)`."""
-    return _rows(compute_part(*arguments))
-
-
-def _compute_elsewhere(
-    executor: concurrent.futures.Executor,
-    scene: Scene,
-    places: np.ndarray,
-    take: Callable[[np.ndarray, np.ndarray], None],
-    how: tuple,
-    timing: dict | None,
-) -> None:
-    """Compute the scenes of some places by the workers of an executor."""
-    size = int(np.clip(-(-len(places) // PARTS), LEAST_PART, LARGEST_PART))
-    parts = [places[i : i + size] for i in range(0, len(places), size)]
-
-    def chosen(leaf: np.ndarray, part: np.ndarray) -> np.ndarray:
-        # What is the same for all is sent once.
-        return leaf[0] if leaf.strides == (0,) else leaf[part]
-
-    begin = time.perf_counter()
-    run_tasks(
-        executor,
-        (
-            Task(
-                _rows_of_part,
-                jax.tree.map(lambda leaf, part=part: chosen(leaf, part), scene),
-                len(part),
-                *how,
-            )
-            for part in parts
-        ),
-        lambda number, rows: take(parts[number], rows),
-    )
-    if timing is not None:
-        seconds = time.perf_counter() - begin
-        timing |= {"engine": "executor", "impacts": len(places)}
-        timing |= {"compile_s": 0.0, "run_s": seconds}
+def summary_of(rows: np.ndarray, ledger: bool = False) -> ImpactSummary:
+    """Name the rows that `compute_part` gives."""
+    return jax.tree.unflatten(jax.tree.structure(empty_summary(ledger)), list(rows))
 
 
 class Collector:
@@ -272,8 +227,7 @@ class Collector:
     Args:
         width: how many numbers an impact has.
         count: how many impacts there are.
-        progress: told how many are done.
-        what: the impacts, as progress calls them.
+        what: the impacts, as the progress that listens calls them.
     """
 
     def __init__(
@@ -281,12 +235,11 @@ class Collector:
         width: int,
         count: int,
         journal: Journal | None,
-        progress: Progress,
         what: str = "impacts",
     ):
         self.numbers = np.empty((width, count))
         self.missing = np.ones(count, bool)
-        self._journal, self._progress = journal, progress
+        self._journal, self._progress = journal, listening()
         self._what, self._done = what, 0
         self._lock = threading.Lock()
         if journal is not None:
@@ -311,9 +264,7 @@ class Collector:
             self._progress(self._what, self._done, len(self.missing))
 
 
-def _subject(
-    scene: Scene, count: int, accuracy: Accuracy, model_tolerance: float
-) -> dict:
+def _subject(scene: Scene, count: int, accuracy: Accuracy) -> dict:
     """Collect what the results depend on, ready for JSON."""
     digest = hashlib.sha256()
     for leaf in jax.tree.leaves(scene):
@@ -323,129 +274,5 @@ def _subject(
         "scenes": {"count": count, "sha256": digest.hexdigest()},
         "accuracy": dataclasses.asdict(accuracy),
         "laws": names,
-        "model_tolerance": model_tolerance,
         "versions": versions(),
     }
-
-
-@numpy_settings()
-def compute_scenes(
-    scene: Scene,
-    accuracy: Accuracy,
-    keep: Callable[[np.ndarray, ImpactSummary], None],
-    *,
-    places: np.ndarray | None = None,
-    model_tolerance: float = 0.0,
-    ledger: bool = False,
-    timing: dict | None = None,
-) -> None:
-    """Compute scenes on all cores or devices, without checking them.
-
-    Args:
-        scene: every field an array of one length.
-        accuracy: of the integration.
-        keep: called as `keep(places, numbers)`, from any thread, as results come.
-        places: indices of the scenes to compute; all by default.
-        model_tolerance, ledger, timing: as for `simulate_batch`.
-    """
-    heed_edits(jax.tree.structure(scene))
-    order = np.argsort(effort(scene), kind="stable")
-    if places is not None:
-        order = order[np.isin(order, places)]
-    groups = _groups(scene, order, model_tolerance, ledger)
-    begin = time.perf_counter()
-    with concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
-        # In a context of their own, which says how many threads there are.
-        starting = [
-            pool.submit(contextvars.copy_context().run, _workers, *group, accuracy)
-            for group in groups
-        ]
-        prepared = [future.result() for future in starting]
-    started = time.perf_counter()
-    for (*_, chosen), workers in zip(groups, prepared, strict=True):
-        _run_side_by_side(workers, chosen, keep)
-    if timing is not None:
-        timing |= {
-            "engine": " and ".join(sorted({workers[0].engine for workers in prepared})),
-            "impacts": len(order),
-            "compile_s": started - begin,
-            "run_s": time.perf_counter() - started,
-        }
-
-
-def _groups(
-    scene: Scene, order: np.ndarray, model_tolerance: float, ledger: bool
-) -> list[tuple[Scene, Assembly, np.ndarray]]:
-    """Return the scenes of one shape, an assembly of the model for it, and the indices
-    of the scenes that the assembly is for."""
-    groups = []
-    for alone, of_shape in by_shape(scene):
-        models = np.where(of_shape, model_places(alone, model_tolerance), -1)[order]
-        groups += [
-            (
-                alone,
-                Assembly(jax.tree.structure(alone), MODELS[model], ledger),
-                order[models == model],
-            )
-            for model in np.unique(models[models >= 0])
-        ]
-    return groups
-
-
-def _workers(
-    scene: Scene, assembly: Assembly, chosen: np.ndarray, accuracy: Accuracy
-) -> Sequence[Worker]:
-    """Return the workers for the chosen scenes, with what they run compiled."""
-    kernel = compile_native(assembly) if computes_on_cpu() else None
-    if kernel is not None:
-        return [NativeWorker(kernel, scene, accuracy)] * thread_count()
-    from .backend.xla_backend import (  # loads diffrax, which takes a while
-        MarchingWorker,
-        compile_programs,
-        lanes_of_worker,
-        worker_devices,
-    )
-
-    devices = worker_devices()
-    width = lanes_of_worker(len(chosen), devices)
-    different = list(dict.fromkeys(devices))
-    with concurrent.futures.ThreadPoolExecutor(len(different)) as pool:
-        compiled = pool.map(
-            lambda device: compile_programs(assembly, width, device), different
-        )
-        programs = dict(zip(different, compiled, strict=True))
-    return [MarchingWorker(programs[device], scene, accuracy) for device in devices]
-
-
-def _run_side_by_side(
-    workers: Sequence[Worker],
-    chosen: np.ndarray,
-    keep: Callable,
-) -> None:
-    """Let workers, each in its thread, take parts of the chosen scenes until none are
-    left."""
-    # No larger parts than give every worker one.
-    size = min(workers[0].part, -(-len(chosen) // len(workers)))
-    parts = iter([chosen[i : i + size] for i in range(0, len(chosen), size)])
-    lock, stop = threading.Lock(), threading.Event()
-
-    def take() -> Iterator[np.ndarray]:
-        while True:
-            with lock:
-                part = next(parts, None)
-            if part is None:
-                return
-            yield part
-
-    def work(worker: Worker) -> None:
-        for places, numbers in worker.run(take(), stop):
-            keep(places, numbers)
-
-    with concurrent.futures.ThreadPoolExecutor(len(workers)) as pool:
-        try:
-            running = [pool.submit(work, worker) for worker in workers]
-            for future in concurrent.futures.as_completed(running):
-                future.result()
-        except BaseException:
-            stop.set()
-            raise

@@ -14,7 +14,6 @@ or an environment variable, is not seen.
 import contextlib
 import contextvars
 import dataclasses
-import dis
 import functools
 import hashlib
 import importlib
@@ -36,6 +35,7 @@ import numpy as np
 
 from ._jax_internals import Tracer
 from ._packages import FOUNDATIONS, PACKAGE, is_installed, is_of_python, top_of
+from .finding import codes_of, imported_in
 
 PLAIN = (type(None), bool, int, float, complex, str, bytes, type(...))
 NOT_CODE = {
@@ -440,20 +440,14 @@ def _names_in(code: types.CodeType) -> frozenset[str]:
 def _modules_in(code: types.CodeType) -> frozenset[tuple[str, tuple[str, ...]]]:
     """Return the modules that code imports while it runs, and what it takes from
     them."""
-    every = dis.get_instructions(code)
-    steps = [step for step in every if step.opname != "EXTENDED_ARG"]
-    found = {
-        ("." * level.argval + step.argval, items.argval or ())
-        for level, items, step in zip(steps, steps[1:], steps[2:], strict=False)
-        if step.opname == "IMPORT_NAME"
-    }
+    modules = {*imported_in(code)}
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
-            found |= _modules_in(constant)
+            modules |= _modules_in(constant)
     if BY_TEXT & set(code.co_names):
         texts = {text for text in code.co_consts if isinstance(text, str)}
-        found |= {(t, ()) for t in texts if t.replace(".", "").isidentifier()}
-    return frozenset(found)
+        modules |= {(t, ()) for t in texts if t.replace(".", "").isidentifier()}
+    return frozenset(modules)
 
 
 def _instructions(code: types.CodeType) -> tuple:
@@ -475,20 +469,6 @@ def _source_of(code: types.CodeType) -> str | None:
     """Return the source of code; None if it is not known to be that."""
     linecache.checkcache(code.co_filename)
     lines = linecache.getlines(code.co_filename)
-    if code not in _codes_of("".join(lines), code.co_filename):
+    if code not in codes_of("".join(lines), code.co_filename):
         return None
     return "".join(inspect.getblock(lines[code.co_firstlineno - 1 :]))
-
-
-@functools.lru_cache(maxsize=64)
-def _codes_of(text: str, file: str) -> frozenset[types.CodeType]:
-    """Return all code objects that a file compiles to."""
-    try:
-        found, new = set(), [compile(text, file, "exec", dont_inherit=True)]
-    except (SyntaxError, ValueError):
-        return frozenset()
-    while new:
-        code = new.pop()
-        found.add(code)
-        new += [c for c in code.co_consts if isinstance(c, types.CodeType)]
-    return frozenset(found)

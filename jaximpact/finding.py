@@ -1,7 +1,8 @@
 """Laws and shapes by name: the package's own, and users' from files and modules."""
 
-import ast
 import contextlib
+import dis
+import functools
 import hashlib
 import importlib
 import importlib.util
@@ -11,7 +12,7 @@ import sys
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import NamedTuple
 
 from ._packages import is_installed
@@ -24,7 +25,7 @@ CURE = (
 )
 
 
-def told(error: BaseException) -> str:
+def describe_error(error: BaseException) -> str:
     """Describe an error of users' code: its kind and, if there is any, its message."""
     message = ""
     with contextlib.suppress(Exception):  # of an error that cannot say what it is
@@ -66,7 +67,8 @@ def find_part(slot: str, base: type, text: str, directory: Path | None = None):
             raise
         cure = f"; {CURE}" if isinstance(error, TypeError) else ""
         raise InputError(
-            f"{slot} {text!r} cannot be made without arguments: {told(error)}{cure}"
+            f"{slot} {text!r} cannot be made without arguments: "
+            f"{describe_error(error)}{cure}"
         ) from error
 
 
@@ -92,7 +94,7 @@ def find_class(slot: str, base: type, text: str, directory: Path | None = None) 
                 raise
             raise InputError(
                 f"{slot} {text!r}: the module {place} cannot be imported: "
-                f"{told(error)}; a file is named with its ending, as in "
+                f"{describe_error(error)}; a file is named with its ending, as in "
                 "'my_laws.py:Class'"
             ) from error
     kind = getattr(module, name, None)
@@ -213,52 +215,73 @@ def _digest(file: Path) -> bytes:
 def _files_named_in(file: Path) -> Iterator[Path]:
     """Find the files that texts in a module name, from its folder or the working
     directory: data that it may read as it is imported."""
-    for node in ast.walk(_parsed(file)):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str):
-            for place in (file.parent / node.value, Path(node.value)):
-                with contextlib.suppress(OSError, ValueError):  # no name of a file
-                    if place.is_file():
-                        yield place
+    for code in _codes_of_file(file):
+        for text in code.co_consts:
+            if isinstance(text, str):
+                for place in (file.parent / text, Path(text)):
+                    with contextlib.suppress(OSError, ValueError):  # no name of a file
+                        if place.is_file():
+                            yield place
 
 
 def imports_of(module: ModuleType) -> Iterator[tuple[str, str]]:
     """Find the modules that a module imports, and those that they import, with their
     files; but for installed ones."""
-    found, new = {module.__name__}, [module]
+    seen, new = {module.__name__}, [module]
     while new:
         module = new.pop()
         for name in _names_imported(module):
             other = sys.modules.get(name)
             file = getattr(other, "__file__", None)
-            if other is None or file is None or name in found:
+            if other is None or file is None or name in seen:
                 continue
-            found.add(name)
+            seen.add(name)
             if file.endswith(".py") and not is_installed(name, file):
                 new.append(other)
                 yield name, file
 
 
 def _names_imported(module: ModuleType) -> set[str]:
-    """Return the names of modules in the import statements of a module."""
+    """Return the full names of what may be modules in the imports of a module."""
     names = set()
-    for node in ast.walk(_parsed(Path(str(module.__file__)))):
-        if isinstance(node, ast.Import):
-            names |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            if node.level:
-                above = (module.__package__ or "").split(".")
-                above = above[: len(above) + 1 - node.level]
-                base = ".".join([*above, *([base] if base else [])])
-            names |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
+    for code in _codes_of_file(Path(str(module.__file__))):
+        for name, items in imported_in(code):
+            with contextlib.suppress(ImportError):  # above the topmost package
+                full = importlib.util.resolve_name(name, module.__package__)
+                names |= {full, *(f"{full}.{item}" for item in items)}
     return names
 
 
-def _parsed(file: Path) -> ast.AST:
+def imported_in(code: CodeType) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Find the modules that code imports, without the code inside of it: their names,
+    relative ones with dots before, and what is taken from them."""
+    every = dis.get_instructions(code)
+    steps = [step for step in every if step.opname != "EXTENDED_ARG"]
+    for level, items, step in zip(steps, steps[1:], steps[2:], strict=False):
+        if step.opname == "IMPORT_NAME":
+            yield "." * level.argval + step.argval, items.argval or ()
+
+
+@functools.lru_cache(maxsize=64)
+def codes_of(text: str, file: str) -> frozenset[CodeType]:
+    """Return all code objects that the text of a file compiles to; none where it is not
+    valid."""
     try:
-        return ast.parse(file.read_bytes())
-    except (OSError, SyntaxError, ValueError):
-        return ast.Module([], [])
+        codes, new = set(), [compile(text, file, "exec", dont_inherit=True)]
+    except (SyntaxError, ValueError):
+        return frozenset()
+    while new:
+        code = new.pop()
+        codes.add(code)
+        new += [c for c in code.co_consts if isinstance(c, CodeType)]
+    return frozenset(codes)
+
+
+def _codes_of_file(file: Path) -> frozenset[CodeType]:
+    try:
+        return codes_of(file.read_text("utf-8-sig"), str(file))
+    except (OSError, ValueError):
+        return frozenset()
 
 
 def _file(module) -> Path | None:
@@ -286,9 +309,10 @@ def _load(path: Path, name: str) -> ModuleType:
         if is_interrupt(error):
             raise
         line = "" if row is None else f" (line {row})"
-        cure = f"; {CURE}" if "non-default argument" in told(error) else ""
+        problem = describe_error(error)
+        problem += f"; {CURE}" if "non-default argument" in problem else ""
         raise InputError(
-            f"cannot be run as the file of a law or a shape{line}: {told(error)}{cure}",
+            f"cannot be run as the file of a law or a shape{line}: {problem}",
             file=path,
         ) from error
     return module

@@ -7,10 +7,9 @@ import numpy as np
 from jaxtyping import Array
 
 from .accuracy import Accuracy
-from .batch import Collector, compute_scenes
-from .impact.results import ImpactSummary
+from .backend.rows import in_parts
+from .batch import Collector, compute_part, summary_of
 from .io.journal import Journal
-from .progress import Progress, as_progress
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -56,27 +55,21 @@ class ImpactResponses(NamedTuple):
 
 
 def respond(
-    scene: Scene,
-    accuracy: Accuracy,
-    journal: Journal | None = None,
-    progress: Progress | None = None,
+    scene: Scene, accuracy: Accuracy, journal: Journal | None = None
 ) -> ImpactResponses:
     """Integrate impacts by the full model; every field an array `(lanes,)`.
 
     Args:
         journal: keeps the columns `COLUMNS` by the index of the impact; what it holds
             is not computed again.
-        progress: told of the impacts.
     """
     scene = jax.tree.map(np.asarray, scene)
     lanes = len(scene.impact.speed)
-    collector = Collector(len(COLUMNS), lanes, journal, as_progress(progress))
-
-    def keep(places: np.ndarray, summary: ImpactSummary) -> None:
+    collector = Collector(len(COLUMNS), lanes, journal)
+    for part in in_parts(np.flatnonzero(collector.missing)):
+        scenes = jax.tree.map(lambda leaf, part=part: leaf[part], scene)
+        summary = summary_of(compute_part(scenes, len(part), accuracy))
         columns = [getattr(summary, name) for name in FIELDS]
-        collector.take(places, np.stack(columns, axis=-1))
-
-    missing = None if journal is None else np.flatnonzero(collector.missing)
-    compute_scenes(scene, accuracy, keep, places=missing)
+        collector.take(part, np.stack(columns, axis=-1))
     *response, outcome = collector.numbers
     return ImpactResponses(ImpactResponse(*response), outcome.astype(int))

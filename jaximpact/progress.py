@@ -1,12 +1,14 @@
-"""Progress of computations, in one protocol for the package.
+"""Progress of computations: who listens is set once, where the work begins.
 
-Inside the package progress is told as `progress(what)` or, where it is counted, as
-`progress(what, done, total)`. Users of the package give a plain function, or nothing:
-`as_progress` makes a `Progress` of it where the work begins.
+Users of the package give a plain function, or nothing. `as_progress` makes a `Progress`
+of it, `telling` has it listen to the work inside, and whatever does a part of that work
+calls `tell(what)` or, where the work is counted, `tell(what, done, total)`.
 """
 
+import contextlib
+import contextvars
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 ProgressFunction = Callable[[int, int], object] | Callable[[str], object]
 """Function that a user gives: of `(done, total)`, or of a line of text."""
@@ -34,6 +36,29 @@ class Progress:
 
 SILENT = Progress()
 """Progress for work that nobody watches."""
+_listening: contextvars.ContextVar[Progress]
+_listening = contextvars.ContextVar("_listening", default=SILENT)
+
+
+@contextlib.contextmanager
+def telling(progress: Progress) -> Iterator[None]:
+    """Have a progress listen to the work inside, in this thread and in those that run
+    in a copy of its context."""
+    token = _listening.set(progress)
+    try:
+        yield
+    finally:
+        _listening.reset(token)
+
+
+def listening() -> Progress:
+    """Return the progress that listens here."""
+    return _listening.get()
+
+
+def tell(what: str, done: int | None = None, total: int | None = None) -> None:
+    """Tell the progress that listens here how far the work is."""
+    _listening.get()(what, done, total)
 
 
 class _Within(Progress):
@@ -67,7 +92,7 @@ def as_progress(given: Progress | ProgressFunction | None) -> Progress:
     `print`, gets counts as two numbers and the rest as texts.
     """
     if given is None:
-        return Progress()
+        return SILENT
     return given if isinstance(given, Progress) else _Given(given)
 
 

@@ -78,7 +78,7 @@ class InputColumn:
                 return f"; {other}? {number:g} {other} is {meant}"
         return ""
 
-    def told(self, number: float, unit: str, where: str = "") -> str:
+    def describe(self, number: float, unit: str, where: str = "") -> str:
         """Write a number in `unit` in words, with the column's unit, its place, the
         usual values if it is no error, and the unit that may be meant."""
         number = float(number)  # whose overflow NumPy would tell of
@@ -189,7 +189,7 @@ def _taken() -> dict[str, str]:
 
 
 def _by_name(columns: list[InputColumn]) -> dict[str, InputColumn]:
-    found: dict[str, InputColumn] = {}
+    by_name: dict[str, InputColumn] = {}
     for column in columns:
         name = column.name
         if name in _taken():
@@ -197,14 +197,14 @@ def _by_name(columns: list[InputColumn]) -> dict[str, InputColumn]:
                 f"the parameter {column.field} of the {column.part} has the column "
                 f"{name}, which is {_taken()[name]}; rename it"
             )
-        if name in found:
+        if name in by_name:
             raise InputError(
-                f"two parameters have the column {name}: {found[name].field} of the "
-                f"{found[name].part} and {column.field} of the {column.part}; rename "
+                f"two parameters have the column {name}: {by_name[name].field} of the "
+                f"{by_name[name].part} and {column.field} of the {column.part}; rename "
                 "the one that is yours"
             )
-        found[name] = column
-    return found
+        by_name[name] = column
+    return by_name
 
 
 def _default_kinds(whole: type) -> dict[str, Any]:
@@ -284,11 +284,11 @@ def _results(*rows: tuple[str, str, str]) -> dict[str, ResultColumn]:
         "tangential_velocity": "v_t",
         "angular_velocity": "omega",
     }
-    found = {}
+    columns = {}
     for field, unit, meaning in rows:
         name = stems.get(field, field) + RESULT_SUFFIXES[unit]
-        found[name] = ResultColumn(name, field, unit, meaning)
-    return found
+        columns[name] = ResultColumn(name, field, unit, meaning)
+    return columns
 
 
 RESULT_COLUMNS = _results(

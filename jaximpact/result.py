@@ -51,7 +51,6 @@ class ImpactResult(ImpactSummary):
     """Tolerances of the integration."""
     history: History | None = None
     """Forces, motion and energies against time; None where none was asked for."""
-    model_tolerance: float = eqx.field(default=0.0, static=True)
     """Error for which a model that leaves something out was allowed."""
     engine: str = eqx.field(default=MACHINE_CODE, static=True)
     """Engine asked for: machine code (XLA where there is none), or diffrax, with the
@@ -191,9 +190,7 @@ class ImpactResult(ImpactSummary):
         """
         from .io.datasets import dataset_of_impacts
 
-        return dataset_of_impacts(
-            self, self.scene, self.accuracy, self.model_tolerance, dims
-        )
+        return dataset_of_impacts(self, self.scene, self.accuracy, dims)
 
     def plot(self, path=None) -> "Figure":
         """Draw force, penetration, rotation and energy against time, and a side view.
@@ -229,7 +226,6 @@ class ImpactResult(ImpactSummary):
             "scene": scene_values(self.scene),
             "laws": part_names(self.scene.soil, self.scene.block),
             "accuracy": dataclasses.asdict(self.accuracy),
-            "model_tolerance": self.model_tolerance,
             "engine": self.engine,
             "versions": versions(),
         }

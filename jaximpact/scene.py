@@ -249,10 +249,10 @@ def as_scene(
     if isinstance(scene, tuple | list):
         return as_scene(*scene)
     components = {"block": scene, "soil": soil, "impact": impact}
-    given = {name: value for name, value in components.items() if value is not None}
-    for name, value in given.items():
+    replaced = {name: value for name, value in components.items() if value is not None}
+    for name, value in replaced.items():
         expect(name, value, {"block": Block, "soil": Soil, "impact": Impact}[name])
-    return Scene(**given)
+    return Scene(**replaced)
 
 
 def shape_of(scene: Scene) -> tuple[int, ...]:
@@ -264,10 +264,10 @@ def shape_of(scene: Scene) -> tuple[int, ...]:
     try:
         return broadcast_shapes(*shapes)
     except ValueError:
-        told = ", ".join(sorted({str(shape) for shape in shapes if shape}))
+        text = ", ".join(sorted({str(shape) for shape in shapes if shape}))
         raise InputError(
             "fields of a scene must be scalars or arrays that broadcast, but have "
-            f"shapes {told}"
+            f"shapes {text}"
         ) from None
 
 
@@ -324,8 +324,8 @@ class Selection:
         is_single = not any(map(np.ndim, jax.tree.leaves(selected)))
         mixed = isinstance(shape, MixedShapes) and not isinstance(shape.index, Tracer)
         if is_single and mixed:
-            own = shape.alone(int(shape.index))
-            block = dataclasses.replace(selected.block, shape=own)
+            single = shape.alone(int(shape.index))
+            block = dataclasses.replace(selected.block, shape=single)
             return Scene(block, selected.soil, selected.impact)
         return selected
 

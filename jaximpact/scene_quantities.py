@@ -122,10 +122,12 @@ def scene_values(scene: Scene) -> dict:
 def unusual_parts(scene: Scene) -> dict[str, str]:
     """Return the names of the laws and the shape that are not the usual ones, by their
     slots; of several shapes none."""
-    held = {slot: getattr(getattr(scene, part), slot) for slot, part in SLOTS.items()}
+    part_of = {
+        slot: getattr(getattr(scene, part), slot) for slot, part in SLOTS.items()
+    }
     return {
         slot: text_of(type(part))
-        for slot, part in held.items()
+        for slot, part in part_of.items()
         if type(part) is not USUAL[slot] and not isinstance(part, MixedShapes)
     }
 

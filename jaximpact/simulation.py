@@ -76,10 +76,10 @@ def simulate(
     setting = get_accuracy(accuracy)
     scene = as_scene(scene, soil, impact)
     leaves, structure = jax.tree.flatten(scene)
-    values, held = usual_values(structure, leaves), scene
+    values, of_result = usual_values(structure, leaves), scene
     if values is None:
         check_scene(scene, batched=True, warn=True)
-        values, held = leaves, with_axes(scene, len(shape_of(scene)))
+        values, of_result = leaves, with_axes(scene, len(shape_of(scene)))
     chosen = get_engine(engine)
     times = np.zeros(0)
     if save_at is not None:
@@ -93,7 +93,7 @@ def simulate(
                 "every step, with history=True, or leave the engine out"
             )
         times, shape = check_times("save_at", save_at, shape_of(scene))
-        held = with_axes(scene, len(shape)) if shape else held
+        of_result = with_axes(scene, len(shape)) if shape else of_result
     if ledger is None:
         many = times.ndim > 1 or any(np.ndim(x) for x in values)
         ledger = not many and not any(isinstance(x, Tracer) for x in (*values, times))
@@ -109,12 +109,12 @@ def simulate(
         return solve(structure, values, setting, ledger, chosen), None
 
     if isinstance(scene.block.shape, MixedShapes):
-        of_lanes = (*shape_of(held), times.shape[-1])
+        of_lanes = (*shape_of(of_result), times.shape[-1])
         numbers, recorded = shape_by_shape(
             lambda one, times: solved(
                 jax.tree.structure(one), jax.tree.leaves(one), times
             ),
-            held,
+            of_result,
             namespace_of(times).broadcast_to(times, of_lanes),
         )
     else:
@@ -123,7 +123,7 @@ def simulate(
         numbers = dataclasses.replace(numbers, energy=None)
     return ImpactResult(
         **vars(numbers),
-        scene=held,
+        scene=of_result,
         accuracy=setting,
         history=recorded,
         engine=chosen.name,

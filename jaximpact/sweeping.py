@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from ._checks import expect, real_number, real_numbers
+from ._checks import expect, real_numbers
 from ._numpy_settings import numpy_settings
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .batch import simulate_batch
@@ -71,7 +71,6 @@ def sweep(
     axes: Axes,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
-    model_tolerance: float = 0.0,
     journal: Path | None = None,
     progress: Progress | ProgressFunction | None = None,
     chunks: Chunks | None = None,
@@ -88,7 +87,7 @@ def sweep(
             does; a parameter that a shape does not have changes nothing for it. Any
             other name stands for quantities that vary together: a mapping from input
             columns to lists of one length, and optionally from `"name"` to labels.
-        accuracy, model_tolerance, journal, progress, executor: as for `simulate_batch`.
+        accuracy, journal, progress, executor: as for `simulate_batch`.
         chunks: lengths of blocks along all axes or each, or `"auto"`: nothing is
             computed until results are asked for, block by block, one thread each, by
             whatever scheduler or client of Dask there is. Needs `jaximpact[cluster]`.
@@ -122,7 +121,6 @@ def sweep(
             {axis.name: axis.values for axis in grid},
             coordinates_of(grid, with_shapes(base, kinds) if kinds else base),
             setting,
-            real_number("model_tolerance", model_tolerance, least=0.0),
             chunks,
         )
     shape = tuple(axis.length for axis in grid)
@@ -130,7 +128,6 @@ def sweep(
     result = simulate_batch(
         scene,
         accuracy=setting,
-        model_tolerance=model_tolerance,
         journal=journal,
         progress=progress,
         executor=executor,
@@ -138,7 +135,6 @@ def sweep(
     return dataset_of(
         result,
         setting,
-        result.model_tolerance,
         [axis.name for axis in grid],
         shape,
         coordinates_of(grid, scene),

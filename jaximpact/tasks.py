@@ -33,10 +33,10 @@ from ._packages import versions
 from .backend.threads import one_thread
 from .backend.xla_compilation import keep_programs
 from .errors import IncompleteError, InputError, NoWorkersWarning
-from .finding import class_of_file, file_of, told, users_line
+from .finding import class_of_file, describe_error, file_of, users_line
 from .identity import code_digest, is_ours, name_of
 from .parameters import Part
-from .progress import Progress
+from .progress import Progress, ProgressFunction, as_progress, listening, telling
 from .store import VARIABLE as CACHE_VARIABLE
 
 WAITING = 256
@@ -90,7 +90,7 @@ class Task:
         except SystemExit as error:
             # Workers would obey, one after another.
             file, row = users_line(error)
-            raise InputError(told(error), file=file, row=row) from error
+            raise InputError(describe_error(error), file=file, row=row) from error
 
     def __dask_tokenize__(self):
         return type(self).__name__, hashlib.sha256(self.payload).hexdigest()
@@ -218,8 +218,6 @@ def run_tasks(
                 running, POLL, concurrent.futures.FIRST_COMPLETED
             )
             warn(finished=bool(done))
-            if any(stop.is_set() for stop in _stops.get()):
-                raise Stopped
             for future in done:
                 place = running.pop(future)
                 error = error_of(future)
@@ -243,14 +241,40 @@ def run_tasks(
         )
 
 
+_executor: contextvars.ContextVar[concurrent.futures.Executor | None]
+_executor = contextvars.ContextVar("_executor", default=None)
+
+
+@contextlib.contextmanager
+def computing(
+    *,
+    progress: Progress | ProgressFunction | None = None,
+    executor: concurrent.futures.Executor | None = None,
+) -> Iterator[None]:
+    """Have the work inside tell its progress, and its parts run on an executor.
+
+    Args:
+        progress: see `as_progress`.
+        executor: see `check_executor`; None for this process.
+    """
+    if executor is not None:
+        check_executor(executor)
+    token = _executor.set(executor)
+    try:
+        with telling(as_progress(progress)):
+            yield
+    finally:
+        _executor.reset(token)
+
+
 def call_each(
     function: Callable,
     arguments: Iterable[tuple],
     take: Callable[[int, Any], None],
-    executor: concurrent.futures.Executor | None,
 ) -> None:
-    """Call a function with each of several arguments, here or by an executor, and take
-    each result as it comes. As `run_tasks`."""
+    """Call a function with each of several arguments, here or on the executor that is
+    set by `computing`, and take each result as it comes. As `run_tasks`."""
+    executor = _executor.get()
     if executor is not None:
         return run_tasks(executor, (Task(function, *each) for each in arguments), take)
     for place, each in enumerate(arguments):
@@ -261,51 +285,29 @@ class Stopped(Exception):
     """End of a task because another one has failed, or was interrupted."""
 
 
-_stops: contextvars.ContextVar[tuple[threading.Event, ...]]
-_stops = contextvars.ContextVar("_stops", default=())
-
-
-@contextlib.contextmanager
-def stopped_by(event: threading.Event) -> Iterator[None]:
-    """Let `run_tasks` inside end with Stopped once an event is set, rather than wait
-    for its tasks. Threads in a copy of the context inherit that."""
-    token = _stops.set((*_stops.get(), event))
-    try:
-        yield
-    finally:
-        _stops.reset(token)
-
-
 def run_in_threads(
-    function: Callable[[Item, Progress], Result],
-    items: Sequence[Item],
-    progress: Progress,
+    function: Callable[[Item], Result], items: Sequence[Item]
 ) -> list[Result]:
     """Call a function of every item in threads of their own; results in their order.
 
-    Args:
-        function: called with an item and with its progress; once one call has failed
-            the others end the next time that they tell their progress, or while they
-            wait for an executor.
-        items: one thread each.
-        progress: called by one thread at a time.
+    Once one call has failed the others end the next time that they tell their progress.
     """
-    stop, speaking = threading.Event(), threading.Lock()
+    stop, speaking, progress = threading.Event(), threading.Lock(), listening()
 
     class Shared(Progress):
         def __call__(self, what, done=None, total=None):
             with speaking:
                 if stop.is_set():
                     raise Stopped
-                progress(what, done, total) if total is not None else progress(what)
+                progress(what, done, total)
 
-    def call(item: Item) -> Result:
-        with stopped_by(stop):
-            return function(item, Shared())
-
-    with concurrent.futures.ThreadPoolExecutor(len(items)) as pool:
+    with (
+        telling(Shared()),
+        concurrent.futures.ThreadPoolExecutor(len(items)) as pool,
+    ):
         running = [
-            pool.submit(contextvars.copy_context().run, call, item) for item in items
+            pool.submit(contextvars.copy_context().run, function, item)
+            for item in items
         ]
         try:
             for ended in concurrent.futures.as_completed(running):

@@ -2,42 +2,33 @@
 
 import argparse
 import sys
+from pathlib import Path
 
 from jaximpact.cli import Parser, main, options
-from jaximpact.cli.progress import ProgressLines, say
+from jaximpact.cli.progress import say
 from jaximpact.errors import IncompleteError
 from jaximpact.interruption import ending_on_signals, resumable
+from jaximpact.io.files import make_directory, write_text
 
 ACCURACY = "reference"
 FIGURES = """\
 Compute and draw figures 4 to 14 of Dattola, Crosta and di Prisco (2023).
 
-  4   set I: displacement and force over time
-  5   sets I and II: their largest values against aspect ratio
-  6   set III at 20 degrees: displacement, force, rotation and R_r over time
-  7   set III along the major axis: largest values and rotation against impact angle
-  8   set IV: restitution, largest values and rotation against orientation
-  9   set III: restitution against impact angle
-  10  the slope of two planes
-  11  runs down it without initial spin: path, height, velocities
-  12  heights of jumps in runs with all spins, with exponential fits
-  13  coefficients of a spinning block against orientation
-  14  restitution in all impacts of these runs, with normal fits
+{}
 
 Each is figure-N.png, drawn from the table figure-N.csv; figure-N.csv.manifest.json says
 what it was computed from. All together take a minute on two cores."""
 CLAIMS = """\
 Recompute the claims that the paper makes of its model, and say of each whether it
 holds, partly or not, with the numbers that decide. How each is judged was written down
-before it was computed. Written to DIR: validation.md, validation.csv and
-validation.json with a manifest.
+before it was computed. In DIR: claims.md and claims.csv.
 
 A claim that fails is a result. The exit code is 1 only if something could not be
-computed."""
+computed. A minute on two cores."""
 READINGS = """\
-Judge the claims as `claims` does, and again under other readings of what the paper does
-not print: which claims hang on which. That takes some minutes. Verdicts are written to
-readings.csv in DIR after each reading; there an interrupted run goes on."""
+Judge the claims again under other readings of what the paper does not print: which
+claims hang on which. In DIR: readings.md and readings.csv. That takes 15 minutes; in
+DIR an interrupted run goes on."""
 
 
 def make_parser() -> Parser:
@@ -53,62 +44,111 @@ def make_parser() -> Parser:
         "figures",
         run_figures,
         help="figures 4 to 14",
-        description=FIGURES,
+        description=_figures_help,
     )
-    options.add_directory(figures, "drawings and tables")
+    _add_directory(figures, "drawings and tables", required=True)
     options.add_only(figures, "N", "numbers of figures")
     figures.add_argument(
         "--ground",
         metavar="NAME",
+        default="Table 1",
         help='"Table 1" (default), or of the supplementary material '
         '"c_v 0.5, gamma_v 1.70" or "c_v 0.5, gamma_v 0.85"',
     )
     options.add_accuracy(figures, otherwise=ACCURACY)
-    for name, help_line, text in (
-        ("claims", "the claims, judged", CLAIMS),
-        ("readings", "the claims under other readings of the model", READINGS),
+    for name, run, help_line, text in (
+        ("claims", run_claims, "the claims, judged", CLAIMS),
+        ("readings", run_readings, "the claims under other readings", READINGS),
     ):
         command = options.add_command(
-            commands, name, run_claims, help=help_line, description=text
+            commands, name, run, help=help_line, description=text
         )
-        command.set_defaults(readings=name == "readings")
-        options.add_directory(command, "tables", required=False)
+        _add_directory(command, "tables", required=False)
         options.add_only(command, "ID", "claims to judge, as in C07 C08")
     return parser
 
 
+def _figures_help() -> str:
+    from .figures import PAPER_FIGURES
+
+    titles = [f"  {n:<3} {figure.title}" for n, figure in PAPER_FIGURES.items()]
+    return FIGURES.format("\n".join(titles))
+
+
+def _add_directory(
+    parser: argparse.ArgumentParser, content: str, *, required: bool
+) -> None:
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=required,
+        metavar="DIR",
+        help=f"directory for {content}, made if need be; files of the same names are "
+        "replaced",
+    )
+
+
 def run_figures(arguments: argparse.Namespace) -> None:
     """Compute and draw."""
-    from jaximpact.parametric_sets import TABLE_1
+    from .figures import write_figures
+    from .study import Study
 
-    from .figures import Study, write_figures
-
-    with (
-        resumable(lambda: "figures that were written are whole"),
-        ProgressLines() as progress,
-    ):
-        study = Study(
-            arguments.ground or TABLE_1, arguments.accuracy or ACCURACY, progress
-        )
-        write_figures(arguments.out, only=arguments.only, study=study, say=say)
+    study = Study(arguments.ground, accuracy=arguments.accuracy or ACCURACY)
+    with resumable(lambda: "figures that were written are whole"):
+        write_figures(arguments.out, study, only=arguments.only, say=say)
 
 
 def run_claims(arguments: argparse.Namespace) -> None:
-    """Judge."""
-    from .report import as_text
-    from .validation import validate
+    """Judge the claims."""
+    from .claims import read_claims
+    from .judging import judge_claim
+    from .report import claims_page, claims_table, counts, in_words
+    from .study import Study
 
-    with ProgressLines() as progress:
-        validation = validate(
-            arguments.out,
-            only=arguments.only,
-            readings=arguments.readings,
-            progress=progress,
-            say=say,
-        )
-    print(as_text(validation), end="")
-    if validation.missing:
-        raise IncompleteError(f"not computed: {', '.join(validation.missing)}")
+    out, claims, judgements = arguments.out, read_claims(), {}
+    names, study = _chosen(arguments), Study()
+    for name in names:
+        judgements[name] = judge_claim(name, study)
+        print(in_words(claims[name], judgements[name]), flush=True)
+    print(counts(judgements))
+    if out is not None:
+        write_text(out / "claims.csv", claims_table(claims, judgements))
+        write_text(out / "claims.md", claims_page(claims, judgements))
+    _refuse_missing(judgements)
+
+
+def run_readings(arguments: argparse.Namespace) -> None:
+    """Judge the claims under all readings."""
+    from .judging import judge_readings
+    from .report import readings_page
+
+    with resumable():
+        readings = judge_readings(_chosen(arguments), arguments.out, say)
+    page = readings_page(readings)
+    print(page, end="")
+    if arguments.out is not None:
+        write_text(arguments.out / "readings.md", page)
+    for judgements in readings.values():
+        _refuse_missing(judgements)
+
+
+def _chosen(arguments: argparse.Namespace) -> list[str]:
+    """Ids of the claims that are asked for; makes the directory."""
+    from jaximpact.io.checks import chosen_values  # loads JAX, for a second
+
+    from .claims import JUDGES
+
+    names = chosen_values("--only", arguments.only, {name: name for name in JUDGES})
+    if arguments.out is not None:
+        make_directory(arguments.out, option="--out")
+    return names
+
+
+def _refuse_missing(judgements) -> None:
+    """Raise IncompleteError where a claim could not be judged."""
+    missing = [n for n, one in judgements.items() if one.verdict == "not computed"]
+    if missing:
+        raise IncompleteError(f"not computed: {', '.join(missing)}")
 
 
 if __name__ == "__main__":

@@ -16,10 +16,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
+from jaximpact.runout import passages
 from jaximpact.runout.blocks import Release, select
 from jaximpact.runout.terrain import ROLLING_FRICTION_ANGLE, Profile
-from jaximpact.runout.trajectory import MotionMode, Runs, state_after
+from jaximpact.runout.trajectory import MotionMode, Runs, state_after, stretches_of
 from jaximpact.scene import GRAVITY, Block, Soil
 from jaximpact.units import DEGREE
 
@@ -33,6 +35,8 @@ ASPECT_RATIOS = (1.0, 1.5, 2.0, 3.0, 4.0)
 """Aspect ratios of the blocks; the paper has 1 to 4, the steps are ours."""
 SPINS_DEGPS = tuple(np.linspace(0.0, 20_000.0, 9).tolist())
 """Spins of the sphere [deg/s]."""
+COMPARED_X = np.arange(10.0, 251.0, 10.0)
+"""Places where paths are compared [m]: the paper has them superimpose up to 250 m."""
 COEFFICIENTS = (-1.0, 3.0)
 """Range of coefficients of restitution in the diagrams: those of grazing impacts have
 no bounds."""
@@ -187,3 +191,110 @@ def restitutions(runs: Runs, *, out_of_the_crater: bool = True) -> Restitutions:
         e_n = -fraction * c.normal_velocity / c.normal_velocity_before
         e_t = fraction * c.tangential_velocity / c.tangential_velocity_before
     return Restitutions(np.where(comes_down, e_n, np.nan), np.where(moves, e_t, np.nan))
+
+
+def run_numbers(
+    runs: Runs, *, released_flight_jumps: bool, out_of_the_crater: bool
+) -> xr.Dataset:
+    """Collect numbers of trajectories over the aspect ratio and the spin of the sphere,
+    of the paths without spin over the aspect ratio, and of all jumps and impacts in a
+    row. Impacts after which a block hops are counted apart.
+
+    Args:
+        released_flight_jumps: count the flight that a block is released in too.
+        out_of_the_crater: as for `restitutions`.
+    """
+    flights, contacts = jumps(runs), runs.contacts
+    shape = len(ASPECT_RATIOS), len(SPINS_DEGPS)
+    first_contact, first_flight = map(
+        first_rows, (contacts.trajectory, flights.trajectory)
+    )
+    of_trajectories = {
+        "first_impact_x_m": contacts.x[first_contact],
+        "off_the_parabola_m": off_the_parabola(runs),
+        "first_flight_m": flights.height[first_flight],
+        **bounces(runs, flights),
+    }
+    counted = flights.after_contact.copy()
+    counted[first_flight] |= released_flight_jumps
+    coefficients = restitutions(runs, out_of_the_crater=out_of_the_crater)
+    hops = contacts.hop.astype(bool)
+    valid = np.isfinite(coefficients.e_n)
+    impacts = valid & ~hops
+    of_block = np.repeat(ASPECT_RATIOS, len(SPINS_DEGPS))
+    grid = {
+        "aspect_ratio": np.array(ASPECT_RATIOS),
+        "angular_velocity_degps": np.array(SPINS_DEGPS),
+    }
+    variables = {
+        name: (tuple(grid), values.reshape(shape))
+        for name, values in of_trajectories.items()
+    }
+    variables |= {
+        "paths_apart_m": ("aspect_ratio", paths_apart(runs)),
+        "jump_height_m": ("jump", flights.height[counted]),
+        "jump_aspect_ratio": ("jump", of_block[flights.trajectory[counted]]),
+        "e_n": ("impact", coefficients.e_n[impacts]),
+        "e_t": ("impact", coefficients.e_t[impacts]),
+        "impact_aspect_ratio": (
+            "impact",
+            of_block[contacts.trajectory[impacts].astype(int)],
+        ),
+        "e_n_before_hops": ("hop", coefficients.e_n[valid & hops]),
+    }
+    return xr.Dataset(variables, grid)
+
+
+def first_rows(trajectory: np.ndarray) -> np.ndarray:
+    """Find the index of the first row of each trajectory; every one has a row."""
+    return np.unique(trajectory, return_index=True)[1]
+
+
+def off_the_parabola(runs: Runs) -> np.ndarray:
+    """How far from the parabola of its release each centre is at its first contact, at
+    the x that it has there [m]."""
+    body = runs.release.body
+    first = first_rows(runs.contacts.trajectory)
+    x, y = runs.contacts.x[first], runs.contacts.y[first]
+    time = (x - body.x) / body.v_x
+    return np.abs(y - (body.y + (body.v_y - 0.5 * GRAVITY * time) * time))
+
+
+def paths_apart(runs: Runs) -> np.ndarray:
+    """How far the path of each shape without spin is from the sphere's, vertically, at
+    the worst of `COMPARED_X` [m]; NaN for one that does not come so far."""
+    still = np.arange(len(ASPECT_RATIOS)) * len(SPINS_DEGPS)
+    apart = np.zeros(len(still))
+    stretches = stretches_of(runs)
+    for x in COMPARED_X:
+        at_x = passages(runs, x, stretches)
+        heights = [at_x.centre_height[at_x.trajectory == block] for block in still]
+        for place, height in enumerate(heights):
+            passed = len(height) and len(heights[0])
+            worst = np.max(np.abs(height - heights[0][0])) if passed else np.nan
+            apart[place] = np.maximum(apart[place], worst)
+    return apart
+
+
+def bounces(runs: Runs, flights: Jumps) -> dict[str, np.ndarray]:
+    """Flights between the first impact of each trajectory and its first rolling: how
+    many, the largest and the middle one of their rises [m], 0 for none, and whether the
+    block rolls then."""
+    rolling = np.flatnonzero(runs.pieces.motion == MotionMode.rolling)
+    rollers = runs.pieces.trajectory[rolling].astype(int)
+    count, highest, middle, rolls = np.zeros((4, runs.release.count))
+    for block in range(runs.release.count):
+        after = np.flatnonzero(flights.trajectory == block)[1:]
+        until = np.min(rolling[rollers == block], initial=len(runs.pieces.motion))
+        rolls[block] = until < len(runs.pieces.motion)
+        after = after[flights.piece[after] < until]
+        rises = flights.rise[after]
+        count[block] = len(rises)
+        highest[block] = np.max(rises, initial=0.0)
+        middle[block] = np.median(rises) if len(rises) else 0.0
+    return {
+        "bounces": count,
+        "highest_bounce_m": highest,
+        "middle_bounce_m": middle,
+        "rolls": rolls > 0.0,
+    }

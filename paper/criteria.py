@@ -10,8 +10,8 @@ else it holds partly.
 import dataclasses
 import enum
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -52,23 +52,10 @@ class Judgement:
     verdict: Verdict
     evidence: str
     """Deciding numbers with their units, in a line."""
-    numbers: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    """The numbers of the evidence; names end in the unit where there is one."""
-    held: int = 0
+    met: int = 0
     asked: int = 0
     """Checks that the criterion asks for, steps of trends and places of conditions: how
     many hold, and how many there are."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Finding:
-    """A claim, where it stands, how it is judged, and the judgement."""
-
-    id: str
-    where: str
-    claim: str
-    criterion: str
-    judgement: Judgement
 
 
 class NotComputed(Exception):
@@ -79,7 +66,7 @@ class Part(NamedTuple):
     """A part of a criterion: its verdict, and how many of its checks hold."""
 
     verdict: Verdict
-    held: int
+    met: int
     asked: int
 
 
@@ -104,13 +91,13 @@ def steps(values: ArrayLike) -> np.ndarray:
 def trend(values: ArrayLike, direction: int) -> Part:
     """Judge whether a line of values rises, or falls, at every step."""
     values = np.asarray(values, float)
-    taken = steps(values) == direction
+    right = steps(values) == direction
     (overall,) = steps(values[[0, -1]])
-    if taken.all():
+    if right.all():
         verdict = Verdict.holds
     else:
         verdict = Verdict.partly if overall == direction else Verdict.fails
-    return Part(verdict, int(taken.sum()), len(taken))
+    return Part(verdict, int(right.sum()), len(right))
 
 
 def condition(met: bool) -> Part:
@@ -134,19 +121,15 @@ def conditions(met: xr.DataArray, what: str) -> Parts:
 
 def combine(verdicts: Iterable[Verdict]) -> Verdict:
     """Find the verdict of parts together."""
-    found = set(verdicts)
-    return found.pop() if len(found) == 1 else Verdict.partly
+    kinds = set(verdicts)
+    return kinds.pop() if len(kinds) == 1 else Verdict.partly
 
 
-def judge(
-    evidence: str, groups: Iterable[Part | Parts], numbers: Mapping[str, Any]
-) -> Judgement:
+def judge(evidence: str, *groups: Part | Parts) -> Judgement:
     """Make the judgement by all parts of a criterion.
 
     Args:
         evidence: the numbers that decide; where the parts hold is added.
-        groups: the parts.
-        numbers: those of the evidence; each is made a float.
     """
     parts, texts = [], [evidence]
     for group in groups:
@@ -158,8 +141,7 @@ def judge(
     return Judgement(
         combine(part.verdict for part in parts),
         "; ".join(texts),
-        {name: float(value) for name, value in numbers.items()},
-        sum(part.held for part in parts),
+        sum(part.met for part in parts),
         sum(part.asked for part in parts),
     )
 
@@ -167,8 +149,8 @@ def judge(
 def tally(group: Parts) -> str:
     """Say where parts hold."""
     form, name = _PLACES[group.dimension]
-    found = [part.verdict for part in group.parts]
-    hold = [verdict is Verdict.holds for verdict in found]
+    verdicts = [part.verdict for part in group.parts]
+    hold = [verdict is Verdict.holds for verdict in verdicts]
     if all(hold):
         return f"{group.what} at every {name}"
     if any(hold):
@@ -176,7 +158,7 @@ def tally(group: Parts) -> str:
         text = f"{group.what} at {sum(hold)} of {len(hold)}: {where}"
     else:
         text = f"{group.what} at no {name}"
-    in_part = [verdict is Verdict.partly for verdict in found]
+    in_part = [verdict is Verdict.partly for verdict in verdicts]
     if any(in_part):
         text += f" (in part at {form.format(ranges(group.at, in_part))})"
     return text
@@ -213,16 +195,39 @@ def trend_in_words(values: ArrayLike, unit: str, *directions: int) -> str:
     for direction in directions:
         part = trend(values, direction)
         verb = "rises" if direction == RISES else "falls"
-        words.append(f"{verb} in {part.held} of {part.asked} steps")
+        words.append(f"{verb} in {part.met} of {part.asked} steps")
     return ", ".join(words)
 
 
-def extremes(values: xr.DataArray, name: str = "") -> dict[str, xr.DataArray]:
-    """Least and largest value, under the names that they have among the numbers."""
-    end = f"_{name}" if name else ""
-    return {f"least{end}": values.min(), f"largest{end}": values.max()}
+# --- Lines of values that criteria look at.
 
 
-def key_of(words: str) -> str:
-    """Write words as part of the name of a number."""
-    return words.replace(", ", "_").replace(" ", "_")
+def elongated(data):
+    """Choose the values of blocks with an A_r above 1, of a dataset or an array over
+    A_r."""
+    return data.sel(aspect_ratio=data.aspect_ratio > 1.0)
+
+
+def along_dimension(function, values: xr.DataArray, dimension: str) -> xr.DataArray:
+    """Apply a function to each line of values along a dimension."""
+    return xr.apply_ufunc(
+        function, values, input_core_dims=[[dimension]], vectorize=True
+    )
+
+
+def less_mirrored(values: xr.DataArray, sign: float = 1.0) -> xr.DataArray:
+    """Return values over the orientation less `sign` times those at 180° less it, where
+    both are there: zero for what is symmetric, with `sign` -1 for what is
+    antisymmetric."""
+    there = values.orientation_deg.values
+    both = there[np.isin(180.0 - there, there)]
+    mirrored = values.sel(orientation_deg=180.0 - both)
+    return values.sel(orientation_deg=both) - sign * mirrored.assign_coords(
+        orientation_deg=both
+    )
+
+
+def asymmetry(values: xr.DataArray, sign: float = 1.0) -> xr.DataArray:
+    """Compute the largest of `less_mirrored`, as a part of the largest value."""
+    apart = abs(less_mirrored(values, sign)).max("orientation_deg")
+    return apart / abs(values).max("orientation_deg")

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-SOME = 2
+FEWEST = 2
 """Numbers that a fit needs at the least."""
 
 
@@ -70,7 +70,7 @@ def _fit(values, start_of, scale_of, distribution, distance_by_chance) -> Fit:
     from the start over the scale, and of the count and its root."""
     values = np.sort(np.asarray(values, float))
     n = len(values)
-    if n < SOME or values[0] == values[-1]:
+    if n < FEWEST or values[0] == values[-1]:
         return Fit(np.nan, np.nan, np.nan, np.nan, n)
     start = float(start_of(values))
     scale = float(scale_of(values, start))

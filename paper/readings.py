@@ -1,7 +1,7 @@
 """Readings of the model, to measure what a claim depends on.
 
 Each changes one thing that the paper does not print, or prints without saying how it
-enters: a quantity, a law, the point whose velocity the contact coefficient takes, or a
+enters: a quantity, a law, the point of whose velocity the contact coefficient is, or a
 detail of the slope run-out.
 """
 
@@ -25,7 +25,7 @@ class ContactPoint(enum.Enum):
     """The point of the block whose velocity counts when the contact ends."""
 
     foundation = "centre of the foundation"
-    """The point that the package takes."""
+    """The point that the package uses."""
     deepest = "deepest point of the block"
     first = "point as far to the side as the one that touched first"
 
@@ -33,7 +33,7 @@ class ContactPoint(enum.Enum):
 def with_contact_at(
     dataset: xr.Dataset, base: Scene, point: ContactPoint
 ) -> xr.Dataset:
-    """Impacts over the orientation and the spin with the contact coefficient taken
+    """Impacts over the orientation and the spin with the contact coefficient
     elsewhere, and the rigid-body coefficient that follows from it."""
     if point is ContactPoint.foundation:
         return dataset

@@ -5,25 +5,18 @@ A peer that has derivatives of its own has a function `gradient` of scenes, batc
 not, and tolerance, which gives what `forward_gradient` does.
 """
 
-import concurrent.futures
 import time
 
 import jax
 import numpy as np
 
 from jaximpact.accuracy import Accuracy
-from jaximpact.backend.native_backend import (
-    compile_native_along,
-    kernel_inputs,
-    solve_rows,
-)
-from jaximpact.backend.threads import thread_count
-from jaximpact.impact.problem import Assembly
-from jaximpact.impact.reduced_models import MODELS, model_places
+from jaximpact.backend.rows import compute_rows, prepare
+from jaximpact.impact.results import ImpactSummary, empty_summary
 from jaximpact.quantities import leaf_places
 from jaximpact.scene import Scene
 
-from ..impacts import PARAMETERS, choose, shifted
+from ..impacts import PARAMETERS, shifted
 from .methods import EXACT, FLOOR, Method, count_of
 
 
@@ -36,38 +29,31 @@ def forward_gradient(
     """
     accuracy = Accuracy("measured", tolerance, FLOOR)
     varied = [leaf_places(scenes)[name] for name in PARAMETERS]
-    places = model_places(scenes)
-    kernels, parts = {}, []
-    for place in np.unique(places):
-        assembly = Assembly(jax.tree.structure(scenes), MODELS[place], ledger=False)
-        kernels[place] = compile_native_along(assembly, len(PARAMETERS))
-        own = np.flatnonzero(places == place)
-        pieces = thread_count() if batch else len(own)
-        parts += [(place, piece) for piece in np.array_split(own, pieces) if len(piece)]
+    leaves, structure = jax.tree.flatten(jax.tree.map(np.asarray, scenes))
+    prepare(structure, leaves, accuracy, varied=varied)
+    count = count_of(scenes)
+    parts = [slice(None)] if batch else range(count)
 
-    def compute(part) -> np.ndarray:
-        place, own = part
-        here = choose(scenes, own)
-        inputs = np.stack(kernel_inputs(here, accuracy))
-        rows, lanes = inputs.shape
-        directions = np.zeros((len(varied), rows - 2, lanes))  # but tolerance and floor
-        directions[np.arange(len(varied)), varied] = 1.0
-        _, along = solve_rows(kernels[place], np.concatenate([inputs, *directions]))
-        # With respect to the parameter's logarithm
-        return np.stack(
-            [
-                column.e_n * getattr(here.soil, name)
-                for name, column in zip(PARAMETERS, along, strict=True)
-            ],
-            axis=1,
-        )
+    def of_leaf(leaf: np.ndarray, part):
+        return leaf[part] if leaf.ndim else leaf
 
-    found = np.empty((count_of(scenes), len(PARAMETERS)))
+    found = np.empty((count, len(PARAMETERS)))
     begin = time.perf_counter()
-    with concurrent.futures.ThreadPoolExecutor(thread_count() if batch else 1) as pool:
-        for (_, own), values in zip(parts, pool.map(compute, parts), strict=True):
-            found[own] = values
-    return found, time.perf_counter() - begin
+    for part in parts:
+        own = [of_leaf(leaf, part) for leaf in leaves]
+        _, columns = compute_rows(structure, own, accuracy, varied=varied)
+        e_n = [summary_of(column).e_n for column in columns]
+        found[part] = np.stack(e_n, axis=-1)
+    seconds = time.perf_counter() - begin
+    # With respect to the parameter's logarithm
+    sizes = [getattr(scenes.soil, name) for name in PARAMETERS]
+    return found * np.stack([np.broadcast_to(x, count) for x in sizes], axis=1), seconds
+
+
+def summary_of(rows: np.ndarray) -> ImpactSummary:
+    """Name rows of numbers."""
+    structure = jax.tree.structure(empty_summary(ledger=False))
+    return jax.tree.unflatten(structure, list(rows))
 
 
 def difference_gradient(

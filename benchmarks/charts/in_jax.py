@@ -12,7 +12,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from jaximpact.accuracy import PRESETS
-from jaximpact.backend.native_backend import compile_native, solve_rows
+from jaximpact.backend.native_backend import compile_native
+from jaximpact.backend.simd import KernelSet
 from jaximpact.batch import simulate_batch
 from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import PLANAR
@@ -91,10 +92,12 @@ def _seconds_of_steps(calls: int) -> float:
     accuracy = PRESETS["balanced"]
     one = _alone()
     kernel = compile_native(Assembly(jax.tree.structure(one), PLANAR, ledger=False))
+    assert kernel is not None
+    kernels = KernelSet([kernel])
     setting = [accuracy.tolerance, accuracy.floor]
     column = np.array([*jax.tree.leaves(one), *setting], float)[:, None]
     impact, nothing = (
-        _seconds(functools.partial(solve_rows, kernel, lanes), calls)
+        _seconds(functools.partial(kernels.compute, lanes, 1), calls)
         for lanes in (column, column[:, :0])
     )
     return impact - nothing

@@ -8,11 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from jaximpact.accuracy import PRESETS, Accuracy
-from jaximpact.backend.native_backend import (
-    compile_native,
-    kernel_inputs,
-    solve_rows,
-)
+from jaximpact.backend.native_backend import compile_native
+from jaximpact.backend.simd import KernelSet
 from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import MODELS, PLANAR, Model
 from jaximpact.plotting.style import in_style, legend_outside, panels, points
@@ -40,7 +37,17 @@ Rung = Callable[[Scene, Accuracy], np.ndarray]
 def rung_of(model: Model) -> Rung:
     """A model by the unknowns that it integrates."""
     kernel = compile_native(Assembly(jax.tree.structure(Scene()), model, ledger=False))
-    return lambda *given: solve_rows(kernel, np.stack(kernel_inputs(*given))).e_n
+    assert kernel is not None
+    kernels = KernelSet([kernel])
+
+    def e_n(scenes: Scene, accuracy: Accuracy) -> np.ndarray:
+        leaves = np.stack(jax.tree.leaves(scenes))
+        setting = [[accuracy.tolerance], [accuracy.floor]]
+        rows = np.broadcast_to(setting, (2, leaves.shape[1]))
+        results, _ = kernels.compute(np.concatenate([leaves, rows]), threads=1)
+        return jax.tree.unflatten(kernel.structure, list(results)).e_n
+
+    return e_n
 
 
 def ladder() -> dict[str, Rung]:

@@ -78,8 +78,7 @@ def run_benchmark(
     """Measure and draw.
 
     Args:
-        out: directory, made if need be; what was measured there with other settings is
-            removed.
+        out: directory, made if need be; one with results of other settings is refused.
         only: names of sections; all for none.
         peers: directory of other methods; None for `benchmarks.peers`.
         settings: how much is measured.

@@ -21,8 +21,8 @@ from .simd import Code, LaneFunctions, compile_code, without_copies
 
 @collector_paused()
 def code_of_lanes(assembly: Assembly, directions: int, sampled: bool) -> Code:
-    """Compile the code of `native_backend.compile_native`, or with directions that of
-    `native_backend.compile_native_along`."""
+    """Compile the code of `native_backend.compile_native`, with derivatives along so
+    many directions."""
     one = jax.ShapeDtypeStruct((1,), float)
     leaves = assembly.structure.num_leaves
     # Scene, tolerance and floor

@@ -7,28 +7,27 @@ import os
 import pickle
 import threading
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import jax
-import numpy as np
 
 from .._packages import versions
-from ..accuracy import MAX_STEPS, RETRIES, Accuracy
+from ..accuracy import MAX_STEPS, RETRIES
 from ..errors import IncompleteError, NoMachineCodeWarning
 from ..identity import clear_when_edited, described, heed_edits, tracing, users_code
 from ..impact.events import Outcome
 from ..impact.problem import Assembly
-from ..impact.results import ImpactSummary, empty_summary
-from ..scene import Scene
+from ..impact.results import empty_summary
 from ..store import kept
 from .simd import Code, Kernel, NoMachineCode, Retries, host, keep_objects
 
 keep_objects(kept)
 
-NATIVE_PART = 128
-"""Impacts that a worker takes at a time, some 10 ms of work."""
+MOST_DIRECTIONS = 3
+"""Derivatives that share a run of an impact. Each costs some two thirds of the value;
+more of them take longer to compile than they save."""
 REQUIRED = "JAXIMPACT_REQUIRE_MACHINE_CODE"
 """Environment variable; where it is set, XLA does not stand in for machine code."""
 
@@ -54,17 +53,17 @@ def _kept_here(compile_kernel: Callable) -> Any:
     locks: dict[tuple, threading.Lock] = {}
 
     @functools.wraps(compile_kernel)
-    def compiled(*given, **by_name) -> Kernel | None:
-        arguments = signature.bind(*given, **by_name)
+    def compiled(*positional, **by_name) -> Kernel | None:
+        arguments = signature.bind(*positional, **by_name)
         arguments.apply_defaults()  # that a kernel has one key, however it is asked for
         heed_edits(arguments.args[0].structure)
         # Of threads that ask at once, one compiles.
         with locks.setdefault(arguments.args, threading.Lock()):
-            found = kernel_or_problem(*arguments.args)
-        if isinstance(found, NoMachineCode):
-            without_machine_code(found)
+            kernel = kernel_or_problem(*arguments.args)
+        if isinstance(kernel, NoMachineCode):
+            without_machine_code(kernel)
             return None
-        return found
+        return kernel
 
     function: Any = compiled
     function.cache_clear = kernel_or_problem.cache_clear
@@ -73,36 +72,33 @@ def _kept_here(compile_kernel: Callable) -> Any:
 
 
 @_kept_here
-def compile_native(assembly: Assembly, sampled: bool = False) -> Kernel | None:
+def compile_native(
+    assembly: Assembly, differentiated: bool = False, sampled: bool = False
+) -> Kernel | None:
     """Compile an assembly of the model, from scenes, tolerance and floor. None if its
     laws, which may be the user's own, do what has no machine code.
 
     Args:
-        sampled: whether it also gives a `History` at times asked for on the way.
-    """
-    return _compiled(assembly, 0, sampled)
-
-
-@_kept_here
-def compile_native_along(
-    assembly: Assembly, directions: int = 1, sampled: bool = False
-) -> Kernel | None:
-    """Compile an assembly of the model, from scenes, tolerance and floor, and
-    directions along which it is differentiated. None as for `compile_native`.
-
-    Args:
-        directions: how many. Inputs end with a row for each leaf of the scene, its
+        differentiated: whether it also gives derivatives along `MOST_DIRECTIONS`
+            directions. Inputs then end with a row for each leaf of the scene, its
             derivative along the direction, for each of them. They share steps, their
             control and branches, and all that the value needs. The code is the same
             whatever the leaves, so that it is compiled once. Results are a pair:
             numbers, and a tuple of their derivatives along the directions.
-        sampled: as for `compile_native`; then each direction has a row more, behind
-            its leaves, for the times asked for.
+        sampled: whether it also gives a `History` at times asked for on the way; then
+            each direction has a row more, behind its leaves, for these times.
 
     Of the state, course and constants of the problem are differentiated; widths of
     steps, and with them the time, are not.
     """
-    return _compiled(assembly, directions, sampled)
+    return _compiled(assembly, MOST_DIRECTIONS if differentiated else 0, sampled)
+
+
+@_kept_here
+def compile_along_one(assembly: Assembly) -> Kernel | None:
+    """As `compile_native`, with one direction; for the fits alone, until they
+    differentiate by JAX."""
+    return _compiled(assembly, 1, False)
 
 
 def _compiled(assembly: Assembly, directions: int, sampled: bool) -> Kernel:
@@ -183,70 +179,3 @@ def installed() -> tuple[dict[str, str], str]:
         if path.suffix in (".py", ".ll"):
             digest.update(path.read_bytes())
     return versions(), digest.hexdigest()
-
-
-def kernel_inputs(scene: Scene, accuracy: Accuracy) -> list[np.ndarray]:
-    """Make rows of inputs of the machine code, from a scene of arrays (lanes,)."""
-    setting = _setting(accuracy, len(scene.impact.speed))
-    return [*jax.tree.leaves(scene), *setting]
-
-
-def with_setting(leaves: np.ndarray, accuracy: Accuracy) -> np.ndarray:
-    """Return the inputs of the machine code as one array, from leaves of scenes
-    (leaves, lanes)."""
-    return np.concatenate([leaves, _setting(accuracy, leaves.shape[1])])
-
-
-def _setting(accuracy: Accuracy, lanes: int) -> np.ndarray:
-    """Tolerance and floor, shape (2, lanes)."""
-    setting = np.array([[accuracy.tolerance], [accuracy.floor]])
-    return np.broadcast_to(setting, (2, lanes))
-
-
-def along_leaves(inputs: np.ndarray, leaves) -> np.ndarray:
-    """Make rows of inputs of the code of `compile_native_along`.
-
-    Args:
-        inputs: inputs of the code without a direction, shape (rows, lanes).
-        leaves: leaf with respect to which each lane is differentiated, shape (lanes,),
-            or one for all.
-    """
-    rows, lanes = inputs.shape
-    directions = np.zeros((rows - 2, lanes))  # but tolerance and floor
-    directions[leaves, np.arange(lanes)] = 1.0
-    return np.concatenate([inputs, directions])
-
-
-def solve_rows(kernel: Kernel, inputs: np.ndarray):
-    """Compute inputs of shape (rows, lanes) by one core; results are in their order."""
-    names = np.arange(inputs.shape[1])
-    ended, results = kernel.workspace().run(names, inputs, wait=False)
-    ordered = np.empty_like(results)
-    ordered[:, ended] = results
-    return jax.tree.unflatten(kernel.structure, list(ordered))
-
-
-class NativeWorker:
-    """A worker that integrates parts of a batch, as it gets them, in machine code."""
-
-    engine = "machine code"
-    part = NATIVE_PART
-
-    def __init__(self, kernel: Kernel, scene: Scene, accuracy: Accuracy):
-        self.kernel = kernel
-        self.rows = kernel_inputs(scene, accuracy)
-
-    def run(
-        self, parts: Iterator[np.ndarray], stop: threading.Event
-    ) -> Iterator[tuple[np.ndarray, ImpactSummary]]:
-        """Return the results of the parts, in the order in which lanes come to their
-        ends."""
-        workspace, nothing = self.kernel.workspace(), np.zeros(0, int)
-        more = True
-        while more and not stop.is_set():
-            places = next(parts, nothing)
-            more = len(places) > 0
-            inputs = np.stack([row[places] for row in self.rows])
-            ended, results = workspace.run(places, inputs, wait=more)
-            if len(ended):
-                yield ended, jax.tree.unflatten(self.kernel.structure, list(results))

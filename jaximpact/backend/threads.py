@@ -58,12 +58,12 @@ def usable_cores() -> int:
     return max(1, cores if granted > cores else int(granted))
 
 
-def _granted(groups: Path, own: Path) -> float:
+def _granted(groups: Path, membership: Path) -> float:
     """Return the cores granted by the control groups of this process, and by those that
     they are in; infinite without a limit."""
     least = float("inf")
     try:
-        lines = own.read_text("utf-8").splitlines()
+        lines = membership.read_text("utf-8").splitlines()
     except OSError:
         return least
     for line in lines:

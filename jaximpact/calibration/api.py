@@ -32,10 +32,15 @@ from .prediction import PredictedTests, predict_tests
 from .problem.config import CompareTable, Study, read_study
 from .problem.dataset import joined_tables
 from .problem.laws import scene_of
-from .report.contents import contents_of
-from .report.files import as_json, study_directory, write_all
-from .report.prediction import prediction_contents, write_prediction
-from .report.render import render
+from .report.contents import summary
+from .report.files import (
+    as_json,
+    parameter_entries,
+    study_directory,
+    write_all,
+)
+from .report.parameters import parameter_table
+from .report.prediction import prediction_report, write_prediction
 from .study import fit_study
 
 if TYPE_CHECKING:
@@ -60,15 +65,11 @@ class Calibration:
         self.result, self.examined, self.others = result, examined, others
 
     def __repr__(self) -> str:
-        study, contents = self.result.study, self._contents()
+        study = self.result.study
         lines = [f"<Calibration: {len(study.tests)} tests of {study.title}"]
-        for variant in contents["variants"]:
-            lines += [f"{variant['name']}:"] if contents["several"] else []
-            _, *rows = variant["parameters_short"]
-            for name, unit, value, error, interval, _ in rows:
-                unit = "" if unit == "-" else f" {unit}"
-                error = error if error[0] == "n" else f"standard error {error}"
-                lines.append(f"  {name} = {value}{unit}, {error}, 95 %: {interval}")
+        for variant in self.result.variants:
+            lines += [f"{variant.variant.name}:"] if len(self.variants) > 1 else []
+            lines.append(parameter_table(variant, short=True).text())
         return "\n".join(lines) + ">"
 
     @numpy_settings()
@@ -76,15 +77,12 @@ class Calibration:
         return self.summary()
 
     def _repr_html_(self) -> str:
-        return render("summary", "html", self._contents())
+        return summary(self.result, self.examined).html()
 
     def summary(self) -> str:
         """Summarise the fit: values with standard errors or why they are not
         identifiable, correlations, errors, verdict and warnings."""
-        return render("summary", "txt", self._contents())
-
-    def _contents(self) -> dict:
-        return contents_of(self.result, self.examined)
+        return summary(self.result, self.examined).text()
 
     @property
     def variants(self) -> tuple[str, ...]:
@@ -138,8 +136,7 @@ class Calibration:
     @numpy_settings()
     def parameters_of(self, variant: str | None = None) -> dict[str, dict]:
         """Return the parameters of a variant."""
-        index = self.result.variants.index(self._chosen(variant))
-        return self.as_json()["variants"][index]["parameters"]
+        return parameter_entries(self._chosen(variant))
 
     @numpy_settings()
     def as_json(self) -> dict:
@@ -148,15 +145,15 @@ class Calibration:
 
     @numpy_settings()
     def plot(self, path: str | os.PathLike | None = None) -> "Figure":
-        """Draw the fit of every target, and the costs of the starts.
+        """Draw the fit of every target.
 
         Args:
             path: file to save the figure in too; replaced once the new one is whole.
         """
         from ..plotting.style import save_figure
-        from .report.overview import plot_study
+        from .report.drawings import draw_study
 
-        return save_figure(plot_study(self.result), path)
+        return save_figure(draw_study(self.result), path)
 
     @numpy_settings()
     def write(self, out: str | os.PathLike) -> None:
@@ -187,10 +184,10 @@ class Prediction(PredictedTests):
 
     @numpy_settings()
     def __str__(self) -> str:
-        return render("prediction", "txt", prediction_contents(self))
+        return prediction_report(self).text()
 
     def _repr_html_(self) -> str:
-        return render("prediction", "html", prediction_contents(self))
+        return prediction_report(self).html()
 
     @numpy_settings()
     def write(self, path: str | os.PathLike) -> None:

@@ -12,11 +12,13 @@ import numpy as np
 from .._checks import expect
 from .._numpy_settings import numpy_settings
 from .._precision import require_float64
-from ..io.display import align
 from ..io.files import write_text
 from ..io.output_files import output_directory, together
 from ..parameters import Part
 from ..progress import Progress, ProgressFunction
+from ..reports.document import Document
+from ..reports.json_tree import json_text
+from ..reports.tables import Table
 from ..scene import Block, Soil
 from .arguments import study_of_arguments, table_given
 from .comparison.comparison import Compared, ScoredLaw, compare_study
@@ -28,13 +30,12 @@ from .problem.dataset import Measurements, joined_tables
 from .problem.laws import scene_of
 from .problem.nuisance import entries_of, open_nuisances
 from .report.comparison import (
-    comparison_contents,
     comparison_csv,
     comparison_json,
+    comparison_parts,
+    comparison_picture,
     verdict,
 )
-from .report.files import in_lines
-from .report.render import render
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -62,7 +63,7 @@ class StackedPrediction(NamedTuple):
     high: np.ndarray
 
     def __str__(self) -> str:
-        rows = [("test", *self.targets)]
+        rows = []
         for test in range(len(self.tests)):
             cells = (
                 f"{self.middle[test, target]:.3g} ({self.low[test, target]:.3g} to "
@@ -70,7 +71,8 @@ class StackedPrediction(NamedTuple):
                 for target in range(len(self.targets))
             )
             rows.append((self.tests.name(test), *cells))
-        return f"Stacked prediction: median (95 %)\n{align(rows)}\n"
+        table = Table(("test", *self.targets), rows)
+        return f"Stacked prediction: median (95 %)\n{table.text()}\n"
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Make a table with one row for each test and target: `predicted`, `low_95` and
@@ -149,13 +151,10 @@ class Comparison:
 
     @numpy_settings()
     def __str__(self) -> str:
-        return render("comparison", "txt", self._contents())
+        return Document("", comparison_parts(self.compared), []).text()
 
     def _repr_html_(self) -> str:
-        return render("comparison", "html", self._contents())
-
-    def _contents(self) -> dict:
-        return {"comparison": comparison_contents(self.compared)}
+        return Document("", comparison_parts(self.compared), []).html()
 
     @property
     def laws(self) -> tuple[str, ...]:
@@ -222,7 +221,7 @@ class Comparison:
             path: file to save the figure in too; replaced once the new one is whole.
         """
         from ..plotting.style import save_figure
-        from .report.overview import draw_comparison
+        from .report.drawings import draw_comparison
 
         figure = draw_comparison(self.compared)
         return save_figure(figure, None if path is None else Path(path))
@@ -247,16 +246,15 @@ class Comparison:
 
         Raises InputError for a directory that cannot be used.
         """
-        from .report.overview import comparison_picture
-
         inputs = self.compared.study.inputs
         directory = output_directory(Path(out), "compare", FILES, inputs=inputs)
         with directory as listed, together(listed) as new:
-            contents = self._contents()
-            contents |= {"pictures": [comparison_picture(self.compared)]}
-            write_text(new(FILES[0]), render("comparison_page", "html", contents))
+            parts = comparison_parts(self.compared)
+            picture = comparison_picture(self.compared)
+            page = Document("Laws compared", [*parts, picture], []).page()
+            write_text(new(FILES[0]), page)
             write_text(new(FILES[1]), comparison_csv(self.compared))
-            write_text(new(FILES[2]), in_lines(comparison_json(self.compared)) + "\n")
+            write_text(new(FILES[2]), json_text(comparison_json(self.compared)))
 
 
 @numpy_settings()

@@ -21,6 +21,8 @@ from .problem.noise import ProportionalScatter
 from .problem.nuisance import Prior
 
 FILE = "fit.json"
+FORMAT = 2
+"""Version of the tree in it; other ones are refused."""
 FILES = ("report.html", FILE, "fitted.csv")
 """Files that every calibration writes."""
 
@@ -37,8 +39,8 @@ class FittedVariant(NamedTuple):
     """Draws in the units of the columns, shape (draws, unknowns)."""
     weights: np.ndarray
     """Weights of the draws; their sum is 1."""
-    undetermined: tuple[str, ...]
-    """Parameters that are not identifiable."""
+    undetermined: dict[str, str]
+    """Reasons why parameters are not identifiable, by name."""
     allowed: dict[str, tuple[float | None, float | None]]
     """95 % profile-likelihood interval of each parameter; None for a bound."""
     sigma: dict[str, float]
@@ -115,9 +117,13 @@ def read_fitted(path: Path) -> FittedGround:
             f"must be the {FILE} of a calibration, or its directory, but is no JSON",
             file=path,
         ) from error
+    if not isinstance(tree, dict) or tree.get("format") != FORMAT:
+        raise InputError(
+            f"is no {FILE} of a calibration of this version; calibrate again", file=path
+        )
     try:
         parts, *laws = (
-            parts_of_entries(entry.get("parts", {}), path)
+            parts_of_entries(entry["parts"], path)
             for entry in (tree["manifest"], *tree["variants"])
         )
         return fitted_of(tree, parts, laws)
@@ -150,7 +156,7 @@ def fitted_of(
         parameters=tuple(
             Parameter(
                 *(name, entry["start"], entry["lower"], entry["upper"]),
-                Prior(**entry["prior"]) if "prior" in entry else None,
+                Prior(**entry["prior"]) if entry["prior"] else None,
             )
             for name, entry in manifest["parameters"].items()
         ),
@@ -163,33 +169,37 @@ def fitted_of(
         results=tree["fitted_tests"]["results"],
         versions=manifest["versions"],
         parts=parts,
-        block=manifest.get("block", {}),
-        shapes=tuple(tree["fitted_tests"].get("shapes", ())),
+        block=manifest["block"],
+        shapes=tuple(tree["fitted_tests"]["shapes"]),
         tied=tuple(
             Tied(name, entry["expression"], entry["constants"])
-            for name, entry in manifest.get("tied", {}).items()
+            for name, entry in manifest["tied"].items()
         ),
         simple=tuple(
             law_of_json(entry)
-            for entry in tree.get("simple_laws", ())
+            for entry in tree["simple_laws"]
             if entry["law"] in SIMPLE_LAWS
         ),
-        compared=tuple(tree.get("comparison", {}).get("verdict", ())),
+        compared=tuple((tree["comparison"] or {"verdict": ()})["verdict"]),
     )
 
 
 def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
     draws = entry["draws"]
     best = entry["parameters"] | entry["nuisances"]
+    if np.shape(draws["values"])[1:] != (len(entry["unknowns"]),):
+        raise ValueError("draws are not of the unknowns")
     return FittedVariant(
         variant=Variant(entry["name"], entry["soil"], laws),
         unknowns=tuple(entry["unknowns"]),
         best=np.array([best[name]["value"] for name in entry["unknowns"]]),
         draws=np.array(draws["values"]),
         weights=np.array(draws["weights"]) / np.sum(draws["weights"]),
-        undetermined=tuple(
-            name for name, one in entry["parameters"].items() if not one["determined"]
-        ),
+        undetermined={
+            name: one["reason"] or "no reason is given"
+            for name, one in entry["parameters"].items()
+            if not one["determined"]
+        },
         allowed={
             name: (one["low_95"], one["high_95"])
             for name, one in entry["profiles"].items()
@@ -201,7 +211,7 @@ def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
             if "part_of_size" in one
         },
         estimated={name: not given for name, given in tree["sigma_given"].items()},
-        inflation=entry["inflation"],
+        inflation=entry["uncertainty"]["inflation"],
         freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},
         accuracy=Accuracy(**draws["accuracy"]),
     )

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 
 from .._packages import version_of
 from ..errors import IncompleteError, InputError, UnusualValueWarning
-from ..finding import told, users_line
+from ..finding import describe_error, users_line
 from ..interruption import is_interrupt
 from . import calibrate, impacts, runout, sweep, tabulate
 from .progress import forget, say
@@ -110,7 +110,7 @@ def _run(
         file, row = users_line(error)
         if is_interrupt(error) or not (file or isinstance(error, SystemExit)):
             raise
-        raise InputError(told(error), file=file, row=row) from error
+        raise InputError(describe_error(error), file=file, row=row) from error
     sys.stdout.flush()
 
 

@@ -171,7 +171,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Fit to impacts, or to a slope."""
     from ..calibration.api import fit_and_examine
     from ..calibration.problem.config import SlopeStudyError, read_study
-    from ..calibration.report.files import as_text
+    from ..calibration.report.study_report import study_report
 
     try:
         study = read_study(arguments.study)
@@ -192,7 +192,7 @@ def run(arguments: argparse.Namespace) -> None:
             compare=arguments.compare,
             progress=progress,
         )
-    print(as_text(result, examined, others), end="")
+    print(study_report(result, examined, others.compared).text(), end="")
     seconds = time.monotonic() - begin
     say(f"{result.seconds:.0f} s for the fits, {seconds:.0f} s in all")
     say(f"the report is {arguments.out / 'report.html'}")
@@ -200,7 +200,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _run_slope(arguments: argparse.Namespace) -> None:
     from ..runout import calibrate_slope
-    from ..runout.back_analysis.report import in_words
+    from ..runout.back_analysis.report import report
 
     if arguments.posterior:
         raise InputError(
@@ -217,7 +217,7 @@ def _run_slope(arguments: argparse.Namespace) -> None:
         found = calibrate_slope(
             arguments.study, arguments.out, executor=executor, progress=progress
         )
-    print(in_words(found), end="")
+    print(report(found).text(), end="")
     say(f"{time.monotonic() - begin:.0f} s in all")
     say(f"the report is {arguments.out / 'report.html'}")
 

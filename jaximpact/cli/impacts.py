@@ -97,14 +97,6 @@ def _add_batch(commands) -> None:
     )
     options.add_accuracy(parser, otherwise=f"the base's, else {DEFAULT_ACCURACY}")
     parser.add_argument(
-        "--model-tolerance",
-        type=_tolerance,
-        default=0.0,
-        metavar="ERROR",
-        help="take cheaper models where they were measured to be within this error of "
-        "e_n and e_bar (default: 0, only where they are exact)",
-    )
-    parser.add_argument(
         "--timing",
         action="store_true",
         help="print seconds of compilation and of running, and impacts per second",
@@ -201,13 +193,6 @@ def _columns() -> str:
     return f"{inputs}\n\n{options.label_help()}\n\n{options.result_help()}"
 
 
-def _tolerance(text: str) -> float:
-    value = float(text)
-    if not 0.0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"must be at least 0, but is {text}")
-    return value
-
-
 def run_batch(arguments: argparse.Namespace) -> None:
     """Compute the table."""
     from .._packages import needed
@@ -239,13 +224,12 @@ def run_batch(arguments: argparse.Namespace) -> None:
             result = simulate_batch(
                 table.scene(),
                 accuracy=accuracy or DEFAULT_ACCURACY,
-                model_tolerance=arguments.model_tolerance,
                 journal=journal,
                 progress=progress,
                 timing=timing,
                 executor=executor,
             )
-        write_results(out, table, result, result.accuracy, result.model_tolerance)
+        write_results(out, table, result, result.accuracy)
     if arguments.timing:
         rate = timing["impacts"] / timing["run_s"]
         say(

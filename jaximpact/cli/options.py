@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..accuracy import PRESETS
-from ..io.output_files import LIST
 
 if TYPE_CHECKING:
     from ..quantities import InputColumn
@@ -65,8 +64,8 @@ def add_directory(
         type=Path,
         required=required,
         metavar="DIR",
-        help=f"directory for {holds}; made if need be. Its {LIST} lists what was "
-        "written: a later run replaces or removes these files and touches no others",
+        help=f"directory for {holds}: a new one, or that of an earlier run of the same "
+        "study",
     )
 
 

@@ -104,7 +104,7 @@ first passage, with intervals of 95 %.
 [profile] may have origin = [easting, northing] of x = 0, azimuth_deg, the direction of
 x from north clockwise, and crs = "EPSG:2056" or another in metres: then trajectories,
 stops, collectors and barriers are written for maps, as GeoJSON (longitude and latitude)
-and GeoPackage. It takes the package pyproj: pip install 'jaximpact[maps]'.
+and GeoPackage. That takes further packages: pip install 'jaximpact[maps]'.
 
 Further keys, before all tables:
   title          free text
@@ -185,7 +185,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     studies = read_slope_studies(arguments.study, arguments.accuracy)
     several = len(studies) > 1
-    folders = [Path(study.law_directory if several else "") for study in studies]
+    folders = [Path(study.law.directory if several else "") for study in studies]
     names = [
         (f / name).as_posix()
         for f in folders
@@ -194,15 +194,14 @@ def run(arguments: argparse.Namespace) -> None:
     if several:
         names += output.names_of_files(studies[0], comparison=True)
     datasets, journals = {}, []
-    directory = output_directory(
-        arguments.out, "runout", names, inputs=studies[0].inputs
-    )
+    files = dict.fromkeys(file for study in studies for file in study.inputs.files)
+    directory = output_directory(arguments.out, "runout", names, inputs=list(files))
     with resumable(), directory as new, options.engine_of(arguments) as executor:
         for study, folder in zip(studies, folders, strict=True):
             make_directory(arguments.out / folder, option="--out")
             journals.append(arguments.out / folder / "blocks.journal")
             if several:
-                say(f"contacts by {study.law_name}")
+                say(f"contacts by {study.law.name}")
             with ProgressLines() as progress:
                 dataset = run_slope_study(
                     study,
@@ -210,17 +209,17 @@ def run(arguments: argparse.Namespace) -> None:
                     progress=partial(progress, "blocks"),
                     executor=executor,
                 )
-            datasets[study.law_name] = dataset
+            datasets[study.law.name] = dataset
         with together(new) as add:
             for study, folder in zip(studies, folders, strict=True):
-                output.write_slope_study(
+                report = output.write_slope_study(
                     study,
-                    datasets[study.law_name],
+                    datasets[study.law.name],
                     lambda name, folder=folder: add((folder / name).as_posix()),
                 )
             if several:
-                output.write_comparison(studies[0], datasets, add)
+                report = output.write_comparison(studies[0], datasets, add)
         for journal in journals:
             journal.unlink()
-    print(output.compare_in_words(datasets) if several else output.in_words(dataset))
+    print(report.text(), end="")
     say(f"tables and drawings written to {arguments.out}")

@@ -107,13 +107,13 @@ class History(NamedTuple):
         return html_table("History", self._rows())
 
     def _rows(self) -> list[Row]:
-        given = {
+        of_samples = {
             name: each for name, each in self._asdict().items() if each is not None
         }
         units = {name: unit or "-" for name, (unit, _) in SERIES.items()}
         return [
             (name, with_unit(each, units[name]), SERIES[name][1])
-            for name, each in given.items()
+            for name, each in of_samples.items()
         ]
 
     def to_xarray(self, dims: Sequence[str] | None = None) -> "xr.Dataset":

@@ -110,8 +110,8 @@ def solver_step(
     args = problem, branch, stalled, width, unit
     start, end, scaled = jnp.zeros(()), jnp.ones(()), vector / unit
     state = solver.init(terms, start, end, scaled, args)
-    taken: Any = solver.step(terms, start, end, scaled, args, state, made_jump=False)
-    scaled_after, error, dense, _, outcome = taken
+    result: Any = solver.step(terms, start, end, scaled, args, state, made_jump=False)
+    scaled_after, error, dense, _, outcome = result
     after = unit * scaled_after
     error = jnp.where(diffrax.is_okay(outcome), unit * error, jnp.inf)
     if solver.interpolation_cls is diffrax.LocalLinearInterpolation:

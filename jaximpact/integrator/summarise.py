@@ -211,7 +211,7 @@ def _course(
     """Compute the largest values and their times, and where and when the contact ended,
     by the names of the results; zeros where there was none."""
     peaks, times = end.fold.peaks._asdict(), end.fold.peak_times._asdict()
-    found = {
+    numbers = {
         **{f"max_{name}": peak for name, peak in peaks.items()},
         **{f"time_of_max_{name}": time for name, time in times.items()},
         "final_penetration": final.penetration,
@@ -219,7 +219,7 @@ def _course(
         "duration": end.time,
         "rotation": final.rotation,
     }
-    return _nothing_if(separating, found)
+    return _nothing_if(separating, numbers)
 
 
 def _nothing_if(separating: Scalar, values: dict[str, Scalar]) -> dict[str, Scalar]:

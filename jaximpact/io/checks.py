@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 from .._checks import expect, real_numbers
 from .._jax_internals import Tracer, broadcast_shapes
 from ..errors import InputError, UnusualValueWarning, nearest
-from ..identity import clear_when_edited, heed_edits, is_ours, tracing
-from ..laws.check import check_law
+from ..identity import heed_edits, is_ours
 from ..parameters import parts_of
+from ..part_checks import check_part
 from ..quantities import (
     INPUT_COLUMNS,
     RESULT_COLUMNS,
@@ -27,7 +27,6 @@ from ..quantities import (
     why_unknown,
 )
 from ..scene import Block, Impact, Scene, Soil
-from ..shapes.check import check_shape
 
 Chosen = TypeVar("Chosen")
 KINDS = {"block": Block, "soil": Soil, "impact": Impact}
@@ -81,8 +80,9 @@ def check_scene(
         expect(part, getattr(scene, part), kind)
     heed_edits(jax.tree.structure(scene))
     if laws:
-        check_laws(jax.tree.structure(scene.soil))
-    check_shape(scene.block.shape)
+        for slot in parts_of(Soil):
+            check_part(slot, getattr(scene.soil, slot))
+    check_part("shape", scene.block.shape)
     for column in columns_of(scene).values():
         value = getattr(getattr(scene, column.part), column.field)
         name = f"{KINDS[column.part].__name__}.{column.field}"
@@ -177,27 +177,6 @@ def check_times(
     return times, shape
 
 
-@functools.lru_cache(maxsize=256)
-@tracing()
-def check_laws(structure: Any) -> None:
-    """Raise InputError, naming the law, what it does and the cure, for a law of a
-    user's that the model cannot use.
-
-    Args:
-        structure: of a soil.
-    """
-    soil = jax.tree.unflatten(structure, list(range(structure.num_leaves)))
-    for slot in parts_of(Soil):
-        law = getattr(soil, slot)
-        if not is_ours(type(law)):
-            # The first call may stand inside of a `jax.jit`.
-            with jax.ensure_compile_time_eval():
-                check_law(slot, law)
-
-
-clear_when_edited(check_laws.cache_clear)
-
-
 def _check_field(
     name: str, column: InputColumn, value: ArrayLike, *, warn: bool, of: str
 ) -> None:
@@ -214,7 +193,7 @@ def _check_field(
         index, more = int(np.argmax(bad)), np.count_nonzero(bad) - 1
         where = f" ({of} {index}" + (f" and {more} more)" if more else ")")
         first = float(np.ravel(values)[index])
-        return column.told(first, column.si_unit, where if values.ndim else "")
+        return column.describe(first, column.si_unit, where if values.ndim else "")
 
     if not (column.holds(low) and column.holds(high)):
         bad = ~column.is_allowed(values / column.factor)

@@ -129,7 +129,6 @@ def dataset_of_impacts(
     summary: ImpactSummary,
     scene: Scene,
     accuracy: Accuracy,
-    model_tolerance: float,
     dims: Sequence[str] | None = None,
 ) -> xr.Dataset:
     """Make the dataset that `ImpactResult.to_xarray` gives."""
@@ -161,7 +160,6 @@ def dataset_of_impacts(
     return dataset_of(
         summary,
         accuracy,
-        model_tolerance,
         dimensions,
         shape,
         coordinates,
@@ -174,7 +172,6 @@ def dataset_of_impacts(
 def dataset_of(
     summary: ImpactSummary,
     accuracy: Accuracy,
-    model_tolerance: float,
     dimensions: Sequence[str],
     shape: tuple[int, ...],
     coordinates: Mapping,
@@ -186,7 +183,7 @@ def dataset_of(
 
     Args:
         summary: one impact, or as many as `shape` holds.
-        accuracy, model_tolerance: used for them.
+        accuracy: used for them.
         dimensions: their names. shape: their lengths.
         coordinates: as `xr.Dataset` takes them.
         base: laws and shape. values: its quantities, as `scene_values` gives them.
@@ -205,7 +202,7 @@ def dataset_of(
         {"long_name": OUTCOME_MEANING},
     )
     attributes = {
-        **impact_attributes(base, accuracy, model_tolerance, values),
+        **impact_attributes(base, accuracy, values),
         OUTCOMES: json.dumps(count_outcomes(summary)),
         **shapes_attribute(kinds),
     }
@@ -213,10 +210,10 @@ def dataset_of(
 
 
 def impact_attributes(
-    base: Scene, accuracy: Accuracy, model_tolerance: float, values: Mapping
+    base: Scene, accuracy: Accuracy, values: Mapping
 ) -> dict[str, Any]:
     """Title and provenance of a dataset of impacts."""
-    told = provenance(base, accuracy, values, model_tolerance=model_tolerance)
+    told = provenance(base, accuracy, values)
     return {"title": "jaximpact: impacts of rock blocks on deformable ground", **told}
 
 

@@ -1,8 +1,7 @@
-"""Outputs of commands: files named one by one, and directories whose files are known.
+"""Outputs of commands: files named one by one, and directories of a study.
 
-`jaximpact-files.json` in a directory names the command and each file that it wrote,
-with the file's SHA-256, or null while a run is still writing. Nothing is replaced or
-removed that a run before did not write.
+`jaximpact-study.json` in a directory says whose results it has. A directory is used if
+it is new, or if it has the results of the same study.
 """
 
 import contextlib
@@ -10,7 +9,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from pathlib import Path, PurePosixPath, PureWindowsPath
+from pathlib import Path
 
 from ..errors import IncompleteError, InputError, shown
 from .files import (
@@ -21,11 +20,10 @@ from .files import (
     read_input,
     refuse_inputs,
     replacing,
-    same_file,
     write_text,
 )
 
-LIST = "jaximpact-files.json"
+MARK = "jaximpact-study.json"
 MANIFEST = ".manifest.json"
 JOURNAL = ".journal"
 BESIDE = "the file beside it"
@@ -35,43 +33,6 @@ NewFile = Callable[[str], Path]
 """Function from the name of a file in a directory to the path to write it to."""
 
 
-class FileList:
-    """The list of a directory's files; empty where there is none.
-
-    Raises InputError for a file of that name that is no list.
-    """
-
-    def __init__(self, directory: Path):
-        self.path = directory / LIST
-        self.command: str | None = None
-        self.study: dict | None = None
-        self.files: dict[str, str | None] = {}
-        if not os.path.lexists(self.path):
-            return
-        try:
-            tree = json.loads(read_input(self.path))
-            self.command, self.study = str(tree["command"]), tree["study"]
-            self.files = {str(name): digest for name, digest in tree["files"].items()}
-        except (ValueError, LookupError, TypeError, AttributeError):
-            self.command = ""
-        outside = (
-            path.anchor or ".." in path.parts
-            for name in self.files
-            for path in (PurePosixPath(name), PureWindowsPath(name))
-        )
-        if not self.command or any(outside):
-            raise InputError(
-                "is no list of files that jaximpact wrote; move it, or choose another "
-                "directory",
-                file=self.path,
-            )
-
-    def write(self) -> None:
-        files = dict(sorted(self.files.items()))
-        tree = {"command": self.command, "study": self.study, "files": files}
-        write_text(self.path, json.dumps(tree, indent=1) + "\n")
-
-
 @contextlib.contextmanager
 def output_directory(
     path: Path,
@@ -79,40 +40,37 @@ def output_directory(
     names: Iterable[str],
     *,
     inputs: Iterable[Path] = (),
-    study: dict | None = None,
+    study: Mapping | None = None,
 ) -> Iterator[NewFile]:
-    """Write the files of a command into a directory, which is made if need be.
+    """Write the files of a study into a directory, which is made if need be.
 
-    Yields a function that is called, with its name, for every file written. Before
-    the first one, whatever the same command left there for another study is removed:
-    the files that are on the list and not among `names`, unless they were changed.
-    Files that are not on the list are neither replaced nor removed.
+    Yields a function that is called, with its name, for every file written.
 
     Args:
-        names: files that will be written, checked before the block runs; others may
-            follow.
+        names: files that will be written.
         inputs: files that the run reads.
-        study: what files of earlier runs must agree in to stay; None: none stays.
+        study: what the same study agrees in, ready for JSON; the contents of its inputs
+            if not given.
 
-    Raises InputError for a directory that cannot be made or belongs to another command,
-    for files in the way and for inputs that would be overwritten or removed;
-    BlockingIOError while another process writes there.
+    Raises InputError for a directory that cannot be made, that has other files or the
+    results of another study, and for inputs that would be overwritten; BlockingIOError
+    while another process writes there.
     """
-    path, names, inputs = Path(path), [*names], [*inputs]
+    path, inputs = Path(path), [*inputs]
+    files = [path / name for name in names]
     make_directory(path, option="--out")
-    check_writable(path / LIST, option="--out")
+    check_writable(path / MARK, option="--out")
     with locked(path):
-        run = _Run(path, command, names, study)
-        for name in {*run.list.files, *names}:
-            if (read := same_file(path / name, inputs)) is not None:
-                raise InputError(
-                    f"--out {path} would replace or remove {read}, which is read; "
-                    "choose another directory"
-                )
-        for name in names:
-            run.check(name)
-        yield run.new
-        run.finish()
+        refuse_inputs((("--out", file) for file in files), inputs)
+        mark = {"command": command, "study": study or _contents(inputs)}
+        is_new = _is_new(path, mark)
+        for file in files:
+            make_directory(file.parent, option="--out")
+            if os.path.lexists(file) and not file.is_file():
+                raise InputError(f"--out needs a file {file}, but it is something else")
+        if is_new:
+            write_text(path / MARK, json.dumps(mark, indent=1) + "\n")
+        yield lambda name: path / name
 
 
 @contextlib.contextmanager
@@ -133,84 +91,49 @@ def together(new: NewFile) -> Iterator[NewFile]:
         ) from error
 
 
-class _Run:
-    """A run that writes into a directory."""
-
-    def __init__(self, path: Path, command: str, names: list[str], study: dict | None):
-        self.path, self.command, self.names = path, command, names
-        # As it comes back from the file.
-        self.study = json.loads(json.dumps(study))
-        self.list = FileList(path)
-        self.written: set[str] = set()
-        if self.list.command not in (None, command):
-            raise InputError(
-                f"--out {path} holds results of jaximpact {self.list.command}; choose "
-                "another directory"
-            )
-
-    def check(self, name: str) -> None:
-        """Raise InputError if something else is in the way of a file."""
-        target = self.path / name
-        folder = target.parent
-        if os.path.lexists(folder) and not folder.is_dir():
-            raise InputError(f"--out needs a directory {folder}, but it is a file")
-        listed = name in self.list.files
-        # What a link points to is not what was written, unless the content says so.
-        ours = listed and (not target.is_symlink() or self._is_unchanged(name))
-        if os.path.lexists(target) and not (ours and target.is_file()):
-            raise InputError(
-                f"--out {self.path} holds {name}, which is not known to be from "
-                f"jaximpact {self.command}; move it, or choose another directory"
-            )
-
-    def new(self, name: str) -> Path:
-        """Return the path of a file to be written."""
-        if not self.written:
-            self._renew(self.names)
-        if name not in self.written:
-            self.check(name)
-            make_directory((self.path / name).parent, option="--out")
-            self.written.add(name)
-            # Listed beforehand: a run that is killed here knows the file again.
-            self.list.files[name] = None
-            self.list.write()
-        return self.path / name
-
-    def finish(self) -> None:
-        """List the files as they were written."""
-        if not self.written:
-            return
-        self._renew(self.written)
-        for name in self.written:
-            self.list.files[name] = _digest(self.path / name)
-        self.list.write()
-
-    def _renew(self, new: Iterable[str]) -> None:
-        """Remove what belongs to another study and is not new, and make the list this
-        one's."""
-        stays = self.study is not None and self.list.study == self.study
-        for name in [] if stays else [*self.list.files]:
-            if name in new:
-                continue
-            if self._is_unchanged(name):
-                (self.path / name).unlink(missing_ok=True)
-                for folder in [*PurePosixPath(name).parents][:-1]:
-                    with contextlib.suppress(OSError):  # of a folder that holds more
-                        (self.path / folder).rmdir()
-            del self.list.files[name]
-        self.list.command, self.list.study = self.command, self.study
-
-    def _is_unchanged(self, name: str) -> bool:
-        digest, path = self.list.files[name], self.path / name
-        if not path.is_file():
-            return False
-        # One of a run that was cut short is known by its name alone.
-        return (digest is None and not path.is_symlink()) or digest == _digest(path)
+def _is_new(directory: Path, mark: dict) -> bool:
+    """Tell whether a directory has no files yet. Raises InputError for one that has
+    other files than the results of the study with this mark."""
+    theirs = _mark_of(directory)
+    names = [name for name in os.listdir(directory) if not name.startswith(".")]
+    others = {*names} - {MARK}
+    # A run that failed may have left nothing but its mark.
+    if not others:
+        return True
+    if theirs is None:
+        raise InputError(
+            f"--out {directory} has {min(others)}, and no results of jaximpact "
+            f"{mark['command']}; choose a new directory"
+        )
+    # As it comes back from a file.
+    if theirs != json.loads(json.dumps(mark)):
+        raise InputError(
+            f"--out {directory} has results of jaximpact {theirs['command']} for "
+            "another study; choose another directory, or remove this one"
+        )
+    return False
 
 
-def _digest(path: Path) -> str:
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+def _mark_of(directory: Path) -> dict | None:
+    """Read the mark of a directory; None where there is none. Raises InputError for a
+    file of that name that is none."""
+    path = directory / MARK
+    if not os.path.lexists(path):
+        return None
+    with contextlib.suppress(ValueError):
+        mark = json.loads(read_input(path))
+        if isinstance(mark, dict) and mark.keys() == {"command", "study"}:
+            return mark
+    raise InputError(
+        "is in the place of what jaximpact writes; move it, or choose another name",
+        file=path,
+    )
+
+
+def _contents(inputs: Iterable[Path]) -> dict[str, str]:
+    """Return the SHA-256 of input files by their names; a pipe is empty by now."""
+    files = [path for path in inputs if path.is_file()]
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
 def manifest_path(path: Path) -> Path:
@@ -285,19 +208,18 @@ def output_files(
 
 
 def _check_unowned(option: str, path: Path) -> None:
-    for suffix in (MANIFEST, JOURNAL, LIST):
+    for suffix in (MANIFEST, JOURNAL, MARK):
         if path.name.endswith(suffix):
             raise InputError(
                 f"{option} must not end in {suffix}, as what belongs to other results "
                 f"does, but is {path}"
             )
     target = Path(os.path.realpath(path))
-    for directory in target.parents[:2]:
-        listed = FileList(directory)
-        if target.relative_to(directory).as_posix() in listed.files:
+    for directory in target.parents[:2] if target.exists() else ():
+        if (mark := _mark_of(directory)) is not None:
             raise InputError(
-                f"{option} {path} would overwrite a file of jaximpact "
-                f"{listed.command}; choose another name"
+                f"{option} {path} is among the results of jaximpact "
+                f"{mark['command']}; choose another name"
             )
 
 

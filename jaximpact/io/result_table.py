@@ -47,7 +47,6 @@ def write_results(
     table: Table,
     summary: ImpactSummary,
     accuracy: Accuracy,
-    model_tolerance: float,
 ) -> None:
     """Write the table with its results, and the manifest beside it.
 
@@ -69,7 +68,6 @@ def write_results(
         "base": {k: v for k, v in base.items() if not isinstance(v, list)},
         "laws": part_names(table.base.soil, table.base.block),
         "accuracy": dataclasses.asdict(accuracy),
-        "model_tolerance": model_tolerance,
         "outcomes": count_outcomes(summary),
         "versions": versions(),
     }

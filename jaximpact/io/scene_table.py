@@ -6,14 +6,13 @@ the one to blame.
 
 import csv
 import dataclasses
-import functools
 import hashlib
 import io
 import itertools
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple, TextIO
+from typing import NamedTuple
 
 import numpy as np
 
@@ -142,36 +141,38 @@ def table_of(
         path: what errors call it.
     """
     check_text(path, data)
-    records = _records_of_data(path, data)
+    records = records_of(path, data)
     first = next(records, None)
     if first is None:
         raise InputError("is empty; a header and rows are needed", file=path)
     header_line, header, cells = first
     names = [cell.strip() for cell in cells]
-    _check_separators(path, header_line, names)
     base = Scene() if base is None else base
     if any(name in SLOTS for name in names):
         base = _with_named_parts(path, data, names, base)
     columns = columns_of(base)
     _check_header(path, header_line, names, columns, measured)
-    readers = _readers(names, columns, base)
     labels = {name: [] for name in names if name in LABEL_COLUMNS and measured}
-    parts: dict[str, list[np.ndarray]] = {name: [] for name in readers}
     signs = {name: [] for name in names if name in TARGET_COLUMNS}
+    texts_only = {*LABEL_COLUMNS, *SLOTS, OUTCOME_COLUMN}
+    parts: dict[str, list[np.ndarray]]
+    parts = {name: [] for name in names if name not in texts_only}
     rows: list[str] = []
     starts: list[np.ndarray] = []
     while piece := list(itertools.islice(records, SLICE_ROWS)):
         lines, texts, cells_of_rows = zip(*piece, strict=True)
         _check_lengths(path, lines, cells_of_rows, len(names))
         for name, column in zip(names, zip(*cells_of_rows, strict=True), strict=True):
+            cells = _Cells(path, name, lines, column, len(rows))
             if name in labels:
                 labels[name] += [cell.strip() for cell in column]
-            elif name in readers:
-                cells = _Cells(path, name, lines, column, len(rows))
+            elif name in columns:
+                parts[name].append(_parameters(cells, columns[name], base))
+            elif name in parts:
+                values, limits = _measurements(cells)
+                parts[name].append(values)
                 if name in signs:
-                    cells, limits = _without_signs(cells)
                     signs[name].append(limits)
-                parts[name].append(readers[name](cells))
         rows += texts
         starts.append(np.array(lines))
     if not rows:
@@ -195,14 +196,10 @@ def table_of(
 # --- Records and header.
 
 
-def _records_of_data(path: Path, data: bytes) -> Iterator[tuple[int, str, list[str]]]:
-    file = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
-    return records_of(path, file)
-
-
-def records_of(path: Path, file: TextIO) -> Iterator[tuple[int, str, list[str]]]:
+def records_of(path: Path, data: bytes) -> Iterator[tuple[int, str, list[str]]]:
     """Return the line number, text and cells of each record of a CSV that is not blank.
     Raises InputError, naming the row, for what is no CSV."""
+    file = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
     lines, same_lines = itertools.tee(file)
     reader = csv.reader(lines, strict=True)
     first = 1
@@ -218,17 +215,6 @@ def records_of(path: Path, file: TextIO) -> Iterator[tuple[int, str, list[str]]]
         raise InputError(f"is not valid CSV: {error}", file=path, row=first) from error
 
 
-def _check_separators(path: Path, line: int, names: list[str]) -> None:
-    for separator, word in ((";", "';'"), ("\t", "tabs")):
-        if any(separator in name for name in names):
-            raise InputError(
-                f"columns are separated by {word}; separate them by ',' and write "
-                "decimals with a point",
-                file=path,
-                row=line,
-            )
-
-
 def _check_header(
     path: Path,
     line: int,
@@ -237,6 +223,14 @@ def _check_header(
     measured: bool,
 ) -> None:
     """Raise InputError for the first name that cannot stand in the header."""
+    for separator, word in ((";", "';'"), ("\t", "tabs")):
+        if any(separator in name for name in names):
+            raise InputError(
+                f"columns are separated by {word}; separate them by ',' and write "
+                "decimals with a point",
+                file=path,
+                row=line,
+            )
     results = (*TARGET_COLUMNS, OUTCOME_COLUMN, *SIGMA_COLUMNS, TIME_COLUMN)
     known = (*columns, *SLOTS, *LABEL_COLUMNS, *(results if measured else ()))
     for index, name in enumerate(names):
@@ -280,7 +274,7 @@ def _with_named_parts(path: Path, data: bytes, names: list[str], base: Scene) ->
     found: dict[tuple[str, str], Part] = {}
     laws: dict[str, str] = {}
     kinds = []
-    for line, _, cells in itertools.islice(_records_of_data(path, data), 1, None):
+    for line, _, cells in itertools.islice(records_of(path, data), 1, None):
         _check_lengths(path, [line], [cells], len(names))
         for index, slot in slots:
             text = cells[index].strip()
@@ -326,79 +320,53 @@ class _Cells(NamedTuple):
         return self._replace(lines=lines, texts=texts)
 
 
-Reader = Callable[[_Cells], np.ndarray]
 MOST_MEASURED = 1e30
 """Largest measured value in size, and largest and one over the least of a standard
 deviation: the squares of their ratios are floating-point numbers still."""
 
 
-def _readers(
-    names: list[str], columns: Mapping[str, InputColumn], base: Scene
-) -> dict[str, Reader]:
-    readers: dict[str, Reader] = {}
-    for name in names:
-        if name in columns:
-            read = functools.partial(_numbers, column=columns[name])
-            readers[name] = _reader_of_shapes(name, base) or read
-        elif name in (TIME_COLUMN, *TARGET_COLUMNS, *SIGMA_COLUMNS):
-            readers[name] = _present
-    return readers
-
-
-def _reader_of_shapes(name: str, base: Scene) -> Reader | None:
-    """Return the reader of a parameter that is not the same for all shapes of a table;
-    its numbers are NaN in rows whose shape has no such parameter. None for others."""
+def _parameters(cells: _Cells, column: InputColumn, base: Scene) -> np.ndarray:
+    """Read cells of a parameter of the scene; NaN in rows whose shape has none."""
     shape = base.block.shape
     if not isinstance(shape, MixedShapes):
-        return None
-    entries = [columns_of_class(SHAPE, kind).get(name) for kind in shape.kinds]
+        return _numbers(cells, column)
+    entries = [columns_of_class(SHAPE, kind).get(cells.name) for kind in shape.kinds]
+    # What all shapes have alike, or none has, is the same in all rows.
     if all(entry == entries[0] for entry in entries):
-        return None
-    kind_of_row = np.asarray(shape.index, int)
-
-    def read(cells: _Cells) -> np.ndarray:
-        values = np.full(len(cells.texts), np.nan)
-        rows = kind_of_row[cells.start : cells.start + len(values)]
-        for k, (kind, column) in enumerate(zip(shape.kinds, entries, strict=True)):
-            indices = np.flatnonzero(rows == k).tolist()
-            if column is not None:
-                values[indices] = _numbers(cells.some(indices), column)
-                continue
-            for index in indices:
-                if text := cells.texts[index].strip():
-                    raise cells.error(
-                        index,
-                        f"must be empty, as the shape {kind.__name__} of this row has "
-                        f"no such parameter, but is {text}",
-                    )
-        return values
-
-    return read
-
-
-def _without_signs(cells: _Cells) -> tuple[_Cells, np.ndarray]:
-    """Cells of measured values without the signs of limits, and these."""
-    texts = [text.strip() for text in cells.texts]
-    signs = np.array([LIMITS.get(text[:1], 0) for text in texts])
-    for index, text in enumerate(texts):
-        if signs[index] and _is_missing(text[1:]):
-            raise cells.error(index, "has a sign without a number")
-    plain = [
-        text[1:] if sign else text for text, sign in zip(texts, signs, strict=True)
-    ]
-    return cells._replace(texts=plain), signs
-
-
-def _is_missing(cell: str) -> bool:
-    return cell.strip().casefold() in NOT_MEASURED
-
-
-def _present(cells: _Cells) -> np.ndarray:
-    """Read a column's cells as checked numbers, NaN for what was not measured."""
+        return _numbers(cells, column)
     values = np.full(len(cells.texts), np.nan)
-    filled = [i for i, text in enumerate(cells.texts) if not _is_missing(text)]
-    values[filled] = _numbers(cells.some(filled))
+    rows = np.asarray(shape.index, int)[cells.start : cells.start + len(values)]
+    for k, entry in enumerate(entries):
+        indices = np.flatnonzero(rows == k).tolist()
+        if entry is not None:
+            values[indices] = _numbers(cells.some(indices), entry)
+            continue
+        for index in indices:
+            if text := cells.texts[index].strip():
+                raise cells.error(
+                    index,
+                    f"must be empty, as the shape {shape.kinds[k].__name__} of this "
+                    f"row has no such parameter, but is {text}",
+                )
     return values
+
+
+def _measurements(cells: _Cells) -> tuple[np.ndarray, np.ndarray]:
+    """Read cells of what was measured, NaN where it was not, and the signs of limits,
+    which only results may have."""
+    texts = [text.strip() for text in cells.texts]
+    signs = np.zeros(len(texts), int)
+    if cells.name in TARGET_COLUMNS:
+        signs = np.array([LIMITS.get(text[:1], 0) for text in texts])
+        texts = [text[abs(sign) :] for text, sign in zip(texts, signs, strict=True)]
+    missing = [text.strip().casefold() in NOT_MEASURED for text in texts]
+    for index in np.flatnonzero(signs).tolist():
+        if missing[index]:
+            raise cells.error(index, "has a sign without a number")
+    values = np.full(len(texts), np.nan)
+    filled = np.flatnonzero(~np.array(missing)).tolist()
+    values[filled] = _numbers(cells._replace(texts=texts).some(filled))
+    return values, signs
 
 
 def _numbers(cells: _Cells, column: InputColumn | None = None) -> np.ndarray:
@@ -480,7 +448,7 @@ def _warn_of_unusual(
         warnings.warn(
             UnusualValueWarning(
                 f"{path}, row {lines[index]}, column {name}: is "
-                f"{column.told(values[index], column.unit, where)}",
+                f"{column.describe(values[index], column.unit, where)}",
                 name,
             ),
             stacklevel=3,

@@ -236,7 +236,7 @@ def quantity(key: Key, column: InputColumn, value) -> float:
     of one that is unusual."""
     checked = allowed(key, column, value)
     if not column.is_usual(checked):
-        told = column.told(checked, column.unit)
+        told = column.describe(checked, column.unit)
         text = f"{key.file}, key {key.name}: is {told}"
         warnings.warn(UnusualValueWarning(text, column.name), stacklevel=2)
     return checked

@@ -4,18 +4,18 @@ import functools
 import json
 import math
 import warnings
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import jax
 import numpy as np
 import xarray as xr
 
-from .._checks import expect, real_number
+from .._checks import expect
 from .._packages import needed
 from .._precision import require_float64
 from ..accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
-from ..batch import compute_part
+from ..batch import compute_part, summary_of
 from ..errors import InputError
 from ..io.checks import check_memory, check_scene
 from ..io.datasets import (
@@ -54,7 +54,7 @@ Chunks = int | str | tuple | Mapping[str, Any]
 """Lengths of blocks: as `xarray.Dataset.chunk` and `dask.array` take them."""
 
 
-class Block(NamedTuple):
+class _Block(NamedTuple):
     """Data that all blocks of a dataset have in common."""
 
     base: Scene
@@ -63,7 +63,6 @@ class Block(NamedTuple):
     kinds: tuple[type[AbstractShape], ...]
     """Shapes that the index means."""
     accuracy: Accuracy
-    model_tolerance: float
     called: str
     """What errors call an impact: it is counted within its block."""
 
@@ -73,7 +72,6 @@ def simulate_dataset(
     base: SceneLike | None = None,
     *,
     accuracy: str | Accuracy = DEFAULT_ACCURACY,
-    model_tolerance: float = 0.0,
 ) -> xr.Dataset:
     """Simulate the impacts of a dataset.
 
@@ -85,7 +83,7 @@ def simulate_dataset(
             NumPy's or in chunks.
         base: scene of what the dataset does not hold, scalars only; the defaults if not
             given.
-        accuracy, model_tolerance: as for `simulate_batch`.
+        accuracy: as for `simulate_batch`.
 
     Returns:
         The dataset with a variable for each number of an impact, with units, and
@@ -109,14 +107,13 @@ def simulate_dataset(
     check_scene(scene)
     arrays, kinds = _quantities(dataset, scene)
     setting = get_accuracy(accuracy)
-    tolerance = real_number("model_tolerance", model_tolerance, least=0.0)
     varied = {dim for array in arrays.values() for dim in array.dims}
     dimensions = tuple(dim for dim in dataset.sizes if dim in varied)
-    variables = result_variables(scene, arrays, kinds, setting, tolerance, dimensions)
-    attributes = impact_attributes(scene, setting, tolerance, scene_values(scene))
+    variables = _result_variables(scene, arrays, kinds, setting, dimensions)
+    attributes = impact_attributes(scene, setting, scene_values(scene))
     attributes |= shapes_attribute(kinds)
     outcomes = variables[OUTCOME_COLUMN]
-    if not is_chunked(outcomes):
+    if outcomes.chunks is None:
         attributes[OUTCOMES] = json.dumps(count_words(outcomes.values))
     return dataset.assign(variables).assign_attrs(attributes)
 
@@ -126,7 +123,6 @@ def lazy_grid(
     axes: Mapping[str, Mapping[str, np.ndarray]],
     coordinates: Mapping[str, Any],
     accuracy: Accuracy,
-    model_tolerance: float,
     chunks: Chunks,
 ) -> xr.Dataset:
     """Return the dataset of a sweep whose variables are computed when they are asked
@@ -166,28 +162,25 @@ def lazy_grid(
             values = np.array([different.index(kind) for kind in values])
         variable = xr.Variable((dimension,), values)
         arrays[name] = variable.chunk({dimension: lengths[dimension]})
-    variables = result_variables(
-        base, arrays, different, accuracy, model_tolerance, tuple(axes)
-    )
-    attributes = impact_attributes(base, accuracy, model_tolerance, scene_values(base))
+    variables = _result_variables(base, arrays, different, accuracy, tuple(axes))
+    attributes = impact_attributes(base, accuracy, scene_values(base))
     return xr.Dataset(variables, coordinates, attributes | shapes_attribute(different))
 
 
 def _lengths(sizes: Mapping[str, int], chunks: Chunks) -> dict[str, tuple[int, ...]]:
-    """Lengths of the blocks along each dimension."""
+    """Return the lengths of the blocks along each dimension."""
     core = needed("dask.array.core", "a sweep in chunks")
-    given: Any = chunks
+    asked: Any = chunks
     if isinstance(chunks, Mapping):
         for name in chunks:
             if name not in sizes:
                 raise InputError(
                     f"chunks must name axes ({', '.join(sizes)}), but holds {name!r}"
                 )
-        given = tuple(chunks.get(name, -1) for name in sizes)
+        asked = tuple(chunks.get(name, -1) for name in sizes)
+    shape = tuple(sizes.values())
     try:
-        found = core.normalize_chunks(
-            given, tuple(sizes.values()), limit=BLOCK_BYTES, dtype=float
-        )
+        lengths = core.normalize_chunks(asked, shape, limit=BLOCK_BYTES, dtype=float)
     except (ValueError, TypeError, NotImplementedError) as error:
         raise InputError(
             f"chunks must be lengths that add up to the axes "
@@ -195,15 +188,14 @@ def _lengths(sizes: Mapping[str, int], chunks: Chunks) -> dict[str, tuple[int, .
             f"{error}"
         ) from error
     # For one axis Dask takes a tuple of all its lengths too.
-    by_axis = isinstance(given, tuple | list) and len(given) == len(sizes)
-    asked = given if by_axis else [given] * len(sizes)
+    by_axis = isinstance(asked, tuple | list) and len(asked) == len(sizes)
+    each = asked if by_axis else [asked] * len(sizes)
     # Blocks that Dask chose are made equal: a short last one leaves a worker waiting.
     equal = tuple(
-        -(-size // len(blocks)) if isinstance(each, str) else blocks
-        for size, blocks, each in zip(sizes.values(), found, asked, strict=True)
+        -(-size // len(blocks)) if isinstance(of_axis, str) else blocks
+        for size, blocks, of_axis in zip(shape, lengths, each, strict=True)
     )
-    found = core.normalize_chunks(equal, tuple(sizes.values()))
-    return dict(zip(sizes, found, strict=True))
+    return dict(zip(sizes, core.normalize_chunks(equal, shape), strict=True))
 
 
 def _quantities(
@@ -241,17 +233,11 @@ def _quantities(
     return found, kinds
 
 
-def is_chunked(variable: xr.Variable) -> bool:
-    """Tell whether an array is computed lazily."""
-    return variable.chunks is not None
-
-
-def result_variables(
+def _result_variables(
     base: Scene,
     arrays: Mapping[str, xr.Variable],
     kinds: Sequence[type[AbstractShape]],
     accuracy: Accuracy,
-    model_tolerance: float,
     dimensions: Sequence[Hashable],
 ) -> dict[str, xr.Variable]:
     """Return the numbers and outcomes of impacts, lazily if an array is.
@@ -262,29 +248,31 @@ def result_variables(
             `kinds`.
         dimensions: order of the dimensions of the results.
     """
-    plain = jax.tree.map(np.asarray, base)
-    lazy = any(map(is_chunked, arrays.values()))
-    called = "impact of a block, number" if lazy else "scene"
-    block = Block(plain, (*arrays,), tuple(kinds), accuracy, model_tolerance, called)
-    names = *OUTPUT_COLUMNS, OUTCOME_COLUMN
-    words = outcomes_in_words([0]).dtype
-    dtypes = *(float for _ in OUTPUT_COLUMNS), words
-
-    def of_blocks(function: Callable, **outputs) -> Any:
-        call = Task(function, block) if lazy else functools.partial(function, block)
-        with warnings.catch_warnings():
-            # A grid has many times the blocks of any of its axes: no mistake.
-            warnings.filterwarnings("ignore", "Increasing number of chunks")
-            return xr.apply_ufunc(
-                call, *arrays.values(), dask="parallelized", **outputs
-            )
-
-    found = of_blocks(
-        numbers_of_block, output_core_dims=[[] for _ in names], output_dtypes=dtypes
+    lazy = any(array.chunks is not None for array in arrays.values())
+    block = _Block(
+        jax.tree.map(np.asarray, base),
+        (*arrays,),
+        tuple(kinds),
+        accuracy,
+        called="impact of a block, number" if lazy else "scene",
     )
+    names = *OUTPUT_COLUMNS, OUTCOME_COLUMN
+    with warnings.catch_warnings():
+        # A grid has many times the blocks of any of its axes: no mistake.
+        warnings.filterwarnings("ignore", "Increasing number of chunks")
+        results = xr.apply_ufunc(
+            Task(_numbers, block) if lazy else functools.partial(_numbers, block),
+            *arrays.values(),
+            dask="parallelized",
+            output_core_dims=[[] for _ in names],
+            output_dtypes=[
+                *(float for _ in OUTPUT_COLUMNS),
+                outcomes_in_words([0]).dtype,
+            ],
+        )
     variables = {
         name: variable.transpose(*dimensions)
-        for name, variable in zip(names, found, strict=True)
+        for name, variable in zip(names, results, strict=True)
     }
     for name, column in OUTPUT_COLUMNS.items():
         variables[name].attrs = attributes_of(column)
@@ -292,7 +280,7 @@ def result_variables(
     return variables
 
 
-def numbers_of_block(block: Block, *values: np.ndarray) -> tuple[np.ndarray, ...]:
+def _numbers(block: _Block, *values: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return the numbers of the impacts of a block, one array for each column of
     results, and their outcomes in words.
 
@@ -301,19 +289,15 @@ def numbers_of_block(block: Block, *values: np.ndarray) -> tuple[np.ndarray, ...
 
     Raises InputError for a value out of its range.
     """
-    *numbers, codes = _numbers_and_codes(block, values)
-    return *numbers, outcomes_in_words(codes)
-
-
-def _numbers_and_codes(block: Block, values: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Compute an array for each column of results, and the codes of the outcomes."""
     shape = np.broadcast_shapes(*map(np.shape, values))
     count = math.prod(shape)
     if count == 0:
-        return [np.empty(shape) for _ in range(len(OUTPUT_COLUMNS) + 1)]
+        return *(np.empty(shape) for _ in OUTPUT_COLUMNS), outcomes_in_words(
+            np.empty(shape)
+        )
     flat = {
-        name: np.broadcast_to(given, shape).ravel()
-        for name, given in zip(block.names, values, strict=True)
+        name: np.broadcast_to(of_name, shape).ravel()
+        for name, of_name in zip(block.names, values, strict=True)
     }
     base, index = block.base, flat.pop(SHAPE, None)
     if index is not None:
@@ -321,8 +305,8 @@ def _numbers_and_codes(block: Block, values: Sequence[np.ndarray]) -> list[np.nd
     scene = scene_with(base, flat)
     # The laws were checked by who sent them.
     check_scene(scene, batched=True, of=block.called, laws=False)
-    summary = compute_part(
-        jax.tree.map(np.asarray, scene), count, block.accuracy, block.model_tolerance
-    )
-    fields = *(column.field for column in OUTPUT_COLUMNS.values()), "outcome_code"
-    return [getattr(summary, field).reshape(shape) for field in fields]
+    scene = jax.tree.map(np.asarray, scene)
+    summary = summary_of(compute_part(scene, count, block.accuracy))
+    numbers = [getattr(summary, column.field) for column in OUTPUT_COLUMNS.values()]
+    words = outcomes_in_words(summary.outcome_code)
+    return tuple(of_column.reshape(shape) for of_column in (*numbers, words))

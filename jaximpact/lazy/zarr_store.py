@@ -1,14 +1,18 @@
 """Stores of Zarr that are written region by region, and taken up where they stopped.
 
-The store is there first, with its coordinates and attributes, which are the manifest.
-Whichever process computes a block writes it to its region and then marks the region, in
-the group `_regions` of the same store. So nothing passes through the process that asks,
-and what is marked is whole. Zarr replaces files of a directory in one move.
+The store is there first, with its coordinates and attributes. Whichever process
+computes a block writes it to its region, so that no results pass through the process
+that asks. That process then adds the region to a journal inside the store: what stands
+there is whole. Zarr replaces files of a directory in one move.
 """
 
+import hashlib
+import itertools
 import json
 import math
 import os
+import time
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,14 +27,19 @@ from ..impact.events import Outcome
 from ..interruption import remove, remove_for_good, unfinished
 from ..io.datasets import OUTCOMES
 from ..io.files import check_writable, locked, naming
+from ..io.journal import Journal
 from ..progress import Progress, ProgressFunction, as_progress
 from ..quantities import OUTCOME_COLUMN
-from .regions import compute_regions
+from ..tasks import WorkerlessWarner, error_of, is_loss
 
 FORMAT = 2
 """Format of the stores: the one in which texts of a fixed length are specified."""
-MARKS = "_regions"
-"""Group of the marks: for each region how many impacts ended in which way, or -1."""
+GROUP, ARRAY = "_regions", "journal"
+JOURNAL = Path(GROUP, ARRAY, "rows")
+"""File in a store: for each region that is whole how many impacts ended in which way.
+It is in the folder of an array, as Zarr warns of files elsewhere that are not its."""
+POLL = 0.05
+"""Seconds between looks for finished regions, as often as Dask's own."""
 
 
 class WrittenRegions(NamedTuple):
@@ -41,44 +50,6 @@ class WrittenRegions(NamedTuple):
     """Regions that were there before."""
     computed: int
     """Regions that this call computed."""
-
-
-class _Layout(NamedTuple):
-    """Regions of a dataset."""
-
-    dims: tuple[str, ...]
-    """Dimensions that have several chunks."""
-    lengths: tuple[tuple[int, ...], ...]
-    """Lengths of the regions along each of them."""
-    names: tuple[str, ...]
-    """Variables over all of these dimensions, which are written by region."""
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        return tuple(map(len, self.lengths))
-
-    def regions(self) -> np.ndarray:
-        """Return number, first index and end of each region, as an array of the
-        regions' shape: a block is given its own, whatever the number of all."""
-        rank = len(self.dims)
-        kind = [("number", int), ("start", int, (rank,)), ("stop", int, (rank,))]
-        found = np.empty(self.shape, kind)
-        found["number"] = np.arange(found.size).reshape(self.shape)
-        for axis, lengths in enumerate(self.lengths):
-            along = [1] * rank
-            along[axis] = -1
-            stops = np.cumsum(lengths)
-            found["stop"][..., axis] = stops.reshape(along)
-            found["start"][..., axis] = (stops - lengths).reshape(along)
-        return found
-
-    def chunks(self, variable: xr.DataArray) -> tuple[int, ...]:
-        """Lengths of the chunks of a variable in the store: those of its regions."""
-        lengths = dict(zip(self.dims, self.lengths, strict=True))
-        return tuple(
-            max(1, *lengths.get(str(dim), (size,)))
-            for dim, size in zip(variable.dims, variable.shape, strict=True)
-        )
 
 
 @numpy_settings()
@@ -92,7 +63,7 @@ def write_zarr(
 
     Blocks that are lazy are computed by whatever scheduler or client of Dask there is,
     and written there: workers must see the directory. A store that an earlier call
-    began is taken up: what is marked as whole in it is not computed again. Where
+    began is taken up: regions that are whole in it are not computed again. Where
     workers die Dask computes their blocks elsewhere; where none are left it waits for
     others, with a NoWorkersWarning after some seconds.
 
@@ -101,7 +72,7 @@ def write_zarr(
         dataset: from `sweep` or `simulate_dataset`, or another whose largest variables
             have the same dimensions and chunks; these are written by region, all others
             at the beginning.
-        progress: called as `progress(done, regions)`; the first call tells what was
+        progress: called as `progress(done, regions)`; the first call says what was
             there.
 
     Returns:
@@ -116,74 +87,114 @@ def write_zarr(
     for package in ("dask", "zarr"):
         needed(package, "a store of Zarr")
     expect("dataset", dataset, xr.Dataset)
-    path, told = Path(os.path.abspath(path)), as_progress(progress)
+    path, tell = Path(os.path.abspath(path)), as_progress(progress)
     dataset = dataset.unify_chunks()
-    layout = _layout_of(dataset)
-    if os.path.lexists(path) and not path.is_dir():
-        raise InputError(
-            "is there, and is no store that was written by region; move it, or choose "
-            "another name",
-            file=path,
-        )
+    regions = _Regions.of(dataset)
+    template = dataset.drop_vars(regions.names).compute()
+    if os.path.lexists(path) and not (path / JOURNAL).is_file():
+        raise _no_store_of_this(path, "is there, but is no store written by region")
     check_writable(path / "x" if path.is_dir() else path, option="the store")
     with locked(path, beside=True):
-        if path.exists():
-            _check_same(path, dataset, layout)
-        else:
-            _begin(path, dataset, layout)
-        with unfinished(path, _remove_partial):
+        if not path.exists():
+            _begin(path, template, dataset, regions)
+        with (
+            _open_journal(path, template, dataset, regions) as journal,
+            unfinished(path, _remove_partial),
+        ):
             _remove_partial(path)
-            marks = _read_marks(path)
-            missing = np.flatnonzero(marks[:, 0] < 0)
-            found = len(marks) - len(missing)
-            told("regions", found, len(marks))
+            numbers, _ = journal.rows()
+            missing = np.setdiff1d(np.arange(regions.count), numbers)
+            tell("regions", len(numbers), regions.count)
+            done = itertools.count(len(numbers) + 1)
+
+            def mark(number: int, outcomes: np.ndarray) -> None:
+                journal.append(np.array([number]), outcomes.reshape(1, -1))
+                tell("regions", next(done), regions.count)
+
             if len(missing):
-                _compute(path, dataset, layout, missing, told, found)
-            _finish(path, dataset)
-    return WrittenRegions(len(marks), found, len(missing))
+                written = _written(path, dataset, regions)
+                _compute_regions(written, missing, mark)
+            _, outcomes = journal.rows()
+            _finish(path, dataset, outcomes.sum(axis=0))
+    return WrittenRegions(regions.count, len(numbers), len(missing))
 
 
-def _remove_partial(path: os.PathLike) -> bool:
-    """Remove what Zarr has not written whole to a store; tell whether there was any."""
-    files = [*Path(path).rglob("*.partial")]
-    return any([remove(file) for file in files])
+class _Regions(NamedTuple):
+    """Regions of a dataset."""
 
+    dims: tuple[str, ...]
+    """Dimensions that have several chunks."""
+    lengths: tuple[tuple[int, ...], ...]
+    """Lengths of the regions along each of them."""
+    names: tuple[str, ...]
+    """Variables over all of these dimensions, which are written by region."""
 
-def _layout_of(dataset: xr.Dataset) -> _Layout:
-    """Find the regions; InputError where chunks do not make any."""
-    several = {dim: of for dim, of in dataset.chunksizes.items() if len(of) > 1}
-    for dim, parts in several.items():
-        sizes = [length for length in parts if length]
-        if len({*sizes[:-1]}) > 1 or (sizes and sizes[-1] > sizes[0]):
-            raise InputError(
-                f"chunks along {dim} must have one length, but for a last one that may "
-                f"be shorter, but have lengths {parts[:8]}; use dataset.chunk"
-            )
-    dims = tuple(str(dim) for dim in dataset.sizes if dim in several)
-    names = [
-        str(name)
-        for name, variable in dataset.data_vars.items()
-        if variable.chunks is not None and {*dims} <= {*variable.dims}
-    ]
-    if not names:
-        raise InputError(
-            "the dataset holds no lazy variable over all dimensions that have several "
-            "chunks; use dataset.chunk, or to_zarr of xarray for what is computed"
+    @classmethod
+    def of(cls, dataset: xr.Dataset) -> "_Regions":
+        """Find the regions; InputError where chunks do not make any."""
+        several = {dim: of for dim, of in dataset.chunksizes.items() if len(of) > 1}
+        for dim, parts in several.items():
+            sizes = [length for length in parts if length]
+            if len({*sizes[:-1]}) > 1 or (sizes and sizes[-1] > sizes[0]):
+                raise InputError(
+                    f"chunks along {dim} must have one length, but for a last one that "
+                    f"may be shorter, but have lengths {parts[:8]}; use dataset.chunk"
+                )
+        dims = tuple(str(dim) for dim in dataset.sizes if dim in several)
+        names = tuple(
+            str(name)
+            for name, variable in dataset.data_vars.items()
+            if variable.chunks is not None and {*dims} <= {*variable.dims}
         )
-    return _Layout(dims, tuple(several[dim] for dim in dims), tuple(names))
+        if not names:
+            raise InputError(
+                "the dataset holds no lazy variable over all dimensions that have "
+                "several chunks; use dataset.chunk, or to_zarr of xarray for what is "
+                "computed"
+            )
+        return cls(dims, tuple(several[dim] for dim in dims), names)
+
+    @property
+    def count(self) -> int:
+        return math.prod(map(len, self.lengths))
+
+    def starts_and_stops(self) -> np.ndarray:
+        """Return first index and end of each region, as an array of the regions'
+        shape: a block is given its own, whatever the number of all."""
+        rank = len(self.dims)
+        kind = [("start", int, (rank,)), ("stop", int, (rank,))]
+        ends = np.empty([*map(len, self.lengths)], kind)
+        for axis, lengths in enumerate(self.lengths):
+            stops = np.expand_dims(
+                np.cumsum(lengths), [k for k in range(rank) if k != axis]
+            )
+            ends["stop"][..., axis] = stops
+            ends["start"][..., axis] = stops - np.reshape(lengths, stops.shape)
+        return ends
+
+    def chunks(self, variable: xr.DataArray) -> tuple[int, ...]:
+        """Return the lengths of the chunks of a variable in the store: those of its
+        regions."""
+        lengths = dict(zip(self.dims, self.lengths, strict=True))
+        return tuple(
+            max(1, *lengths.get(str(dim), (size,)))
+            for dim, size in zip(variable.dims, variable.shape, strict=True)
+        )
 
 
-def _begin(path: Path, dataset: xr.Dataset, layout: _Layout) -> None:
+def _begin(
+    path: Path, template: xr.Dataset, dataset: xr.Dataset, regions: _Regions
+) -> None:
     """Make the store without its regions; it appears whole or not at all."""
     array = needed("dask.array", "a store of Zarr")
     zarr = needed("zarr", "a store of Zarr")
-    template, encoding = dataset.drop_vars(layout.names).compute(), {}
-    for name in layout.names:
-        held = dataset[name]
-        lengths = layout.chunks(held)
-        empty = array.empty(held.shape, dtype=held.dtype, chunks=lengths)
-        template[name] = (held.dims, empty, held.attrs)
-        encoding[name] = {"chunks": lengths}
+    template, encoding = template.copy(), {}
+    for name in regions.names:
+        variable = dataset[name]
+        chunks = regions.chunks(variable)
+        empty = array.empty(variable.shape, dtype=variable.dtype, chunks=chunks)
+        template[name] = (variable.dims, empty, variable.attrs)
+        encoding[name] = {"chunks": chunks}
     for variable in template.variables.values():
         variable.encoding = {}
         if variable.chunks is None and variable.size:
@@ -196,156 +207,181 @@ def _begin(path: Path, dataset: xr.Dataset, layout: _Layout) -> None:
             template.to_zarr(
                 new, encoding=encoding, compute=False, zarr_format=FORMAT, mode="w"
             )
-            count = math.prod(layout.shape)
-            marks = zarr.open_group(str(new), mode="r+", use_consolidated=False)
-            marks.create_group(MARKS).create_array(
-                "outcomes",
-                shape=(count, len(Outcome)),
-                chunks=(1, len(Outcome)),
-                dtype="int64",
-                fill_value=-1,
-            )
+            group = zarr.open_group(str(new), mode="r+", use_consolidated=False)
+            marks = group.create_group(GROUP)
+            marks.create_array(ARRAY, shape=(0,), chunks=(1,), dtype="int8")
+            (new / JOURNAL).touch()
             os.rename(new, path)
         except BaseException:
             remove_for_good(new)  # which Zarr's own thread may be writing still
             raise
 
 
-def _check_same(path: Path, dataset: xr.Dataset, layout: _Layout) -> None:
-    """Raise InputError unless a store was begun for the same dataset."""
+def _open_journal(
+    path: Path, template: xr.Dataset, dataset: xr.Dataset, regions: _Regions
+) -> Journal:
+    """Open the journal of a store. Raises InputError unless the store was begun for the
+    same dataset, by everything but the numbers that are to be computed."""
+    template = template.copy()
+    template.attrs.pop(OUTCOMES, None)
+    variables = {
+        name: (dataset[name].dims, dataset[name].dtype.str, dataset[name].attrs)
+        for name in regions.names
+    }
+    content = json.dumps([template.to_dict(), variables, regions], default=str)
+    subject = {"dataset": hashlib.sha256(content.encode()).hexdigest()}
+    columns = [str(outcome) for outcome in Outcome]
     try:
-        there = xr.open_zarr(path, chunks=None, consolidated=False, zarr_format=FORMAT)
-        _read_marks(path)
-    except (OSError, ValueError, KeyError, RuntimeError) as error:
-        raise InputError(
-            f"is there, and is no store that was written by region: {error}; move it, "
-            "or choose another name",
-            file=path,
+        return Journal(path / JOURNAL, subject, columns, regions.count)
+    except InputError as error:
+        raise _no_store_of_this(
+            path,
+            "was begun for another dataset, other chunks, settings, laws or versions",
         ) from error
-    stored = {k: v for k, v in there.attrs.items() if k != OUTCOMES}
-    asked = {k: v for k, v in dataset.attrs.items() if k != OUTCOMES}
-    for key in sorted({*stored, *asked}):
-        # xarray takes what JSON gives back, such as a list for a tuple, as the same.
-        held, wanted = (xr.Dataset(attrs={key: of.get(key)}) for of in (stored, asked))
-        if not held.identical(wanted):
-            raise InputError(
-                f"was begun with {key} {stored.get(key)}, but is asked for with "
-                f"{asked.get(key)}; move it, or choose another name",
-                file=path,
-            )
-    for name in {*map(str, there.variables), *map(str, dataset.variables)}:
-        if name in layout.names and name in there:
-            held, asked_for = there[name], dataset[name]
-            same = (held.sizes, held.dtype) == (asked_for.sizes, asked_for.dtype)
-            same &= held.encoding["chunks"] == layout.chunks(asked_for)
-        else:
-            same = name in there.variables and name in dataset.variables
-            same = same and there[name].variable.identical(
-                dataset[name].variable.compute()
-            )
-        if not same:
-            raise InputError(
-                f"was begun with another {name}, or other chunks of it; move it, or "
-                "choose another name",
-                file=path,
-            )
 
 
-def _marks(path: Path, mode: str) -> Any:
-    zarr = needed("zarr", "a store of Zarr")
-    place = f"{path}/{MARKS}/outcomes"
-    return zarr.open_array(place, mode=mode, zarr_format=FORMAT)
+def _no_store_of_this(path: Path, why: str) -> InputError:
+    return InputError(f"{why}; move it, or choose another name", file=path)
 
 
-def _read_marks(path: Path) -> np.ndarray:
-    """Return the counts of outcomes of each region; -1 for regions that are not
-    there."""
-    return np.asarray(_marks(path, "r")[:])
+def _remove_partial(path: os.PathLike) -> bool:
+    """Remove what Zarr has not written whole to a store; tell whether there was any."""
+    files = [*Path(path).rglob("*.partial")]
+    return any([remove(file) for file in files])
 
 
 class _Writer:
-    """Function that writes a block to its region, and marks it."""
+    """Function that writes a block to its region, and counts its outcomes."""
 
     __name__ = "write_region"  # by which Dask shows it
 
-    def __init__(self, path: Path, layout: _Layout, of_each: tuple[tuple, ...]):
-        self.path, self.of_each = path, of_each
-        self.dims, self.names = layout.dims, layout.names
+    def __init__(self, path: Path, regions: _Regions, dims_of_each: list[tuple]):
+        self.path, self.dims_of_each = path, dims_of_each
+        self.dims, self.names = regions.dims, regions.names
 
-    def __call__(self, place: np.ndarray, *values: np.ndarray) -> np.ndarray:
-        number, start, stop = place.item()
-        mark = self.path / MARKS / "outcomes" / f"{number}.0"
-        # A region that a signal cuts short counts as missing.
-        with unfinished(mark), naming(self.path):
-            self._write(number, start, stop, values)
-        return np.ones(place.shape, bool)
-
-    def _write(self, number: int, start, stop, values: tuple[np.ndarray, ...]) -> None:
+    def __call__(self, ends: np.ndarray, *values: np.ndarray) -> np.ndarray:
+        start, stop = ends.item()
         region = {
             dim: slice(int(first), int(end))
             for dim, first, end in zip(self.dims, start, stop, strict=True)
         }
-        counts = np.zeros(len(Outcome), int)
+        counts = np.zeros(len(Outcome))
         if all(of.stop > of.start for of in region.values()):
-            pairs = zip(self.of_each, values, strict=True)
-            xr.Dataset(dict(zip(self.names, pairs, strict=True))).to_zarr(
-                self.path,
-                region=region,
-                consolidated=False,
-                zarr_format=FORMAT,
-            )
-            if OUTCOME_COLUMN in self.names:
-                words = values[self.names.index(OUTCOME_COLUMN)]
+            pairs = zip(self.dims_of_each, values, strict=True)
+            block = xr.Dataset(dict(zip(self.names, pairs, strict=True)))
+            with naming(self.path):
+                block.to_zarr(
+                    self.path, region=region, consolidated=False, zarr_format=FORMAT
+                )
+            if OUTCOME_COLUMN in block:
+                words = block[OUTCOME_COLUMN].values
                 counts[:] = [np.sum(words == str(outcome)) for outcome in Outcome]
-        _marks(self.path, "r+")[number] = counts
+        return counts.reshape(*ends.shape, -1)
 
 
-def _compute(
-    path: Path,
-    dataset: xr.Dataset,
-    layout: _Layout,
-    missing: np.ndarray,
-    told: Progress,
-    found: int,
-) -> None:
-    """Compute and write the regions that are missing."""
+def _written(path: Path, dataset: xr.Dataset, regions: _Regions) -> Any:
+    """Return an array of Dask whose blocks each write a region and are the counts of
+    its outcomes."""
     array = needed("dask.array", "a store of Zarr")
-    total, rank = math.prod(layout.shape), len(layout.dims)
-    places = array.from_array(layout.regions(), chunks=1)
-    operands: list = [places, layout.dims]
-    dims = []
-    for name in layout.names:
+    rank = len(regions.dims)
+    ends = array.from_array(regions.starts_and_stops(), chunks=1)
+    operands: list = [ends, regions.dims]
+    dims_of_each = []
+    for name in regions.names:
         ordered = dataset[name]
-        if ordered.dims[:rank] != layout.dims:  # else it would cost a task a region
-            ordered = ordered.transpose(*layout.dims, ...)
+        if ordered.dims[:rank] != regions.dims:  # else it would cost a task a region
+            ordered = ordered.transpose(*regions.dims, ...)
         # Other dimensions, which have one chunk, are taken whole.
         further = tuple(f"{name} {dim}" for dim in ordered.dims[rank:])
-        operands += [ordered.data, (*layout.dims, *further)]
-        dims.append(ordered.dims)
-    written = array.blockwise(
-        _Writer(path, layout, tuple(dims)),
-        layout.dims,
+        operands += [ordered.data, (*regions.dims, *further)]
+        dims_of_each.append(ordered.dims)
+    return array.blockwise(
+        _Writer(path, regions, dims_of_each),
+        (*regions.dims, "outcome"),
         *operands,
-        dtype=bool,
+        new_axes={"outcome": len(Outcome)},
+        dtype=float,
         align_arrays=False,
         concatenate=True,
-        adjust_chunks=dict.fromkeys(layout.dims, 1),
-        meta=np.empty((0,) * rank, bool),
+        adjust_chunks=dict.fromkeys(regions.dims, 1),
+        meta=np.empty((0,) * (rank + 1)),
     )
-    compute_regions(written, missing, lambda done: told("regions", found + done, total))
 
 
-def _finish(path: Path, dataset: xr.Dataset) -> None:
-    """Tell the counts of outcomes, now that all are known."""
-    zarr = needed("zarr", "a store of Zarr")
-    counts = _read_marks(path)
-    if np.any(counts < 0):
+def _compute_regions(
+    written: Any, missing: Iterable[int], mark: Callable[[int, np.ndarray], None]
+) -> None:
+    """Compute regions by the scheduler of Dask that is set, or that of a client.
+
+    Args:
+        written: array of Dask whose blocks each write a region.
+        missing: numbers of the blocks that are to be computed.
+        mark: called with the number and the result of each as it is done.
+
+    Raises what a region raises, and IncompleteError where workers were lost for good.
+    """
+    base, core = needed("dask.base", "a store"), needed("dask.core", "a store")
+    keys = [*core.flatten(written.__dask_keys__())]
+    numbers = {keys[number]: int(number) for number in missing}
+    graph = written.dask.cull({*numbers})
+    engine = base.get_scheduler(collections=[written])
+    client = getattr(engine, "__self__", None)
+    if client is not None and hasattr(client, "scheduler_info"):
+        _on_client(client, graph, numbers, mark)
+        return
+
+    def mark_block(key, result, *_) -> None:
+        if key in numbers:
+            mark(numbers[key], result)
+
+    with needed("dask.callbacks", "a store").Callback(posttask=mark_block):
+        engine(graph, [*numbers])
+
+
+def _on_client(
+    client: Any, graph: Any, numbers: dict, mark: Callable[[int, np.ndarray], None]
+) -> None:
+    """Have a client compute regions. What a killed worker had is computed by another;
+    where Dask gives a region up since too many workers died over it, the others go
+    on."""
+    futures = client.get(graph, [*numbers], sync=False)
+    lost = []
+    try:
+        for future in _finished(client, futures):
+            error = error_of(future)
+            if error is None:
+                mark(numbers[future.key], future.result())
+            elif is_loss(error):
+                lost.append(error)
+            else:
+                raise error
+    finally:
+        client.cancel(futures)
+    if lost:
         raise IncompleteError(
-            f"{path}: {int(np.sum(counts[:, 0] < 0))} regions are not there after all"
+            f"{len(lost)} regions lost their workers ({lost[0]}); the same call goes "
+            "on from there"
         )
+
+
+def _finished(client: Any, futures: list) -> Iterator[Any]:
+    """Yield futures as they finish; warns where none does since there are no
+    workers."""
+    waiting = needed("distributed", "a client").as_completed(futures)
+    warn = WorkerlessWarner(client)
+    while not waiting.is_empty():
+        finished = waiting.next_batch(block=False)
+        warn(finished=bool(finished))
+        yield from finished
+        if not finished:
+            time.sleep(POLL)
+
+
+def _finish(path: Path, dataset: xr.Dataset, outcomes: np.ndarray) -> None:
+    """Write the counts of outcomes, now that all are known."""
+    zarr = needed("zarr", "a store of Zarr")
     if OUTCOME_COLUMN in dataset:
-        pairs = zip(Outcome, counts.sum(axis=0).tolist(), strict=True)
-        told = {str(outcome): count for outcome, count in pairs if count}
+        counts = {str(of): int(n) for of, n in zip(Outcome, outcomes, strict=True) if n}
         group = zarr.open_group(str(path), mode="r+", use_consolidated=False)
-        group.attrs[OUTCOMES] = json.dumps(told)
+        group.attrs[OUTCOMES] = json.dumps(counts)
     zarr.consolidate_metadata(str(path), zarr_format=FORMAT)

@@ -21,7 +21,7 @@ from ..impact.events import Outcome
 from ..impact_response import COLUMNS, ImpactResponses, respond
 from ..io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..io.journal import Journal
-from ..progress import Progress, ProgressFunction, as_progress
+from ..progress import Progress, ProgressFunction, as_progress, telling
 from ..scene import Block, Impact, Scene, Soil
 from ..scene_quantities import scene_values
 from .table import (
@@ -43,7 +43,6 @@ def compute(
     soil: Soil,
     impact: Impact,
     accuracy: str | Accuracy,
-    progress: Progress | None = None,
     journal: Journal | None = None,
 ) -> ImpactResponses:
     """Compute impacts of one block on one ground by the full model, as `respond` does.
@@ -54,7 +53,7 @@ def compute(
         accuracy: as for `simulate`.
     """
     scene, _ = broadcast_scene(Scene(block, soil, impact))
-    return respond(scene, get_accuracy(accuracy), journal, progress)
+    return respond(scene, get_accuracy(accuracy), journal)
 
 
 SLOWEST = 1.0
@@ -225,8 +224,11 @@ def tabulate(
     shape = tuple(map(len, axes))
     places, impact = impacts_at(block, axes)
     setting = get_accuracy(accuracy)
-    with _opened(journal, block, soil, setting, axes) as store:
-        computed = compute(block, soil, impact, setting, as_progress(progress), store)
+    with (
+        _opened(journal, block, soil, setting, axes) as store,
+        telling(as_progress(progress)),
+    ):
+        computed = compute(block, soil, impact, setting, store)
     size = np.hypot(places[0], scale)
     radius = float(block.semi_axes.minor)
     after = computed.response

@@ -10,9 +10,16 @@ from .profile_formats import read_profile
 from .random_inputs import Lognormal, Normal, PowerLaw, Uniform, draw
 from .scheduler import simulate_runout
 from .study.barriers import Barrier
+from .study.contact_laws import NamedLaw
 from .study.profile_file import MapPlacement
 from .study.run_study import run_slope_study
-from .study.slope_file import SlopeStudy, read_slope_studies, read_slope_study
+from .study.slope_file import (
+    SlopeStudy,
+    StudyInputs,
+    StudySettings,
+    read_slope_studies,
+    read_slope_study,
+)
 from .terrain import Ground, Profile
 from .trajectory import ContactRecord, Ending, MotionMode, Pieces, Runs
 
@@ -30,6 +37,7 @@ __all__ = [
     "MapPlacement",
     "Maxima",
     "MotionMode",
+    "NamedLaw",
     "Normal",
     "Passages",
     "Pieces",
@@ -39,6 +47,8 @@ __all__ = [
     "Runs",
     "SlopeCalibration",
     "SlopeStudy",
+    "StudyInputs",
+    "StudySettings",
     "Uniform",
     "calibrate_slope",
     "draw",

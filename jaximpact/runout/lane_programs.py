@@ -6,7 +6,6 @@ what runs beside it. The functions themselves are plain `jnp` of scalars. Users'
 and laws that have no machine code are run by XLA.
 """
 
-import concurrent.futures
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -21,6 +20,7 @@ from ..backend.native_backend import kept_code, without_machine_code
 from ..backend.simd import (
     Code,
     Kernel,
+    KernelSet,
     NoMachineCode,
     compile_code,
     compile_kernel,
@@ -74,7 +74,7 @@ class Program:
         rows = _run(kernel, leaves, shape, LANES_PER_THREAD)
         return jax.tree.unflatten(kernel.structure, rows)
 
-    def _kernel(self, inputs) -> "Kernel | _ByXla":
+    def _kernel(self, inputs) -> "KernelSet | _ByXla":
         begin, step, finish = map(jax.vmap, self.functions)
         one = jax.ShapeDtypeStruct((1,), float)
 
@@ -87,7 +87,7 @@ class Program:
 
         try:
             code, results = _kept(self.functions, inputs, compiled)
-            return Kernel(code, jax.tree.structure(results))
+            return KernelSet([Kernel(code, jax.tree.structure(results))])
         except NoMachineCode as problem:
             without_machine_code(problem)
             return _ByXla(self.functions, jax.tree.structure(inputs))
@@ -120,25 +120,8 @@ def _run(kernel, leaves: list, shape: tuple[int, ...], lanes_per_thread: int) ->
     rows = rows.reshape(len(leaves), -1)
     if isinstance(kernel, _ByXla):
         return [row.reshape(shape) for row in kernel.run(rows)]
-    lanes = rows.shape[1]
-    threads = max(1, min(thread_count(), lanes // lanes_per_thread))
-    results = np.empty((kernel.code.result_rows, lanes))
-
-    def work(places: np.ndarray) -> None:
-        ended, found = kernel.workspace().run(places, rows[:, places], False)
-        results[:, ended] = found
-
-    if threads == 1:
-        ended, found = kernel.workspace().run(np.arange(lanes), rows, False)
-        # Lanes of one step end in order.
-        if np.array_equal(ended, np.arange(lanes)):
-            results = found
-        else:
-            results[:, ended] = found
-    else:
-        parts = [np.arange(i, lanes, threads) for i in range(threads)]
-        with concurrent.futures.ThreadPoolExecutor(threads) as pool:
-            list(pool.map(work, parts))
+    threads = max(1, min(thread_count(), rows.shape[1] // lanes_per_thread))
+    results, _ = kernel.compute(rows, threads)
     return [row.reshape(shape) for row in results]
 
 
@@ -241,7 +224,7 @@ class ClosedProgram:
 
         try:
             plan = _kept([self.function], inputs, compiled)
-            return plan, plan.code and Kernel(plan.code, None)
+            return plan, plan.code and KernelSet([Kernel(plan.code, None)])
         except NoMachineCode as problem:
             without_machine_code(problem)
             plan, reduced = _plan_of(self.function, structure)

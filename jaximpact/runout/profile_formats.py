@@ -1,7 +1,6 @@
 """Slope profiles from CSV files."""
 
 import dataclasses
-import io
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from .._numpy_settings import numpy_settings
 from ..errors import InputError, nearest
-from ..io.files import as_text, check_text, read_input
+from ..io.files import check_text, read_input
 from ..io.scene_table import reads_as_number, records_of
 from ..quantities import columns_of_part
 from ..scene import Soil
@@ -114,10 +113,9 @@ def records_of_file(path: Path) -> tuple[int, list[str], list[tuple[int, list[st
     """
     data = read_input(path, once=False)
     check_text(path, data)
-    file = io.StringIO(as_text(path, data), newline="")
     rows = [
         (line, cells)
-        for line, _, cells in records_of(path, file)
+        for line, _, cells in records_of(path, data)
         if any(map(str.strip, cells))
     ]
     if not rows:

@@ -22,7 +22,7 @@ from .contacts.impact import strike
 from .flight.flights import fly_on
 from .flight.placement import check_release, release_at_touch
 from .ground_motion.moving import move_along
-from .state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, Phase, State
+from .state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits, Phase, RunState
 from .terrain import Ground, Profile
 from .trajectory import Runs, joined
 
@@ -104,7 +104,10 @@ def simulate_runout(
     )
     check_scene(scenes, batched=True, warn=True, of="entry")
     return follow(
-        *(profile, release, ground, limits),
+        profile=profile,
+        release=release,
+        ground=ground,
+        limits=limits,
         contacts=contacts or FullModel(),
         width=width,
         progress=as_progress(progress),
@@ -140,7 +143,7 @@ def follow(
         if len(lanes) < release.count:
             own = (ground or Ground.of_profile(profile)).of_blocks(lanes)
             laws = contacts.at(lanes) if isinstance(contacts, ClosedForm) else contacts
-        state = State.at_release(profile, alone, own, limits)
+        state = RunState.at_release(profile, alone, own, limits)
         _advance(state, laws, width, _Counted(progress, done, release.count))
         done += len(lanes)
         states.append(state)
@@ -172,7 +175,9 @@ class _Counted(Progress):
         self._whole(what, self._before + (done or 0), self._count)
 
 
-def _advance(state: State, contacts: Contacts, width: int, progress: Progress) -> None:
+def _advance(
+    state: RunState, contacts: Contacts, width: int, progress: Progress
+) -> None:
     """Advance all blocks to the ends of their trajectories; see `simulate_runout`."""
     phase = state.blocks.phase
     active, waiting, blocks = np.zeros(0, int), 0, state.release.count
@@ -190,7 +195,7 @@ def _advance(state: State, contacts: Contacts, width: int, progress: Progress) -
             strike(state, touching, contacts)
 
 
-def _move_to_contacts(state: State, active: np.ndarray) -> None:
+def _move_to_contacts(state: RunState, active: np.ndarray) -> None:
     """Move blocks until each touches the ground or has ended."""
     transitions = {
         Phase.airborne: fly_on,

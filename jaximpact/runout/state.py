@@ -186,7 +186,7 @@ def _frictions_of(slider, friction_angle: Values, rolling_angle: Values) -> tupl
 
 
 @dataclasses.dataclass
-class State:
+class RunState:
     """State of all blocks of a run, which changes as it goes on."""
 
     profile: Profile
@@ -223,7 +223,7 @@ class State:
         release: Release,
         ground: Ground | None = None,
         limits: Limits = Limits(),  # noqa: B008, which is immutable
-    ) -> "State":
+    ) -> "RunState":
         """Start all blocks; on the profile's own ground if no other is given."""
         n, surface = release.count, ground or profile
         numbers = None if ground is None else ground.numbers
@@ -319,13 +319,19 @@ class State:
         self.pieces.add(
             lanes,
             Pieces(
-                *(zero, zero + MotionMode.contact, after.time, time, x, y, v_x, v_y),
-                *(
-                    2.0 * (d_x - v_x * time) / time**2,
-                    2.0 * (d_y - v_y * time) / time**2,
-                ),
-                after.body.orientation - 0.5 * (share + 1.0) * spin * time,
-                *(share * spin, (1.0 - share) * spin / time),
+                trajectory=zero,
+                motion=zero + MotionMode.contact,
+                time=after.time,
+                duration=time,
+                x=x,
+                y=y,
+                v_x=v_x,
+                v_y=v_y,
+                a_x=2.0 * (d_x - v_x * time) / time**2,
+                a_y=2.0 * (d_y - v_y * time) / time**2,
+                orientation=after.body.orientation - 0.5 * (share + 1.0) * spin * time,
+                angular_velocity=share * spin,
+                angular_acceleration=(1.0 - share) * spin / time,
             ),
         )
         self.blocks.time[lanes] = after.time + time
@@ -350,9 +356,20 @@ def velocities(
 def _at_release(body: Body) -> BlockState:
     zero = np.zeros(np.shape(body.x))
     state = BlockState(
-        *(zero, body, zero + Phase.airborne, zero + UNDER_WAY),
-        *(zero, zero, zero - 1.0, zero - 1.0, zero, zero + 1.0),
-        *(zero, zero, zero, zero),
+        time=zero,
+        body=body,
+        phase=zero + Phase.airborne,
+        ending=zero + UNDER_WAY,
+        events=zero,
+        impacts=zero,
+        segment=zero - 1.0,
+        element=zero - 1.0,
+        rolls=zero,
+        direction=zero + 1.0,
+        speed_squared=zero,
+        normal_x=zero,
+        normal_y=zero,
+        gap=zero,
     )
     # Each field is written to.
     return jax.tree.map(lambda leaf: np.array(leaf, float), state)

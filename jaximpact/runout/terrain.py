@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any
 
@@ -34,19 +34,34 @@ def _angle(
     name: str, default: float, upper: float, upper_allowed: bool, meaning: str
 ) -> InputColumn:
     return InputColumn(
-        *(name, "ground", name.removesuffix("_deg"), DEGREE, default / DEGREE),
-        *(0.0, upper, True, upper_allowed, "deg", meaning),
+        name=name,
+        part="ground",
+        field=name.removesuffix("_deg"),
+        factor=DEGREE,
+        default=default / DEGREE,
+        lower=0.0,
+        upper=upper,
+        lower_allowed=True,
+        upper_allowed=upper_allowed,
+        unit="deg",
+        meaning=meaning,
     )
 
 
 ANGLE_COLUMNS: dict[str, InputColumn] = {
     ROLLING_COLUMN: _angle(
-        *(ROLLING_COLUMN, ROLLING_FRICTION_ANGLE, 90.0, False),
-        "angle of rolling friction",
+        name=ROLLING_COLUMN,
+        default=ROLLING_FRICTION_ANGLE,
+        upper=90.0,
+        upper_allowed=False,
+        meaning="angle of rolling friction",
     ),
     ROUGHNESS_COLUMN: _angle(
-        *(ROUGHNESS_COLUMN, 0.0, ROUGHEST / DEGREE, True),
-        "standard deviation of the angle of the ground's facets",
+        name=ROUGHNESS_COLUMN,
+        default=0.0,
+        upper=ROUGHEST / DEGREE,
+        upper_allowed=True,
+        meaning="standard deviation of the angle of the ground's facets",
     ),
 }
 """Columns of the ground beside those of its soil."""
@@ -114,32 +129,27 @@ class Profile(ShownAsTable):
                     f"but got shape {np.shape(values)}"
                 ) from None
 
-        given = {
-            "rolling_friction_angle": rolling_friction_angle,
-            "roughness": roughness,
-        }
-        angles, fields = {}, {}
-        for column in ANGLE_COLUMNS.values():
-            angles[column.field] = values = of_segments(
-                column.field, given[column.field]
+        given = {"rolling_friction_angle": rolling_friction_angle}
+        given |= {"roughness": roughness}
+        fields = {}
+        for column in ground_columns(soil).values():
+            field, of_soil = column.field, column.part == "soil"
+            name = f"Soil.{field}" if of_soil else field
+            values = of_segments(
+                name, getattr(soil, field) if of_soil else given[field]
             )
-            allowed = column.is_allowed(values / DEGREE)
-            if not np.all(allowed):
-                i = int(np.argmin(allowed))
-                raise ValueError(
-                    f"a profile's {column.field} must be {column.requirement}, but is "
-                    f"{values[i] / DEGREE:g} on segment {i + 1}"
-                )
-        for column in columns_of_part("soil", soil).values():
-            field = column.field
-            fields[field] = values = of_segments(f"Soil.{field}", getattr(soil, field))
             allowed = column.is_allowed(values / column.factor)
             if not np.all(allowed):
                 i = int(np.argmin(allowed))
+                where = f" on segment {i + 1}"
                 raise ValueError(
                     f"a profile's {column.name} must be {column.requirement}, but is "
-                    f"{column.told(values[i], column.si_unit, f' on segment {i + 1}')}"
+                    f"{column.describe(values[i], column.si_unit, where)}"
                 )
+            fields[field] = values
+        angles = {
+            column.field: fields.pop(column.field) for column in ANGLE_COLUMNS.values()
+        }
         # NumPy arrays, since they are looked up lane by lane.
         soil = jax.tree.map(np.asarray, dataclasses.replace(soil, **fields))
         for field, value in {"x": x, "y": y, "soil": soil, **angles}.items():
@@ -186,6 +196,15 @@ class Profile(ShownAsTable):
         line = straight_lines(self.x, self.y)
         return _fixed(np.bincount(line, weights=self.length)[line])
 
+    def columns_between(
+        self, left: np.ndarray, right: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Find the first and the last segment whose columns lie between two places, or
+        reach into there, for each lane."""
+        first = np.searchsorted(self.x, left, side="left") - 1
+        last = np.searchsorted(self.x, right, side="right") - 1
+        return np.maximum(first, 0), np.minimum(last, self.segments - 1)
+
     def height(self, x) -> np.ndarray:
         """Interpolate the height of the ground at x [m]; beyond the ends it is that of
         the end points."""
@@ -228,6 +247,32 @@ def _fixed(values: np.ndarray) -> np.ndarray:
     """Make an array that is handed out many times read-only."""
     values.setflags(write=False)
     return values
+
+
+PAIRS = 2**18
+"""Number of pairs at once, by which the memory for them is bounded."""
+
+
+def in_pairs(
+    first: np.ndarray, last: np.ndarray
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Pair each lane with its segments.
+
+    Args:
+        first, last: segments of the lanes, `(lanes,)`; none where the last is less.
+
+    Yields:
+        Lanes and segments of some pairs.
+    """
+    count = np.maximum(last - first + 1, 0)
+    ends = np.cumsum(count)
+    start, begun = 0, 0
+    while start < len(count):
+        stop = max(start + 1, int(np.searchsorted(ends, begun + PAIRS, side="right")))
+        lanes = np.repeat(np.arange(start, stop), count[start:stop])
+        before = (ends - count)[lanes]
+        yield lanes, first[lanes] + np.arange(begun, begun + len(lanes)) - before
+        start, begun = stop, int(ends[stop - 1])
 
 
 def straight_lines(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -323,7 +368,7 @@ class Ground:
                 value = float(values[~allowed].flat[0])
                 raise InputError(
                     f"a ground's {column.name} must be {column.requirement}, but holds "
-                    f"{column.told(value, column.si_unit)}"
+                    f"{column.describe(value, column.si_unit)}"
                 )
 
     @classmethod

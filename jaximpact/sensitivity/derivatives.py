@@ -1,40 +1,23 @@
-"""Derivatives of many impacts with respect to one parameter.
+"""Derivatives of many impacts with respect to parameters.
 
 `derivatives` differentiates the model itself; `differences` checks that by finite
 differences of neighbouring impacts.
 """
 
-import concurrent.futures
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
 from ..accuracy import Accuracy
-from ..backend.native_backend import (
-    along_leaves,
-    compile_native_along,
-    computes_on_cpu,
-    solve_rows,
-    with_setting,
-)
-from ..backend.threads import thread_count
-from ..backend.xla_backend import compute_lanes
-from ..backend.xla_compilation import unfused_jit
+from ..backend.rows import compute_rows, in_parts
 from ..batch import by_shape, simulate_batch
-from ..impact.problem import Assembly
-from ..impact.reduced_models import MODELS, model_places
 from ..impact.results import ImpactSummary, empty_summary
 from ..quantities import InputColumn, ResultColumn, leaf_places
 from ..scene import Scene
 from ..scene_quantities import scene_with, value_of
-
-PART = 256
-"""Impacts that a core computes at a time."""
-
 
 POINTS = 5
 STENCILS = {
@@ -62,90 +45,44 @@ class Differences(NamedTuple):
 
 def derivatives(
     scene: Scene,
-    column: InputColumn,
+    columns: Sequence[InputColumn],
     accuracy: Accuracy,
     done: Callable[[int], None],
-) -> tuple[ImpactSummary, ImpactSummary]:
-    """Compute results, and their derivatives with respect to one parameter in SI units.
-
-    One program serves all parameters, one at a time; it compiles for some 4 s. It runs
-    in machine code, and in XLA where the laws have none.
+) -> tuple[ImpactSummary, list[ImpactSummary]]:
+    """Compute results, and their derivatives with respect to parameters in SI units.
 
     Args:
         scene: fields `(n,)`.
-        column: the parameter.
+        columns: the parameters; three are computed together.
         accuracy: of the integration.
-        done: called with the number of impacts that were computed since the last call.
+        done: called with the number of impacts that were computed since the last call,
+            one for each parameter.
 
     Returns:
-        Numbers with fields `(n,)`, and the derivatives of each; NaN where the
-        integration failed.
+        Numbers with fields `(n,)`, and for each parameter the derivatives of each; NaN
+        where the integration failed.
     """
     count = len(np.asarray(scene.impact.speed))
-    rows = len(jax.tree.leaves(empty_summary(ledger=False)))
-    values, slopes = np.empty((rows, count)), np.zeros((rows, count))
-    jobs = []
-    for alone, of_shape in by_shape(scene):
-        # A parameter that the shape does not have changes nothing.
-        leaf = leaf_places(alone).get(column.name)
-        structure = jax.tree.structure(alone)
-        leaves = np.stack([np.asarray(x) for x in jax.tree.leaves(alone)])
-        # A derivative leaves the symmetry that a cheaper model rests on.
-        unknown = list(leaves)
-        if leaf is not None:
-            unknown[leaf] = np.full(count, np.nan)
-        models = model_places(jax.tree.unflatten(structure, unknown), 0.0)
-        models = np.where(of_shape, models, -1)
-        for model in np.unique(models[models >= 0]):
-            assembly = Assembly(structure, MODELS[model], False)
-            kernel = compile_native_along(assembly) if computes_on_cpu() else None
-            chosen = np.flatnonzero(models == model)
-            jobs += [
-                (assembly, kernel, leaves, leaf, chosen[start : start + PART])
-                for start in range(0, len(chosen), PART)
-            ]
-
-    def solve(job) -> None:
-        assembly, kernel, leaves, leaf, places = job
-        part, by = leaves[:, places], leaf or 0
-        if kernel is None:
-            numbers, along = _in_xla(
-                assembly, by, list(part), accuracy.tolerance, accuracy.floor
-            )
-        else:
-            inputs = along_leaves(with_setting(part, accuracy), by)
-            numbers, (along,) = solve_rows(kernel, inputs)
-        values[:, places] = jax.tree.leaves(numbers)
-        if leaf is not None:
-            slopes[:, places] = jax.tree.leaves(along)
-        done(len(places))
-
-    pool = concurrent.futures.ThreadPoolExecutor(thread_count())
-    try:
-        for _ in pool.map(solve, jobs):
-            pass
-    finally:
-        pool.shutdown(cancel_futures=True)
     of_numbers = jax.tree.structure(empty_summary(ledger=False))
-    return (
-        jax.tree.unflatten(of_numbers, list(values)),
-        jax.tree.unflatten(of_numbers, list(slopes)),
+    values = np.empty((of_numbers.num_leaves, count))
+    slopes = np.zeros((len(columns), *values.shape))
+    for alone, of_shape in by_shape(scene):
+        leaves, structure = jax.tree.flatten(alone)
+        places = leaf_places(alone)
+        # A parameter that the shape does not have changes nothing.
+        known = [k for k, column in enumerate(columns) if column.name in places]
+        varied = [places[columns[k].name] for k in known]
+        for part in in_parts(np.flatnonzero(np.broadcast_to(of_shape, count))):
+            own = [np.asarray(leaf)[part] for leaf in leaves]
+            rows, along = compute_rows(structure, own, accuracy, varied=varied)
+            values[:, part] = rows
+            for k, column in zip(known, along, strict=True):
+                slopes[k][:, part] = column
+            done(len(part) * len(columns))
+    numbers, *found = (
+        jax.tree.unflatten(of_numbers, list(rows)) for rows in (values, *slopes)
     )
-
-
-def _along_leaf(assembly: Assembly, leaf: int, rows: list, tolerance, floor):
-    """Compute numbers of lanes, and their derivatives with respect to one leaf of the
-    scene."""
-
-    def of_leaf(values):
-        all_rows = [*rows[:leaf], values, *rows[leaf + 1 :]]
-        scene = jax.tree.unflatten(assembly.structure, all_rows)
-        return compute_lanes(assembly, scene, tolerance, floor)
-
-    return jax.jvp(of_leaf, (rows[leaf],), (jnp.ones_like(rows[leaf]),))
-
-
-_in_xla = unfused_jit(_along_leaf, static_argnums=(0, 1))
+    return numbers, found
 
 
 def differences(

@@ -137,8 +137,7 @@ def elasticities(
           agree, to 8e-8 in the median; at "balanced" 976 do, at "fast" 802.
         * `parameter_value`, `output_value` and `outcome`.
 
-    The first use of a parameter compiles for some 4 s, for vertical impacts 2 s; see
-    `derivatives`.
+    The first use compiles for some 10 s, for vertical impacts less.
 
     Raises:
         InputError: an unknown name, with the nearest known; axes as `sweep` refuses.
@@ -154,16 +153,17 @@ def elasticities(
     scenes, count = broadcast_scene(scenes)
     impacts = count * len(inputs) * (1 + POINTS * bool(check))
     counter = _Counter(as_progress(progress), impacts)
-    summaries, found = zip(
-        *(_one_parameter(scenes, c, results, setting, check, counter) for c in inputs),
-        strict=True,
-    )
+    numbers, slopes = derivatives(scenes, inputs, setting, counter)
+    found = [
+        _one_parameter(scenes, c, results, setting, check, counter, numbers, by)
+        for c, by in zip(inputs, slopes, strict=True)
+    ]
     counter.end()
     values = {name: np.stack([one[name] for one in found], axis=1) for name in found[0]}
     values |= {
         "parameter_value": np.stack([value_of(scenes, c) for c in inputs], axis=1),
-        "output_value": _outputs(summaries[0], results),
-        OUTCOME_COLUMN: outcomes_in_words(summaries[0].outcome_code),
+        "output_value": _outputs(numbers, results),
+        OUTCOME_COLUMN: outcomes_in_words(numbers.outcome_code),
     }
     over = {
         "parameter_value": ("parameter",),
@@ -286,10 +286,11 @@ def _one_parameter(
     setting: Accuracy,
     check: bool,
     counter: _Counter,
-) -> tuple[ImpactSummary, dict[str, np.ndarray]]:
-    """Compute the results, and the variables of one parameter, shape (scenes,
-    outputs)."""
-    numbers, slopes = derivatives(scene, column, setting, counter)
+    numbers: ImpactSummary,
+    slopes: ImpactSummary,
+) -> dict[str, np.ndarray]:
+    """Return the variables of one parameter, shape (scenes, outputs), from the numbers
+    and their derivatives by it."""
     parameter = value_of(scene, column)[:, None]
     values = _outputs(numbers, results)
     derivative = column.factor * _outputs(slopes, results)
@@ -313,10 +314,8 @@ def _one_parameter(
     found = {"elasticity": elasticity, "derivative": derivative, "state": state}
     if check:
         size = np.where(zero, sizes, np.abs(values))
-        return numbers, found | _check(
-            scene, column, results, derivative, size, counter
-        )
-    return numbers, found | {
+        return found | _check(scene, column, results, derivative, size, counter)
+    return found | {
         "derivative_by_differences": np.full_like(values, np.nan),
         "disagreement": np.full_like(values, np.nan),
         "check": np.full(values.shape, Check.unchecked, np.int8),

@@ -12,7 +12,7 @@ gather in a corner of the ranges, the estimates hold for the rest of them.
 import dataclasses
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -31,7 +31,8 @@ from ..io.checks import NUMBERS_PER_IMPACT, check_memory, check_scene
 from ..io.datasets import provenance
 from ..io.result_table import count_outcomes
 from ..progress import Progress, ProgressFunction
-from ..scene import SceneLike, as_scene
+from ..quantities import ResultColumn
+from ..scene import Scene, SceneLike, as_scene
 from ..scene_quantities import scene_with
 from .ranges import (
     DEFAULT_OUTPUTS,
@@ -106,9 +107,22 @@ def sobol(
             two, a journal of something else.
         ValueError: a base that is no single scene.
     """
-    return _estimate_over_ranges(
-        _SOBOL, base, ranges, outputs, blocks, seed, accuracy, journal, progress
+    blocks = whole_number("blocks", blocks, 2)
+    if blocks & (blocks - 1):  # Sobol's sequence needs it for its balance.
+        raise InputError(
+            f"blocks must be a power of two, but is {blocks}; take "
+            f"{2 ** round(math.log2(blocks))}"
+        )
+    study = _Study.of(base, ranges, outputs, seed, accuracy)
+    study.check_size(blocks, "blocks", blocks * (len(study.ranges) + 2))
+    from SALib.sample import sobol as salib  # a second, for pandas and SciPy
+
+    fractions = salib.sample(
+        problem_of(study.ranges), blocks, calc_second_order=False, seed=seed
     )
+    values, attributes = study.simulate(fractions, blocks, journal, progress)
+    variables = [sobol_of(of_output, seed) for of_output in values]
+    return study.dataset("Sobol indices", variables, _OF_SOBOL, attributes)
 
 
 @numpy_settings()
@@ -147,79 +161,101 @@ def morris(
 
     Raises as `sobol` does.
     """
-    return _estimate_over_ranges(
-        _MORRIS, base, ranges, outputs, trajectories, seed, accuracy, journal, progress
+    whole_number("trajectories", trajectories, 2)
+    study = _Study.of(base, ranges, outputs, seed, accuracy)
+    count = len(study.ranges)
+    study.check_size(trajectories, "trajectories", trajectories * (count + 1))
+    from SALib.sample import morris as salib  # a second, for pandas and SciPy
+
+    fractions = salib.sample(
+        problem_of(study.ranges), trajectories, num_levels=LEVELS, seed=seed
     )
+    values, attributes = study.simulate(fractions, trajectories, journal, progress)
+    fractions = fractions.reshape(trajectories, -1, count)
+    variables = [morris_of(fractions, of_output, seed) for of_output in values]
+    title = "Morris's elementary effects"
+    return study.dataset(title, variables, _OF_MORRIS, attributes)
 
 
-class _Method(NamedTuple):
-    """A method of global sensitivity analysis."""
+class _Study(NamedTuple):
+    """Impacts over ranges of parameters."""
 
-    title: str
-    check_size: Callable[[int, int], None]
-    """Raises InputError for a number of groups, and of parameters, that is unfit."""
-    sample: Callable[[dict, int, int], np.ndarray]
-    """Function of a problem for SALib, the number of groups and a seed: fractions of
-    the ranges, shape (impacts, parameters)."""
-    estimate: Callable[[np.ndarray, np.ndarray, int], dict[str, Any]]
-    """Function of the fractions (groups, impacts, parameters), values of an output
-    (groups, impacts) and a seed: the variables of the dataset, for that output."""
-    attributes: Mapping[str, dict[str, str]]
-    """Variable -> its attributes in the dataset."""
+    base: Scene
+    ranges: dict[str, Range]
+    outputs: tuple[ResultColumn, ...]
+    seed: int
+    accuracy: Accuracy
 
+    @classmethod
+    def of(cls, base: SceneLike, ranges, outputs, seed: int, accuracy) -> "_Study":
+        """Check what the user gave; raises InputError and ValueError as `sobol`."""
+        require_float64()
+        base = as_scene(base)
+        check_scene(base)
+        checked, columns = check_ranges(base, ranges), output_columns(outputs)
+        whole_number("seed", seed, 0, LARGEST_SEED)
+        return cls(base, checked, columns, seed, get_accuracy(accuracy))
 
-def _estimate_over_ranges(
-    method: _Method,
-    base: SceneLike,
-    ranges: Mapping[str, Range | tuple[float, float]],
-    outputs: Iterable[str],
-    size: int,
-    seed: int,
-    accuracy: str | Accuracy,
-    journal: Path | None,
-    progress: Progress | ProgressFunction | None,
-) -> xr.Dataset:
-    """Sample `size` groups, compute their impacts and estimate each output's indices;
-    the other arguments as for `sobol`."""
-    require_float64()
-    base = as_scene(base)
-    check_scene(base)
-    checked, results = check_ranges(base, ranges), output_columns(outputs)
-    whole_number("seed", seed, 0, LARGEST_SEED)
-    method.check_size(size, len(checked))
-    setting = get_accuracy(accuracy)
-    fractions = method.sample(problem_of(checked), size, seed)
-    sampled = {
-        name: given.values(fractions[:, i])
-        for i, (name, given) in enumerate(checked.items())
-    }
-    computed = simulate_batch(
-        scene_with(base, sampled), accuracy=setting, journal=journal, progress=progress
-    )
-    fractions = fractions.reshape(size, -1, len(checked))
-    found = [
-        method.estimate(fractions, getattr(computed, c.field).reshape(size, -1), seed)
-        for c in results
-    ]
-    variables = {}
-    for name in found[0]:
-        values = np.array([of_output[name] for of_output in found])
-        dimensions = ("output", "parameter")[: values.ndim]
-        variables[name] = dimensions, values, method.attributes.get(name, {})
-    return xr.Dataset(
-        variables,
-        axes_of_names(parameter_columns(base, checked), results),
-        attrs={
-            "title": f"jaximpact: {method.title} of impacts",
-            **provenance(base, setting),
-            "ranges": json.dumps(
-                {name: dataclasses.asdict(given) for name, given in checked.items()}
-            ),
-            "seed": seed,
+    def check_size(self, groups: int, name: str, impacts: int) -> None:
+        """Raise InputError for more groups than fit into memory."""
+        what = f"{groups} {name}, {impacts} impacts,"
+        check_memory(impacts * NUMBERS_PER_IMPACT, what)
+
+    def simulate(
+        self,
+        fractions: np.ndarray,
+        groups: int,
+        journal: Path | None,
+        progress: Progress | ProgressFunction | None,
+    ) -> tuple[list[np.ndarray], dict]:
+        """Simulate impacts at fractions of the ranges, `(impacts, parameters)`.
+
+        Returns each output, `(groups, impacts of a group)`, and attributes of a dataset
+        that say how they were computed.
+        """
+        sampled = {
+            name: of_name.values(along)
+            for (name, of_name), along in zip(
+                self.ranges.items(), fractions.T, strict=True
+            )
+        }
+        computed = simulate_batch(
+            scene_with(self.base, sampled),
+            accuracy=self.accuracy,
+            journal=journal,
+            progress=progress,
+        )
+        fields = [getattr(computed, column.field) for column in self.outputs]
+        return [values.reshape(groups, -1) for values in fields], {
+            **provenance(self.base, self.accuracy),
             "outcomes": json.dumps(count_outcomes(computed)),
-            "versions": json.dumps(versions() | {"SALib": version_of("SALib")}),
-        },
-    )
+        }
+
+    def dataset(
+        self,
+        title: str,
+        variables: list[dict[str, Any]],
+        meanings: Mapping[str, dict[str, str]],
+        attributes: dict,
+    ) -> xr.Dataset:
+        """Make the dataset of variables of each output."""
+        ranges = {name: dataclasses.asdict(each) for name, each in self.ranges.items()}
+        columns = {}
+        for name in variables[0]:
+            values = np.array([of_output[name] for of_output in variables])
+            dimensions = ("output", "parameter")[: values.ndim]
+            columns[name] = dimensions, values, meanings.get(name, {})
+        return xr.Dataset(
+            columns,
+            axes_of_names(parameter_columns(self.base, self.ranges), self.outputs),
+            attributes
+            | {
+                "title": f"jaximpact: {title} of impacts",
+                "ranges": json.dumps(ranges),
+                "seed": self.seed,
+                "versions": json.dumps(versions() | {"SALib": version_of("SALib")}),
+            },
+        )
 
 
 def problem_of(names: Iterable[str]) -> dict:
@@ -282,25 +318,6 @@ def sobol_of(values: Float[np.ndarray, "blocks rows"], seed: int) -> dict[str, A
     return indices | groups | {"mean": ends.mean(), "standard_deviation": ends.std()}
 
 
-def check_blocks(blocks: int, parameters: int) -> None:
-    """Raise InputError unless the number of blocks is a power of two, which Sobol's
-    sequence needs for its balance, and the sample fits into memory."""
-    blocks = whole_number("blocks", blocks, 2)
-    if blocks & (blocks - 1):
-        raise InputError(
-            f"blocks must be a power of two, but is {blocks}; take "
-            f"{2 ** round(math.log2(blocks))}"
-        )
-    impacts = blocks * (parameters + 2)
-    check_memory(impacts * NUMBERS_PER_IMPACT, f"{blocks} blocks, {impacts} impacts,")
-
-
-def _sample_blocks(problem: dict, blocks: int, seed: int) -> np.ndarray:
-    from SALib.sample import sobol as salib  # a second, for pandas and SciPy
-
-    return salib.sample(problem, blocks, calc_second_order=False, seed=seed)
-
-
 _INDICES = {
     "first_order": "S1",
     "first_order_interval": "S1_conf",
@@ -310,22 +327,13 @@ _INDICES = {
 """Variable -> SALib's name of it."""
 _TOTALS = ("mean", "standard_deviation")
 _INTERVAL = {"units": "-", "long_name": "half width of its 95 % interval"}
-_SOBOL = _Method(
-    title="Sobol indices",
-    check_size=check_blocks,
-    sample=_sample_blocks,
-    estimate=lambda fractions, values, seed: sobol_of(values, seed),
-    attributes={
-        "first_order": {"units": "-", "long_name": "first-order index"},
-        "first_order_interval": _INTERVAL,
-        "total_order": {"units": "-", "long_name": "total index"},
-        "total_order_interval": _INTERVAL,
-    }
-    | {
-        name: {"long_name": f"{name} over the ranges, in output_unit"}
-        for name in _TOTALS
-    },
-)
+_OF_SOBOL = {
+    "first_order": {"units": "-", "long_name": "first-order index"},
+    "first_order_interval": _INTERVAL,
+    "total_order": {"units": "-", "long_name": "total index"},
+    "total_order_interval": _INTERVAL,
+} | {name: {"long_name": f"{name} over the ranges, in output_unit"} for name in _TOTALS}
+"""Variable -> its attributes in the dataset."""
 
 
 # --- Elementary effects.
@@ -369,22 +377,6 @@ def morris_of(
     return effects | groups
 
 
-def check_trajectories(trajectories: int, parameters: int) -> None:
-    """Raise InputError for too few trajectories to have a standard deviation, and for
-    more than fit into memory."""
-    whole_number("trajectories", trajectories, 2)
-    impacts = trajectories * (parameters + 1)
-    check_memory(
-        impacts * NUMBERS_PER_IMPACT, f"{trajectories} trajectories, {impacts} impacts,"
-    )
-
-
-def _sample_trajectories(problem: dict, trajectories: int, seed: int) -> np.ndarray:
-    from SALib.sample import morris as salib  # a second, for pandas and SciPy
-
-    return salib.sample(problem, trajectories, num_levels=LEVELS, seed=seed)
-
-
 _EFFECTS = {
     "mean_effect": ("mu", "mu, mean effect of the whole range"),
     "mean_absolute_effect": ("mu_star", "mu*, mean absolute effect of the whole range"),
@@ -395,13 +387,8 @@ _EFFECTS = {
     "effect_deviation": ("sigma", "sigma, standard deviation of the effect"),
 }
 """Variable -> SALib's name of it, and its meaning."""
-_MORRIS = _Method(
-    title="Morris's elementary effects",
-    check_size=check_trajectories,
-    sample=_sample_trajectories,
-    estimate=morris_of,
-    attributes={
-        name: {"units": "output_unit", "long_name": meaning}
-        for name, (_, meaning) in _EFFECTS.items()
-    },
-)
+_OF_MORRIS = {
+    name: {"units": "output_unit", "long_name": meaning}
+    for name, (_, meaning) in _EFFECTS.items()
+}
+"""Variable -> its attributes in the dataset."""

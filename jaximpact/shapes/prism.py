@@ -91,8 +91,8 @@ class RectangularPrism(AbstractShape):
             # About the block's centre, of four quarters whose corners lie at (p, q):
             # the quarter's own moment, its area, and its centroid's distance.
             area, first = jnp.pi * radius**2, 4.0 / 3.0 * radius**3
-            own = 0.5 * jnp.pi * radius**4
-            return own + 2.0 * first * (p + q) + area * (p**2 + q**2)
+            about_itself = 0.5 * jnp.pi * radius**4
+            return about_itself + 2.0 * first * (p + q) + area * (p**2 + q**2)
 
         moment = (
             rectangle(long, b) + rectangle(a, 1.0) - rectangle(a, b) + quarters(a, b)

@@ -1,21 +1,23 @@
 """The paper's claims: what each says (claims.csv), and a function that judges it.
 
-A function takes datasets by name (`Study`) and gives a `Judgement`; what it asks for
-stands as the criterion in claims.csv, which was written down before anything was
-computed.
+A function gets a `Study`, which has datasets by name, and gives a `Judgement`; what it
+asks for stands as the criterion in claims.csv, which was written down before anything
+was computed.
 """
 
 import csv
 from collections import Counter
 from collections.abc import Callable
-from importlib import resources
+from pathlib import Path
 from typing import NamedTuple
 
 from jaximpact.parametric_sets import GROUNDS
 
-from ..claim_data import Study
-from ..criteria import Judgement, Verdict, condition, judge, key_of
+from ..criteria import Judgement, Verdict, condition, judge
+from ..study import Study
 from . import impacts, restitution, slope
+
+Judge = Callable[[Study], Judgement]
 
 
 class Claim(NamedTuple):
@@ -29,12 +31,11 @@ class Claim(NamedTuple):
 
 def read_claims() -> dict[str, Claim]:
     """Read every claim by its id."""
-    text = resources.files(__name__).joinpath("claims.csv").read_text("utf-8")
-    rows = csv.DictReader(text.splitlines())
-    return {row["id"]: Claim(**row) for row in rows}
+    text = Path(__file__).with_name("claims.csv").read_text("utf-8")
+    return {row["id"]: Claim(**row) for row in csv.DictReader(text.splitlines())}
 
 
-OF_SETS: dict[str, Callable[[Study], Judgement]] = impacts.CLAIMS | restitution.CLAIMS
+OF_SETS: dict[str, Judge] = impacts.CLAIMS | restitution.CLAIMS
 """Judges of the claims on sets I to IV, in the order of their ids."""
 
 
@@ -51,20 +52,22 @@ def alike_on_other_grounds(study: Study) -> Judgement:
         kinds = (Verdict.holds, Verdict.partly, Verdict.fails)
         return f"{ground}: " + "/".join(str(counts[kind]) for kind in kinds)
 
-    parts, words, numbers = [], [in_words(GROUNDS[0], table_1)], {}
+    parts, words = [], [in_words(GROUNDS[0], table_1)]
     for ground, verdicts in zip(GROUNDS[1:], others, strict=True):
-        different = [name for name in OF_SETS if verdicts[name] != table_1[name]]
         parts += [condition(verdicts[name] == table_1[name]) for name in OF_SETS]
-        changes = ", ".join(f"{name} {verdicts[name]}" for name in different)
+        changes = ", ".join(
+            f"{name} {verdicts[name]}"
+            for name in OF_SETS
+            if verdicts[name] != table_1[name]
+        )
         words.append(f"{in_words(ground, verdicts)}, others: {changes or 'none'}")
-        numbers[f"different_with_{key_of(ground)}"] = len(different)
-    return judge("; ".join(words), parts, numbers)
+    return judge("; ".join(words), *parts)
 
 
 SUPPLEMENT = "C38"
 """The claim of the supplementary material, on other pairs of c_v and gamma_v; it is not
 judged again under every reading."""
-JUDGES: dict[str, Callable[[Study], Judgement]] = (
+JUDGES: dict[str, Judge] = (
     OF_SETS
     | restitution.FURTHER_CLAIMS
     | impacts.SPHERICITY_CLAIMS

@@ -6,9 +6,9 @@ import xarray as xr
 from jaximpact.parametric_sets import GROUNDS
 
 from ..biplanar import COEFFICIENTS
-from ..claim_data import SLOPE, Study, elongated
-from ..criteria import Judgement, between, condition, conditions, judge, key_of
+from ..criteria import Judgement, between, condition, conditions, elongated, judge
 from ..goodness_of_fit import Fit, fit_exponential, fit_normal
+from ..study import SLOPE, Study
 
 ON_THE_PARABOLA = 1e-6
 """[m]"""
@@ -29,26 +29,23 @@ MEAN_WITHIN = 0.1
 WELL_ABOVE, SHARE_ABOVE = 1.2, 0.01
 
 
-def same_path(sets: Study) -> Judgement:
+def same_path(study: Study) -> Judgement:
     """Without spin all fly the same parabola, and their paths superimpose to 250 m."""
-    still = _without_spin(sets)
+    still = _without_spin(study)
     off, apart = still.off_the_parabola_m, still.paths_apart_m
     long = elongated(apart)
     return judge(
         f"first impact at x {between(still.first_impact_x_m, 'm')}, within "
         f"{float(off.max()):.0e} m of the parabola; as far as x 250 m off the sphere's "
         f"path by up to {float(long.max()):.2g} m",
-        [
-            conditions(off <= ON_THE_PARABOLA, "on the parabola"),
-            conditions(long <= SUPERIMPOSED, "superimposed"),
-        ],
-        {"first_impact_x_m": still.first_impact_x_m.max(), "apart_m": long.max()},
+        conditions(off <= ON_THE_PARABOLA, "on the parabola"),
+        conditions(long <= SUPERIMPOSED, "superimposed"),
     )
 
 
-def elongated_blocks_roll(sets: Study) -> Judgement:
+def elongated_blocks_roll(study: Study) -> Judgement:
     """Elongated blocks roll after the first impact, the sphere after three bounces."""
-    still = _without_spin(sets)
+    still = _without_spin(study)
     sphere = still.sel(aspect_ratio=1.0)
     long = elongated(still)
     count, highest = int(sphere.bounces), float(sphere.highest_bounce_m)
@@ -59,26 +56,18 @@ def elongated_blocks_roll(sets: Study) -> Judgement:
         f"{highest:.2g} m high; others {between(long.bounces)}, up to "
         f"{float(long.highest_bounce_m.max()):.2g} m high, but of a median rise of "
         f"{between(long.middle_bounce_m, 'm')}",
-        [
-            conditions(long.rolls & (long.bounces == 0), "roll after the first impact"),
-            condition(bool(sphere.rolls) and few and small),
-        ],
-        {
-            "bounces_of_sphere": count,
-            "highest_of_sphere_m": highest,
-            "least_bounces_of_others": long.bounces.min(),
-            "most_bounces_of_others": long.bounces.max(),
-        },
+        conditions(long.rolls & (long.bounces == 0), "roll after the first impact"),
+        condition(bool(sphere.rolls) and few and small),
     )
 
 
-def _without_spin(sets: Study) -> xr.Dataset:
-    return sets[SLOPE].sel(angular_velocity_degps=0.0, drop=True)
+def _without_spin(study: Study) -> xr.Dataset:
+    return study[SLOPE].sel(angular_velocity_degps=0.0, drop=True)
 
 
 def heights_are_exponential(study: Study) -> Judgement:
     """Heights of jumps are near an exponential distribution on all grounds."""
-    parts, words, numbers = [], [], {}
+    parts, words = [], []
     for ground in GROUNDS:
         fits = exponential_fits(study.on(ground)[SLOPE])
         _, _, distance, _, count = np.array([*fits.values()]).T
@@ -90,10 +79,9 @@ def heights_are_exponential(study: Study) -> Judgement:
             f"mean height {_listed([fit.mean for fit in fits.values()])} m, "
             f"{count.min():.0f} to {count.max():.0f} jumps"
         )
-        numbers[f"largest_distance_{key_of(ground)}"] = distance.max()
-    near = sum(part.held for part in parts)
+    near = sum(part.met for part in parts)
     words.append(f"near at {near} of {len(parts)} places")
-    return judge("; ".join(words), parts, numbers)
+    return judge("; ".join(words), *parts)
 
 
 def exponential_fits(data: xr.Dataset) -> dict[float, Fit]:
@@ -109,10 +97,10 @@ def coefficients_are_normal(study: Study) -> Judgement:
     """e_n and e_t of all impacts are near normal, with the paper's means.
 
     Impacts after which a block hops are not among them. Means pooled over shapes rest
-    on how many impacts each shape has, so those of each are told beside them.
+    on how many impacts each shape has, so those of each stand beside them.
     """
     data = study[SLOPE]
-    parts, words, numbers = [], [], {}
+    parts, words = [], []
     for name, mean in MEANS.items():
         values = _in_window(data[name])
         outside = 1.0 - len(values) / data[name].count()
@@ -130,7 +118,6 @@ def coefficients_are_normal(study: Study) -> Judgement:
             f"{100.0 * float(outside):.1f} % outside of {COEFFICIENTS[0]:g} to "
             f"{COEFFICIENTS[1]:g}, mean at A_r {_means_by_shape(data, name)}"
         )
-        numbers |= {f"mean_{name}": fit.start, f"distance_{name}": fit.distance}
     others = []
     for ground in GROUNDS[1:]:
         other = study.on(ground)[SLOPE]
@@ -143,7 +130,7 @@ def coefficients_are_normal(study: Study) -> Judgement:
         f"{float(data.e_n_before_hops.mean()):.2f}",
         "means elsewhere: " + ", ".join(others),
     ]
-    return judge("; ".join(words), parts, numbers)
+    return judge("; ".join(words), *parts)
 
 
 def _means_by_shape(data: xr.Dataset, name: str) -> str:

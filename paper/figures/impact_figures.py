@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from jaximpact.plotting.style import BLUE, GREEN, VERMILION, in_style, legend_outside
 from jaximpact.quantities import OUTCOME_COLUMN
 
-from ..study import record_impacts
+from ..study import Study
 from .drawing import (
     ANGLE,
     ASPECT_RATIO,
@@ -30,7 +30,6 @@ from .drawing import (
 )
 from .tables import (
     PaperFigure,
-    Study,
     Table,
     curves_with_jumps,
     impact_table,
@@ -55,20 +54,19 @@ COEFFICIENTS: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 def over_time(
-    number: str, title: str, name: str, held: dict[str, float], series: Sequence[str]
+    number: str, title: str, name: str, fixed: dict[str, float], series: Sequence[str]
 ) -> PaperFigure:
     """Draw a figure of time series for each aspect ratio of a set, one panel each.
 
     Args:
         name: of the parametric set.
-        held: quantities that are the same for all.
+        fixed: quantities that are the same for all.
     """
 
     def compute(study: Study) -> Table:
-        base, axes = study.parametric_set(name)
-        ratios = np.asarray(axes[ASPECT_RATIO])
-        points = [{**held, ASPECT_RATIO: value} for value in ratios]
-        return series_table(study, base, points, ("time_s", *series))
+        ratios = np.asarray(study.parametric_set(name)[1][ASPECT_RATIO])
+        points = [{**fixed, ASPECT_RATIO: value} for value in ratios]
+        return series_table(study, name, points, ("time_s", *series))
 
     @in_style
     def draw(table: Table) -> Figure:
@@ -108,10 +106,9 @@ def compute_7(study: Study) -> Table:
     axes = {name: axes[name] for name in axes if name != ORIENTATION}
     table = impact_table(base, axes, (*LARGEST, "rotation_rad"), study.accuracy)
     points = table[[*axes]].to_dict("records")
-    recorded = record_impacts(base, points, study.accuracy, study.progress)
     ratios = [
         peak(np.asarray(history.time), np.asarray(history.rotational_ratio))
-        for _, history in recorded
+        for _, history in study.record("III", points)
     ]
     table.insert(table.columns.get_loc(OUTCOME_COLUMN), MAX_RATIO, ratios)
     return table.sort_values([ASPECT_RATIO, ANGLE], ignore_index=True)

@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from scipy.stats import expon, norm
 
 from jaximpact.impact.events import Outcome
 from jaximpact.plotting.style import (
@@ -19,10 +20,9 @@ from jaximpact.plotting.style import (
     legend_outside,
     log_scale,
 )
-from jaximpact.quantities import OUTCOME_COLUMN, columns_of_part
+from jaximpact.quantities import OUTCOME_COLUMN
 from jaximpact.runout import Ending, MotionMode, Pieces, Runs
 from jaximpact.scene import GRAVITY
-from jaximpact.scene_quantities import scene_values
 from jaximpact.units import DEGREE
 
 from ..biplanar import (
@@ -39,6 +39,7 @@ from ..biplanar import (
     restitutions,
 )
 from ..goodness_of_fit import Fit, fit_exponential, fit_normal
+from ..study import Study
 from .drawing import (
     ASPECT_RATIO,
     aspect_ratio_legend,
@@ -47,7 +48,7 @@ from .drawing import (
     label_axes,
     lettered_panels,
 )
-from .tables import PaperFigure, Study, Table
+from .tables import PaperFigure, Table
 
 SPIN = "angular_velocity_degps"
 ENDING_COLUMN = "ending"
@@ -68,7 +69,7 @@ BEFORE_HOPS: dict[str, Any] = {"color": VERMILION, "ls": "--"}
 
 
 def blocks_table(runs: Runs, trajectory: np.ndarray) -> Table:
-    """Aspect ratio, the sphere's spin and the ending of some trajectories, a row for
+    """Aspect ratio, the sphere's spin and the ending of trajectories, a row for
     each place."""
     shapes = np.repeat(ASPECT_RATIOS, len(SPINS_DEGPS))
     spins = np.tile(SPINS_DEGPS, len(ASPECT_RATIOS))
@@ -79,40 +80,9 @@ def blocks_table(runs: Runs, trajectory: np.ndarray) -> Table:
     )
 
 
-def case_values(study: Study) -> dict:
-    """Collect what the runs were computed from, for the manifest."""
-    case = BiplanarCase()
-    scene = study.parametric_set("I")[0]
-    values = scene_values(scene)
-    soil = {name: values[name] for name in columns_of_part("soil", scene.soil)}
-    angles = {
-        f"{name}_deg": getattr(case, name) / DEGREE
-        for name in ("direction", "orientation", "rolling_friction_angle")
-    }
-    others = {
-        field.name: getattr(case, field.name)
-        for field in dataclasses.fields(case)
-        if f"{field.name}_deg" not in angles and field.name != "height"
-    }
-    return {
-        "slope_height_m": HEIGHT,
-        "slope_length_m": SLOPE_LENGTH,
-        "flat_length_m": FLAT_LENGTH,
-        "speed_mps": SPEED,
-        "height_above_the_crest_m": case.height,
-        **angles,
-        **others,
-        "mass_kg": values["mass_kg"],
-        "density_kgm3": values["density_kgm3"],
-        "aspect_ratios": list(ASPECT_RATIOS),
-        "spins_of_the_sphere_degps": list(SPINS_DEGPS),
-        **soil,
-    }
-
-
 def compute_10(study: Study) -> Table:
     """Points of the profile, and of the parabola up to where it comes down to it."""
-    case = BiplanarCase()
+    case = study.reading.slope.case
     profile = case.profile(study.parametric_set("I")[0].soil)
     v_x, v_y = SPEED * np.cos(case.direction), SPEED * np.sin(case.direction)
     rising = v_y + v_x * np.tan(SLOPE)
@@ -161,7 +131,7 @@ def draw_10(table: Table) -> Figure:
 def compute_11(study: Study) -> Table:
     """Return the trajectory of each shape, a row a moment: the height is that of the
     centre above the ground. Contacts are left out, which last too short to be seen."""
-    runs = study.slope_runs()
+    runs = study.runs
     free = runs.pieces.motion != MotionMode.contact
     pieces = Pieces(*(column[free] for column in runs.pieces))
     runs = dataclasses.replace(runs, pieces=pieces)
@@ -197,7 +167,7 @@ def draw_11(table: Table) -> Figure:
 def compute_12(study: Study) -> Table:
     """Return a row for each flight that begins at a contact: the highest point of the
     centre above the ground, and by how much that is above its start."""
-    runs = study.slope_runs()
+    runs = study.runs
     flights = jumps(runs)
     chosen = np.flatnonzero(flights.after_contact)
     table = blocks_table(runs, flights.trajectory[chosen])
@@ -219,7 +189,7 @@ def draw_12(table: Table) -> Figure:
     for each, (shape, rows) in zip(axes[:-1], table.groupby(ASPECT_RATIO), strict=True):
         heights = rows["height_m"]
         fit = fit_exponential(heights)
-        draw_histogram(each, heights, edges, fit, exponential, IMPACTS)
+        draw_histogram(each, heights, edges, fit, expon, IMPACTS)
         label_counts(each, "height_m", "jumps [-]", heights, edges)
         distance = f"distance of the fit {distance_in_words(fit)}"
         each.set_title(f"$A_r$ = {shape:g}: {len(heights)} jumps,\n{distance}")
@@ -246,14 +216,14 @@ def draw_12(table: Table) -> Figure:
 def compute_14(study: Study) -> Table:
     """Return a row for each impact; coefficients are NaN where the centre does not come
     down."""
-    runs = study.slope_runs()
-    contacts, found = runs.contacts, restitutions(runs)
+    runs = study.runs
+    contacts, coefficients = runs.contacts, restitutions(runs)
     chosen = np.flatnonzero(contacts.outcome >= 0)
     table = blocks_table(runs, contacts.trajectory[chosen])
     columns = {
         "x_m": contacts.x[chosen],
-        "e_n": found.e_n[chosen],
-        "e_t": found.e_t[chosen],
+        "e_n": coefficients.e_n[chosen],
+        "e_t": coefficients.e_t[chosen],
         HOP: contacts.hop[chosen].astype(int),
         OUTCOME_COLUMN: [str(Outcome(code)) for code in contacts.outcome[chosen]],
     }
@@ -276,7 +246,7 @@ def draw_14(table: Table) -> Figure:
         ):
             chosen = inside[inside[HOP] == hops]
             fit = fit_normal(chosen[name])
-            draw_histogram(each, chosen[name], edges, fit, normal, style)
+            draw_histogram(each, chosen[name], edges, fit, norm, style)
             words.append(
                 f"{who} {fit.start:.2f} ± {fit.scale:.2f}, "
                 f"distance {distance_in_words(fit)}"
@@ -301,13 +271,15 @@ def say_what_distances_are(figure: Figure) -> None:
     )
 
 
-def draw_histogram(axes: Axes, values, edges, fit: Fit, density, style) -> None:
-    """Draw counts, and what the fitted density expects of them."""
+def draw_histogram(axes: Axes, values, edges, fit: Fit, kind, style) -> None:
+    """Draw counts, and what a fitted distribution, one of SciPy's, expects of them."""
     filled = {"histtype": "stepfilled", "color": style["color"], "alpha": 0.35}
     axes.hist(values, edges.tolist(), **filled)
     if np.isfinite(fit.scale):
         x = np.linspace(edges[0], edges[-1], 400)
-        expected = fit.count * (edges[1] - edges[0]) * density(x, fit)
+        density = kind.pdf(x, fit.start, fit.scale)
+        density[density == 0.0] = np.nan  # no line where an exponential has not begun
+        expected = fit.count * (edges[1] - edges[0]) * density
         axes.plot(x, expected, lw=1.4, **style)
 
 
@@ -321,19 +293,6 @@ def label_counts(axes: Axes, x: str, counted: str, values, edges: np.ndarray) ->
 
 def distance_in_words(fit: Fit) -> str:
     return f"{fit.distance:.2f} ({fit.distance_by_chance:.2f})"
-
-
-def exponential(x: np.ndarray, fit: Fit) -> np.ndarray:
-    """Density of a fit, NaN before it begins."""
-    beyond = np.where(x >= fit.start, x - fit.start, np.nan)
-    return np.exp(-beyond / fit.scale) / fit.scale
-
-
-def normal(x: np.ndarray, fit: Fit) -> np.ndarray:
-    """Compute the density of a fit."""
-    return np.exp(-0.5 * ((x - fit.start) / fit.scale) ** 2) / (
-        np.sqrt(2.0 * np.pi) * fit.scale
-    )
 
 
 SLOPE_FIGURES = (

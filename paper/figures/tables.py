@@ -6,7 +6,6 @@ contact. Both may have the same outcome, which does not tell then. The duration 
 over a jump it changes by as much however close the two sides are.
 """
 
-import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -15,15 +14,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from jaximpact.accuracy import Accuracy
-from jaximpact.parametric_sets import TABLE_1, check_ground, parametric_set
-from jaximpact.progress import Progress
 from jaximpact.quantities import OUTCOME_COLUMN
-from jaximpact.runout import FullModel, Runs, simulate_runout
 from jaximpact.scene import Scene
 from jaximpact.sweeping import Axes, sweep
 
-from ..biplanar import BiplanarCase
-from ..study import record_impacts
+from ..study import Study
 
 Table = Any
 """A pandas.DataFrame, whose own annotations give a Series for every choice of rows."""
@@ -45,42 +40,6 @@ JUMP = 0.05
 """Change of the duration, by the longer one, that is a jump if it remains."""
 HALVINGS = 10
 """Number of halvings of the interval about a jump."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Study:
-    """The paper's parametric study on one of its grounds.
-
-    Raises InputError for an unknown ground.
-    """
-
-    ground: str = TABLE_1
-    """One of `GROUNDS`."""
-    accuracy: str | Accuracy = "reference"
-    progress: Progress = dataclasses.field(default_factory=Progress)
-    known: dict[str, Runs] = dataclasses.field(
-        default_factory=dict, repr=False, compare=False
-    )
-    """Slope run-out by ground, once it is computed: several figures need it."""
-
-    def __post_init__(self):
-        check_ground(self.ground)
-
-    def parametric_set(self, name: str) -> tuple[Scene, Axes]:
-        """Base and axes of a set, on this ground alone."""
-        return parametric_set(name, self.ground)
-
-    def slope_runs(self) -> Runs:
-        """Return the paper's slope run-out on two planes, computed once."""
-        if self.ground not in self.known:
-            case, soil = BiplanarCase(), self.parametric_set("I")[0].soil
-            self.known[self.ground] = simulate_runout(
-                case.profile(soil),
-                case.release(),
-                FullModel(self.accuracy),
-                progress=self.progress,
-            )
-        return self.known[self.ground]
 
 
 class PaperFigure(NamedTuple):
@@ -116,7 +75,7 @@ def impact_table(
 
 
 def series_table(
-    study: Study, base: Scene, points: Sequence[Mapping], series: Sequence[str]
+    study: Study, name: str, points: Sequence[Mapping], series: Sequence[str]
 ) -> Table:
     """Time series one below another, a row for the start and for each step of the
     integration, with the point and the outcome in every row.
@@ -124,10 +83,10 @@ def series_table(
     Steps are as the integration took them: dense where forces change fast, and the last
     one on the end of the contact, which a common grid of times would cut off.
     """
-    recorded = record_impacts(base, points, study.accuracy, study.progress)
     parts = []
+    recorded = study.record(name, points)
     for point, (outcome, history) in zip(points, recorded, strict=True):
-        columns = {name: getattr(history, SERIES[name]) for name in series}
+        columns = {column: getattr(history, SERIES[column]) for column in series}
         parts.append(pd.DataFrame({**point, **columns, OUTCOME_COLUMN: outcome}))
     return pd.concat(parts, ignore_index=True)
 

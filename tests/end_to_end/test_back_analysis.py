@@ -13,12 +13,11 @@ from benchmarks.back_analysis import BENCHES, observe
 from jaximpact import calibrate
 from jaximpact.cli import main
 from jaximpact.errors import InputError
-from jaximpact.progress import Progress
 from jaximpact.runout import calibrate_slope, read_slope_study, run_slope_study
 from jaximpact.runout.back_analysis import posterior as posterior_module
 from jaximpact.runout.back_analysis import predictive
 from jaximpact.runout.back_analysis.data_sets import _seed, simulate_data_sets
-from jaximpact.runout.back_analysis.observed import Count
+from jaximpact.runout.back_analysis.observed import ObservedCount
 from jaximpact.runout.back_analysis.predictive import predict
 from jaximpact.runout.back_analysis.problem import read_slope_fit
 from jaximpact.runout.back_analysis.report import warnings_of
@@ -168,7 +167,7 @@ def test_a_posterior_of_one_ground_gives_a_plain_study(fitted, observed, tmp_pat
     u = fitted.posterior.u[:1]
     (friction,) = fitted.fit.values(u)[0]
     one = dataclasses.replace(fitted.posterior, u=u)
-    found = predict(fitted.fit, one, None, Progress())
+    found = predict(fitted.fit, one, None)
     blocks, seed = found.blocks, _seed(fitted.fit, predictive.STREAM, 0)
     (truth,) = estimates_of(plain_study(observed, tmp_path, blocks, seed, friction))
     for name, estimate in found.barriers[0].estimates.items():
@@ -337,7 +336,7 @@ def test_twins_count_the_blocks_past_each_line(tmp_path):
     fit = read_slope_fit(tmp_path / "benches.toml")
     blocks = simulate_data_sets(fit, np.array([[0.45, 0.5]]), 30, stream=0)[0]
     twin = observe(fit, blocks, ("energy_kJ",), 15)
-    counts = [c for c in twin.observed.channels if isinstance(c, Count)]
+    counts = [c for c in twin.observed.channels if isinstance(c, ObservedCount)]
     passed = [int(np.sum(~(blocks[:, 0] <= line.place))) for line in counts]
     assert [count.passed for count in counts] == passed
     assert 0 < passed[1] < passed[0]

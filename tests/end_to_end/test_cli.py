@@ -24,7 +24,6 @@ class FakeResult:
 
     def __init__(self, scene, accuracy):
         self.accuracy = PRESETS[accuracy]
-        self.model_tolerance = 0.0
         mass = np.asarray(scene.block.mass)
         for column in RESULT_COLUMNS.values():
             setattr(self, column.field, mass.copy())
@@ -37,9 +36,7 @@ def fake_batch(monkeypatch):
     used = []
 
     def install(change=lambda result: None):
-        def simulate_batch(
-            scene, *, accuracy, model_tolerance, journal, progress, timing, executor
-        ):
+        def simulate_batch(scene, *, accuracy, journal, progress, timing, executor):
             assert executor is None
             used.append(accuracy)
             result = FakeResult(scene, accuracy)
@@ -105,10 +102,6 @@ def test_the_module_runs_as_a_program():
         (["batch", "none.csv", "--out", "o.csv"], "none.csv: cannot be read"),
         (["batch", "scenes.csv", "--out", "none/o.csv"], "existing directory"),
         (["batch", "scenes.csv", "--out", "."], "must be a file"),
-        (
-            ["batch", "scenes.csv", "--out", "o.csv", "--model-tolerance", "-1"],
-            "at least 0",
-        ),
         (["batch", "scenes.csv", "--out", os.devnull], "must be a file"),
         (["batch", "scenes.csv", "--out", "./scenes.csv"], "which is read"),
         (["simulate", "none.toml"], "none.toml: cannot be read"),

@@ -61,7 +61,7 @@ def test_no_result_is_left_out_of_the_report():
         column.field for column in (*RESULT_COLUMNS.values(), *FURTHER_COLUMNS.values())
     }
     other = {"energy", "outcome_code", "scene", "accuracy", "history"}
-    other |= {"model_tolerance", "engine"}
+    other |= {"engine"}
     fields = {field.name for field in dataclasses.fields(ImpactResult)}
     # e_t is read from a field that is never NaN on purpose.
     assert fields - {"tangential_ratio"} | {"e_t"} == shown | other

@@ -7,8 +7,6 @@ import pytest
 from nbclient import NotebookClient
 from paths import ROOT
 
-pytestmark = pytest.mark.slow
-
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 LONGEST = 240
 """Seconds for one cell; those that compile take about ten."""
@@ -52,6 +50,7 @@ def test_outputs_are_stored(notebook):
         assert output.get("name") != "stderr"
 
 
+@pytest.mark.docs
 def test_runs_from_top_to_bottom(notebook, tmp_path, monkeypatch):
     # The kernel is another process: it gets the package's place and no display.
     monkeypatch.setenv("PYTHONPATH", str(ROOT))

@@ -1,5 +1,4 @@
-"""The main commands in a Python that lacks what Windows and macOS lack: each thing for
-itself, and all of them."""
+"""The main commands in a Python that lacks what Windows and macOS lack."""
 
 import os
 import subprocess
@@ -7,7 +6,6 @@ import sys
 
 import pytest
 from paths import HELPERS, ROOT
-from taken_away import LACKING
 from text_files import rows_of
 
 from jaximpact.cli import main
@@ -111,7 +109,7 @@ RESERVED = PORTS | {"CON", "PRN", "AUX", "NUL"}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("names", ["all", *LACKING])
+@pytest.mark.parametrize("names", ["all", "affinity,forks"], ids=["Windows", "macOS"])
 def test_the_same_numbers_whatever_is_taken_away(tmp_path, expected, names):
     assert everything(tmp_path, names) == expected
     for path in tmp_path.rglob("*"):

@@ -8,8 +8,6 @@ import pytest
 from pages import all_pages, blocks_of, folder_of_a_page, run, words_of
 from paths import DOCS, ROOT
 
-pytestmark = pytest.mark.slow
-
 PAGES = [page for page in all_pages() if blocks_of(page)]
 OWN_LAW = DOCS / "how-to" / "own-law.md"
 """Run by test_own_laws.py, which looks at its files too."""
@@ -41,6 +39,7 @@ def last_digit(number: str) -> float:
     return 0.0 if is_whole or len(digits) < 4 else 10.0**exponent
 
 
+@pytest.mark.docs
 @pytest.mark.parametrize("page", [p for p in PAGES if p != OWN_LAW], ids=name_of)
 def test_a_page_prints_what_it_shows(page, tmp_path):
     names = {}

@@ -1,5 +1,6 @@
 """Ground drawn as a calibration left it."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -7,10 +8,11 @@ import pytest
 from error_messages import assert_one_line_error
 from text_files import write_changed
 
-from jaximpact import read_netcdf
+from jaximpact import PRESETS, read_netcdf
+from jaximpact.calibration.fitted_ground import FORMAT
 from jaximpact.cli import main
+from jaximpact.errors import UnusualValueWarning
 from jaximpact.runout import read_slope_study
-from jaximpact.runout.study.calibrated import read_calibrated
 
 pytestmark = pytest.mark.slow
 
@@ -47,7 +49,15 @@ DEFAULTS = {"rolling_friction_angle_deg": 20.0, "roughness_deg": 0.0}
 
 
 def fit(**changes):
-    """As `jaximpact calibrate` writes it, as far as it is read."""
+    """As `jaximpact calibrate` writes it, as far as it is read: samples of a normal
+    distribution between the bounds, with weights that change neither mean nor
+    covariance."""
+    normal = np.random.default_rng(0).normal(size=(5_000, 3)) @ ROOT.T
+    x = np.concatenate([MEAN + normal, MEAN - normal])
+    values = np.column_stack([np.exp(x[:, 0]), np.exp(x[:, 1]), 0.5 * x[:, 2]])
+    values = values[(values[:, 2] >= 0.0) & (values[:, 2] <= 1.0)]
+    # The unknowns of a fit hold what differs between campaigns too.
+    values = np.insert(values, 1, 99.0, axis=1)
     variant = {
         "name": "as given",
         "soil": {"k_E": 700.0},
@@ -55,24 +65,45 @@ def fit(**changes):
             name: {"value": value, "determined": True, "reason": None}
             for name, value in zip(NAMES, (0.5, 4.0, 0.4), strict=True)
         },
-        # The unknowns of a fit hold what differs between campaigns too.
+        "nuisances": {"slope_deg of a": {"value": 1.0}},
         "unknowns": ["c_v", "slope_deg of a", "gamma_v", "dilatancy"],
-        "covariance_of_logarithms_or_half_ranges": np.diag([0.04] * 4).tolist(),
         "draws": {
-            "effective_parts": [0.05, 0.4],
-            "mean": [MEAN[0], 99.0, MEAN[1], MEAN[2]],
-            "covariance": np.insert(
-                np.insert(COVARIANCE, 1, 0.5, axis=0), 1, 0.5, axis=1
-            ).tolist(),
+            "values": values.tolist(),
+            "weights": np.ones(len(values)).tolist(),
+            "accuracy": dataclasses.asdict(PRESETS["balanced"]),
         },
+        "profiles": {},
+        "fit": {},
+        "parts": {},
+        "uncertainty": {"inflation": 1.0},
     } | changes
     ranges = ((0.01, 10.0), (0.05, 500.0), (0.0, 1.0))
     parameters = {
-        name: {"start": high, "lower": low, "upper": high}
+        name: {"start": high, "lower": low, "upper": high, "prior": None}
         for name, (low, high) in zip(NAMES, ranges, strict=True)
     }
-    manifest = {"soil": {"k_E": 500.0, "beta": 0.8}, "parameters": parameters}
-    return {"variants": [variant], "manifest": manifest}
+    manifest = {
+        "soil": {"k_E": 500.0, "beta": 0.8},
+        "block": {},
+        "parts": {},
+        "tied": {},
+        "parameters": parameters,
+        "nuisances": {},
+        "targets": [],
+        "accuracy": {"name": "balanced"},
+        "seed": 0,
+        "versions": {},
+    }
+    return {
+        "format": FORMAT,
+        "title": "sand",
+        "variants": [variant],
+        "simple_laws": [],
+        "comparison": None,
+        "manifest": manifest,
+        "fitted_tests": {"ranges": {}, "results": {}, "shapes": []},
+        "sigma_given": {},
+    }
 
 
 @pytest.fixture
@@ -93,14 +124,14 @@ def slope_with(path, *pairs):
 
 def coordinates(study):
     """x of what was drawn."""
-    c_v, gamma_v, dilatancy = (study.ground_samples[name] for name in NAMES)
+    c_v, gamma_v, dilatancy = (study.inputs.ground_samples[name] for name in NAMES)
     return np.stack([np.log(c_v), np.log(gamma_v), dilatancy / 0.5])
 
 
 def test_blocks_get_soils_as_the_calibration_left_them(here):
     study = read_slope_study(here / "slope.toml")
     x = coordinates(study)
-    drawn = study.ground_samples
+    drawn = study.inputs.ground_samples
     assert drawn["dilatancy"].min() >= 0.0
     assert drawn["dilatancy"].max() <= 1.0
     # The third is cut at 0 and 1, 2.4 and 3.6 deviations off, which is hardly seen in
@@ -116,8 +147,8 @@ def test_blocks_get_soils_as_the_calibration_left_them(here):
     # What the fit held is held: the variant's before the study's.
     np.testing.assert_array_equal(study.profile.soil.k_E, 700.0)
     np.testing.assert_array_equal(study.profile.soil.beta, 0.8)
-    assert len(study.checksums["fit.json"]) == 64
-    assert study.ground_told == DEFAULTS | {"from": "fit"}
+    assert len(study.inputs.checksums_by_name["fit.json"]) == 64
+    assert study.inputs.ground_table == DEFAULTS | {"from": "fit"}
 
 
 def test_neither_the_count_nor_other_draws_matter(here):
@@ -125,21 +156,23 @@ def test_neither_the_count_nor_other_draws_matter(here):
     few = read_slope_study(slope_with(here, ("count = 4000", "count = 50")))
     for name in NAMES:
         np.testing.assert_array_equal(
-            few.ground_samples[name], whole.ground_samples[name][:50]
+            few.inputs.ground_samples[name], whole.inputs.ground_samples[name][:50]
         )
     plain = read_slope_study(slope_with(here, ('from = "fit"', "c_v = 1")))
     np.testing.assert_array_equal(plain.release.x, whole.release.x)
     np.testing.assert_array_equal(plain.release.block.mass, whole.release.block.mass)
     other = read_slope_study(slope_with(here, ("seed = 7", "seed = 8")))
-    assert not np.any(other.ground_samples["c_v"] == whole.ground_samples["c_v"])
+    assert not np.any(
+        other.inputs.ground_samples["c_v"] == whole.inputs.ground_samples["c_v"]
+    )
 
 
 def test_a_parameter_that_is_said_is_held_and_the_others_follow(here):
     said = ('from = "fit"', 'from = "fit"\nc_v = 0.8')
     study = read_slope_study(slope_with(here, said))
-    assert set(study.ground_samples) == {"gamma_v", "dilatancy"}
+    assert set(study.inputs.ground_samples) == {"gamma_v", "dilatancy"}
     np.testing.assert_array_equal(study.profile.soil.c_v, 0.8)
-    x = np.log(study.ground_samples["gamma_v"])
+    x = np.log(study.inputs.ground_samples["gamma_v"])
     ratio = COVARIANCE[0, 1] / COVARIANCE[0, 0]
     mean = MEAN[1] + ratio * (np.log(0.8) - MEAN[0])
     deviation = np.sqrt(COVARIANCE[1, 1] - ratio * COVARIANCE[0, 1])
@@ -150,11 +183,11 @@ def test_a_parameter_that_is_said_is_held_and_the_others_follow(here):
     # Block by block, where it differs from block to block.
     said = ('from = "fit"', 'from = "fit"\nc_v = { from = 0.4, to = 1.2 }')
     study = read_slope_study(slope_with(here, said))
-    c_v, gamma_v = (np.log(study.ground_samples[name]) for name in NAMES[:2])
+    c_v, gamma_v = (np.log(study.inputs.ground_samples[name]) for name in NAMES[:2])
     slope = np.polyfit(c_v, gamma_v, 1)[0]
     assert slope == pytest.approx(ratio, abs=0.06)
     said = ('from = "fit"', 'from = "fit"\nc_v = 0.5\ngamma_v = 4\ndilatancy = 0')
-    assert read_slope_study(slope_with(here, said)).ground_samples == {}
+    assert read_slope_study(slope_with(here, said)).inputs.ground_samples == {}
 
 
 def test_a_segment_may_have_its_own(here):
@@ -162,35 +195,47 @@ def test_a_segment_may_have_its_own(here):
     study = read_slope_study(slope_with(here, said))
     np.testing.assert_array_equal(study.ground.soil.c_v[:, 1], 3.0)
     np.testing.assert_array_equal(
-        study.ground.soil.c_v[:, 0], study.ground_samples["c_v"]
+        study.ground.soil.c_v[:, 0], study.inputs.ground_samples["c_v"]
     )
 
 
-def test_without_trusted_draws_the_curvature_is_taken(here):
-    write(here, fit(draws={"effective_parts": [0.05]}))
-    read = read_calibrated(here / "fit")
-    np.testing.assert_allclose(read.mean, [np.log(0.5), np.log(4.0), 0.8])
-    np.testing.assert_array_equal(read.covariance, 0.04 * np.eye(3))
-    without = fit()
-    del without["variants"][0]["draws"]
-    write(here, without)
-    np.testing.assert_array_equal(read_calibrated(here / "fit").covariance[0, 0], 0.04)
-    write(here, fit())
-    np.testing.assert_allclose(read_calibrated(here / "fit").covariance, COVARIANCE)
+def test_samples_are_those_of_the_fit_by_their_weights(here):
+    """Two heaps, which no normal distribution has, one of three times the weight."""
+    values = [[0.1, 99.0, 2.0, 0.2], [2.0, 99.0, 50.0, 0.9]] * 500
+    accuracy = fit()["variants"][0]["draws"]["accuracy"]
+    draws = {"values": values, "weights": [3.0, 1.0] * 500, "accuracy": accuracy}
+    write(here, fit(draws=draws))
+    found = read_slope_study(here / "slope.toml").inputs.ground_samples
+    low = found["c_v"] < 1.0
+    # Four standard errors of 4000 blocks.
+    assert np.mean(low) == pytest.approx(0.75, abs=4.0 * np.sqrt(0.1875 / 4000.0))
+    np.testing.assert_allclose(found["gamma_v"], np.where(low, 2.0, 50.0), rtol=1e-12)
+    np.testing.assert_allclose(found["dilatancy"], np.where(low, 0.2, 0.9), rtol=1e-12)
+
+
+def test_few_samples_are_warned_of(here):
+    content = fit()
+    draws = content["variants"][0]["draws"]
+    draws["weights"] = [1.0] * 20 + [0.0] * (len(draws["values"]) - 20)
+    write(here, content)
+    with pytest.warns(UnusualValueWarning, match="size is 20 of .* --posterior"):
+        read_slope_study(here / "slope.toml")
 
 
 def test_a_slope_is_a_group_of_its_own(here):
     """The variance of a new group's factor is added, and of no other parameter."""
-    content, added = fit(), np.zeros((3, 3))
+    content = fit()
     prior = {"mean": 0.0, "sd": 0.3}
     content["manifest"]["nuisances"] = {
         "c_v": {"by": "campaign", "prior": prior, "pooled": True},
         "slope_deg": {"by": "campaign", "prior": prior},
     }
     write(here, content)
-    added[0, 0] = 0.09
-    covariance = read_calibrated(here / "fit").covariance
-    np.testing.assert_allclose(covariance, COVARIANCE + added)
+    variances = np.var(coordinates(read_slope_study(here / "slope.toml")), axis=1)
+    # Four standard errors of variances of 4000 blocks; the cut of the third.
+    np.testing.assert_allclose(
+        variances[:2], [COVARIANCE[0, 0] + 0.09, COVARIANCE[1, 1]], rtol=0.09
+    )
 
 
 def test_undetermined_parameters_must_be_said(here, capsys):
@@ -226,23 +271,8 @@ def test_undetermined_parameters_must_be_said(here, capsys):
             {},
             ("ground.c_v", "leave out correlation_length_m"),
         ),
-        ('from = "fit"', {"unknowns": ["c_v"]}, ("holds no calibration",)),
-        (
-            'from = "fit"',
-            {
-                "draws": None,
-                "covariance_of_logarithms_or_half_ranges": [[None] * 4] * 4,
-            },
-            ("holds no calibration", "finite"),
-        ),
-        (
-            'from = "fit"',
-            {
-                "draws": None,
-                "covariance_of_logarithms_or_half_ranges": np.ones((4, 4)).tolist(),
-            },
-            ("holds no calibration", "positive definite"),
-        ),
+        ('from = "fit"', {"unknowns": ["c_v"]}, ("is no fit.json", "calibrate again")),
+        ('from = "fit"', {"draws": None}, ("is no fit.json", "calibrate again")),
     ],
 )
 def test_what_cannot_be_drawn_from_is_refused(here, capsys, said, changes, parts):

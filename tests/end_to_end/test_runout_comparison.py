@@ -68,11 +68,11 @@ def slope(folder):
 
 def test_laws_get_the_same_blocks(slope):
     studies = read_slope_studies(slope)
-    assert [s.law_name for s in studies] == [
+    assert [s.law.name for s in studies] == [
         *("constant coefficients", "mu 0.6", "mu 0.2")
     ]
-    assert studies[1].contacts.law.friction_coefficient == 0.6
-    assert isinstance(studies[1].contacts.law, FrictionalEllipsoid)
+    assert studies[1].law.contacts.law.friction_coefficient == 0.6
+    assert isinstance(studies[1].law.contacts.law, FrictionalEllipsoid)
     for study in studies[1:]:
         assert study.release is studies[0].release
         assert study.ground is studies[0].ground
@@ -83,12 +83,12 @@ def test_laws_get_the_same_blocks(slope):
 def test_a_file_without_contacts_has_the_full_model(slope):
     slope.write_text(SLOPE)
     (study,) = read_slope_studies(slope, "fast")
-    assert study.contacts == FullModel("fast")
+    assert study.law.contacts == FullModel("fast")
     slope.write_text('accuracy = "fast"\n' + SLOPE + CONSTANT + "[[contacts]]\n")
     closed, full = read_slope_studies(slope)
-    assert isinstance(closed.contacts, ClosedForm)
-    assert full.contacts == FullModel("fast")
-    assert full.law_name == "full model"
+    assert isinstance(closed.law.contacts, ClosedForm)
+    assert full.law.contacts == FullModel("fast")
+    assert full.law.name == "full model"
 
 
 def test_the_command_compares(slope, tmp_path, capsys):
@@ -98,9 +98,9 @@ def test_the_command_compares(slope, tmp_path, capsys):
     found = {path.name for path in (tmp_path / "out").iterdir()}
     assert found == {
         *("constant-coefficients", "mu-0-6", "mu-0-2"),
-        *("comparison.csv", "comparison_collectors.csv"),
+        *("comparison.csv", "comparison_collectors.csv", "report.html"),
         *("comparison.png", "comparison_collectors.png", "manifest.json"),
-        "jaximpact-files.json",
+        "jaximpact-study.json",
     }
     assert not list((tmp_path / "out").glob("*/*.journal"))
     rows = {row["law"]: row for row in rows_of(tmp_path / "out" / "comparison.csv")}
@@ -108,10 +108,10 @@ def test_the_command_compares(slope, tmp_path, capsys):
     manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
     for study in read_slope_studies(slope):
         # Each as it would be by itself.
-        dataset = read_netcdf(tmp_path / "out" / study.law_directory / "blocks.nc")
+        dataset = read_netcdf(tmp_path / "out" / study.law.directory / "blocks.nc")
         xr.testing.assert_equal(dataset, run_slope_study(study))
         stopped = dataset.ending.values == str(Ending.stopped)
-        row = rows[study.law_name]
+        row = rows[study.law.name]
         assert int(row["stopped"]) == stopped.sum()
         assert int(row["blocks"]) == 60
         assert float(row["stop_x_p95_m"]) == np.percentile(
@@ -123,15 +123,15 @@ def test_the_command_compares(slope, tmp_path, capsys):
         at = next(
             r
             for r in passages
-            if r["law"] == study.law_name
+            if r["law"] == study.law.name
             and r["collector_m"] == "60.0"
             and r["quantity"] == "energy_J"
         )
         assert float(at["p99"]) == dataset.passage_energy_J_percentiles.sel(
             percentile=99, collector=60.0
         )
-        assert manifest["laws"][study.law_name]["contacts"] == study.law
-        assert f"\n  {study.law_name} " in out
+        assert manifest["laws"][study.law.name]["contacts"] == study.law.description
+        assert f"\n  {study.law.name} " in out
 
 
 def test_a_comparison_goes_on(slope, capsys, monkeypatch):
@@ -139,8 +139,8 @@ def test_a_comparison_goes_on(slope, capsys, monkeypatch):
     computed, simulate = [], study_module.simulate
 
     def interrupted(study, chosen, progress=None):
-        computed.append((study.law_name, len(chosen)))
-        if study.law_name == "mu 0.2":
+        computed.append((study.law.name, len(chosen)))
+        if study.law.name == "mu 0.2":
             raise KeyboardInterrupt
         return simulate(study, chosen, progress)
 

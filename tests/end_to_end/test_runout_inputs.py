@@ -9,7 +9,6 @@ from text_files import rows_of
 from jaximpact import read_netcdf
 from jaximpact.cli import main
 from jaximpact.runout import read_slope_study
-from jaximpact.runout.study import run_study
 
 pytestmark = pytest.mark.slow
 
@@ -64,7 +63,8 @@ def test_the_command_takes_all(study, tmp_path, capsys):
     read = read_slope_study(study)
     np.testing.assert_array_equal(dataset.mass_kg, read.release.block.mass)
     np.testing.assert_array_equal(
-        dataset.ground_materials_meadow_k_E, read.ground_samples["materials_meadow_k_E"]
+        dataset.ground_materials_meadow_k_E,
+        read.inputs.ground_samples["materials_meadow_k_E"],
     )
     assert 2.0 <= dataset.release_x_m.min() < dataset.release_x_m.max() <= 30.0
     manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
@@ -72,28 +72,3 @@ def test_the_command_takes_all(study, tmp_path, capsys):
     assert said == {"from": 2, "to": 6, "correlation_length_m": 30}
     assert set(manifest["files"]) == {"slope.toml", "p.csv"}
     assert len(rows_of(tmp_path / "out" / "stops.csv")) == 80
-
-
-def test_a_run_that_was_cut_short_goes_on_with_the_same_ground(
-    study, tmp_path, monkeypatch
-):
-    monkeypatch.setattr(run_study, "FIRST_PORTION", 16)
-    monkeypatch.setattr(run_study, "QUICK", 0.0)
-    whole = run_study.run_slope_study(read_slope_study(study))
-    done = []
-    simulate = run_study.simulate
-
-    def interrupted(*arguments):
-        if len(done) == 2:
-            raise KeyboardInterrupt
-        done.append(1)
-        return simulate(*arguments)
-
-    journal = tmp_path / "blocks.journal"
-    monkeypatch.setattr(run_study, "simulate", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        run_study.run_slope_study(read_slope_study(study), journal=journal)
-    monkeypatch.setattr(run_study, "simulate", simulate)
-    again = run_study.run_slope_study(read_slope_study(study), journal=journal)
-    np.testing.assert_array_equal(again.x_m, whole.x_m)
-    np.testing.assert_array_equal(again.passage_speed_mps, whole.passage_speed_mps)

@@ -144,7 +144,7 @@ def test_a_law_that_is_edited_is_another_law(study):
     rebound.write_text(REBOUND.replace("0.8 *", "0.7 *"))
     (study.parent.parent / "my_laws.py").write_text(FLOW.replace("0.0, b", "0.1, b"))
     after = read_slope_study(study)
-    assert before.law["class"] != after.law["class"]
+    assert before.law.description["class"] != after.law.description["class"]
     assert before.laws["flow"] != after.laws["flow"]
 
 

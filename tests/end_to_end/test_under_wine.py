@@ -12,7 +12,7 @@ from paths import HELPERS
 
 from jaximpact import Block, Impact, Scene, Soil
 from jaximpact.backend import native_backend, operation
-from jaximpact.backend.simd import kernel
+from jaximpact.backend.simd import KernelSet, kernel
 from jaximpact.backend.simd.driver import Operation, Program, driver_text
 from jaximpact.backend.simd.target import Target, host
 from jaximpact.impact.problem import Assembly
@@ -60,7 +60,7 @@ def test_windows_gives_the_same_bits(tmp_path, monkeypatch):
     common = np.array([*map(float, leaves), tolerance, floor])
     places = [jax.tree.unflatten(structure, range(len(leaves))).impact.speed]
     lanes = [np.linspace(1.0, 40.0, LANES), np.arange(LANES) * 1.0, np.zeros(LANES)]
-    called = operation.register([here])
+    called = KernelSet([here])
     expected = operation.call(called, common, places, lanes[:1], *lanes[1:])
 
     inside = Operation(count=1, leaves=here.code.common_inputs)

@@ -3,13 +3,10 @@
 import jax
 import numpy as np
 
-from jaximpact import PRESETS, Accuracy, Scene
-from jaximpact.backend.native_backend import (
-    compile_native,
-    compile_native_along,
-    kernel_inputs,
-    solve_rows,
-)
+from jaximpact import Accuracy, Scene
+from jaximpact.accuracy import get_accuracy
+from jaximpact.backend.native_backend import MOST_DIRECTIONS, compile_native
+from jaximpact.backend.simd import KernelSet
 from jaximpact.impact.problem import Assembly
 from jaximpact.impact.reduced_models import Model
 from jaximpact.impact.results import ImpactSummary
@@ -18,19 +15,28 @@ from jaximpact.impact.results import ImpactSummary
 def computed(scene: Scene, model: Model, accuracy: str | Accuracy) -> ImpactSummary:
     """Numbers of scenes, arrays of one shape `(n,)`."""
     kernel = compile_native(Assembly(jax.tree.structure(scene), model, False))
-    return solve_rows(kernel, _inputs(scene, accuracy))
+    return _solved(kernel, _inputs(scene, accuracy))
 
 
 def computed_along(
     scene: Scene, direction: Scene, model: Model, accuracy: str | Accuracy
 ) -> tuple[ImpactSummary, ImpactSummary]:
     """Numbers of scenes, and their derivatives along a direction."""
-    kernel = compile_native_along(Assembly(jax.tree.structure(scene), model, False))
-    rows = [_inputs(scene, accuracy), np.stack(jax.tree.leaves(direction))]
-    values, (slopes,) = solve_rows(kernel, np.concatenate(rows))
+    kernel = compile_native(Assembly(jax.tree.structure(scene), model, False), True)
+    first = np.stack(jax.tree.leaves(direction))
+    rest = [np.zeros_like(first)] * (MOST_DIRECTIONS - 1)
+    inputs = np.concatenate([_inputs(scene, accuracy), first, *rest])
+    values, (slopes, *_) = _solved(kernel, inputs)
     return values, slopes
 
 
+def _solved(kernel, inputs: np.ndarray):
+    results, _ = KernelSet([kernel]).compute(inputs, threads=1)
+    return jax.tree.unflatten(kernel.structure, list(results))
+
+
 def _inputs(scene: Scene, accuracy: str | Accuracy) -> np.ndarray:
-    setting = PRESETS[accuracy] if isinstance(accuracy, str) else accuracy
-    return np.stack(kernel_inputs(scene, setting))
+    setting = get_accuracy(accuracy)
+    leaves = np.stack(jax.tree.leaves(scene))
+    rows = [[setting.tolerance], [setting.floor]]
+    return np.concatenate([leaves, np.broadcast_to(rows, (2, leaves.shape[1]))])

@@ -7,7 +7,7 @@ import xarray as xr
 from scipy.special import ndtri
 
 from paper.biplanar import ASPECT_RATIOS, SPINS_DEGPS
-from paper.claim_data import RANDOM_SETS, SLOPE
+from paper.study import RANDOM_SETS, SERIES, SLOPE
 
 A_R = xr.DataArray(
     np.linspace(1.0, 4.0, 7), coords={"aspect_ratio": np.linspace(1.0, 4.0, 7)}
@@ -83,7 +83,7 @@ def ideal() -> MadeUp:
         )
     )
     sets["fig13"] = _ended(_spinning(), e_bar=False)
-    sets["courses"] = _courses()
+    sets[SERIES] = _courses()
     impacts = xr.Dataset(
         {
             "e_bar": ("impact", np.linspace(0.1, 0.9, 5)),

@@ -9,14 +9,16 @@ import io
 import os
 import re
 import shlex
-import subprocess
 import sys
 import tempfile
 import tomllib
+import unittest.mock
 from pathlib import Path
 from typing import NamedTuple
 
 from paths import DOCS, ROOT
+
+from jaximpact.cli import main
 
 FENCE = re.compile(
     r"(?:^<!-- shown only: (?P<why>[^\n]+) -->\n)?"
@@ -79,8 +81,8 @@ def blocks_of(page: Path) -> list[Block]:
 def run(block: Block, names: dict) -> str:
     """Write the block's file, or run the block, and return what it prints.
 
-    Python is run in `names`, commands of jaximpact in processes of their own. Of files
-    without a name, which are parts of files, it is checked that they can be read.
+    Python is run in `names`. Of files without a name, which are parts of files, it is
+    checked that they can be read.
     """
     if block.file is not None:
         assert block.language in FILES, f"a file of an unknown kind:\n{block}"
@@ -89,29 +91,26 @@ def run(block: Block, names: dict) -> str:
     if block.language == "toml":
         tomllib.loads(block.text)
         return ""
-    if block.language == "python":
-        printed = io.StringIO()
-        with contextlib.redirect_stdout(printed):
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        if block.language == "python":
             exec(compile(block.text, "block of the page", "exec"), names)
-        return printed.getvalue()
-    assert block.language == "sh", f"neither code nor a file with a name:\n{block}"
-    lines = block.text.replace("\\\n", " ").splitlines()
-    return "".join(_output_of(line) for line in lines if shlex.split(line, True))
+        else:
+            assert block.language == "sh", f"no code, no file with a name:\n{block}"
+            for line in block.text.replace("\\\n", " ").splitlines():
+                _run_command(line)
+    return printed.getvalue()
 
 
-def _output_of(line: str) -> str:
-    words = shlex.split(line, comments=True)
-    settings = {}
+def _run_command(line: str) -> None:
+    words, settings = shlex.split(line, comments=True), {}
     while words and "=" in words[0]:
-        name, _, value = words.pop(0).partition("=")
-        settings[name] = value
-    assert words[:1] == ["jaximpact"], f"only commands of jaximpact are run: {line}"
-    paths = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")]))
-    environment = os.environ | settings | {"PYTHONPATH": paths}
-    command = [sys.executable, "-m", *words]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, f"{line}\n{done.stderr[-2000:]}"
-    return done.stdout
+        name, _, settings[name] = words.pop(0).partition("=")
+    if words:
+        assert words.pop(0) == "jaximpact", (
+            f"only commands of jaximpact are run: {line}"
+        )
+        with unittest.mock.patch.dict(os.environ, settings):
+            assert main(words) == 0, line
 
 
 @contextlib.contextmanager

@@ -1,7 +1,6 @@
 """Predictive distributions and their scores; coverage over repeated fits."""
 
 import dataclasses
-import json
 
 import numpy as np
 import pytest
@@ -33,7 +32,6 @@ from jaximpact.calibration.problem.dataset import joined_tables
 from jaximpact.calibration.problem.fitted_parameters import Parameter
 from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
-from jaximpact.calibration.report.files import in_lines
 from jaximpact.calibration.study import best_fit
 from jaximpact.errors import InputError
 from jaximpact.progress import Progress
@@ -130,7 +128,7 @@ def variant_of(unknowns, draws, **changed):
         best=draws[0],
         draws=draws,
         weights=np.full(len(draws), 1.0 / len(draws)),
-        undetermined=(),
+        undetermined={},
         allowed={},
         sigma={"e_n": 0.05},
         proportional={},
@@ -347,13 +345,6 @@ def test_results_shipped_can_be_predicted_from():
         assert set(INPUT_COLUMNS) <= set(ground.ranges) | {
             parameter.name for parameter in ground.parameters
         }
-
-
-def test_lists_of_numbers_are_lines_of_the_same_json():
-    tree = {"a [\n 1 ]": [[1.5, None], [-2e-7, True]], "b": ["[\n2\n]", []], "c": {}}
-    text = in_lines(tree)
-    assert json.loads(text) == tree
-    assert "[1.5, null]" in text
 
 
 @pytest.mark.parametrize("mean", [0.3, 1.0, 5.0])

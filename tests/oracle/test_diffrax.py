@@ -23,7 +23,7 @@ from kelvin_voigt import (
 from paths import DOCS
 
 from jaximpact import PRESETS, Block, Impact, Scene, Soil, simulate
-from jaximpact.backend.simd import compile_kernel
+from jaximpact.backend.simd import KernelSet, compile_kernel
 from jaximpact.backend.xla_compilation import unfused_jit
 from jaximpact.errors import InputError
 from jaximpact.impact.events import TIME_LIMIT
@@ -121,7 +121,7 @@ def machine_code_along(scene, times, solver=None):
         begin, step, finish, (scenes, one, one, [one] * len(widths))
     )
     inputs = np.array([*leaves, setting.tolerance, setting.floor, *widths], float)
-    _, results = kernel.workspace().run(np.arange(1), inputs[:, None], wait=False)
+    results, _ = KernelSet([kernel]).compute(inputs[:, None], threads=1)
     return jax.tree.unflatten(kernel.structure, list(results[:, 0]))
 
 
@@ -348,11 +348,10 @@ def test_contact_in_closed_form_in_machine_code():
     )
     stiffness = np.geomspace(1e6, 1e8, 20)
     damping = np.full(20, DAMPING)
-    ended, (speeds,) = kernel.workspace().run(
-        np.arange(20), np.stack([stiffness, damping]), wait=False
-    )
+    inputs = np.stack([stiffness, damping])
+    (speeds,), _ = KernelSet([kernel]).compute(inputs, threads=1)
     np.testing.assert_allclose(
-        -speeds / SPEED, exact_restitution(stiffness[ended], damping), atol=1e-12
+        -speeds / SPEED, exact_restitution(stiffness, damping), atol=1e-12
     )
 
 

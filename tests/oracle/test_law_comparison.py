@@ -427,7 +427,7 @@ def test_groups_targets_and_refusals_are_named(tmp_path):
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert written == {
         *("comparison.html", "comparison.csv", "comparison.json"),
-        "jaximpact-files.json",
+        "jaximpact-study.json",
     }
     lines = (tmp_path / "out" / "comparison.csv").read_text().splitlines()
     assert len(lines) == 1 + 2 * 24 * 2

@@ -16,18 +16,16 @@ from jaximpact.runout import (
 )
 from paper.biplanar import (
     ASPECT_RATIOS,
+    COMPARED_X,
     SLOPE,
     SPEED,
     SPINS_DEGPS,
     BiplanarCase,
-    jumps,
-    restitutions,
-)
-from paper.claim_data import (
-    COMPARED_X,
     bounces,
+    jumps,
     off_the_parabola,
     paths_apart,
+    restitutions,
 )
 
 SHAPE = len(ASPECT_RATIOS), len(SPINS_DEGPS)

@@ -9,8 +9,7 @@ from jaximpact import Block
 from jaximpact.runout import Profile, Release
 from jaximpact.runout.blocks import Body, fly, select
 from jaximpact.runout.contacts.impact import free_fraction
-from jaximpact.runout.flight.broad_phase import FEW, watched_segments
-from jaximpact.runout.flight.flights import follow_flights
+from jaximpact.runout.flight.flights import FEW, follow_flights, watched_segments
 from jaximpact.runout.flight.narrow_phase import Piece
 from jaximpact.runout.flight.placement import check_release, lying_height
 from jaximpact.runout.flight.time_of_impact import search

@@ -10,8 +10,7 @@ from runout_scenes import ellipse
 from jaximpact.runout import Profile
 from jaximpact.runout.blocks import Body, fly, select
 from jaximpact.runout.flight import time_of_impact as contact_search
-from jaximpact.runout.flight.broad_phase import earliest
-from jaximpact.runout.flight.flights import follow_flights
+from jaximpact.runout.flight.flights import earliest, follow_flights
 from jaximpact.runout.flight.narrow_phase import Piece
 from jaximpact.runout.lane_programs import Program
 

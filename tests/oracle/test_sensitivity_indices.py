@@ -25,7 +25,6 @@ from jaximpact.quantities import RESULT_COLUMNS
 from jaximpact.sensitivity.figures import plot_heat_map
 from jaximpact.sensitivity.global_methods import (
     LEVELS,
-    check_blocks,
     morris_of,
     problem_of,
     sobol_of,
@@ -194,7 +193,10 @@ def test_wrong_sizes_of_samples_are_refused():
     for blocks, needed in ((0, "at least 2, but is 0"), ("64", "a whole number")):
         with pytest.raises(InputError, match=f"blocks must be {needed}"):
             sobol(Scene(), ranges, blocks=blocks)
-    check_blocks(np.int64(64), parameters=2)
+    with pytest.raises(InputError, match="18014398509481984 impacts, would take"):
+        sobol(Scene(), ranges, blocks=2**52)
+    with pytest.raises(InputError, match="3000000000000000 impacts, would take"):
+        morris(Scene(), ranges, trajectories=10**15)
     with pytest.raises(InputError, match="at least 2, but is 1"):
         morris(Scene(), ranges, trajectories=1)
     with pytest.raises(InputError, match="seed must be at least 0, but is -1"):
@@ -213,7 +215,7 @@ def ishigami_model(monkeypatch):
     """Ishigami's function in the place of the model: e_n of orientation and of two
     numbers of the ground. Impacts with x3 above 3 fail; e_t has no value at all."""
 
-    def simulate_batch(scene, *, accuracy, journal, progress):
+    def simulate_batch(scene, **how):
         x = np.stack(
             [scene.impact.orientation, scene.soil.delta_1, scene.soil.delta_2], axis=1
         )

@@ -1,18 +1,15 @@
 """Many impacts: lanes that change places give what each scene gives by itself."""
 
 import itertools
-import os
-import subprocess
-import sys
 
 import jax
 import numpy as np
 import pytest
 from impact_scenes import mixed_scenes
-from paths import HELPERS
 
 from jaximpact import Block, Impact, Outcome, Scene, Soil, simulate, simulate_batch
-from jaximpact.backend.xla_backend import WIDTH
+from jaximpact.backend.rows import LANES_OF_XLA
+from jaximpact.backend.threads import thread_count
 
 
 def chosen(scenes, places):
@@ -26,9 +23,11 @@ def chosen(scenes, places):
 )
 def batch(request):
     patch = pytest.MonkeyPatch()
-    patch.setattr("jaximpact.batch.computes_on_cpu", lambda: request.param == "native")
-    # More than two workers hold at once, and no multiple of what they hold.
-    scenes = mixed_scenes(4 * WIDTH + 123)
+    patch.setattr(
+        "jaximpact.backend.rows.computes_on_cpu", lambda: request.param == "native"
+    )
+    # More than all threads compute at once, and no multiple of that.
+    scenes = mixed_scenes(4 * LANES_OF_XLA + 2048 * thread_count() + 123)
     seen = []
     result = simulate_batch(
         scenes, accuracy="fast", progress=lambda done, of: seen.append((done, of))
@@ -73,36 +72,3 @@ def test_no_scenes_are_refused():
     scene = Scene(Block(mass=np.ones(0)), Soil(), Impact())
     with pytest.raises(ValueError, match="at least one scene"):
         simulate_batch(scene)
-
-
-DEVICES = """
-import jax, numpy as np
-jax.config.update("jax_enable_x64", True)
-from impact_scenes import mixed_scenes
-from jaximpact import batch, simulate_batch
-from jaximpact.backend import xla_backend
-batch.computes_on_cpu = lambda: False  # as on other devices
-first, second = xla_backend.worker_devices()
-assert first != second
-numbers = []
-# As many workers on one device as on two, so that programs are as wide.
-for devices in ([first, first], [first, second]):
-    xla_backend.worker_devices = lambda: devices
-    result = simulate_batch(mixed_scenes(60), accuracy="fast")
-    numbers.append([result.e_n, result.max_moment, result.steps])
-    programs = xla_backend.compile_programs.cache_info().misses
-    assert programs == len({*devices}), programs
-np.testing.assert_array_equal(*numbers)
-"""
-
-
-@pytest.mark.xla
-def test_several_devices_share_the_work():
-    """Programs compiled for each of two devices, in a process that has two, give what
-    those of one device give."""
-    subprocess.run(
-        [sys.executable, "-c", DEVICES],
-        env=os.environ | {"XLA_FLAGS": "--xla_force_host_platform_device_count=2"},
-        cwd=HELPERS,
-        check=True,
-    )

@@ -9,9 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaximpact import Block, Impact, Scene, Soil, batch, simulate, simulate_batch
-from jaximpact.backend.native_backend import compile_native, compile_native_along
-from jaximpact.backend.simd import NoMachineCode, compile_kernel, target
+from jaximpact import Block, Impact, Scene, Soil, simulate, simulate_batch
+from jaximpact.backend import rows
+from jaximpact.backend.native_backend import compile_native
+from jaximpact.backend.simd import KernelSet, NoMachineCode, compile_kernel, target
 from jaximpact.backend.simd import lower_jaxpr as translation
 from jaximpact.errors import IncompleteError, NoMachineCodeWarning
 from jaximpact.impact.problem import Assembly
@@ -33,11 +34,8 @@ def native(function, *arguments):
         [ONE] * len(arguments),
     )
     arguments = np.stack(np.broadcast_arrays(*arguments)).astype(float)
-    names = np.arange(arguments.shape[1])
-    ended, results = kernel.workspace().run(names, arguments, wait=False)
-    ordered = np.empty_like(results)
-    ordered[:, ended] = results
-    return jax.tree.unflatten(kernel.structure, list(ordered))
+    results, _ = KernelSet([kernel]).compute(arguments, threads=1)
+    return jax.tree.unflatten(kernel.structure, list(results))
 
 
 def spread(low, high, count=20_000):
@@ -246,40 +244,26 @@ def test_a_processor_without_fused_multiply_adds_calls_a_library(monkeypatch):
 @pytest.fixture(scope="module")
 def counter():
     """Lanes that add up the numbers from their input down to 1, one a step."""
-    return compile_kernel(
+    kernel = compile_kernel(
         lambda start: (start, jnp.zeros(1)),
         lambda state: ((state[0] - 1.0, state[1] + state[0]), state[0] > 1.0),
         lambda start, state: state[1],
         ONE,
     )
+    return KernelSet([kernel])
 
 
+@pytest.mark.parametrize("threads", [1, 3])
 @pytest.mark.parametrize("count", [0, 1, 7, 8, 9, 200])
-def test_every_lane_comes_to_its_own_end(counter, count):
+def test_every_lane_comes_to_its_own_end(counter, count, threads):
     numbers = np.random.default_rng(count).integers(1, 300, count)
-    names = np.arange(count)[::-1] + 5
-    ended, (sums,) = counter.workspace().run(names, numbers[None], wait=False)
-    assert sorted(ended) == sorted(names)
-    expected = dict(zip(names, numbers * (numbers + 1) // 2, strict=True))
-    assert [expected[name] for name in ended] == sums.tolist()
-
-
-def test_lanes_go_on_over_several_calls(counter):
-    workspace, seen = counter.workspace(), {}
-    numbers = np.random.default_rng(0).integers(1, 300, 60)
-    for part in [*np.split(np.arange(60), [3, 30, 31]), np.zeros(0, int)]:
-        ended, (sums,) = workspace.run(part, numbers[None, part], wait=len(part) > 0)
-        assert not seen.keys() & set(ended)
-        seen |= dict(zip(ended, sums, strict=True))
-        # What is left waits in columns that are not all full.
-        begun = part[-1] + 1 if len(part) else 60
-        assert begun - len(seen) <= (7 if len(part) else 0)
-    assert [seen[k] for k in range(60)] == (numbers * (numbers + 1) // 2).tolist()
+    (sums,), _ = counter.compute(numbers[None], threads, effort=-numbers)
+    assert sums.tolist() == (numbers * (numbers + 1) // 2).tolist()
 
 
 def test_inputs_of_another_shape_are_refused(counter):
-    with pytest.raises(ValueError, match=r"shape \(2, 3\), need \(1, 3\)"):
-        counter.workspace().run(np.arange(3), np.zeros((2, 3)), wait=False)
+    with pytest.raises(ValueError, match="got 2 rows of inputs, need 1"):
+        counter.compute(np.zeros((2, 3)), threads=1)
 
 
 def oblique_scenes(count):
@@ -323,23 +307,20 @@ def test_kept_machine_code_runs(cache, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "compiled",
-    [compile_native, pytest.param(compile_native_along, marks=pytest.mark.slow)],
-)
+@pytest.mark.parametrize("differentiated", [False, True])
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
-def test_every_model_has_machine_code(model, compiled):
+def test_every_model_has_machine_code(model, differentiated):
     # Whatever the version of JAX: what has none is ten times slower.
     structure = jax.tree.structure(Scene())
     assembly = Assembly(structure, model, ledger=True)
-    assert compiled(assembly).code.result_rows > 20
+    assert compile_native(assembly, differentiated).code.result_rows > 20
 
 
 @pytest.mark.xla
 def test_impacts_as_by_xla(monkeypatch):
     scenes = oblique_scenes(40)
     mine = simulate_batch(scenes, accuracy="reference", ledger=True)
-    monkeypatch.setattr(batch, "computes_on_cpu", lambda: False)
+    monkeypatch.setattr(rows, "computes_on_cpu", lambda: False)
     timing = {}
     theirs = simulate_batch(scenes, accuracy="reference", ledger=True, timing=timing)
     assert timing["engine"] == "XLA"

@@ -15,7 +15,6 @@ from runout_scenes import (
     G,
     R,
     gain_between_pieces,
-    gain_over_contacts,
     pieces_of,
 )
 
@@ -320,16 +319,6 @@ def test_contacts_that_take_time_are_no_faster_than_flights():
     assert np.all(np.hypot(ends.v_x, ends.v_y)[contacts] < 1.03 * fastest)
 
 
-def test_contacts_in_closed_form_give_no_energy():
-    generator = np.random.default_rng(2)
-    release = blocks_above(BIPLANAR, generator, 200)
-    for law in LAWS:
-        runs = simulate_runout(BIPLANAR, release, ClosedForm(law))
-        gain, mass = gain_over_contacts(runs)
-        # of a lift by 1e-7 m, as above
-        assert np.max(gain / (mass * G)) < 1e-7
-
-
 @pytest.mark.parametrize(("threshold", "least"), [(0.0, 4), (1.0, 3)])
 @pytest.mark.parametrize("contacts", [*map(ClosedForm, LAWS[::3]), FullModel("fast")])
 def test_a_mirrored_slope_gives_the_mirrored_run(contacts, threshold, least):
@@ -486,17 +475,6 @@ def test_releases_in_the_ground_or_off_the_profile_are_refused():
         Release(Block(mass=-1.0), 10.0, 1.0)
     with pytest.raises(ValueError, match="must broadcast to one axis"):
         Release(SPHERE, [1.0, 2.0], [1.0, 2.0, 3.0])
-
-
-def test_progress_comes_to_all():
-    said = []
-    release = Release(SPHERE, np.linspace(1.0, 900.0, 9), 300.0)
-    simulate_runout(
-        BIPLANAR, release, DEAD, width=4, progress=lambda *n: said.append(n)
-    )
-    assert said[0] == (0, 9)
-    assert said[-1] == (9, 9)
-    assert said == sorted(said)
 
 
 def test_no_block_is_carried_through_a_wall_while_in_contact():

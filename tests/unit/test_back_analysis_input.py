@@ -108,7 +108,7 @@ def test_parameters_of_a_law_are_fitted(slope):
     )
     fit = read_slope_fit(slope)
     assert [p.name for p in fit.parameters][2:] == ["contacts.e_n", "contacts.e_t"]
-    assert fit.slope.laws[0].told["e_n"] == "fitted"
+    assert fit.slope.laws[0].description["e_n"] == "fitted"
     u = np.array([[0.5, 0.5, 0.1, 0.9], [0.5, 0.5, 0.9, 0.1]])
     _, _, e_n, e_t = fit.values(u).T
     np.testing.assert_allclose(e_n, [0.24, 0.56])

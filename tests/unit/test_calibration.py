@@ -429,7 +429,7 @@ def test_verdicts_of_the_twin(twin):
 def test_files_of_the_twin(twin):
     result, out = twin
     assert sorted(p.name for p in out.iterdir()) == [
-        *("fit.json", "fitted.csv", "jaximpact-files.json", "report.html")
+        *("fit.json", "fitted.csv", "jaximpact-study.json", "report.html")
     ]
     report = (out / "report.html").read_text()
     assert "alpha_s is not identifiable" in report

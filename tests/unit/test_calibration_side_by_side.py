@@ -2,7 +2,6 @@
 them when one fails."""
 
 import dataclasses
-import threading
 
 import numpy as np
 import pytest
@@ -12,8 +11,6 @@ from jaximpact import PRESETS
 from jaximpact.calibration import fit_study, read_study
 from jaximpact.calibration.problem.forward_model import models_of
 from jaximpact.calibration.problem.objective import Objective
-from jaximpact.progress import Progress
-from jaximpact.tasks import run_in_threads
 
 pytestmark = pytest.mark.slow
 
@@ -45,36 +42,6 @@ def test_variants_are_fitted_as_they_are_alone(tmp_path):
         np.testing.assert_array_equal(both[place].parameters, alone.parameters)
         np.testing.assert_array_equal(both[place].start_costs, alone.start_costs)
         assert any(line.startswith(f"{variant.name}: ") for line in lines)
-
-
-def test_results_stand_in_the_order_of_the_items():
-    first_waits = threading.Event()
-
-    def work(item, tell):
-        if item == 0:
-            assert first_waits.wait(10.0)
-        first_waits.set()
-        return item * 10
-
-    assert run_in_threads(work, [0, 1], Progress()) == [0, 10]
-
-
-@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
-def test_one_that_fails_ends_the_others(error):
-    both_run, turns = threading.Barrier(2, timeout=10.0), []
-
-    def work(item, tell):
-        both_run.wait()
-        if item == 1:
-            raise error("enough")
-        for turn in range(10_000):
-            turns.append(turn)
-            tell("still here")
-            threading.Event().wait(1e-3)
-
-    with pytest.raises(error, match="enough"):
-        run_in_threads(work, [0, 1], Progress())
-    assert len(turns) < 10_000
 
 
 def test_accuracy_follows_the_sigmas(tmp_path):

@@ -18,7 +18,7 @@ from jaximpact.calibration.diagnostics.examination import (
 from jaximpact.calibration.diagnostics.identifiability import Verdict
 from jaximpact.calibration.problem.config import study_of
 from jaximpact.calibration.problem.dataset import joined_tables
-from jaximpact.calibration.report.contents import target_rows
+from jaximpact.calibration.report.contents import target_table
 from jaximpact.calibration.report.parameters import about_draws, verdict
 
 ANGLES = [10.0, 25.0, 40.0, 50.0, 60.0, 35.0]
@@ -108,7 +108,7 @@ def test_sigmas_that_are_guesses_are_called_so():
     found, result = doubts({"angle_deg": [30.0], "e_n": [0.3]}, parameters={"k_E": {}})
     assert any(x.startswith("0 degrees of freedom") for x in found)
     assert any("a guess" in x for x in found)
-    assert "(guessed)" in target_rows(result, result.variants[0])[1][-1]
+    assert "(guessed)" in target_table(result, result.variants[0]).rows[0][-1]
 
 
 @pytest.mark.parametrize(("sigma", "too_large"), [(0.002, False), (0.5, True)])

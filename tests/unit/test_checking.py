@@ -8,8 +8,8 @@ import pytest
 
 from jaximpact.errors import InputError
 from jaximpact.parameters import parameter
+from jaximpact.part_checks import check_part
 from jaximpact.shapes import Ellipsoid, EllipticCylinder, RectangularPrism, Section
-from jaximpact.shapes.check import check_shape
 
 
 def changed(**functions):
@@ -43,8 +43,8 @@ def test_the_packages_own_shapes_pass_as_users(kind):
         {"__module__": __name__, "__annotations__": {}},
     )
     # Of a class derived from one that declares the ratios they are declared too.
-    check_shape(mine(aspect_ratio=1.5))
-    check_shape(changed())
+    check_part("shape", mine(aspect_ratio=1.5))
+    check_part("shape", changed())
 
 
 def numpy_inside(self, axes, sin, cos):
@@ -66,36 +66,39 @@ def without_a_root(found, sinking):
 @pytest.mark.parametrize(
     ("shape", "words"),
     [
-        (lambda: changed(support=numpy_inside), r"Mine\.support uses NumPy.*line \d+"),
+        (
+            lambda: changed(support=numpy_inside),
+            r"Mine: a value is looked at in line \d+",
+        ),
         (lambda: changed(support=wrong_axes), "at 0 degrees must be the half size H"),
         (lambda: changed(support=lopsided), "symmetric about its axes"),
         (
             lambda: changed(unit_volume=property(lambda self: jnp.ones(3))),
-            r"Mine\.unit_volume.* must return a number, but returns an array",
+            r"Mine: unit_volume.* must return a number, but returns an array",
         ),
         (
             lambda: changed(unit_inertia=property(lambda self: -1.0)),
-            r"Mine\.unit_inertia must be positive, but is -1",
+            r"Mine: unit_inertia must be positive, but is -1",
         ),
         (lambda: with_section(lambda found, _: found[0]), r"must return Section\("),
         (
             lambda: with_section(lambda found, _: Section(*found[:2], jnp.ones(2))),
-            r"Mine\.section \(width\) must return a number, but returns an array of",
+            r"Mine: section \(width\) must return a number, but returns an array of",
         ),
-        (lambda: with_section(without_a_root), r"Mine\.section.* is not finite"),
+        (lambda: with_section(without_a_root), r"Mine: section.* is not finite"),
         (
             lambda: with_section(lambda f, _: f._replace(left=f.right, right=f.left)),
             "left <= right",
         ),
         (
             lambda: changed(support=lambda self, axes: axes.minor),
-            r"Mine\.support cannot be computed: TypeError",
+            r"shape Mine: TypeError in line|the model calls",
         ),
     ],
 )
 def test_errors_name_function_and_cure(shape, words):
     with pytest.raises(InputError, match=words):
-        check_shape(shape())
+        check_part("shape", shape())
 
 
 def test_a_shape_is_tried_once():
@@ -106,7 +109,7 @@ def test_a_shape_is_tried_once():
         return EllipticCylinder.support(self, axes, sin, cos)
 
     shape = changed(support=support)
-    check_shape(shape)
+    check_part("shape", shape)
     count = len(calls)
-    check_shape(jax.tree.map(lambda x: 2.0 * x, shape))
+    check_part("shape", jax.tree.map(lambda x: 2.0 * x, shape))
     assert len(calls) == count > 0

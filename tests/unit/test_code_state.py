@@ -11,14 +11,13 @@ import jax
 import numpy as np
 import pytest
 
-from jaximpact import Soil, identity
+from jaximpact import identity
 from jaximpact.code_state import digest, walk
 from jaximpact.finding import find_class
 from jaximpact.identity import code_digest, heed_edits, name_of, tracing
-from jaximpact.io.checks import check_laws
 from jaximpact.laws import AbstractKinematics, FluidityRate
+from jaximpact.part_checks import check_part
 from jaximpact.shapes import Ellipsoid
-from jaximpact.shapes.check import check_shape
 
 LAW = """
 from jaximpact.laws import AbstractKinematics
@@ -414,12 +413,10 @@ class AShape(Ellipsoid):
 
 
 def test_a_law_may_be_checked_first_inside_of_jit():
-    soil = jax.tree.structure(Soil(flow=AFlow()))
-
     @jax.jit
     def checked(x):
-        check_laws(soil)
-        check_shape(AShape())
+        check_part("flow", AFlow())
+        check_part("shape", AShape())
         return x
 
     assert checked(1.0) == 1.0

@@ -2,7 +2,6 @@
 one process writes at a time."""
 
 import errno
-import json
 import os
 import shutil
 import subprocess
@@ -16,7 +15,7 @@ from jaximpact import file_locks
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.io import files as lock
-from jaximpact.io.output_files import LIST, output_directory
+from jaximpact.io.output_files import MARK, output_directory
 
 SCENES = "mass_kg\n100\n"
 SLOPE = """\
@@ -111,12 +110,12 @@ def test_no_input_is_replaced(folder, capsys, command, new, make):
     [
         ("batch s.csv --out r.csv.manifest.json", None, "must not end in .manifest"),
         ("batch s.csv --out r.csv.journal", None, "must not end in .journal"),
-        (f"batch s.csv --out sub/{LIST}", None, f"must not end in {LIST}"),
+        (f"batch s.csv --out sub/{MARK}", None, f"must not end in {MARK}"),
         ("batch s.csv --out r.csv", "r.csv.manifest.json", "no manifest says"),
         ("batch s.csv --out r.csv", "r.csv.journal", "no journal of this run"),
-        ("runout slope.toml --out sub", "sub/stops.png", "sub holds stops.png"),
-        ("calibrate tests.csv --out sub", "sub/report.html", "sub holds report.html"),
-        ("runout slope.toml --out sub", f"sub/{LIST}", "is no list of files"),
+        ("runout slope.toml --out sub", "sub/stops.png", "sub has stops.png"),
+        ("calibrate tests.csv --out sub", "sub/report.html", "sub has report.html"),
+        ("runout slope.toml --out sub", f"sub/{MARK}", "is in the place of what"),
     ],
 )
 def test_what_is_not_known_is_left_alone(folder, capsys, command, own, message):
@@ -151,12 +150,11 @@ LOCK = ".jaximpact-lock"
         ("batch s.csv --out r.csv", "r.csv"),
         ("batch s.csv --out r.csv", "r.csv.journal"),
         ("batch s.csv --out r.csv", "r.csv.manifest.json"),
-        ("batch s.csv --out r.csv", LIST),
         ("sweep x.nc --out y.nc", "y.nc"),
         ("sweep x.nc --out y.zarr", "y.zarr"),
         ("simulate scene.toml --plot p.png", "p.png"),
         ("runout slope.toml --out sub", "sub/stops.png"),
-        ("runout slope.toml --out sub", f"sub/{LIST}"),
+        ("runout slope.toml --out sub", f"sub/{MARK}"),
     ],
 )
 def test_an_output_in_place_of_what_is_no_file(folder, capsys, command, output, make):
@@ -209,129 +207,65 @@ def test_a_link_to_what_is_not_there_is_followed(folder):
 # --- directories
 
 
-def write(out, *names, text="it", study=None, command="test", inputs=()):
+def write(out, *names, text="it", command="test", study=None, inputs=()):
     with output_directory(out, command, names, study=study, inputs=inputs) as new:
         for name in names:
             new(name).write_text(text)
 
 
 def names_in(out):
-    return {p.relative_to(out).as_posix() for p in out.rglob("*")} - {LIST}
+    return {p.relative_to(out).as_posix() for p in out.rglob("*")} - {MARK}
 
 
-def test_another_study_takes_the_place_of_the_earlier_one(tmp_path):
-    write(tmp_path, "report.txt", "old.csv", "pictures/a.png", "pictures/b.png")
+def test_the_same_study_goes_on_in_its_directory(tmp_path):
+    study = {"ground": (1, 2)}
+    write(tmp_path, "a.csv", "pictures/a.png", study=study)
     (tmp_path / "mine.txt").write_text("mine")
-    write(tmp_path, "report.txt", "pictures/b.png", text="new")
+    write(tmp_path, "a.csv", "b.csv", study=study, text="new")
     assert names_in(tmp_path) == {
-        *("report.txt", "pictures", "pictures/b.png", "mine.txt"),
+        *("a.csv", "b.csv", "pictures", "pictures/a.png", "mine.txt"),
     }
-    write(tmp_path, "report.txt")
-    assert names_in(tmp_path) == {"report.txt", "mine.txt"}
-    listed = json.loads((tmp_path / LIST).read_text())
-    assert listed["command"] == "test"
-    assert [len(digest) for digest in listed["files"].values()] == [64]
+    assert (tmp_path / "a.csv").read_text() == "new"
 
 
-@pytest.mark.slow
-def test_a_command_renews_its_directory(folder):
-    assert main(["runout", "slope.toml", "--out", "out"]) == 0
-    (folder / "out" / "mine.txt").write_text("mine")
-    single = names_in(folder / "out")
-    two = SLOPE.replace("collectors_m = [50]\n", "").replace(
-        "[contacts]", "[[contacts]]"
-    )
-    two += '[[contacts]]\nlaw = "constant coefficients"\ne_n = 0.3\ne_t = 0.8\n'
-    (folder / "two.toml").write_text(two)
-    assert main(["runout", "two.toml", "--out", "out"]) == 0
-    found = names_in(folder / "out")
-    assert {"mine.txt", "constant-coefficients/blocks.nc", "comparison.csv"} <= found
-    assert not {"blocks.nc", "collectors.csv", "stops.png"} & found
-    assert main(["runout", "slope.toml", "--out", "out"]) == 0
-    assert names_in(folder / "out") == single
+def test_a_study_is_its_command_and_what_it_reads(tmp_path):
+    study, out = tmp_path / "study.toml", tmp_path / "out"
+    study.write_text("one")
+    write(out, "a.csv", inputs=[study])
+    write(out, "a.csv", inputs=[study])
+    with pytest.raises(InputError, match="jaximpact test for another study; choose an"):
+        write(out, "a.csv", inputs=[study], command="other")
+    study.write_text("two")
+    with pytest.raises(InputError, match="another study"):
+        write(out, "a.csv", inputs=[study])
+    assert names_in(out) == {"a.csv"}
 
 
-def test_what_was_changed_is_not_removed(tmp_path):
-    write(tmp_path, "report.txt", "old.csv", "gone.csv")
-    (tmp_path / "old.csv").write_text("changed")
-    (tmp_path / "gone.csv").unlink()
-    write(tmp_path, "report.txt")
-    assert (tmp_path / "old.csv").read_text() == "changed"
-    # From now on it is the user's.
-    with pytest.raises(InputError, match=r"holds old\.csv"):
-        write(tmp_path, "old.csv")
-
-
-def test_a_picture_of_the_users_is_not_replaced(tmp_path):
-    (tmp_path / "pictures").mkdir()
-    (tmp_path / "pictures" / "b.png").write_text("mine")
-    with output_directory(tmp_path, "test", ["report.txt"]) as new:
-        new("report.txt").write_text("it")
-        with pytest.raises(InputError, match=r"holds pictures/b\.png"):
-            new("pictures/b.png")
-    assert (tmp_path / "pictures" / "b.png").read_text() == "mine"
-
-
-def test_the_same_study_adds_to_its_files(tmp_path):
-    write(tmp_path, "a", study={"ground": (1, 2)})
-    write(tmp_path, "b", study={"ground": (1, 2)})
-    assert names_in(tmp_path) == {"a", "b"}
-    write(tmp_path, "b", study={"ground": (1, 3)})
-    assert names_in(tmp_path) == {"b"}
-
-
-def test_a_run_that_was_cut_short_knows_its_files_again(tmp_path):
-    write(tmp_path, "report.txt", "old.csv")
-
-    def cut_short():
-        with output_directory(tmp_path, "test", ["report.txt", "new.csv"]) as new:
-            assert names_in(tmp_path) == {"report.txt", "old.csv", ".jaximpact-lock"}
-            new("new.csv").write_text("new")
+def test_a_run_that_failed_before_its_first_file_leaves_a_new_directory(tmp_path):
+    def fail():
+        with output_directory(tmp_path, "test", ["a.csv"], study={"seed": 1}):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        cut_short()
-    assert names_in(tmp_path) == {"report.txt", "new.csv"}
-    write(tmp_path, "report.txt", "new.csv")
-    write(tmp_path, "report.txt")
-    assert names_in(tmp_path) == {"report.txt"}
+        fail()
+    write(tmp_path, "a.csv", study={"seed": 2})
+    assert names_in(tmp_path) == {"a.csv"}
 
 
-WHOLE = {"command": "test", "study": None, "files": {}}
+@pytest.mark.parametrize("mark", ["[]", '{"command": "test"}', "mine"])
+def test_what_is_no_mark_is_let_be(tmp_path, mark):
+    (tmp_path / MARK).write_text(mark)
+    with pytest.raises(InputError, match="is in the place of what jaximpact writes"):
+        write(tmp_path, "a.csv")
+    assert (tmp_path / MARK).read_text() == mark
 
 
-@pytest.mark.parametrize(
-    ("listed", "message"),
-    [
-        (WHOLE | {"command": "other"}, "results of jaximpact other"),
-        (WHOLE | {"files": {"../x": None}}, "is no list"),
-        (WHOLE | {"files": {"/x": None}}, "is no list"),
-        (WHOLE | {"files": {"C:x": None}}, "is no list"),
-        (WHOLE | {"files": {"sub\\..\\..\\x": None}}, "is no list"),
-        (WHOLE | {"files": ["x"]}, "is no list"),
-        ({"command": "test"}, "is no list"),
-        ([], "is no list"),
-    ],
-)
-def test_lists_that_are_none_of_the_command_are_refused(tmp_path, listed, message):
-    (tmp_path / LIST).write_text(json.dumps(listed))
-    with pytest.raises(InputError, match=message):
-        write(tmp_path, "report.txt")
-    assert names_in(tmp_path) == set()
-
-
-def test_an_input_is_not_removed(tmp_path):
-    write(tmp_path, "report.txt", "old.csv")
-    with pytest.raises(InputError, match=r"replace or remove .*old\.csv"):
-        write(tmp_path, "report.txt", inputs=[tmp_path / "old.csv"])
-
-
-def test_a_file_is_written_to_no_directory_of_results(folder, capsys):
+def test_a_file_is_written_over_no_results_of_a_directory(folder, capsys):
     write(folder / "sub", "fitted.csv", "report/a.png", command="calibrate")
     (folder / "l.csv").symlink_to(folder / "sub" / "fitted.csv")
     for out in ("sub/fitted.csv", "sub/report/a.png", "l.csv"):
         assert main(["batch", "s.csv", "--out", out]) == 2
-        assert_one_line_error(capsys, "would overwrite a file of jaximpact calibrate")
+        assert_one_line_error(capsys, "among the results of jaximpact calibrate")
 
 
 # --- one process at a time

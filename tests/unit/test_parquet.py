@@ -33,7 +33,7 @@ def test_a_table_in_parquet_is_the_csv(frame, tmp_path):
     assert tables[0].rows == tables[1].rows
     result = simulate_batch(tables[0].scene())
     out = tmp_path / "results.parquet"
-    write_results(out, tables[0], result, result.accuracy, 0.0)
+    write_results(out, tables[0], result, result.accuracy)
     received = pd.read_parquet(out)
     for name in frame:
         assert received[name].tolist() == frame[name].tolist()

@@ -2,28 +2,31 @@
 files of maps by hand."""
 
 import json
-import sqlite3
-import struct
 import sys
 import warnings
 
 import numpy as np
+import pyogrio
 import pytest
+import shapely
 
 from jaximpact.errors import InputError, UnusualValueWarning
 from jaximpact.runout import Barrier, Profile
 from jaximpact.runout.study.barriers import effects_of, read_barriers
-from jaximpact.runout.study.map_files import Feature, geojson, geopackage
+from jaximpact.runout.study.map_files import Layer, write_geojson, write_geopackage
 from jaximpact.runout.study.page_data import kept_ranks
 from jaximpact.runout.study.profile_file import read_map_placement
 
 PROFILE = Profile([0.0, 100.0, 200.0], [50.0, 0.0, 0.0])
 BARRIER = {"x_m": 120, "height_m": 3, "capacity_kJ": 250.5}
 PLACE = {"origin": [2600000.0, 1200000], "azimuth_deg": 30, "crs": "EPSG:2056"}
-FEATURES = [
-    Feature(True, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.5]], {"block": 0, "name": 'a "b"'}),
-    Feature(True, [], {"block": 1, "name": None}),
-]
+LAYER = Layer(
+    name="lines",
+    is_line=True,
+    positions=[np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.5]]), np.zeros((0, 3))],
+    properties=[{"block": 0, "name": 'a "b"'}, {"block": 1, "m": 2.0}],
+    kinds={"block": int, "name": str, "m": float},
+)
 
 
 def barriers(tmp_path, *tables):
@@ -173,9 +176,10 @@ def test_a_place_needs_all_three(tmp_path, missing):
         read_map_placement(tmp_path, {"profile": given})
 
 
-def test_maps_name_the_package_that_they_need(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pyproj", None)
-    with pytest.raises(InputError, match=r"crs needs .* pyproj.*jaximpact\[maps\]"):
+@pytest.mark.parametrize("package", ["pyproj", "pyogrio", "shapely"])
+def test_maps_name_the_package_that_they_need(tmp_path, monkeypatch, package):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(InputError, match=rf"crs needs .* {package}.*jaximpact\[maps\]"):
         read_map_placement(tmp_path, {"profile": PLACE})
 
 
@@ -183,22 +187,19 @@ def test_geojson_by_hand(tmp_path):
     """By the Mercator projection of a sphere, whose inverse is known: x = R lambda and
     y = R log(tan(pi/4 + phi/2))."""
     path, mercator = tmp_path / "a.geojson", 3857
-    with geojson(path, "lines", mercator) as add:
-        for feature in FEATURES:
-            add(feature)
+    write_geojson(path, LAYER, mercator)
     tree = json.loads(path.read_text(encoding="utf-8"))
-    assert [*tree] == ["type", "name", "features"]
     assert tree["type"] == "FeatureCollection"
     line, without_place = tree["features"]
     geometry, radius = line.pop("geometry"), 6378137.0
-    x, y, heights = np.transpose(FEATURES[0].positions)
+    x, y, heights = LAYER.positions[0].T
     latitude = 2.0 * np.arctan(np.exp(y / radius)) - np.pi / 2.0
     degrees = np.degrees([x / radius, latitude])
     assert geometry["type"] == "LineString"
     np.testing.assert_allclose(
         geometry["coordinates"], np.transpose([*degrees, heights]), atol=1e-9
     )
-    assert line == {"type": "Feature", "properties": {"block": 0, "name": 'a "b"'}}
+    assert line["properties"] == {"block": 0, "name": 'a "b"', "m": None}
     assert without_place["geometry"] is None
 
 
@@ -206,8 +207,8 @@ def test_a_place_in_switzerland(tmp_path):
     """The old observatory of Bern, the origin of Swiss coordinates, at 46 57 03.90 N
     and 7 26 19.08 E of WGS 84 (swisstopo, Formulas and constants), to the metre."""
     path = tmp_path / "a.geojson"
-    with geojson(path, "points", 2056) as add:
-        add(Feature(False, [[2600000.0, 1200000.0, 550.0]], {}))
+    bern = [np.array([[2600000.0, 1200000.0, 550.0]])]
+    write_geojson(path, Layer("points", False, bern, [{}], {}), 2056)
     (found,) = json.loads(path.read_text(encoding="utf-8"))["features"]
     longitude, latitude, height = found["geometry"]["coordinates"]
     assert longitude == pytest.approx(7 + 26 / 60 + 19.08 / 3600, abs=1e-5)
@@ -215,44 +216,27 @@ def test_a_place_in_switzerland(tmp_path):
     assert height == 550.0
 
 
-def test_geopackage_by_hand(tmp_path):
-    path = tmp_path / "a.gpkg"
-    with geopackage(path, 2056) as layer:
-        add = layer("lines", True, {"block": int, "name": str})
-        for feature in FEATURES:
-            add(feature)
-    assert path.read_bytes()[68:72] == b"GPKG"  # where SQLite keeps the application
-    connection = sqlite3.connect(path)
-    rows = connection.execute("SELECT * FROM lines").fetchall()
-    connection.close()
-    assert [row[2:] for row in rows] == [(0, 'a "b"'), (1, None)]
-    head = struct.unpack_from("<2sBBiBII", rows[0][1])
-    assert head == (b"GP", 0, 1, 2056, 1, 1002, 2)
-    assert struct.unpack_from("<6d", rows[0][1], 17) == (1, 2, 3, 4, 5, 6.5)
-    assert rows[1][1] is None
+def test_the_same_layers_give_the_same_package(tmp_path):
+    for name in ("a.gpkg", "b.gpkg"):
+        (tmp_path / name).write_text("what was there is replaced")
+        layers = [LAYER, LAYER._replace(name="again")]
+        write_geopackage(tmp_path / name, layers, "EPSG:2056")
+    first, second = ((tmp_path / name).read_bytes() for name in ("a.gpkg", "b.gpkg"))
+    assert first == second
+    for name in ("lines", "again"):
+        found, _, (geometry, nothing), (_, names, _) = pyogrio.raw.read(
+            tmp_path / "a.gpkg", layer=name
+        )
+        assert found["crs"] == "EPSG:2056"
+        lines = shapely.get_coordinates(shapely.from_wkb(geometry), include_z=True)
+        np.testing.assert_array_equal(lines, LAYER.positions[0])
+        assert nothing is None
+        assert names.tolist() == ['a "b"', None]
 
 
-@pytest.mark.parametrize("kind", [geojson, geopackage])
-def test_no_half_of_a_map_is_left(tmp_path, kind):
-    path = tmp_path / "map"
-    path.write_text("before")
-    arguments = (path, "lines", 2056) if kind is geojson else (path, 2056)
-
-    def interrupted():
-        with kind(*arguments) as opened:
-            add = opened if kind is geojson else opened("lines", True, {"block": int})
-            add(FEATURES[0])
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        interrupted()
-    assert path.read_text() == "before"
-    assert [file.name for file in tmp_path.iterdir()] == ["map"]
-
-
-def test_what_sqlite_cannot_write_is_an_error_of_files(tmp_path):
+def test_what_gdal_cannot_write_is_an_error_of_files(tmp_path):
     with pytest.raises(OSError, match="cannot be written"):
-        geopackage(tmp_path / "no folder" / "a.gpkg", 2056).__enter__()
+        write_geopackage(tmp_path / "no folder" / "a.gpkg", [LAYER], "EPSG:2056")
 
 
 @pytest.mark.parametrize("count", [0, 1, 12, 13, 120, 1000, 100_000])

@@ -3,17 +3,14 @@
 import numpy as np
 import pytest
 from error_messages import assert_one_line_error
+from slope_study import CONSTANT, slope_text
 
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.runout import read_profile, read_slope_study, run_slope_study
 
-SLOPE = """
-seed = 7
-
-[profile]
-points_m = [[0, 50], [50, 20], [80, 0], [200, 0]]
-
+SLOPE = slope_text(
+    ground="""
 [ground.materials.scree]
 from_x_m = 0
 to_x_m = 62.5
@@ -26,20 +23,10 @@ from_x_m = 62.5
 to_x_m = 200
 k_E = 300
 rolling_friction_angle_deg = 32
-
-[block]
-mass_kg = 100
-
-[release]
-x_m = 2
-clearance_m = 0.5
-speed_mps = 5
-
-[contacts]
-law = "constant coefficients"
-e_n = 0.3
-e_t = 0.8
-"""
+""",
+    release="x_m = 2",
+    contacts=CONSTANT,
+)
 CSV = """x_m,y_m,material
 0,50,scree
 50,20,scree
@@ -71,7 +58,7 @@ def test_a_range_cuts_the_segment_in_which_it_begins(slope):
         np.degrees(study.ground.rolling_friction_angle), [20, 20, 32, 32]
     )
     assert study.release.count == 1000
-    drawn = study.ground_samples["materials_scree_gamma_v"]
+    drawn = study.inputs.ground_samples["materials_scree_gamma_v"]
     np.testing.assert_array_equal(soil.gamma_v[:, 0], drawn)
     np.testing.assert_array_equal(soil.gamma_v[:, 1], drawn)
     np.testing.assert_array_equal(soil.gamma_v[:, 2:], 8.7)
@@ -99,8 +86,8 @@ def test_samples_are_those_of_the_study_without_cuts(slope, changed):
     by_range = read_slope_study(slope)
     by_column = read_slope_study(changed(*RANGES, (POINTS, 'csv = "p.csv"')))
     np.testing.assert_array_equal(
-        by_range.ground_samples["materials_scree_gamma_v"],
-        by_column.ground_samples["materials_scree_gamma_v"],
+        by_range.inputs.ground_samples["materials_scree_gamma_v"],
+        by_column.inputs.ground_samples["materials_scree_gamma_v"],
     )
 
 

@@ -36,11 +36,11 @@ def test_segments_descend_and_rise():
         (([0.0, 1e9], [0.0, 1.0]), "x of point 2 must be within 1e[+]08 m of 0"),
         (
             ([0, 1], [0, 0], Soil(), np.radians(-6.0)),
-            r"rolling_friction_angle must be in \[0, 90\) deg, but is -6 on segment 1",
+            r"friction_angle_deg must be in \[0, 90\) deg, but is -0.10.* segment 1",
         ),
         (
             ([0, 1, 2], [0, 0, 0], Soil(), 0.1, [0.1, np.nan]),
-            r"roughness must be in \[0, 30\] deg, but is nan on segment 2",
+            r"roughness_deg must be in \[0, 30\] deg, but is nan .*on segment 2",
         ),
         (([0, 1], [0, 0], Soil(), [0.1, 0.1]), "takes one rolling_friction_angle"),
         (([0, 1], [0, 0], Soil(c_v=[1.0, 2.0])), "takes one Soil.c_v or as many"),

@@ -384,7 +384,7 @@ def test_a_study_takes_a_drawing(slope):
     pytest.importorskip("ezdxf")
     study = read_slope_study(slope)
     np.testing.assert_array_equal(study.profile.x, X)
-    assert set(study.checksums) == {"slope.toml", "slope.dxf"}
+    assert set(study.inputs.checksums_by_name) == {"slope.toml", "slope.dxf"}
 
 
 @pytest.mark.parametrize(

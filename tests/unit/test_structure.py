@@ -24,13 +24,14 @@ LAYERS = """
     _numpy_settings
     _packages interruption progress file_locks store
     finding code_state parameters identity accuracy
-    shapes laws scene
+    shapes laws part_checks scene
     quantities scene_quantities
     impact restitution
     integrator
     backend
     io
     plotting
+    reports
     result
     tasks
     simulation

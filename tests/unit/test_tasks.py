@@ -13,11 +13,13 @@ import pytest
 from jaximpact import Block, Impact, Soil, simulate_batch, tasks
 from jaximpact.backend.threads import thread_count
 from jaximpact.errors import IncompleteError, InputError, NoWorkersWarning
-from jaximpact.progress import Progress
+from jaximpact.progress import tell
 from jaximpact.tasks import (
     WAITING,
     Task,
+    call_each,
     check_executor,
+    computing,
     run_in_threads,
     run_tasks,
 )
@@ -103,27 +105,46 @@ def test_a_client_without_workers_is_told_once(monkeypatch):
     assert len(got) == 1
 
 
-def test_who_waits_for_tasks_stops_when_another_fails(monkeypatch):
-    """Also where it waits within threads of one that waits."""
-    monkeypatch.setattr(tasks, "POLL", 0.01)
-    never, waits = threading.Event(), threading.Barrier(3, timeout=10.0)
+def test_results_of_threads_stand_in_the_order_of_the_items():
+    first_waits = threading.Event()
 
-    def wait(item, progress):
-        waits.wait()
-        run_tasks(pool, [never.wait], lambda *_: None)
-
-    def work(item, progress):
+    def work(item):
         if item == 0:
-            run_in_threads(wait, range(2), progress)
-        waits.wait()
-        raise KeyboardInterrupt
+            assert first_waits.wait(10.0)
+        first_waits.set()
+        return item * 10
 
-    with ThreadPoolExecutor(2) as pool:
-        try:
-            with pytest.raises(KeyboardInterrupt):
-                run_in_threads(work, range(2), Progress())
-        finally:
-            never.set()  # or the pool would wait for its threads
+    assert run_in_threads(work, [0, 1]) == [0, 10]
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
+def test_a_thread_that_fails_ends_the_others(error):
+    both_run, turns, lines = threading.Barrier(2, timeout=10.0), [], []
+
+    def work(item):
+        both_run.wait()
+        if item == 1:
+            raise error("enough")
+        for turn in range(10_000):
+            turns.append(turn)
+            tell("still here")
+            threading.Event().wait(1e-3)
+
+    with pytest.raises(error, match="enough"), computing(progress=lines.append):
+        run_in_threads(work, [0, 1])
+    assert len(turns) < 10_000
+    assert set(lines) <= {"still here"}
+
+
+def test_work_tells_who_listens_and_nobody_else():
+    lines = []
+    with computing(progress=lines.append):
+        tell("step")
+        with computing():
+            tell("of another computation")
+        call_each(tell, [("impacts", 1, 3)], lambda *_: None)
+    tell("afterwards")
+    assert lines == ["step", "1 of 3 impacts"]
 
 
 def test_a_worker_with_other_versions_or_without_packages_is_told(monkeypatch):

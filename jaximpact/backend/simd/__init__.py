@@ -5,11 +5,11 @@ from .kernel import (
     Kernel,
     LaneFunctions,
     Retries,
-    Workspace,
     compile_code,
     compile_kernel,
     without_copies,
 )
+from .kernel_set import KernelSet
 from .llvm_ir import keep_objects
 from .lower_jaxpr import NoMachineCode
 from .target import host
@@ -17,10 +17,10 @@ from .target import host
 __all__ = [
     "Code",
     "Kernel",
+    "KernelSet",
     "LaneFunctions",
     "NoMachineCode",
     "Retries",
-    "Workspace",
     "compile_code",
     "compile_kernel",
     "host",

@@ -1,7 +1,8 @@
 /* Keeps eight lanes going, in machine code that this package makes, until none waits.
  *
- * `run` serves Python: a matrix of inputs, with one column a lane. `impacts` serves XLA:
- * it is the handler of a custom call, whose operands are arrays over axes of lanes.
+ * `compute_rows` serves Python: a matrix of inputs, with one column a lane. `impacts`
+ * serves XLA: it is the handler of a custom call, whose operands are arrays over axes of
+ * lanes.
  *
  * driver.ll is made from this file by `make driver`, which needs clang; what the package
  * needs to run is driver.ll alone. The functions that this file declares `extern` are
@@ -17,6 +18,7 @@
 #define PROGRAMS 32
 #define RETRIES 7
 #define ALIGNMENT 64
+#define FOR_EVER 0xFFFFFFFF /* milliseconds, on Windows */
 
 typedef uint8_t Mask; /* a bit a column */
 typedef Mask (*Function)(double *work, Mask columns);
@@ -47,19 +49,146 @@ typedef struct {
     int64_t sampled[PACK]; /* times that are done with */
 } Columns;
 
-/* Where lanes come from and where they go. */
-typedef struct Exchange Exchange;
-struct Exchange {
-    /* Writes the inputs of the next lane into a column and names it; 0 if none waits. */
-    int (*take)(Exchange *, const Program *, Columns *, int column);
-    void (*give)(Exchange *, const Program *, Columns *, int column);
-    /* Time asked for next by a lane; infinite if none is. */
-    double (*next_time)(Exchange *, const Program *, Columns *, int column);
-    void (*give_sample)(Exchange *, const Program *, Columns *, int column);
-};
+/* Programs, and what they are computed for. */
+typedef struct {
+    int64_t count; /* of the programs */
+    Program programs[PROGRAMS];
+    /* Operands are `leaves` inputs that all lanes have in common, tolerance and floor
+     * among them; the places of those that lanes have of their own, and one operand for
+     * each of these; the effort and the program of a lane; with `directions` the inputs
+     * that each is along, with samples the times. */
+    int64_t leaves, directions, samples;
+    int64_t threads; /* of the handler */
+    /* pthread_create and pthread_join; CreateThread, WaitForSingleObject and CloseHandle
+     * of Windows. NULL for what the system does not have. */
+    int (*create)(void *thread, const void *attributes, void *(*work)(void *), void *);
+    int (*join)(uint64_t thread, void **);
+    void *(*create_thread)(void *security, size_t stack, uint32_t (*work)(void *), void *,
+                           uint32_t flags, uint32_t *number);
+    uint32_t (*wait)(void *thread, uint32_t milliseconds);
+    int (*close)(void *thread);
+} Operation;
+
+Operation operation; /* of the handler; filled in when this code is loaded */
+
+typedef struct {
+    const double *data;
+    int64_t stride[AXES]; /* 0 along an axis of length 1 */
+} Operand;
+
+typedef struct {
+    double effort;
+    int64_t lane;
+} Turn;
+
+/* What is sampled of one lane at its start and at the end of every step. */
+typedef struct {
+    double *samples; /* a row for each thing sampled, with a column a step */
+    int64_t room, count;
+    double reached;
+} Course;
+
+typedef struct {
+    const Operation *operation;
+    int64_t axes, dims[AXES], lanes;
+    int64_t threads; /* at most so many */
+    int64_t own_inputs; /* of a lane */
+    /* NULL for an effort that is the same for all, and where there is one program */
+    const Operand *common, *places, *own, *effort, *program, *along, *times_asked;
+    double **results; /* a dense array for each row */
+    int64_t times;
+    Course *course; /* of the only lane; NULL if none is recorded */
+    Turn *turns;    /* lanes by program, those that take longest first */
+    int64_t next[PROGRAMS], end[PROGRAMS];
+    int out_of_memory;
+} Job;
 
 extern uint64_t enter_float_mode(void); /* no flushing of small numbers to zero */
 extern void leave_float_mode(uint64_t);
+
+static const double *value_of(const Job *job, const Operand *operand, int64_t lane)
+{
+    if (job->axes == 1) /* no division */
+        return operand->data + lane * operand->stride[0];
+    const double *data = operand->data;
+    for (int64_t axis = job->axes; axis-- > 0; lane /= job->dims[axis])
+        data += lane % job->dims[axis] * operand->stride[axis];
+    return data;
+}
+
+/* Writes the inputs of the next lane into a column and names it; 0 if none waits. */
+static int take_lane(Job *job, int64_t place, Columns *columns, int column)
+{
+    int64_t turn = __atomic_fetch_add(&job->next[place], 1, __ATOMIC_RELAXED);
+    if (turn >= job->end[place])
+        return 0;
+    const Operation *all = job->operation;
+    const Program *program = &all->programs[place];
+    int64_t lane = job->turns[turn].lane;
+    for (int64_t row = 0; row < all->leaves; row++)
+        columns->work[PACK * row + column] = job->common->data[row];
+    for (int64_t k = 0; k < job->own_inputs; k++) {
+        int64_t row = (int64_t)job->places->data[k];
+        columns->work[PACK * row + column] = *value_of(job, &job->own[k], lane);
+    }
+    for (int64_t row = all->leaves; row < program->input_rows; row++)
+        columns->work[PACK * row + column] = 0.0;
+    for (int64_t k = 0; k < all->directions; k++) {
+        int64_t along = (int64_t)job->along->data[k];
+        int64_t own = (program->input_rows - all->leaves) / all->directions;
+        if (along >= 0)
+            columns->work[PACK * (all->leaves + k * own + along) + column] = 1.0;
+    }
+    columns->lane[column] = lane;
+    return 1;
+}
+
+static void give_lane(Job *job, const Program *program, Columns *columns, int column)
+{
+    const double *results = columns->work + PACK * program->results_row + column;
+    for (int64_t row = 0; row < program->result_rows; row++)
+        job->results[row][columns->lane[column]] = results[PACK * row];
+    if (job->course)
+        return;
+    for (int64_t row = 0; row < program->sampled_rows; row++)
+        for (int64_t k = columns->sampled[column]; k < job->times; k++)
+            job->results[program->result_rows + row]
+                        [columns->lane[column] * job->times + k] = __builtin_nan("");
+}
+
+/* Time asked for next by a lane; infinite if none is. */
+static double next_time(const Job *job, const Program *program, Columns *columns, int column)
+{
+    int64_t k = columns->sampled[column];
+    if (job->course) {
+        /* Where a lane that has failed begins again, so does its course. */
+        double time = columns->work[PACK * program->time + column];
+        if (k == 0)
+            return 0.0;
+        return time > job->course->reached ? time : __builtin_inf();
+    }
+    if (k == job->times)
+        return __builtin_inf();
+    return value_of(job, job->times_asked, columns->lane[column])[k];
+}
+
+static void give_sample(Job *job, const Program *program, Columns *columns, int column)
+{
+    const double *sampled = columns->work + PACK * program->sampled_row + column;
+    int64_t k = columns->sampled[column];
+    Course *course = job->course;
+    if (course) {
+        course->reached = columns->work[PACK * program->asked + column];
+        course->count = k + 1;
+        if (k < course->room)
+            for (int64_t row = 0; row < program->sampled_rows; row++)
+                course->samples[row * course->room + k] = sampled[PACK * row];
+        return;
+    }
+    int64_t place = columns->lane[column] * job->times + k;
+    for (int64_t row = 0; row < program->sampled_rows; row++)
+        job->results[program->result_rows + row][place] = sampled[PACK * row];
+}
 
 /* Whether a lane that has ended is to begin again, with a finer tolerance. */
 static int begins_again(const Program *program, Columns *columns, int column)
@@ -78,7 +207,7 @@ static int begins_again(const Program *program, Columns *columns, int column)
 }
 
 /* Takes samples at all times asked for that lanes have passed. */
-static void sample(const Program *program, Columns *columns, Exchange *exchange, Mask full)
+static void sample(const Program *program, Columns *columns, Job *job, Mask full)
 {
     double *time = columns->work + PACK * program->time;
     double *asked = columns->work + PACK * program->asked;
@@ -87,7 +216,7 @@ static void sample(const Program *program, Columns *columns, Exchange *exchange,
         for (int column = 0; column < PACK; column++) {
             if (!(full >> column & 1))
                 continue;
-            asked[column] = exchange->next_time(exchange, program, columns, column);
+            asked[column] = next_time(job, program, columns, column);
             if (asked[column] <= time[column])
                 due |= 1 << column;
         }
@@ -96,21 +225,21 @@ static void sample(const Program *program, Columns *columns, Exchange *exchange,
         program->sample(columns->work, due);
         for (int column = 0; column < PACK; column++)
             if (due >> column & 1) {
-                exchange->give_sample(exchange, program, columns, column);
+                give_sample(job, program, columns, column);
                 columns->sampled[column] += 1;
             }
     }
 }
 
-/* Goes on until all columns are empty or, if `wait`, until one is and none waits. */
-static void go_on(const Program *program, Columns *columns, Exchange *exchange, int wait)
+/* Goes on until no lane of a program waits and all columns are empty. */
+static void go_on(Job *job, int64_t place, Columns *columns)
 {
+    const Program *program = &job->operation->programs[place];
     Mask again = 0;
     for (;;) {
         Mask full = 0, fresh = again;
         for (int column = 0; column < PACK; column++) {
-            if (columns->lane[column] < 0 &&
-                exchange->take(exchange, program, columns, column)) {
+            if (columns->lane[column] < 0 && take_lane(job, place, columns, column)) {
                 columns->tries[column] = columns->sampled[column] = 0;
                 if (program->tolerance >= 0)
                     columns->tolerance[column] =
@@ -122,13 +251,13 @@ static void go_on(const Program *program, Columns *columns, Exchange *exchange, 
         }
         if (fresh)
             program->begin(columns->work, fresh);
-        if (!full || (wait && full != ALL))
+        if (!full)
             return;
         Mask ends;
         do {
             ends = full & ~program->step(columns->work, ALL);
             if (program->sample)
-                sample(program, columns, exchange, full);
+                sample(program, columns, job, full);
         } while (!ends);
         program->finish(columns->work, ALL);
         again = 0;
@@ -138,220 +267,22 @@ static void go_on(const Program *program, Columns *columns, Exchange *exchange, 
             if (begins_again(program, columns, column)) {
                 again |= 1 << column;
             } else {
-                exchange->give(exchange, program, columns, column);
+                give_lane(job, program, columns, column);
                 columns->lane[column] = -1;
             }
         }
     }
 }
 
-/* ---- For Python: matrices with one column a lane. */
-
-/* What is sampled of one lane at its start and at the end of every step. */
-typedef struct {
-    double *samples; /* a row for each thing sampled, with a column a step */
-    int64_t room, count;
-    double reached;
-} Course;
-
-typedef struct {
-    Exchange exchange;
-    const double *inputs;
-    int64_t count, taken;
-    const int64_t *names;
-    double *outputs;
-    int64_t room, done;
-    int64_t *ended;
-    Course *course;
-} Matrices;
-
-static int take_column(Exchange *exchange, const Program *program, Columns *columns, int column)
-{
-    Matrices *m = (Matrices *)exchange;
-    if (m->taken == m->count)
-        return 0;
-    for (int64_t row = 0; row < program->input_rows; row++)
-        columns->work[PACK * row + column] = m->inputs[row * m->count + m->taken];
-    columns->lane[column] = m->names[m->taken++];
-    return 1;
-}
-
-static void give_column(Exchange *exchange, const Program *program, Columns *columns, int column)
-{
-    Matrices *m = (Matrices *)exchange;
-    const double *results = columns->work + PACK * program->results_row + column;
-    for (int64_t row = 0; row < program->result_rows; row++)
-        m->outputs[row * m->room + m->done] = results[PACK * row];
-    m->ended[m->done++] = columns->lane[column];
-}
-
-/* Where a lane that has failed begins again, so does its course. */
-static double next_step(Exchange *exchange, const Program *program, Columns *columns, int column)
-{
-    Course *course = ((Matrices *)exchange)->course;
-    double time = columns->work[PACK * program->time + column];
-    if (!course)
-        return __builtin_inf();
-    if (columns->sampled[column] == 0)
-        return 0.0;
-    return time > course->reached ? time : __builtin_inf();
-}
-
-static void give_step(Exchange *exchange, const Program *program, Columns *columns, int column)
-{
-    Course *course = ((Matrices *)exchange)->course;
-    const double *sampled = columns->work + PACK * program->sampled_row + column;
-    int64_t step = columns->sampled[column];
-    course->reached = columns->work[PACK * program->asked + column];
-    course->count = step + 1;
-    if (step < course->room)
-        for (int64_t row = 0; row < program->sampled_rows; row++)
-            course->samples[row * course->room + step] = sampled[PACK * row];
-}
-
-/* Begins the lanes of `inputs`, whose names are `names`, and goes on. Results of lanes
- * that come to their ends go to the columns of `outputs`, which has room for so many,
- * and their names to `ended`; how many there were is returned. Of a lane alone the
- * course is recorded, if there is one. */
-int64_t run(const Program *program, Columns *columns, const double *inputs, int64_t count,
-            const int64_t *names, double *outputs, int64_t room, int64_t *ended, int64_t wait,
-            Course *course)
-{
-    Matrices matrices = {{take_column, give_column, next_step, give_step},
-                         inputs, count, 0, names, outputs, room, 0, ended, course};
-    uint64_t mode = enter_float_mode();
-    go_on(program, columns, &matrices.exchange, (int)wait);
-    leave_float_mode(mode);
-    return matrices.done;
-}
-
-/* ---- For XLA: a handler of custom calls. Offsets are those of c_api.h of XLA's FFI. */
-
-#define AT(type, base, offset) (*(type *)((char *)(base) + (offset)))
-#define FLOAT64 12
-#define EXTENSION_METADATA 1
-#define INVALID_ARGUMENT 3
-#define RESOURCE_EXHAUSTED 8
-#define FOR_EVER 0xFFFFFFFF /* milliseconds, on Windows */
-
-typedef struct {
-    int64_t count; /* of the programs */
-    Program programs[PROGRAMS];
-    /* Operands are `leaves` inputs that all lanes have in common, tolerance and floor
-     * among them; the places of those that lanes have of their own, and one operand for
-     * each of these; the effort and the program of a lane; with `directions` the inputs
-     * that each is along, with samples the times. */
-    int64_t leaves, directions, samples;
-    int64_t threads;
-    /* pthread_create and pthread_join; CreateThread, WaitForSingleObject and CloseHandle
-     * of Windows. NULL for what the system does not have. */
-    int (*create)(void *thread, const void *attributes, void *(*work)(void *), void *);
-    int (*join)(uint64_t thread, void **);
-    void *(*create_thread)(void *security, size_t stack, uint32_t (*work)(void *), void *,
-                           uint32_t flags, uint32_t *number);
-    uint32_t (*wait)(void *thread, uint32_t milliseconds);
-    int (*close)(void *thread);
-} Operation;
-
-Operation operation; /* filled in when this code is loaded */
-
-typedef struct {
-    const double *data;
-    int64_t stride[AXES]; /* 0 along an axis of length 1 */
-} Operand;
-
-typedef struct {
-    double effort;
-    int64_t lane;
-} Turn;
-
-typedef struct {
-    int64_t axes, dims[AXES], lanes;
-    int64_t own_inputs; /* of a lane */
-    const Operand *common, *places, *own, *effort, *program, *along, *times_asked;
-    double *const *results; /* a dense array for each row */
-    int64_t times;
-    Turn *turns; /* lanes by program, those that take longest first */
-    int64_t next[PROGRAMS], end[PROGRAMS];
-    int64_t work_rows;
-    int out_of_memory;
-} Job;
-
-typedef struct {
-    Exchange exchange;
-    Job *job;
-    int place; /* of the program */
-} Share;
-
-static const double *value_of(const Job *job, const Operand *operand, int64_t lane)
-{
-    const double *data = operand->data;
-    for (int64_t axis = job->axes; axis-- > 0; lane /= job->dims[axis])
-        data += lane % job->dims[axis] * operand->stride[axis];
-    return data;
-}
-
-static int take_lane(Exchange *exchange, const Program *program, Columns *columns, int column)
-{
-    Share *share = (Share *)exchange;
-    Job *job = share->job;
-    int64_t turn = __atomic_fetch_add(&job->next[share->place], 1, __ATOMIC_RELAXED);
-    if (turn >= job->end[share->place])
-        return 0;
-    int64_t lane = job->turns[turn].lane, leaves = operation.leaves;
-    for (int64_t row = 0; row < leaves; row++)
-        columns->work[PACK * row + column] = job->common->data[row];
-    for (int64_t k = 0; k < job->own_inputs; k++) {
-        int64_t row = (int64_t)job->places->data[k];
-        columns->work[PACK * row + column] = *value_of(job, &job->own[k], lane);
-    }
-    for (int64_t row = leaves; row < program->input_rows; row++)
-        columns->work[PACK * row + column] = 0.0;
-    for (int64_t k = 0; k < operation.directions; k++) {
-        int64_t along = (int64_t)job->along->data[k];
-        int64_t own = (program->input_rows - leaves) / operation.directions;
-        if (along >= 0)
-            columns->work[PACK * (leaves + k * own + along) + column] = 1.0;
-    }
-    columns->lane[column] = lane;
-    return 1;
-}
-
-static void give_lane(Exchange *exchange, const Program *program, Columns *columns, int column)
-{
-    Job *job = ((Share *)exchange)->job;
-    const double *results = columns->work + PACK * program->results_row + column;
-    for (int64_t row = 0; row < program->result_rows; row++)
-        job->results[row][columns->lane[column]] = results[PACK * row];
-    for (int64_t row = 0; row < program->sampled_rows; row++)
-        for (int64_t k = columns->sampled[column]; k < job->times; k++)
-            job->results[program->result_rows + row]
-                        [columns->lane[column] * job->times + k] = __builtin_nan("");
-}
-
-static double next_time(Exchange *exchange, const Program *program, Columns *columns, int column)
-{
-    (void)program;
-    Job *job = ((Share *)exchange)->job;
-    int64_t k = columns->sampled[column];
-    if (k == job->times)
-        return __builtin_inf();
-    return value_of(job, job->times_asked, columns->lane[column])[k];
-}
-
-static void give_sample(Exchange *exchange, const Program *program, Columns *columns, int column)
-{
-    Job *job = ((Share *)exchange)->job;
-    const double *sampled = columns->work + PACK * program->sampled_row + column;
-    int64_t place = columns->lane[column] * job->times + columns->sampled[column];
-    for (int64_t row = 0; row < program->sampled_rows; row++)
-        job->results[program->result_rows + row][place] = sampled[PACK * row];
-}
-
 static void *work(void *argument)
 {
     Job *job = argument;
-    size_t size = sizeof(double) * PACK * job->work_rows;
+    const Operation *all = job->operation;
+    int64_t rows = 0;
+    for (int64_t place = 0; place < all->count; place++)
+        if (all->programs[place].rows > rows)
+            rows = all->programs[place].rows;
+    size_t size = sizeof(double) * PACK * rows;
     void *space = calloc(1, size + ALIGNMENT);
     if (!space) {
         job->out_of_memory = 1;
@@ -362,10 +293,8 @@ static void *work(void *argument)
     columns.work = (double *)(((uintptr_t)space + ALIGNMENT - 1) & ~(uintptr_t)(ALIGNMENT - 1));
     for (int column = 0; column < PACK; column++)
         columns.lane[column] = -1;
-    for (int place = 0; place < operation.count; place++) {
-        Share share = {{take_lane, give_lane, next_time, give_sample}, job, place};
-        go_on(&operation.programs[place], &columns, &share.exchange, 0);
-    }
+    for (int64_t place = 0; place < all->count; place++)
+        go_on(job, place, &columns);
     leave_float_mode(mode);
     free(space);
     return NULL;
@@ -385,15 +314,15 @@ static int longer_first(const void *a, const void *b)
 static void arrange(Job *job)
 {
     int64_t first = 0;
-    for (int place = 0; place < operation.count; place++) {
+    for (int64_t place = 0; place < job->operation->count; place++) {
         int64_t k = first;
         for (int64_t lane = 0; lane < job->lanes; lane++)
-            if ((int)*value_of(job, job->program, lane) == place) {
-                double found = *value_of(job, job->effort, lane);
+            if (!job->program || (int64_t)*value_of(job, job->program, lane) == place) {
+                double effort = job->effort ? *value_of(job, job->effort, lane) : 0.0;
                 /* qsort needs an order, which NaN has not. */
-                job->turns[k++] = (Turn){found == found ? found : 0.0, lane};
+                job->turns[k++] = (Turn){effort == effort ? effort : 0.0, lane};
             }
-        if (k - first > PACK)
+        if (job->effort && k - first > PACK)
             qsort(job->turns + first, k - first, sizeof(Turn), longer_first);
         job->next[place] = first;
         job->end[place] = first = k;
@@ -409,30 +338,33 @@ static uint32_t work_on_windows(void *argument)
 /* Starts a thread, which is named there; 0 where the system gives none. */
 static int start(uint64_t *thread, Job *job)
 {
-    if (operation.create)
-        return !operation.create(thread, NULL, work, job);
-    if (!operation.create_thread)
+    const Operation *all = job->operation;
+    if (all->create)
+        return !all->create(thread, NULL, work, job);
+    if (!all->create_thread)
         return 0;
-    void *handle = operation.create_thread(NULL, 0, work_on_windows, job, 0, NULL);
+    void *handle = all->create_thread(NULL, 0, work_on_windows, job, 0, NULL);
     *thread = (uint64_t)(uintptr_t)handle;
     return handle != NULL;
 }
 
-static void await_end(uint64_t thread)
+static void await_end(const Operation *all, uint64_t thread)
 {
-    if (operation.join) {
-        operation.join(thread, NULL);
+    if (all->join) {
+        all->join(thread, NULL);
         return;
     }
-    operation.wait((void *)(uintptr_t)thread, FOR_EVER);
-    operation.close((void *)(uintptr_t)thread);
+    all->wait((void *)(uintptr_t)thread, FOR_EVER);
+    all->close((void *)(uintptr_t)thread);
 }
 
+/* Computes all lanes of a job, whose turns and results have memory. */
 static void compute(Job *job)
 {
+    arrange(job);
     int64_t threads = (job->lanes + PACK - 1) / PACK, started = 1;
-    if (threads > operation.threads)
-        threads = operation.threads;
+    if (threads > job->threads)
+        threads = job->threads;
     uint64_t *thread = NULL;
     if (threads > 1)
         thread = malloc(sizeof(uint64_t) * threads);
@@ -442,9 +374,70 @@ static void compute(Job *job)
             started++;
     work(job);
     for (int64_t k = 1; k < started; k++)
-        await_end(thread[k]);
+        await_end(job->operation, thread[k]);
     free(thread);
 }
+
+/* ---- For Python: matrices with one column a lane. */
+
+typedef struct {
+    const Operation *operation;
+    int64_t lanes, threads, own_inputs, times;
+    const double *common, *places; /* as the operands of the handler */
+    const double *own;             /* a row for each of the places */
+    const double *effort, *program; /* of each lane; or NULL, see Job */
+    const double *along;
+    const double *times_asked; /* a row for each lane */
+    double *results, *samples; /* a row for each, that of a sample has lanes times times */
+    Course *course;
+} Rows;
+
+/* Returns 0, or 1 if there is too little memory. */
+int64_t compute_rows(const Rows *rows)
+{
+    if (!rows->lanes)
+        return 0;
+    const Operation *all = rows->operation;
+    int64_t own = rows->own_inputs, count = all->programs[0].result_rows;
+    int64_t sampled = rows->course ? 0 : all->programs[0].sampled_rows;
+    Operand common = {rows->common, {0}}, places = {rows->places, {0}};
+    Operand effort = {rows->effort, {1}}, program = {rows->program, {1}};
+    Operand along = {rows->along, {0}}, times = {rows->times_asked, {rows->times}};
+    Operand *inputs = calloc(own + 1, sizeof(Operand));
+    double **results = malloc(sizeof(double *) * (count + sampled));
+    Turn *turns = malloc(sizeof(Turn) * rows->lanes);
+    Job job = {.operation = all, .axes = 1, .dims = {rows->lanes}, .lanes = rows->lanes,
+               .threads = rows->threads, .own_inputs = own, .common = &common, .places = &places, .own = inputs,
+               .effort = rows->effort ? &effort : NULL,
+               .program = rows->program ? &program : NULL, .along = &along,
+               .times_asked = &times, .results = results, .times = rows->times,
+               .course = rows->course, .turns = turns};
+    if (inputs && results && turns) {
+        for (int64_t k = 0; k < own; k++) {
+            inputs[k].data = rows->own + k * rows->lanes;
+            inputs[k].stride[0] = 1;
+        }
+        for (int64_t row = 0; row < count; row++)
+            results[row] = rows->results + row * rows->lanes;
+        for (int64_t row = 0; row < sampled; row++)
+            results[count + row] = rows->samples + row * rows->lanes * rows->times;
+        compute(&job);
+    } else {
+        job.out_of_memory = 1;
+    }
+    free(turns);
+    free(results);
+    free(inputs);
+    return job.out_of_memory;
+}
+
+/* ---- For XLA: a handler of custom calls. Offsets are those of c_api.h of XLA's FFI. */
+
+#define AT(type, base, offset) (*(type *)((char *)(base) + (offset)))
+#define FLOAT64 12
+#define EXTENSION_METADATA 1
+#define INVALID_ARGUMENT 3
+#define RESOURCE_EXHAUSTED 8
 
 typedef void *Create(void *arguments);
 
@@ -528,9 +521,6 @@ static void *compute_call(void *frame, Job *job, Operand *operands, int64_t coun
     job->lanes = 1;
     for (int64_t axis = 0; axis < job->axes; axis++)
         job->lanes *= job->dims[axis];
-    for (int64_t place = 0; place < operation.count; place++)
-        if (operation.programs[place].rows > job->work_rows)
-            job->work_rows = operation.programs[place].rows;
     if (!job->lanes)
         return NULL;
     int64_t rows = programs_results + sampled;
@@ -544,7 +534,6 @@ static void *compute_call(void *frame, Job *job, Operand *operands, int64_t coun
     if (outputs && job->turns) {
         for (int64_t row = 0; row < rows; row++)
             outputs[row] = AT(double *, results[row], 24);
-        arrange(job);
         compute(job);
     } else {
         job->out_of_memory = 1;
@@ -572,7 +561,8 @@ void *impacts(void *frame)
     Operand *operands = malloc(sizeof(Operand) * count);
     if (!operands)
         return error(frame, RESOURCE_EXHAUSTED, "jaximpact: out of memory");
-    Job job = {.own_inputs = own_inputs};
+    Job job = {.operation = &operation, .threads = operation.threads,
+               .own_inputs = own_inputs};
     void *wrong = compute_call(frame, &job, operands, count);
     free(operands);
     return wrong;

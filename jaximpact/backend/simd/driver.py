@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from llvmlite.binding import ExecutionEngine
 
-from .llvm_ir import PACK, compile_text, load
+from .llvm_ir import compile_text, load
 from .system_functions import ThreadFunctions
 from .target import this_target
 
@@ -33,20 +33,8 @@ class Program(ctypes.Structure):
     )
 
 
-class Columns(ctypes.Structure):
-    """Lanes under way; see driver.c."""
-
-    _fields_ = (
-        ("work", POINTER),
-        ("lane", INTEGER * PACK),
-        ("tolerance", DOUBLE * PACK),
-        ("tries", INTEGER * PACK),
-        ("sampled", INTEGER * PACK),
-    )
-
-
 class Operation(ctypes.Structure):
-    """Settings of the handler of a custom call; see driver.c."""
+    """Programs, and what they are computed for; see driver.c."""
 
     _fields_ = (
         ("count", INTEGER),
@@ -68,13 +56,19 @@ class Course(ctypes.Structure):
     )
 
 
-RUN = ctypes.CFUNCTYPE(
-    INTEGER,
-    *(POINTER, POINTER),
-    *(POINTER, INTEGER, POINTER),
-    *(POINTER, INTEGER, POINTER),
-    *(INTEGER, POINTER),
-)
+class Rows(ctypes.Structure):
+    """Lanes to compute, and where their results go; see driver.c."""
+
+    _fields_ = (
+        ("operation", POINTER),
+        *((name, INTEGER) for name in ("lanes", "threads", "own_inputs", "times")),
+        *((name, POINTER) for name in ("common", "places", "own", "effort", "program")),
+        *((name, POINTER) for name in ("along", "times_asked")),
+        *((name, POINTER) for name in ("results", "samples", "course")),
+    )
+
+
+COMPUTE_ROWS = ctypes.CFUNCTYPE(INTEGER, POINTER)
 FLOAT_MODE = {
     "x86": """
 declare void @llvm.x86.sse.stmxcsr(ptr)
@@ -123,15 +117,10 @@ threads flush small numbers to zero, and results would depend on the thread."""
 
 
 class Driver(NamedTuple):
-    """The driver as loaded for one operation."""
+    """The driver as loaded for one operation of XLA."""
 
     engine: ExecutionEngine
     operation: Operation
-
-    @property
-    def run(self):
-        """Function that serves Python."""
-        return RUN(self.engine.get_function_address("run"))
 
     @property
     def handler(self) -> int:
@@ -158,14 +147,21 @@ def load_driver() -> Driver:
     return Driver(engine, Operation.from_address(address))
 
 
-_shared: list[Driver] = []
+_shared: list = []
 _lock = threading.Lock()
 
 
-def shared_driver() -> Driver:
-    """Return the driver that serves Python. It is never unloaded: threads that start at
-    once must not load two of which one is thrown away under the other's feet."""
+def compute_rows(rows: Rows) -> None:
+    """Compute lanes; other threads of Python go on meanwhile.
+
+    Raises MemoryError.
+    """
+    # One driver for all, never unloaded: threads that start at once must not load two
+    # of which one is thrown away under the other's feet.
     with _lock:
         if not _shared:
-            _shared.append(load_driver())
-    return _shared[0]
+            engine = load_driver().engine
+            address = engine.get_function_address("compute_rows")
+            _shared.extend((COMPUTE_ROWS(address), engine))
+    if _shared[0](ctypes.addressof(rows)):
+        raise MemoryError(f"too little memory for {rows.lanes} impacts at once")

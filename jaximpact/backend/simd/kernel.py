@@ -6,7 +6,6 @@ has come to its end gives its place to the next. Lanes know nothing of each othe
 lane's results do not depend, to the last bit, on what runs beside it.
 """
 
-import ctypes
 import math
 from collections.abc import Callable, Sequence
 from itertools import count
@@ -15,14 +14,10 @@ from typing import NamedTuple
 import jax
 import numpy as np
 
-from .driver import ALIGNMENT, Columns, Course, Program, shared_driver
+from .driver import Program
 from .graph import INPUT, NUMPY, Graph, Node
-from .llvm_ir import DECLARATIONS, PACK, Output, compile_text, load, write_function
+from .llvm_ir import DECLARATIONS, Output, compile_text, load, write_function
 from .lower_jaxpr import Translator
-
-USUAL_STEPS = 2_000
-"""Steps for which there is room when a course is recorded; a lane that takes more runs
-once more."""
 
 
 class Code(NamedTuple):
@@ -96,80 +91,9 @@ class Kernel:
     @property
     def layout(self) -> bytes:
         """Description of the code for the driver, without addresses, as bytes."""
-        told = Program.from_buffer_copy(self.program)
-        told.begin = told.step = told.finish = told.sample = None
-        return bytes(told)
-
-    def workspace(self) -> "Workspace":
-        return Workspace(self)
-
-
-class Workspace:
-    """Eight columns in which one thread works with a kernel."""
-
-    def __init__(self, kernel: Kernel):
-        self._kernel = kernel  # The code must live as long as this.
-        self._run = shared_driver().run
-        self._space = np.zeros(kernel.program.rows * PACK * 8 + ALIGNMENT, np.uint8)
-        start = self._space.ctypes.data
-        self._columns = Columns(work=start + -start % ALIGNMENT)
-        self._columns.lane[:] = [-1] * PACK
-
-    def record(self, inputs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Run one lane, and sample it at its start and at the end of every step.
-
-        Args:
-            inputs: inputs of the lane, shape (input_rows, 1).
-
-        Returns:
-            Results (result_rows, 1), and samples (sampled_rows, 1 + steps).
-        """
-        names, room = np.zeros(1, int), USUAL_STEPS
-        while True:
-            samples = np.empty((self._kernel.code.sampled_rows, room))
-            course = Course(samples=samples.ctypes.data, room=room)
-            _, results = self.run(names, inputs, False, course)
-            if course.count <= room:
-                return results, samples[:, : course.count]
-            room = course.count
-
-    def run(
-        self,
-        names: np.ndarray,
-        inputs: np.ndarray,
-        wait: bool,
-        course: Course | None = None,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Begin lanes, and go on until all have ended.
-
-        Args:
-            names: of the lanes, integers that are not negative.
-            inputs: `(input_rows, lanes)`.
-            wait: go on only until a column is empty, to be called again.
-            course: what is sampled goes there, if there is a single lane.
-
-        Returns:
-            Names of the lanes that have ended, and their results
-            `(result_rows, ended)`.
-        """
-        code = self._kernel.code
-        names = np.ascontiguousarray(names, np.int64)
-        inputs = np.ascontiguousarray(inputs, float)
-        if inputs.shape != (code.input_rows, len(names)):
-            raise ValueError(
-                f"got inputs of shape {inputs.shape}, need "
-                f"{(code.input_rows, len(names))}, a row for each and a column a lane"
-            )
-        room = len(names) + PACK
-        results = np.empty((code.result_rows, room))
-        ended = np.empty(room, np.int64)
-        count = self._run(
-            *(ctypes.addressof(self._kernel.program), ctypes.addressof(self._columns)),
-            *(inputs.ctypes.data, len(names), names.ctypes.data),
-            *(results.ctypes.data, room, ended.ctypes.data),
-            *(wait, course and ctypes.addressof(course)),
-        )
-        return ended[:count], results[:, :count]
+        layout = Program.from_buffer_copy(self.program)
+        layout.begin = layout.step = layout.finish = layout.sample = None
+        return bytes(layout)
 
 
 class LaneFunctions(NamedTuple):
@@ -255,14 +179,14 @@ def _compiled(
     functions: LaneFunctions, inputs, own_inputs=(), copies: int = 1
 ) -> tuple[Code, tuple]:
     """Give the code, and shapes of results and own results."""
-    given = inputs, own_inputs
-    begin, states = jax.make_jaxpr(functions.begin, return_shape=True)(*given)
+    arguments = inputs, own_inputs
+    begin, states = jax.make_jaxpr(functions.begin, return_shape=True)(*arguments)
     step = jax.make_jaxpr(functions.step)(*states)
     finish, results = jax.make_jaxpr(functions.finish, return_shape=True)(
-        *given, *states
+        *arguments, *states
     )
     layout = _Layout(copies)
-    at_given, at_states, at_results = map(layout.allot, (given, states, results))
+    at_given, at_states, at_results = map(layout.allot, (arguments, states, results))
     functions_written = [
         ("begin", begin, at_given, at_states, dict(masked=True)),
         ("step", step, at_states, at_states, dict(says=True)),
@@ -359,7 +283,7 @@ def _written(
     its results go to those of the targets, but for the truth that it `says` last."""
     graph, outputs, said = Graph(), [], False
     copies = max(part.copies for part in (*sources, *targets))
-    held: dict[tuple, np.ndarray] = {}
+    arrays_of: dict[tuple, np.ndarray] = {}
 
     def inputs_of(copy: int) -> list[np.ndarray]:
         arrays, kinds = [], iter(traced.in_avals)
@@ -367,22 +291,22 @@ def _written(
             row = part.start_of(copy)
             for shape in part.shapes:
                 kind = NUMPY[next(kinds).dtype.kind]
-                if (row, shape) not in held:
+                if (row, shape) not in arrays_of:
                     values = np.empty(shape, object)
                     for i, index in enumerate(np.ndindex(shape)):
                         values[index] = graph.input(row + i, kind)
-                    held[row, shape] = values
-                arrays.append(held[row, shape])
+                    arrays_of[row, shape] = values
+                arrays.append(arrays_of[row, shape])
                 row += math.prod(shape)
         return arrays
 
-    found = Translator(graph).run(
+    results = Translator(graph).run(
         traced.jaxpr, traced.consts, [inputs_of(copy) for copy in range(copies)]
     )
-    for copy, arrays in enumerate(found):
+    for copy, arrays in enumerate(results):
         if says:
-            *arrays, told = arrays
-            said = told.item()
+            *arrays, truth = arrays
+            said = truth.item()
         arrays = iter(arrays)
         for part in targets:
             values = [x for _ in part.shapes for x in next(arrays).ravel()]

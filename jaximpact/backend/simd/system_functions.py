@@ -62,10 +62,12 @@ def _addresses(library: str | None, *names: str) -> list[int]:
     """Find functions of a library; None for what the process has loaded."""
     try:
         loaded = ctypes.CDLL(library)
-        found = [ctypes.cast(getattr(loaded, n), ctypes.c_void_p).value for n in names]
+        addresses = [
+            ctypes.cast(getattr(loaded, n), ctypes.c_void_p).value for n in names
+        ]
     except (AttributeError, OSError, TypeError) as problem:
         raise MissingFunction(
             f"{library or 'this system'} lacks a function that machine code calls: "
             f"{problem}"
         ) from None
-    return [address for address in found if address is not None]
+    return [address for address in addresses if address is not None]

@@ -45,10 +45,10 @@ def _read(table, row, *, width: int, column: int) -> np.ndarray:
     places, values = width * row.astype(int) + column, np.zeros(row.shape)
     # Where there is no lane the address is 0, and zeros are read.
     for address in np.unique(table[table > 0.0]):
-        own = table == address
-        size = int(np.max(places[own])) + 1
+        here = table == address
+        size = int(np.max(places[here])) + 1
         memory = (ctypes.c_double * size).from_address(int(address))
-        values[own] = np.ctypeslib.as_array(memory)[places[own]]
+        values[here] = np.ctypeslib.as_array(memory)[places[here]]
     return values
 
 
@@ -60,21 +60,23 @@ def _read_from_xla(table, row, *, width: int, column: int):
     )
 
 
-def _read_of_all(given, axes, **which):
+def _read_of_all(operands, axes, **which):
     """Read entries for all lanes of `jax.vmap`."""
     lanes = next(
-        x.shape[axis] for x, axis in zip(given, axes, strict=True) if axis is not None
+        x.shape[axis]
+        for x, axis in zip(operands, axes, strict=True)
+        if axis is not None
     )
     table, row = (
         jnp.broadcast_to(x, (lanes, *x.shape))
         if axis is None
         else jnp.moveaxis(x, axis, 0)
-        for x, axis in zip(given, axes, strict=True)
+        for x, axis in zip(operands, axes, strict=True)
     )
     return _table_entry.bind(table, row, **which), 0
 
 
-_table_entry.def_impl(lambda *given, **which: jnp.asarray(_read(*given, **which)))
+_table_entry.def_impl(lambda *operands, **which: jnp.asarray(_read(*operands, **which)))
 _table_entry.def_abstract_eval(
     lambda table, row, **_: ShapedArray(row.shape, row.dtype)
 )

@@ -26,8 +26,8 @@ from numpy.typing import ArrayLike
 from ..._checks import whole_number
 from ...batch import by_shape
 from ...errors import InputError
-from ...io.display import align
 from ...quantities import CURVE_COLUMNS, InputColumn, columns_of, leaf_places
+from ...reports.tables import Table
 from ...scene import Scene
 from ...shapes import Ellipsoid, EllipticCylinder
 from ..estimation.linear_algebra import inverse_positive
@@ -361,16 +361,16 @@ def _most_frequent(scene: Scene) -> tuple[Scene, np.ndarray]:
     return alone, np.array([values[np.argmax(counts)] for values, counts in each])
 
 
-def as_rows(found: Suggestions) -> list[tuple[str, ...]]:
-    """Write the chosen tests as a table, its head first."""
+def as_table(found: Suggestions) -> Table:
+    """Write the chosen tests as a table."""
     errors = (f"error of {name}" for name in found.names)
-    rows = [("test", *found.candidates, "measured", *errors, "mean")]
+    columns = ("test", *found.candidates, "measured", *errors, "mean")
     now = {
         n: f"{100 * error:.3g} %"
         for n, error in zip(found.names, found.now, strict=True)
     }
     present = (now | dict.fromkeys(found.undetermined, "not identifiable")).values()
-    rows.append(("now", *("" for _ in found.candidates), "", *present, ""))
+    rows = [("now", *("" for _ in found.candidates), "", *present, "")]
     for number, one in enumerate(found.chosen, 1):
         errors = [
             f"{100 * error:.3g} % (1/{factor:.3g})"
@@ -381,7 +381,7 @@ def as_rows(found: Suggestions) -> list[tuple[str, ...]]:
         if measured in one.predicted:
             measured += f" (expected {one.predicted[measured]:.3g})"
         rows.append((f"+ {number}", *scene, measured, *errors, f"1/{one.volume:.3g}"))
-    return rows
+    return Table(columns, rows)
 
 
 def in_words(found: Suggestions) -> list[str]:
@@ -428,4 +428,4 @@ def in_words(found: Suggestions) -> list[str]:
 
 def as_text(found: Suggestions) -> str:
     """Write table and advice as text."""
-    return "\n".join([align(as_rows(found)), "", *in_words(found)]) + "\n"
+    return "\n".join([as_table(found).text(), "", *in_words(found)]) + "\n"

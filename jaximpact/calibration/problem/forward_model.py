@@ -10,13 +10,11 @@ import numpy as np
 from jax import Array
 
 from ..._types import Structure
-from ...accuracy import Accuracy
+from ...accuracy import PRESETS, Accuracy
 from ...backend import MACHINE_CODE
-from ...backend.native_backend import compile_native, computes_on_cpu
+from ...backend.rows import prepare
 from ...batch import by_shape
-from ...impact.problem import Assembly
-from ...impact.reduced_models import PLANAR
-from ...progress import Progress
+from ...progress import Progress, listening, telling
 from ...quantities import (
     CURVE_COLUMNS,
     DERIVED_COLUMNS,
@@ -251,11 +249,9 @@ class ImpactResponse(NamedTuple):
         """Find the leaf of each column of a scene."""
         return leaf_places(tree)
 
-    def in_xla(self, structure: Structure) -> bool:
+    def in_xla(self, structure: Structure, leaves: Sequence) -> bool:
         """Tell whether the laws have no machine code."""
-        if not computes_on_cpu():
-            return True
-        return compile_native(Assembly(structure, PLANAR, ledger=False)) is None
+        return prepare(structure, leaves, PRESETS["fast"]) == XLA
 
     def __call__(self, tree: Scene, times: Array, accuracy: Accuracy):
         """Simulate impacts."""
@@ -315,4 +311,5 @@ def for_each_variant(
     in_xla = any(model.engine == XLA for model in models)
     if in_xla or len(variants) == 1:
         return [function(variant, progress) for variant in variants]
-    return run_in_threads(function, variants, progress)
+    with telling(progress):
+        return run_in_threads(lambda item: function(item, listening()), variants)

@@ -40,8 +40,9 @@ class Response(Protocol):
         """Find the leaf of each column that a tree has."""
         ...
 
-    def in_xla(self, structure: Structure) -> bool:
-        """Tell whether XLA computes it, and not machine code."""
+    def in_xla(self, structure: Structure, leaves: Sequence) -> bool:
+        """Tell whether XLA computes impacts, and not machine code; leaves are arrays
+        where impacts differ."""
         ...
 
     def __call__(
@@ -101,7 +102,9 @@ class Program:
         differ = [value is None for value in constants]
         differ[self.places["speed_mps"]] = True
         self.varied = np.flatnonzero(differ)
-        self.in_xla = response.in_xla(structure)
+        unknown = np.full(1, np.nan)
+        leaves = [unknown if value is None else value for value in constants]
+        self.in_xla = response.in_xla(structure, leaves)
         self._compiled: dict = {}
 
     def __reduce__(self):

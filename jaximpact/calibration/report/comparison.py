@@ -1,20 +1,14 @@
 """The comparison of laws in words, as tables and as numbers."""
 
-import csv
-import io
 import itertools
-from typing import Any
+from functools import partial
 
 import numpy as np
 
-from ...io.display import Rows
+from ...reports.document import Box, Part, Picture, Section
+from ...reports.tables import Table, listed
 from ..comparison.comparison import Compared, GroupScores
-from ..comparison.ranking import (
-    ERRORS,
-    FEWEST_UNITS,
-    SMALL_DIFFERENCE,
-    Ranking,
-)
+from ..comparison.ranking import ERRORS, FEWEST_UNITS, SMALL_DIFFERENCE, Ranking
 from ..problem.config import Variant
 
 CSV_COLUMNS = (
@@ -57,7 +51,7 @@ def _in_words(compared: Compared, found: Ranking) -> str:
     others = [names[i] for i in found.ties if i != found.best]
     if not others:
         return f"{best} predicts a test that it has not seen better than all others."
-    text = f"A tie: {_listed([best, *others])} predict equally well."
+    text = f"A tie: {listed([best, *others])} predict equally well."
     if preferred == found.best:
         return (
             f"{text} Prefer {best}: no law of the tie has fewer fitted parameters "
@@ -93,7 +87,7 @@ def _by_group(compared: Compared, scores: GroupScores, whole: Ranking) -> str:
         )
     elif len(found.ties) > 1:
         others = [names[i] for i in found.ties if i != found.best]
-        text += f", in a tie with {_listed(others)}"
+        text += f", in a tie with {listed(others)}"
     else:
         text += ", better than all others"
     if whole.preferred not in found.ties:
@@ -104,18 +98,13 @@ def _by_group(compared: Compared, scores: GroupScores, whole: Ranking) -> str:
     return text + "."
 
 
-def _listed(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-
-
-def comparison_contents(compared: Compared) -> dict[str, Any]:
-    """Collect the sentences and tables of a comparison."""
+def comparison_parts(compared: Compared) -> list[Part]:
+    """Write the sentences and tables of a comparison."""
     study = compared.study
-    about = (
+    notes = [
         f"{len(compared.laws)} laws fitted to {', '.join(study.targets)} of "
         f"{len(compared.by_test.groups)} tests, with the same errors of measurement."
-    )
-    notes = [about]
+    ]
     if compared.targets_left_out:
         notes.append(
             f"Left out: {', '.join(compared.targets_left_out)}, which laws of rebound "
@@ -126,39 +115,50 @@ def comparison_contents(compared: Compared) -> dict[str, Any]:
         "Score: the log predictive density of each test by the fit to the others, "
         f"summed; larger is better. {RULE}"
     )
-    return {
-        "notes": notes,
-        "verdict": verdict(compared),
-        "rows": score_rows(compared),
-        "group_tables": [
-            (f"Scores by {scores.by}", group_rows(compared, scores))
-            for scores in compared.by_group
-        ],
-        "parameters": parameter_rows(compared),
-    }
+    groups = [
+        Section(f"Scores by {scores.by}", [_group_table(compared, scores)])
+        for scores in compared.by_group
+    ]
+    box = Box("verdict", ["Which law the tests prefer", *verdict(compared)])
+    fitted = Section("Fitted parameters", [_fitted_table(compared)])
+    return [box, *notes, _score_table(compared), *groups, fitted]
 
 
-def score_rows(compared: Compared) -> Rows:
+def comparison_picture(compared: Compared) -> Picture:
+    """Show the scores of the laws."""
+    # Matplotlib takes half a second to import, which text does not need.
+    from .drawings import draw_comparison
+
+    return Picture(
+        partial(draw_comparison, compared),
+        "Scores of the laws, less that of the best",
+        "Score of each law less that of the best, with two standard errors; red: "
+        "preferred, blue: ties, grey: worse.",
+    )
+
+
+def _score_table(compared: Compared) -> Table:
     """Write the laws with their scores, the best first."""
     found, targets = compared.ranking(), compared.study.targets
     head = ("law", "parameters", "score", "less than the best", "weight")
-    return [(*head, *(f"rms left out {name}" for name in targets))] + [
+    rows = [
         (
             _marked(law.name, found, place),
-            str(law.count),
+            law.count,
             f"{compared.by_test.totals[place]:.1f}",
             _difference(found, place),
             f"{compared.weights[place]:.2f}",
-            *(f"{value:.3g}" for value in law.rms_left_out),
+            *law.rms_left_out,
         )
         for place, law in enumerate(compared.laws)
     ]
+    return Table((*head, *(f"rms left out {name}" for name in targets)), rows)
 
 
-def group_rows(compared: Compared, scores: GroupScores) -> Rows:
+def _group_table(compared: Compared, scores: GroupScores) -> Table:
     """Write the scores of one way of leaving groups out."""
     found = compared.ranking(scores)
-    return [("law", "score", "less than the best", "worst predicted")] + [
+    rows = [
         (
             _marked(compared.laws[place].name, found, place),
             f"{scores.totals[place]:.1f}",
@@ -167,6 +167,7 @@ def group_rows(compared: Compared, scores: GroupScores) -> Rows:
         )
         for place in np.argsort(-scores.totals, kind="stable")
     ]
+    return Table(("law", "score", "less than the best", "worst predicted"), rows)
 
 
 def _marked(name: str, found: Ranking, place) -> str:
@@ -181,9 +182,9 @@ def _difference(found: Ranking, place) -> str:
     return f"{-found.apart[place]:.1f}{more}"
 
 
-def parameter_rows(compared: Compared) -> Rows:
+def _fitted_table(compared: Compared) -> Table:
     """Write the fitted parameters of every law."""
-    rows: Rows = [("law", "fitted")]
+    rows = []
     for law in compared.laws:
         cells = [
             f"{name} = {value:.4g}" + (f" (at its {bound} bound)" if bound else "")
@@ -195,7 +196,7 @@ def parameter_rows(compared: Compared) -> Rows:
         idle = [n for n, acts in zip(law.parameters, law.acts, strict=True) if not acts]
         acting += [f"{', '.join(idle)} without influence"] if idle else []
         rows.append((law.name, ", ".join(acting)))
-    return rows
+    return Table(("law", "fitted"), rows)
 
 
 def comparison_json(compared: Compared) -> dict:
@@ -232,21 +233,16 @@ def comparison_csv(compared: Compared) -> str:
 
     `log_density` is that of the whole test, and stands in every line of it.
     """
-    study, text = compared.study, io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(CSV_COLUMNS)
-    for law in compared.laws:
-        left = law.left_out
-        for test, target in zip(*np.nonzero(study.known), strict=True):
-            numbers = study.measured, left.predicted, left.deviation
-            writer.writerow(
-                (
-                    law.name,
-                    test + 1,
-                    study.tests.name(int(test)),
-                    f"{left.density[test]:.9g}",
-                    study.targets[target],
-                    *(f"{column[test, target]:.9g}" for column in numbers),
-                )
-            )
-    return text.getvalue()
+    study = compared.study
+    rows = [
+        (
+            *(law.name, test + 1, study.tests.name(int(test))),
+            *(law.left_out.density[test], study.targets[target]),
+            study.measured[test, target],
+            law.left_out.predicted[test, target],
+            law.left_out.deviation[test, target],
+        )
+        for law in compared.laws
+        for test, target in zip(*np.nonzero(study.known), strict=True)
+    ]
+    return Table(CSV_COLUMNS, rows).csv()

@@ -1,7 +1,6 @@
-"""Contents of the report: sentences and tables of a calibration as plain values, which
-the layouts in templates/ arrange. A table is a list of rows, its head first."""
+"""What a calibration says in words and tables: its summary, and the sentences of the
+whole report, which `study_report` puts together."""
 
-import collections
 import dataclasses
 import itertools
 
@@ -10,13 +9,11 @@ import numpy as np
 from ..._packages import versions
 from ...accuracy import PRESETS
 from ...identity import name_of
-from ...io.display import Rows
 from ...quantities import INPUT_COLUMNS
-from ..comparison.comparison import Compared
-from ..diagnostics import cross_validation, further_tests, residuals
+from ...reports.document import Box, Document, Part, Section
+from ...reports.tables import Table
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import (
-    TOO_FEW_FOR_SIGMA,
     Examination,
     fit_of_target,
     freedom_text,
@@ -27,17 +24,10 @@ from ..estimation.least_squares import Reason
 from ..estimation.sigma import LEAST_FREEDOM, relative_sigma
 from ..problem.config import Study
 from ..problem.laws import in_words, unusual
-from .comparison import comparison_contents, worse_than_others
 from .parameters import (
-    NOT_IDENTIFIABLE,
-    about_draws,
-    about_posterior,
-    correlation_rows,
-    correlations_short,
-    nuisance_rows,
-    parameter_rows,
-    parameters_short,
-    profile_rows,
+    correlated_pairs,
+    nuisance_table,
+    parameter_table,
     verdict,
 )
 
@@ -47,78 +37,53 @@ ONE_ROW = 1e-3
 """Relative difference of costs within which starts share a row."""
 
 
-def contents_of(
-    result: StudyResult, examined: list[Examination], compared: Compared | None = None
-) -> dict:
-    """Collect everything that the report says, without its pictures."""
-    study = result.study
-    return {
-        "title": study.title,
-        "several": len(result.variants) > 1,
-        "about": _about(study),
-        "about_short": [*_about_tests(study), _held(study)],
-        "variant_rows": _variant_rows(result),
-        "variants": [
-            _variant(result, variant, diagnostics, compared)
-            for variant, diagnostics in zip(result.variants, examined, strict=True)
-        ],
-        "comparison": None if compared is None else comparison_contents(compared),
-        "comparison_pictures": [],
-        "origin": _origin(result),
-    }
+def summary(result: StudyResult, examined: list[Examination]) -> Document:
+    """Say what was found, in a few tables and sentences."""
+    parts: list[Part] = [*about_tests(result.study), _held(result.study)]
+    for variant, diagnostics in zip(result.variants, examined, strict=True):
+        several = len(result.variants) > 1
+        inner: list[Part] = [
+            Section("Parameters", [parameter_table(variant, short=True)]),
+            nuisances(variant),
+            Section("Correlations", [correlated_pairs(variant)]),
+            Section(
+                "Fit (predicted less measured)",
+                [target_table(result, variant, diagnostics.each)],
+            ),
+            Box(
+                "verdict",
+                [
+                    "Verdict",
+                    *verdict(result, variant),
+                    f"{starts_in_words(variant)}; {variant.reason.words}.",
+                ],
+            ),
+            warning_box(warnings_of(result, variant, diagnostics)),
+        ]
+        parts += [Section(variant.variant.name, inner)] if several else inner
+    return Document("", parts, [])
 
 
-def _variant(
-    result: StudyResult,
-    variant: VariantResult,
-    diagnostics: Examination,
-    compared: Compared | None,
-) -> dict:
-    values = diagnostics.residuals.values
-    warnings = warnings_of(result, variant, diagnostics)
-    if compared is not None:
-        warnings += worse_than_others(compared, variant.variant)
-    return {
-        "name": variant.variant.name,
-        "pictures": collections.defaultdict(list),
-        "verdict": verdict(result, variant),
-        "warnings": warnings,
-        "parameters": parameter_rows(variant),
-        "parameters_short": parameters_short(variant),
-        "profiles": {n: profile_rows(found) for n, found in variant.profiles.items()},
-        "directions": variant.directions,
-        "correlation": correlation_rows(variant),
-        "correlations_short": correlations_short(variant),
-        "nuisances": nuisance_rows(variant),
-        "draws": about_draws(result, variant, diagnostics.draws),
-        "posterior": diagnostics.samples and about_posterior(variant, diagnostics),
-        "fit": target_rows(result, variant, diagnostics.each),
-        "statistics": _statistics(result, variant),
-        "has_residuals": np.any(np.isfinite(values)),
-        "residuals": residuals.in_words(diagnostics.residuals, variant.objective),
-        "cross_validation": [
-            _cross_validation(result, variant, left, what)
-            for left, what in (
-                (diagnostics.each, "test"),
-                (diagnostics.campaigns, "campaign"),
-            )
-            if left is not None
-        ],
-        "further": _further(diagnostics),
-        "starts": _starts_in_words(variant),
-        "start_rows": _start_rows(variant),
-        "stopped": variant.reason.words,
-    }
+def warning_box(lines: list[str], of: str = "") -> Box | None:
+    """Frame warnings, if there are any."""
+    return Box("warning", [f"Warnings{of}", *lines]) if lines else None
+
+
+def nuisances(variant: VariantResult) -> Section:
+    """Make the section on nuisance parameters; empty without any."""
+    title = "Nuisance parameters, under their priors"
+    return Section(title, [nuisance_table(variant)])
 
 
 # --- What was fitted to what. ---
 
 
-def _about(study: Study) -> list[str]:
+def about(study: Study) -> list[str]:
+    """Describe source, tests, laws and method."""
     loss = "" if study.loss == "gaussian" else f", {study.loss} loss"
     lines = [f"Source: {study.source}"] if study.source else []
     lines += [study.notes] if study.notes else []
-    lines += _about_tests(study)
+    lines += about_tests(study)
     if other := unusual(study.parts):
         lines.append(f"Laws other than the default: {in_words(other)}.")
     lines += [
@@ -133,7 +98,7 @@ def _about(study: Study) -> list[str]:
     return lines
 
 
-def _about_tests(study: Study) -> list[str]:
+def about_tests(study: Study) -> list[str]:
     """Describe tests, missing and censored measurements, and sigmas."""
     line = f"{study.tests.described}, fitted to {', '.join(study.targets)}."
     missing = int(np.sum(study.comparable & ~study.known))
@@ -158,11 +123,11 @@ def _about_sigma(study: Study) -> str:
         f"No sigma is given{which}: it is estimated from the residuals, which are "
         "taken as random."
     )
-    in_parts = list(itertools.compress(study.targets, study.proportional))
-    if in_parts:
+    proportional = list(itertools.compress(study.targets, study.proportional))
+    if proportional:
         words += (
-            f" The sigma of {', '.join(in_parts)} is the same fraction of the value in "
-            "all tests."
+            f" The sigma of {', '.join(proportional)} is the same fraction of the "
+            "value in all tests."
         )
     return words
 
@@ -192,42 +157,42 @@ def _held(study: Study) -> str:
     if shape is not None:
         words = f"Shape: {type(shape).__name__}. {words}"
     if missing:
-        taken = ", ".join(f"{name} {value:g}" for name, value in missing.items())
-        words = f"Not in the table, default values: {taken}. {words}"
+        stated = ", ".join(f"{name} {value:g}" for name, value in missing.items())
+        words = f"Not in the table, default values: {stated}. {words}"
     return words
 
 
-def _variant_rows(result: StudyResult) -> Rows:
-    """Write the variants side by side."""
-    study = result.study
+def variant_table(result: StudyResult) -> Table:
+    """Set the variants side by side."""
+    study, rows = result.study, []
     names = [parameter.name for parameter in study.parameters]
-    rows: Rows = [("variant", *names, *(f"rms {t}" for t in study.targets), "cost")]
     for variant in result.variants:
         cells = [
-            f"{variant.parameters[index]:.4g}"
-            + ("" if verdict.determined else f" ({NOT_IDENTIFIABLE})")
-            for index, verdict in enumerate(variant.verdicts)
+            f"{value:.4g}{'' if one.determined else ' (not identifiable)'}"
+            for value, one in zip(variant.parameters, variant.verdicts, strict=False)
         ]
         errors = [
-            number_text(fit_of_target(result, variant, target)["rms"])
+            fit_of_target(result, variant, target)["rms"]
             for target in range(len(study.targets))
         ]
-        rows.append((variant.variant.name, *cells, *errors, f"{variant.cost:.4g}"))
-    return rows
+        rows.append((variant.variant.name, *cells, *errors, variant.cost))
+    return Table(
+        ("variant", *names, *(f"rms {t}" for t in study.targets), "cost"), rows
+    )
 
 
 # --- Fit, cross-validation, starts. ---
 
 
-def target_rows(
+def target_table(
     result: StudyResult, variant: VariantResult, left: LeftOut | None = None
-) -> Rows:
+) -> Table:
     """Write the errors of each target, with those of tests left out if given."""
     study = result.study
     limits = bool(np.any(study.known & (study.censored != 0)))
-    rows: list[dict[str, str]] = []
     relative = relative_sigma(study, variant.sigma, variant.predicted)
     few = variant.uncertainty.degrees_of_freedom < LEAST_FREEDOM
+    rows: list[dict[str, object]] = []
     for target, name in enumerate(study.targets):
         values = fit_of_target(result, variant, target)
         origin = "guessed" if few else "estimated"
@@ -236,119 +201,87 @@ def target_rows(
         size = f"{np.median(sigma):.3g}"
         if study.proportional[target]:
             size = f"{100 * relative[target]:.3g} % of the value"
-        row = {"target": name, "rms": number_text(values["rms"])}
+        row: dict[str, object] = {"target": name, "rms": values["rms"]}
         if left is not None:
             row["rms left out"] = _rms_left_out(study, left, target)
-        row |= {key: number_text(values[key]) for key in ("max", "bias")}
+        row |= {key: values[key] for key in ("max", "bias")}
         row["sigma"] = f"{size} ({origin})"
         if limits:
-            row["limits violated"] = str(values["limits_broken"])
+            row["limits violated"] = values["limits_broken"]
         rows.append(row)
-    return [tuple(rows[0]), *(tuple(row.values()) for row in rows)]
+    return Table(tuple(rows[0]), [tuple(row.values()) for row in rows])
 
 
-def _rms_left_out(study: Study, left: LeftOut, target: int) -> str:
+def _rms_left_out(study: Study, left: LeftOut, target: int) -> float | None:
     apart = (left.predicted - study.measured)[:, target]
     apart = apart[(study.censored[:, target] == 0) & np.isfinite(apart)]
-    return f"{np.sqrt(np.mean(apart**2)):.4g}" if len(apart) else "none"
+    return float(np.sqrt(np.mean(apart**2))) if len(apart) else None
 
 
-def _statistics(result: StudyResult, variant: VariantResult) -> list[str]:
-    uncertainty = variant.uncertainty
-    freedom, words = uncertainty.degrees_of_freedom, variant.reason.words
-    left = freedom_text(freedom)
-    given = np.all(result.study.sigma_given)
-    lines = [
+def statistics(result: StudyResult, variant: VariantResult) -> str:
+    """Say how good the fit is."""
+    uncertainty, words = variant.uncertainty, variant.reason.words
+    left = freedom_text(uncertainty.degrees_of_freedom)
+    line = (
         f"Cost {variant.cost:.6g}, {left} degree{'s' * (left != '1')} of freedom. "
         f"{words[0].upper()}{words[1:]}."
-    ]
-    if given and np.isfinite(uncertainty.reduced_chi_square):
-        lines.append(f"Reduced chi-square {uncertainty.reduced_chi_square:.3g}.")
-    if uncertainty.inflation > 1.0:
-        lines.append(
-            "The misfit is larger than the given sigmas allow: standard errors are "
-            f"multiplied by {np.sqrt(uncertainty.inflation):.3g}."
-        )
-    if not given and freedom < LEAST_FREEDOM:
-        lines.append(TOO_FEW_FOR_SIGMA)
-    if variant.failed:
-        lines.append(f"{variant.failed} predictions could not be computed.")
-    return lines
+    )
+    reduced = uncertainty.reduced_chi_square
+    if np.all(result.study.sigma_given) and np.isfinite(reduced):
+        line += f" Reduced chi-square {reduced:.3g}."
+    return line
 
 
-def _cross_validation(
-    result: StudyResult, variant: VariantResult, left: LeftOut, what: str
-) -> dict:
-    study = result.study
+def left_out_table(study: Study, left: LeftOut, what: str) -> Table | None:
+    """Write the tests that are predicted worst by the others, or the campaigns; None
+    without any prediction."""
     exact = study.censored == 0
+    if not np.any(np.isfinite(left.predicted[exact])):
+        return None
     values = np.where(exact, left.standardised(study.measured), np.nan)
-    rows = []
-    if np.any(np.isfinite(left.predicted[exact])):
-        of = _worst if what == "test" else _campaigns
-        rows = of(study, left, values)
-    words = cross_validation.in_words(left, variant.objective, what)
-    return {"what": what, "words": words, "rows": rows}
+    return (_worst if what == "test" else _campaigns)(study, left, values)
 
 
-def _worst(study: Study, left: LeftOut, values: np.ndarray) -> Rows:
-    """Write the measurements that are predicted worst."""
-    rows: Rows = [
-        ("test", "target", "measured", "predicted", "+-", "standard deviations")
-    ]
+def _worst(study: Study, left: LeftOut, values: np.ndarray) -> Table:
     order = np.argsort(-np.abs(np.nan_to_num(values)), axis=None)[:MOST_ROWS]
-    for test, target in zip(*np.unravel_index(order, values.shape), strict=True):
-        if np.isfinite(values[test, target]):
-            numbers = (study.measured, left.predicted, left.deviation)
-            cells = (f"{part[test, target]:.4g}" for part in numbers)
-            name = study.tests.name(int(test))
-            rows.append(
-                (name, study.targets[target], *cells, f"{values[test, target]:+.2f}")
-            )
-    return rows
+    rows = [
+        (
+            study.tests.name(int(test)),
+            study.targets[target],
+            study.measured[test, target],
+            left.predicted[test, target],
+            left.deviation[test, target],
+            f"{values[test, target]:+.2f}",
+        )
+        for test, target in zip(*np.unravel_index(order, values.shape), strict=True)
+        if np.isfinite(values[test, target])
+    ]
+    columns = ("test", "target", "measured", "predicted", "+-", "standard deviations")
+    return Table(columns, rows)
 
 
-def _campaigns(study: Study, left: LeftOut, values: np.ndarray) -> Rows:
-    rows: Rows = [("campaign", "measurements", "in the band", "mean", "rms")]
+def _campaigns(study: Study, left: LeftOut, values: np.ndarray) -> Table:
+    rows = []
     for number, name in enumerate(left.groups):
         of_one = values[left.group == number]
         of_one = of_one[np.isfinite(of_one)]
-        inside = np.sum(np.abs(of_one) <= left.quantile)
-        numbers = ("none", "none")
+        inside = int(np.sum(np.abs(of_one) <= left.quantile))
+        numbers = (None, None)
         if len(of_one):
             numbers = f"{np.mean(of_one):+.2f}", f"{np.sqrt(np.mean(of_one**2)):.2f}"
-        rows.append((name, str(len(of_one)), str(inside), *numbers))
-    return rows
+        rows.append((name, len(of_one), inside, *numbers))
+    return Table(("campaign", "measurements", "in the band", "mean", "rms"), rows)
 
 
-def _further(diagnostics: Examination) -> dict:
-    single, together = diagnostics.single, diagnostics.together
-    criterion = {
-        "D": "the mean error over all combinations (D-optimal)",
-        "A": "the sum of the parameters' variances (A-optimal)",
-    }[single.criterion]
-    several = together.ways != single.ways
-    return {
-        "words": (
-            f"Of {len(single.volumes)} candidate impacts, those chosen one after the "
-            f"other that minimise {criterion}. Errors are relative to the value, or to "
-            "half the range."
-        ),
-        "single": further_tests.in_words(single),
-        "single_rows": further_tests.as_rows(single),
-        "together": further_tests.in_words(together)[:1] if several else [],
-        "together_rows": further_tests.as_rows(together),
-        "fixed": ", ".join(f"{n} {v:.4g}" for n, v in single.fixed.items()),
-    }
-
-
-def _starts_in_words(variant: VariantResult) -> str:
+def starts_in_words(variant: VariantResult) -> str:
+    """Say how many starts found the best fit."""
     found, total = int(np.sum(variant.reached)), len(variant.start_costs)
     together = int(np.sum((variant.start_restarts > 0) & variant.reached))
     also = f"; {together} of them by a common search, since their own fits ended above"
     return f"{found} of {total} starts found the best fit{also if together else ''}"
 
 
-def _start_rows(variant: VariantResult) -> Rows:
+def start_table(variant: VariantResult) -> Table:
     """Write the starts, those of one cost and one reason in a row."""
     costs, reasons = variant.start_costs, variant.start_reasons
     names = [of_one.name for of_one in variant.verdicts]
@@ -361,36 +294,30 @@ def _start_rows(variant: VariantResult) -> Rows:
             groups[-1].append(start)
         else:
             groups.append([start])
-    rows: Rows = [("starts", "cost", *names, "steps", "stopped")]
-    for group in groups:
-        first = group[0]
-        values = variant.end_parameters[first, : len(names)]
-        rows.append(
-            (
-                str(len(group)) + (" (with the given)" if 0 in group else ""),
-                f"{costs[first]:.6g}",
-                *(f"{value:.4g}" for value in values),
-                f"{np.mean(variant.start_steps[group]):.3g}",
-                reasons[first].words,
-            )
+    rows = [
+        (
+            f"{len(group)}{' (with the given)' if 0 in group else ''}",
+            f"{costs[group[0]]:.6g}",
+            *variant.end_parameters[group[0], : len(names)],
+            float(np.mean(variant.start_steps[group])),
+            reasons[group[0]].words,
         )
-    return rows
+        for group in groups
+    ]
+    return Table(("starts", "cost", *names, "steps", "stopped"), rows)
 
 
-def _origin(result: StudyResult) -> Rows:
+def origin_table(result: StudyResult) -> Table:
     """Write what the results were computed from and with."""
     study = result.study
     accuracy = dataclasses.asdict(PRESETS[study.accuracy])
-    rows: Rows = [("what", "value"), ("study", study.path.name)]
-    rows += [(t.path.name, f"sha256 {t.sha256}") for t in study.tests.sources]
-    rows += [(slot, name_of(type(law))) for slot, law in unusual(study.parts).items()]
-    rows += [
-        (f"{slot} of {variant.name}", name_of(type(law)))
-        for variant in study.variants
-        for slot, law in variant.laws.items()
-    ]
-    return [
-        *rows,
+    laws = unusual(study.parts)
+    for variant in study.variants:
+        laws |= {f"{slot} of {variant.name}": v for slot, v in variant.laws.items()}
+    rows = [
+        ("study", study.path.name),
+        *((t.path.name, f"sha256 {t.sha256}") for t in study.tests.sources),
+        *((slot, name_of(type(law))) for slot, law in laws.items()),
         ("method", study.method),
         ("loss", study.loss),
         ("starts", f"{study.starts}, seed {study.seed}"),
@@ -399,8 +326,4 @@ def _origin(result: StudyResult) -> Rows:
         ("time of the fits, in this run", f"{result.seconds:.0f} s"),
         *versions().items(),
     ]
-
-
-def number_text(value: float | None) -> str:
-    """Write a number, or that there is none."""
-    return "none" if value is None else f"{value:.4g}"
+    return Table(("what", "value"), rows)

@@ -1,8 +1,6 @@
-"""The pictures of the report of a calibration, each of one variant."""
+"""Drawings of a calibration: of all its variants, of one, and of laws compared."""
 
-import base64
 import itertools
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -18,27 +16,24 @@ from ...plotting.style import (
     log_scale,
     panels,
     plain,
-    png_bytes,
     points,
 )
 from ...quantities import TARGET_COLUMNS, InputColumn, columns_of
+from ..comparison.comparison import Compared
 from ..diagnostics.cross_validation import LeftOut
-from ..diagnostics.examination import Examination
 from ..diagnostics.further_tests import Suggestions
 from ..diagnostics.identifiability import LikelihoodProfile
 from ..diagnostics.posterior import Draws
 from ..diagnostics.predictive import Bands
-from ..diagnostics.residuals import Residuals, varying_inputs
+from ..diagnostics.residuals import Residuals
 from ..diagnostics.results import StudyResult, VariantResult
 from ..problem.bounds import Bounds
 from ..problem.config import Study
 
-Picture = tuple[str, Figure, str, str]
-"""Group, figure, description and caption of a picture."""
 WIDTH, HEIGHT = 4.6, 3.5
 """Size of a panel [inch]: the report shows it 460 px wide."""
 MOST_PAIRS = 3
-BAND, WIDE_BAND = 0.35, 0.15
+BAND, WIDE_BAND = 0.35, 0.2
 """Opacities."""
 MOST_RATIO = 9.0
 """Likelihood ratio up to which a profile is drawn, at least."""
@@ -52,100 +47,8 @@ ELLIPSE = 2.448
 """Radius that holds 95 % of a normal distribution of two variables."""
 
 
-def draw_report(
-    result: StudyResult, examined: list[Examination]
-) -> list[dict[str, list[dict]]]:
-    """Draw the pictures of every variant, by their place in the report."""
-    found: list[dict[str, list[dict]]] = []
-    for both in zip(result.variants, examined, strict=True):
-        groups: dict[str, list[dict]] = {}
-        for group, figure, description, caption in (
-            *_fit_pictures(result, *both),
-            *_residual_pictures(result, *both),
-        ):
-            shown = picture(figure, description, caption)
-            groups.setdefault(group, []).append(shown)
-        found.append(groups)
-    return found
-
-
-def picture(figure: Figure, description: str, caption: str) -> dict:
-    """Collect what a report needs to show a figure; `base64` is the PNG."""
-    return {
-        "base64": base64.b64encode(png_bytes(figure)).decode(),
-        "description": description,
-        "caption": caption,
-    }
-
-
-def _fit_pictures(
-    result: StudyResult, variant: VariantResult, diagnostics: Examination
-) -> Iterator[Picture]:
-    names = variant.names
-    for name, profile in variant.profiles.items():
-        yield (
-            *("profiles", draw_profile(variant, profile)),
-            f"Profile likelihood of {name}",
-            f"Profile likelihood of {name}: twice the rise of the cost with {name} "
-            "fixed and the others fitted again.",
-        )
-    for a, b in _pairs(variant):
-        figure = draw_pair(variant, diagnostics.draws, a, b)
-        yield (
-            *("pairs", figure),
-            f"{names[b]} over {names[a]}",
-            "Dots: draws of the posterior. Cross: best fit. Line, where both are "
-            "identifiable: 95 % by the covariance.",
-        )
-    for target, name in enumerate(result.study.targets):
-        figure = draw_target(result, variant, diagnostics.bands, target)
-        yield (
-            *("fit", figure),
-            f"{name}, fitted over {only_varying(result) or 'measured'}",
-            f"{name}: {TARGET_COLUMNS[name].meaning}. Bands hold 95 % of the model's "
-            "values at the draws of the posterior, and of measurements.",
-        )
-    yield (
-        *("further", draw_candidates(diagnostics.together)),
-        "Gain of the next test",
-        "Gain of the next test, with all results measured.",
-    )
-    yield (
-        *("starts", draw_waterfall(variant), "Costs of the starts"),
-        "Cost at the end of the fit from each start.",
-    )
-
-
-def _residual_pictures(
-    result: StudyResult, variant: VariantResult, diagnostics: Examination
-) -> Iterator[Picture]:
-    residuals = diagnostics.residuals
-    if np.any(np.isfinite(residuals.values)):
-        for against in ("prediction", *varying_inputs(variant.objective)):
-            figure = draw_residuals(result, variant, residuals, against)
-            yield (
-                *("residuals", figure),
-                f"Residuals over {against}",
-                f"Residuals over {against}; grey: two standard deviations.",
-            )
-        yield (
-            *("residuals", draw_quantiles(residuals)),
-            "Q-Q plot of the residuals",
-            "Q-Q plot: residuals on the line are normal with the sigmas used.",
-        )
-    exact = result.study.censored == 0
-    for left, what in ((diagnostics.each, "test"), (diagnostics.campaigns, "campaign")):
-        if left is not None and np.any(np.isfinite(left.predicted[exact])):
-            yield (
-                *(f"left_out_{what}", draw_left_out(result, left)),
-                f"Each {what} predicted from the others",
-                f"Measured less predicted by the fit without its {what}; grey: 95 % "
-                "band.",
-            )
-
-
-def _pairs(variant: VariantResult) -> list[tuple[int, int]]:
-    """Choose pairs of parameters, the most correlated first."""
+def most_correlated(variant: VariantResult) -> list[tuple[int, int]]:
+    """Choose the pairs of parameters that are drawn, the most correlated first."""
     correlation = np.abs(variant.uncertainty.correlation)
     pairs = itertools.combinations(range(len(variant.verdicts)), 2)
     return sorted(pairs, key=lambda pair: -correlation[pair])[:MOST_PAIRS]
@@ -180,76 +83,93 @@ def only_varying(result: StudyResult) -> str | None:
 
 
 @in_style
+def draw_study(result: StudyResult) -> Figure:
+    """Draw the fits of every target by all variants; see `_fitted`."""
+    study, count = result.study, len(result.study.targets)
+    columns = {1: 1, 2: 2, 4: 2}.get(count, 3)
+    rows, title = -(-count // columns), plain(study.title)
+    figure, axes = panels(rows, columns, height=3.0, title=title, count=count)
+    for target, panel in enumerate(axes):
+        _fitted(panel, result, target, result.variants)
+    legend_outside(figure, ncols=3)
+    return figure
+
+
+@in_style
 def draw_target(
     result: StudyResult, variant: VariantResult, bands: Bands, target: int
 ) -> Figure:
-    """Draw fitted and measured values with 95 % bands.
-
-    They stand over the only quantity in which the tests differ; where there is none,
-    fitted stands over measured.
-    """
-    along = only_varying(result)
+    """Draw the fit of a target by a variant, with 95 % bands; see `_fitted`."""
     figure, axes = _panel()
-    if along is None:
-        _over_measured(axes, result, variant, bands, target)
-    else:
-        _over_input(axes, result, variant, bands, target, along)
+    _fitted(axes, result, target, [variant], bands)
     legend_outside(figure, ncols=2)
     return figure
 
 
-def _over_input(axes, result, variant, bands, target, along) -> None:
-    study = result.study
-    x = study.tests.inputs[along]
-    order = np.argsort(x, kind="stable")
-    order = order[np.isfinite(bands.middle[order, target])]
+def _fitted(
+    axes: Axes,
+    result: StudyResult,
+    target: int,
+    variants: list[VariantResult],
+    bands: Bands | None = None,
+) -> None:
+    """Draw fitted and measured values over the only quantity in which the tests differ;
+    where there is none, fitted over measured, hollow where only a limit is known.
 
-    def band(low, high, **style):
-        ends = low[order, target], high[order, target]
-        axes.fill_between(x[order], *ends, color=BLUE, linewidth=0, **style)
-
-    of_measured = bands.measured_low, bands.measured_high
-    band(*of_measured, alpha=WIDE_BAND, label="measurement, 95 %")
-    band(bands.low, bands.high, alpha=BAND, label="model, 95 %")
-    axes.plot(x[order], variant.predicted[order, target], color=BLUE, label="best fit")
-    censored = study.censored[:, target]
-    for sign, marker, label in (
-        (0, "x", "measured"),
-        (1, "^", "measured: above"),
-        (-1, "v", "measured: below"),
-    ):
-        shown = study.known[:, target] & (censored == sign)
-        if np.any(shown):
-            y = study.measured[shown, target]
-            axes.plot(x[shown], y, color="black", marker=marker, ls="none", label=label)
+    Args:
+        bands: of the first variant.
+    """
+    study, along = result.study, only_varying(result)
+    measured, censored = study.measured[:, target], study.censored[:, target]
+    known = study.known[:, target]
+    exact, limits = known & (censored == 0), known & (censored != 0)
+    sigma = study.sigma[exact, target] if study.sigma_given[target] else None
+    x = measured if along is None else study.tests.inputs[along]
+    if bands is not None:
+        drawn = np.flatnonzero(np.isfinite(bands.middle[:, target] + 0.0 * x))
+        drawn = drawn[np.argsort(x[drawn], kind="stable")]
+        measurement = bands.measured_low, bands.measured_high
+        for (low, high), opacity, width, label in (
+            (measurement, WIDE_BAND, 1.2, "measurement, 95 %"),
+            ((bands.low, bands.high), BAND, 4.0, "model, 95 %"),
+        ):
+            ends = x[drawn], low[drawn, target], high[drawn, target]
+            style: dict[str, Any] = dict(color=BLUE, alpha=opacity, label=label)
+            if along is None:
+                axes.vlines(*ends, linewidth=width, **style)
+            else:
+                axes.fill_between(*ends, linewidth=0, **style)
+    for number, variant in enumerate(variants):
+        name = plain(variant.variant.name) if bands is None else "best fit"
+        style: dict[str, Any] = dict(markersize=4, label=name, **points(number))
+        fitted = variant.predicted[:, target]
+        if along is not None:
+            order = np.argsort(x, kind="stable")
+            axes.plot(x[order], fitted[order], **style)
+            continue
+        axes.errorbar(x[exact], fitted[exact], xerr=sigma, ls="none", **style)
+        style |= dict(mfc="white", ls="none", label=f"{name}, limit")
+        if np.any(limits):
+            axes.plot(x[limits], fitted[limits], **style)
+    if along is None:
+        low, high = axes.get_xlim()
+        axes.axline((low, low), (high, high), color=GREY, linewidth=1)
+        axes.set_xlabel(f"measured {label_of(study.targets[target])}")
+        axes.set_ylabel("fitted")
+        return
+    black: dict[str, Any] = dict(color="black", ls="none")
+    axes.errorbar(
+        x[exact], measured[exact], sigma, marker="x", label="measured", **black
+    )
+    for sign, marker, word in ((1, "^", "above"), (-1, "v", "below")):
+        of_sign = known & (censored == sign)
+        if np.any(of_sign):
+            label = f"measured: {word}"
+            axes.plot(
+                x[of_sign], measured[of_sign], marker=marker, label=label, **black
+            )
     axes.set_xlabel(label_of(along, study.tests.known_columns))
     axes.set_ylabel(label_of(study.targets[target]))
-
-
-def _over_measured(axes, result, variant, bands, target) -> None:
-    study = result.study
-    known = study.known[:, target] & np.isfinite(bands.middle[:, target])
-    measured, fitted = study.measured[:, target], variant.predicted[:, target]
-    ends = np.concatenate([measured[known], fitted[known]])
-    low, high = np.nanmin(ends), np.nanmax(ends)
-    axes.axline((low, low), (high, high + (high == low)), color=GREY, linewidth=1)
-
-    def bars(low, high, **style):
-        ends = low[known, target], high[known, target]
-        axes.vlines(measured[known], *ends, color=BLUE, **style)
-
-    of_measured = bands.measured_low, bands.measured_high
-    bars(*of_measured, linewidth=1.2, alpha=0.6, label="measurement, 95 %")
-    bars(bands.low, bands.high, linewidth=4.0, alpha=0.5, label="model, 95 %")
-    exact = known & (study.censored[:, target] == 0)
-    style: dict[str, Any] = dict(color=BLUE, linestyle="none", marker="o", markersize=4)
-    axes.plot(measured[exact], fitted[exact], label="best fit", **style)
-    limits = known & ~exact
-    if np.any(limits):
-        style |= dict(mfc="white", label="limit")
-        axes.plot(measured[limits], fitted[limits], **style)
-    axes.set_xlabel(f"measured {label_of(study.targets[target])}")
-    axes.set_ylabel("fitted")
 
 
 @in_style
@@ -430,25 +350,45 @@ def draw_candidates(found: Suggestions) -> Figure:
 
 @in_style
 def draw_waterfall(variant: VariantResult) -> Figure:
+    """Draw the costs of the starts in order, hollow those not at the best fit."""
     figure, axes = _panel()
-    plot_waterfall(axes, variant, BLUE, "o", "found the best fit", "elsewhere or stuck")
+    order = np.argsort(variant.start_costs, kind="stable")
+    costs = np.maximum(variant.start_costs[order], LEAST_COST)
+    rank, reached = np.arange(1, len(costs) + 1), variant.reached[order]
+    style: dict[str, Any] = dict(color=BLUE, marker="o", ls="none", markersize=4)
+    axes.plot(rank, costs, color=BLUE, linewidth=0.8)
+    axes.plot(rank[reached], costs[reached], label="found the best fit", **style)
+    if not np.all(reached):
+        style |= dict(mfc="white", label="elsewhere or stuck")
+        axes.plot(rank[~reached], costs[~reached], **style)
+    log_scale(axes, "y")
+    # Equal costs would leave the axis without an extent.
+    axes.set_ylim(costs[0] / 1.2, 1.2 * costs[-1])
+    axes.set_xlabel("start, best first")
+    axes.set_ylabel("cost at the end [-]")
     axes.legend()
     return figure
 
 
-def plot_waterfall(
-    axes: Axes, variant: VariantResult, color, marker, label, other
-) -> None:
-    """Add the costs of the starts in order to axes; hollow those not at the best
-    fit."""
-    order = np.argsort(variant.start_costs, kind="stable")
-    costs = np.maximum(variant.start_costs[order], LEAST_COST)
-    rank, reached = np.arange(1, len(costs) + 1), variant.reached[order]
-    style: dict[str, Any] = dict(color=color, marker=marker, ls="none", markersize=4)
-    axes.plot(rank, costs, color=color, linewidth=0.8)
-    axes.plot(rank[reached], costs[reached], label=label, **style)
-    if not np.all(reached):
-        axes.plot(rank[~reached], costs[~reached], mfc="white", label=other, **style)
-    log_scale(axes, "y")
-    axes.set_xlabel("start, best first")
-    axes.set_ylabel("cost at the end [-]")
+@in_style
+def draw_comparison(compared: Compared) -> Figure:
+    """Draw the difference of each law to the best, with two standard errors."""
+    found = compared.ranking()
+    count = len(compared.laws)
+    figure, (axes,) = panels(1, 1, height=0.9 + 0.28 * count)
+    places = np.arange(count)
+    apart, error = found.apart, np.nan_to_num(2.0 * found.error)
+    for place in places:
+        tied = place in found.ties
+        colour = VERMILION if place == found.preferred else BLUE if tied else GREY
+        axes.errorbar(
+            apart[place], place, xerr=error[place], marker="o", color=colour, capsize=3
+        )
+    axes.axvline(0.0, color="black", lw=0.8)
+    names = [plain(law.name) for law in compared.laws]
+    axes.set_yticks(places, names)
+    axes.invert_yaxis()
+    axes.set_xlabel(
+        "log predictive density less that of the best, with two standard errors"
+    )
+    return figure

@@ -1,12 +1,7 @@
 """Files of a calibration: report.html, fit.json and fitted.csv."""
 
 import contextlib
-import dataclasses
-import json
-import math
-import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -15,26 +10,23 @@ from ...accuracy import PRESETS
 from ...identity import part_names
 from ...io.files import replacing, write_text
 from ...io.output_files import NewFile, output_directory, together
+from ...reports.json_tree import json_text, plain
+from ...reports.tables import Table
 from ..comparison.comparison import NO_OTHERS, OtherLaws
-from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import Examination, fit_of_target
-from ..diagnostics.further_tests import Suggestions
 from ..diagnostics.importance_sampling import weights_of
 from ..diagnostics.nuts import to_inference_data
 from ..diagnostics.posterior import Draws
 from ..diagnostics.results import StudyResult, VariantResult
 from ..estimation.sigma import freedom_of_targets, relative_sigma
-from ..fitted_ground import FILES
+from ..fitted_ground import FILES, FORMAT
 from ..problem.config import Study
 from ..problem.dataset import LIMITS
 from ..problem.laws import as_entries, unusual
 from ..problem.noise import SCATTERS, least_size
 from ..problem.nuisance import entries_of
 from .comparison import comparison_csv, comparison_json
-from .contents import contents_of
-from .render import render
 
-NUMBERS = re.compile(r"\[\n\s*([^\[\]{}\"]+?)\n\s*\]")
 COMPARISON = "comparison.csv"
 """Name of the table of a comparison of laws."""
 CSV_COLUMNS = (
@@ -42,6 +34,19 @@ CSV_COLUMNS = (
     *("residual", "standardised", "model_low", "model_high", "low", "high"),
     *("left_out", "left_out_deviation"),
 )
+SUGGESTED = (
+    *("names", "criterion", "measure", "fixed", "now", "undetermined", "stood_in"),
+    *("chosen", "left_out"),
+)
+"""What fit.json has of suggested tests: all but the many candidates."""
+OF_VARIANT = (
+    *("cost", "failed", "uncertainty", "errors_of_draws", "directions", "profiles"),
+    *("start_parameters", "end_parameters", "start_costs", "start_reasons"),
+    *("start_steps", "start_restarts"),
+)
+"""What fit.json has of a variant as it is."""
+SETTINGS = ("soil", "block", "targets", "loss", "starts", "seed", "method")
+"""What fit.json has of a study as it is."""
 
 
 def study_directory(
@@ -62,68 +67,31 @@ def write_all(
     others: OtherLaws,
 ) -> None:
     """Write the files, all of them or none; OSError where the file system refuses."""
-    with together(new) as add:
-        _write_all(result, examined, add, others)
-
-
-def _write_all(
-    result: StudyResult,
-    examined: list[Examination],
-    new: NewFile,
-    others: OtherLaws,
-) -> None:
     # Matplotlib takes half a second to import, which workers need not.
-    from .drawings import draw_report
-    from .overview import comparison_picture
+    from .study_report import study_report
 
-    contents = contents_of(result, examined, others.compared)
-    drawn = draw_report(result, examined)
-    if others.compared is not None:
-        contents["comparison_pictures"] = [comparison_picture(others.compared)]
-        write_text(new(COMPARISON), comparison_csv(others.compared))
-    for variant, groups in zip(contents["variants"], drawn, strict=True):
-        variant["pictures"] |= groups
-    write_text(new("report.html"), render("report", "html", contents))
-    for number, (variant, diagnostics) in enumerate(
-        zip(result.variants, examined, strict=True), 1
-    ):
-        samples = diagnostics.samples
-        if samples is not None:
-            with replacing(new(_posterior_name(number, len(examined)))) as temporary:
-                to_inference_data(variant, samples).to_netcdf(str(temporary))
-    write_text(new("fit.json"), in_lines(as_json(result, examined, others)) + "\n")
-    write_text(new("fitted.csv"), as_csv(result, examined))
-
-
-def as_text(result: StudyResult, examined: list[Examination], others: OtherLaws) -> str:
-    """Render the report as text."""
-    return render("report", "txt", contents_of(result, examined, others.compared))
+    report = study_report(result, examined, others.compared)
+    with together(new) as add:
+        write_text(add("report.html"), report.page())
+        write_text(add("fit.json"), json_text(as_json(result, examined, others)))
+        write_text(add("fitted.csv"), fitted_table(result, examined).csv())
+        if others.compared is not None:
+            write_text(add(COMPARISON), comparison_csv(others.compared))
+        for number, (variant, diagnostics) in enumerate(
+            zip(result.variants, examined, strict=True), 1
+        ):
+            if diagnostics.samples is not None:
+                sampled = to_inference_data(variant, diagnostics.samples)
+                name = _posterior_name(number, len(examined))
+                with replacing(add(name)) as temporary:
+                    sampled.to_netcdf(str(temporary))
 
 
 def _posterior_name(number: int, variants: int) -> str:
     return f"posterior-{number}.nc" if variants > 1 else "posterior.nc"
 
 
-def in_lines(tree: dict) -> str:
-    """Write JSON with each list of numbers, thousands of them, in one line."""
-    text = json.dumps(plain(tree), indent=1, allow_nan=False)
-    # A line end within brackets stands in no string, where it would be escaped.
-    return NUMBERS.sub(lambda found: f"[{' '.join(found[1].split())}]", text)
-
-
-def plain(tree) -> Any:
-    """Convert a tree of dictionaries, sequences and numbers to what JSON can hold: None
-    for what is not finite."""
-    if isinstance(tree, dict):
-        return {key: plain(value) for key, value in tree.items()}
-    if isinstance(tree, np.ndarray | np.generic):
-        tree = tree.tolist()
-    if isinstance(tree, list | tuple):
-        return [plain(value) for value in tree]
-    return None if isinstance(tree, float) and not math.isfinite(tree) else tree
-
-
-def as_csv(result: StudyResult, examined: list[Examination]) -> str:
+def fitted_table(result: StudyResult, examined: list[Examination]) -> Table:
     """Write fitted.csv: a line for each variant, and each measurement of the tests.
 
     `row` counts the tests from 1, over all files; `limit` is `>` or `<` where only a
@@ -131,10 +99,8 @@ def as_csv(result: StudyResult, examined: list[Examination]) -> str:
     parameters that the tests allow, `low` and `high` 95 % of such measurements.
     `left_out` is predicted by the fit to the other tests, with a standard deviation.
     """
-    study = result.study
-    lines = [",".join(CSV_COLUMNS)]
+    study, rows = result.study, []
     for variant, diagnostics in zip(result.variants, examined, strict=True):
-        name = _quoted(variant.variant.name)
         nothing = np.full(study.measured.shape, np.nan)
         left, bands = diagnostics.each, diagnostics.bands
         columns = (
@@ -144,17 +110,16 @@ def as_csv(result: StudyResult, examined: list[Examination]) -> str:
             nothing if left is None else left.predicted,
             nothing if left is None else left.deviation,
         )
-        for row, target in zip(*np.nonzero(study.known), strict=True):
-            limit = LIMITS[int(study.censored[row, target])]
-            file = _quoted(study.tests.place(int(row))[0].name)
-            cells = (name, str(row + 1), file, study.targets[target], limit)
-            numbers = (f"{float(column[row, target]):.9g}" for column in columns)
-            lines.append(",".join((*cells, *numbers)))
-    return "\n".join(lines) + "\n"
-
-
-def _quoted(text: str) -> str:
-    return '"' + text.replace('"', '""') + '"'
+        rows += [
+            (
+                *(variant.variant.name, row + 1),
+                study.tests.place(int(row))[0].name,
+                *(study.targets[target], LIMITS[int(study.censored[row, target])]),
+                *(column[row, target] for column in columns),
+            )
+            for row, target in zip(*np.nonzero(study.known), strict=True)
+        ]
+    return Table(CSV_COLUMNS, rows)
 
 
 def as_json(
@@ -163,17 +128,18 @@ def as_json(
     """Collect every number, as a tree of plain values; None for what is not finite."""
     study, compared = result.study, others.compared
     tree = {
+        "format": FORMAT,
         "title": study.title,
         "source": study.source,
         "notes": study.notes,
         "sigma_given": dict(zip(study.targets, study.sigma_given, strict=True)),
         "fitted_tests": _fitted_tests(study),
         "variants": [
-            _variant(result, variant) | _examination(result, variant, diagnostics)
+            _variant(result, variant) | _examination(variant, diagnostics)
             for variant, diagnostics in zip(result.variants, examined, strict=True)
         ],
         "simple_laws": [law.as_json() for law in others.simple],
-        **_if_any("comparison", {} if compared is None else comparison_json(compared)),
+        "comparison": None if compared is None else comparison_json(compared),
         "manifest": _manifest(result),
     }
     return plain(tree)
@@ -187,42 +153,25 @@ def _manifest(result: StudyResult) -> dict:
             {"file": table.path.name, "sha256": table.sha256}
             for table in study.tests.sources
         ],
-        "soil": study.soil,
-        **_if_any("block", study.block),
-        **_if_any("parts", as_entries(unusual(study.parts))),
+        **{name: getattr(study, name) for name in SETTINGS},
+        "parts": as_entries(unusual(study.parts)),
         "laws": part_names(study.tests.base.soil, study.tests.base.block),
-        "parameters": {
-            p.name: {"start": p.start, "lower": p.lower, "upper": p.upper}
-            | _if_any("prior", p.prior and dataclasses.asdict(p.prior))
-            for p in study.parameters
+        "parameters": {parameter.name: parameter for parameter in study.parameters},
+        "tied": {
+            tied.name: {"expression": tied.text, "constants": tied.constants}
+            for tied in study.tied
         },
-        **_if_any(
-            "tied",
-            {
-                tied.name: {"expression": tied.text, "constants": dict(tied.constants)}
-                for tied in study.tied
-            },
-        ),
         "nuisances": entries_of(study.nuisances, study.tests),
-        "targets": study.targets,
         "weights": dict(zip(study.targets, study.weights, strict=True)),
         "scatter": {
             name: SCATTERS[int(study.proportional[target])]
             for target, name in enumerate(study.targets)
             if not study.sigma_given[target]
         },
-        "loss": study.loss,
-        "starts": study.starts,
-        "seed": study.seed,
-        "method": study.method,
-        "accuracy": dataclasses.asdict(PRESETS[study.accuracy]),
+        "accuracy": PRESETS[study.accuracy],
         "engine": result.engine,
         "versions": versions(),
     }
-
-
-def _if_any(key: str, entries: dict | None) -> dict:
-    return {key: entries} if entries else {}
 
 
 def _fitted_tests(study: Study) -> dict:
@@ -246,65 +195,38 @@ def _fitted_tests(study: Study) -> dict:
 
 
 def _variant(result: StudyResult, variant: VariantResult) -> dict:
-    uncertainty, count = variant.uncertainty, len(variant.verdicts)
-    of_profile = "values", "rise", "low", "high", "low_95", "high_95"
     return {
         "name": variant.variant.name,
         "soil": variant.variant.soil,
-        **_if_any("parts", as_entries(variant.variant.laws)),
-        "parameters": _parameters(variant),
+        "parts": as_entries(variant.variant.laws),
+        "unknowns": variant.names,
+        "parameters": parameter_entries(variant),
         "nuisances": {
             variant.names[index]: {
                 "value": variant.parameters[index],
                 "standard_error": variant.standard_error(index),
             }
-            for index in range(count, len(variant.names))
-        },
-        "unknowns": variant.names,
-        "errors_of_draws": variant.errors_of_draws,
-        "covariance_of_logarithms_or_half_ranges": uncertainty.covariance,
-        "correlation": uncertainty.correlation[:count, :count],
-        "eigenvalues": uncertainty.eigenvalues,
-        "eigenvectors": uncertainty.eigenvectors.T,
-        "directions": variant.directions,
-        "profiles": {
-            name: {key: getattr(found, key) for key in of_profile}
-            for name, found in variant.profiles.items()
+            for index in range(len(variant.verdicts), len(variant.names))
         },
         "fit": _targets(result, variant),
-        "cost": variant.cost,
-        "degrees_of_freedom": uncertainty.degrees_of_freedom,
-        "reduced_chi_square": uncertainty.reduced_chi_square,
-        "inflation": uncertainty.inflation,
-        "failed_predictions": variant.failed,
-        "stopped": variant.reason.words,
-        "starts": [
-            {
-                "start": variant.start_parameters[i],
-                "end": variant.end_parameters[i],
-                "cost": variant.start_costs[i],
-                "steps": variant.start_steps[i],
-                "begun_anew": variant.start_restarts[i],
-                "found_best": variant.reached[i],
-                "stopped": variant.start_reasons[i].words,
-            }
-            for i in np.argsort(variant.start_costs, kind="stable")
-        ],
+        "stopped": variant.reason,
+        **{name: getattr(variant, name) for name in OF_VARIANT},
     }
 
 
-def _parameters(variant: VariantResult) -> dict:
-    parameters = {}
+def parameter_entries(variant: VariantResult) -> dict[str, dict]:
+    """Collect value, standard error, interval and verdict of each parameter."""
+    entries = {}
     for index, verdict in enumerate(variant.verdicts):
         known = verdict.determined
-        parameters[verdict.name] = {
+        entries[verdict.name] = {
             "value": variant.parameters[index],
             "determined": known,
             "standard_error": variant.standard_error(index) if known else None,
             "interval_95": variant.interval(index) if known else None,
             "reason": verdict.reason or None,
         }
-    return parameters
+    return plain(entries)
 
 
 def _targets(result: StudyResult, variant: VariantResult) -> dict:
@@ -324,32 +246,20 @@ def _targets(result: StudyResult, variant: VariantResult) -> dict:
     return fit
 
 
-def _examination(
-    result: StudyResult, variant: VariantResult, diagnostics: Examination
-) -> dict:
+def _examination(variant: VariantResult, diagnostics: Examination) -> dict:
     samples = diagnostics.samples
-    left_out = {"test": diagnostics.each, "campaign": diagnostics.campaigns}
+    suggested = {
+        "one_result_each": diagnostics.single,
+        "all_results": diagnostics.together,
+    }
     return {
-        "residuals_follow": [
-            {
-                "target": trend.target,
-                "against": trend.against,
-                "correlation": trend.correlation,
-                "likeness": trend.autocorrelation,
-                "chance": trend.chance,
-            }
-            for trend in diagnostics.residuals.trends
-        ],
+        "trends": diagnostics.residuals.trends,
         "draws": _draws(variant, diagnostics.posterior),
         "posterior": None if samples is None else _samples(variant, samples),
-        "left_out": {
-            what: _left_out(result.study, left)
-            for what, left in left_out.items()
-            if left is not None
-        },
+        "left_out": {"test": diagnostics.each, "campaign": diagnostics.campaigns},
         "further_tests": {
-            "one_result_each": _further(diagnostics.single),
-            "all_results": _further(diagnostics.together),
+            what: {name: getattr(found, name) for name in SUGGESTED}
+            for what, found in suggested.items()
         },
     }
 
@@ -359,7 +269,7 @@ def _draws(variant: VariantResult, draws: Draws) -> dict:
     return {
         "count": len(draws.x),
         "effective_parts": draws.effective_fraction,
-        "accuracy": dataclasses.asdict(draws.accuracy),
+        "accuracy": draws.accuracy,
         "error_of_costs": draws.error,
         "mean": draws.mean(),
         "covariance": draws.covariance(),
@@ -369,60 +279,20 @@ def _draws(variant: VariantResult, draws: Draws) -> dict:
 
 
 def _samples(variant: VariantResult, samples: Draws) -> dict:
+    """Collect mean, standard deviation, interval and diagnostics of the unknowns."""
     chains, values = samples.chains, variant.bounds.parameter(samples.x)
     assert chains is not None
-    about = {
+    return {
         "blackjax": version_of("blackjax"),
-        "accuracy": dataclasses.asdict(samples.accuracy),
+        "accuracy": samples.accuracy,
         "error_of_log_density": samples.error,
         "divergent": np.sum(chains.statistics["diverging"]),
         "seconds": chains.seconds,
-    }
-    return about | {
-        name: {
-            "mean": np.mean(values[:, index]),
-            "standard_deviation": np.std(values[:, index]),
-            "interval_95": np.quantile(values[:, index], (0.025, 0.975)),
-            "scale_reduction": chains.scale_reduction[index],
-            "effective_draws": chains.effective[index],
-        }
-        for index, name in enumerate(variant.names)
-    }
-
-
-def _left_out(study: Study, left: LeftOut) -> list[dict]:
-    values = np.where(study.censored == 0, left.standardised(study.measured), np.nan)
-    return [
-        {
-            "name": name,
-            "standardised": values[left.group == number],
-            "fit": left.x[number],
-            "moved_in_standard_errors": left.moved[number],
-            "stopped": left.reasons[number].words,
-        }
-        for number, name in enumerate(left.groups)
-    ]
-
-
-def _further(found: Suggestions) -> dict:
-    return {
-        "criterion": found.criterion,
-        "measure": {name: sigma._asdict() for name, sigma in found.measure.items()},
-        "in_common": found.fixed,
-        "errors_now": dict(zip(found.names, found.now, strict=True)),
-        "errors_of_the_bounds": found.stood_in,
-        "chosen": [
-            {
-                "test": one.scene,
-                "measured": one.measured,
-                "expected": one.predicted,
-                "errors": dict(zip(found.names, one.errors, strict=True)),
-                "divided_by": dict(zip(found.names, one.factors, strict=True)),
-                "mean_divided_by": one.volume,
-            }
-            for one in found.chosen
-        ],
-        "candidates_without_result": found.left_out,
+        "mean": np.mean(values, axis=0),
+        "standard_deviation": np.std(values, axis=0),
+        "interval_95": np.quantile(values, (0.025, 0.975), axis=0).T,
+        "scale_reduction": chains.scale_reduction,
+        "effective_draws": chains.effective,
     }
 
 

@@ -1,25 +1,25 @@
-"""Words of the report on parameters: identifiable ones, intervals, posterior."""
+"""What the report says of parameters: identifiable ones, intervals, posterior."""
 
 import itertools
 
 import numpy as np
 
-from ...io.display import Rows
 from ...quantities import columns_of
+from ...reports.document import Part
+from ...reports.tables import Table
 from ..diagnostics.examination import Examination, not_described
-from ..diagnostics.identifiability import LikelihoodProfile, interval_text
+from ..diagnostics.identifiability import interval_text
 from ..diagnostics.nuts import compare_errors
 from ..diagnostics.posterior import Draws
 from ..diagnostics.results import StudyResult, VariantResult
 from ..diagnostics.uncertainty import USELESS_ERROR
 
 AGREE = 1.01
-"""R-hat up to which chains agree."""
+"""R-hat up to which chains agree (Vehtari et al. 2021)."""
 NEARLY_NORMAL = 0.7
 """Effective sample size, as a fraction, above which the posterior is nearly normal."""
 LEAST_CORRELATION = 0.1
 """Correlations below are left out of the summary."""
-NOT_IDENTIFIABLE = "not identifiable"
 
 
 def verdict(result: StudyResult, variant: VariantResult) -> list[str]:
@@ -46,8 +46,7 @@ def verdict(result: StudyResult, variant: VariantResult) -> list[str]:
             f"The model does not describe {' and '.join(missed)}; its parameters mean "
             f"little. {first}"
         )
-    lines = [name + first]
-    lines += unknown
+    lines = [name + first, *unknown]
     if unknown and variant.uncertainty.eigenvalues[-1] * USELESS_ERROR**2 > 1.0:
         lines.append(f"Best identifiable combination: {variant.directions[0]}.")
     elif unknown:
@@ -61,103 +60,77 @@ def verdict(result: StudyResult, variant: VariantResult) -> list[str]:
     return lines
 
 
-def parameter_rows(variant: VariantResult) -> Rows:
-    """Write the parameters with standard errors and intervals."""
-    columns = columns_of(variant.objective.scene)
-    rows: Rows = [
-        (
-            *("parameter", "unit", "value", "standard error", "95 %"),
-            *("profile, 68 %", "profile, 95 %", "lower", "upper"),
-        )
-    ]
+def parameter_table(variant: VariantResult, short: bool = False) -> Table:
+    """Write the parameters with standard errors and intervals.
+
+    Args:
+        short: whether to leave out profiles and to join the bounds, a reached one
+            marked.
+    """
+    columns, rows = columns_of(variant.objective.scene), []
+    reached = variant.bounds.bound_reached(
+        variant.bounds.coordinate(variant.parameters)
+    )
     for index, of_one in enumerate(variant.verdicts):
         profile = variant.profiles[of_one.name]
         ends_95 = interval_text(profile.low_95, profile.high_95)
-        error, within = NOT_IDENTIFIABLE, ends_95
+        error, within = "not identifiable", ends_95
         if of_one.determined:
             error = f"{variant.standard_error(index):.3g}"
             if variant.bounds.logarithmic[index]:
                 relative = 100 * variant.uncertainty.standard_errors[index]
                 error += f" ({relative:.2g} %)"
             within = "{:.4g} to {:.4g}".format(*variant.interval(index))
-        rows.append(
-            (
-                of_one.name,
-                columns[of_one.name].unit,
-                f"{variant.parameters[index]:.5g}",
-                error,
-                within,
-                interval_text(profile.low, profile.high),
-                ends_95,
-                f"{variant.bounds.lower[index]:g}",
-                f"{variant.bounds.upper[index]:g}",
-            )
-        )
-    return rows
+        hit = f" (at the {reached[index]})" if reached[index] else ""
+        bounds = f"{variant.bounds.lower[index]:g} to {variant.bounds.upper[index]:g}"
+        first = of_one.name, columns[of_one.name].unit, variant.parameters[index]
+        profiles = (interval_text(profile.low, profile.high), ends_95)
+        rows.append((*first, error, within, *profiles[short * 2 :], bounds + hit))
+    profiles = ("profile, 68 %", "profile, 95 %")[short * 2 :]
+    head = ("parameter", "unit", "value", "standard error", "95 %")
+    return Table((*head, *profiles, "bounds"), rows)
 
 
-def parameters_short(variant: VariantResult) -> Rows:
-    """Write the parameters with their bounds in one column, a reached one marked."""
-    x = variant.bounds.coordinate(variant.parameters)
-    head, *rows = parameter_rows(variant)
-    short: Rows = [(*head[:5], "bounds")]
-    for row, at in zip(rows, variant.bounds.bound_reached(x), strict=False):
-        hit = f" (at the {at})" if at else ""
-        short.append((*row[:5], f"{row[-2]} to {row[-1]}{hit}"))
-    return short
-
-
-def nuisance_rows(variant: VariantResult) -> Rows:
+def nuisance_table(variant: VariantResult) -> Table:
     """Write the nuisance parameters; no rows where there are none."""
-    first = len(variant.verdicts)
     nuisances = [n for n in variant.objective.study.nuisances for _ in n.groups]
-    if not nuisances:
-        return []
-    return [("nuisance", "value", "standard error", "prior")] + [
+    rows = [
         (
             variant.names[index],
-            f"{variant.parameters[index]:.4g}",
-            f"{variant.standard_error(index):.3g}",
+            variant.parameters[index],
+            variant.standard_error(index),
             f"{n.prior.mean:g} +- {n.prior.sd:.4g}",
         )
-        for index, n in enumerate(nuisances, first)
+        for index, n in enumerate(nuisances, len(variant.verdicts))
     ]
+    return Table(("nuisance", "value", "standard error", "prior"), rows)
 
 
-def profile_rows(found: LikelihoodProfile) -> Rows:
-    """Write a profile of the likelihood."""
-    roots = np.sqrt(np.maximum(found.rise, 0.0))
-    return [("fixed at", "root of twice the rise of the cost")] + [
-        (f"{value:.4g}", f"{root:.3g}")
-        for value, root in zip(found.values, roots, strict=True)
-    ]
-
-
-def correlation_rows(variant: VariantResult) -> Rows:
+def correlation_table(variant: VariantResult) -> Table:
     """Write the correlation matrix of the parameters."""
     names = [of_one.name for of_one in variant.verdicts]
-    count = len(names)
-    lines = variant.uncertainty.correlation[:count, :count]
-    return [("", *names)] + [
+    lines = variant.uncertainty.correlation[: len(names), : len(names)]
+    rows = [
         (name, *(f"{value:+.3f}" for value in line))
         for name, line in zip(names, lines, strict=True)
     ]
+    return Table(("", *names), rows)
 
 
-def correlations_short(variant: VariantResult) -> Rows:
+def correlated_pairs(variant: VariantResult) -> Table:
     """Write the correlated pairs, the most correlated first."""
     names = [of_one.name for of_one in variant.verdicts]
     found = [
-        (float(variant.uncertainty.correlation[a, b]), names[a], names[b])
+        (f"{names[a]}, {names[b]}", float(variant.uncertainty.correlation[a, b]))
         for a, b in itertools.combinations(range(len(names)), 2)
     ]
-    found.sort(key=lambda pair: -abs(pair[0]))
+    found.sort(key=lambda pair: -abs(pair[1]))
     rows = [
-        (f"{a}, {b}", f"{value:+.3f}")
-        for value, a, b in found
+        (pair, f"{value:+.3f}")
+        for pair, value in found
         if abs(value) >= LEAST_CORRELATION
     ]
-    return [("parameters", "correlation"), *rows] if rows else []
+    return Table(("parameters", "correlation"), rows)
 
 
 def about_draws(result: StudyResult, variant: VariantResult, draws: Draws) -> str:
@@ -196,49 +169,49 @@ def about_draws(result: StudyResult, variant: VariantResult, draws: Draws) -> st
     return f"{words} {_accuracy(draws)}"
 
 
-def _accuracy(of: Draws) -> str:
+def _accuracy(draws: Draws) -> str:
     return (
-        f"Impacts at {of.accuracy.name}; computed again more accurately, costs "
-        f"differed by at most {of.error:.1g}."
+        f"Impacts at {draws.accuracy.name}; computed again more accurately, costs "
+        f"differed by at most {draws.error:.1g}."
     )
 
 
-def about_posterior(variant: VariantResult, diagnostics: Examination) -> dict:
-    """Collect what the samples by NUTS say."""
+def about_posterior(variant: VariantResult, diagnostics: Examination) -> list[Part]:
+    """Say what the samples by NUTS tell, if there are any."""
     samples = diagnostics.samples
-    assert samples is not None
-    assert samples.chains is not None
-    told, parameters = samples.chains, variant.bounds.parameter(samples.x)
-    rows: Rows = [
-        ("parameter", "mean", "median", "95 %", "R-hat", "effective sample size")
-    ]
+    if samples is None or samples.chains is None:
+        return []
+    chains, values = samples.chains, variant.bounds.parameter(samples.x)
+    rows = []
     for index, verdict in enumerate(variant.verdicts):
-        values = parameters[:, index]
-        low, middle, high = np.quantile(values, (0.025, 0.5, 0.975))
+        low, middle, high = np.quantile(values[:, index], (0.025, 0.5, 0.975))
         rows.append(
             (
                 verdict.name,
-                f"{np.mean(values):.4g}",
-                f"{middle:.4g}",
+                float(np.mean(values[:, index])),
+                middle,
                 f"{low:.4g} to {high:.4g}",
-                f"{told.scale_reduction[index]:.3f}",
-                f"{told.effective[index]:.0f}",
+                f"{chains.scale_reduction[index]:.3f}",
+                f"{chains.effective[index]:.0f}",
             )
         )
-    chains, count = told.statistics["lp"].shape
+    number, count = chains.statistics["lp"].shape
     words = (
-        f"{chains} chains of {count} draws by NUTS. Without a prior of the study the "
+        f"{number} chains of {count} draws by NUTS. Without a prior of the study the "
         "prior is uniform in the logarithm between the bounds; intervals of parameters "
         "that are not identifiable are those of the bounds."
     )
-    divergent = int(np.sum(told.statistics["diverging"]))
+    divergent = int(np.sum(chains.statistics["diverging"]))
     if divergent:
         words += (
             f" {divergent} draws diverged, as at a change of outcome: the posterior "
             "beyond may be missed."
         )
-    if np.max(told.scale_reduction) > AGREE:
+    if np.max(chains.scale_reduction) > AGREE:
         words += f" The chains do not agree (R-hat above {AGREE}): sample more."
-    comparison = compare_errors(variant, diagnostics.draws, samples)
-    words = f"{words} {_accuracy(samples)}"
-    return {"rows": rows, "words": words, "comparison": comparison}
+    columns = ("parameter", "mean", "median", "95 %", "R-hat", "effective sample size")
+    return [
+        Table(columns, rows),
+        f"{words} {_accuracy(samples)}",
+        compare_errors(variant, diagnostics.draws, samples),
+    ]

@@ -1,17 +1,16 @@
 """Predictions of the model and of simple laws, in words, tables and numbers."""
 
-import csv
-import io
-import json
 from pathlib import Path
 
 import numpy as np
 
 from ..._packages import versions
 from ...identity import part_names
-from ...io.display import Rows
 from ...io.files import put_text, refuse_inputs, replacing
 from ...io.output_files import manifest_path
+from ...reports.document import Document, Part, Section
+from ...reports.json_tree import json_text, plain
+from ...reports.tables import Table, listed
 from ..comparison.fitted_law import LawPrediction
 from ..diagnostics.cross_validation import too_few
 from ..diagnostics.predictive import CONFIDENCES, predictive
@@ -33,49 +32,49 @@ CSV_COLUMNS = (
 )
 
 
-def prediction_contents(prediction: PredictedTests) -> dict:
-    """Collect scores, remarks, and the tests one by one where they are few."""
+def prediction_report(prediction: PredictedTests) -> Document:
+    """Report scores, remarks, and the tests one by one where they are few."""
     few, several = len(prediction.tests) <= MOST_TESTS, len(prediction.variants) > 1
-    scored = [(one, score(prediction, one)) for one in prediction.variants]
-    return {
-        "about": [
-            f"{prediction.tests.described}, predicted by the fit of "
-            f"{prediction.ground.title!r}.",
-            *(_about_outside(prediction, outside) for outside in prediction.outside),
-            *(
-                f"No fitted test has a block of the shape {shape}."
-                for shape in prediction.new_shapes
-            ),
-        ],
-        "several": several,
-        "variants": [
-            {
-                "name": variant.fitted.variant.name,
-                "scores": _score_rows(scores) if scores else [],
-                "remarks": remarks_on(prediction, variant, scores),
-                "tests": _rows(prediction, variant) if few else [],
-            }
-            for variant, scores in scored
-        ],
-        **_simple_laws(
-            prediction,
-            {one.fitted.variant.name if several else "": own for one, own in scored},
+    parts: list[Part] = [
+        f"{prediction.tests.described}, predicted by the fit of "
+        f"{prediction.ground.title!r}.",
+        *(_about_outside(prediction, outside) for outside in prediction.outside),
+        *(
+            f"No fitted test has a block of the shape {shape}."
+            for shape in prediction.new_shapes
         ),
-        "simple_tests": simple_rows(prediction) if few else [],
-    }
+    ]
+    scored = {}
+    for variant in prediction.variants:
+        name, scores = variant.fitted.variant.name, score(prediction, variant)
+        scored[name if several else ""] = scores
+        tests = _test_table(prediction, variant) if few else None
+        inner: list[Part] = [
+            Section("Scores (predicted less measured)", [_score_table(scores)]),
+            Section("Remarks", [remarks_on(prediction, variant, scores)]),
+            Section("Tests: median (95 %); measured", [tests]),
+        ]
+        parts += [Section(name, inner)] if several else inner
+    tests = simple_table(prediction) if few else None
+    laws = [
+        *_simple_laws(prediction, scored),
+        Section("Tests by simple laws: best (95 %)", [tests]),
+    ]
+    parts.append(Section("Simple laws fitted to the same tests", laws))
+    return Document("", parts, [])
 
 
-def _score_rows(scores: dict[str, Scores]) -> Rows:
+def _score_table(scores: dict[str, Scores]) -> Table:
     head = ("target", "tests", "rms", "bias", "in 50 %", "in 95 %", "CRPS")
-    return [(*head, "rms of mean", "CRPS of mean", "skill")] + [
+    rows = [
         (
-            *(name, str(one.count), _number(one.rms), _number(one.bias)),
-            *(str(one.inside_50), str(one.inside_95), _number(one.crps)),
-            *(_number(one.mean_rms), _number(one.mean_crps)),
-            "none" if one.skill is None else f"{one.skill:+.2f}",
+            *(name, one.count, one.rms, one.bias, one.inside_50, one.inside_95),
+            *(one.crps, one.mean_rms, one.mean_crps),
+            None if one.skill is None else f"{one.skill:+.2f}",
         )
         for name, one in scores.items()
     ]
+    return Table((*head, "rms of mean", "CRPS of mean", "skill"), rows)
 
 
 def remarks_on(
@@ -187,8 +186,8 @@ def _named(prediction: PredictedTests, tests: np.ndarray) -> str:
     return ", ".join(names) + more
 
 
-def _rows(prediction: PredictedTests, variant: VariantPrediction) -> Rows:
-    rows: Rows = [("test", "outcome", *prediction.targets)]
+def _test_table(prediction: PredictedTests, variant: VariantPrediction) -> Table:
+    rows = []
     for test in range(len(prediction.tests)):
         cells = []
         for target in range(len(prediction.targets)):
@@ -200,7 +199,7 @@ def _rows(prediction: PredictedTests, variant: VariantPrediction) -> Rows:
                 text += f"; {sign}{prediction.measured[cell]:.3g}"
             cells.append(text)
         rows.append((prediction.tests.name(test), variant.outcomes[test], *cells))
-    return rows
+    return Table(("test", "outcome", *prediction.targets), rows)
 
 
 def _with_interval(value: float, low: float, high: float) -> str:
@@ -233,7 +232,7 @@ def simple_scores(
 
 def _simple_laws(
     prediction: PredictedTests, models: dict[str, dict[str, Scores]]
-) -> dict:
+) -> list[Part]:
     """Compare the simple laws with the model: what they predict, where one predicts
     better, and rms and CRPS target by target.
 
@@ -242,56 +241,56 @@ def _simple_laws(
     """
     compared = [f"Laws compared: {words}" for words in prediction.ground.compared[:1]]
     if not prediction.simple:
-        missing = (
-            "None: laws of rebound predict none of the fitted targets, or the fit is "
-            "of an earlier version."
-        )
-        return {"simple": [missing, *compared], "simple_scores": []}
+        return [
+            ["None: laws of rebound predict none of the fitted targets.", *compared]
+        ]
     laws = [(law.name, simple_scores(prediction, law)) for law in prediction.simple]
-    names = " and ".join(law for law, _ in laws)
     targets = ", ".join(prediction.simple[0].targets)
-    lines = [f"{names}, fitted to {targets} of the tests of the fit.", *compared]
-    for model, scores in models.items():
-        for law, found in laws:
-            for name, (_, crps) in found.items():
-                own = scores[name].crps if name in scores else None
-                if own is not None and crps < own:
-                    lines.append(
-                        f"{name}: {law} better than the {f'model {model}'.strip()}, "
-                        f"CRPS {crps:.3g} against {own:.3g}."
-                    )
-    rows: Rows = []
+    lines = [
+        f"{listed([law for law, _ in laws])}, fitted to {targets} of the tests of the "
+        "fit.",
+        *compared,
+    ]
+    rows = []
     for name in dict.fromkeys(name for _, found in laws for name in found):
         for model, scores in models.items():
             one = scores.get(name)
             if one is not None and one.rms is not None and one.crps is not None:
-                rows.append(
-                    (name, model or "model", f"{one.rms:.3g}", f"{one.crps:.3g}")
-                )
+                rows.append((name, model or "model", one.rms, one.crps))
         for law, found in laws:
             if name in found:
-                rms, crps = found[name]
-                rows.append((name, law, f"{rms:.3g}", f"{crps:.3g}"))
-    rows = [("target", "law", "rms", "CRPS"), *rows] if rows else []
-    return {"simple": lines, "simple_scores": rows}
+                rows.append((name, law, *found[name]))
+    for model, scores in models.items():
+        for law, found in laws:
+            for name, (_, crps) in found.items():
+                by_model = scores[name].crps if name in scores else None
+                if by_model is not None and crps < by_model:
+                    lines.append(
+                        f"{name}: {law} better than the {f'model {model}'.strip()}, "
+                        f"CRPS {crps:.3g} against {by_model:.3g}."
+                    )
+    return [lines, Table(("target", "law", "rms", "CRPS"), rows)]
 
 
-def simple_rows(prediction: PredictedTests) -> Rows:
+def simple_table(prediction: PredictedTests) -> Table:
     """Write the predictions of the simple laws, test by test."""
-    if not prediction.simple:
-        return []
-    rows: Rows = [("test", "law", *prediction.simple[0].targets)]
-    for test in range(len(prediction.tests)):
-        for law in prediction.simple:
-            cells = (
+    rows = [
+        (
+            prediction.tests.name(test),
+            law.name,
+            *(
                 _with_interval(law.best[test, place], *law.interval(test, place))
                 for place in range(len(law.targets))
-            )
-            rows.append((prediction.tests.name(test), law.name, *cells))
-    return rows
+            ),
+        )
+        for test in range(len(prediction.tests))
+        for law in prediction.simple
+    ]
+    targets = prediction.simple[0].targets if prediction.simple else ()
+    return Table(("test", "law", *targets), rows)
 
 
-def as_csv(prediction: PredictedTests) -> str:
+def prediction_table(prediction: PredictedTests) -> Table:
     """Write a line for each variant, test and target.
 
     `predicted` is the median of a measurement, `low_` and `high_` are the ends of its
@@ -300,33 +299,30 @@ def as_csv(prediction: PredictedTests) -> str:
     `limit_chance` the predicted probability that it is satisfied. `outside` names the
     columns in which the test leaves the range of the fitted ones.
     """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(CSV_COLUMNS)
     beyond = [
         " ".join(o.column for o in prediction.outside if test in o.tests)
         for test in range(len(prediction.tests))
     ]
+    rows = []
     for variant in prediction.variants:
-        name = variant.fitted.variant.name
         columns = (
             *(prediction.measured, variant.best, variant.middle, variant.low_50),
             *(variant.high_50, variant.low_95, variant.high_95, variant.model_low),
             *(variant.model_high, variant.sigma, variant.missing_part, variant.crps),
             *(variant.mean_crps, variant.limit_chance),
         )
-        for test, target in np.ndindex(*prediction.measured.shape):
-            writer.writerow(
-                (
-                    *(name, test + 1, prediction.tests.name(test)),
-                    *(variant.outcomes[test], _digits(variant.outcome_share[test])),
-                    prediction.targets[target],
-                    LIMITS[int(prediction.censored[test, target])],
-                    *(_digits(column[test, target]) for column in columns),
-                    beyond[test],
-                )
+        rows += [
+            (
+                *(variant.fitted.variant.name, test + 1, prediction.tests.name(test)),
+                *(variant.outcomes[test], float(variant.outcome_share[test])),
+                prediction.targets[target],
+                LIMITS[int(prediction.censored[test, target])],
+                *(plain(column[test, target]) for column in columns),
+                beyond[test],
             )
-    return text.getvalue()
+            for test, target in np.ndindex(*prediction.measured.shape)
+        ]
+    return Table(CSV_COLUMNS, rows)
 
 
 def as_json(prediction: PredictedTests) -> dict:
@@ -336,10 +332,7 @@ def as_json(prediction: PredictedTests) -> dict:
         "variants": [
             {
                 "name": variant.fitted.variant.name,
-                "scores": {
-                    name: one._asdict()
-                    for name, one in score(prediction, variant).items()
-                },
+                "scores": score(prediction, variant),
                 "undetermined": list(variant.fitted.undetermined),
                 "accuracy_of_draws": variant.fitted.accuracy.name,
             }
@@ -355,7 +348,7 @@ def as_json(prediction: PredictedTests) -> dict:
         "outside": {
             one.column: {
                 "fitted": [one.low, one.high],
-                "rows": [int(test) + 1 for test in one.tests],
+                "rows": one.tests + 1,
             }
             for one in prediction.outside
         },
@@ -387,14 +380,5 @@ def write_prediction(prediction: PredictedTests, path: Path) -> None:
         replacing(manifest_path(path)) as beside,
         replacing(path) as temporary,
     ):
-        tree = json.dumps(as_json(prediction), indent=1, allow_nan=False)
-        put_text(beside, tree + "\n")
-        put_text(temporary, as_csv(prediction))
-
-
-def _digits(value: float | np.ndarray) -> str:
-    return f"{value:.9g}" if np.isfinite(value) else ""
-
-
-def _number(value: float | None) -> str:
-    return "none" if value is None else f"{value:.3g}"
+        put_text(beside, json_text(as_json(prediction)))
+        put_text(temporary, prediction_table(prediction).csv())

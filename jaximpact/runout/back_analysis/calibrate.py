@@ -9,9 +9,9 @@ from ..._numpy_settings import numpy_settings
 from ..._precision import require_float64
 from ...io.files import make_directory
 from ...io.output_files import output_directory, together
-from ...progress import Progress, ProgressFunction, as_progress
+from ...progress import Progress, ProgressFunction
 from ...store import Store
-from ...tasks import check_executor
+from ...tasks import computing
 from .posterior import posterior_of, search
 from .predictive import SlopeCalibration, predict
 from .problem import SlopeFit, read_slope_fit
@@ -54,35 +54,30 @@ def calibrate_slope(
     require_float64()
     expect("study", study, str, os.PathLike)
     expect("out", out, str, os.PathLike, type(None))
-    if executor is not None:
-        check_executor(executor)
-    told = as_progress(progress)
     fit = read_slope_fit(Path(study))
-    if out is None:
-        return _calibrate(fit, None, told, executor)
+    with computing(progress=progress, executor=executor):
+        return _calibrate(fit) if out is None else _calibrate_into(Path(out), fit)
+
+
+def _calibrate_into(directory: Path, fit: SlopeFit) -> SlopeCalibration:
+    """Calibrate, and write the report into a directory."""
     # Late imports: Matplotlib and Jinja are for the report alone.
     from .report import BARRIER_FILE, FILES, write_report
 
-    directory = Path(out)
     files = (*FILES, BARRIER_FILE) if fit.barriers else FILES
     with output_directory(directory, "calibrate", files, inputs=fit.inputs) as new:
         folder = directory / UNFINISHED
         make_directory(folder, option="the directory")
         store = Store(folder)
-        found = _calibrate(fit, store, told, executor)
+        found = _calibrate(fit, store)
         with together(new) as add:
             write_report(found, add)
         store.clear()
     return found
 
 
-def _calibrate(
-    fit: SlopeFit,
-    store: Store | None,
-    progress: Progress,
-    executor: concurrent.futures.Executor | None,
-) -> SlopeCalibration:
-    searched = search(fit, store, progress, executor)
+def _calibrate(fit: SlopeFit, store: Store | None = None) -> SlopeCalibration:
+    searched = search(fit, store)
     posterior = posterior_of(fit, searched)
-    predicted = predict(fit, posterior, store, progress, executor)
+    predicted = predict(fit, posterior, store)
     return SlopeCalibration(fit, searched, posterior, predicted)

@@ -11,7 +11,6 @@ that there are. Of values at a collector: the same of their logarithms. Of a cou
 a line: the logit of the share.
 """
 
-import concurrent.futures
 import dataclasses
 import hashlib
 import io
@@ -21,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from ..._packages import versions
-from ...progress import Progress
+from ...progress import tell
 from ...store import Store
 from ...tasks import call_each
 from ..analysis import first_passages, passages
@@ -32,10 +31,10 @@ from .observed import (
     PASSAGE_COLUMNS,
     PER_PLACE,
     STOP_COLUMN,
-    Count,
     Observed,
-    Passages,
-    Stops,
+    ObservedCount,
+    ObservedPassages,
+    ObservedStops,
 )
 from .problem import CONTACTS, SlopeFit
 
@@ -49,20 +48,16 @@ def simulate_data_sets(
     blocks: int,
     stream: int,
     store: Store | None = None,
-    progress: Progress | None = None,
     what: str = "data sets",
-    executor: concurrent.futures.Executor | None = None,
 ) -> np.ndarray:
-    """Simulate a data set for each candidate.
+    """Simulate a data set for each candidate, by the executor that is set.
 
     Args:
         u: candidates, as probabilities under the priors, `(data sets, parameters)`.
         blocks: blocks released in each.
         stream: number that tells apart the random numbers of several calls.
         store: keeps chunks that are done.
-        progress: told how many are done.
         what: name of the data sets in progress.
-        executor: computes chunks in other processes; the results are the same.
 
     Returns:
         `(data sets, blocks, 1 + 4 * places + 1)`: x where a block stopped [m]; at each
@@ -70,7 +65,7 @@ def simulate_data_sets(
         the lowest point [m] at the first passage; 1 for a block that failed, else 0.
         NaN for a block that does not stop, or does not come there.
     """
-    size, progress = max(1, CHUNK // blocks), progress or Progress()
+    size = max(1, CHUNK // blocks)
     parts = [u[start : start + size] for start in range(0, len(u), size)]
     keys = [_key(fit, part, blocks, stream, i) for i, part in enumerate(parts)]
     found = [_stored(store, key) for key in keys]
@@ -84,10 +79,10 @@ def simulate_data_sets(
             buffer = io.BytesIO()
             np.save(buffer, outcomes)
             store.put("dataset", keys[i], buffer.getvalue())
-        progress(what, _count(found), len(u))
+        tell(what, _count(found), len(u))
 
-    progress(what, _count(found), len(u))
-    call_each(_simulate, work, take, executor)
+    tell(what, _count(found), len(u))
+    call_each(_simulate, work, take)
     return np.concatenate([outcomes for outcomes in found if outcomes is not None])
 
 
@@ -150,7 +145,7 @@ def summary_names(observed: Observed) -> list[str]:
     """List the names of the summary statistics."""
     names = []
     for channel in observed.fitted:
-        if isinstance(channel, Count):
+        if isinstance(channel, ObservedCount):
             names.append(channel.words)
         else:
             names += [f"{statistic} of {channel.words}" for statistic in STATISTICS]
@@ -161,12 +156,12 @@ def observed_summary(observed: Observed) -> np.ndarray:
     """Compute the summary statistics of what was observed, `(statistics,)`."""
     parts = []
     for channel in observed.fitted:
-        if isinstance(channel, Count):
+        if isinstance(channel, ObservedCount):
             counts = np.array([channel.passed])
             parts.append(_logit_of_share(counts, channel.blocks)[:, None])
         else:
             values = channel.values[None]
-            if not isinstance(channel, Stops):
+            if not isinstance(channel, ObservedStops):
                 values = np.log(values)
             parts.append(_statistics(values, channel.blocks))
     return np.concatenate(parts, axis=1)[0]
@@ -187,14 +182,14 @@ def simulated_summaries(
     """
     rng, parts = np.random.default_rng(seed), []
     for channel in observed.fitted:
-        if isinstance(channel, Count):
+        if isinstance(channel, ObservedCount):
             of = outcomes[:, : channel.blocks]
             speed = of[..., column_of(places, channel.place, PASSAGE_COLUMNS[0])]
             passed = np.sum(np.isfinite(speed), axis=1)
             parts.append(_logit_of_share(passed, channel.blocks)[:, None])
             continue
         values = measured(observed, channel, outcomes, places, rng)
-        if not isinstance(channel, Stops):
+        if not isinstance(channel, ObservedStops):
             # Errors can be larger than a small value: what is measured is above 0.
             values = np.log(np.maximum(values, 1e-3))
         parts.append(_statistics(values, channel.blocks))
@@ -203,7 +198,7 @@ def simulated_summaries(
 
 def measured(
     observed: Observed,
-    channel: Stops | Passages,
+    channel: ObservedStops | ObservedPassages,
     outcomes: np.ndarray,
     places: list[float],
     rng: np.random.Generator,
@@ -211,7 +206,7 @@ def measured(
     """Give the values of a channel in simulated data sets with errors of measurement,
     `(data sets, blocks)`; see `simulated_summaries`."""
     name, column = STOP_COLUMN, 0
-    if isinstance(channel, Passages):
+    if isinstance(channel, ObservedPassages):
         name = channel.quantity
         column = column_of(places, channel.place, name)
     values = outcomes[..., column]

@@ -29,9 +29,10 @@ MOST_BLOCKS = 400
 USUAL = {"speed_mps": FASTEST, "height_m": HIGHEST_CLIFF}
 """Largest usual values: no block flies higher than a cliff."""
 FARTHEST = 1e9
+"""Largest number of a table: the squares of larger ones leave the summaries."""
 
 
-class Stops(NamedTuple):
+class ObservedStops(NamedTuple):
     """Places where blocks stopped."""
 
     values: np.ndarray
@@ -48,7 +49,7 @@ class Stops(NamedTuple):
         return "x_m of stopping points"
 
 
-class Passages(NamedTuple):
+class ObservedPassages(NamedTuple):
     """Values of one quantity at a collector, of blocks that pass."""
 
     place: float
@@ -71,7 +72,7 @@ class Passages(NamedTuple):
         return f"{self.quantity} at x = {self.place:g} m"
 
 
-class Count(NamedTuple):
+class ObservedCount(NamedTuple):
     """Number of blocks that pass a line."""
 
     place: float
@@ -89,7 +90,7 @@ class Count(NamedTuple):
 class Observed(NamedTuple):
     """All that was observed on a slope."""
 
-    channels: tuple[Stops | Passages | Count, ...]
+    channels: tuple[ObservedStops | ObservedPassages | ObservedCount, ...]
     sigma: dict[str, float]
     """Standard deviations of the errors of measurement, by column."""
     released: int
@@ -100,19 +101,21 @@ class Observed(NamedTuple):
     """Remarks on what was not used as it stands."""
 
     @property
-    def fitted(self) -> tuple[Stops | Passages | Count, ...]:
+    def fitted(self) -> tuple[ObservedStops | ObservedPassages | ObservedCount, ...]:
         """Channels that are fitted."""
         return tuple(c for c in self.channels if not is_held_out(c))
 
     @property
-    def held_out(self) -> tuple[Passages, ...]:
+    def held_out(self) -> tuple[ObservedPassages, ...]:
         """Channels that are predicted only."""
-        return tuple(c for c in self.channels if isinstance(c, Passages) and c.held_out)
+        return tuple(
+            c for c in self.channels if isinstance(c, ObservedPassages) and c.held_out
+        )
 
 
-def is_held_out(channel: Stops | Passages | Count) -> bool:
+def is_held_out(channel: ObservedStops | ObservedPassages | ObservedCount) -> bool:
     """Tell whether a channel is predicted and not fitted."""
-    return isinstance(channel, Passages) and channel.held_out
+    return isinstance(channel, ObservedPassages) and channel.held_out
 
 
 def read_observed(path: Path, content: dict, profile: Profile, seed: int) -> Observed:
@@ -130,7 +133,7 @@ def read_observed(path: Path, content: dict, profile: Profile, seed: int) -> Obs
     if TABLE not in content:
         raise key.error("needs a table [observed]")
     table = known_table(top, content, TABLE, KEYS)
-    channels: list[Stops | Passages | Count] = []
+    channels: list[ObservedStops | ObservedPassages | ObservedCount] = []
     inputs: list[Path] = []
     remarks: list[str] = []
     places = typed(key, table, "held_out_m", list, [])
@@ -139,7 +142,7 @@ def read_observed(path: Path, content: dict, profile: Profile, seed: int) -> Obs
         if name in table:
             inputs.append(path.parent / typed(key, table, name, str))
             channels += read(inputs[-1], profile, held_out, remarks)
-    known = {c.place for c in channels if isinstance(c, Passages)}
+    known = {c.place for c in channels if isinstance(c, ObservedPassages)}
     for x in held_out:
         if x not in known:
             raise key["held_out_m"].error(f"holds {x:g}, where no passage is")
@@ -168,11 +171,13 @@ def read_observed(path: Path, content: dict, profile: Profile, seed: int) -> Obs
 
 
 def _thinned(
-    channel: Stops | Passages | Count, share: float, rng: np.random.Generator
-) -> Stops | Passages | Count:
+    channel: ObservedStops | ObservedPassages | ObservedCount,
+    share: float,
+    rng: np.random.Generator,
+) -> ObservedStops | ObservedPassages | ObservedCount:
     """Choose a share of the blocks of a channel at random, one at least."""
     size = max(1, round(share * channel.blocks))
-    if isinstance(channel, Count):
+    if isinstance(channel, ObservedCount):
         rest = channel.blocks - channel.passed
         passed = int(rng.hypergeometric(channel.passed, rest, size))
         return channel._replace(passed=passed, blocks=size)
@@ -181,7 +186,7 @@ def _thinned(
 
 def _stops(
     file: Path, profile: Profile, held_out: list[float], remarks: list[str]
-) -> list[Stops | Passages | Count]:
+) -> list[ObservedStops | ObservedPassages | ObservedCount]:
     columns, lines = _columns(file, (STOP_COLUMN,), (), remarks)
     x = columns[STOP_COLUMN]
     bad = ~((x >= profile.x[0]) & (x <= profile.x[-1]))
@@ -194,12 +199,12 @@ def _stops(
             row=lines[i],
             column=STOP_COLUMN,
         )
-    return [Stops(x)]
+    return [ObservedStops(x)]
 
 
 def _passages(
     file: Path, profile: Profile, held_out: list[float], remarks: list[str]
-) -> list[Stops | Passages | Count]:
+) -> list[ObservedStops | ObservedPassages | ObservedCount]:
     columns, lines = _columns(file, (COLLECTOR_COLUMN,), PASSAGE_COLUMNS, remarks)
     places = columns.pop(COLLECTOR_COLUMN)
     if not columns:
@@ -208,7 +213,7 @@ def _passages(
         )
     for line, x in zip(lines, places, strict=True):
         check_inside(profile, x, file=file, row=line, column=COLLECTOR_COLUMN)
-    found: list[Stops | Passages | Count] = []
+    found: list[ObservedStops | ObservedPassages | ObservedCount] = []
     for name, values in columns.items():
         for line, value in zip(lines, values, strict=True):
             if value <= 0.0:
@@ -222,7 +227,9 @@ def _passages(
         for x in np.unique(places):
             here = values[(places == x) & np.isfinite(values)]
             if len(here):
-                found.append(Passages(float(x), name, here, float(x) in held_out))
+                found.append(
+                    ObservedPassages(float(x), name, here, float(x) in held_out)
+                )
     if not found:
         raise InputError("holds no measured value", file=file)
     return found
@@ -278,7 +285,7 @@ def _columns(
     return columns, [line for line, _ in rows]
 
 
-def _counts(key: Key, table: dict, profile: Profile) -> list[Count]:
+def _counts(key: Key, table: dict, profile: Profile) -> list[ObservedCount]:
     found = []
     for place, entry in enumerate(typed(key, table, "counts", list, []), 1):
         where = key["counts"][str(place)]
@@ -292,7 +299,7 @@ def _counts(key: Key, table: dict, profile: Profile) -> list[Count]:
         check_inside(profile, x, **where["x_m"].place)
         blocks = whole(where, entry, "of", 1, 1)
         passed = whole(where, entry, "passed", 0, 0, blocks)
-        found.append(Count(x, passed, blocks))
+        found.append(ObservedCount(x, passed, blocks))
     return found
 
 

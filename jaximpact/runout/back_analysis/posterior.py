@@ -1,7 +1,6 @@
 """Posterior of the fitted parameters: rounds of simulation, each in the part of the
 prior that is plausible still, and what their data sets say of each parameter."""
 
-import concurrent.futures
 import dataclasses
 from typing import NamedTuple
 
@@ -9,10 +8,9 @@ import numpy as np
 from scipy.special import bdtr, expit, logit
 
 from ...errors import InputError
-from ...progress import Progress
 from ...store import Store
 from .data_sets import observed_summary, simulate_data_sets, simulated_summaries
-from .problem import Parameter, SlopeFit
+from .problem import SlopeFit, SlopeParameter
 from .regression import (
     Pool,
     make_pool,
@@ -22,6 +20,7 @@ from .regression import (
 )
 
 MOST_ROUNDS = 8
+"""Largest number of rounds: boxes that shrink by `ENOUGH` each still end."""
 
 OUTSIDE = 0.0005
 """Probability beyond each end of a box."""
@@ -39,6 +38,7 @@ LEAST_POOL = 100
 """Number of data sets below which no posterior is found."""
 
 ROUNDING = 1e-9
+"""Distance from the ends of a box, as a fraction, that keeps z finite."""
 
 
 class Region(NamedTuple):
@@ -81,12 +81,7 @@ class Searched(NamedTuple):
     """Number of them that lack a channel of what was observed."""
 
 
-def search(
-    fit: SlopeFit,
-    store: Store | None,
-    progress: Progress,
-    executor: concurrent.futures.Executor | None = None,
-) -> Searched:
+def search(fit: SlopeFit, store: Store | None) -> Searched:
     """Simulate data sets in boxes that shrink to where the posterior is.
 
     A box holds all but 0.1 % of each parameter's posterior as the round before found
@@ -109,9 +104,12 @@ def search(
             rng = np.random.default_rng((fit.slope.seed, number))
             new = rng.uniform(region.low, region.high, (missing, dimension))
             outcomes = simulate_data_sets(
-                *(fit, new, fit.observed.released, number, store, progress),
+                fit=fit,
+                u=new,
+                blocks=fit.observed.released,
+                stream=number,
+                store=store,
                 what=f"data sets of round {number + 1}",
-                executor=executor,
             )
             found = simulated_summaries(fit.observed, outcomes, fit.places, number)
             u, summaries = np.vstack([u, new]), np.vstack([summaries, found])
@@ -180,7 +178,7 @@ RARE = 0.01
 class FittedParameter:
     """Posterior of one parameter, in the unit of its name."""
 
-    parameter: Parameter
+    parameter: SlopeParameter
     median: float
     low: float
     """Lower end of the 95 % interval."""

@@ -1,14 +1,12 @@
 """Predictions with the fitted ground: data sets like the observed one, values at
 collectors, curves of exceedance, and what barriers do, each with its interval."""
 
-import concurrent.futures
 import dataclasses
 from typing import NamedTuple
 
 import numpy as np
 
 from ...io.display import Rows, ShownAsTable
-from ...progress import Progress
 from ...store import Store
 from ..study.barriers import Barrier, BarrierEstimates, estimates_at
 from ..study.intervals import (
@@ -23,7 +21,13 @@ from .data_sets import (
     simulated_summaries,
     summary_names,
 )
-from .observed import PASSAGE_COLUMNS, PER_PLACE, Count, Passages, Stops
+from .observed import (
+    PASSAGE_COLUMNS,
+    PER_PLACE,
+    ObservedCount,
+    ObservedPassages,
+    ObservedStops,
+)
 from .posterior import TAILS, Posterior, Searched
 from .problem import SlopeFit
 
@@ -36,6 +40,7 @@ LEAST_BLOCKS = 200
 STREAM = 100
 """Stream of random numbers of predictions, which no round has."""
 GRID = 101
+"""Number of values of a curve of exceedance: steps of 1 %."""
 PERCENTS = (50, 95)
 CURVE_PERCENTS = (50, 95, 99)
 RARE = 0.01
@@ -83,7 +88,7 @@ class Curve(NamedTuple):
 class ChannelPrediction(NamedTuple):
     """Observed values of a channel beside predicted data sets of the same size."""
 
-    channel: Stops | Passages
+    channel: ObservedStops | ObservedPassages
     predicted: np.ndarray
     """Sorted values of each data set, NaN last, `(data sets, values)`."""
 
@@ -116,21 +121,18 @@ class Predicted(NamedTuple):
     """Number of blocks released on each."""
 
 
-def predict(
-    fit: SlopeFit,
-    posterior: Posterior,
-    store: Store | None,
-    progress: Progress,
-    executor: concurrent.futures.Executor | None = None,
-) -> Predicted:
+def predict(fit: SlopeFit, posterior: Posterior, store: Store | None) -> Predicted:
     """Simulate data sets for samples of the posterior, and compare and count."""
     released = fit.observed.released
     size = max(released, LEAST_BLOCKS)
     blocks = DATA_SETS * size
     outcomes = simulate_data_sets(
-        *(fit, posterior.u[:DRAWS], blocks, STREAM, store, progress),
+        fit=fit,
+        u=posterior.u[:DRAWS],
+        blocks=blocks,
+        stream=STREAM,
+        store=store,
         what="predicted data sets",
-        executor=executor,
     )
     data_sets = outcomes.reshape(-1, size, outcomes.shape[-1])
     names = {x: tuple(b.name for b in fit.barriers if b.x == x) for x in fit.places}
@@ -139,7 +141,7 @@ def predict(
         channels=tuple(
             ChannelPrediction(channel, _values(fit, channel, data_sets))
             for channel in fit.observed.channels
-            if not isinstance(channel, Count)
+            if not isinstance(channel, ObservedCount)
         ),
         curves=tuple(
             curve
@@ -175,7 +177,7 @@ def _check(fit: SlopeFit, outcomes: np.ndarray) -> ModelCheck:
 
 
 def _values(
-    fit: SlopeFit, channel: Stops | Passages, outcomes: np.ndarray
+    fit: SlopeFit, channel: ObservedStops | ObservedPassages, outcomes: np.ndarray
 ) -> np.ndarray:
     """Give the first values of each data set with errors of measurement, sorted, as
     many as were observed."""

@@ -24,18 +24,20 @@ from ..study.ground_file import PARTS, GroundInput
 from ..study.quantity import read_ground_quantity
 from ..study.slope_file import SlopeInput, read_slope_input
 from ..terrain import ground_columns
-from .observed import PER_PLACE, TABLE, Observed, Stops, read_observed
+from .observed import PER_PLACE, TABLE, Observed, ObservedStops, read_observed
 
 FIT, CONTACTS = "fit", "contacts"
 DATA_SETS_KEY = "data_sets"
 DATA_SETS = 1500
 """Default number of data sets behind the posterior."""
 LEAST_DATA_SETS = 200
+"""Least number of them: the regression takes the nearest 20 %, and needs 25 for each
+coefficient."""
 ENDS = np.array([1e-9, 0.5, 1.0 - 1e-9])
 
 
 @dataclasses.dataclass(frozen=True)
-class Parameter:
+class SlopeParameter:
     """Parameter of the ground, or of a contact law in closed form, that is fitted."""
 
     key: str
@@ -58,7 +60,7 @@ class SlopeFit:
     title: str
     slope: SlopeInput
     """Ground, blocks, releases and law, with priors in place of what is fitted."""
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[SlopeParameter, ...]
     observed: Observed
     barriers: tuple[Barrier, ...]
     data_sets: int
@@ -69,7 +71,9 @@ class SlopeFit:
     @property
     def places(self) -> list[float]:
         """List the places at which passages are found [m], increasing."""
-        lines = [c.place for c in self.observed.channels if not isinstance(c, Stops)]
+        lines = [
+            c.place for c in self.observed.channels if not isinstance(c, ObservedStops)
+        ]
         return sorted({*lines, *(barrier.x for barrier in self.barriers)})
 
     @property
@@ -115,8 +119,8 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     (law,) = slope.laws
     if isinstance(law.contacts, ClosedForm):
         _warn_of_soil(path, law.name, parameters)
-    told = law.told | dict.fromkeys((p.column.name for p in of_law), "fitted")
-    slope = slope._replace(laws=[law._replace(told=told)])
+    told = law.description | dict.fromkeys((p.column.name for p in of_law), "fitted")
+    slope = slope._replace(laws=[law._replace(description=told)])
     profile = slope.layout.profile
     # What was observed and what the priors are changes no simulated block.
     rest = {k: v for k, v in content.items() if k not in (TABLE, FIT, "title")}
@@ -130,7 +134,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
         observed=observed,
         barriers=read_barriers(path, content, profile),
         data_sets=data_sets,
-        identity=json.dumps([rest, files, slope.laws[0].told], default=str),
+        identity=json.dumps([rest, files, slope.laws[0].description], default=str),
     )
     columns = 2 + PER_PLACE * len(fitted.places)
     check_memory(
@@ -141,7 +145,7 @@ def read_slope_fit(path: Path, accuracy: str | None = None) -> SlopeFit:
     return fitted
 
 
-def _warn_of_soil(path: Path, law: str, parameters: Iterable[Parameter]) -> None:
+def _warn_of_soil(path: Path, law: str, parameters: Iterable[SlopeParameter]) -> None:
     """Warn of parameters that a law of rebound in closed form does not know."""
     for parameter in parameters:
         if parameter.column.part == "soil":
@@ -153,7 +157,7 @@ def _warn_of_soil(path: Path, law: str, parameters: Iterable[Parameter]) -> None
             )
 
 
-def _read_law_parameters(top: Key, fit: dict, merged: dict) -> list[Parameter]:
+def _read_law_parameters(top: Key, fit: dict, merged: dict) -> list[SlopeParameter]:
     """Take the priors of a contact law out of `fit`, and put their medians into the
     study, which must have a value for each."""
     if CONTACTS not in fit:
@@ -176,7 +180,7 @@ def _read_law_parameters(top: Key, fit: dict, merged: dict) -> list[Parameter]:
 
 def _read_parameters(
     top: Key, fit: dict, ground: dict, soil: Soil
-) -> tuple[Parameter, ...]:
+) -> tuple[SlopeParameter, ...]:
     """Read the priors; InputError for names that are unknown and for what is no
     prior."""
     columns, found = ground_columns(soil), []
@@ -201,7 +205,7 @@ def _read_parameters(
     return tuple(found)
 
 
-def _parameter(top: Key, key: str, value, column: InputColumn) -> Parameter:
+def _parameter(top: Key, key: str, value, column: InputColumn) -> SlopeParameter:
     where = top[FIT][key.removeprefix("ground.")]
     prior = read_ground_quantity(where, value, column)
     if not isinstance(prior, Distribution):
@@ -215,7 +219,7 @@ def _parameter(top: Key, key: str, value, column: InputColumn) -> Parameter:
             f"must be {column.requirement}, but the prior reaches from {ends[0]:g} to "
             f"{ends[-1]:g}; least and most truncate it"
         )
-    return Parameter(key, prior, column)
+    return SlopeParameter(key, prior, column)
 
 
 def _merge(into: dict, table: dict) -> None:

@@ -1,44 +1,29 @@
-"""Files of a back-analysis: report.html with its pictures, fit.json and tables."""
+"""Report of a back-analysis, and its files."""
 
-import base64
 import hashlib
-import json
+from functools import partial
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from ..._packages import versions
-from ...calibration.report.render import render
-from ...io.display import Rows
 from ...io.files import write_text
 from ...io.output_files import NewFile
-from ...plotting.style import (
-    BLUE,
-    GREY,
-    VERMILION,
-    in_style,
-    legend_outside,
-    panels,
-    png_bytes,
-)
+from ...reports.document import Box, Document, Part, Picture, Section
+from ...reports.json_tree import json_text
+from ...reports.tables import Table, interval_text, number_text
 from ..study.barriers import (
-    COLUMNS,
     NOTE,
-    barrier_rows,
     barriers_in_json,
-    design_rows,
-    effect_rows,
-    interval_text,
-    number_text,
+    design_table,
+    effect_table,
+    estimate_table,
 )
-from .observed import Count, Passages
+from .observed import ObservedCount, ObservedPassages
 from .posterior import WIDE, FittedParameter
-from .predictive import RARE, ChannelPrediction, Curve, SlopeCalibration
-from .problem import ENDS
+from .predictive import RARE, SlopeCalibration
 
 FILES = ("report.html", "fit.json", "samples.csv", "exceedance.csv")
 BARRIER_FILE = "barriers.csv"
-PACKAGE = "jaximpact.runout.back_analysis"
 PERCENTILE_KEYS = ("percent", "observed", "low", "median", "high")
 
 
@@ -50,27 +35,20 @@ def write_report(found: SlopeCalibration, new: NewFile) -> None:
 
     Raises OSError where the file system refuses.
     """
-    contents = contents_of(found) | {"pictures": draw_report(found)}
-    text = render("back_analysis", "html", contents, PACKAGE)
-    write_text(new("report.html"), text)
-    write_text(new("fit.json"), json.dumps(as_json(found), indent=1) + "\n")
-    write_text(new("samples.csv"), _samples(found))
-    write_text(new("exceedance.csv"), _exceedance(found))
+    write_text(new("report.html"), report(found).page())
+    write_text(new("fit.json"), json_text(as_json(found)))
+    names = [p.parameter.name for p in found.posterior.fitted]
+    write_text(new("samples.csv"), Table(names, found.posterior.values.tolist()).csv())
+    write_text(new("exceedance.csv"), _exceedance(found).csv())
     if barriers := found.predicted.barriers:
-        rows = (COLUMNS, *barrier_rows(barriers))
-        text = "\n".join(",".join(row) for row in rows)
-        write_text(new(BARRIER_FILE), text + "\n")
+        write_text(new(BARRIER_FILE), estimate_table(barriers).csv())
 
 
-def in_words(found: SlopeCalibration) -> str:
-    """Report as text."""
-    none = {"marginals": [], "channels": [], "curves": []}
-    contents = contents_of(found) | {"pictures": none}
-    return render("back_analysis", "txt", contents, PACKAGE)
+def report(found: SlopeCalibration) -> Document:
+    """Report the fitted parameters, what they predict, and how they were found."""
+    # Matplotlib takes half a second to import, which simulating workers need not.
+    from . import drawing
 
-
-def contents_of(found: SlopeCalibration) -> dict:
-    """Collect the contents of the report, but for its pictures, as plain values."""
     fit, posterior, predicted = found.fit, found.posterior, found.predicted
     known = [p for p in posterior.fitted if p.determined]
     verdict = [f"{len(known)} of {len(posterior.fitted)} parameters are determined"]
@@ -78,42 +56,58 @@ def contents_of(found: SlopeCalibration) -> dict:
         f"{p.parameter.name}: {p.median:.4g}, 95 % interval {p.low:.4g} to {p.high:.4g}"
         for p in known
     ]
-    check = predicted.check
-    return {
-        "title": fit.title,
-        "verdict": verdict,
-        "warnings": warnings_of(found),
-        "parameters": _parameters(posterior.fitted),
-        "parameters_words": "Width is that of the 95 % interval as a fraction of the "
-        f"prior's, both as probabilities under the prior; from {WIDE:g} on the "
-        "observations do not determine a parameter.",
-        "correlation": _correlation(found),
-        "check": f"Of the summaries, {check.worst} deviates most, by "
-        f"{check.deviation:.3g} standard deviations; "
-        f"{100 * check.probability:.2g} % of predicted data sets deviate as much "
-        "somewhere. Percentiles below are those observed, and those of predicted data "
-        "sets of the same size with their 95 % intervals.",
-        "channels": _channels(found),
-        "barriers": effect_rows(predicted.barriers) if predicted.barriers else [],
-        "barrier_design": design_rows(predicted.barriers),
-        "barriers_words": f"{predicted.blocks} blocks are released on each of "
-        f"{predicted.draws} grounds, samples of the posterior. Shares and percentiles "
-        "are of all these blocks together. Their intervals of 95 % hold the "
-        "uncertainty of the fitted ground and the finite number of blocks on each; an "
-        "end for which too few blocks arrive is a dash. " + NOTE,
-        "curves": _design(found),
-        "curves_words": "Percentiles of the blocks that arrive, with intervals of "
-        f"95 %, from {predicted.draws} samples of the posterior with "
-        f"{predicted.blocks} blocks each. The intervals hold the uncertainty of the "
-        "fitted ground and the finite number of blocks. Curves show the share of all "
-        "released blocks.",
-        "coverage": _coverage(posterior.fitted),
-        "coverage_words": f"The {posterior.left_out} data sets most like the observed "
-        "one were taken, in turn, for observed, and fitted by the others. The table "
-        "tells how many of their true parameters lie in the intervals.",
-        "how": _how(found),
-        "origin": _origin(found),
-    }
+    warnings = warnings_of(found)
+    marginals = [
+        Picture(
+            partial(drawing.draw_marginal, fitted, samples),
+            f"Posterior of {fitted.parameter.name}",
+            f"{fitted.parameter.name}: samples of the posterior, the 95 % interval, "
+            "and the density of the prior.",
+        )
+        for fitted, samples in zip(posterior.fitted, posterior.values.T, strict=True)
+    ]
+    channels = [
+        Picture(
+            partial(drawing.draw_channel, channel),
+            f"Observed and predicted {channel.channel.words}",
+            f"{channel.channel.words}: observed, and 95 % of predicted data sets of "
+            "the same size.",
+        )
+        for channel in predicted.channels
+    ]
+    answer: list[Part] = [
+        Box("verdict", verdict),
+        Box("warning", ["Warnings", *warnings]) if warnings else None,
+        *channels[:1],
+    ]
+    sections = [
+        Section(
+            "Parameters",
+            [
+                _parameters(posterior.fitted),
+                "Width is that of the 95 % interval as a fraction of the prior's, both "
+                f"as probabilities under the prior; from {WIDE:g} on the observations "
+                "do not determine a parameter.",
+                marginals,
+                Section("Correlation of ranks", [_correlation(found)]),
+            ],
+        ),
+        Section("Observed and predicted", [_check(found), _channels(found), channels]),
+        Section("Barriers", _barriers(found)),
+        Section("Exceedance", _curves(found)),
+        Section(
+            "Are the intervals right?",
+            [
+                f"The {posterior.left_out} data sets most like the observed one were "
+                "each fitted by the others, as if they had been observed. The table "
+                "says how many of their true parameters lie in the intervals.",
+                _coverage(posterior.fitted),
+            ],
+        ),
+        Section("How it was found, and what it assumes", [_how(found)]),
+        Section("Computed from", [_origin(found)]),
+    ]
+    return Document(fit.title, answer, sections)
 
 
 def warnings_of(found: SlopeCalibration) -> list[str]:
@@ -153,54 +147,79 @@ def warnings_of(found: SlopeCalibration) -> list[str]:
     return [*lines, *(f"{r[0].upper()}{r[1:]}." for r in found.fit.observed.remarks)]
 
 
-def _parameters(fitted: tuple[FittedParameter, ...]) -> Rows:
-    rows: Rows = [
-        ("parameter", "median", "95 % interval", "prior, 95 %", "width", "verdict")
+def _parameters(fitted: tuple[FittedParameter, ...]) -> Table:
+    rows = [
+        (
+            *(p.parameter.name, p.median, interval_text(p.low, p.high)),
+            *(interval_text(p.prior_low, p.prior_high), f"{p.ratio:.0%}"),
+            "determined" if p.determined else "not determined",
+        )
+        for p in fitted
     ]
-    for p in fitted:
-        verdict = "determined" if p.determined else "not determined"
-        cells = f"{p.median:.4g}", f"{p.low:.4g} to {p.high:.4g}"
-        prior = f"{p.prior_low:.4g} to {p.prior_high:.4g}"
-        rows.append((p.parameter.name, *cells, prior, f"{p.ratio:.0%}", verdict))
-    return rows
+    columns = ("parameter", "median", "95 % interval", "prior, 95 %", "width")
+    return Table((*columns, "verdict"), rows)
 
 
-def _correlation(found: SlopeCalibration) -> Rows:
+def _correlation(found: SlopeCalibration) -> Table:
     names = [p.parameter.name for p in found.posterior.fitted]
-    if len(names) < 2:
-        return []
-    rows: Rows = [("", *names)]
-    for name, row in zip(names, found.posterior.correlation, strict=True):
-        rows.append((name, *(f"{value:.2f}" for value in row)))
-    return rows
+    rows = [
+        (name, *(f"{value:.2f}" for value in row))
+        for name, row in zip(names, found.posterior.correlation, strict=True)
+    ]
+    return Table(("", *names), rows if len(names) > 1 else [])
 
 
-def _channels(found: SlopeCalibration) -> Rows:
-    rows: Rows = [("observed", "blocks", "", "observed", "predicted", "interval", "")]
+def _check(found: SlopeCalibration) -> str:
+    check = found.predicted.check
+    return (
+        f"Of the summaries, {check.worst} deviates most, by {check.deviation:.3g} "
+        f"standard deviations; {100 * check.probability:.2g} % of predicted data sets "
+        "deviate as much somewhere. Percentiles below are those observed, and those of "
+        "predicted data sets of the same size with their 95 % intervals."
+    )
+
+
+def _channels(found: SlopeCalibration) -> Table:
+    rows = []
     for prediction in found.predicted.channels:
         channel = prediction.channel
-        held_out = isinstance(channel, Passages) and channel.held_out
-        words = channel.words + (", held out" if held_out else "")
-        first = (words, str(channel.blocks))
-        for percent, ours, low, middle, high in prediction.percentiles():
-            inside = "inside" if low <= ours <= high else "outside"
-            interval = f"{low:.4g} to {high:.4g}"
-            cells = f"{percent} %", f"{ours:.4g}", f"{middle:.4g}", interval, inside
-            rows.append((*first, *cells))
+        held_out = isinstance(channel, ObservedPassages) and channel.held_out
+        first = (channel.words + ", held out" * held_out, channel.blocks)
+        for percent, observed, low, middle, high in prediction.percentiles():
+            inside = "inside" if low <= observed <= high else "outside"
+            interval = interval_text(low, high)
+            rows.append((*first, f"{percent} %", observed, middle, interval, inside))
             first = ("", "")
     for channel in found.fit.observed.channels:
-        if isinstance(channel, Count):
-            told = f"{channel.passed} of {channel.blocks}"
-            rows.append((channel.words, str(channel.blocks), "", told, "", "", ""))
-    return rows
+        if isinstance(channel, ObservedCount):
+            passed = f"{channel.passed} of {channel.blocks}"
+            rows.append((channel.words, channel.blocks, "", passed, "", "", ""))
+    columns = ("observed", "blocks", "", "observed", "predicted", "interval", "")
+    return Table(columns, rows)
 
 
-def _design(found: SlopeCalibration) -> Rows:
-    curves = found.predicted.curves
+def _barriers(found: SlopeCalibration) -> list[Part]:
+    predicted = found.predicted
+    if not predicted.barriers:
+        return []
+    return [
+        f"{predicted.blocks} blocks are released on each of {predicted.draws} grounds, "
+        "samples of the posterior. Shares and percentiles are of all these blocks "
+        "together. Their intervals of 95 % hold the uncertainty of the fitted ground "
+        "and the finite number of blocks on each; an end for which too few blocks "
+        f"arrive is a dash. {NOTE}",
+        effect_table(predicted.barriers),
+        design_table(predicted.barriers),
+    ]
+
+
+def _curves(found: SlopeCalibration) -> list[Part]:
+    from . import drawing
+
+    predicted, curves = found.predicted, found.predicted.curves
     if not curves:
         return []
-    heads = [f"{percent} %" for percent in curves[0].design]
-    rows: Rows = [("place", "quantity", *heads)]
+    rows, pictures = [], []
     for curve in curves:
         place = ", ".join((*curve.names, f"x = {curve.place:g} m"))
         cells = [
@@ -208,19 +227,31 @@ def _design(found: SlopeCalibration) -> Rows:
             for value, low, high in curve.design.values()
         ]
         rows.append((place, curve.quantity, *cells))
-    return rows
+        words = f"Exceedance of {curve.quantity} at x = {curve.place:g} m"
+        draw = partial(drawing.draw_curve, curve)
+        pictures.append(Picture(draw, words, f"{words}: mean, and 95 % interval."))
+    heads = (f"{percent} %" for percent in curves[0].design)
+    return [
+        "Percentiles of the blocks that arrive, with intervals of 95 %, from "
+        f"{predicted.draws} samples of the posterior with {predicted.blocks} blocks "
+        "each. The intervals hold the uncertainty of the fitted ground and the finite "
+        "number of blocks. Curves show the share of all released blocks.",
+        Table(("place", "quantity", *heads), rows),
+        pictures,
+    ]
 
 
-def _coverage(fitted: tuple[FittedParameter, ...]) -> Rows:
-    rows: Rows = [("parameter", "in the 68 % interval", "in the 95 % interval")]
-    for p in fitted:
-        rows.append((p.parameter.name, f"{p.coverage_68:.0%}", f"{p.coverage_95:.0%}"))
-    return rows
+def _coverage(fitted: tuple[FittedParameter, ...]) -> Table:
+    rows = [
+        (p.parameter.name, f"{p.coverage_68:.0%}", f"{p.coverage_95:.0%}")
+        for p in fitted
+    ]
+    return Table(("parameter", "in the 68 % interval", "in the 95 % interval"), rows)
 
 
 def _how(found: SlopeCalibration) -> list[str]:
     fit, searched = found.fit, found.searched
-    law = ", ".join(f"{k} {v}" for k, v in fit.slope.laws[0].told.items())
+    law = ", ".join(f"{k} {v}" for k, v in fit.slope.laws[0].description.items())
     volumes = ", ".join(f"{volume:.3g}" for volume in searched.volumes)
     sigma = fit.observed.sigma
     errors = ", ".join(f"{name} {value:g}" for name, value in sigma.items())
@@ -245,10 +276,9 @@ def _how(found: SlopeCalibration) -> list[str]:
     ]
 
 
-def _origin(found: SlopeCalibration) -> Rows:
-    rows: Rows = [("file or program", "SHA-256 or version")]
-    rows += list(_checksums(found).items())
-    return [*rows, *versions().items()]
+def _origin(found: SlopeCalibration) -> Table:
+    rows = [*_checksums(found).items(), *versions().items()]
+    return Table(("file or program", "SHA-256 or version"), rows)
 
 
 def _checksums(found: SlopeCalibration) -> dict[str, str]:
@@ -274,7 +304,7 @@ def as_json(found: SlopeCalibration) -> dict:
             }
             for p in posterior.fitted
         },
-        "correlation": posterior.correlation.tolist(),
+        "correlation": posterior.correlation,
         "model_check": {
             "probability": predicted.check.probability,
             "needed": RARE,
@@ -293,15 +323,15 @@ def as_json(found: SlopeCalibration) -> dict:
                 ],
             }
             for p in predicted.channels
-            if isinstance(p.channel, Passages) and p.channel.held_out
+            if isinstance(p.channel, ObservedPassages) and p.channel.held_out
         ],
         "warnings": warnings_of(found),
         "manifest": {
             "files": _checksums(found),
             "versions": versions() | {"numpy": np.__version__},
             "seed": fit.slope.seed,
-            "contacts": fit.slope.laws[0].told,
-            **({"profile": smoothing._asdict()} if smoothing else {}),
+            "contacts": fit.slope.laws[0].description,
+            **({"profile": smoothing} if smoothing else {}),
             "priors": {
                 p.name: [type(p.prior).__name__, *p.prior] for p in fit.parameters
             },
@@ -312,136 +342,12 @@ def as_json(found: SlopeCalibration) -> dict:
     }
 
 
-def _samples(found: SlopeCalibration) -> str:
-    names = [p.parameter.name for p in found.posterior.fitted]
-    rows = (",".join(f"{v:.9g}" for v in row) for row in found.posterior.values)
-    return "\n".join((",".join(names), *rows)) + "\n"
-
-
-def _exceedance(found: SlopeCalibration) -> str:
-    lines = ["x_m,quantity,value,share,low,high"]
-    for curve in found.predicted.curves:
-        columns = curve.values, curve.share, curve.low, curve.high
-        for numbers in zip(*columns, strict=True):
-            cells = ",".join(f"{v:.9g}" for v in numbers)
-            lines.append(f"{curve.place:.10g},{curve.quantity},{cells}")
-    return "\n".join(lines) + "\n"
-
-
-WIDTH, HEIGHT = 4.6, 3.5
-"""Size of a panel [inch]: the report shows it 460 px wide."""
-BINS = 20
-MOST_SAMPLES, MOST_VALUES = (0.002, 0.998), (0.01, 0.99)
-"""Quantiles of samples and of predicted values between which they are drawn."""
-BAND = 0.25
-"""Opacity."""
-
-
-def draw_report(found: SlopeCalibration) -> dict[str, list[dict]]:
-    """Draw the pictures of a report, by their place in it.
-
-    A picture has `base64` (the PNG), `description` and `caption`.
-    """
-    values, predicted = found.posterior.values.T, found.predicted
-    return {
-        "marginals": [
-            _picture(
-                draw_marginal(fitted, samples),
-                f"Posterior of {fitted.parameter.name}",
-                "Samples of the posterior, the 95 % interval, and the density of the "
-                "prior.",
-            )
-            for fitted, samples in zip(found.posterior.fitted, values, strict=True)
-        ],
-        "channels": [
-            _picture(
-                draw_channel(channel),
-                f"Observed and predicted {channel.channel.words}",
-                "Observed, and 95 % of predicted data sets of the same size.",
-            )
-            for channel in predicted.channels
-        ],
-        "curves": [
-            _picture(
-                draw_curve(curve),
-                f"Exceedance of {curve.quantity} at x = {curve.place:g} m",
-                "Mean, and 95 % interval.",
-            )
-            for curve in predicted.curves
-        ],
-    }
-
-
-def _picture(figure: Figure, description: str, caption: str) -> dict:
-    code = base64.b64encode(png_bytes(figure)).decode()
-    return {
-        "base64": code,
-        "description": description,
-        "caption": f"{description}. {caption}",
-    }
-
-
-@in_style
-def draw_marginal(fitted: FittedParameter, samples: np.ndarray) -> Figure:
-    """Draw samples of a parameter beside its prior."""
-    figure, (axes,) = panels(height=HEIGHT, width=WIDTH)
-    prior, name = fitted.parameter.prior, fitted.parameter.name
-    bulk = tuple(np.quantile(samples, MOST_SAMPLES))
-    counts, edges, _ = axes.hist(
-        samples,
-        BINS,
-        range=bulk,
-        density=True,
-        color=BLUE,
-        alpha=0.6,
-        label="posterior",
-    )
-    low, high = min(edges[0], fitted.prior_low), max(edges[-1], fitted.prior_high)
-    u = np.linspace(ENDS[0], ENDS[-1], 2001)
-    x = prior.values(u)
-    apart = np.maximum(np.diff(x), 1e-300)
-    axes.plot(0.5 * (x[1:] + x[:-1]), np.diff(u) / apart, color=GREY, label="prior")
-    for end in (fitted.low, fitted.high):
-        axes.axvline(end, color=VERMILION, ls="--", lw=1.0, label="95 % interval")
-    axes.set(xlabel=name, ylabel="density", xlim=(low, high))
-    axes.set_ylim(0.0, 1.1 * float(np.max(counts)))
-    legend_outside(figure)
-    return figure
-
-
-@in_style
-def draw_channel(prediction: ChannelPrediction) -> Figure:
-    """Draw the cumulative share of observed values, and the band of predicted ones."""
-    figure, (axes,) = panels(height=HEIGHT, width=WIDTH)
-    channel, predicted = prediction.channel, prediction.predicted
-    finite = predicted[np.isfinite(predicted)]
-    observed = np.sort(channel.values)
-    # One block that went far would press all others together.
-    most = np.quantile(finite, MOST_VALUES) if len(finite) else observed
-    every = np.concatenate([most, observed])
-    x = np.linspace(np.min(every), np.max(every), 200)
-    rows = [row[np.isfinite(row)] for row in predicted]
-    shares = [np.searchsorted(row, x, "right") / len(row) for row in rows if len(row)]
-    if shares:
-        low, middle, high = np.quantile(shares, (0.025, 0.5, 0.975), axis=0)
-        axes.fill_between(x, low, high, color=BLUE, alpha=BAND, label="95 %")
-        axes.plot(x, middle, color=BLUE, label="predicted")
-    steps = np.arange(1, len(observed) + 1) / len(observed)
-    axes.step(observed, steps, where="post", color=VERMILION, label="observed")
-    axes.set(xlabel=channel.words, ylabel="cumulative share", ylim=(0.0, 1.0))
-    legend_outside(figure)
-    return figure
-
-
-@in_style
-def draw_curve(curve: Curve) -> Figure:
-    """Draw the share of released blocks that exceed a value."""
-    figure, (axes,) = panels(height=HEIGHT, width=WIDTH)
-    axes.fill_between(curve.values, curve.low, curve.high, color=BLUE, alpha=BAND)
-    axes.plot(curve.values, curve.share, color=BLUE)
-    axes.set(
-        xlabel=f"{curve.quantity} at x = {curve.place:g} m",
-        ylabel="share of blocks that exceed it",
-        ylim=(0.0, max(1e-3, 1.05 * float(np.max(curve.high)))),
-    )
-    return figure
+def _exceedance(found: SlopeCalibration) -> Table:
+    rows = [
+        (curve.place, curve.quantity, *numbers)
+        for curve in found.predicted.curves
+        for numbers in zip(
+            *(curve.values, curve.share, curve.low, curve.high), strict=True
+        )
+    ]
+    return Table(("x_m", "quantity", "value", "share", "low", "high"), rows)

@@ -27,21 +27,19 @@ from ..blocks import BlockOutline, Body, put, select, support, support_of
 from ..centre_path import CentrePath
 from ..ground_motion.rolling import begin_on_ground
 from ..lane_programs import Values, closed_form
-from ..near_segments import columns_between, in_pairs
 from ..state import (
     UNDER_WAY,
     BlockConstants,
     BlockState,
     Limits,
     Phase,
-    State,
+    RunState,
     choose,
     velocities,
 )
-from ..terrain import Profile
+from ..terrain import Profile, in_pairs
 from ..trajectory import ContactRecord, Ending, MotionMode, Pieces
 from .contact_models import ClosedForm, Contacts
-from .footprint import on_footprint
 from .plane_contact import (
     Continuation,
     PlaneContact,
@@ -49,6 +47,7 @@ from .plane_contact import (
     Settled,
     Touch,
     impact_of,
+    on_footprint,
     settle,
     touch,
 )
@@ -63,7 +62,7 @@ IN_THE_GROUND = 1e-6
 that segment is behind or above it."""
 
 
-def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
+def strike(state: RunState, lanes: np.ndarray, contacts: Contacts) -> None:
     """Compute the contacts of blocks with the ground, and how the blocks continue.
 
     A block touches a segment, or strikes a facet where the ground is rough. The contact
@@ -86,11 +85,19 @@ def strike(state: State, lanes: np.ndarray, contacts: Contacts) -> None:
     response, outcome = _respond(state, lanes, struck, is_impact, contacts)
     outline = constants.outline
     settled = _held_up(
-        *(state.profile, segment, blocks, outline),
-        settle(blocks, constants, struck, response),
+        profile=state.profile,
+        segment=segment,
+        blocks=blocks,
+        outline=outline,
+        settled=settle(blocks, constants, struck, response),
     )
     free = free_fraction(
-        *(state.profile, segment, blocks.body, outline, settled.x, settled.y),
+        profile=state.profile,
+        segment=segment,
+        body=blocks.body,
+        outline=outline,
+        x=settled.x,
+        y=settled.y,
         orientation=settled.after.orientation + struck.slope,
         travel=(settled.along_x, settled.along_y),
     )
@@ -141,7 +148,7 @@ def _falling(
 
 
 def _respond(
-    state: State,
+    state: RunState,
     lanes: np.ndarray,
     struck: PlaneContact,
     is_impact: np.ndarray,
@@ -180,8 +187,14 @@ def _held_up(
     body, now = select((blocks.body, settled), lanes)
     rise = now.x - body.x, now.y - body.y
     free = free_fraction(
-        *(profile, segment[lanes], body, select(outline, lanes)),
-        *(body.x, body.y, None, rise),
+        profile=profile,
+        segment=segment[lanes],
+        body=body,
+        outline=select(outline, lanes),
+        x=body.x,
+        y=body.y,
+        orientation=None,
+        travel=rise,
     )
     x, y = settled.x.copy(), settled.y.copy()
     held = free < 1.0
@@ -244,7 +257,7 @@ def free_fraction(
 
     to_right = d_x > 0.0
     end = x + d_x + np.where(to_right, largest, -largest)
-    nearest, farthest = columns_between(profile, end, end)
+    nearest, farthest = profile.columns_between(end, end)
     first = np.where(to_right, segment + 1, nearest)[moving]
     last = np.where(to_right, farthest, segment - 1)[moving]
     for lanes, place in in_pairs(first, last):
@@ -305,7 +318,10 @@ def depart(
     slope, turned = touched.contact.slope, seen.turn != 0.0
     after, x, y, lacks, free = _travelled(block, constants, struck, settled, seen.free)
     on = Continuation(
-        *(x, y, after.orientation, after.tangential_velocity),
+        x=x,
+        y=y,
+        orientation=after.orientation,
+        tangential_velocity=after.tangential_velocity,
         over=jnp.zeros_like(x),
         rising=-after.normal_velocity,
         leaves=after.leaving >= touched.slow,
@@ -319,7 +335,15 @@ def depart(
     drop = jnp.where(turned & ~on.leaves & ~on.stuck, on_segment.over, 0.0)
     on = on._replace(x=on.x - drop * jnp.sin(slope), y=on.y - drop * jnp.cos(slope))
     record, piece = _recorded(
-        *(block, struck, response, settled, after, on, seen, hops, free)
+        block=block,
+        struck=struck,
+        response=response,
+        settled=settled,
+        after=after,
+        on=on,
+        seen=seen,
+        hops=hops,
+        free=free,
     )
     continued = _continued(
         block, constants, slope, struck, after, on, seen, rolling_friction
@@ -469,8 +493,13 @@ def _continued(
     theta = on.orientation
     height, _ = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
     stays = begin_on_ground(
-        *(flies, constants, slope, rolling_friction, height),
-        *(on.tangential_velocity, after.angular_velocity),
+        block=flies,
+        constants=constants,
+        plane=slope,
+        rolling_friction=rolling_friction,
+        height=height,
+        tangential_velocity=on.tangential_velocity,
+        angular_velocity=after.angular_velocity,
     )
     failed = seen.outcome == Outcome.failed
     stops = (seen.outcome == Outcome.arrested) | on.stuck

@@ -27,7 +27,7 @@ from ..blocks import put, select, support
 from ..ground_motion.rolling import SMALL_RISE
 from ..lane_programs import Values
 from ..random_inputs import key_of, uniforms_at
-from ..state import BlockConstants, State
+from ..state import BlockConstants, RunState
 from .plane_contact import Continuation, PlaneContact, PostImpact, Touch, touch_facet
 
 CUT = 3.0
@@ -41,7 +41,7 @@ STREAM = "roughness"
 
 
 def strike_facets(
-    state: State,
+    state: RunState,
     lanes: np.ndarray,
     touched: Touch,
     struck: PlaneContact,

@@ -23,7 +23,13 @@ from .narrow_phase import (
     time_without_contact,
     widest,
 )
-from .time_of_impact import depth_and_touch, not_out_and_in, touching_gap
+from .time_of_impact import (
+    FirstContact,
+    depth_and_touch,
+    not_out_and_in,
+    reported,
+    touching_gap,
+)
 
 CLOSE = 0.01
 """Gap to a cover, as a fraction of the circumscribed circle's radius, from which on a
@@ -62,24 +68,6 @@ class GroundSearch(NamedTuple):
     """Number of the segment touched, -1 for none."""
     gap: Gap
     """Gap at the contact."""
-
-
-class Contact(NamedTuple):
-    """Result of a search."""
-
-    time: Values
-    """Time of the contact [s], or up to which there is none."""
-    touched: Values
-    """1 where there is a contact."""
-    given_up: Values
-    """1 where the steps ran out."""
-    segment: Values
-    """Number of the segment touched, -1 for none."""
-    normal_x: Values
-    """Normal out of the ground at the contact."""
-    normal_y: Values
-    gap: Values
-    """Gap at the contact [m], as for `time_of_impact.search`."""
 
 
 def begin(
@@ -175,17 +163,9 @@ def step(now: GroundSearch) -> tuple[GroundSearch, Values]:
     return after, at != END
 
 
-def finish(now: GroundSearch) -> Contact:
+def finish(now: GroundSearch) -> FirstContact:
     """Report the contact, or the time up to which there is none."""
-    return Contact(
-        time=now.until,
-        touched=now.touched.astype(float),
-        given_up=now.given_up.astype(float),
-        segment=now.segment,
-        normal_x=now.gap.normal_x,
-        normal_y=now.gap.normal_y,
-        gap=now.gap.width,
-    )
+    return reported(now.until, now.touched, now.given_up, now.segment, now.gap)
 
 
 first_contact = Program(begin, step, finish)

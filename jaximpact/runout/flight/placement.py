@@ -14,8 +14,7 @@ from ...shapes import AbstractElliptic, shape_by_shape
 from ..blocks import BlockOutline, Body, Release, select
 from ..coordinates import HIGHEST_CLIFF, RESOLVED
 from ..lane_programs import closed_form
-from ..near_segments import columns_between, in_pairs
-from ..terrain import Ground, Profile
+from ..terrain import Ground, Profile, in_pairs
 from .flights import follow_flights
 from .narrow_phase import Piece
 from .time_of_impact import begin
@@ -52,7 +51,7 @@ def check_release(release: Release, profile: Profile) -> None:
     depth = np.zeros(release.count)
     size = outline.largest
     for lane, segment in in_pairs(
-        *columns_between(profile, body.x - size, body.x + size)
+        *profile.columns_between(body.x - size, body.x + size)
     ):
         x, y = profile.x, profile.y
         top = np.maximum(y[segment], y[segment + 1])
@@ -138,7 +137,7 @@ def _lying_height_of_ellipse(
     depth = major * minor / width
     height = np.full(np.shape(x), -np.inf)
     slopes = np.diff(profile.y) / np.diff(profile.x)
-    for lane, i in in_pairs(*columns_between(profile, x - width, x + width)):
+    for lane, i in in_pairs(*profile.columns_between(x - width, x + width)):
         slope, across, down = slopes[i], width[lane], depth[lane]
         left = (profile.x[i] - x[lane]) / across
         right = (profile.x[i + 1] - x[lane]) / across

@@ -2,7 +2,7 @@
 
 Each step is as long as the block is certain to touch nothing (`narrow_phase`): it
 passes through nothing at any spin, and converges quadratically at the contact. The
-search watches some segments, for as long as no other can be reached (`broad_phase`).
+search watches some segments, for as long as no other can be reached (`flights`).
 """
 
 from typing import NamedTuple
@@ -58,7 +58,7 @@ class Search(NamedTuple):
     """Gap at the contact."""
 
 
-class SearchResult(NamedTuple):
+class FirstContact(NamedTuple):
     """Result of a search."""
 
     time: Values
@@ -67,16 +67,14 @@ class SearchResult(NamedTuple):
     """1 where there is a contact."""
     given_up: Values
     """1 where the steps ran out."""
-    piece: Values
-    """Number of the piece touched."""
+    number: Values
+    """Number of the piece, or of the segment of the profile, that is touched."""
     normal_x: Values
     """Normal out of the ground at the contact."""
     normal_y: Values
     gap: Values
     """Gap at the contact [m], 0 but for rounding, or negative where the block started
     inside the piece."""
-    steps: Values
-    """Number of steps taken."""
 
 
 def touching_gap(outline: BlockOutline, scale: Values) -> Values:
@@ -173,18 +171,24 @@ def not_out_and_in(
     return jnp.where(depth > slack, jnp.minimum(free, short), free)
 
 
-def finish(now: Search) -> SearchResult:
+def finish(now: Search) -> FirstContact:
     """Report the contact, or the time up to which there is none."""
     given_up = ~now.touched & (now.time < now.until)
-    return SearchResult(
-        time=now.time,
-        touched=now.touched.astype(float),
+    return reported(now.time, now.touched, given_up, now.piece, now.gap)
+
+
+def reported(
+    time: Values, touched: Values, given_up: Values, number: Values, gap: Gap
+) -> FirstContact:
+    """Report the end of a search, with truths as 1 and 0."""
+    return FirstContact(
+        time=time,
+        touched=touched.astype(float),
         given_up=given_up.astype(float),
-        piece=now.piece,
-        normal_x=now.gap.normal_x,
-        normal_y=now.gap.normal_y,
-        gap=now.gap.width,
-        steps=now.steps,
+        number=number,
+        normal_x=gap.normal_x,
+        normal_y=gap.normal_y,
+        gap=gap.width,
     )
 
 

@@ -1,4 +1,10 @@
-"""Conditions for events on each element of the path ahead, evaluated for each alone."""
+"""Conditions for events on each element of the path ahead, evaluated for each alone.
+
+Of flights that leave the path one is followed if it comes higher above it than a hop,
+or if a round block ends it with an impact. One that is not followed is a part of
+rolling: the block goes on along the path at its energy, and over the corners and edges
+below the hop without noticing them (`find_hops`).
+"""
 
 import math
 from typing import NamedTuple
@@ -7,9 +13,35 @@ import jax.numpy as jnp
 import numpy as np
 
 from ...scene import GRAVITY
-from ..centre_path import LARGEST_TURN, LEFT_BEHIND, Ahead
+from ..centre_path import LARGEST_TURN, LEFT_BEHIND, Ahead, CentrePath, in_small_turns
 from ..lane_programs import Values, closed_form
-from .riders import Riders
+
+
+class Riders(NamedTuple):
+    """Blocks on the ground, arrays `(blocks,)`."""
+
+    radius: np.ndarray
+    """Height of the centre over the ground [m]."""
+    ratio: np.ndarray
+    """k = I/(m r^2); 0 for a block that slides."""
+    rolls: np.ndarray
+    """True for a block that rolls."""
+    barrier: np.ndarray
+    """Height by which its long axis lifts a block that rolls [m]; 0 for a block that
+    slides."""
+    turning_slope: np.ndarray
+    """Tangent of the slope that tips a block over its long axis."""
+    flat_curvature: np.ndarray
+    """Radius of curvature with which a block that slides leaves an edge [m]."""
+    hop: np.ndarray
+    """Height of a flight that is not followed [m]."""
+    closing: np.ndarray
+    """Squared velocity across level ground that makes an impact [m2/s2]."""
+
+    def at(self, blocks: np.ndarray) -> "Riders":
+        """Select blocks."""
+        return Riders(*(column[blocks] for column in self))
+
 
 MILD = LARGEST_TURN
 """Turn of the ground at a point up to which it is taken for a point of a curve [rad]:
@@ -18,7 +50,7 @@ CURVE = 2.0
 """Radii of the block, at both sides, to which a single point may belong to a curve."""
 
 
-class Motion(NamedTuple):
+class MotionAhead(NamedTuple):
     """Motion over the elements ahead, arrays `(blocks, elements)`."""
 
     start_squared: np.ndarray
@@ -93,7 +125,7 @@ def _arc(ahead: Ahead, h: Values) -> Values:
     return 2.0 * jnp.sqrt(squared) * series
 
 
-def _passage(ahead: Ahead, motion: Motion, riders: Riders) -> Passage:
+def _passage(ahead: Ahead, motion: MotionAhead, riders: Riders) -> Passage:
     h = riders.radius
     d_x, d_y = ahead.stop_x - ahead.start_x, ahead.stop_y - ahead.start_y
     straight = jnp.sqrt(d_x**2 + d_y**2)
@@ -111,7 +143,7 @@ passage = closed_form(_passage)
 
 @closed_form
 def conditions_on(
-    ahead: Ahead, motion: Motion, bend: Bend, riders: Riders
+    ahead: Ahead, motion: MotionAhead, bend: Bend, riders: Riders
 ) -> Conditions:
     """Evaluate the conditions on an element, as if no event came before it."""
     is_arc, h = ~(ahead.is_segment > 0.0), riders.radius
@@ -134,7 +166,9 @@ def conditions_on(
     )
 
 
-def _is_slow(ahead: Ahead, motion: Motion, riders: Riders, is_arc: Values) -> Values:
+def _is_slow(
+    ahead: Ahead, motion: MotionAhead, riders: Riders, is_arc: Values
+) -> Values:
     start, stop, friction = motion
     n_x, n_y = ahead.start_normal_x, ahead.start_normal_y
     m_x, m_y = ahead.stop_normal_x, ahead.stop_normal_y
@@ -152,7 +186,7 @@ def _is_slow(ahead: Ahead, motion: Motion, riders: Riders, is_arc: Values) -> Va
 
 
 def _is_loose(
-    ahead: Ahead, motion: Motion, bend: Bend, riders: Riders, arc: Values
+    ahead: Ahead, motion: MotionAhead, bend: Bend, riders: Riders, arc: Values
 ) -> Values:
     h = riders.radius
     near = jnp.minimum(bend.shorter, 2.0 * CURVE * h)
@@ -165,3 +199,80 @@ def _is_loose(
     slides &= bend.begins > 0.0
     sharp = jnp.where(riders.rolls > 0.0, at_start | at_stop, slides)
     return (arc > 0.0) & jnp.where(ahead.is_whole > 0.0, mild, sharp)
+
+
+FIRST_LOOKAHEAD = 8
+"""Number of elements that a search for the end of a hop evaluates first."""
+
+
+class Hops(NamedTuple):
+    """Hops, followed as flights or not; arrays `(blocks,)`."""
+
+    flies: np.ndarray
+    """True for a flight that is followed."""
+    landing_x: np.ndarray
+    """x at which one that is not comes back to the path [m]."""
+
+
+def find_hops(
+    path: CentrePath,
+    riders: Riders,
+    element: np.ndarray,
+    x: np.ndarray,
+    y: np.ndarray,
+    n_x: np.ndarray,
+    n_y: np.ndarray,
+    squared: np.ndarray,
+) -> Hops:
+    """Find out which flights are followed, and where the others end.
+
+    Args:
+        element: elements at which blocks leave the path, `(blocks,)`.
+        x, y: their centres there [m], x in the mirror for those that move to the left.
+        n_x, n_y: normals there.
+        squared: squared speeds there [m2/s2].
+    """
+    flies, landing_x = np.zeros(len(x), bool), x.copy()
+    asking, width = np.arange(len(x)), FIRST_LOOKAHEAD
+    here = element, x, y
+    slope, along = -n_x / n_y, squared * n_y**2
+    bend = 0.5 * GRAVITY / along
+    while len(asking):
+        h = riders.radius[asking]
+        ahead = in_small_turns(path.ahead(*here, h, width), h)
+        # Over each element the path is a straight line, the flight a parabola.
+        one, two = ahead.start_x - x[asking, None], ahead.stop_x - x[asking, None]
+        run = np.maximum(two - one, 0.0)
+        rise = ahead.stop_y - ahead.start_y
+        chord = np.sqrt(run**2 + rise**2)
+        flat = run > 1e-12 * chord
+        grade = np.where(flat, rise / np.where(flat, run, 1.0), 0.0)
+        cos = np.where(flat, run / np.where(flat, chord, 1.0), 1.0)
+        over, bends = slope[asking, None] - grade, bend[asking, None]
+        base = ahead.start_y - y[asking, None] - grade * one
+        top = np.clip(0.5 * over / bends, one, two)
+        at_top, at_end = ((over - bends * at) * at - base for at in (top, two))
+        high = cos * at_top >= riders.hop[asking, None]
+        lands = at_end < -LEFT_BEHIND * h[:, None]
+        root = np.sqrt(np.maximum(over**2 - 4.0 * bends * base, 0.0))
+        landing = np.clip(0.5 * (over + root) / bends, one, two)
+        closing = along[asking, None] * (root * cos) ** 2
+        hard = closing >= riders.closing[asking, None] * cos
+        hard &= riders.barrier[asking, None] == 0.0
+        ends = ~ahead.exists & (ahead.next_element == ahead.element)
+        decided = ends | (ahead.exists & (high | lands))
+        rows, column = np.arange(len(asking)), np.argmax(decided, axis=1)
+        followed = ends | high | hard
+        flies[asking] = followed[rows, column]
+        landing_x[asking] = x[asking] + landing[rows, column]
+        open_yet = np.flatnonzero(~np.any(decided, axis=1))
+        known = np.count_nonzero(ahead.exists[open_yet], axis=1)
+        last = np.maximum(known - 1, 0)
+        here = tuple(
+            np.where(known > 0, after[open_yet, last], before[open_yet])
+            for after, before in zip(
+                (ahead.next_element, ahead.stop_x, ahead.stop_y), here, strict=True
+            )
+        )
+        asking, width = asking[open_yet], 2 * width
+    return Hops(flies, landing_x)

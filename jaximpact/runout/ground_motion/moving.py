@@ -11,14 +11,11 @@ from ...backend.threads import thread_count
 from ...scene import GRAVITY
 from ..blocks import put, select
 from ..centre_path import LEFT_BEHIND
-from ..state import UNKNOWN, BlockConstants, BlockState, Phase, State
+from ..state import UNKNOWN, BlockConstants, BlockState, Phase, RunState
 from ..trajectory import Ending, MotionMode, Pieces
-from .conditions import least_squared
-from .corner_strike import Corner, strike_corner
+from .conditions import Riders, least_squared
 from .ride import Event, Place, Ride, friction_on, ride
-from .riders import Riders
-from .rolling import SMALL_RISE, lie_down
-from .take_off import take_off
+from .rolling import SMALL_RISE, Corner, lie_down, strike_corner, take_off
 
 SHORTEST_LOOKAHEAD, LONGEST_LOOKAHEAD = 4, 128
 """Numbers of elements ahead that a ride evaluates: few after an event, more while
@@ -28,7 +25,7 @@ LARGEST_TABLE = 30_000
 caches of a core."""
 
 
-def move_along(state: State, lanes: np.ndarray) -> None:
+def move_along(state: RunState, lanes: np.ndarray) -> None:
     """Move blocks along the ground to their next events."""
     blocks = state.blocks
     lanes = _placed(state, lanes)
@@ -45,7 +42,7 @@ def move_along(state: State, lanes: np.ndarray) -> None:
         lanes = lanes[grounded & known]
 
 
-def _ride_side_by_side(state: State, jobs: list[tuple[np.ndarray, int]]) -> None:
+def _ride_side_by_side(state: RunState, jobs: list[tuple[np.ndarray, int]]) -> None:
     """Let parts of the blocks ride, on all cores; the first alone, so that what has to
     be compiled is compiled once."""
 
@@ -63,7 +60,7 @@ def _ride_side_by_side(state: State, jobs: list[tuple[np.ndarray, int]]) -> None
         list(pool.map(ride_on, others))
 
 
-def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
+def _placed(state: RunState, lanes: np.ndarray) -> np.ndarray:
     """Put blocks onto the path of the centre, at the cost of the energy for it.
 
     One that cannot come up has stopped: it is wedged where it lies.
@@ -99,7 +96,7 @@ def _placed(state: State, lanes: np.ndarray) -> np.ndarray:
     return lanes[blocks.phase[lanes] == Phase.grounded]
 
 
-def _riders(state: State, block: BlockState, constants: BlockConstants) -> Riders:
+def _riders(state: RunState, block: BlockState, constants: BlockConstants) -> Riders:
     """Describe blocks as a ride needs them."""
     outline, whole = constants.outline, constants.round
     rolls = block.rolls > 0.0
@@ -120,7 +117,7 @@ def _riders(state: State, block: BlockState, constants: BlockConstants) -> Rider
     )
 
 
-def _ride(state: State, lanes: np.ndarray, width: int) -> None:
+def _ride(state: RunState, lanes: np.ndarray, width: int) -> None:
     """Move blocks along the path, and apply the events that end their rides."""
     block, constants = select((state.blocks, state.constants), lanes)
     riders, direction = _riders(state, block, constants), block.direction
@@ -141,8 +138,14 @@ def _ride(state: State, lanes: np.ndarray, width: int) -> None:
         time=block.time,
     )
     ridden = ride(
-        *(state.path, friction_of, riders, begin, state.stays_on[lanes]),
-        *(state.passed[lanes], state.limits.time, width),
+        path=state.path,
+        friction_of=friction_of,
+        riders=riders,
+        begin=begin,
+        stays_on=state.stays_on[lanes],
+        passed=state.passed[lanes],
+        time_limit=state.limits.time,
+        width=width,
     )
     _record(state, lanes, block, riders, ridden)
     end = ridden.end
@@ -165,10 +168,12 @@ def _ride(state: State, lanes: np.ndarray, width: int) -> None:
     state.stays_on[lanes[~goes_on]] = UNKNOWN
     state.passed[lanes] = np.where(goes_on, ridden.passed, -np.inf)
     there = _Arrival(
-        riders,
-        *(ridden.normal_x, ridden.normal_y),
-        *(ridden.next_normal_x, ridden.next_normal_y),
-        friction_on(state.path, friction_of, end.element),
+        riders=riders,
+        normal_x=ridden.normal_x,
+        normal_y=ridden.normal_y,
+        next_normal_x=ridden.next_normal_x,
+        next_normal_y=ridden.next_normal_y,
+        friction=friction_on(state.path, friction_of, end.element),
         moved=end.time > begin.time,
     )
     happening = {
@@ -201,7 +206,7 @@ class _Arrival(NamedTuple):
 
 
 def _record(
-    state: State, lanes: np.ndarray, block: BlockState, riders: Riders, ridden: Ride
+    state: RunState, lanes: np.ndarray, block: BlockState, riders: Riders, ridden: Ride
 ) -> None:
     """Record the pieces of rides."""
     legs = ridden.legs
@@ -229,12 +234,12 @@ def _record(
     )
 
 
-def _end(state: State, lanes: np.ndarray, ending: Ending) -> None:
+def _end(state: RunState, lanes: np.ndarray, ending: Ending) -> None:
     state.blocks.phase[lanes] = Phase.ended
     state.blocks.ending[lanes] = ending
 
 
-def _count(state: State, lanes: np.ndarray) -> None:
+def _count(state: RunState, lanes: np.ndarray) -> None:
     """Count an event of blocks; end those that have had too many."""
     blocks = state.blocks
     blocks.events[lanes] += 1.0
@@ -242,17 +247,17 @@ def _count(state: State, lanes: np.ndarray) -> None:
     _end(state, lanes[many & (blocks.phase[lanes] != Phase.ended)], Ending.event_limit)
 
 
-def _leave(state: State, lanes: np.ndarray, there: _Arrival) -> None:
+def _leave(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
     """End blocks at an end of the profile."""
     _end(state, lanes, Ending.left_profile)
 
 
-def _come_to_limit(state: State, lanes: np.ndarray, there: _Arrival) -> None:
+def _come_to_limit(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
     """End blocks whose time is over."""
     _end(state, lanes, Ending.time_limit)
 
 
-def _strike(state: State, lanes: np.ndarray, there: _Arrival) -> None:
+def _strike(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
     """Let blocks strike what is ahead at a corner."""
     block, constants = select((state.blocks, state.constants), lanes)
     ground = state.path.elements.at(block.element.astype(int))
@@ -265,14 +270,16 @@ def _strike(state: State, lanes: np.ndarray, there: _Arrival) -> None:
     on_line = np.clip(number, least, most)
     segment = np.where(ground.is_segment, on_line, ground.behind)
     corner = Corner(
-        *(block.direction * there.normal_x, there.normal_y),
-        *(block.direction * there.next_normal_x, there.next_normal_y),
-        segment.astype(float),
+        here_x=block.direction * there.normal_x,
+        here_y=there.normal_y,
+        ahead_x=block.direction * there.next_normal_x,
+        ahead_y=there.next_normal_y,
+        segment=segment.astype(float),
     )
     put(state.blocks, lanes, strike_corner(block, constants, corner))
 
 
-def _turn_slowly(state: State, lanes: np.ndarray, there: _Arrival) -> None:
+def _turn_slowly(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
     """Let blocks that are too slow for an impact go on behind a corner, or stop where
     they can: on ground that friction holds them on, or between two rises."""
     blocks, ratio = state.blocks, there.riders.ratio
@@ -286,7 +293,7 @@ def _turn_slowly(state: State, lanes: np.ndarray, there: _Arrival) -> None:
     _end(state, lanes[slow & rests], Ending.stopped)
 
 
-def _fly_off(state: State, lanes: np.ndarray, there: _Arrival) -> None:
+def _fly_off(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
     """Let blocks leave the ground; those whose sections would not, roll on. None leaves
     the same element twice in a row."""
     block, constants = select((state.blocks, state.constants), lanes)
@@ -298,7 +305,7 @@ def _fly_off(state: State, lanes: np.ndarray, there: _Arrival) -> None:
     state.stays_on[lanes] = block.element
 
 
-def _slow_down(state: State, lanes: np.ndarray, there: _Arrival) -> None:
+def _slow_down(state: RunState, lanes: np.ndarray, there: _Arrival) -> None:
     """Let blocks that are too slow lie down if they roll and lack the energy to turn
     over, else start down-slope, or stop where friction holds them."""
     blocks, riders = state.blocks, there.riders

@@ -16,10 +16,10 @@ velocity across it; one that is too slow for an impact goes on in the new direct
 the part of its angular momentum about the new contact,
 $v' = v\,(\cos\delta + k)/(1 + k)$. At a convex break the block leaves the ground where
 the path falls away faster than it does, $v^2\kappa > g\cos\alpha$, if the flight is
-followed (`hops`). Where the ground turns down by less than `MILD`, $\kappa$ is that of
-the curve that the points draw, from the middle of the shorter segment beside it; else
-it is that of the arc, $1/r$. A point that stands alone, where those beside it do not
-bend the same way, draws a curve of `CURVE` radii at most.
+followed (`conditions`). Where the ground turns down by less than `MILD`, $\kappa$ is
+that of the curve that the points draw, from the middle of the shorter segment beside
+it; else it is that of the arc, $1/r$. A point that stands alone, where those beside it
+do not bend the same way, draws a curve of `CURVE` radii at most.
 
 **Events**: a corner that is struck, or a slow one; the take-off; a speed that has
 become too small; the end of the profile; the limit of time.
@@ -40,14 +40,14 @@ from ..centre_path import Ahead, CentrePath, in_small_turns
 from .conditions import (
     Bend,
     Conditions,
-    Motion,
+    MotionAhead,
+    Riders,
     conditions_on,
+    find_hops,
     least_squared,
     loss_with_height,
     passage,
 )
-from .hops import find_hops
-from .riders import Riders
 
 PIECE_TURN, PIECE_LENGTH = 0.05, 8.0
 """Turn [rad] and length, in radii, up to which small elements are one piece of a
@@ -183,18 +183,18 @@ def _motion(
     riders: Riders,
     ahead: Ahead,
     speed_squared: np.ndarray,
-) -> Motion:
+) -> MotionAhead:
     """Compute squared speeds over the elements ahead, as if nothing happened there."""
     friction = friction_on(path, friction_of, ahead.element)
     loss = ahead.stop_y - ahead.start_y + friction * (ahead.stop_x - ahead.start_x)
     loss = loss_with_height(riders)[:, None] * np.where(ahead.exists, loss, 0.0)
     # One after the other, so that it does not matter where a window begins.
     squared = np.cumsum(np.concatenate([speed_squared[:, None], -loss], axis=1), axis=1)
-    return Motion(squared[:, :-1], squared[:, 1:], friction)
+    return MotionAhead(squared[:, :-1], squared[:, 1:], friction)
 
 
 def _conditions(
-    path: CentrePath, riders: Riders, ahead: Ahead, motion: Motion
+    path: CentrePath, riders: Riders, ahead: Ahead, motion: MotionAhead
 ) -> Conditions:
     """Evaluate the conditions for events on the elements ahead."""
     ground, element = path.elements, ahead.element
@@ -209,7 +209,7 @@ def _first_event(
     path: CentrePath,
     riders: Riders,
     ahead: Ahead,
-    motion: Motion,
+    motion: MotionAhead,
     conditions: Conditions,
     stays_on: np.ndarray,
     passed: np.ndarray,
@@ -262,7 +262,9 @@ def _at(tree, rows: np.ndarray, columns: np.ndarray):
     return type(tree)(*(column[rows, columns] for column in tree))
 
 
-def _leaving(riders: Riders, ahead: Ahead, motion: Motion) -> tuple[np.ndarray, ...]:
+def _leaving(
+    riders: Riders, ahead: Ahead, motion: MotionAhead
+) -> tuple[np.ndarray, ...]:
     """Compute where riders leave arcs: centres, normals and squared speeds.
 
     Args:
@@ -299,7 +301,7 @@ def _leaving(riders: Riders, ahead: Ahead, motion: Motion) -> tuple[np.ndarray, 
 def _cut(
     riders: Riders,
     ahead: Ahead,
-    motion: Motion,
+    motion: MotionAhead,
     conditions: Conditions,
     event: np.ndarray,
     place: np.ndarray,
@@ -328,7 +330,9 @@ def _cut(
             array[rows, columns] = values
 
 
-def _slowing(riders: Riders, ahead: Ahead, motion: Motion) -> tuple[np.ndarray, ...]:
+def _slowing(
+    riders: Riders, ahead: Ahead, motion: MotionAhead
+) -> tuple[np.ndarray, ...]:
     """Compute where riders become too slow: centres, normals and squared speeds.
 
     Args:
@@ -369,7 +373,7 @@ def _recorded(
     riders: Riders,
     begin: Place,
     ahead: Ahead,
-    motion: Motion,
+    motion: MotionAhead,
     conditions: Conditions,
     event: np.ndarray,
     place: np.ndarray,
@@ -412,7 +416,13 @@ def _recorded(
     ways = np.cumsum(np.pad(length, ((0, 0), (1, 0))), axis=1)
     way = ways[rider, two + 1] - ways[rider, one]
     legs = Legs(
-        *(rider, time[rider, one], whole, x, y, v_x, v_y),
+        rider=rider,
+        time=time[rider, one],
+        duration=whole,
+        x=x,
+        y=y,
+        v_x=v_x,
+        v_y=v_y,
         a_x=to_join(ahead.stop_x[rider, two] - x, v_x),
         a_y=to_join(ahead.stop_y[rider, two] - y, v_y),
         turned=turned[rider, one],

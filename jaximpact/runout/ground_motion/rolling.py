@@ -1,4 +1,5 @@
-r"""Rolling and sliding: how a block that stays on the ground begins to move along it.
+r"""Rolling and sliding: how a block that stays on the ground begins to move along it,
+and how it leaves it, off an edge or against a corner.
 
 **Rolling.** The block is replaced by a round one of the same perimeter, mass and
 inertia. Its radius r is the mean of r_y over a turn, since a turn takes the block on by
@@ -17,7 +18,8 @@ flat side and slides, with the ground's friction, $\tan\varphi_b =
 
 **Slow blocks.** A block comes to roll, to slide or to rest where it lies
 (`begin_on_ground`); below `small_speed` there is neither a hop nor an impact. How it
-goes on from there is the matter of `ride`.
+goes on from there is the matter of `ride`. A round block leaves the ground as the
+section that it stands for (`take_off`, `strike_corner`).
 """
 
 from typing import NamedTuple
@@ -25,6 +27,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 
 from ...scene import GRAVITY
+from ..blocks import support
 from ..lane_programs import Values, closed_form
 from ..state import UNKNOWN, BlockConstants, BlockState, Phase
 from ..trajectory import Ending
@@ -148,8 +151,12 @@ def begin_on_ground(
             rotation [rad/s].
     """
     motion = begin_ground_motion(
-        *(constants, plane, rolling_friction),
-        *(height, tangential_velocity, angular_velocity),
+        constants=constants,
+        slope=plane,
+        rolling_friction=rolling_friction,
+        height=height,
+        tangential_velocity=tangential_velocity,
+        angular_velocity=angular_velocity,
     )
     stays, body = motion.stays > 0.0, block.body
     over = jnp.where(stays, 0.0, constants.centre_height(motion.rolls) - height)
@@ -202,4 +209,104 @@ def lie_down(block: BlockState, constants: BlockConstants, plane: Values) -> Blo
         x=block.body.x - drop * sin,
         y=block.body.y - drop * cos,
         orientation=lying_orientation(block.body.orientation, constants, plane),
+    )
+
+
+class TakeOff(NamedTuple):
+    """Block that leaves the ground."""
+
+    block: BlockState
+    flies: Values
+    """1 where the section leaves the ground too; else the block rolls on."""
+
+
+@closed_form
+def take_off(
+    block: BlockState, constants: BlockConstants, normal_x: Values, normal_y: Values
+) -> TakeOff:
+    """Let blocks leave the ground.
+
+    A block that rolled has its section over the point that it touched, turning about it
+    without slip, with the energy of the round block. It flies if it is fast enough for
+    that. A block that slid flies as it lies.
+
+    Args:
+        normal_x, normal_y: normal of the path where it leaves.
+    """
+    mass, inertia = constants.mass_properties
+    direction, body, rolls = block.direction, block.body, block.is_rolling
+    radius = constants.centre_height(block.rolls)
+    speed = block.speed
+    theta = body.orientation - jnp.arctan2(normal_x, normal_y)
+    height, arm = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
+    height = jnp.where(rolls, height, radius)
+    arm = jnp.where(rolls, arm, 0.0)
+    rise = (height - radius) * normal_y + arm * normal_x
+    whole = mass * radius**2 + inertia
+    kinetic = 0.5 * whole * (speed / radius) ** 2 - mass * GRAVITY * rise
+    about_edge = mass * (height**2 + arm**2) + inertia
+    spin = direction * jnp.sqrt(2.0 * jnp.maximum(kinetic, 0.0) / about_edge)
+    loose = (kinetic > 0.0) & (height * spin**2 > GRAVITY * normal_y)
+    v_n = jnp.where(rolls, -arm * spin, 0.0)
+    v_t = jnp.where(rolls, height * spin, direction * speed)
+    flying = block._replace(
+        phase=jnp.full_like(block.phase, float(Phase.airborne))
+    ).moved(
+        x=body.x + (height - radius) * normal_x - arm * normal_y,
+        y=body.y + rise,
+        v_x=v_t * normal_y - v_n * normal_x,
+        v_y=-v_t * normal_x - v_n * normal_y,
+        angular_velocity=jnp.where(rolls, spin, 0.0),
+    )
+    return TakeOff(flying, loose | ~rolls)
+
+
+class Corner(NamedTuple):
+    """Corner of the path of a block's centre; directions are normals out of the
+    ground."""
+
+    here_x: Values
+    """Normal of the path along which the block came."""
+    here_y: Values
+    ahead_x: Values
+    """Normal of the plane that it strikes."""
+    ahead_y: Values
+    segment: Values
+    """Number of the segment that it strikes."""
+
+
+@closed_form
+def strike_corner(
+    block: BlockState, constants: BlockConstants, corner: Corner
+) -> BlockState:
+    """Let a block strike the ground ahead, with its velocity along the path.
+
+    The round block strikes; where the ellipse in its place would turn away from the
+    plane, it does so along its nearest axis.
+    """
+    direction, body = block.direction, block.body
+    speed = block.speed
+    height = constants.centre_height(block.rolls)
+    spin = jnp.where(block.is_rolling, direction * speed / height, 0.0)
+    sin, cos = corner.ahead_x, corner.ahead_y
+    slope = jnp.arctan2(sin, cos)
+    turn = direction * (corner.here_x * cos - corner.here_y * sin)
+    closing = speed * turn
+    theta = body.orientation - slope
+    _, arm = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
+    small = small_speed(constants.outline.smallest, slope)
+    upright = jnp.floor(theta / (0.5 * jnp.pi) + 0.5) * (0.5 * jnp.pi)
+    theta = jnp.where(closing + arm * spin < small, upright, theta)
+    reach, _ = support(constants.outline, jnp.sin(theta), jnp.cos(theta))
+    return block._replace(
+        segment=corner.segment,
+        phase=jnp.full_like(block.phase, float(Phase.touching)),
+        normal_x=sin,
+        normal_y=cos,
+        gap=height - reach,
+    ).moved(
+        v_x=direction * speed * corner.here_y,
+        v_y=-direction * speed * corner.here_x,
+        angular_velocity=spin,
+        orientation=theta + slope,
     )

@@ -20,8 +20,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from ...io.display import Rows, align
 from ...io.toml import Key, check_keys, number, typed
+from ...reports.json_tree import plain
+from ...reports.tables import Table, interval_text
 from ..coordinates import LARGEST
 from ..terrain import Profile, check_inside
 from ..trajectory import Ending
@@ -114,8 +115,6 @@ EFFECT_WORDS = {
     "break it": "broken_of_arriving",
     "are stopped": "stopped_of_arriving",
 }
-ROUNDING = 1e-9
-"""Number below which a text says 0."""
 NOTE = "A barrier changes no trajectory: blocks that it stops are counted, not removed."
 
 
@@ -276,83 +275,63 @@ def _share(name: str, counts: np.ndarray, blocks: np.ndarray) -> Estimate:
     return Estimate(f"share_{name}", of, count, value, float(low), float(high))
 
 
-def barrier_rows(found: Sequence[BarrierEstimates]) -> Rows:
-    """List the rows of barriers.csv, in the order of `COLUMNS`."""
-    rows: Rows = []
-    for barrier, estimates in found:
-        quoted = '"' + barrier.name.replace('"', '""') + '"'
-        for quantity, blocks, count, *values in estimates.values():
-            cells = (*_numbers_of(barrier), quantity, blocks)
-            counted = "" if count is None else str(count)
-            rows.append((quoted, *map(str, cells), counted, *map(str, values)))
-    return rows
+def estimate_table(found: Sequence[BarrierEstimates]) -> Table:
+    """List all estimates, for barriers.csv."""
+    rows = [
+        (barrier.name, *_numbers_of(barrier), *estimate)
+        for barrier, estimates in found
+        for estimate in estimates.values()
+    ]
+    return Table(COLUMNS, rows)
 
 
 def barriers_in_json(found: Sequence[BarrierEstimates]) -> list[dict]:
     """Describe the barriers with their estimates, None for what is not known."""
-    told = []
+    described = []
     for barrier, estimates in found:
         x, height, capacity = _numbers_of(barrier)
         by_name = {
-            quantity: {
-                key: None if value is None or np.isnan(value) else value
-                for key, value in estimate._asdict().items()
-                if key != "quantity"
-            }
-            for quantity, estimate in estimates.items()
+            name: {k: v for k, v in plain(estimate).items() if k != "quantity"}
+            for name, estimate in estimates.items()
         }
         of = {"name": barrier.name, "x_m": x, "height_m": height}
-        told.append(of | {"capacity_kJ": capacity, "estimates": by_name})
-    return told
+        described.append(of | {"capacity_kJ": capacity, "estimates": by_name})
+    return described
 
 
-def barriers_in_words(found: Sequence[BarrierEstimates]) -> list[str]:
-    """Report barriers as lines of text; none where there are none."""
-    if not found:
-        return []
-    lines = ["barriers, blocks at first passage, with 95 % intervals", NOTE]
-    lines.append(align(effect_rows(found)))
-    lines.append("design values of the blocks that arrive, with 95 % intervals")
-    lines.append(align(design_rows(found)))
-    return lines + too_few(found)
-
-
-def effect_rows(found: Sequence[BarrierEstimates]) -> Rows:
-    """Write what becomes of blocks at each barrier, the head first."""
-    rows: Rows = [
-        (
-            *("barrier", "x [m]", "height [m]", "capacity [kJ]"),
-            *("", "blocks", "share", "interval"),
-        )
-    ]
+def effect_table(found: Sequence[BarrierEstimates]) -> Table:
+    """Write what becomes of blocks at each barrier."""
+    rows = []
     for barrier, estimates in found:
-        first = (barrier.name, *(f"{value:g}" for value in _numbers_of(barrier)))
+        first = (barrier.name, *_numbers_of(barrier))
         for word, quantity in EFFECT_WORDS.items():
-            told = estimates[f"share_{quantity}"]
+            estimate = estimates[f"share_{quantity}"]
             share, ends = "-", "-"
-            if told.blocks:
-                share, ends = f"{told.value:.1%}", f"{told.low:.1%} to {told.high:.1%}"
-            rows.append((*first, word, str(told.count), share, ends))
+            if estimate.blocks:
+                share = f"{estimate.value:.1%}"
+                ends = f"{estimate.low:.1%} to {estimate.high:.1%}"
+            rows.append((*first, word, estimate.count, share, ends))
             first = ("", "", "", "")
-    return rows
+    columns = ("barrier", "x [m]", "height [m]", "capacity [kJ]")
+    return Table((*columns, "", "blocks", "share", "interval"), rows)
 
 
-def design_rows(found: Sequence[BarrierEstimates]) -> Rows:
-    """Write the design values at each barrier, the head first."""
-    heads = (
-        cell for percent in DESIGN_PERCENTILES for cell in (f"{percent} %", "interval")
-    )
-    rows: Rows = [("barrier", "blocks", "", "unit", *heads)]
+def design_table(found: Sequence[BarrierEstimates]) -> Table:
+    """Write the design values at each barrier."""
+    rows = []
     for barrier, estimates in found:
-        first = (barrier.name, str(estimates["share_arriving"].count))
+        first = (barrier.name, estimates["share_arriving"].count)
         for word, (_, unit, _) in DESIGN_QUANTITIES.items():
             cells = []
             for percent in DESIGN_PERCENTILES:
-                told = estimates[f"{word}_{UNITS_IN_NAMES[unit]}_p{percent}"]
-                cells += [number_text(told.value), interval_text(told.low, told.high)]
+                estimate = estimates[f"{word}_{UNITS_IN_NAMES[unit]}_p{percent}"]
+                cells += [estimate.value, interval_text(estimate.low, estimate.high)]
             rows.append((*first, word.replace("_", " "), unit, *cells))
             first = ("", "")
-    return rows
+    heads = (
+        cell for percent in DESIGN_PERCENTILES for cell in (f"{percent} %", "interval")
+    )
+    return Table(("barrier", "blocks", "", "unit", *heads), rows)
 
 
 def too_few(found: Sequence[BarrierEstimates]) -> list[str]:
@@ -365,24 +344,9 @@ def too_few(found: Sequence[BarrierEstimates]) -> list[str]:
             needed = " and ".join(f"{least_blocks(p)} for {p} %" for p in short)
             lines.append(
                 f"{barrier.name}: {count} blocks arrive, too few for both ends of an "
-                f"interval; {needed} are needed"
+                f"interval; {needed} are needed."
             )
     return lines
-
-
-def number_text(value: float) -> str:
-    """Write a number with four digits, a dash where there is none."""
-    # What rounding leaves of 0, as of the height of a block that rolls, is 0.
-    return (
-        f"{0.0 if abs(value) < ROUNDING else value:.4g}" if np.isfinite(value) else "-"
-    )
-
-
-def interval_text(low: float, high: float) -> str:
-    """Write an interval; an end for which there are too few blocks is a dash."""
-    if np.isnan(low) and np.isnan(high):
-        return "-"
-    return f"{number_text(low)} to {number_text(high)}"
 
 
 def _numbers_of(barrier: Barrier) -> tuple[float, float, float]:

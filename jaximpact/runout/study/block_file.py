@@ -22,8 +22,18 @@ from .quantity import read_quantity
 
 MASS, VOLUME = "mass_kg", "volume_m3"
 VOLUME_COLUMN = InputColumn(
-    *(VOLUME, "block", "volume", 1.0, math.nan, 0.0, math.inf, False, False),
-    *("m3", "volume", (1e-9, 1e5)),
+    name=VOLUME,
+    part="block",
+    field="volume",
+    factor=1.0,
+    default=math.nan,
+    lower=0.0,
+    upper=math.inf,
+    lower_allowed=False,
+    upper_allowed=False,
+    unit="m3",
+    meaning="volume",
+    usual=(1e-9, 1e5),
 )
 """Volume as a study may have it in place of the mass."""
 

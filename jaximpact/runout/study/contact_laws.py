@@ -33,7 +33,7 @@ class NamedLaw(NamedTuple):
     """Name in drawings and tables; the law's own if the file gives none."""
     contacts: Contacts
     """Contact model."""
-    told: dict
+    description: dict
     """Description, ready for JSON."""
     checksums: dict[Path, str]
     """SHA-256 of the files that the law is read from."""
@@ -62,7 +62,8 @@ def read_laws(path: Path, content: dict, accuracy: str | None) -> list[NamedLaw]
         isinstance(law.contacts, FullModel) for law in laws
     ):
         raise key["law"].error(
-            f"accuracy is of the full model; the law {laws[0].told['law']} takes none"
+            "accuracy is of the full model; the law "
+            f"{laws[0].description['law']} takes none"
         )
     for place, law in enumerate(laws):
         if law.directory in [other.directory for other in laws[:place]]:

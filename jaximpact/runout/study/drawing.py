@@ -2,7 +2,6 @@
 
 import itertools
 from collections.abc import Collection, Mapping, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +10,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from ...plotting.style import (
@@ -27,7 +27,6 @@ from ...plotting.style import (
     legend_outside,
     panels,
     plain,
-    save_figure,
 )
 from ..terrain import Profile, ground_columns, ground_values
 from ..trajectory import Ending, Runs
@@ -60,13 +59,12 @@ seen on them."""
 
 
 @in_style
-def plot_trajectories(
+def draw_trajectories(
     runs: Runs,
     drawn: "DrawnGrounds",
     collectors: np.ndarray,
     title: str,
-    path: Path,
-) -> None:
+) -> Figure:
     """Draw the trajectories of all blocks, coloured by speed, over the profile."""
     shape = np.ptp(runs.profile.y) / np.ptp(runs.profile.x)
     height = float(np.clip(0.9 * WIDTH * shape + 1.5, 2.8, 9.0))
@@ -98,13 +96,13 @@ def plot_trajectories(
     longest = max(len(str(handle.get_label())) for handle in handles)
     columns = max(1, min(4, LEGEND_WIDTH // (longest + 6)))
     legend_outside(figure, handles, ncols=columns)
-    save_figure(figure, path)
+    return figure
 
 
 @in_style
-def plot_envelopes(
-    dataset: xr.Dataset, profile: Profile, drawn: "DrawnGrounds", path: Path
-) -> None:
+def draw_envelopes(
+    dataset: xr.Dataset, profile: Profile, drawn: "DrawnGrounds"
+) -> Figure:
     """Draw height, speed and energy along the profile: the largest, and percentiles of
     the blocks' own largest in each bin."""
     title = f"{plain(dataset.title)}: largest values of the blocks in bins of x"
@@ -124,11 +122,11 @@ def plot_envelopes(
     _finish_envelopes(axes[:3], axes[4], profile, drawn)
     figure.align_ylabels(axes)
     legend_outside(figure, [*axes[0].patches, *axes[4].patches][:4])
-    save_figure(figure, path)
+    return figure
 
 
 @in_style
-def plot_stops(dataset: xr.Dataset, path: Path) -> None:
+def draw_stops(dataset: xr.Dataset) -> Figure:
     """Draw where blocks stopped; the other endings are counted in the title."""
     names, counts = np.unique(dataset.ending.values, return_counts=True)
     endings = ", ".join(f"{c} {n}" for n, c in zip(names, counts, strict=True))
@@ -144,11 +142,11 @@ def plot_stops(dataset: xr.Dataset, path: Path) -> None:
         legend_outside(figure)
     else:
         empty_panel(axes, "no block stopped")
-    save_figure(figure, path)
+    return figure
 
 
 @in_style
-def plot_collectors(dataset: xr.Dataset, path: Path) -> None:
+def draw_collectors(dataset: xr.Dataset) -> Figure:
     """Draw the exceedance at each collector: the fraction of all blocks that did not
     fail whose first passage exceeds a value. A curve starts at the fraction that
     passes."""
@@ -159,16 +157,15 @@ def plot_collectors(dataset: xr.Dataset, path: Path) -> None:
     axes[0].set_ylabel("fraction of blocks [-]")
     _finish_exceedance(axes)
     legend_outside(figure)
-    save_figure(figure, path)
+    return figure
 
 
 @in_style
-def plot_comparison(
+def draw_comparison(
     datasets: Mapping[str, xr.Dataset],
     profile: Profile,
     drawn: "DrawnGrounds",
-    path: Path,
-) -> None:
+) -> Figure:
     """Draw where blocks stopped by each law, and its envelopes along the profile."""
     title = plain(next(iter(datasets.values())).title)
     figure, axes = panels(
@@ -194,12 +191,12 @@ def plot_comparison(
     _finish_envelopes(axes[1:4], axes[4], profile, drawn)
     figure.align_ylabels(axes)
     legend_outside(figure, axes[0].lines, ncols=3)
-    save_figure(figure, path)
+    return figure
 
 
 @in_style
-def plot_compared_collectors(datasets: Mapping[str, xr.Dataset], path: Path) -> None:
-    """Draw the exceedance at each collector by each law; see `plot_collectors`."""
+def draw_compared_collectors(datasets: Mapping[str, xr.Dataset]) -> Figure:
+    """Draw the exceedance at each collector by each law; see `draw_collectors`."""
     first = next(iter(datasets.values()))
     rows = len(first.collector)
     title = f"{plain(first.title)}: exceedance at collectors by contact law"
@@ -214,7 +211,7 @@ def plot_compared_collectors(datasets: Mapping[str, xr.Dataset], path: Path) -> 
     # Only now: a limit set on shared axes stops them from growing with the next row.
     _finish_exceedance(axes)
     legend_outside(figure, axes[0].lines, ncols=3)
-    save_figure(figure, path)
+    return figure
 
 
 def valid_blocks(dataset: xr.Dataset) -> np.ndarray:

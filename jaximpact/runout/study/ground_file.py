@@ -1,20 +1,190 @@
-"""Ground of a study, from its file."""
+r"""Ground of a study, from its file and from the calibration that it names.
 
+From a calibration each block gets one of the samples of the fit, by their weights.
+Where the study gives a value $p_g$ for some of the parameters, the others of the sample
+follow by the regression on these, in the coordinates x of the fit:
+
+$$ x_o + C_{og} C_{gg}^{-1} (x(p_g) - x_g) $$
+
+with the covariance C of the samples; for a normal posterior that is the conditional
+distribution.
+"""
+
+import hashlib
 import re
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple, cast
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
+from scipy.special import ndtri
 
+from ...errors import InputError, UnusualValueWarning, nearest
+from ...io.files import read_input
 from ...io.toml import Key, number, typed, unknown, with_named_parts
 from ...parameters import parts_of
 from ...scene import Soil
-from ..random_inputs import Quantity, RandomField
+from ..random_inputs import Quantity, RandomField, uniforms
 from ..terrain import Ground, ground_columns, ground_values, with_ground_values
-from .calibrated import Calibrated, read_calibrated
-from .ground_layout import GroundLayout, Part
+from .ground_layout import GroundLayout, GroundPart
 from .quantity import read_ground_quantity
+
+if TYPE_CHECKING:
+    # All of the calibration, which takes a while to load.
+    from ...calibration.fitted_ground import FittedGround, FittedVariant
+    from ...calibration.problem.bounds import Bounds
+
+
+class Calibrated(NamedTuple):
+    """Posterior of the ground's parameters from a calibration."""
+
+    file: Path
+    checksum: str
+    """SHA-256 of the file."""
+    soil: Soil
+    """Soil with the laws of the calibration."""
+    fixed: dict[str, float]
+    """Values of the soil in the calibration, in the units of their names."""
+    names: tuple[str, ...]
+    """Names of the fitted parameters."""
+    undetermined: dict[str, str]
+    """Reasons why parameters are not identifiable, by name."""
+    bounds: "Bounds"
+    """Bounds and coordinates of the fit."""
+    samples: np.ndarray
+    """Samples of the coordinates x, `(samples, parameters)`."""
+    weights: np.ndarray
+    """Weights of the samples, of sum 1, `(samples,)`."""
+    group_sd: np.ndarray
+    """Standard deviation of the logarithm of a group's factor on each parameter,
+    `(parameters,)`; 0 for one that does not differ by group."""
+
+    def draw(
+        self, given: Mapping[str, np.ndarray], count: int, seed: int
+    ) -> dict[str, np.ndarray]:
+        """Sample the parameters that are not given, `(count,)` each; block i gets the
+        same whatever the count.
+
+        Args:
+            given: values of the other parameters, `(count,)` each.
+        """
+        is_given = np.array([name in given for name in self.names], bool)
+        others, held = np.flatnonzero(~is_given), np.flatnonzero(is_given)
+        if not len(others):
+            return {}
+        place = np.searchsorted(
+            np.cumsum(self.weights), uniforms(seed, "calibrated", count)
+        )
+        x = self.samples[np.minimum(place, len(self.weights) - 1)]
+        # A slope is a group of its own.
+        for i in np.flatnonzero(self.group_sd):
+            stream = f"calibrated {self.names[i]}"
+            x[:, i] += self.group_sd[i] * ndtri(uniforms(seed, stream, count))
+        if len(held):
+            values = self.bounds.parameter(x)
+            for i in held:
+                values[:, i] = given[self.names[i]]
+                self._check(int(i), values[:, i])
+            covariance = np.cov(self.samples.T, aweights=self.weights, ddof=0)
+            covariance = np.atleast_2d(covariance) + np.diag(self.group_sd**2)
+            across = np.linalg.pinv(covariance[np.ix_(held, held)])
+            across = across @ covariance[np.ix_(held, others)]
+            apart = self.bounds.coordinate(values)[:, held] - x[:, held]
+            x[:, others] += apart @ across
+        values = np.clip(self.bounds.parameter(x), self.bounds.lower, self.bounds.upper)
+        return {self.names[i]: values[:, i] for i in others}
+
+    def _check(self, place: int, values: np.ndarray) -> None:
+        low, high = self.bounds.lower[place], self.bounds.upper[place]
+        bad = ~((values >= low) & (values <= high))
+        if np.any(bad):
+            raise InputError(
+                f"was fitted with {self.names[place]} between {low:g} and {high:g}, "
+                f"but it is {values[bad][0]:g} for block {np.argmax(bad)}",
+                file=self.file,
+            )
+
+
+def read_calibrated(path: Path, variant: str | None = None) -> Calibrated:
+    """Read the posterior that `jaximpact calibrate` wrote.
+
+    Args:
+        path: directory of the calibration, or fit.json in there.
+        variant: name of the study's variant, if it has several.
+
+    Raises InputError, naming the file, for whatever cannot be used; warns of samples
+    that hardly tell the posterior.
+    """
+    from ...calibration.fitted_ground import FILE, read_fitted
+    from ...calibration.problem.bounds import Bounds
+
+    file = path / FILE if path.is_dir() else path
+    checksum = hashlib.sha256(read_input(file, once=False)).hexdigest()
+    ground = read_fitted(file)
+    fit = _variant(file, ground, variant)
+    if ground.tied:
+        raise InputError(
+            f"has {', '.join(tied.name for tied in ground.tied)} tied to other "
+            "parameters by an expression, which a run-out does not take; say the "
+            "values under [ground]",
+            file=file,
+        )
+    parts = ground.parts | fit.variant.laws
+    soil = Soil(**{slot: parts[slot] for slot in parts_of(Soil) if slot in parts})
+    names = tuple(parameter.name for parameter in ground.parameters)
+    fixed = ground.soil | fit.variant.soil
+    columns = ground_columns(soil)
+    unknown = [name for name in (*names, *fixed) if name not in columns]
+    if unknown:
+        raise InputError(f"holds {unknown[0]}, which no ground has", file=file)
+    if not fit.trusted:
+        count = 1.0 / np.sum(fit.weights**2)
+        text = (
+            f"{file}: the effective sample size is {count:.0f} of {len(fit.weights)} "
+            "samples, too small for the spread of the ground; `jaximpact calibrate "
+            "--posterior` samples the posterior itself"
+        )
+        warnings.warn(UnusualValueWarning(text, "from"), stacklevel=1)
+    bounds = Bounds(
+        np.array([parameter.lower for parameter in ground.parameters], float),
+        np.array([parameter.upper for parameter in ground.parameters], float),
+        np.array([parameter.logarithmic for parameter in ground.parameters], bool),
+    )
+    places = [fit.unknowns.index(name) for name in names]
+    groups = (ground.nuisances.get(name, {}) for name in names)
+    return Calibrated(
+        file=file,
+        checksum=checksum,
+        soil=soil,
+        fixed={name: float(value) for name, value in fixed.items()},
+        names=names,
+        undetermined=fit.undetermined,
+        bounds=bounds,
+        samples=bounds.coordinate(fit.draws[:, places]),
+        weights=fit.weights,
+        group_sd=np.array(
+            [entry["prior"]["sd"] if entry.get("pooled") else 0.0 for entry in groups]
+        ),
+    )
+
+
+def _variant(file: Path, ground: "FittedGround", wanted: str | None) -> "FittedVariant":
+    fits = {fit.variant.name: fit for fit in ground.variants}
+    if wanted is None and len(fits) == 1:
+        return ground.variants[0]
+    if wanted is None:
+        raise InputError(
+            f"holds {len(fits)} variants; variant must say which: {', '.join(fits)}",
+            file=file,
+        )
+    if wanted not in fits:
+        raise InputError(
+            f"holds no variant {wanted!r}; did you mean {nearest(wanted, [*fits])!r}?",
+            file=file,
+        )
+    return fits[wanted]
+
 
 LAWS = tuple(parts_of(Soil))
 """Keys of the ground that name laws."""
@@ -34,7 +204,7 @@ class GroundInput(NamedTuple):
     """Soil with the laws; the values of parameters are in the other fields."""
     everywhere: dict[str, Quantity | RandomField]
     """Quantities of the whole slope, by name."""
-    parts: dict[str, Part]
+    parts: dict[str, GroundPart]
     """Segments and materials with quantities of their own, by key."""
     calibrated: Calibrated | None
     """Calibration to sample parameters from, other than those in `everywhere`."""
@@ -135,7 +305,7 @@ class GroundInput(NamedTuple):
         return Ground(*with_ground_values(profile.soil, found), seed)
 
 
-def _segments(ground: Key, table: dict, soil: Soil) -> dict[str, Part]:
+def _segments(ground: Key, table: dict, soil: Soil) -> dict[str, GroundPart]:
     parts, segments = {}, typed(ground, table, "segment", dict, {})
     for name in segments:
         key = ground["segment"][name]
@@ -143,11 +313,13 @@ def _segments(ground: Key, table: dict, soil: Soil) -> dict[str, Part]:
             raise key.error("must be the number of a segment")
         values = typed(ground["segment"], segments, name, dict)
         quantities = _quantities(key, values, soil)
-        parts[f"segment.{name}"] = Part(f"segment.{name}", quantities, int(name) - 1)
+        parts[f"segment.{name}"] = GroundPart(
+            f"segment.{name}", quantities, int(name) - 1
+        )
     return parts
 
 
-def _materials(ground: Key, table: dict, soil: Soil) -> dict[str, Part]:
+def _materials(ground: Key, table: dict, soil: Soil) -> dict[str, GroundPart]:
     parts, materials = {}, typed(ground, table, "materials", dict, {})
     for name in materials:
         key = ground["materials"][name]
@@ -158,7 +330,7 @@ def _materials(ground: Key, table: dict, soil: Soil) -> dict[str, Part]:
         quantities = _quantities(key, values, soil, ENDS)
         if len(ends) == 1 or (ends and not ends[0] < ends[1]):
             raise key.error("needs from_x_m and to_x_m, the larger one")
-        parts[f"materials.{name}"] = Part(
+        parts[f"materials.{name}"] = GroundPart(
             f"materials.{name}", quantities, ends=tuple(ends) or None
         )
     return parts

@@ -21,7 +21,7 @@ MOST_CELLS = 5_000
 has 10 000 unless the study says otherwise."""
 
 
-class Part(NamedTuple):
+class GroundPart(NamedTuple):
     """Part of the slope with quantities of its own: a segment or a material."""
 
     key: str
@@ -57,7 +57,7 @@ class GroundLayout(NamedTuple):
         """x of the middles of the segments [m], `(segments,)`."""
         return 0.5 * (self.profile.x[1:] + self.profile.x[:-1])
 
-    def materials(self, parts: Iterable[Part]) -> tuple[str, ...]:
+    def materials(self, parts: Iterable[GroundPart]) -> tuple[str, ...]:
         """Name the material of each segment, "" for none, of the parts of the slope."""
         found = np.full(self.profile.segments, "", object)
         for part in parts:
@@ -84,7 +84,7 @@ def lay_out(
     key: Key,
     profile: Profile,
     materials: tuple[str, ...] | None,
-    parts: Mapping[str, Part],
+    parts: Mapping[str, GroundPart],
     fields: Mapping[str, RandomField],
     has_base: bool,
 ) -> GroundLayout:
@@ -129,7 +129,7 @@ def lay_out(
 
 def _segments_of(
     key: Key,
-    part: Part,
+    part: GroundPart,
     given: Profile,
     middles: np.ndarray,
     piece: np.ndarray,
@@ -169,7 +169,9 @@ def _segments_of(
     return found
 
 
-def _check_names(key: Key, materials: Iterable[str], parts: Mapping[str, Part]) -> None:
+def _check_names(
+    key: Key, materials: Iterable[str], parts: Mapping[str, GroundPart]
+) -> None:
     """Raise InputError for a material of the profile that the study does not define."""
     known = [part.name for part in parts.values() if part.segment is None]
     for name in materials:
@@ -181,7 +183,7 @@ def _check_names(key: Key, materials: Iterable[str], parts: Mapping[str, Part]) 
 
 
 def _check_cover(
-    key: Key, layout: GroundLayout, parts: Mapping[str, Part], has_base: bool
+    key: Key, layout: GroundLayout, parts: Mapping[str, GroundPart], has_base: bool
 ) -> None:
     """Raise InputError where materials overlap or leave ground without any; only warn
     of the latter where [ground] holds."""

@@ -61,7 +61,9 @@ def page_profile(study: SlopeStudy, runs: Runs) -> dict:
     finite = runs.pieces.y[np.isfinite(runs.pieces.y)]
     units = Units(study.profile, float(np.max(finite, initial=study.profile.y.max())))
     speeds, shown = _trajectories(runs, units)
-    drawn = drawn_grounds(study.profile, study.materials, study.random_ground)
+    drawn = drawn_grounds(
+        study.profile, study.inputs.materials, study.inputs.random_ground
+    )
     known = np.isfinite(runs.x[:shown]) & np.isfinite(runs.y[:shown])
     ends = zip(*units(runs.x[:shown][known], runs.y[:shown][known]), strict=True)
     line = zip(*units(study.profile.x, study.profile.y), strict=True)
@@ -85,10 +87,11 @@ def page_profile(study: SlopeStudy, runs: Runs) -> dict:
         "ends": "".join(f"M{x} {y}h0" for x, y in ends),
         "shown": shown,
         "collectors": [
-            _vertical(units, x, None, study.profile) for x in study.collectors
+            _vertical(units, x, None, study.profile) for x in study.settings.collectors
         ],
         "barriers": [
-            _vertical(units, b.x, b.height, study.profile) for b in study.barriers
+            _vertical(units, b.x, b.height, study.profile)
+            for b in study.settings.barriers
         ],
     }
 

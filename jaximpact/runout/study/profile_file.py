@@ -146,6 +146,8 @@ BESIDE = 3.0
 """Distance beyond the area of a reference system [deg]: half a zone of UTM."""
 LARGEST_DISTORTION = 0.01
 """Deviation of a map's scale from 1 that is warned of; it is 0.001 in a zone of UTM."""
+GIS = ("pyproj", "pyogrio", "shapely")
+"""Packages that maps need."""
 LONGITUDE_AND_LATITUDE = 4326
 """WGS 84 in the EPSG's register, the reference system of GeoJSON."""
 
@@ -194,6 +196,8 @@ def read_map_placement(path: Path, content: dict) -> MapPlacement | None:
     if not given:
         return None
     key = Key(path)["profile"]
+    for package in GIS:
+        needed(package, "profile.crs", "maps")
     for name in MAP_KEYS:
         if name not in table:
             raise key[name].error(f"is needed beside {given[0]}")

@@ -1,14 +1,14 @@
 """Page of a study to hand over: one file of HTML that needs nothing else."""
 
 import json
-import re
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
-from ...calibration.report.render import environment
-from ...io.display import Rows
+from ...reports.document import Box, Document, Interactive, Part, Section
+from ...reports.tables import Table, interval_text, listed
 from ...scene_quantities import SHAPE
 from ..contacts.contact_models import ClosedForm
 from ..terrain import ROLLING_COLUMN, ROLLING_FRICTION_ANGLE
@@ -16,11 +16,10 @@ from ..trajectory import Ending, Runs
 from .barriers import (
     DESIGN_PERCENTILES,
     NOTE,
-    design_rows,
-    effect_rows,
+    BarrierEstimates,
+    design_table,
+    effect_table,
     estimates_of,
-    interval_text,
-    number_text,
     too_few,
 )
 from .drawing import grounds_of, stops_of, valid_blocks
@@ -33,6 +32,7 @@ from .slope_file import SlopeStudy
 if TYPE_CHECKING:
     import markupsafe
 
+PACKAGE = "jaximpact.runout.study"
 WIDTH, LEAST_HEIGHT, MOST_HEIGHT = 960, 260, 620
 """Size of the drawing of the profile [px]."""
 PASSAGES = {
@@ -52,77 +52,106 @@ CURVES = (
 BARRIERS = (
     "A block passes over if its lowest point, at its first passage of x, is above the "
     "top; else it breaks the barrier if its kinetic energy exceeds the capacity, and "
-    "is stopped if not. " + NOTE
+    "is stopped if not."
 )
 
 
-def report_page(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> str:
-    """Write the page.
+def slope_report(study: SlopeStudy, dataset: xr.Dataset, runs: Runs) -> Document:
+    """Report a study.
 
     Args:
         dataset: result of the study.
         runs: trajectories to draw, the first ones.
     """
     drawing = page_profile(study, runs)
-    scale = drawing["scale"]
+    estimates = estimates_of(dataset)
+    answer: list[Part] = [
+        Box("verdict", _summary(study, dataset)),
+        Box("warning", ["What is not known", *unknowns(study, dataset)]),
+        Interactive(
+            PACKAGE,
+            "profile.jinja",
+            drawing | _placed(drawing["scale"]) | {"blocks": study.release.count},
+        ),
+    ]
+    curves = {
+        "curve_names": [words for _, words, _, _ in QUANTITIES],
+        "bins": study.settings.bins,
+        "percents": PERCENTILES,
+        "data": _data(study, dataset, drawing["scale"]),
+    }
+    alike = "Ground along the profile, where it is alike for all blocks"
+    sections = [
+        Section(
+            "Exceedance at any place",
+            [CURVES, Interactive(PACKAGE, "exceedance.jinja", curves)],
+            printed=False,
+        ),
+        Section("Endings", [_ending_table(dataset), _stops(dataset)]),
+        Section("Collectors", _collectors(dataset)),
+        Section("Barriers", barrier_parts(estimates)),
+        Section(
+            "Settings",
+            [
+                _settings(study),
+                Section("Blocks and releases", [_inputs(dataset)]),
+                Section(alike, [_grounds(study)]),
+            ],
+            printed=False,
+        ),
+        Section("Computed from", [_origin(dataset)], printed=False),
+    ]
+    return Document(study.inputs.title, answer, sections)
+
+
+def barrier_parts(estimates: Sequence[BarrierEstimates]) -> list[Part]:
+    """Write what becomes of blocks at barriers; nothing where there are none."""
+    if not estimates:
+        return []
+    return [
+        BARRIERS,
+        effect_table(estimates),
+        "Design values of the blocks that arrive:",
+        design_table(estimates),
+    ]
+
+
+def _placed(scale: dict) -> dict:
+    """Place the drawing of the profile on the page: its height, and the transformation
+    of its units to pixels."""
     height = (WIDTH - 60) * scale["height"] / scale["width"] + 40
     height = int(np.clip(height, LEAST_HEIGHT, MOST_HEIGHT))
     pixels = min((WIDTH - 60) / scale["width"], (height - 40) / scale["height"])
     size = pixels * scale["unit"]
     left = 0.5 * WIDTH + 20 - 0.5 * scale["width"] * pixels
-    curves = page_curves(dataset)
-    places = [
-        {"x": x, "y": scale["y"] + scale["height"], "words": f"x = {x:g} m"}
-        for x in study.collectors.tolist()
-    ] + [
-        {"x": b.x, "y": float(study.profile.height(b.x)) + b.height, "words": b.name}
-        for b in study.barriers
-    ]
-    start = places[-1]["x"] if places else _median_stop(dataset)
-    data = curves | {"scale": scale, "places": places, "start": start}
-    contents = {
-        "title": study.title,
-        "summary": _summary(study, dataset),
-        "unknown": unknowns(study, dataset),
-        "drawing": drawing,
+    return {
         "drawing_height": height,
         "transform": f"matrix({size:.6g} 0 0 {-size:.6g} {left:.1f} {height - 30})",
-        "drawing_words": f"The first {drawing['shown']} trajectories of "
-        f"{study.release.count}, coloured by speed; dashed lines are collectors.",
-        "curve_words": CURVES,
-        "curve_names": [words for _, words, _, _ in QUANTITIES],
-        "bins": study.bins,
-        "percents": PERCENTILES,
-        **_results(dataset),
-        "barrier_words": BARRIERS,
-        "settings": _settings(study),
-        "inputs": _inputs(dataset),
-        "grounds": _grounds(study),
-        "origin": _origin(dataset),
-        "data": _json(data),
     }
-    return _render("runout.jinja", contents)
 
 
-def _render(layout: str, contents: dict) -> str:
-    # With the layout of pages, which calibrations have too.
-    templates = environment("html", "jaximpact.runout.study")
-    text = templates.get_template(layout).render(contents)
-    return re.sub(r"\n{2,}", "\n", text).strip("\n") + "\n"
-
-
-def _json(data: dict) -> "markupsafe.Markup":
-    """Write data into a script, which a title with its end would cut off."""
+def _data(study: SlopeStudy, dataset: xr.Dataset, scale: dict) -> "markupsafe.Markup":
+    """Write what the script draws: curves of all bins, and names of places."""
     import markupsafe
 
+    places = [
+        {"x": x, "y": scale["y"] + scale["height"], "words": f"x = {x:g} m"}
+        for x in study.settings.collectors.tolist()
+    ] + [
+        {"x": b.x, "y": float(study.profile.height(b.x)) + b.height, "words": b.name}
+        for b in study.settings.barriers
+    ]
+    start = places[-1]["x"] if places else _median_stop(dataset)
+    data = page_curves(dataset) | {"scale": scale, "places": places, "start": start}
     text = json.dumps(data, allow_nan=False, separators=(",", ":"))
+    # Within a script a title with its end would cut it off.
     return markupsafe.Markup(text.replace("<", "\\u003c"))
 
 
 def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
     endings = json.loads(dataset.attrs["endings"])
-    told = ", ".join(f"{count} {name}" for name, count in endings.items())
-    lines = [f"{study.release.count} blocks, contacts by {study.law_name}: {told}."]
+    counts = ", ".join(f"{count} {name}" for name, count in endings.items())
+    lines = [f"{study.release.count} blocks, contacts by {study.law.name}: {counts}."]
     stopped = stops_of(dataset)
     if len(stopped):
         low, high = percentile_interval(stopped, 95)
@@ -138,26 +167,28 @@ def _summary(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
             f"{name[:1].upper()}{name[1:]}: {arrive.count} blocks arrive, {through[0]} "
             f"pass over, and {through[1]} break the barrier."
         )
+    if study.inputs.smoothing is not None:
+        lines.append(f"The profile is {study.inputs.smoothing}.")
     return lines
 
 
 def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
     """List what a reader must not take from the numbers."""
     endings = json.loads(dataset.attrs["endings"])
-    law = f"Contacts are by {study.law_name}, whose coefficients are taken as known."
-    if not isinstance(study.contacts, ClosedForm):
+    law = f"Contacts are by {study.law.name}, whose coefficients are taken as known."
+    if not isinstance(study.law.contacts, ClosedForm):
         law = (
             "The ground's laws are readings of the literature that the model's paper "
             "names, not its authors' code: docs/model.md and docs/limits.md."
         )
     lines = [
         law,
-        "Intervals tell how far other random blocks might lead, and nothing of errors "
-        "of the model, the ground or the releases. They mean nothing for blocks that "
-        "are combinations of lists and no random samples.",
+        "Intervals say how much the numbers would change with other random blocks. "
+        "They do not include errors of the model, the ground or the releases, and mean "
+        "nothing where blocks are combinations of lists.",
         "The motion is plane: blocks neither leave the profile sideways nor break.",
     ]
-    varied = any(ROLLING_COLUMN in name for name in study.ground_samples)
+    varied = any(ROLLING_COLUMN in name for name in study.inputs.ground_samples)
     angles = study.profile.rolling_friction_angle
     if np.all(angles == ROLLING_FRICTION_ANGLE) and not varied:
         lines.append(
@@ -175,9 +206,9 @@ def unknowns(study: SlopeStudy, dataset: xr.Dataset) -> list[str]:
         )
     at_barriers = estimates_of(dataset)
     lines += _few_at_collectors(dataset) + too_few(at_barriers)
-    if study.barriers:
+    if study.settings.barriers:
         lines.append(NOTE)
-    if study.placement is None:
+    if study.inputs.placement is None:
         lines.append(NO_MAP)
     return lines
 
@@ -186,12 +217,9 @@ def _few_at_collectors(dataset: xr.Dataset) -> list[str]:
     if "collector" not in dataset.sizes:
         return []
     counts = zip(dataset.collector.values, dataset.blocks_passing.values, strict=True)
-    return [
-        f"Only {count} blocks pass x = {x:g} m: an interval of the 99 % value takes "
-        f"{least_blocks(99)}."
-        for x, count in counts
-        if count < least_blocks(99)
-    ]
+    few = [f"{n} pass x = {x:g} m" for x, n in counts if n < least_blocks(99)]
+    needed = f"An interval of the 99 % value needs {least_blocks(99)} blocks"
+    return [f"{needed}, but {listed(few)}."] if few else []
 
 
 def _median_stop(dataset: xr.Dataset) -> float:
@@ -199,38 +227,30 @@ def _median_stop(dataset: xr.Dataset) -> float:
     return float(np.median(x)) if len(x) else float(dataset.bin_left_m.values[0])
 
 
-def _results(dataset: xr.Dataset) -> dict:
-    """Collect the tables of endings, collectors and barriers."""
-    endings = json.loads(dataset.attrs["endings"])
-    blocks = dataset.sizes["block"]
-    rows: Rows = [("ending", "blocks", "share")]
-    rows += [(n, str(count), f"{count / blocks:.1%}") for n, count in endings.items()]
+def _ending_table(dataset: xr.Dataset) -> Table:
+    endings, blocks = json.loads(dataset.attrs["endings"]), dataset.sizes["block"]
+    rows = [(n, count, f"{count / blocks:.1%}") for n, count in endings.items()]
+    return Table(("ending", "blocks", "share"), rows)
+
+
+def _stops(dataset: xr.Dataset) -> str:
     stopped = stops_of(dataset)
-    told = "No block stopped."
-    if len(stopped):
-        values = np.percentile(stopped, PERCENTILES)
-        told = "x where blocks stopped [m]: " + ", ".join(
-            f"{p} % by {v:.5g} ({interval_text(*percentile_interval(stopped, p))})"
-            for p, v in zip(PERCENTILES, values, strict=True)
-        )
-        told += f", all by {stopped.max():.5g}."
-    at_barriers = estimates_of(dataset)
-    return {
-        "endings": rows,
-        "stops": told,
-        "collectors": _collectors(dataset),
-        "barriers": effect_rows(at_barriers) if at_barriers else [],
-        "design": design_rows(at_barriers) if at_barriers else [],
-    }
+    if not len(stopped):
+        return "No block stopped."
+    values = np.percentile(stopped, PERCENTILES)
+    words = ", ".join(
+        f"{p} % by {v:.5g} ({interval_text(*percentile_interval(stopped, p))})"
+        for p, v in zip(PERCENTILES, values, strict=True)
+    )
+    return f"x where blocks stopped [m]: {words}, all by {stopped.max():.5g}."
 
 
-def _collectors(dataset: xr.Dataset) -> Rows:
+def _collectors(dataset: xr.Dataset) -> list[Part]:
     if "collector" not in dataset.sizes:
         return []
-    heads = []
+    heads, rows = [], []
     for p in PERCENTILES:
         heads += [f"{p} %", "interval"] if p in DESIGN_PERCENTILES else [f"{p} %"]
-    rows: Rows = [("x [m]", "pass", "", "unit", *heads)]
     valid = valid_blocks(dataset)
     for place, x in enumerate(dataset.collector.values):
         passing = int(dataset.blocks_passing.values[place])
@@ -241,40 +261,46 @@ def _collectors(dataset: xr.Dataset) -> Rows:
             found = factor * dataset[f"{name}_percentiles"].values[:, place]
             cells = []
             for p, value in zip(PERCENTILES, found, strict=True):
-                cells.append(number_text(value))
+                cells.append(value)
                 if p in DESIGN_PERCENTILES:
                     cells.append(interval_text(*percentile_interval(values, p)))
             rows.append((*first, word, unit, *cells))
             first = ("", "")
-    return rows
+    return [
+        "First passages of the blocks that pass: percentiles with their intervals.",
+        Table(("x [m]", "pass", "", "unit", *heads), rows),
+    ]
 
 
-def _settings(study: SlopeStudy) -> Rows:
-    rows: Rows = [("setting", "value")]
-    rows += [(f"contacts: {name}", str(value)) for name, value in study.law.items()]
+def _settings(study: SlopeStudy) -> Table:
+    rows: list[tuple[str, object]] = [
+        (f"contacts: {name}", str(value))
+        for name, value in study.law.description.items()
+    ]
     rows += [
         ("blocks", str(study.release.count)),
-        ("seed", str(study.seed)),
-        ("bins of x", str(study.bins)),
-        ("time limit [s]", f"{study.limits.time:g}"),
-        ("event limit", str(study.limits.events)),
-        ("hop threshold", f"{study.limits.hop_threshold:g}"),
+        ("seed", str(study.inputs.seed)),
+        ("bins of x", str(study.settings.bins)),
+        ("time limit [s]", f"{study.settings.limits.time:g}"),
+        ("event limit", str(study.settings.limits.events)),
+        ("hop threshold", f"{study.settings.limits.hop_threshold:g}"),
     ]
-    if study.smoothing is not None:
-        rows.append(("profile", str(study.smoothing)))
-    if study.placement is not None:
-        place = study.placement
+    if study.inputs.smoothing is not None:
+        rows.append(("profile", str(study.inputs.smoothing)))
+    if study.inputs.placement is not None:
+        place = study.inputs.placement
         rows += [
             ("x = 0 on the map", f"{place.easting:.2f}, {place.northing:.2f}"),
             ("direction of x, from north", f"{np.degrees(place.azimuth):g}°"),
             ("reference system", place.crs),
         ]
     # A law in closed form knows none of the soil's laws.
-    closed = isinstance(study.contacts, ClosedForm)
+    closed = isinstance(study.law.contacts, ClosedForm)
     laws = {n: v for n, v in study.laws.items() if n == SHAPE or not closed}
     rows += [(f"law: {name}", str(law)) for name, law in laws.items()]
-    ground = study.ground_told.items()
-    return rows + [(f"ground: {name}", _in_words(value)) for name, value in ground]
+    ground = study.inputs.ground_table.items()
+    rows += [(f"ground: {name}", _in_words(value)) for name, value in ground]
+    return Table(("setting", "value"), rows)
 
 
 def _in_words(value) -> str:
@@ -284,9 +310,9 @@ def _in_words(value) -> str:
     return "; ".join(f"{name} {_in_words(inner)}" for name, inner in value.items())
 
 
-def _inputs(dataset: xr.Dataset) -> Rows:
+def _inputs(dataset: xr.Dataset) -> Table:
     """Write the ranges of what each block gets."""
-    rows: Rows = [("quantity", "unit", "least", "median", "largest")]
+    rows = []
     for name, values in dataset.items():
         result = name in BLOCK_NUMBERS or name == "ending" or "max_" in str(name)
         if values.dims != ("block",) or result:
@@ -298,15 +324,16 @@ def _inputs(dataset: xr.Dataset) -> Rows:
             continue
         ends = values.values.min(), np.median(values.values), values.values.max()
         rows.append((str(name), unit, *(f"{end:.5g}" for end in ends)))
-    return rows
+    return Table(("quantity", "unit", "least", "median", "largest"), rows)
 
 
-def _grounds(study: SlopeStudy) -> Rows:
+def _grounds(study: SlopeStudy) -> Table:
     """Write the stretches of ground that is alike for all blocks."""
-    number, told = grounds_of(study.profile, study.materials, study.random_ground)
+    number, told = grounds_of(
+        study.profile, study.inputs.materials, study.inputs.random_ground
+    )
     x = study.profile.x
-    rows: Rows = [("x from [m]", "to [m]", "ground")]
-    start = 0
+    rows, start = [], 0
     for segment, ground in enumerate(number):
         if segment + 1 == len(number) or number[segment + 1] != ground:
             words = ", ".join(told[ground]) or "one ground"
@@ -315,10 +342,10 @@ def _grounds(study: SlopeStudy) -> Rows:
     if len(rows) > MOST_ROWS:
         more = f"and {len(rows) - MOST_ROWS} more stretches, in the study's files"
         rows = [*rows[:MOST_ROWS], ("", "", more)]
-    return rows
+    return Table(("x from [m]", "to [m]", "ground"), rows)
 
 
-def _origin(dataset: xr.Dataset) -> Rows:
-    rows: Rows = [("file or program", "SHA-256 or version")]
-    rows += [*json.loads(dataset.attrs["files"]).items()]
-    return [*rows, *json.loads(dataset.attrs["versions"]).items()]
+def _origin(dataset: xr.Dataset) -> Table:
+    files, programs = (json.loads(dataset.attrs[key]) for key in ("files", "versions"))
+    rows = [*files.items(), *programs.items()]
+    return Table(("file or program", "SHA-256 or version"), rows)

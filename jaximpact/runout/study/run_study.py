@@ -25,25 +25,156 @@ from ...progress import Progress, ProgressFunction, as_progress
 from ...quantities import columns_of_part
 from ...scene_quantities import SHAPE, text_of
 from ...shapes import MixedShapes
-from ...tasks import check_executor, run_tasks
+from ...tasks import Task, computing, run_tasks
 from ...units import DEGREE
-from ..blocks import Release
+from ..analysis import first_passages, maxima_along, passages
+from ..blocks import Release, select
 from ..coordinates import FASTEST
-from ..scheduler import WIDTH
+from ..scheduler import WIDTH, follow
 from ..terrain import ground_columns
-from ..trajectory import Ending
+from ..trajectory import Ending, Runs, state_after, stretches_of
 from .barriers import barrier_variables
-from .block_rows import (
-    BLOCK_NUMBERS,
-    ENVELOPES,
-    PASSAGE_NUMBERS,
-    columns_of_rows,
-    edges_of,
-    simulate,
-    summarise,
-    task_of,
-)
 from .slope_file import SlopeStudy
+
+BLOCK_NUMBERS = {
+    "x_m": ("m", "where it ended: the centre; nan where a contact failed"),
+    "y_m": ("m", "where it ended: the centre; nan where a contact failed"),
+    "time_s": ("s", "when it ended, since release"),
+    "impacts": ("-", "impacts, without touches too slow to be one"),
+    "hops": ("-", "contacts after which it rolled in place of a low flight"),
+    "events": ("-", "contacts and legs along the ground"),
+    "energy_at_release_J": ("J", "kinetic energy at release"),
+    "energy_at_end_J": ("J", "kinetic energy at its end; 0 for a block that stopped"),
+}
+PASSAGE_NUMBERS = {
+    "passages": ("-", "how often the centre passes the collector"),
+    "passage_time_s": ("s", "first passage, since release"),
+    "passage_v_x_mps": ("m/s", "velocity at first passage, to the right"),
+    "passage_v_y_mps": ("m/s", "velocity at first passage, upwards"),
+    "passage_speed_mps": ("m/s", "speed at first passage"),
+    "passage_spin_radps": ("rad/s", "angular velocity at first passage, clockwise"),
+    "passage_translational_energy_J": ("J", "at first passage"),
+    "passage_rotational_energy_J": ("J", "at first passage"),
+    "passage_energy_J": ("J", "kinetic energy at first passage"),
+    "passage_centre_height_m": ("m", "of the centre above the ground, first passage"),
+    "passage_lowest_height_m": (
+        "m",
+        "of the lowest point above the ground below the centre, first passage",
+    ),
+}
+ENVELOPES = {
+    "height_m": ("m", "largest height of the centre above the ground"),
+    "speed_mps": ("m/s", "largest speed"),
+    "energy_J": ("J", "largest kinetic energy"),
+}
+
+
+def simulate(
+    study: SlopeStudy,
+    chosen: np.ndarray | None = None,
+    progress: Progress | ProgressFunction | None = None,
+) -> Runs:
+    """Simulate the trajectories of some blocks of a study, or of all."""
+    part = study if chosen is None else _part_of(study, chosen)
+    # All that `simulate_runout` checks was checked as the study was read.
+    return follow(
+        profile=part.profile,
+        release=part.release,
+        ground=part.ground,
+        limits=part.settings.limits,
+        contacts=part.law.contacts,
+        progress=as_progress(progress),
+    )
+
+
+def _part_of(study: SlopeStudy, chosen: np.ndarray) -> SlopeStudy:
+    """Select some blocks of a study."""
+    return study._replace(
+        release=study.release.of_blocks(chosen),
+        ground=study.ground.of_blocks(chosen),
+        inputs=study.inputs._replace(ground_samples={}),
+    )
+
+
+def edges_of(study: SlopeStudy) -> np.ndarray:
+    """Give the edges of the bins of x [m], `(bins + 1,)`."""
+    return np.linspace(study.profile.x[0], study.profile.x[-1], study.settings.bins + 1)
+
+
+def summarise(study: SlopeStudy, runs: Runs) -> np.ndarray:
+    """Summarise each block in a row of numbers, in the order of `columns_of_rows`."""
+    blocks, stretches = runs.release.count, stretches_of(runs)
+    contacts = runs.contacts
+    impacts = contacts.trajectory[contacts.outcome >= 0].astype(int)
+    hops = contacts.trajectory[contacts.hop.astype(bool)].astype(int)
+    start, end = _energies(runs)
+    numbers = {
+        "ending": runs.ending,
+        "x_m": runs.x,
+        "y_m": runs.y,
+        "time_s": runs.time,
+        "impacts": np.bincount(impacts, minlength=blocks),
+        "hops": np.bincount(hops, minlength=blocks),
+        "events": runs.events,
+        "energy_at_release_J": start,
+        "energy_at_end_J": end,
+    }
+    for x in places_of(study):
+        count, first = first_passages(passages(runs, x, stretches), blocks)
+        of_passage = {
+            "passages": count,
+            "passage_time_s": first.time,
+            "passage_v_x_mps": first.v_x,
+            "passage_v_y_mps": first.v_y,
+            "passage_speed_mps": first.speed,
+            "passage_spin_radps": first.angular_velocity,
+            "passage_translational_energy_J": first.translational_energy,
+            "passage_rotational_energy_J": first.rotational_energy,
+            "passage_energy_J": first.energy,
+            "passage_centre_height_m": first.centre_height,
+            "passage_lowest_height_m": first.lowest_height,
+        }
+        numbers |= {f"{name} at {x!r}": of_passage[name] for name in PASSAGE_NUMBERS}
+    maxima = maxima_along(runs, edges_of(study), stretches)
+    for name, values in zip(ENVELOPES, maxima, strict=True):
+        numbers |= {f"{name} in bin {i}": column for i, column in enumerate(values.T)}
+    return np.stack([numbers[name] for name in columns_of_rows(study)], axis=1)
+
+
+def _energies(runs: Runs) -> tuple[np.ndarray, np.ndarray]:
+    """Compute the kinetic energy of each block at release, and at its end [J]."""
+    mass, inertia = runs.release.mass_properties
+    body = runs.release.body
+    speeds = body.v_x**2 + body.v_y**2
+    start = 0.5 * (mass * speeds + inertia * body.angular_velocity**2)
+    p = runs.pieces
+    last = np.searchsorted(p.trajectory, np.arange(len(mass)), "right") - 1
+    final = state_after(select(p, last), p.duration[last])
+    speeds = final.v_x**2 + final.v_y**2
+    end = 0.5 * (mass * speeds + inertia * final.angular_velocity**2)
+    return start, np.where(runs.ending == Ending.stopped, 0.0, end)
+
+
+def places_of(study: SlopeStudy) -> list[float]:
+    """List the places at which passages are found: collectors and barriers [m]."""
+    return sorted(
+        {*study.settings.collectors.tolist(), *(b.x for b in study.settings.barriers)}
+    )
+
+
+def columns_of_rows(study: SlopeStudy) -> list[str]:
+    """List the names of the numbers of a row."""
+    return [
+        "ending",
+        *BLOCK_NUMBERS,
+        *(f"{n} at {x!r}" for x in places_of(study) for n in PASSAGE_NUMBERS),
+        *(f"{n} in bin {i}" for n in ENVELOPES for i in range(study.settings.bins)),
+    ]
+
+
+def _rows_of(study: SlopeStudy) -> np.ndarray:
+    return summarise(study, simulate(study))
+
 
 PERCENTILES = (50, 90, 95, 99)
 FIRST_PORTION = 64
@@ -87,10 +218,8 @@ def run_slope_study(
     opened = contextlib.nullcontext()
     if journal is not None:
         opened = Journal(journal, _subject(study), columns, count)
-    with opened as kept:
-        collector = Collector(
-            len(columns), count, kept, as_progress(progress), "blocks"
-        )
+    with computing(progress=progress, executor=executor), opened as kept:
+        collector = Collector(len(columns), count, kept, "blocks")
         if executor is None:
             _run_here(study, collector)
         else:
@@ -129,21 +258,20 @@ def _run_elsewhere(
     executor: concurrent.futures.Executor, study: SlopeStudy, collector: Collector
 ) -> None:
     """Compute the blocks that are not done by the workers of an executor."""
-    check_executor(executor)
     waiting = np.flatnonzero(collector.missing)
     size = int(np.clip(-(-len(waiting) // PORTIONS), FIRST_PORTION, LARGEST_PORTION))
     portions = [waiting[i : i + size] for i in range(0, len(waiting), size)]
     run_tasks(
         executor,
-        (task_of(study, portion) for portion in portions),
+        (Task(_rows_of, _part_of(study, portion)) for portion in portions),
         lambda number, found: collector.take(portions[number], found),
     )
 
 
 def _subject(study: SlopeStudy) -> dict:
     return {
-        "runout": study.checksums,
-        "contacts": study.law,
+        "runout": study.inputs.checksums_by_name,
+        "contacts": study.law.description,
         "laws": study.laws,
         "versions": versions() | {"numpy": np.__version__},
     }
@@ -166,7 +294,7 @@ class _BlockRows:
 
     def in_bins(self, name: str) -> np.ndarray:
         """Give a largest value in each bin, `(blocks, bins)`."""
-        bins = range(self.study.bins)
+        bins = range(self.study.settings.bins)
         return self.rows[:, [self.place[f"{name} in bin {i}"] for i in bins]]
 
 
@@ -179,11 +307,12 @@ def _dataset(study: SlopeStudy, numbers: np.ndarray) -> xr.Dataset:
     for name, (unit, meaning) in BLOCK_NUMBERS.items():
         variables[name] = "block", rows.of(name), _about(unit, meaning)
     # NetCDF 3 takes a dimension of no length for one that grows.
-    if len(study.collectors):
+    if len(study.settings.collectors):
         variables |= _passages(rows, valid)
-    places = [barrier.x for barrier in study.barriers]
+    places = [barrier.x for barrier in study.settings.barriers]
     of_barriers, barriers = barrier_variables(
-        study.barriers, {name: rows.at(name, places) for name in PASSAGE_NUMBERS}
+        study.settings.barriers,
+        {name: rows.at(name, places) for name in PASSAGE_NUMBERS},
     )
     variables |= of_barriers | _envelopes(rows, valid)
     percentiles = ("percentile", np.array(PERCENTILES), _about("%", ""))
@@ -194,8 +323,8 @@ def _dataset(study: SlopeStudy, numbers: np.ndarray) -> xr.Dataset:
 def _coordinates_of(study: SlopeStudy) -> dict:
     """Describe blocks, collectors if there are any, and bins, as coordinates."""
     edges = edges_of(study)
-    at = {"collector": ("collector", study.collectors, _about("m", "x"))}
-    return (at if len(study.collectors) else {}) | {
+    at = {"collector": ("collector", study.settings.collectors, _about("m", "x"))}
+    return (at if len(study.settings.collectors) else {}) | {
         "block": np.arange(study.release.count),
         "bin": ("bin", 0.5 * (edges[1:] + edges[:-1]), _about("m", "x, middle")),
         "bin_left_m": ("bin", edges[:-1], _about("m", "x, left end of the bin")),
@@ -207,20 +336,24 @@ def _attributes_of(study: SlopeStudy, codes: np.ndarray) -> dict[str, str]:
     """Describe title, inputs and endings as attributes of a dataset, in JSON."""
     endings = (ending for ending in Ending if np.any(codes == ending))
     told = {
-        "files": study.checksums,
-        "contacts": study.law,
+        "files": study.inputs.checksums_by_name,
+        "contacts": study.law.description,
         "laws": study.laws,
-        "ground": study.ground_told,
-        **({"profile": study.smoothing._asdict()} if study.smoothing else {}),
-        "seed": study.seed,
+        "ground": study.inputs.ground_table,
+        **(
+            {"profile": study.inputs.smoothing._asdict()}
+            if study.inputs.smoothing
+            else {}
+        ),
+        "seed": study.inputs.seed,
         "blocks": len(codes),
-        "time_limit_s": study.limits.time,
-        "event_limit": study.limits.events,
-        "hop_threshold": study.limits.hop_threshold,
+        "time_limit_s": study.settings.limits.time,
+        "event_limit": study.settings.limits.events,
+        "hop_threshold": study.settings.limits.hop_threshold,
         "endings": {str(e): int(np.sum(codes == e)) for e in endings},
         "versions": versions() | {"numpy": np.__version__},
     }
-    return {"title": study.title} | {k: json.dumps(v) for k, v in told.items()}
+    return {"title": study.inputs.title} | {k: json.dumps(v) for k, v in told.items()}
 
 
 def _envelopes(rows: _BlockRows, valid: np.ndarray) -> dict[str, tuple]:
@@ -262,7 +395,7 @@ def _passages(rows: _BlockRows, valid: np.ndarray) -> dict[str, tuple]:
     ones."""
     variables = {}
     for name, (unit, meaning) in PASSAGE_NUMBERS.items():
-        values = rows.at(name, rows.study.collectors.tolist())
+        values = rows.at(name, rows.study.settings.collectors.tolist())
         variables[name] = ("block", "collector"), values, _about(unit, meaning)
         if name not in ("passages", "passage_time_s"):
             variables[f"{name}_percentiles"] = (
@@ -316,7 +449,7 @@ def _inputs_of(release: Release) -> dict:
 def _ground_of(study: SlopeStudy) -> dict:
     """List the samples of the ground, in the units of the names."""
     variables, columns = {}, ground_columns(study.ground.soil)
-    for name, values in study.ground_samples.items():
+    for name, values in study.inputs.ground_samples.items():
         # Of all columns that a name may end with, the longest.
         ends = [c for c in columns if f"_{name}".endswith(f"_{c}")]
         column = columns[max(ends, key=len)]

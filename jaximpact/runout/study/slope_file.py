@@ -13,7 +13,6 @@ from ...io.checks import NUMBERS_PER_IMPACT, check_memory
 from ...io.files import read_input
 from ...io.toml import Key, check_keys, number, parse_toml, typed, whole
 from ..blocks import Release
-from ..contacts.contact_models import Contacts
 from ..random_inputs import Quantity, combinations, draw, is_random
 from ..smoothing import Smoothing
 from ..state import EVENT_LIMIT, HOP_THRESHOLD, TIME_LIMIT, Limits
@@ -61,56 +60,73 @@ DEFAULT_EXPORT = 50
 """Default number of trajectories in files."""
 
 
-class SlopeStudy(NamedTuple):
-    """Run-out study of one contact law."""
+class StudySettings(NamedTuple):
+    """What a study counts, and for how long."""
+
+    collectors: np.ndarray
+    """Places of the collectors [m], increasing, `(collectors,)`."""
+    bins: int = DEFAULT_BINS
+    """Number of bins of the envelopes along the profile."""
+    limits: Limits = Limits()
+    barriers: tuple[Barrier, ...] = ()
+    """Barriers, by which blocks are counted."""
+    export_trajectories: int = DEFAULT_EXPORT
+    """Number of trajectories in files: the first ones."""
+
+
+class StudyInputs(NamedTuple):
+    """Inputs of a study as its file says them."""
 
     path: Path
     """The study's file."""
-    checksums: dict[str, str]
-    """SHA-256 of the file, and of those that it names, by name."""
-    inputs: list[Path]
-    """Paths of these files."""
+    checksums: dict[Path, str]
+    """SHA-256 of the file, and of those that it names."""
     title: str
-    profile: Profile
-    release: Release
-    ground: Ground
-    """Ground as each block finds it."""
+    seed: int
+    """Seed of all random inputs."""
+    ground_table: dict
+    """Ground as the file says it, with the angles that have their defaults, ready for
+    JSON."""
     ground_samples: dict[str, np.ndarray]
     """Quantities of the ground that differ from block to block, `(blocks,)`, in the
     units of the names: those of a segment as `segment_2_c_v`."""
-    ground_told: dict
-    """Ground as the file says it, with the angles that have their defaults, ready for
-    JSON."""
-    materials: tuple[str, ...]
-    """Material of each segment, "" for none."""
     random_ground: frozenset[str]
     """Names of the quantities of the ground that differ from block to block."""
-    laws: dict[str, str]
-    """Laws of the soil and shapes of the blocks, with digests of those that are not the
-    package's; see `identity.part_names`."""
-    contacts: Contacts
-    """Contact model."""
-    law: dict
-    """Description of the contact law, ready for JSON."""
-    law_name: str
-    """Name of the contact law in comparisons."""
-    law_directory: str
-    """Directory of the contact law's files in a comparison."""
-    seed: int
-    """Seed of all random inputs."""
-    collectors: np.ndarray
-    """Places of the collectors [m], increasing, `(collectors,)`."""
-    bins: int
-    """Number of bins of the envelopes along the profile."""
-    limits: Limits
-    barriers: tuple[Barrier, ...] = ()
-    """Barriers, by which blocks are counted."""
+    materials: tuple[str, ...]
+    """Material of each segment, "" for none."""
     placement: MapPlacement | None = None
     """Place of the profile on the map."""
     smoothing: Smoothing | None = None
     """What a smoothing did to the profile."""
-    export_trajectories: int = DEFAULT_EXPORT
-    """Number of trajectories in files: the first ones."""
+
+    @property
+    def files(self) -> list[Path]:
+        """Paths of the files."""
+        return [*self.checksums]
+
+    @property
+    def checksums_by_name(self) -> dict[str, str]:
+        """SHA-256 of the files by their names."""
+        return {file.name: checksum for file, checksum in self.checksums.items()}
+
+
+class SlopeStudy(NamedTuple):
+    """Run-out study of one contact law."""
+
+    profile: Profile
+    release: Release
+    ground: Ground
+    """Ground as each block finds it."""
+    law: NamedLaw
+    """Contact law."""
+    settings: StudySettings
+    inputs: StudyInputs
+
+    @property
+    def laws(self) -> dict[str, str]:
+        """Laws of the soil and shapes of the blocks, with digests of those that are not
+        the package's; see `identity.part_names`."""
+        return part_names(self.ground.soil, self.release.block)
 
 
 class SlopeInput(NamedTuple):
@@ -229,9 +245,8 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
     data = read_input(path)
     content = parse_toml(path, data)
     given = read_slope_input(path, content, accuracy)
-    checksums = {path: hashlib.sha256(data).hexdigest()} | given.checksums
-    ground_input, layout, laws = given.ground, given.layout, given.laws
-    seed, profile = given.seed, layout.profile
+    ground_input, layout = given.ground, given.layout
+    profile = layout.profile
     jointly, fields = ground_input.sampled_jointly(), ground_input.fields()
     by_chance = bool(jointly or fields)
     count = _count(top, content, given.quantities, profile, by_chance)
@@ -241,44 +256,42 @@ def read_slope_studies(path: Path, accuracy: str | None = None) -> list[SlopeStu
         f"{count} blocks in {bins} bins of the envelopes",
         **top["count"].place,
     )
-    samples, release, ground = given.sample(count, seed)
-    inputs = [*checksums, *(file for law in laws for file in law.checksums)]
+    samples, release, ground = given.sample(count, given.seed)
+    settings = StudySettings(
+        collectors=_collectors(top, content, profile),
+        bins=bins,
+        limits=given.limits,
+        barriers=read_barriers(path, content, profile),
+        export_trajectories=whole(
+            top, content, "export_trajectories", DEFAULT_EXPORT, 1
+        ),
+    )
+    varied = *jointly, *ground_input.varied()
+    inputs = StudyInputs(
+        path=path,
+        checksums={path: hashlib.sha256(data).hexdigest()} | given.checksums,
+        title=typed(top, content, "title", str, path.stem),
+        seed=given.seed,
+        ground_table=_default_angles(profile) | content.get("ground", {}),
+        ground_samples={
+            key.removeprefix("ground.").replace(".", "_"): samples[key]
+            for key in varied
+        },
+        random_ground=frozenset(key.split(".")[-1] for key in (*varied, *fields)),
+        materials=layout.materials(ground_input.parts.values()),
+        placement=read_map_placement(path, content),
+        smoothing=layout.smoothing,
+    )
     return [
         SlopeStudy(
-            path=path,
-            checksums={f.name: c for f, c in (checksums | law.checksums).items()},
-            inputs=inputs,
-            title=typed(top, content, "title", str, path.stem),
             profile=profile,
             release=release,
             ground=ground,
-            ground_samples={
-                key.removeprefix("ground.").replace(".", "_"): samples[key]
-                for key in (*jointly, *ground_input.varied())
-            },
-            ground_told=_default_angles(profile) | content.get("ground", {}),
-            materials=layout.materials(ground_input.parts.values()),
-            random_ground=frozenset(
-                key.split(".")[-1]
-                for key in (*jointly, *ground_input.varied(), *fields)
-            ),
-            laws=part_names(ground.soil, release.block),
-            contacts=law.contacts,
-            law=law.told,
-            law_name=law.name,
-            law_directory=law.directory,
-            seed=seed,
-            collectors=_collectors(top, content, profile),
-            bins=bins,
-            limits=given.limits,
-            barriers=read_barriers(path, content, profile),
-            placement=read_map_placement(path, content),
-            smoothing=layout.smoothing,
-            export_trajectories=whole(
-                top, content, "export_trajectories", DEFAULT_EXPORT, 1
-            ),
+            law=law,
+            settings=settings,
+            inputs=inputs._replace(checksums=inputs.checksums | law.checksums),
         )
-        for law in laws
+        for law in given.laws
     ]
 
 

@@ -115,7 +115,10 @@ drawing.addEventListener("pointermove", (event) => {
   place();
 });
 drawing.addEventListener("pointerup", (event) => {
-  if (held && !held.moved) choose(view.x + pointer(event)[0] / view.scale);
+  if (held && !held.moved) {
+    choose(view.x + pointer(event)[0] / view.scale);
+    slider.closest("details").open = true;
+  }
   held = null;
   drawing.classList.remove("held");
 });
@@ -203,4 +206,6 @@ function table(bin) {
 slider.addEventListener("input", draw);
 whole();
 // A link to a place ends in #x=450.
-choose(Number((location.hash.match(/^#x=([-\d.]+)$/) || [0, data.start])[1]));
+const linked = location.hash.match(/^#x=([-\d.]+)$/);
+slider.closest("details").open = Boolean(linked);
+choose(Number((linked || [0, data.start])[1]));

@@ -1,0 +1,487 @@
+"""Impacts as rows of numbers: results, and their derivatives by leaves of the scene.
+
+The one function that computes impacts, whoever asks: `simulate` and what JAX makes of
+it, batches, fits, elasticities and run-outs. It chooses for each lane the cheapest
+model that is exact, and hands the lanes to the driver of the machine code: directly or,
+where JAX traces, as an operation of XLA (`operation`). For laws that have no machine
+code, and on other devices, XLA's program of the model does the work. That integrates
+with diffrax, and is also the second way, by which the machine code can be checked.
+"""
+
+import concurrent.futures
+import functools
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.custom_derivatives import SymbolicZero
+
+from .._jax_internals import Tracer, namespace_of, number_in
+from .._precision import float64_leaf
+from .._types import Structure
+from ..accuracy import Accuracy
+from ..identity import clear_when_edited, heed_edits, tracing
+from ..impact.problem import Assembly
+from ..impact.reduced_models import MODELS, exact_models
+from ..impact.results import Solution, empty_history, empty_summary
+from ..scene import Scene
+from . import MACHINE_CODE, NATIVE, Engine
+from .native_backend import MOST_DIRECTIONS, compile_native, computes_on_cpu
+from .operation import call
+from .simd import KernelSet
+from .threads import thread_count
+
+LANES_OF_XLA = 512
+"""Impacts of a program of XLA where many are computed: fewer waste time on dispatch,
+more on waiting for the slowest impact."""
+LANES_AT_ONCE = 2_048
+"""Impacts that a thread computes between two looks at progress: some 0.1 s, of which
+0.3 % are spent waiting for the last ones."""
+
+
+class Request(NamedTuple):
+    """Static description of the scenes to compute."""
+
+    structure: Structure
+    """Laws and shapes of the scene: its tree structure."""
+    ledger: bool
+    places: tuple[int, ...]
+    """Indices of the leaves that are not known yet, or are arrays."""
+    rest: np.ndarray
+    """All other leaves, each at its place, then tolerance and floor. They stay known
+    inside of `jax.jit`, and a single array is quicker to hand over than thirty."""
+    engine: Engine
+    sampled: bool = False
+    """Whether a history is sampled at times that are asked for."""
+
+    @property
+    def place_of_times(self) -> int:
+        """Index that stands for the times among the leaves: the one behind them."""
+        return self.structure.num_leaves
+
+    def leaves(self, values: list, unknown: Sequence[int] = ()) -> list:
+        """Return the leaves of the scene, with the values of those at `places`, and
+        with NaN for those that are not known."""
+        leaves = list(self.rest[:-2])
+        for place, value in zip(self.places, values, strict=True):
+            leaves[place] = value
+        for place in set(unknown) - {self.place_of_times}:
+            leaves[place] = np.nan
+        return leaves
+
+    def solution(self, rows) -> Solution:
+        """Return the results from their rows."""
+        return jax.tree.unflatten(_structure(self.ledger, self.sampled), rows)
+
+
+@functools.cache
+def _structure(ledger: bool, sampled: bool):
+    samples = empty_history(ledger) if sampled else None
+    return jax.tree.structure(Solution(empty_summary(ledger), samples))
+
+
+def request(
+    structure,
+    leaves,
+    accuracy: Accuracy,
+    ledger: bool,
+    engine: Engine = NATIVE,
+    sampled: bool = False,
+) -> tuple[Request, list]:
+    """Describe scenes; and return the values of leaves that are arrays or traced."""
+    heed_edits(structure)
+    places, rest = [], np.empty(len(leaves) + 2)
+    rest[-2:] = accuracy.tolerance, accuracy.floor
+    for place, leaf in enumerate(leaves):
+        if isinstance(leaf, Tracer) or np.ndim(leaf):
+            places.append(place)
+            rest[place] = np.nan
+        else:
+            rest[place] = leaf
+    # Whoever puts leaves in place by himself may put numbers of another type.
+    values = [
+        leaf if leaf.dtype == np.float64 else float64_leaf(leaf)
+        for leaf in (leaves[place] for place in places)
+    ]
+    return Request(structure, ledger, tuple(places), rest, engine, sampled), values
+
+
+def compute_rows(
+    structure,
+    leaves: Sequence,
+    accuracy: Accuracy,
+    *,
+    ledger: bool = False,
+    varied: Sequence[int] = (),
+) -> tuple[np.ndarray, np.ndarray]:
+    """Compute impacts, on every core.
+
+    Args:
+        structure, leaves: of a scene: numbers, or arrays that broadcast to one shape.
+        ledger: also keep the energy ledger.
+        varied: indices of the leaves by which the results are differentiated.
+
+    Returns:
+        Results `(numbers, *shape)`, in the order of the leaves of an `ImpactSummary`,
+        and their derivatives `(varied, numbers, *shape)`.
+    """
+    wanted, values = request(structure, leaves, accuracy, ledger)
+    if not varied:
+        rows = np.stack(jax.tree.leaves(values_of(wanted, values, None, False)))
+        return rows, np.empty((0, *rows.shape))
+    solution, columns = columns_of(wanted, values, None, list(varied), False)
+    rows = np.stack(jax.tree.leaves(solution))
+    return rows, np.stack([np.asarray(column) for (column,) in columns])
+
+
+def in_parts(places: np.ndarray) -> Iterator[np.ndarray]:
+    """Split many impacts, by their indices, into parts after which to look up."""
+    size = LANES_AT_ONCE * thread_count()
+    for first in range(0, len(places), size):
+        yield places[first : first + size]
+
+
+def prepare(
+    structure,
+    leaves: Sequence,
+    accuracy: Accuracy,
+    *,
+    ledger: bool = False,
+    varied: Sequence[int] = (),
+) -> str:
+    """Compile what `compute_rows` needs, and return the name of what computes."""
+    chosen = _choose(*request(structure, leaves, accuracy, ledger), list(varied))
+    return "XLA" if chosen is None else MACHINE_CODE
+
+
+def values_of(wanted: Request, values: list, times, in_jax: bool) -> Solution:
+    """Compute results without derivatives.
+
+    Args:
+        in_jax: whether JAX is to take part, which may trace or differentiate; else
+            values are known, and results NumPy arrays.
+    """
+    chosen = _choose(wanted, values, [])
+    if chosen is None:
+        return _by_xla(wanted, values, times, [], in_jax)
+    kernels, *turn = chosen
+    run: Callable = _by_operation if in_jax else _directly
+    rows, _ = run(kernels, (), wanted.places, wanted.rest, values, *turn, times)
+    return wanted.solution(rows)
+
+
+def columns_of(
+    wanted: Request, values: list, times, varied: list[int], in_jax: bool
+) -> tuple[Any, Any]:
+    """Compute results, and for each of the leaves in `varied` the derivatives of all
+    results, and of all samples, with respect to it, on a first axis; see
+    `values_of`."""
+    posture, damping, others = _groups(wanted.structure)
+    solution, by_leaf = None, {}
+    # Derivatives with respect to a leaf that may break the symmetry need the planar
+    # model, with respect to damping ratios dashpots; the others need no more than the
+    # value does.
+    for group in (others | {wanted.place_of_times}, posture, damping):
+        if of_group := [place for place in varied if place in group]:
+            of_leaves = _columns_of_group(wanted, values, times, of_group, in_jax)
+            solution = of_leaves[0] if solution is None else solution
+            by_leaf |= zip(of_group, of_leaves[1], strict=True)
+    return solution, [by_leaf[place] for place in varied]
+
+
+def _columns_of_group(
+    wanted: Request, values: list, times, varied: list[int], in_jax: bool
+):
+    chosen = _choose(wanted, values, varied)
+    if chosen is None:
+        return _by_xla(wanted, values, times, varied, in_jax)
+    kernels, *turn = chosen
+    run: Callable = _by_operation if in_jax else _directly
+    rows, columns = None, []
+    for first in range(0, len(varied), MOST_DIRECTIONS):
+        along = varied[first : first + MOST_DIRECTIONS]
+        padded = (*along, *[-1] * (MOST_DIRECTIONS - len(along)))
+        inputs = wanted.places, wanted.rest, values, *turn, times
+        rows, along_each = run(kernels, padded, *inputs)
+        columns += [tuple(part[k] for part in along_each) for k in range(len(along))]
+    return wanted.solution(rows), columns
+
+
+def _by_operation(
+    kernels: KernelSet, along, places, rest, values, effort, program, times
+):
+    """Compute rows of numbers, then of samples, and the derivatives of either along the
+    directions: an array with axes of directions and of rows first."""
+    lanes = values, effort, program, times
+    if not along:
+        return _traced(kernels, along, places, rest, *lanes)
+    return _first_order(kernels, along, places, _Unhashed(rest), *lanes)
+
+
+def _directly(kernels: KernelSet, along, places, rest, values, effort, program, times):
+    """Compute what `_by_operation` does from NumPy arrays, without JAX."""
+    shape = np.broadcast_shapes(*map(np.shape, (*values, effort, program)))
+    series = ()
+    if times is not None:
+        series = np.shape(times)[-1:]
+        shape = np.broadcast_shapes(shape, np.shape(times)[:-1])
+        times = np.broadcast_to(times, shape + series).reshape(-1, *series)
+    inputs = np.empty((len(values), *shape))
+    for row, value in enumerate(values):
+        inputs[row] = value
+    results, samples = kernels.compute(
+        inputs.reshape(len(values), math.prod(shape)),
+        thread_count(),
+        common=rest,
+        places=places,
+        effort=np.broadcast_to(effort, shape).ravel() if shape else None,
+        program=np.broadcast_to(program, shape).ravel(),
+        along=along,
+        times=times,
+    )
+    parts = [results.reshape(len(results), *shape)]
+    if samples is not None:
+        parts.append(samples.reshape(len(samples), *shape, *series))
+    return _split(along, values, parts, np.asarray)
+
+
+def _split(along, values, parts: Sequence, stack: Callable):
+    """Separate results from their derivatives along directions.
+
+    Args:
+        parts: rows of numbers, and of samples if there are any.
+        stack: makes one array of rows.
+    """
+    rows, columns = [], []
+    for sampled, part in enumerate(parts):
+        count = len(part) // (1 + len(along))
+        rows.extend(part[:count])
+        if along and count:
+            along_each = stack(part[count:])
+            along_each = along_each.reshape(len(along), count, *part[0].shape)
+            known = stack(part[:count])
+            columns.append(_of_numbers(values, known, along_each, sampled == 1))
+    return rows, columns
+
+
+@functools.partial(jax.jit, static_argnums=(0, 1, 2), inline=True)
+def _traced(kernels, along, places, rest, values, effort, program, times):
+    results = call(kernels, rest, places, values, effort, program, along, times)
+    parts = results[: kernels.result_rows], results[kernels.result_rows :]
+    return _split(along, values, parts, jnp.stack)
+
+
+def _of_numbers(values: list, rows, columns, sampled: bool):
+    """Return derivatives, those of NaN as they have to be: NaN if an input is NaN, and
+    else 0, that of no number.
+
+    The integration gives what it has come to. An impact that failed, and a time after
+    the end, must not spoil the derivatives of others: in reverse mode 0 times NaN is
+    NaN, also for who leaves them out.
+
+    Args:
+        values: inputs.
+        rows: results, whose derivatives the columns are, along their last axes.
+        sampled: whether the rows are samples, which have an axis of times.
+    """
+    xp, of_nan = namespace_of(*values, rows, columns), 0.0
+    for value in values:
+        missing = xp.isnan(value[..., None] if sampled else value)
+        of_nan = xp.where(missing, xp.nan, of_nan)
+    return xp.where(xp.isnan(rows), of_nan, columns)
+
+
+class _Unhashed:
+    """Wrapper that passes an array through `custom_jvp` unhashed."""
+
+    def __init__(self, value):
+        self.value = value
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0, 1, 2, 3))
+def _first_order(kernels, along, places, rest, values, effort, program, times):
+    return _traced(kernels, along, places, rest.value, values, effort, program, times)
+
+
+@functools.partial(_first_order.defjvp, symbolic_zeros=True)
+def _no_second_order(kernels, along, places, rest, primals, tangents):
+    if not all(isinstance(t, SymbolicZero) for t in jax.tree.leaves(tangents)):
+        raise NotImplementedError(
+            "second derivatives of an impact are asked for, but the machine code has "
+            "first ones alone: take J.T @ J of the residuals, or wrap your function "
+            "in jaximpact.with_second_derivatives, which takes differences "
+            '(documentation: "Optimisers of SciPy")'
+        )
+    results = _traced(kernels, along, places, rest.value, *primals)
+    return results, jax.tree.map(jnp.zeros_like, results)
+
+
+def _choose(wanted: Request, values: list, varied: list[int]):
+    """Choose the kernels, and give the effort of each lane and the index of its kernel;
+    None where there is no machine code, or none is asked for."""
+    if not (wanted.engine.is_machine_code and computes_on_cpu()):
+        return None
+    # A derivative leaves the symmetry that a cheaper model rests on.
+    known = [x if isinstance(x, Tracer) else np.asarray(x) for x in values]
+    leaves = wanted.leaves(known)
+    many = any(isinstance(x, Tracer) or x.ndim for x in known)
+    if many:
+        scene = jax.tree.unflatten(wanted.structure, leaves)
+        # What is one number for all lanes decides as that number does.
+        known = [number_in(x) if isinstance(x, Tracer) else x for x in known]
+        leaves = wanted.leaves(known, varied)
+        models, possible = exact_models(jax.tree.unflatten(wanted.structure, leaves))
+    else:
+        models, possible = _exact_model(
+            wanted.structure,
+            tuple(
+                math.nan if place in varied else float(leaves[place])
+                for place in _deciding(wanted.structure)
+            ),
+        )
+    key = wanted.structure, wanted.ledger, wanted.sampled
+    kernels = _kernels(*key, tuple(possible), bool(varied))
+    if kernels is None:
+        return None
+    program = sum(((models > place) * 1.0 for place in possible[:-1]), 0.0)
+    return kernels, effort(scene) if many else 0.0, program
+
+
+@functools.lru_cache(maxsize=256)
+def _deciding(structure) -> tuple[int, ...]:
+    """Choose the leaves of a scene that decide which model is exact."""
+    posture, damping, _ = _groups(structure)
+    return tuple(sorted(posture | damping))
+
+
+@functools.lru_cache(maxsize=1024)
+def _exact_model(structure, deciding: tuple[float, ...]):
+    """`exact_models` of a single impact, by the values that decide."""
+    leaves = [np.nan] * structure.num_leaves
+    for place, value in zip(_deciding(structure), deciding, strict=True):
+        leaves[place] = np.float64(value)
+    return exact_models(jax.tree.unflatten(structure, leaves))
+
+
+clear_when_edited(_exact_model.cache_clear)
+
+
+@functools.lru_cache(maxsize=256)
+def _groups(structure) -> tuple[set[int], set[int], set[int]]:
+    """Return the leaves of a scene: those that may leave the symmetry, of dashpots,
+    others."""
+    scene = jax.tree.unflatten(structure, range(structure.num_leaves))
+    posture = {*jax.tree.leaves((scene.block.shape, scene.impact))}
+    posture -= {scene.impact.speed}
+    damping = {*jax.tree.leaves(scene.soil.damping)}
+    return posture, damping, {*range(structure.num_leaves)} - posture - damping
+
+
+def effort(scene: Scene):
+    """Compute a number that is larger for shorter contacts, to begin the longest ones
+    first, so that few lanes stand empty at the end.
+
+    Contacts are long where the speed into the ground is small beside what gravity gives
+    over the size of a block.
+    """
+    block, impact = scene.block, scene.impact
+    xp = namespace_of(*jax.tree.leaves(scene))
+    size = xp.cbrt(block.mass / block.density)
+    return impact.speed * xp.cos(impact.angle) / xp.sqrt(size)
+
+
+_kernel_sets: dict[tuple, KernelSet] = {}
+clear_when_edited(_kernel_sets.clear)
+
+
+def _kernels(
+    structure, ledger: bool, sampled: bool, possible: tuple[int, ...], varied: bool
+) -> KernelSet | None:
+    """Kernels of a set of models, with derivatives or without."""
+    key = structure, ledger, sampled, possible, varied
+    if key not in _kernel_sets:
+        kernels = []
+        # One after the other: LLVM is called by one thread at a time (llvmlite).
+        for place in possible:
+            assembly = Assembly(structure, MODELS[place], ledger)
+            kernel = compile_native(assembly, varied, sampled)
+            if kernel is None:
+                return None
+            kernels.append(kernel)
+        _kernel_sets[key] = KernelSet(kernels, MOST_DIRECTIONS if varied else 0)
+    return _kernel_sets[key]
+
+
+def _by_xla(
+    wanted: Request, values: list, times, varied: list[int], in_jax: bool
+) -> Any:
+    """Compute by XLA's program, with leaves in `varied` also the derivatives, as
+    `columns_of` gives them."""
+    from .xla_backend import in_xla  # loads diffrax, which takes a while
+
+    known = [np.nan if isinstance(x, Tracer) else x for x in values]
+    known = [np.asarray(x) for x in wanted.leaves(known, varied)]
+    scene = jax.tree.unflatten(wanted.structure, known)
+    _, possible = exact_models(scene)
+    assembly = Assembly(wanted.structure, MODELS[max(possible)], wanted.ledger)
+    program: Callable = functools.partial(
+        in_xla, assembly, tuple(varied), wanted.engine.solver
+    )
+    leaves, (tolerance, floor) = wanted.leaves(values), wanted.rest[-2:]
+    if in_jax:
+        with tracing():
+            results = program(leaves, tolerance, floor, times)
+    else:
+        results = _in_parts(program, leaves, (tolerance, floor), times)
+    if not varied:
+        return results
+    solution, columns = results
+    parts = [jax.tree.leaves(part) for part in solution if part is not None]
+    stack = namespace_of(*jax.tree.leaves(solution)).stack
+    return solution, [
+        tuple(
+            _of_numbers(values, stack(rows), part, sampled == 1)
+            for sampled, (rows, part) in enumerate(zip(parts, column, strict=True))
+        )
+        for column in columns
+    ]
+
+
+def _in_parts(program: Callable, leaves: list, setting: tuple, times):
+    """Compute arrays of impacts by a program of XLA, which then has one of few sizes,
+    on every core."""
+    of_times = () if times is None else np.shape(times)[:-1]
+    shape = np.broadcast_shapes(of_times, *map(np.shape, leaves))
+    lanes = math.prod(shape)
+    if not shape or not lanes:
+        with tracing():
+            return program(leaves, *setting, times)
+    rows = [np.broadcast_to(np.asarray(x), shape).reshape(lanes) for x in leaves]
+    if times is not None:
+        series = np.shape(times)[-1:]
+        times = np.broadcast_to(times, shape + series).reshape(lanes, *series)
+    width = min(LANES_OF_XLA, 1 << (lanes - 1).bit_length())
+
+    def part(start: int):
+        # Its last impacts fill the program up.
+        chosen = np.minimum(np.arange(start, start + width), lanes - 1)
+        at = None if times is None else times[chosen]
+        return program([row[chosen] for row in rows], *setting, at)
+
+    def joined(axis: int, *parts):
+        whole = np.concatenate(parts, axis).take(range(lanes), axis)
+        return whole.reshape(*whole.shape[:axis], *shape, *whole.shape[axis + 1 :])
+
+    with tracing(), concurrent.futures.ThreadPoolExecutor(thread_count()) as pool:
+        first = part(0)  # compiles what the others run
+        parts = [first, *pool.map(part, range(width, lanes, width))]
+    if isinstance(first, Solution):
+        return jax.tree.map(functools.partial(joined, 0), *parts)
+    solutions, columns = zip(*parts, strict=True)
+    return (
+        jax.tree.map(functools.partial(joined, 0), *solutions),
+        jax.tree.map(functools.partial(joined, 1), *columns),
+    )

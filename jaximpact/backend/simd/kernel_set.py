@@ -1,0 +1,164 @@
+"""Sets of kernels: lanes side by side, each computed by the kernel that it names."""
+
+import ctypes
+import functools
+import hashlib
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from .driver import (
+    PROGRAMS,
+    Course,
+    Driver,
+    Operation,
+    Rows,
+    compute_rows,
+    driver_object,
+    load_driver,
+)
+from .kernel import Kernel
+from .system_functions import thread_functions
+
+USUAL_STEPS = 2_000
+"""Steps for which there is room when a course is recorded; a lane that takes more runs
+once more."""
+
+
+class KernelSet:
+    """Kernels that lanes are computed by, on as many threads as are asked for.
+
+    Args:
+        kernels: with the same rows of inputs and of results.
+        directions: along which they differentiate.
+    """
+
+    def __init__(self, kernels: Sequence[Kernel], directions: int = 0):
+        if len(kernels) > PROGRAMS:
+            raise ValueError(f"{len(kernels)} kernels, but there can be {PROGRAMS}")
+        first = kernels[0].program
+        self.kernels, self.directions = tuple(kernels), directions
+        self.structure = kernels[0].structure
+        self.result_rows, self.sampled_rows = first.result_rows, first.sampled_rows
+        code = kernels[0].code
+        # Without directions those of kernels that have some are inputs as any others.
+        self.inputs = code.common_inputs if directions else code.input_rows
+        self._settings = Operation()
+        self._fill(self._settings)
+
+    def _fill(self, settings: Operation) -> None:
+        settings.count = len(self.kernels)
+        for place, kernel in enumerate(self.kernels):
+            settings.programs[place] = kernel.program
+        settings.directions = self.directions
+        settings.samples = self.sampled_rows > 0
+        settings.leaves = self.inputs
+        for field, address in thread_functions()._asdict().items():
+            setattr(settings, field, address)
+
+    @functools.cached_property
+    def digest(self) -> str:
+        """Name by content: what XLA keeps for other processes calls code by its name,
+        which must never stand for other code."""
+        digest = hashlib.sha256(driver_object())
+        digest.update(f"{len(self.kernels)} {self.directions}".encode())
+        for kernel in self.kernels:
+            digest.update(kernel.layout)
+            digest.update(kernel.code.object_file)
+        return digest.hexdigest()[:32]
+
+    def load_driver(self) -> Driver:
+        """Load a driver whose handler serves XLA with these kernels."""
+        driver = load_driver()
+        self._fill(driver.operation)
+        return driver
+
+    def compute(
+        self,
+        own: Float[np.ndarray, "own lanes"],
+        threads: int,
+        *,
+        common: Float[np.ndarray, " inputs"] | None = None,
+        places: Sequence[int] | None = None,
+        effort: Float[np.ndarray, " lanes"] | None = None,
+        program: Float[np.ndarray, " lanes"] | None = None,
+        along: Sequence[int] = (),
+        times: Float[np.ndarray, "lanes times"] | None = None,
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        """Compute lanes, on so many threads at most.
+
+        Args:
+            own: inputs that lanes have of their own.
+            common: inputs, of which those that lanes have of their own do not count.
+            places: places of the rows of `own` among the inputs; all by default.
+            effort: less for lanes that take longer, which begin first; by default they
+                begin in order.
+            program: place of each lane's kernel, if there are several.
+            along: input of each direction; -1 for a direction that is not wanted.
+            times: at which samples are taken, increasing.
+
+        Returns:
+            Results `(result_rows, lanes)`, which end with those of the directions, and
+            samples `(sampled_rows, lanes, times)`.
+        """
+        rows, results = self._rows(own, threads, common, places)
+        samples = None
+        if effort is not None:
+            effort = np.ascontiguousarray(effort, float)
+            rows.effort = effort.ctypes.data
+        if program is not None:
+            program = np.ascontiguousarray(program, float)
+            rows.program = program.ctypes.data
+        directions = np.array(along, float)
+        rows.along = directions.ctypes.data
+        if times is not None:
+            times = np.ascontiguousarray(times, float)
+            rows.times, rows.times_asked = times.shape[1], times.ctypes.data
+            samples = np.empty((self.sampled_rows, *times.shape))
+            rows.samples = samples.ctypes.data
+        compute_rows(rows)
+        return results, samples
+
+    def record(
+        self, inputs: Float[np.ndarray, " inputs"]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Compute one lane by the first kernel, and sample it at its start and at the
+        end of every step.
+
+        Returns:
+            Results `(result_rows,)`, and samples `(sampled_rows, 1 + steps)`.
+        """
+        room = USUAL_STEPS
+        while True:
+            samples = np.empty((self.sampled_rows, room))
+            course = Course(samples=samples.ctypes.data, room=room)
+            rows, results = self._rows(inputs[:, None], 1, None, None)
+            rows.course = ctypes.addressof(course)
+            compute_rows(rows)
+            if course.count <= room:
+                return results[:, 0], samples[:, : course.count]
+            room = course.count
+
+    def _rows(self, own, threads: int, common, places) -> tuple[Rows, np.ndarray]:
+        """Describe lanes to the driver; arrays live as long as the description."""
+        own = np.ascontiguousarray(own, float)
+        if places is None:
+            places = range(self.inputs)
+        if own.shape[0] != len(places):
+            raise ValueError(f"got {own.shape[0]} rows of inputs, need {len(places)}")
+        common = np.zeros(self.inputs) if common is None else np.array(common, float)
+        at = np.array(places, float)
+        results = np.empty((self.result_rows, own.shape[1]))
+        rows = Rows(
+            operation=ctypes.addressof(self._settings),
+            lanes=own.shape[1],
+            threads=threads,
+            own_inputs=len(at),
+            common=common.ctypes.data,
+            places=at.ctypes.data,
+            own=own.ctypes.data,
+            results=results.ctypes.data,
+        )
+        rows.alive = common, at, own
+        return rows, results

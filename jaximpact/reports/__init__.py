@@ -1,0 +1,2 @@
+"""What results are reported with: tables, trees for JSON, and documents, printed or as
+one page."""

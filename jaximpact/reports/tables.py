@@ -1,0 +1,71 @@
+"""Tables as they are shown, and as files of comma-separated values."""
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..io.display import align
+
+ROUNDING = 1e-9
+"""Size below which a number is shown as 0: what rounding leaves of it, as of the height
+of a block that rolls."""
+
+
+class Table(NamedTuple):
+    """Rows of cells under columns.
+
+    Numbers are shown with four digits, and None and NaN as a dash; files of
+    comma-separated values have all digits, and nothing for None.
+    """
+
+    columns: Sequence[str]
+    """Names, a unit in brackets behind it where there is one."""
+    rows: Sequence[Sequence[object]]
+
+    def __bool__(self) -> bool:
+        return bool(self.rows)
+
+    def shown(self) -> Iterator[tuple[str, ...]]:
+        """Yield the cells of each row as text."""
+        for row in self.rows:
+            yield tuple(map(cell_text, row))
+
+    def text(self) -> str:
+        """Align the columns."""
+        return align([tuple(self.columns), *self.shown()])
+
+    def csv(self) -> str:
+        """Write comma-separated values."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerows([self.columns, *self.rows])
+        return text.getvalue()
+
+
+def cell_text(value: object) -> str:
+    """Write the cell of a table."""
+    if value is None:
+        return "-"
+    return number_text(value) if isinstance(value, float) else str(value)
+
+
+def number_text(value: float) -> str:
+    """Write a number with four digits, a dash where there is none."""
+    if not np.isfinite(value):
+        return "-"
+    return f"{0.0 if abs(value) < ROUNDING else value:.4g}"
+
+
+def interval_text(low: float, high: float) -> str:
+    """Write an interval; an end that is not known is a dash."""
+    if np.isnan(low) and np.isnan(high):
+        return "-"
+    return f"{number_text(low)} to {number_text(high)}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """Write names in a row: a, b and c."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))

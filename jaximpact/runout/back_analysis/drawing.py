@@ -1,0 +1,90 @@
+"""Drawings of a back-analysis."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ...plotting.style import (
+    BLUE,
+    GREY,
+    VERMILION,
+    in_style,
+    legend_outside,
+    panels,
+)
+from .posterior import FittedParameter
+from .predictive import ChannelPrediction, Curve
+from .problem import ENDS
+
+WIDTH, HEIGHT = 4.6, 3.5
+"""Size of a panel [inch]: the report shows it 460 px wide."""
+BINS = 20
+MOST_SAMPLES, MOST_VALUES = (0.002, 0.998), (0.01, 0.99)
+"""Quantiles of samples and of predicted values between which they are drawn."""
+BAND = 0.25
+"""Opacity."""
+
+
+@in_style
+def draw_marginal(fitted: FittedParameter, samples: np.ndarray) -> Figure:
+    """Draw samples of a parameter beside its prior."""
+    figure, (axes,) = panels(height=HEIGHT, width=WIDTH)
+    prior, name = fitted.parameter.prior, fitted.parameter.name
+    bulk = tuple(np.quantile(samples, MOST_SAMPLES))
+    counts, edges, _ = axes.hist(
+        samples,
+        BINS,
+        range=bulk,
+        density=True,
+        color=BLUE,
+        alpha=0.6,
+        label="posterior",
+    )
+    low, high = min(edges[0], fitted.prior_low), max(edges[-1], fitted.prior_high)
+    u = np.linspace(ENDS[0], ENDS[-1], 2001)
+    x = prior.values(u)
+    apart = np.maximum(np.diff(x), 1e-300)
+    axes.plot(0.5 * (x[1:] + x[:-1]), np.diff(u) / apart, color=GREY, label="prior")
+    for end in (fitted.low, fitted.high):
+        axes.axvline(end, color=VERMILION, ls="--", lw=1.0, label="95 % interval")
+    axes.set(xlabel=name, ylabel="density", xlim=(low, high))
+    axes.set_ylim(0.0, 1.1 * float(np.max(counts)))
+    legend_outside(figure)
+    return figure
+
+
+@in_style
+def draw_channel(prediction: ChannelPrediction) -> Figure:
+    """Draw the cumulative share of observed values, and the band of predicted ones."""
+    figure, (axes,) = panels(height=HEIGHT, width=WIDTH)
+    channel, predicted = prediction.channel, prediction.predicted
+    finite = predicted[np.isfinite(predicted)]
+    observed = np.sort(channel.values)
+    # One block that went far would press all others together.
+    most = np.quantile(finite, MOST_VALUES) if len(finite) else observed
+    every = np.concatenate([most, observed])
+    x = np.linspace(np.min(every), np.max(every), 200)
+    rows = [row[np.isfinite(row)] for row in predicted]
+    shares = [np.searchsorted(row, x, "right") / len(row) for row in rows if len(row)]
+    if shares:
+        low, middle, high = np.quantile(shares, (0.025, 0.5, 0.975), axis=0)
+        axes.fill_between(x, low, high, color=BLUE, alpha=BAND, label="95 %")
+        axes.plot(x, middle, color=BLUE, label="predicted")
+    steps = np.arange(1, len(observed) + 1) / len(observed)
+    axes.step(observed, steps, where="post", color=VERMILION, label="observed")
+    axes.set(xlabel=channel.words, ylabel="cumulative share", ylim=(0.0, 1.0))
+    legend_outside(figure)
+    return figure
+
+
+@in_style
+def draw_curve(curve: Curve) -> Figure:
+    """Draw the share of released blocks that exceed a value."""
+    figure, (axes,) = panels(height=HEIGHT, width=WIDTH)
+    axes.fill_between(curve.values, curve.low, curve.high, color=BLUE, alpha=BAND)
+    axes.plot(curve.values, curve.share, color=BLUE)
+    axes.set(
+        xlabel=f"{curve.quantity} at x = {curve.place:g} m",
+        ylabel="share of blocks that exceed it",
+        ylim=(0.0, max(1e-3, 1.05 * float(np.max(curve.high)))),
+    )
+    return figure
