@@ -6,6 +6,7 @@ of measurement stay.
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -111,7 +112,7 @@ class ReboundResponse(NamedTuple):
         own = {c.name: getattr(of_law, c.field) for c in own_columns(self.law)}
         return leaf_places(tree[0]) | own
 
-    def in_xla(self, structure: Structure) -> bool:
+    def in_xla(self, structure: Structure, leaves: Sequence) -> bool:
         """A law in closed form is a program of XLA."""
         return True
 
