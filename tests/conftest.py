@@ -46,6 +46,15 @@ def cache(tmp_path, monkeypatch):
     open_cache.cache_clear()
 
 
+@pytest.fixture(scope="session")
+def slope_results(tmp_path_factory):
+    """The study of `slope_study`, computed once for all tests."""
+    # A late import: the settings above come first.
+    from slope_study import slope_results_in
+
+    return slope_results_in(tmp_path_factory.mktemp("slope"))
+
+
 @pytest.fixture
 def slope(folder, request):
     """The study `SLOPE` of the test's module, as slope.toml in an empty directory."""

@@ -147,9 +147,9 @@ class Calibration:
             path: file to save the figure in too; replaced once the new one is whole.
         """
         from ..plotting.style import save_figure
-        from .report.drawings import plot_study
+        from .report.drawings import draw_study
 
-        return save_figure(plot_study(self.result), path)
+        return save_figure(draw_study(self.result), path)
 
     @numpy_settings()
     def write(self, out: str | os.PathLike) -> None:

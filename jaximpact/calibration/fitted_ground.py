@@ -123,7 +123,7 @@ def read_fitted(path: Path) -> FittedGround:
         )
     try:
         parts, *laws = (
-            parts_of_entries(entry.get("parts", {}), path)
+            parts_of_entries(entry["parts"], path)
             for entry in (tree["manifest"], *tree["variants"])
         )
         return fitted_of(tree, parts, laws)
@@ -156,7 +156,7 @@ def fitted_of(
         parameters=tuple(
             Parameter(
                 *(name, entry["start"], entry["lower"], entry["upper"]),
-                Prior(**entry["prior"]) if "prior" in entry else None,
+                Prior(**entry["prior"]) if entry["prior"] else None,
             )
             for name, entry in manifest["parameters"].items()
         ),
@@ -169,18 +169,18 @@ def fitted_of(
         results=tree["fitted_tests"]["results"],
         versions=manifest["versions"],
         parts=parts,
-        block=manifest.get("block", {}),
-        shapes=tuple(tree["fitted_tests"].get("shapes", ())),
+        block=manifest["block"],
+        shapes=tuple(tree["fitted_tests"]["shapes"]),
         tied=tuple(
             Tied(name, entry["expression"], entry["constants"])
-            for name, entry in manifest.get("tied", {}).items()
+            for name, entry in manifest["tied"].items()
         ),
         simple=tuple(
             law_of_json(entry)
-            for entry in tree.get("simple_laws", ())
+            for entry in tree["simple_laws"]
             if entry["law"] in SIMPLE_LAWS
         ),
-        compared=tuple(tree.get("comparison", {}).get("verdict", ())),
+        compared=tuple((tree["comparison"] or {"verdict": ()})["verdict"]),
     )
 
 
@@ -211,7 +211,7 @@ def _variant(tree: dict, entry: dict, laws: dict[str, Part]) -> FittedVariant:
             if "part_of_size" in one
         },
         estimated={name: not given for name, given in tree["sigma_given"].items()},
-        inflation=entry["inflation"],
+        inflation=entry["uncertainty"]["inflation"],
         freedom={n: one["degrees_of_freedom"] for n, one in entry["fit"].items()},
         accuracy=Accuracy(**draws["accuracy"]),
     )

@@ -9,6 +9,7 @@ from error_messages import assert_one_line_error
 from text_files import write_changed
 
 from jaximpact import PRESETS, read_netcdf
+from jaximpact.calibration.fitted_ground import FORMAT
 from jaximpact.cli import main
 from jaximpact.errors import UnusualValueWarning
 from jaximpact.runout import read_slope_study
@@ -73,15 +74,19 @@ def fit(**changes):
         },
         "profiles": {},
         "fit": {},
-        "inflation": 1.0,
+        "parts": {},
+        "uncertainty": {"inflation": 1.0},
     } | changes
     ranges = ((0.01, 10.0), (0.05, 500.0), (0.0, 1.0))
     parameters = {
-        name: {"start": high, "lower": low, "upper": high}
+        name: {"start": high, "lower": low, "upper": high, "prior": None}
         for name, (low, high) in zip(NAMES, ranges, strict=True)
     }
     manifest = {
         "soil": {"k_E": 500.0, "beta": 0.8},
+        "block": {},
+        "parts": {},
+        "tied": {},
         "parameters": parameters,
         "nuisances": {},
         "targets": [],
@@ -90,10 +95,13 @@ def fit(**changes):
         "versions": {},
     }
     return {
+        "format": FORMAT,
         "title": "sand",
         "variants": [variant],
+        "simple_laws": [],
+        "comparison": None,
         "manifest": manifest,
-        "fitted_tests": {"ranges": {}, "results": {}},
+        "fitted_tests": {"ranges": {}, "results": {}, "shapes": []},
         "sigma_given": {},
     }
 

@@ -8,10 +8,6 @@ import subprocess
 import numpy as np
 import pytest
 
-from jaximpact.runout import read_slope_study, run_slope_study
-from jaximpact.runout.study.report_page import slope_report
-from jaximpact.runout.study.run_study import simulate
-
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))),
     None,
@@ -25,42 +21,6 @@ FLAGS = (
     *("--no-first-run", "--disable-background-networking", "--disable-sync"),
     *("--disable-component-update", "--virtual-time-budget=2000"),
 )
-SLOPE = """
-count = 80
-collectors_m = [60]
-bins = 20
-
-[profile]
-points_m = [[0, 50], [80, 0], [200, 0]]
-
-[release]
-x_m = { from = 2, to = 6 }
-clearance_m = 0.5
-speed_mps = 5
-
-[contacts]
-law = "constant coefficients"
-e_n = 0.4
-e_t = 0.8
-
-[[barriers]]
-name = "fence"
-x_m = 85
-height_m = 2
-capacity_kJ = 10
-"""
-
-
-@pytest.fixture(scope="module")
-def page(tmp_path_factory):
-    """File of the page, and the study's dataset."""
-    folder = tmp_path_factory.mktemp("page")
-    (folder / "slope.toml").write_text(SLOPE)
-    study = read_slope_study(folder / "slope.toml")
-    dataset = run_slope_study(study)
-    file = folder / "report.html"
-    file.write_text(slope_report(study, dataset, simulate(study, np.arange(50))).page())
-    return file, dataset
 
 
 def browse(page, folder, *arguments, place):
@@ -72,14 +32,16 @@ def browse(page, folder, *arguments, place):
 
 
 @pytest.mark.parametrize("place", [25, 95])
-def test_the_slider_shows_the_blocks_in_a_bin(page, tmp_path, place):
-    file, dataset = page
-    shown = browse(file, tmp_path, "--dump-dom", place=place)
+def test_the_slider_shows_the_blocks_in_a_bin(slope_results, tmp_path, place):
+    dataset = slope_results.dataset
+    shown = browse(
+        slope_results.folder / "report.html", tmp_path, "--dump-dom", place=place
+    )
     here = dataset.sel(bin=place, method="nearest")
     count = int(here.blocks_in_bin)
     where = re.search(r'<strong id="where">(.*?)</strong>', shown)[1]
     low, high = float(here.bin_left_m), float(here.bin_right_m)
-    assert where == f"x from {low:g} to {high:g} m: {count} of 80 blocks come there"
+    assert where == f"x from {low:g} to {high:g} m: {count} of 90 blocks come there"
     body = re.search(r'<tbody id="numbers">(.*?)</tbody>', shown, re.DOTALL)[1]
     rows = [re.findall("<td>(.*?)</td>", row) for row in body.split("</tr>")[:-1]]
     for row, name in zip(rows, ("height_m", "speed_mps", "energy_J"), strict=True):
@@ -87,15 +49,15 @@ def test_the_slider_shows_the_blocks_in_a_bin(page, tmp_path, place):
         expected = factor * here[f"envelope_{name}_percentiles"].values
         # Four digits are shown.
         np.testing.assert_allclose([float(v) for v in row[1::2]], expected, rtol=6e-4)
-        assert row[-1].endswith("to -")  # 80 blocks have no upper end at 99 %
+        assert row[-1].endswith("to -")  # 90 blocks have no upper end at 99 %
     # A curve in each panel, and labels of the profile's places.
     assert shown.count("<polyline") == 3
-    assert re.search(r"<text [^>]*>fence</text>", shown)
+    assert re.search(r"<text [^>]*>upper, fence</text>", shown)
     assert re.search(r"<text [^>]*>x = 60 m</text>", shown)
 
 
-def test_pictures_differ_with_the_slider_and_it_prints(page, tmp_path):
-    file, _ = page
+def test_pictures_differ_with_the_slider_and_it_prints(slope_results, tmp_path):
+    file = slope_results.folder / "report.html"
     pictures = []
     for place in (25, 95):
         picture = tmp_path / f"{place}.png"

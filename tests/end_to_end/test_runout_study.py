@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from error_messages import assert_one_line_error
+from slope_study import SLOPE, refusals
 from text_files import rows_of
 
 import jaximpact.runout.study.output  # noqa: F401, takes `simulate` before a test replaces it
@@ -27,40 +28,6 @@ from jaximpact.runout import (
 from jaximpact.runout.study import run_study as study_module
 
 pytestmark = pytest.mark.slow
-
-SLOPE = """
-title = "A slope"
-count = 60
-seed = 7
-collectors_m = [60, 40]
-bins = 20
-
-[profile]
-points_m = [[0, 50], [50, 20], [55, 20], [80, 0], [200, 0]]
-
-[ground]
-rolling_friction_angle_deg = 25
-
-[ground.segment.2]
-c_v = 0.5
-rolling_friction_angle_deg = 10
-
-[block]
-mass_kg = { mean = 100, sd = 60, least = 20 }
-aspect_ratio = [1, 1.5, 2]
-
-[release]
-x_m = { from = 2, to = 6 }
-clearance_m = 0.5
-speed_mps = 5
-direction_deg = 10
-orientation_deg = { from = 0, to = 180 }
-
-[contacts]
-law = "frictional ellipsoid"
-e_contact = 0.3
-friction_coefficient = 0.6
-"""
 
 FIRST_DRAWS = [1.098990039096864, 2.7912608936625847, 1.141582449641262]
 """Of the seed 3 for a quantity a, between 1 and 3."""
@@ -99,17 +66,16 @@ def test_lists_make_every_combination():
     assert list(drawn["b"]) == [5, 6, 7, 5, 6, 7, 5, 6]
 
 
-def test_the_file_says_what_is_computed(slope):
-    study = read_slope_study(slope)
-    assert study.release.count == 60
+def test_the_file_says_what_is_computed(changed):
+    study = read_slope_study(
+        changed(("speed_mps = 5", "speed_mps = 5\ndirection_deg = 10"))
+    )
+    assert study.release.count == 90
     assert list(study.settings.collectors) == [40.0, 60.0]
-    assert list(np.degrees(study.profile.rolling_friction_angle).round(9)) == [
-        *(25, 10, 25, 25)
-    ]
     assert list(study.profile.soil.c_v) == [1.0, 0.5, 1.0, 1.0]
     mass = np.asarray(study.release.block.mass)
     assert mass.min() >= 20.0
-    assert len(np.unique(mass)) == 60
+    assert len(np.unique(mass)) == 90
     assert list(study.release.block.aspect_ratio[:4]) == [1.0, 1.5, 2.0, 1.0]
     np.testing.assert_allclose(study.release.v_y, 5.0 * np.sin(np.radians(10.0)))
     assert study.law.description == {
@@ -119,20 +85,21 @@ def test_the_file_says_what_is_computed(slope):
     }
 
 
-def test_neither_portions_nor_the_count_matter(slope, changed, monkeypatch):
-    whole = run_slope_study(read_slope_study(slope))
+def test_neither_portions_nor_the_count_matter(
+    slope, changed, slope_results, monkeypatch
+):
+    whole = slope_results.dataset
     monkeypatch.setattr(study_module, "FIRST_PORTION", 7)
     monkeypatch.setattr(study_module, "QUICK", 0.0)
     xr.testing.assert_identical(run_slope_study(read_slope_study(slope)), whole)
-    fewer = run_slope_study(read_slope_study(changed(("count = 60", "count = 25"))))
+    fewer = run_slope_study(read_slope_study(changed(("count = 90", "count = 25"))))
     for name, values in fewer.items():
         if "block" in values.dims:
             xr.testing.assert_identical(values, whole[name].isel(block=slice(25)))
 
 
-def test_a_journal_goes_on(slope, changed, tmp_path, monkeypatch):
-    study = read_slope_study(slope)
-    whole = run_slope_study(study)
+def test_a_journal_goes_on(changed, slope_results, tmp_path, monkeypatch):
+    study, whole = slope_results.study, slope_results.dataset
     monkeypatch.setattr(study_module, "FIRST_PORTION", 20)
     monkeypatch.setattr(study_module, "QUICK", 0.0)
 
@@ -151,7 +118,7 @@ def test_a_journal_goes_on(slope, changed, tmp_path, monkeypatch):
 
     monkeypatch.setattr(study_module, "simulate", counted)
     again = run_slope_study(study, journal=journal)
-    assert computed == list(range(20, 60))
+    assert computed == list(range(20, 90))
     xr.testing.assert_identical(again, whole)
     other = read_slope_study(changed(("seed = 7", "seed = 8")))
     with pytest.raises(InputError, match="is no journal of this run"):
@@ -167,17 +134,17 @@ class FailsOnTheFlat(ConstantCoefficients):
         return Rebound(*(x + 0.0 * jax.numpy.sqrt(known) for x in after))
 
 
-def test_nothing_is_averaged_over_failures(slope):
-    study = read_slope_study(slope)
+def test_nothing_is_averaged_over_failures(slope_results):
+    study = slope_results.study
     law = study.law._replace(contacts=ClosedForm(FailsOnTheFlat(0.4, 0.9)))
     study = study._replace(law=law)
     dataset = run_slope_study(study)
     failed = dataset.ending.values == "failed"
     assert np.all(study.release.block.mass[failed] > 100.0)
-    assert 0 < failed.sum() < 60
+    assert 0 < failed.sum() < 90
     endings = json.loads(dataset.attrs["endings"])
     assert endings["failed"] == failed.sum()
-    assert sum(endings.values()) == 60
+    assert sum(endings.values()) == 90
     assert dataset.blocks_in_bin.values.max() <= np.sum(~failed)
     energy = dataset.passage_energy_J.sel(collector=40.0).values
     assert np.sum(np.isfinite(energy[failed])) > 0
@@ -190,9 +157,9 @@ def test_nothing_is_averaged_over_failures(slope):
     )
 
 
-def test_energy_of_a_block_is_what_the_slope_gives(slope):
+def test_energy_of_a_block_is_what_the_slope_gives(slope_results):
     """Nothing exceeds what it had at release and by its fall."""
-    dataset = run_slope_study(read_slope_study(slope))
+    dataset = slope_results.dataset
     fall = dataset.mass_kg * 9.81 * (dataset.release_y_m - 0.0)
     given = dataset.energy_at_release_J + fall
     assert np.all(dataset.max_energy_J <= given * (1.0 + 1e-9))
@@ -204,57 +171,55 @@ def test_energy_of_a_block_is_what_the_slope_gives(slope):
     assert at.max() <= dataset.envelope_energy_J_max.sel(bin=60.0, method="nearest")
 
 
-def test_the_command_writes_all(slope, tmp_path, capsys):
-    assert main(["runout", "slope.toml", "--out", "out"]) == 0
-    out, err = capsys.readouterr()
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        *("manifest.json", "blocks.nc", "stops.csv", "collectors.csv"),
+def test_the_command_writes_all(slope_results):
+    folder = slope_results.folder
+    assert {path.name for path in folder.iterdir()} == {
+        *("manifest.json", "blocks.nc", "stops.csv", "collectors.csv", "barriers.csv"),
         *("profile.png", "envelopes.png", "stops.png", "collectors.png"),
-        *("report.html", "trajectories.csv"),
-        "jaximpact-study.json",
+        *("report.html", "trajectories.csv", "trajectories.geojson", "maps.gpkg"),
+        *("stops.geojson", "collectors.geojson", "jaximpact-study.json"),
     }
-    dataset = read_netcdf(tmp_path / "out" / "blocks.nc")
+    dataset = read_netcdf(folder / "blocks.nc")
     assert dict(dataset.sizes) == {
-        **{"block": 60, "collector": 2, "percentile": 4, "bin": 20},
+        **{"block": 90, "collector": 2, "barrier": 2, "percentile": 4, "bin": 20},
     }
-    stops = rows_of(tmp_path / "out" / "stops.csv")
-    assert len(stops) == 60
+    stops = rows_of(folder / "stops.csv")
     assert [row["ending"] for row in stops] == list(dataset.ending.values)
     np.testing.assert_array_equal(
         [float(row["x_m"]) for row in stops], dataset.x_m.values
     )
-    rows = rows_of(tmp_path / "out" / "collectors.csv")
+    rows = rows_of(folder / "collectors.csv")
     speed = next(r for r in rows if r["quantity"] == "speed_mps")
     assert float(speed["p95"]) == dataset.passage_speed_mps_percentiles.sel(
         percentile=95, collector=40.0
     )
-    manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    manifest = json.loads((folder / "manifest.json").read_text())
     assert manifest["seed"] == 7
     assert len(manifest["files"]["slope.toml"]) == 64
     assert "numpy" in manifest["versions"]
-    assert sum(manifest["endings"].values()) == 60
+    assert sum(manifest["endings"].values()) == 90
     for ending, count in manifest["endings"].items():
-        assert f"{count} {ending}" in out
-    assert "60 of 60 blocks (100 %)" in err
+        assert f"{count} {ending}" in slope_results.printed
+    assert "90 of 90 blocks (100 %)" in slope_results.said
 
 
 def test_without_collectors_there_are_none(changed, tmp_path, capsys):
-    changed(("collectors_m = [60, 40]\n", ""))
+    changed(("collectors_m = [40, 60]\n", ""))
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
     dataset = read_netcdf(tmp_path / "out" / "blocks.nc")
     assert "collector" not in dataset.dims
-    assert dataset.sizes["block"] == 60
+    assert dataset.sizes["block"] == 90
     assert not (tmp_path / "out" / "collectors.csv").exists()
     assert "Collectors" not in capsys.readouterr()[0]
 
 
 def test_limits_are_told(changed, capsys):
-    changed(("bins = 20", "time_limit_s = 1.0"), ("[60, 40]", "[195]"))
+    changed(("bins = 20", "time_limit_s = 1.0"), ("[40, 60]", "[195]"))
     assert main(["runout", "slope.toml", "--out", "out"]) == 0
     out, _ = capsys.readouterr()
-    assert "60 time limit" in out
+    assert "90 time limit" in out
     assert "  195    0 (0.0%)" in out
-    assert "60 blocks were cut off by a limit and might have gone farther" in out
+    assert "90 blocks were cut off by a limit and might have gone farther" in out
 
 
 def test_interruption_says_how_to_go_on(slope, capsys, monkeypatch):
@@ -267,7 +232,7 @@ def test_interruption_says_how_to_go_on(slope, capsys, monkeypatch):
 
 
 def test_the_full_model_takes_an_accuracy(changed):
-    law = SLOPE[SLOPE.index("[contacts]") :]
+    law = SLOPE[SLOPE.index("[contacts]") : SLOPE.index("[[barriers]]")]
     study = read_slope_study(changed((law, "")), accuracy="fast")
     assert study.law.contacts == FullModel("fast")
     few = run_slope_study(study._replace(settings=study.settings._replace(bins=3)))
@@ -275,43 +240,45 @@ def test_the_full_model_takes_an_accuracy(changed):
     assert json.loads(few.attrs["contacts"])["accuracy"] == "fast"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "parts"),
-    [
-        ("count = 60", "cuont = 60", ("key cuont", "did you mean count?")),
-        ("count = 60", "count = 0", ("key count", "at least 1")),
-        ("seed = 7", "seed = -1", ("key seed", "at least 0")),
-        ("[60, 40]", "[60, 240]", ("key collectors_m", "between the ends")),
-        ("[60, 40]", "[60, 60]", ("key collectors_m", "twice")),
-        ("[50, 20], ", "[90, 20], ", ("profile.points_m", "x that increases")),
-        ("[50, 20], ", "[50], ", ("profile.points_m", "list of [x, y]")),
-        ("[50, 20], ", "[50, nan], ", ("profile.points_m", "finite")),
-        ("[50, 20], ", '["50", 20], ', ("profile.points_m", "list of [x, y]")),
-        ("segment.2", "segment.02", ("ground.segment.02", "number of a segment")),
-        ("least = 20", "least = 20000", ("block.mass_kg", "holds nothing between")),
-        ("points_m", "ponits_m", ("profile.ponits_m", "did you mean points_m?")),
-        ("c_v = 0.5", "c_w = 0.5", ("ground.segment.2.c_w", "did you mean c_v?")),
-        ("c_v = 0.5", "c_v = -1", ("ground.segment.2.c_v", "at least 0")),
-        ("segment.2", "segment.9", ("ground.segment.9", "from 1 to 4")),
-        ("angle_deg = 25", "angle_deg = 95", ("rolling_friction_angle_deg", "[0, 90)")),
-        ("least = 20", "lest = 20", ("block.mass_kg.lest", "did you mean least?")),
-        (", least = 20", "", ("block.mass_kg", "above 0 kg", "for block")),
-        ("from = 2, to = 6", "from = 2", ("release.x_m", "{ from, to }")),
-        ("from = 2, to = 6", "from = 6, to = 2", ("release.x_m", "go up")),
-        ("from = 2, to = 6", "from = -2, to = 6", ("key release", "is released at x")),
-        ("clearance_m = 0.5", "y_m = 40", ("key release", "in the ground")),
-        ("clearance_m = 0.5", "", ("key release", "y_m or clearance_m")),
-        ("clearance_m = 0.5", "clearance_m = -1", ("release.clearance_m", "least 0")),
-        ("speed_mps = 5", "v_x_mps = 5", ("key release", "direction_deg and v_x_mps")),
-        ("[1, 1.5, 2]", "[]", ("block.aspect_ratio", "empty list")),
-        ("[1, 1.5, 2]", '"round"', ("block.aspect_ratio", "must be a number")),
-        ("frictional", "frictionless", ("contacts.law", "did you mean frictional ell")),
-        ("e_contact = 0.3", "", ("contacts.e_contact", "is needed")),
-        ("e_contact = 0.3", "e_contact = 1.3", ("contacts.e_contact", "in [0, 1]")),
-        ("seed = 7", 'accuracy = "fast"', ("contacts.law", "takes none")),
-    ],
+test_bad_files_are_refused_in_one_line = refusals(
+    ("count = 90", "cuont = 60", ("key cuont", "did you mean count?")),
+    ("count = 90", "count = 0", ("key count", "at least 1")),
+    ("seed = 7", "seed = -1", ("key seed", "at least 0")),
+    ("[40, 60]", "[60, 240]", ("key collectors_m", "between the ends")),
+    ("[40, 60]", "[60, 60]", ("key collectors_m", "twice")),
+    ("[50, 20], ", "[90, 20], ", ("profile.points_m", "x that increases")),
+    ("[50, 20], ", "[50], ", ("profile.points_m", "list of [x, y]")),
+    ("[50, 20], ", "[50, nan], ", ("profile.points_m", "finite")),
+    ("[50, 20], ", '["50", 20], ', ("profile.points_m", "list of [x, y]")),
+    ("segment.2", "segment.02", ("ground.segment.02", "number of a segment")),
+    ("least = 20", "least = 20000", ("block.mass_kg", "holds nothing between")),
+    ("points_m", "ponits_m", ("profile.ponits_m", "did you mean points_m?")),
+    ("c_v = 0.5", "c_w = 0.5", ("ground.segment.2.c_w", "did you mean c_v?")),
+    ("c_v = 0.5", "c_v = -1", ("ground.segment.2.c_v", "at least 0")),
+    ("segment.2", "segment.9", ("ground.segment.9", "from 1 to 4")),
+    ("least = 20", "lest = 20", ("block.mass_kg.lest", "did you mean least?")),
+    (", least = 20", "", ("block.mass_kg", "above 0 kg", "for block")),
+    ("from = 2, to = 6", "from = 2", ("release.x_m", "{ from, to }")),
+    ("from = 2, to = 6", "from = 6, to = 2", ("release.x_m", "go up")),
+    ("from = 2, to = 6", "from = -2, to = 6", ("key release", "is released at x")),
+    ("clearance_m = 0.5", "y_m = 40", ("key release", "in the ground")),
+    ("clearance_m = 0.5", "", ("key release", "y_m or clearance_m")),
+    ("clearance_m = 0.5", "clearance_m = -1", ("release.clearance_m", "least 0")),
+    (
+        "speed_mps = 5",
+        "speed_mps = 5\nv_x_mps = 5",
+        ("key release", "speed_mps and v_x"),
+    ),
+    ("[1, 1.5, 2]", "[]", ("block.aspect_ratio", "empty list")),
+    ("[1, 1.5, 2]", '"round"', ("block.aspect_ratio", "must be a number")),
+    ("frictional", "frictionless", ("contacts.law", "did you mean frictional ell")),
+    ("e_contact = 0.3", "", ("contacts.e_contact", "is needed")),
+    ("e_contact = 0.3", "e_contact = 1.3", ("contacts.e_contact", "in [0, 1]")),
+    ("seed = 7", 'accuracy = "fast"', ("contacts.law", "takes none")),
+    ("export_trajectories = 70", "export_trajectories = 0", ("at least 1",)),
+    ("export_trajectories", "export_trajectory", ("mean export_trajectories?",)),
+    ("azimuth_deg = 90", "azimut_deg = 90", ("did you mean azimuth_deg?",)),
+    ("azimuth_deg = 90\n", "", ("profile.azimuth_deg", "needed beside origin")),
+    ("x_m = 85", "x_m = 285", ("barriers.2.x_m", "between the ends")),
+    ("height_m = 1\n", "", ("barriers.1.height_m", "is needed")),
 )
-def test_bad_files_are_refused_in_one_line(changed, capsys, old, new, parts):
-    changed((old, new))
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "slope.toml", *parts)

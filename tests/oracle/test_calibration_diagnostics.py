@@ -653,8 +653,8 @@ def test_the_page_says_what_is_not_determined(written):
 def test_numbers_of_the_report(written):
     content = json.loads((written / "fit.json").read_text())
     (variant,) = content["variants"]
-    assert [x["name"] for x in variant["left_out"]["campaign"]] == ["a", "b"]
-    assert len(variant["left_out"]["test"]) == len(TESTS)
+    assert variant["left_out"]["campaign"]["groups"] == ["a", "b"]
+    assert len(variant["left_out"]["test"]["predicted"]) == len(TESTS)
     further = variant["further_tests"]["all_results"]
     assert len(further["chosen"]) == 3
     assert set(further["chosen"][0]["scene"]) == {"speed_mps", "angle_deg"}

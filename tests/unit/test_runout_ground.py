@@ -14,6 +14,7 @@ from runout_scenes import (
     gain_over_contacts,
     pieces_of,
 )
+from slope_study import refusals, slope_text
 
 from jaximpact import Block, ConstantCoefficients, Soil, read_netcdf
 from jaximpact.cli import main
@@ -220,35 +221,11 @@ def test_a_ground_of_other_blocks_is_refused():
         Ground(roughness=1.0)
 
 
-SLOPE = """
-count = 40
-seed = 7
-collectors_m = [60]
-bins = 10
-
-[profile]
-points_m = [[0, 50], [50, 20], [80, 0], [200, 0]]
-
-[ground]
-c_v = 0.5
-roughness_deg = 4
-
-[ground.segment.2]
-k_E = 700
-
-[block]
-mass_kg = { mean = 100, sd = 30, least = 20 }
-
-[release]
-x_m = { from = 2, to = 6 }
-clearance_m = 0.5
-speed_mps = 5
-
-[contacts]
-law = "frictional ellipsoid"
-e_contact = 0.3
-friction_coefficient = 0.6
-"""
+SLOPE = slope_text(
+    top="count = 40\nseed = 7\ncollectors_m = [60]\nbins = 10",
+    ground="[ground]\nc_v = 0.5\nroughness_deg = 4\n[ground.segment.2]\nk_E = 700",
+    block="mass_kg = { mean = 100, sd = 30, least = 20 }",
+)
 
 
 def test_ground_samples_changes_no_other_number(slope, changed):
@@ -337,30 +314,23 @@ def test_drawn_ground_is_kept_and_a_block_can_be_repeated(slope, changed, tmp_pa
     assert alone.x == block.x_m.values
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "parts"),
-    [
-        ("roughness_deg = 4", "roughnes_deg = 4", ("did you mean roughness_deg?",)),
-        ("roughness_deg = 4", "roughness_deg = 31", ("in [0, 30] deg",)),
-        ("c_v = 0.5", "c_v = []", ("key ground.c_v", "empty list")),
-        ("c_v = 0.5", "c_v = { mean = 0.5 }", ("key ground.c_v", "{ mean, sd }")),
-        (
-            "c_v = 0.5",
-            "c_v = { mean = 0.5, sd = 1 }",
-            ("ground.c_v", "at least 0", "for block"),
-        ),
-        (
-            "k_E = 700",
-            "k_E = { mean = 1, sd = 1 }",
-            ("ground.segment.2.k_E", "above 0", "for block"),
-        ),
-        ("segment.2", "segment.two", ("ground.segment.two", "number of a segment")),
-    ],
+test_bad_ground_is_refused_in_one_line = refusals(
+    ("roughness_deg = 4", "roughnes_deg = 4", ("did you mean roughness_deg?",)),
+    ("roughness_deg = 4", "roughness_deg = 31", ("in [0, 30] deg",)),
+    ("c_v = 0.5", "c_v = []", ("key ground.c_v", "empty list")),
+    ("c_v = 0.5", "c_v = { mean = 0.5 }", ("key ground.c_v", "{ mean, sd }")),
+    (
+        "c_v = 0.5",
+        "c_v = { mean = 0.5, sd = 1 }",
+        ("ground.c_v", "at least 0", "for block"),
+    ),
+    (
+        "k_E = 700",
+        "k_E = { mean = 1, sd = 1 }",
+        ("ground.segment.2.k_E", "above 0", "for block"),
+    ),
+    ("segment.2", "segment.two", ("ground.segment.two", "number of a segment")),
 )
-def test_bad_ground_is_refused_in_one_line(changed, capsys, old, new, parts):
-    changed((old, new))
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "slope.toml", *parts)
 
 
 def test_a_distribution_is_not_hidden_by_a_column(changed, tmp_path, capsys):

@@ -3,17 +3,14 @@
 import numpy as np
 import pytest
 from error_messages import assert_one_line_error
+from slope_study import CONSTANT, slope_text
 
 from jaximpact.cli import main
 from jaximpact.errors import InputError
 from jaximpact.runout import read_profile, read_slope_study, run_slope_study
 
-SLOPE = """
-seed = 7
-
-[profile]
-points_m = [[0, 50], [50, 20], [80, 0], [200, 0]]
-
+SLOPE = slope_text(
+    ground="""
 [ground.materials.scree]
 from_x_m = 0
 to_x_m = 62.5
@@ -26,20 +23,10 @@ from_x_m = 62.5
 to_x_m = 200
 k_E = 300
 rolling_friction_angle_deg = 32
-
-[block]
-mass_kg = 100
-
-[release]
-x_m = 2
-clearance_m = 0.5
-speed_mps = 5
-
-[contacts]
-law = "constant coefficients"
-e_n = 0.3
-e_t = 0.8
-"""
+""",
+    release="x_m = 2",
+    contacts=CONSTANT,
+)
 CSV = """x_m,y_m,material
 0,50,scree
 50,20,scree

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from error_messages import assert_one_line_error
 from scipy import stats
+from slope_study import CONSTANT, refusals, slope_text
 
 from jaximpact import Block, ConstantCoefficients, Soil
-from jaximpact.cli import main
 from jaximpact.runout import (
     ClosedForm,
     Lognormal,
@@ -113,15 +112,9 @@ def test_cuts_alone_change_no_run_out(aspect_ratio):
     np.testing.assert_array_equal(cut.ending, plain.ending)
 
 
-SLOPE = """
-count = 30
-seed = 7
-collectors_m = [60]
-bins = 10
-
-[profile]
-points_m = [[0, 50], [50, 20], [80, 0], [200, 0]]
-
+SLOPE = slope_text(
+    top="count = 30\nseed = 7\ncollectors_m = [60]\nbins = 10",
+    ground="""
 [ground]
 c_v = { median = 0.5, geometric_sd = 1.5, correlation_length_m = 20 }
 rolling_friction_angle_deg = 25
@@ -129,20 +122,9 @@ rolling_friction_angle_deg = 25
 [ground.segment.2]
 k_E = { mean = 700, sd = 100, least = 300, correlation_length_m = 8 }
 rolling_friction_angle_deg = { from = 20, to = 30, correlation_length_m = 8 }
-
-[block]
-mass_kg = 100
-
-[release]
-x_m = { from = 2, to = 6 }
-clearance_m = 0.5
-speed_mps = 5
-
-[contacts]
-law = "constant coefficients"
-e_n = 0.3
-e_t = 0.8
-"""
+""",
+    contacts=CONSTANT,
+)
 
 
 def test_a_study_finds_the_fields_on_their_segments(slope):
@@ -183,23 +165,16 @@ def test_what_else_is_random_does_not_matter(slope, changed):
     assert read_slope_study(slope).release.count == 1000
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "parts"),
-    [
-        ("length_m = 20", "length_m = 0", ("c_v.correlation_length_m", "above 0 m")),
-        ("length_m = 20", 'length_m = "a"', ("correlation_length_m", "a number")),
-        ("length_m = 20", "lenght_m = 20", ("did you mean correlation_length_m?",)),
-        ("length_m = 20", "length_m = 0.01", ("c_v.corr", "8e+04 cells of 0.0025 m")),
-        ("mean = 700, sd = 100, least = 300", "mean = 700", ("{ mean, sd }",)),
-        ("sd = 100, least = 300", "sd = 700", ("segment.2.k_E", "above 0", "block")),
-        (
-            "mass_kg = 100",
-            "mass_kg = { mean = 9, sd = 1, correlation_length_m = 3 }",
-            ("key block.mass_kg", "is for quantities of the ground"),
-        ),
-    ],
+test_bad_fields_are_refused_in_one_line = refusals(
+    ("length_m = 20", "length_m = 0", ("c_v.correlation_length_m", "above 0 m")),
+    ("length_m = 20", 'length_m = "a"', ("correlation_length_m", "a number")),
+    ("length_m = 20", "lenght_m = 20", ("did you mean correlation_length_m?",)),
+    ("length_m = 20", "length_m = 0.01", ("c_v.corr", "8e+04 cells of 0.0025 m")),
+    ("mean = 700, sd = 100, least = 300", "mean = 700", ("{ mean, sd }",)),
+    ("sd = 100, least = 300", "sd = 700", ("segment.2.k_E", "above 0", "block")),
+    (
+        "mass_kg = 100",
+        "mass_kg = { mean = 9, sd = 1, correlation_length_m = 3 }",
+        ("key block.mass_kg", "is for quantities of the ground"),
+    ),
 )
-def test_bad_fields_are_refused_in_one_line(changed, capsys, old, new, parts):
-    changed((old, new))
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "slope.toml", *parts)

@@ -2,31 +2,17 @@
 
 import numpy as np
 import pytest
-from error_messages import assert_one_line_error
+from slope_study import CONSTANT, refusals, slope_text
 
-from jaximpact.cli import main
 from jaximpact.runout import read_slope_study
 
-SLOPE = """
-count = 400
-seed = 7
-
-[profile]
-points_m = [[0, 80], [60, 0], [200, 0]]
-
-[block]
-volume_m3 = { exponent = 0.5, least = 0.01, most = 2 }
-
-[release]
-along_x_m = [30, 100]
-clearance_m = 0.5
-speed_mps = 5
-
-[contacts]
-law = "constant coefficients"
-e_n = 0.3
-e_t = 0.8
-"""
+SLOPE = slope_text(
+    top="count = 400\nseed = 7",
+    profile="points_m = [[0, 80], [60, 0], [200, 0]]",
+    block="volume_m3 = { exponent = 0.5, least = 0.01, most = 2 }",
+    release="along_x_m = [30, 100]",
+    contacts=CONSTANT,
+)
 
 
 def test_mass_is_density_times_volume(slope, changed):
@@ -83,35 +69,28 @@ def test_blocks_of_a_line_have_their_clearance(changed):
     np.testing.assert_allclose(study.release.y, 0.5 + radius, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "parts"),
-    [
-        ("[block]", "[block]\nmass_kg = 3", ("key block", "mass_kg or volume_m3, not")),
-        ("volume_m3", "volume", ("block.volume", "did you mean volume_m3?")),
-        (
-            "{ exponent = 0.5, least = 0.01, most = 2 }",
-            "0",
-            ("volume_m3", "above 0 m3"),
-        ),
-        (
-            "{ exponent = 0.5, least = 0.01, most = 2 }",
-            "{ mean = 1, sd = 1 }",
-            ("block.volume_m3", "above 0 m3", "for block"),
-        ),
-        ("[30, 100]", "[30, 100]\nx_m = 3", ("key release", "x_m or along_x_m, not")),
-        ("along_x_m = [30, 100]\n", "", ("release.x_m", "is needed")),
-        ("[30, 100]", "30", ("release.along_x_m", "list of two x")),
-        ("[30, 100]", "[30, 90, 100]", ("release.along_x_m", "list of two x")),
-        ("[30, 100]", "[100, 30]", ("release.along_x_m", "must go up")),
-        ("[30, 100]", "[30, 201]", ("release.along_x_m", "0 and 200")),
-        ("[30, 100]", "[30, nan]", ("release.along_x_m", "finite")),
-        ("[30, 100]", "[30, 100]\nspacing_m = 0", ("spacing_m", "above 0")),
-        ("[30, 100]", "[30, 100]\nspacing_m = 91", ("spacing_m", "90 m")),
-        ("[30, 100]", "[30, 100]\nspacing_m = 1e-9", ("spacing_m", "100000 places")),
-        ("along_x_m = [30, 100]", "x_m = 3\nspacing_m = 2", ("spacing_m", "along_x_m")),
-    ],
+test_bad_files_are_refused_in_one_line = refusals(
+    ("[block]", "[block]\nmass_kg = 3", ("key block", "mass_kg or volume_m3, not")),
+    ("volume_m3", "volume", ("block.volume", "did you mean volume_m3?")),
+    (
+        "{ exponent = 0.5, least = 0.01, most = 2 }",
+        "0",
+        ("volume_m3", "above 0 m3"),
+    ),
+    (
+        "{ exponent = 0.5, least = 0.01, most = 2 }",
+        "{ mean = 1, sd = 1 }",
+        ("block.volume_m3", "above 0 m3", "for block"),
+    ),
+    ("[30, 100]", "[30, 100]\nx_m = 3", ("key release", "x_m or along_x_m, not")),
+    ("along_x_m = [30, 100]\n", "", ("release.x_m", "is needed")),
+    ("[30, 100]", "30", ("release.along_x_m", "list of two x")),
+    ("[30, 100]", "[30, 90, 100]", ("release.along_x_m", "list of two x")),
+    ("[30, 100]", "[100, 30]", ("release.along_x_m", "must go up")),
+    ("[30, 100]", "[30, 201]", ("release.along_x_m", "0 and 200")),
+    ("[30, 100]", "[30, nan]", ("release.along_x_m", "finite")),
+    ("[30, 100]", "[30, 100]\nspacing_m = 0", ("spacing_m", "above 0")),
+    ("[30, 100]", "[30, 100]\nspacing_m = 91", ("spacing_m", "90 m")),
+    ("[30, 100]", "[30, 100]\nspacing_m = 1e-9", ("spacing_m", "100000 places")),
+    ("along_x_m = [30, 100]", "x_m = 3\nspacing_m = 2", ("spacing_m", "along_x_m")),
 )
-def test_bad_files_are_refused_in_one_line(changed, capsys, old, new, parts):
-    changed((old, new))
-    assert main(["runout", "slope.toml", "--out", "out"]) == 2
-    assert_one_line_error(capsys, "slope.toml", *parts)

@@ -50,6 +50,9 @@ class Reason(enum.Enum):
         """The reason in words, for reports."""
         return self.value[0]
 
+    def __str__(self) -> str:
+        return self.words
+
     @property
     def at_minimum(self) -> bool:
         """Whether the fit ended at a minimum."""

@@ -14,7 +14,6 @@ from ...reports.document import Box, Document, Part, Section
 from ...reports.tables import Table
 from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import (
-    TOO_FEW_FOR_SIGMA,
     Examination,
     fit_of_target,
     freedom_text,
@@ -219,28 +218,18 @@ def _rms_left_out(study: Study, left: LeftOut, target: int) -> float | None:
     return float(np.sqrt(np.mean(apart**2))) if len(apart) else None
 
 
-def statistics(result: StudyResult, variant: VariantResult) -> list[str]:
+def statistics(result: StudyResult, variant: VariantResult) -> str:
     """Say how good the fit is."""
-    uncertainty = variant.uncertainty
-    freedom, words = uncertainty.degrees_of_freedom, variant.reason.words
-    left = freedom_text(freedom)
-    given = np.all(result.study.sigma_given)
-    lines = [
+    uncertainty, words = variant.uncertainty, variant.reason.words
+    left = freedom_text(uncertainty.degrees_of_freedom)
+    line = (
         f"Cost {variant.cost:.6g}, {left} degree{'s' * (left != '1')} of freedom. "
         f"{words[0].upper()}{words[1:]}."
-    ]
-    if given and np.isfinite(uncertainty.reduced_chi_square):
-        lines.append(f"Reduced chi-square {uncertainty.reduced_chi_square:.3g}.")
-    if uncertainty.inflation > 1.0:
-        lines.append(
-            "The misfit is larger than the given sigmas allow: standard errors are "
-            f"multiplied by {np.sqrt(uncertainty.inflation):.3g}."
-        )
-    if not given and freedom < LEAST_FREEDOM:
-        lines.append(TOO_FEW_FOR_SIGMA)
-    if variant.failed:
-        lines.append(f"{variant.failed} predictions could not be computed.")
-    return lines
+    )
+    reduced = uncertainty.reduced_chi_square
+    if np.all(result.study.sigma_given) and np.isfinite(reduced):
+        line += f" Reduced chi-square {reduced:.3g}."
+    return line
 
 
 def left_out_table(study: Study, left: LeftOut, what: str) -> Table | None:

@@ -33,7 +33,7 @@ from ..problem.config import Study
 WIDTH, HEIGHT = 4.6, 3.5
 """Size of a panel [inch]: the report shows it 460 px wide."""
 MOST_PAIRS = 3
-BAND, WIDE_BAND = 0.35, 0.15
+BAND, WIDE_BAND = 0.35, 0.2
 """Opacities."""
 MOST_RATIO = 9.0
 """Likelihood ratio up to which a profile is drawn, at least."""
@@ -83,76 +83,93 @@ def only_varying(result: StudyResult) -> str | None:
 
 
 @in_style
+def draw_study(result: StudyResult) -> Figure:
+    """Draw the fits of every target by all variants; see `_fitted`."""
+    study, count = result.study, len(result.study.targets)
+    columns = {1: 1, 2: 2, 4: 2}.get(count, 3)
+    rows, title = -(-count // columns), plain(study.title)
+    figure, axes = panels(rows, columns, height=3.0, title=title, count=count)
+    for target, panel in enumerate(axes):
+        _fitted(panel, result, target, result.variants)
+    legend_outside(figure, ncols=3)
+    return figure
+
+
+@in_style
 def draw_target(
     result: StudyResult, variant: VariantResult, bands: Bands, target: int
 ) -> Figure:
-    """Draw fitted and measured values with 95 % bands.
-
-    They stand over the only quantity in which the tests differ; where there is none,
-    fitted stands over measured.
-    """
-    along = only_varying(result)
+    """Draw the fit of a target by a variant, with 95 % bands; see `_fitted`."""
     figure, axes = _panel()
-    if along is None:
-        _over_measured(axes, result, variant, bands, target)
-    else:
-        _over_input(axes, result, variant, bands, target, along)
+    _fitted(axes, result, target, [variant], bands)
     legend_outside(figure, ncols=2)
     return figure
 
 
-def _over_input(axes, result, variant, bands, target, along) -> None:
-    study = result.study
-    x = study.tests.inputs[along]
-    order = np.argsort(x, kind="stable")
-    order = order[np.isfinite(bands.middle[order, target])]
+def _fitted(
+    axes: Axes,
+    result: StudyResult,
+    target: int,
+    variants: list[VariantResult],
+    bands: Bands | None = None,
+) -> None:
+    """Draw fitted and measured values over the only quantity in which the tests differ;
+    where there is none, fitted over measured, hollow where only a limit is known.
 
-    def band(low, high, **style):
-        ends = low[order, target], high[order, target]
-        axes.fill_between(x[order], *ends, color=BLUE, linewidth=0, **style)
-
-    of_measured = bands.measured_low, bands.measured_high
-    band(*of_measured, alpha=WIDE_BAND, label="measurement, 95 %")
-    band(bands.low, bands.high, alpha=BAND, label="model, 95 %")
-    axes.plot(x[order], variant.predicted[order, target], color=BLUE, label="best fit")
-    censored = study.censored[:, target]
-    for sign, marker, label in (
-        (0, "x", "measured"),
-        (1, "^", "measured: above"),
-        (-1, "v", "measured: below"),
-    ):
-        shown = study.known[:, target] & (censored == sign)
-        if np.any(shown):
-            y = study.measured[shown, target]
-            axes.plot(x[shown], y, color="black", marker=marker, ls="none", label=label)
+    Args:
+        bands: of the first variant.
+    """
+    study, along = result.study, only_varying(result)
+    measured, censored = study.measured[:, target], study.censored[:, target]
+    known = study.known[:, target]
+    exact, limits = known & (censored == 0), known & (censored != 0)
+    sigma = study.sigma[exact, target] if study.sigma_given[target] else None
+    x = measured if along is None else study.tests.inputs[along]
+    if bands is not None:
+        drawn = np.flatnonzero(np.isfinite(bands.middle[:, target] + 0.0 * x))
+        drawn = drawn[np.argsort(x[drawn], kind="stable")]
+        measurement = bands.measured_low, bands.measured_high
+        for (low, high), opacity, width, label in (
+            (measurement, WIDE_BAND, 1.2, "measurement, 95 %"),
+            ((bands.low, bands.high), BAND, 4.0, "model, 95 %"),
+        ):
+            ends = x[drawn], low[drawn, target], high[drawn, target]
+            style: dict[str, Any] = dict(color=BLUE, alpha=opacity, label=label)
+            if along is None:
+                axes.vlines(*ends, linewidth=width, **style)
+            else:
+                axes.fill_between(*ends, linewidth=0, **style)
+    for number, variant in enumerate(variants):
+        name = plain(variant.variant.name) if bands is None else "best fit"
+        style: dict[str, Any] = dict(markersize=4, label=name, **points(number))
+        fitted = variant.predicted[:, target]
+        if along is not None:
+            order = np.argsort(x, kind="stable")
+            axes.plot(x[order], fitted[order], **style)
+            continue
+        axes.errorbar(x[exact], fitted[exact], xerr=sigma, ls="none", **style)
+        style |= dict(mfc="white", ls="none", label=f"{name}, limit")
+        if np.any(limits):
+            axes.plot(x[limits], fitted[limits], **style)
+    if along is None:
+        low, high = axes.get_xlim()
+        axes.axline((low, low), (high, high), color=GREY, linewidth=1)
+        axes.set_xlabel(f"measured {label_of(study.targets[target])}")
+        axes.set_ylabel("fitted")
+        return
+    black: dict[str, Any] = dict(color="black", ls="none")
+    axes.errorbar(
+        x[exact], measured[exact], sigma, marker="x", label="measured", **black
+    )
+    for sign, marker, word in ((1, "^", "above"), (-1, "v", "below")):
+        of_sign = known & (censored == sign)
+        if np.any(of_sign):
+            label = f"measured: {word}"
+            axes.plot(
+                x[of_sign], measured[of_sign], marker=marker, label=label, **black
+            )
     axes.set_xlabel(label_of(along, study.tests.known_columns))
     axes.set_ylabel(label_of(study.targets[target]))
-
-
-def _over_measured(axes, result, variant, bands, target) -> None:
-    study = result.study
-    known = study.known[:, target] & np.isfinite(bands.middle[:, target])
-    measured, fitted = study.measured[:, target], variant.predicted[:, target]
-    ends = np.concatenate([measured[known], fitted[known]])
-    low, high = np.nanmin(ends), np.nanmax(ends)
-    axes.axline((low, low), (high, high + (high == low)), color=GREY, linewidth=1)
-
-    def bars(low, high, **style):
-        ends = low[known, target], high[known, target]
-        axes.vlines(measured[known], *ends, color=BLUE, **style)
-
-    of_measured = bands.measured_low, bands.measured_high
-    bars(*of_measured, linewidth=1.2, alpha=0.6, label="measurement, 95 %")
-    bars(bands.low, bands.high, linewidth=4.0, alpha=0.5, label="model, 95 %")
-    exact = known & (study.censored[:, target] == 0)
-    style: dict[str, Any] = dict(color=BLUE, linestyle="none", marker="o", markersize=4)
-    axes.plot(measured[exact], fitted[exact], label="best fit", **style)
-    limits = known & ~exact
-    if np.any(limits):
-        style |= dict(mfc="white", label="limit")
-        axes.plot(measured[limits], fitted[limits], **style)
-    axes.set_xlabel(f"measured {label_of(study.targets[target])}")
-    axes.set_ylabel("fitted")
 
 
 @in_style
@@ -351,76 +368,6 @@ def draw_waterfall(variant: VariantResult) -> Figure:
     axes.set_ylabel("cost at the end [-]")
     axes.legend()
     return figure
-
-
-@in_style
-def plot_study(result: StudyResult) -> Figure:
-    """Draw the fit of every target.
-
-    A target stands over the impact angle where the tests differ in it alone; otherwise
-    fitted stands over measured.
-    """
-    study = result.study
-    count = len(study.targets)
-    columns = {1: 1, 2: 2, 4: 2}.get(count, 3)
-    rows = -(-count // columns)
-    figure, axes = panels(
-        rows, columns, height=3.0, title=plain(study.title), count=count
-    )
-    over_angle = only_varying(result) == "angle_deg"
-    for target in range(len(study.targets)):
-        draw = _angle_panel if over_angle else _measured_panel
-        draw(axes[target], result, target)
-    if over_angle:
-        for panel in axes:
-            panel.legend()
-    elif len(result.variants) > 1:
-        axes[0].legend()
-    return figure
-
-
-def _angle_panel(axes: Axes, result: StudyResult, target: int) -> None:
-    study = result.study
-    angle = study.tests.inputs["angle_deg"]
-    order = np.argsort(angle, kind="stable")
-    measured, censored = study.measured[:, target], study.censored[:, target]
-    exact = censored == 0
-    style: dict[str, Any] = dict(color="black", linestyle="none")
-    sigma = study.sigma[exact, target] if study.sigma_given[target] else None
-    axes.errorbar(
-        angle[exact], measured[exact], sigma, marker="x", label="measured", **style
-    )
-    for sign, marker, word in ((1, "^", "above"), (-1, "v", "below")):
-        limits = censored == sign
-        if np.any(limits):
-            style |= dict(marker=marker, label=f"{word} this")
-            axes.plot(angle[limits], measured[limits], **style)
-    for number, variant in enumerate(result.variants):
-        name, fitted = plain(variant.variant.name), variant.predicted[order, target]
-        axes.plot(angle[order], fitted, label=name, markersize=4, **points(number))
-    axes.set_xlabel("impact angle from the normal [deg]")
-    axes.set_ylabel(label_of(study.targets[target]))
-
-
-def _measured_panel(axes: Axes, result: StudyResult, target: int) -> None:
-    study = result.study
-    measured, known = study.measured[:, target], study.known[:, target]
-    exact = (study.censored[:, target] == 0) & known
-    limits = known & ~exact
-    sigma = study.sigma[exact, target] if study.sigma_given[target] else None
-    for number, variant in enumerate(result.variants):
-        fitted = variant.predicted[:, target]
-        style: dict[str, Any] = dict(linestyle="none", markersize=4, **points(number))
-        name = plain(variant.variant.name)
-        axes.errorbar(measured[exact], fitted[exact], xerr=sigma, label=name, **style)
-        if np.any(limits):
-            # Hollow: only a limit of the measured value is known.
-            axes.plot(measured[limits], fitted[limits], mfc="none", **style)
-    low, high = axes.get_xlim()
-    axes.axline((low, low), (high, high), color=GREY, linewidth=1)
-    hollow = " (hollow: limit)" if np.any(limits) else ""
-    axes.set_xlabel(f"measured {label_of(study.targets[target])}{hollow}")
-    axes.set_ylabel("fitted")
 
 
 @in_style

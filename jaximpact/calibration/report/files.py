@@ -13,7 +13,6 @@ from ...io.output_files import NewFile, output_directory, together
 from ...reports.json_tree import json_text, plain
 from ...reports.tables import Table
 from ..comparison.comparison import NO_OTHERS, OtherLaws
-from ..diagnostics.cross_validation import LeftOut
 from ..diagnostics.examination import Examination, fit_of_target
 from ..diagnostics.importance_sampling import weights_of
 from ..diagnostics.nuts import to_inference_data
@@ -40,6 +39,14 @@ SUGGESTED = (
     *("chosen", "left_out"),
 )
 """What fit.json has of suggested tests: all but the many candidates."""
+OF_VARIANT = (
+    *("cost", "failed", "uncertainty", "errors_of_draws", "directions", "profiles"),
+    *("start_parameters", "end_parameters", "start_costs", "start_reasons"),
+    *("start_steps", "start_restarts"),
+)
+"""What fit.json has of a variant as it is."""
+SETTINGS = ("soil", "block", "targets", "loss", "starts", "seed", "method")
+"""What fit.json has of a study as it is."""
 
 
 def study_directory(
@@ -128,11 +135,11 @@ def as_json(
         "sigma_given": dict(zip(study.targets, study.sigma_given, strict=True)),
         "fitted_tests": _fitted_tests(study),
         "variants": [
-            _variant(result, variant) | _examination(result, variant, diagnostics)
+            _variant(result, variant) | _examination(variant, diagnostics)
             for variant, diagnostics in zip(result.variants, examined, strict=True)
         ],
         "simple_laws": [law.as_json() for law in others.simple],
-        **_if_any("comparison", {} if compared is None else comparison_json(compared)),
+        "comparison": None if compared is None else comparison_json(compared),
         "manifest": _manifest(result),
     }
     return plain(tree)
@@ -146,42 +153,25 @@ def _manifest(result: StudyResult) -> dict:
             {"file": table.path.name, "sha256": table.sha256}
             for table in study.tests.sources
         ],
-        "soil": study.soil,
-        **_if_any("block", study.block),
-        **_if_any("parts", as_entries(unusual(study.parts))),
+        **{name: getattr(study, name) for name in SETTINGS},
+        "parts": as_entries(unusual(study.parts)),
         "laws": part_names(study.tests.base.soil, study.tests.base.block),
-        "parameters": {
-            p.name: {"start": p.start, "lower": p.lower, "upper": p.upper}
-            | ({"prior": p.prior} if p.prior else {})
-            for p in study.parameters
+        "parameters": {parameter.name: parameter for parameter in study.parameters},
+        "tied": {
+            tied.name: {"expression": tied.text, "constants": tied.constants}
+            for tied in study.tied
         },
-        **_if_any(
-            "tied",
-            {
-                tied.name: {"expression": tied.text, "constants": dict(tied.constants)}
-                for tied in study.tied
-            },
-        ),
         "nuisances": entries_of(study.nuisances, study.tests),
-        "targets": study.targets,
         "weights": dict(zip(study.targets, study.weights, strict=True)),
         "scatter": {
             name: SCATTERS[int(study.proportional[target])]
             for target, name in enumerate(study.targets)
             if not study.sigma_given[target]
         },
-        "loss": study.loss,
-        "starts": study.starts,
-        "seed": study.seed,
-        "method": study.method,
         "accuracy": PRESETS[study.accuracy],
         "engine": result.engine,
         "versions": versions(),
     }
-
-
-def _if_any(key: str, entries: dict | None) -> dict:
-    return {key: entries} if entries else {}
 
 
 def _fitted_tests(study: Study) -> dict:
@@ -205,50 +195,22 @@ def _fitted_tests(study: Study) -> dict:
 
 
 def _variant(result: StudyResult, variant: VariantResult) -> dict:
-    uncertainty, count = variant.uncertainty, len(variant.verdicts)
-    of_profile = "values", "rise", "low", "high", "low_95", "high_95"
     return {
         "name": variant.variant.name,
         "soil": variant.variant.soil,
-        **_if_any("parts", as_entries(variant.variant.laws)),
+        "parts": as_entries(variant.variant.laws),
+        "unknowns": variant.names,
         "parameters": parameter_entries(variant),
         "nuisances": {
             variant.names[index]: {
                 "value": variant.parameters[index],
                 "standard_error": variant.standard_error(index),
             }
-            for index in range(count, len(variant.names))
-        },
-        "unknowns": variant.names,
-        "errors_of_draws": variant.errors_of_draws,
-        "covariance_of_logarithms_or_half_ranges": uncertainty.covariance,
-        "correlation": uncertainty.correlation[:count, :count],
-        "eigenvalues": uncertainty.eigenvalues,
-        "eigenvectors": uncertainty.eigenvectors.T,
-        "directions": variant.directions,
-        "profiles": {
-            name: {key: getattr(found, key) for key in of_profile}
-            for name, found in variant.profiles.items()
+            for index in range(len(variant.verdicts), len(variant.names))
         },
         "fit": _targets(result, variant),
-        "cost": variant.cost,
-        "degrees_of_freedom": uncertainty.degrees_of_freedom,
-        "reduced_chi_square": uncertainty.reduced_chi_square,
-        "inflation": uncertainty.inflation,
-        "failed_predictions": variant.failed,
-        "stopped": variant.reason.words,
-        "starts": [
-            {
-                "start": variant.start_parameters[i],
-                "end": variant.end_parameters[i],
-                "cost": variant.start_costs[i],
-                "steps": variant.start_steps[i],
-                "begun_anew": variant.start_restarts[i],
-                "found_best": variant.reached[i],
-                "stopped": variant.start_reasons[i].words,
-            }
-            for i in np.argsort(variant.start_costs, kind="stable")
-        ],
+        "stopped": variant.reason,
+        **{name: getattr(variant, name) for name in OF_VARIANT},
     }
 
 
@@ -284,11 +246,8 @@ def _targets(result: StudyResult, variant: VariantResult) -> dict:
     return fit
 
 
-def _examination(
-    result: StudyResult, variant: VariantResult, diagnostics: Examination
-) -> dict:
+def _examination(variant: VariantResult, diagnostics: Examination) -> dict:
     samples = diagnostics.samples
-    left_out = {"test": diagnostics.each, "campaign": diagnostics.campaigns}
     suggested = {
         "one_result_each": diagnostics.single,
         "all_results": diagnostics.together,
@@ -297,11 +256,7 @@ def _examination(
         "trends": diagnostics.residuals.trends,
         "draws": _draws(variant, diagnostics.posterior),
         "posterior": None if samples is None else _samples(variant, samples),
-        "left_out": {
-            what: _left_out(result.study, left)
-            for what, left in left_out.items()
-            if left is not None
-        },
+        "left_out": {"test": diagnostics.each, "campaign": diagnostics.campaigns},
         "further_tests": {
             what: {name: getattr(found, name) for name in SUGGESTED}
             for what, found in suggested.items()
@@ -324,39 +279,21 @@ def _draws(variant: VariantResult, draws: Draws) -> dict:
 
 
 def _samples(variant: VariantResult, samples: Draws) -> dict:
+    """Collect mean, standard deviation, interval and diagnostics of the unknowns."""
     chains, values = samples.chains, variant.bounds.parameter(samples.x)
     assert chains is not None
-    about = {
+    return {
         "blackjax": version_of("blackjax"),
         "accuracy": samples.accuracy,
         "error_of_log_density": samples.error,
         "divergent": np.sum(chains.statistics["diverging"]),
         "seconds": chains.seconds,
+        "mean": np.mean(values, axis=0),
+        "standard_deviation": np.std(values, axis=0),
+        "interval_95": np.quantile(values, (0.025, 0.975), axis=0).T,
+        "scale_reduction": chains.scale_reduction,
+        "effective_draws": chains.effective,
     }
-    return about | {
-        name: {
-            "mean": np.mean(values[:, index]),
-            "standard_deviation": np.std(values[:, index]),
-            "interval_95": np.quantile(values[:, index], (0.025, 0.975)),
-            "scale_reduction": chains.scale_reduction[index],
-            "effective_draws": chains.effective[index],
-        }
-        for index, name in enumerate(variant.names)
-    }
-
-
-def _left_out(study: Study, left: LeftOut) -> list[dict]:
-    values = np.where(study.censored == 0, left.standardised(study.measured), np.nan)
-    return [
-        {
-            "name": name,
-            "standardised": values[left.group == number],
-            "fit": left.x[number],
-            "moved_in_standard_errors": left.moved[number],
-            "stopped": left.reasons[number].words,
-        }
-        for number, name in enumerate(left.groups)
-    ]
 
 
 def _short(values) -> list[float]:

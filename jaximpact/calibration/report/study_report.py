@@ -65,7 +65,7 @@ def _answer(
             warnings[-1] += worse_than_others(compared, variant.variant)
     common = [line for line in warnings[0] if all(line in one for one in warnings)]
     picture = Picture(
-        partial(drawings.plot_study, result),
+        partial(drawings.draw_study, result),
         "The fit of every target",
         "Measured and fitted.",
     )
