@@ -1,13 +1,13 @@
 """Contacts of a run-out by tables."""
 
 import dataclasses
+import functools
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
 import numpy as np
 
-from ..batch import by_shape
 from ..errors import InputError
 from ..identity import part_names
 from ..impact.events import Outcome
@@ -15,6 +15,7 @@ from ..impact_response import ImpactResponse, ImpactResponses
 from ..quantities import columns_of
 from ..scene import Block, Impact, Scene, Soil
 from ..scene_quantities import value_of
+from ..shapes import each_shape
 from ..units import DEGREE
 from .table import Entry, ReboundTable, look_up_many
 
@@ -118,7 +119,7 @@ class Tabulated:
             )
 
         block, soil = one(block), one(soil)
-        ((alone, _),) = by_shape(Scene(block, soil))
+        ((alone, _),) = each_shape(Scene(block, soil))
         told = [_difference(alone, table) for table in self.tables]
         nearest = min(told, key=lambda text: text.count(","))
         return f"holds no table of {where}: its {nearest}"
@@ -130,21 +131,21 @@ class _Pair(NamedTuple):
     structure: Any
     """Shape and laws."""
     numbers: list
-    chosen: np.ndarray
-    """Lanes that have this shape."""
+    chosen: Any
+    """Places of the lanes that have this shape."""
 
     @classmethod
     def of(cls, table: ReboundTable) -> "_Pair":
         """Return the identity of a table's block and ground; floats, as every contact
         compares them."""
         leaves, structure = jax.tree.flatten((table.block, table.soil))
-        return cls(structure, [float(leaf) for leaf in leaves], np.asarray(True))
+        return cls(structure, [float(leaf) for leaf in leaves], ...)
 
 
 def _alternatives(block: Block, soil: Soil) -> list[_Pair]:
     """Blocks on grounds, those of one shape at a time."""
     found = []
-    for alone, chosen in by_shape(Scene(block, soil)):
+    for alone, chosen in each_shape(Scene(block, soil)):
         leaves, structure = jax.tree.flatten((alone.block, alone.soil))
         found.append(_Pair(structure, [np.asarray(x) for x in leaves], chosen))
     return found
@@ -153,14 +154,14 @@ def _alternatives(block: Block, soil: Soil) -> list[_Pair]:
 def _same(ours: list[_Pair], theirs: _Pair, shape) -> np.ndarray:
     """Tell where shape and laws are the same, and all numbers but for the rounding of a
     file's units."""
-    found = np.zeros(shape, bool)
+    same = np.zeros(shape, bool)
     for pair in ours:
         if pair.structure == theirs.structure:
-            same = np.broadcast_to(pair.chosen, shape).copy()
-            for a, b in zip(pair.numbers, theirs.numbers, strict=True):
-                same &= _alike(a, b)
-            found |= same
-    return found
+            numbers = zip(pair.numbers, theirs.numbers, strict=True)
+            same[pair.chosen] = functools.reduce(
+                np.logical_and, (_alike(a, b) for a, b in numbers)
+            )
+    return same
 
 
 def _alike(a, b: float) -> np.ndarray:

@@ -170,28 +170,6 @@ def test_the_file_is_that_of_python(made):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "parts"),
-    [
-        ("[table]", "[tabel]", ("key tabel", "did you mean table?")),
-        ("mass_kg = 200", "mass_kg = -1", ("block.mass_kg", "above 0")),
-        ("mass_kg = 200", "mass_kg = [100, 200]", ("block.mass_kg", "must be a num")),
-        ("gamma_v = 4", "speed_mps = 4", ("ground.speed_mps", "is unknown")),
-        ("[-10, 0, 40]", "[0, -10]", ("table.slopes_deg", "ascend")),
-        ("[-10, 0, 40]", "[0, 90]", ("table.slopes_deg", "in (-90, 90)")),
-        ("[-10, 0, 40]", "30", ("table.slopes_deg", "list of numbers")),
-        ("[0.5, 40]", "[40, 0.5]", ("table.total_speeds_mps", "ascending")),
-        ("azimuth = 9", "azimut = 9", ("nodes.azimut", "did you mean azimuth?")),
-        ("azimuth = 9", "azimuth = 1", ("key table.nodes.azimuth", "at least 2")),
-        ("[block]", 'accuracy = "best"\n[block]', ("key accuracy", "one of")),
-    ],
-)
-def test_bad_files_are_refused_in_one_line(here, capsys, old, new, parts):
-    write_changed(here / "table.toml", TABLE, (old, new))
-    assert main(["tabulate", "table.toml", "--out", "table.nc"]) == 2
-    assert_one_line_error(capsys, "table.toml", *parts)
-
-
-@pytest.mark.parametrize(
     ("options", "part"),
     [
         ((), "--out or --csv is needed"),

@@ -226,30 +226,6 @@ def test_a_study_file_gives_base_and_axes(study):
     assert axes["ground"] == {"name": ["dense", "loose"], "c_v": [1.0, 0.5]}
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("speed_mps = 3", "key axes: is needed"),
-        ("axes = 3", "key axes: must be a table"),
-        ("[axes]\nk_e = [1]", "key axes.k_e: is unknown; did you mean k_E"),
-        ("[axes]\nk_e = {from=1, to=2, count=2}", "key axes.k_e: is unknown"),
-        ("[axes]\nk_E = 3", "must be a list of numbers, or a range"),
-        ("[axes]\nk_E = {from=1, to=2}", "key axes.k_E: needs count"),
-        ("[axes]\nk_E = {from=1, to=2, cont=2}", "did you mean count"),
-        ("[axes]\nk_E = {from=1, to=2, count=0}", "must be at least 1"),
-        (
-            "[axes]\nk_E = {from=0, to=2, count=2, spacing='logarithmic'}",
-            "between positive numbers",
-        ),
-        ("[axes]\nk_E = [1, -2]", "must be above 0, but holds -2"),
-        ("[axis]\nk_E = [1]", "is unknown; did you mean axes"),
-    ],
-)
-def test_a_study_that_cannot_be_used_is_refused(study, text, message):
-    with pytest.raises(InputError, match=message):
-        study(text)
-
-
 def test_a_file_that_is_no_netcdf_is_refused(tmp_path):
     path = tmp_path / "noise.nc"
     path.write_bytes(b"CDF\x02 noise, not a dataset")

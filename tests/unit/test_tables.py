@@ -1,4 +1,5 @@
-"""Tables of scenes: what is read, what is refused and how, and how results go out."""
+"""Tables of scenes: what is read, and how results go out. What is refused is in
+test_malformed_inputs.py."""
 
 import contextlib
 import csv
@@ -9,7 +10,6 @@ import os
 
 import numpy as np
 import pytest
-from error_messages import assert_one_line
 
 from jaximpact import PRESETS, Block, Impact, Outcome, Soil
 from jaximpact.errors import InputError
@@ -96,51 +96,6 @@ def test_harmless_variants_of_csv_are_read(table_of, content):
     numbers = table_of(content).numbers
     np.testing.assert_array_equal(numbers["mass_kg"], [1.0, 3.0])
     np.testing.assert_array_equal(numbers["speed_mps"], [2.0, 4.0])
-
-
-REFUSED = {
-    "empty": ("", ["is empty"]),
-    "blank": ("\n\n", ["is empty"]),
-    "header-only": ("mass_kg\n", ["no rows"]),
-    "misspelt": ("mass_kg,sped_mps\n1,2\n", ["row 1", "sped_mps", "speed_mps?"]),
-    "wrong-case": ("MASS_KG\n1\n", ["row 1", "MASS_KG", "mass_kg?"]),
-    "unknown-soil": ("gamma_w\n1\n", ["row 1", "column gamma_w", "gamma_v?"]),
-    "twice": ("mass_kg,k_E,mass_kg\n1,2,3\n", ["row 1", "mass_kg", "twice"]),
-    "nameless": ("mass_kg,\n1,2\n", ["row 1", "column 2", "no name"]),
-    "no-header": ("100,14\n100,15\n", ["row 1", "column 100", "must name"]),
-    "result": ("mass_kg,e_n\n1,0.5\n", ["row 1", "e_n", "is a result"]),
-    "sigma": ("sigma_e_n\n0.5\n", ["row 1", "sigma_e_n", "is a result"]),
-    "outcome": ("outcome\ndetached\n", ["row 1", "outcome", "is a result"]),
-    "semicolons": ("mass_kg;k_E\n1;2\n", ["row 1", "separated by ';'"]),
-    "tabs": ("mass_kg\tk_E\n1\t2\n", ["row 1", "separated by tabs"]),
-    "decimal-comma": ("mass_kg\n1,5\n", ["row 2", "2 cells", "has 1", "point"]),
-    "quoted-comma": ('mass_kg\n"1,5"\n', ["row 2", "mass_kg", "'1,5'", "point"]),
-    "short-row": ("mass_kg,k_E\n1,2\n3\n", ["row 3", "1 cells", "has 2"]),
-    "text": ("k_E,mass_kg\n1,2\n3,heavy\n", ["row 3", "column mass_kg", "'heavy'"]),
-    "empty-cell": ("k_E,mass_kg\n1,2\n,2\n", ["row 3", "column k_E", "is empty"]),
-    "underscore": ("mass_kg\n1_000\n", ["row 2", "mass_kg", "'1_000'"]),
-    "not-a-number": ("mass_kg\nnan\n", ["row 2", "mass_kg", "but is nan"]),
-    "infinite": ("orientation_deg\ninf\n", ["row 2", "finite", "but is inf"]),
-    "overflow": ("orientation_deg\n1e999\n", ["row 2", "finite", "1e999"]),
-    "negative-mass": ("mass_kg\n1\n-5\n", ["row 3", "mass_kg", "above 0 kg", "-5"]),
-    "zero-ratio": ("aspect_ratio\n0\n", ["row 2", "aspect_ratio", "above 0, but"]),
-    "grazing": ("angle_deg\n90\n", ["row 2", "angle_deg", "(-90, 90) deg", "is 90"]),
-    "past-grazing": ("angle_deg\n-91\n", ["row 2", "angle_deg", "is -91"]),
-    "percent": ("relative_density\n90\n", ["row 2", "[0, 1]", "is 90"]),
-    "after-blank-lines": ("mass_kg\n\n1\n\n-1\n", ["row 5", "mass_kg"]),
-    "after-long-cell": ('note,mass_kg\n"a\nb",1\nc,-1\n', ["row 4", "mass_kg"]),
-    "open-quote": ('note,mass_kg\n"a,1\nb,2\n', ["row 2", "not valid CSV"]),
-    "latin-1": (b"note,mass_kg\na,1\n\xe4,1\n", ["row 3", "UTF-8"]),
-    "utf-16": ("mass_kg\n1\n".encode("utf-16"), ["row 1", "UTF-8"]),
-    "null": (b"mass_kg\n1\n\x00\n", ["row 3", "null"]),
-}
-
-
-@pytest.mark.parametrize(("content", "needed"), REFUSED.values(), ids=REFUSED)
-def test_bad_tables_are_refused_in_one_line_that_says_where(table_of, content, needed):
-    with pytest.raises(InputError) as caught:
-        table_of(content)
-    assert_one_line(caught.value, "scenes.csv", *needed)
 
 
 @pytest.mark.parametrize("column", INPUT_COLUMNS.values(), ids=INPUT_COLUMNS)
@@ -281,15 +236,6 @@ def test_a_full_disk_is_told_with_the_file(tmp_path):
     with pytest.raises(OSError, match=r"No space left on device: '.*results\.csv'"):
         write_to_full_disk()
     assert os.listdir(tmp_path) == []
-
-
-def test_a_link_is_followed_when_a_file_is_replaced(tmp_path):
-    (tmp_path / "real.csv").write_text("old")
-    (tmp_path / "link.csv").symlink_to(tmp_path / "real.csv")
-    with replacing(tmp_path / "link.csv") as temporary:
-        temporary.write_text("new")
-    assert (tmp_path / "link.csv").is_symlink()
-    assert (tmp_path / "real.csv").read_text() == "new"
 
 
 def test_targets_that_cannot_be_written_are_found_out_beforehand(tmp_path):
