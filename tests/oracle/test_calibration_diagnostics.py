@@ -3,7 +3,6 @@ report and going on after an interrupt. Linear models have exact answers."""
 
 import base64
 import dataclasses
-import html.parser
 import json
 import re
 from types import SimpleNamespace
@@ -556,30 +555,6 @@ def test_a_sigma_in_words():
 # --- The report. ---
 
 
-class Page(html.parser.HTMLParser):
-    """What a page holds."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.open, self.images, self.texts, self.attributes = [], [], [], []
-        self.feed(text)
-        self.close()
-
-    def handle_starttag(self, tag, attrs):
-        self.attributes += [(tag, *pair) for pair in attrs]
-        if tag == "img":
-            self.images.append(dict(attrs))
-        elif tag != "meta":
-            self.open.append(tag)
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-
-    def handle_data(self, data):
-        if self.open and self.open[-1] not in ("style", "script"):
-            self.texts.append(data)
-
-
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     """A noisy twin of two campaigns with a parameter that nothing depends on, and its
@@ -602,7 +577,7 @@ def written(tmp_path_factory):
         patched.setattr(run, "examine", interrupt)
         code = main(["calibrate", str(path), "--out", str(out)])
     assert code == 130
-    assert not any(out.iterdir())
+    assert [path.name for path in out.iterdir()] == ["jaximpact-study.json"]
     assert main(["calibrate", str(path), "--out", str(out)]) == 0
     return out
 
@@ -615,20 +590,12 @@ def test_the_files_are_there(written):
 
 def test_the_page_needs_nothing_else(written):
     text = (written / "report.html").read_text()
-    page = Page(text)
-    assert page.open == []
-    assert len(page.images) > 8
-    for image in page.images:
-        kind, data = image["src"].split(",", 1)
-        assert kind == "data:image/png;base64"
+    images = re.findall(r'<img src="data:image/png;base64,([^"]*)" alt="[^"]+">', text)
+    assert len(images) == text.count("<img") > 8
+    for data in images:
         assert base64.b64decode(data, validate=True).startswith(b"\x89PNG")
-        assert image["alt"]
-    names = {name for _, name, _ in page.attributes}
-    assert "href" not in names
-    assert "url(" not in text
-    assert "src" not in {name for tag, name, _ in page.attributes if tag != "img"}
-    assert 'name="viewport"' in text
-    assert "A <twin> & more" in "".join(page.texts)  # not taken for a tag
+    assert not re.findall(r"href\s*=|url\(|@import|fetch\(|https?://", text)
+    assert "A &lt;twin&gt; &amp; more" in text
 
 
 def test_the_page_says_what_is_not_determined(written):
