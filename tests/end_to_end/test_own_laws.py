@@ -1,4 +1,4 @@
-"""Laws of users: what is wrong with one is told, and its parameters are as others."""
+"""Laws of users: what is wrong with one is said in one line."""
 
 import dataclasses
 
@@ -10,7 +10,6 @@ from jaximpact import Block, Impact, Scene, Soil, simulate
 from jaximpact.errors import InputError
 
 pytestmark = pytest.mark.slow
-
 
 HEAD = """
 import math
