@@ -53,8 +53,8 @@ class Tabulated:
         for table, pair in zip(self.tables, self._pairs, strict=True):
             chosen = open_yet & _same(ours, pair, count)
             if np.any(chosen):
-                some = jax.tree.map(lambda leaf, where=chosen: leaf[where], impact)
-                columns[:, chosen] = _in_parts(table, some)
+                struck = jax.tree.map(lambda leaf, where=chosen: leaf[where], impact)
+                columns[:, chosen] = _in_parts(table, struck)
                 open_yet &= ~chosen
         if np.any(open_yet):
             lane = int(np.argmax(open_yet))
@@ -88,22 +88,22 @@ class Tabulated:
         """
         shape = least_slope.shape
         block = jax.tree.map(lambda leaf: np.asarray(leaf)[:, None], block)
-        held, flat = np.zeros(shape, bool), np.zeros(shape, bool)
+        known, flat = np.zeros(shape, bool), np.zeros(shape, bool)
         ours = _alternatives(block, soil)
         for table, pair in zip(self.tables, self._pairs, strict=True):
             same = _same(ours, pair, shape)
             low, high = (float(table.slopes[end]) for end in (0, -1))
-            held |= same
+            known |= same
             flat |= (
                 same
                 & (least_slope >= low - SLOPE_MARGIN)
                 & (most_slope <= high + SLOPE_MARGIN)
             )
-        if np.all(held & flat):
+        if np.all(known & flat):
             return None
-        lane, segment = (int(i) for i in np.argwhere(~(held & flat))[0])
+        lane, segment = (int(i) for i in np.argwhere(~(known & flat))[0])
         where = f"block {lane} on segment {segment + 1}"
-        if held[lane, segment]:
+        if known[lane, segment]:
             slopes = least_slope[lane, segment], most_slope[lane, segment]
             low, high = (slope / DEGREE for slope in slopes)
             needed = f"{low:.5g}" if high == low else f"{low:.5g} to {high:.5g}"
@@ -119,8 +119,8 @@ class Tabulated:
 
         block, soil = one(block), one(soil)
         ((alone, _),) = by_shape(Scene(block, soil))
-        told = [_difference(alone, table) for table in self.tables]
-        nearest = min(told, key=lambda text: text.count(","))
+        differences = [_difference(alone, table) for table in self.tables]
+        nearest = min(differences, key=lambda text: text.count(","))
         return f"holds no table of {where}: its {nearest}"
 
 
@@ -143,24 +143,24 @@ class _Pair(NamedTuple):
 
 def _alternatives(block: Block, soil: Soil) -> list[_Pair]:
     """Blocks on grounds, those of one shape at a time."""
-    found = []
+    pairs = []
     for alone, chosen in by_shape(Scene(block, soil)):
         leaves, structure = jax.tree.flatten((alone.block, alone.soil))
-        found.append(_Pair(structure, [np.asarray(x) for x in leaves], chosen))
-    return found
+        pairs.append(_Pair(structure, [np.asarray(x) for x in leaves], chosen))
+    return pairs
 
 
 def _same(ours: list[_Pair], theirs: _Pair, shape) -> np.ndarray:
     """Tell where shape and laws are the same, and all numbers but for the rounding of a
     file's units."""
-    found = np.zeros(shape, bool)
+    same_anywhere = np.zeros(shape, bool)
     for pair in ours:
         if pair.structure == theirs.structure:
             same = np.broadcast_to(pair.chosen, shape).copy()
             for a, b in zip(pair.numbers, theirs.numbers, strict=True):
                 same &= _alike(a, b)
-            found |= same
-    return found
+            same_anywhere |= same
+    return same_anywhere
 
 
 def _alike(a, b: float) -> np.ndarray:
@@ -169,18 +169,18 @@ def _alike(a, b: float) -> np.ndarray:
 
 def _difference(scene: Scene, table: ReboundTable) -> str:
     """Say in what a block on a ground, scalars, differ from those of a table."""
-    told, of_table = [], Scene(table.block, table.soil)
+    differences, of_table = [], Scene(table.block, table.soil)
     names = part_names(table.soil, table.block)
     for slot, name in part_names(scene.soil, scene.block).items():
         if name != names[slot]:
-            told.append(f"{slot} is {name} and in a table {names[slot]}")
+            differences.append(f"{slot} is {name} and in a table {names[slot]}")
     columns = columns_of(of_table)
     for name, column in columns_of(scene).items():
         if column.part != "impact" and name in columns:
             ours, theirs = (float(value_of(of, column)) for of in (scene, of_table))
             if not _alike(ours, theirs):
-                told.append(f"{name} is {ours:g} and in a table {theirs:g}")
-    return ", ".join(told)
+                differences.append(f"{name} is {ours:g} and in a table {theirs:g}")
+    return ", ".join(differences)
 
 
 def _in_parts(table: ReboundTable, impact: Impact) -> np.ndarray:
