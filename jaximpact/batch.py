@@ -20,14 +20,13 @@ from ._packages import versions
 from ._precision import require_float64
 from .accuracy import DEFAULT_ACCURACY, Accuracy, get_accuracy
 from .backend.rows import compute_rows, in_parts, prepare
-from .errors import InputError
 from .identity import part_names
 from .impact.results import ImpactSummary, empty_summary
 from .io.checks import check_scene
 from .io.journal import Journal
 from .progress import Progress, ProgressFunction, listening
 from .scene import Block, Impact, Scene, Soil, as_scene, shape_of
-from .shapes import MixedShapes
+from .shapes import MixedShapes, each_shape, shape_by_shape
 from .simulation import ImpactResult
 from .tasks import Task, computing, run_tasks
 
@@ -56,32 +55,6 @@ def broadcast_scene(scene: Scene) -> tuple[Scene, int]:
     return jax.tree.map(
         lambda leaf: np.broadcast_to(np.asarray(leaf), (count,)), scene
     ), count
-
-
-def by_shape(scene: Scene) -> list[tuple[Scene, np.ndarray]]:
-    """Split scenes into blocks of one shape each, with the lanes that are of it.
-
-    Lanes of another shape have the defaults of that one. A scene with one shape for all
-    is given back as it is.
-
-    Raises InputError for an index that is none.
-    """
-    shape = scene.block.shape
-    if not isinstance(shape, MixedShapes):
-        return [(scene, np.asarray(True))]
-    index = np.asarray(shape.index)
-    unknown = index[~np.isin(index, np.arange(len(shape.kinds)))]
-    if unknown.size:
-        raise InputError(
-            f"the index of mixed shapes must be one of 0 to {len(shape.kinds) - 1}, "
-            f"but holds {unknown.flat[0]:g}"
-        )
-    groups = []
-    for place in np.unique(index.astype(int)):
-        block = dataclasses.replace(scene.block, shape=shape.alone(place))
-        alone = Scene(block, scene.soil, scene.impact)
-        groups.append((jax.tree.map(np.asarray, alone), index == place))
-    return groups
 
 
 def simulate_batch(
@@ -133,8 +106,10 @@ def simulate_batch(
     scene = as_scene(scene, soil, impact)
     check_scene(scene, batched=True, warn=True)
     if isinstance(scene.block.shape, MixedShapes):
-        for alone, _ in by_shape(scene):
-            check_scene(alone, batched=True)
+        for place in range(len(scene.block.shape.kinds)):
+            shape = scene.block.shape.alone(place)
+            block = dataclasses.replace(scene.block, shape=shape)
+            check_scene(dataclasses.replace(scene, block=block), batched=True)
     scene, count = broadcast_scene(scene)
     template, structure = jax.tree_util.tree_flatten_with_path(empty_summary(ledger))
     names = [jax.tree_util.keystr(path)[1:] for path, _ in template]
@@ -178,8 +153,8 @@ def simulate_batch(
 def _prepare(scene: Scene, accuracy: Accuracy, ledger: bool) -> str:
     """Compile what scenes need, and return the names of what computes them."""
     names = set()
-    for alone, lanes in by_shape(scene):
-        leaves, structure = jax.tree.flatten(_at(alone, lanes))
+    for alone, _ in each_shape(scene):
+        leaves, structure = jax.tree.flatten(alone)
         names.add(prepare(structure, leaves, accuracy, ledger=ledger))
     return " and ".join(sorted(names))
 
@@ -205,14 +180,20 @@ def compute_part(
     Returns:
         Rows `(numbers, count)`, in the order of the fields of `ImpactSummary`.
     """
-    rows = np.empty((len(jax.tree.leaves(empty_summary(ledger))), count))
     every = jax.tree.map(lambda leaf: np.broadcast_to(leaf, (count,)), scene)
-    for alone, lanes in by_shape(every):
-        for part in in_parts(np.flatnonzero(np.broadcast_to(lanes, count))):
-            leaves, structure = jax.tree.flatten(_at(alone, part))
-            numbers, _ = compute_rows(structure, leaves, accuracy, ledger=ledger)
-            rows[:, part] = np.broadcast_to(numbers.T, (len(part), len(numbers))).T
-    return rows
+    return shape_by_shape(lambda alone: _lanes_of(alone, accuracy, ledger), every).T
+
+
+def _lanes_of(scene: Scene, accuracy: Accuracy, ledger: bool) -> np.ndarray:
+    """Compute blocks of one shape; `(lanes, numbers)`."""
+    scene = jax.tree.map(np.asarray, scene)
+    count = len(scene.impact.speed)
+    lanes = np.empty((count, len(jax.tree.leaves(empty_summary(ledger)))))
+    for part in in_parts(np.arange(count)):
+        leaves, structure = jax.tree.flatten(_at(scene, part))
+        rows, _ = compute_rows(structure, leaves, accuracy, ledger=ledger)
+        lanes[part] = rows.T  # one number for all where all scenes are the same
+    return lanes
 
 
 def summary_of(rows: np.ndarray, ledger: bool = False) -> ImpactSummary:

@@ -1,13 +1,13 @@
 """Contacts of a run-out by tables."""
 
 import dataclasses
+import functools
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
 import numpy as np
 
-from ..batch import by_shape
 from ..errors import InputError
 from ..identity import part_names
 from ..impact.events import Outcome
@@ -15,6 +15,7 @@ from ..impact_response import ImpactResponse, ImpactResponses
 from ..quantities import columns_of
 from ..scene import Block, Impact, Scene, Soil
 from ..scene_quantities import value_of
+from ..shapes import each_shape
 from ..units import DEGREE
 from .table import Entry, ReboundTable, look_up_many
 
@@ -53,8 +54,8 @@ class Tabulated:
         for table, pair in zip(self.tables, self._pairs, strict=True):
             chosen = open_yet & _same(ours, pair, count)
             if np.any(chosen):
-                struck = jax.tree.map(lambda leaf, where=chosen: leaf[where], impact)
-                columns[:, chosen] = _in_parts(table, struck)
+                some = jax.tree.map(lambda leaf, where=chosen: leaf[where], impact)
+                columns[:, chosen] = _in_parts(table, some)
                 open_yet &= ~chosen
         if np.any(open_yet):
             lane = int(np.argmax(open_yet))
@@ -88,22 +89,22 @@ class Tabulated:
         """
         shape = least_slope.shape
         block = jax.tree.map(lambda leaf: np.asarray(leaf)[:, None], block)
-        known, flat = np.zeros(shape, bool), np.zeros(shape, bool)
+        held, flat = np.zeros(shape, bool), np.zeros(shape, bool)
         ours = _alternatives(block, soil)
         for table, pair in zip(self.tables, self._pairs, strict=True):
             same = _same(ours, pair, shape)
             low, high = (float(table.slopes[end]) for end in (0, -1))
-            known |= same
+            held |= same
             flat |= (
                 same
                 & (least_slope >= low - SLOPE_MARGIN)
                 & (most_slope <= high + SLOPE_MARGIN)
             )
-        if np.all(known & flat):
+        if np.all(held & flat):
             return None
-        lane, segment = (int(i) for i in np.argwhere(~(known & flat))[0])
+        lane, segment = (int(i) for i in np.argwhere(~(held & flat))[0])
         where = f"block {lane} on segment {segment + 1}"
-        if known[lane, segment]:
+        if held[lane, segment]:
             slopes = least_slope[lane, segment], most_slope[lane, segment]
             low, high = (slope / DEGREE for slope in slopes)
             needed = f"{low:.5g}" if high == low else f"{low:.5g} to {high:.5g}"
@@ -118,9 +119,9 @@ class Tabulated:
             )
 
         block, soil = one(block), one(soil)
-        ((alone, _),) = by_shape(Scene(block, soil))
-        differences = [_difference(alone, table) for table in self.tables]
-        nearest = min(differences, key=lambda text: text.count(","))
+        ((alone, _),) = each_shape(Scene(block, soil))
+        told = [_difference(alone, table) for table in self.tables]
+        nearest = min(told, key=lambda text: text.count(","))
         return f"holds no table of {where}: its {nearest}"
 
 
@@ -130,37 +131,37 @@ class _Pair(NamedTuple):
     structure: Any
     """Shape and laws."""
     numbers: list
-    chosen: np.ndarray
-    """Lanes that have this shape."""
+    chosen: Any
+    """Places of the lanes that have this shape."""
 
     @classmethod
     def of(cls, table: ReboundTable) -> "_Pair":
         """Return the identity of a table's block and ground; floats, as every contact
         compares them."""
         leaves, structure = jax.tree.flatten((table.block, table.soil))
-        return cls(structure, [float(leaf) for leaf in leaves], np.asarray(True))
+        return cls(structure, [float(leaf) for leaf in leaves], ...)
 
 
 def _alternatives(block: Block, soil: Soil) -> list[_Pair]:
     """Blocks on grounds, those of one shape at a time."""
-    pairs = []
-    for alone, chosen in by_shape(Scene(block, soil)):
+    found = []
+    for alone, chosen in each_shape(Scene(block, soil)):
         leaves, structure = jax.tree.flatten((alone.block, alone.soil))
-        pairs.append(_Pair(structure, [np.asarray(x) for x in leaves], chosen))
-    return pairs
+        found.append(_Pair(structure, [np.asarray(x) for x in leaves], chosen))
+    return found
 
 
 def _same(ours: list[_Pair], theirs: _Pair, shape) -> np.ndarray:
     """Tell where shape and laws are the same, and all numbers but for the rounding of a
     file's units."""
-    same_anywhere = np.zeros(shape, bool)
+    same = np.zeros(shape, bool)
     for pair in ours:
         if pair.structure == theirs.structure:
-            same = np.broadcast_to(pair.chosen, shape).copy()
-            for a, b in zip(pair.numbers, theirs.numbers, strict=True):
-                same &= _alike(a, b)
-            same_anywhere |= same
-    return same_anywhere
+            numbers = zip(pair.numbers, theirs.numbers, strict=True)
+            same[pair.chosen] = functools.reduce(
+                np.logical_and, (_alike(a, b) for a, b in numbers)
+            )
+    return same
 
 
 def _alike(a, b: float) -> np.ndarray:
@@ -169,18 +170,18 @@ def _alike(a, b: float) -> np.ndarray:
 
 def _difference(scene: Scene, table: ReboundTable) -> str:
     """Say in what a block on a ground, scalars, differ from those of a table."""
-    differences, of_table = [], Scene(table.block, table.soil)
+    told, of_table = [], Scene(table.block, table.soil)
     names = part_names(table.soil, table.block)
     for slot, name in part_names(scene.soil, scene.block).items():
         if name != names[slot]:
-            differences.append(f"{slot} is {name} and in a table {names[slot]}")
+            told.append(f"{slot} is {name} and in a table {names[slot]}")
     columns = columns_of(of_table)
     for name, column in columns_of(scene).items():
         if column.part != "impact" and name in columns:
             ours, theirs = (float(value_of(of, column)) for of in (scene, of_table))
             if not _alike(ours, theirs):
-                differences.append(f"{name} is {ours:g} and in a table {theirs:g}")
-    return ", ".join(differences)
+                told.append(f"{name} is {ours:g} and in a table {theirs:g}")
+    return ", ".join(told)
 
 
 def _in_parts(table: ReboundTable, impact: Impact) -> np.ndarray:

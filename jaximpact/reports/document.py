@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 WIDTH = 88
 """Characters in a line of text."""
+PIXELS_PER_INCH = 96
+"""Size of a figure on a page: letters of 9 points are as large as those of the page."""
 LONGEST_NUMBER = 40
 """Characters of a cell that is not broken into lines."""
 
@@ -208,11 +210,13 @@ def _figure(picture: Picture) -> "Markup":
 
     from ..plotting.style import png_bytes
 
+    figure = picture.draw()
     return Markup(
-        '<figure><img src="data:image/png;base64,{}" alt="{}">'
+        '<figure style="width: {}px"><img src="data:image/png;base64,{}" alt="{}">'
         "<figcaption>{}</figcaption></figure>\n"
     ).format(
-        base64.b64encode(png_bytes(picture.draw())).decode(),
+        round(PIXELS_PER_INCH * figure.get_figwidth()),
+        base64.b64encode(png_bytes(figure)).decode(),
         picture.description,
         picture.caption,
     )

@@ -18,7 +18,7 @@ from .._checks import expect, real_numbers
 from ..io.checks import check_scene
 from ..io.display import Rows, ShownAsTable, range_of
 from ..scene import GRAVITY, Block, Scene
-from ..shapes import AbstractShape, MixedShapes, SemiAxes, shape_by_shape
+from ..shapes import AbstractShape, SemiAxes, each_shape, shape_by_shape
 from ..units import DEGREE
 from .coordinates import LARGEST
 from .lane_programs import Values, closed_form
@@ -226,16 +226,10 @@ class Release(ShownAsTable):
 
     def by_shape(self) -> list[tuple["Release", np.ndarray]]:
         """Divide the blocks by the class of their shapes, with the indices of each."""
-        shape = self.block.shape
-        if not isinstance(shape, MixedShapes):
-            return [(self, np.arange(self.count))]
-        parts = []
-        for place in np.unique(shape.index).astype(int):
-            lanes = np.flatnonzero(shape.index == place)
-            block = select(self.block, lanes)
-            block = dataclasses.replace(block, shape=shape.of_kind(place, lanes))
-            parts.append((Release(block, *select(self.body, lanes)), lanes))
-        return parts
+        return [
+            (Release(block, *body), np.arange(self.count)[lanes])
+            for (block, body), lanes in each_shape((self.block, self.body))
+        ]
 
     @property
     def body(self) -> Body:

@@ -13,11 +13,12 @@ from jaxtyping import Float
 
 from ..accuracy import Accuracy
 from ..backend.rows import compute_rows, in_parts
-from ..batch import by_shape, simulate_batch
+from ..batch import simulate_batch
 from ..impact.results import ImpactSummary, empty_summary
 from ..quantities import InputColumn, ResultColumn, leaf_places
 from ..scene import Scene
 from ..scene_quantities import scene_with, value_of
+from ..shapes import each_shape
 
 POINTS = 5
 STENCILS = {
@@ -66,18 +67,19 @@ def derivatives(
     of_numbers = jax.tree.structure(empty_summary(ledger=False))
     values = np.empty((of_numbers.num_leaves, count))
     slopes = np.zeros((len(columns), *values.shape))
-    for alone, of_shape in by_shape(scene):
+    for alone, lanes in each_shape(scene):
         leaves, structure = jax.tree.flatten(alone)
         places = leaf_places(alone)
         # A parameter that the shape does not have changes nothing.
         known = [k for k, column in enumerate(columns) if column.name in places]
         varied = [places[columns[k].name] for k in known]
-        for part in in_parts(np.flatnonzero(np.broadcast_to(of_shape, count))):
-            own = [np.asarray(leaf)[part] for leaf in leaves]
-            rows, along = compute_rows(structure, own, accuracy, varied=varied)
-            values[:, part] = rows
+        places_of = np.arange(count)[lanes]
+        for part in in_parts(np.arange(len(places_of))):
+            of_part = [np.asarray(leaf)[part] for leaf in leaves]
+            rows, along = compute_rows(structure, of_part, accuracy, varied=varied)
+            values[:, places_of[part]] = rows
             for k, column in zip(known, along, strict=True):
-                slopes[k][:, part] = column
+                slopes[k][:, places_of[part]] = column
             done(len(part) * len(columns))
     numbers, *found = (
         jax.tree.unflatten(of_numbers, list(rows)) for rows in (values, *slopes)

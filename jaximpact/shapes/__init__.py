@@ -2,7 +2,7 @@
 
 from .base import AbstractShape, Foundation, Section, SemiAxes, foundation
 from .elliptic import AbstractElliptic, Ellipsoid, EllipticCylinder
-from .mixed import MixedShapes, mixed, shape_by_shape, shape_of_each
+from .mixed import MixedShapes, each_shape, mixed, shape_by_shape, shape_of_each
 from .prism import RectangularPrism
 from .support import RoundBlock
 
@@ -17,6 +17,7 @@ __all__ = [
     "RoundBlock",
     "Section",
     "SemiAxes",
+    "each_shape",
     "foundation",
     "mixed",
     "shape_by_shape",

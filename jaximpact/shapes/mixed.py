@@ -3,7 +3,7 @@
 import abc
 import dataclasses
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import equinox as eqx
@@ -13,15 +13,19 @@ import numpy as np
 
 from .._jax_internals import Tracer, broadcast_shapes, namespace_of
 from .._precision import float64_leaf
-from .._types import Flag, Scalar
+from .._types import Scalar
 from ..errors import InputError
 from ..parameters import Declared, declared_of, parameter
-from .base import AbstractShape, Section, SemiAxes, on_side
-from .support import RoundBlock
+from .base import AbstractShape, Section, SemiAxes
+
+ONE_BY_ONE = "blocks of several shapes are computed shape by shape: shape_by_shape"
 
 
 class MixedShapes(AbstractShape):
     """One of several shapes, `index` says which.
+
+    Tables and scenes of blocks of several shapes hold it; impacts and run-outs are
+    computed shape by shape.
 
     `mixed(Ellipsoid, RectangularPrism)` is such a class. Its parameters are those of
     all its shapes, each once; those that the shape of a lane does not have change
@@ -57,109 +61,38 @@ class MixedShapes(AbstractShape):
         }
         return dataclasses.replace(usual, **values)
 
-    def _alone(self) -> list[AbstractShape]:
-        return [self.alone(place) for place in range(len(self.kinds))]
-
-    def _chosen(self, of_shape: Callable):
+    def _of_lane(self, of_shape: Callable):
         """Select the result of the lane's shape. The others are computed too, for
         finite inputs, so that their derivatives are finite and count nothing."""
-        *others, found = [of_shape(shape) for shape in self._alone()]
+        *others, result = [of_shape(self.alone(k)) for k in range(len(self.kinds))]
         for place, other in reversed(list(enumerate(others))):
             is_it = self.index == place
-            found = jax.tree.map(
-                lambda one, rest, is_it=is_it: jnp.where(is_it, one, rest), other, found
+            result = jax.tree.map(
+                lambda one, rest, is_it=is_it: jnp.where(is_it, one, rest),
+                other,
+                result,
             )
-        return found
+        return result
 
     @property
     def unit_volume(self) -> Scalar:
-        return self._chosen(lambda shape: shape.unit_volume)
+        return self._of_lane(lambda shape: shape.unit_volume)
 
     @property
     def unit_inertia(self) -> Scalar:
-        return self._chosen(lambda shape: shape.unit_inertia)
-
-    @property
-    def bound(self) -> Scalar:
-        """Radius of the circle about the section in the plane of motion, over R [-]."""
-        return self._chosen(lambda shape: shape.bound)
+        return self._of_lane(lambda shape: shape.unit_inertia)
 
     def semi_axes(self, mass, density) -> SemiAxes:
-        return self._chosen(lambda shape: shape.semi_axes(mass, density))
+        return self._of_lane(lambda shape: shape.semi_axes(mass, density))
 
     def inertia(self, mass, axes) -> Scalar:
-        return self._chosen(lambda shape: shape.inertia(mass, axes))
+        return self._of_lane(lambda shape: shape.inertia(mass, axes))
 
     def support(self, axes, sin, cos, *, side=None) -> Scalar:
-        return self._chosen(
-            lambda shape: shape.support(axes, sin, cos, **_on_its(shape, side))
-        )
-
-    def tangency_arm(self, axes, sin, cos, *, side=None) -> Scalar:
-        return self._chosen(
-            lambda shape: shape.tangency_arm(axes, sin, cos, **_on_its(shape, side))
-        )
-
-    def support_change(
-        self, axes, start, now, sin_turn, *, start_side=None, side=None
-    ) -> Scalar:
-        def of_shape(shape: AbstractShape) -> Scalar:
-            sides = _on_its(shape, side)
-            if sides:
-                sides["start_side"] = start_side
-            return shape.support_change(axes, start, now, sin_turn, **sides)
-
-        return self._chosen(of_shape)
+        raise TypeError(ONE_BY_ONE)
 
     def section(self, axes, sin, cos, height, sinking, *, side=None) -> Section:
-        return self._chosen(
-            lambda shape: shape.section(
-                axes, sin, cos, height, sinking, **_on_its(shape, side)
-            )
-        )
-
-    def side_of(self, sin, cos) -> Scalar | None:
-        sides = [shape.side_of(sin, cos) for shape in self._alone()]
-        if all(side is None for side in sides):
-            return None
-        found = jnp.ones_like(sin)  # of a shape without flat faces
-        for place, side in enumerate(sides):
-            if side is not None:
-                found = jnp.where(self.index == place, side, found)
-        return found
-
-    def is_upright(self, orientation):
-        found = False
-        for place, shape in enumerate(self._alone()):
-            found = found | ((self.index == place) & shape.is_upright(orientation))
-        return found
-
-    def is_round(self):
-        found = False
-        for place, shape in enumerate(self._alone()):
-            found = found | ((self.index == place) & shape.is_round())
-        return found
-
-    def largest_bending(self, axes) -> Scalar | None:
-        bendings = [shape.largest_bending(axes) for shape in self._alone()]
-        if any(bending is None for bending in bendings):
-            return None
-        return self._chosen(lambda shape: shape.largest_bending(axes))
-
-    def parting_direction(self, axes, along, across) -> tuple[Scalar, Scalar]:
-        return self._chosen(lambda shape: shape.parting_direction(axes, along, across))
-
-    def round_block(self, axes) -> RoundBlock:
-        return self._chosen(lambda shape: shape.round_block(axes))
-
-    def outline(self, axes, count=180):
-        return self.alone(int(self.index)).outline(axes, count)
-
-
-def _on_its(shape: AbstractShape, side: Flag | None) -> dict[str, Any]:
-    """Keyword `side` for a shape that has sides; nothing for the others."""
-    level = jnp.zeros(()), jnp.ones(())
-    return {} if shape.side_of(*level) is None else on_side(side)
+        raise TypeError(ONE_BY_ONE)
 
 
 @functools.cache
@@ -217,24 +150,23 @@ def shape_of_each(kinds: Sequence[type[AbstractShape]]) -> AbstractShape:
     return made(index=index, **defaults)
 
 
-def shape_by_shape(function: Callable, lanes: Any, *further: Any) -> Any:
-    """Call a function of blocks once for each shape that they have.
+def each_shape(lanes: Any) -> Iterator[tuple[Any, Any]]:
+    """Divide blocks by their shapes.
 
     Args:
-        function: called with `lanes` and `further` of the blocks of one shape; gives a
-            tree of arrays that begin with the axis of these blocks.
-        lanes: tree with a `MixedShapes` in it whose fields broadcast to one shape.
-        further: trees of arrays that begin with this shape.
+        lanes: tree whose fields broadcast to one shape, with `MixedShapes` in it where
+            blocks have several.
 
-    Returns:
-        The results, which begin with that shape, in the order of the blocks.
+    Yields:
+        The tree of the blocks of one shape, and their places: a mask, or `...` for all.
 
-    Raises InputError where JAX traces which block has which shape.
+    Raises InputError for an index that is none, and where JAX traces it.
     """
     nodes = jax.tree.leaves(lanes, is_leaf=_is_mixed)
     several = next(filter(_is_mixed, nodes), None)
     if several is None:
-        return function(lanes, *further)
+        yield lanes, ...
+        return
     if isinstance(several.index, Tracer):
         raise InputError(
             "JAX traces which block has which shape, but a program has one shape; "
@@ -242,12 +174,17 @@ def shape_by_shape(function: Callable, lanes: Any, *further: Any) -> Any:
         )
     shape = broadcast_shapes(*map(np.shape, jax.tree.leaves(lanes)))
     index = np.broadcast_to(np.asarray(several.index), shape)
-    kinds = np.unique(index).astype(int)
+    kinds, count = np.unique(index), len(several.kinds)
+    unknown = kinds[~np.isin(kinds, np.arange(count))]
+    if unknown.size:
+        raise InputError(
+            f"the index of mixed shapes must be one of 0 to {count - 1}, but holds "
+            f"{unknown[0]:g}"
+        )
     lanes = jax.tree.map(
         lambda leaf: namespace_of(leaf).broadcast_to(leaf, shape), lanes
     )
-    results: Any = None
-    for place in kinds:
+    for place in kinds.astype(int):
         chosen = ... if len(kinds) == 1 else index == place
 
         def of_shape(leaf, place=place, chosen=chosen):
@@ -255,10 +192,31 @@ def shape_by_shape(function: Callable, lanes: Any, *further: Any) -> Any:
                 return leaf.of_kind(place, chosen)
             return leaf[chosen]
 
-        own = jax.tree.map(of_shape, lanes, is_leaf=_is_mixed)
-        part = function(own, *jax.tree.map(of_shape, further))
-        if len(kinds) == 1:
-            return part
+        yield jax.tree.map(of_shape, lanes, is_leaf=_is_mixed), chosen
+
+
+def shape_by_shape(function: Callable, lanes: Any, *further: Any) -> Any:
+    """Call a function of blocks once for each shape that they have.
+
+    Args:
+        function: called with `lanes` and `further` of the blocks of one shape; gives a
+            tree of arrays that begin with the axis of these blocks.
+        lanes: as for `each_shape`.
+        further: trees of arrays that begin with the shape of the blocks.
+
+    Returns:
+        The results, which begin with that shape, in the order of the blocks.
+
+    Raises InputError as `each_shape` does.
+    """
+    shape = broadcast_shapes(*map(np.shape, jax.tree.leaves(lanes)))
+    results: Any = None
+    for alone, chosen in each_shape(lanes):
+        if chosen is ...:
+            return function(alone, *further)
+        part = function(
+            alone, *jax.tree.map(lambda leaf, chosen=chosen: leaf[chosen], further)
+        )
         if results is None:
             results = jax.tree.map(lambda leaf: _empty(leaf, shape), part)
         results = jax.tree.map(

@@ -9,8 +9,6 @@ from pages import all_pages, blocks_of, folder_of_a_page, run, words_of
 from paths import DOCS, ROOT
 
 PAGES = [page for page in all_pages() if blocks_of(page)]
-OWN_LAW = DOCS / "how-to" / "own-law.md"
-"""Run by test_own_laws.py, which looks at its files too."""
 NUMBER = re.compile(r"-?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
 
 
@@ -40,7 +38,7 @@ def last_digit(number: str) -> float:
 
 
 @pytest.mark.docs
-@pytest.mark.parametrize("page", [p for p in PAGES if p != OWN_LAW], ids=name_of)
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_a_page_prints_what_it_shows(page, tmp_path):
     names = {}
     with folder_of_a_page(tmp_path):

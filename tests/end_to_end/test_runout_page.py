@@ -8,6 +8,8 @@ import subprocess
 import numpy as np
 import pytest
 
+from jaximpact.reports.document import Document, Section
+
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))),
     None,
@@ -56,7 +58,7 @@ def test_the_slider_shows_the_blocks_in_a_bin(slope_results, tmp_path, place):
     assert re.search(r"<text [^>]*>x = 60 m</text>", shown)
 
 
-def test_pictures_differ_with_the_slider_and_it_prints(slope_results, tmp_path):
+def test_pictures_differ_with_the_slider(slope_results, tmp_path):
     file = slope_results.folder / "report.html"
     pictures = []
     for place in (25, 95):
@@ -66,6 +68,14 @@ def test_pictures_differ_with_the_slider_and_it_prints(slope_results, tmp_path):
         pictures.append(picture.read_bytes())
     assert all(picture.startswith(b"\x89PNG") for picture in pictures)
     assert pictures[0] != pictures[1]
-    target = tmp_path / "page.pdf"
-    browse(file, tmp_path, f"--print-to-pdf={target}", place=95)
-    assert target.read_bytes().startswith(b"%PDF")
+
+
+def test_what_is_folded_is_printed(tmp_path):
+    """Lines of several pages, in a section that the browser shows folded."""
+    page, target = tmp_path / "page.html", tmp_path / "page.pdf"
+    lines = [f"line {number}" for number in range(200)]
+    page.write_text(Document("Long", ["short"], [Section("Folded", lines)]).page())
+    browse(page, tmp_path, f"--print-to-pdf={target}", place=0)
+    printed = target.read_bytes()
+    assert printed.startswith(b"%PDF")
+    assert len(re.findall(rb"/Type\s*/Page\b", printed)) > 3

@@ -86,19 +86,6 @@ def test_the_sphere_comes_down_where_its_parabola_does(runs):
     assert np.max(off_the_parabola(runs)) < 1e-9
 
 
-@pytest.mark.slow
-def test_energy_is_kept_in_flight(runs):
-    start = runs.energy_of_pieces()
-    p, (mass, inertia) = runs.pieces, runs.release.mass_properties
-    of = p.trajectory.astype(int)
-    v_x, v_y = p.v_x + p.a_x * p.duration, p.v_y + p.a_y * p.duration
-    y = p.y + (p.v_y + 0.5 * p.a_y * p.duration) * p.duration
-    end = mass[of] * (0.5 * (v_x**2 + v_y**2) + G * y)
-    end += 0.5 * inertia[of] * p.angular_velocity**2
-    flights = p.motion == MotionMode.flight
-    np.testing.assert_allclose(end[flights], start[flights], rtol=1e-12)
-
-
 # --- jumps
 
 

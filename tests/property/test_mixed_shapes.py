@@ -76,35 +76,19 @@ def test_a_batch_gives_the_bits_of_each_shape_alone():
 
 
 @pytest.mark.parametrize("place", range(len(KINDS)))
-def test_every_function_is_that_of_the_lane_s_shape(place):
+def test_sizes_are_those_of_the_lane_s_shape(place):
     kind = KINDS[place]
     values = {"aspect_ratio": 1.7, "out_of_plane_ratio": 0.8}
-    own = values | ({"corner_radius_ratio": 0.3} if kind is RectangularPrism else {})
-    one = kind(**own)
+    corner = {"corner_radius_ratio": 0.3} if kind is RectangularPrism else {}
+    one = kind(**values | corner)
     several = mixed(*KINDS)(index=place, corner_radius_ratio=0.3, **values)
     axes = one.semi_axes(100.0, 2600.0)
-    sin, cos = jnp.sin(0.4), jnp.cos(0.4)
-    then = jnp.sin(0.5), jnp.cos(0.5)
-    height = one.support(axes, sin, cos) - 0.01
     for function in (
         lambda s: s.semi_axes(100.0, 2600.0),
         lambda s: s.inertia(100.0, axes),
-        lambda s: (s.unit_volume, s.unit_inertia, s.bound),
-        lambda s: s.support(axes, sin, cos),
-        lambda s: s.tangency_arm(axes, sin, cos),
-        lambda s: s.support_change(axes, (sin, cos), then, jnp.sin(0.1)),
-        lambda s: s.section(axes, sin, cos, height, 0.01),
-        lambda s: s.is_upright(np.array([0.0, 0.3])),
-        lambda s: s.outline(axes),
+        lambda s: (s.unit_volume, s.unit_inertia),
     ):
-        for found, expected in zip(
-            jax.tree.leaves(function(several)),
-            jax.tree.leaves(function(one)),
-            strict=True,
-        ):
-            np.testing.assert_array_equal(found, expected)
-    side = one.side_of(sin, cos)
-    assert float(several.side_of(sin, cos)) == (1.0 if side is None else float(side))
+        assert jax.tree.leaves(function(several)) == jax.tree.leaves(function(one))
 
 
 def test_derivatives_are_those_of_the_lane_s_shape():
@@ -145,12 +129,11 @@ def test_what_is_not_chosen_gets_what_it_allows():
     assert float(shape.alone(0).aspect_ratio) == 3.0
     assert float(shape.alone(1).aspect_ratio) == 0.5
 
-    def support(ratio):
+    def major(ratio):
         shape = mixed(Ellipsoid, Short)(index=0, aspect_ratio=ratio)
-        return shape.support(shape.semi_axes(100.0, 2600.0), 0.6, 0.8)
+        return shape.semi_axes(100.0, 2600.0).major
 
-    assert np.isfinite(jax.grad(support)(3.0))
-    assert np.isfinite(jax.jvp(support, (3.0,), (1.0,))[1])
+    assert np.isfinite(jax.grad(major)(3.0))
 
 
 class Oblate(EllipticCylinder):

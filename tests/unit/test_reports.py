@@ -2,6 +2,7 @@
 
 import csv
 import enum
+import html.parser
 import io
 import json
 import re
@@ -108,6 +109,21 @@ def test_a_document_as_text(document):
     assert "caption" not in text
 
 
+class Tags(html.parser.HTMLParser):
+    """Tags that are open where a page ends."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.open = []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        self.open += [tag] if tag not in ("meta", "img") else []
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
 def test_a_page_escapes_what_it_is_given_and_folds_all_but_the_answer(document):
     page = document.page()
     assert "<h1>A &lt;twin&gt; &amp; more</h1>" in page
@@ -122,6 +138,7 @@ def test_a_page_escapes_what_it_is_given_and_folds_all_but_the_answer(document):
     ]
     assert page.index('class="verdict"') < page.index("<img ") < page.index("<details>")
     assert "<details open" not in page
+    assert Tags(page).open == []
     assert page.index("<h3>Deep</h3>") > page.index("Inner")
     # A notebook shows everything.
     shown = document.html()

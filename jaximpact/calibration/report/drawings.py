@@ -31,7 +31,7 @@ from ..problem.bounds import Bounds
 from ..problem.config import Study
 
 WIDTH, HEIGHT = 4.6, 3.5
-"""Size of a panel [inch]: the report shows it 460 px wide."""
+"""Size of a panel [inch]: two stand side by side on a page."""
 MOST_PAIRS = 3
 BAND, WIDE_BAND = 0.35, 0.2
 """Opacities."""

@@ -16,7 +16,7 @@ from .predictive import ChannelPrediction, Curve
 from .problem import ENDS
 
 WIDTH, HEIGHT = 4.6, 3.5
-"""Size of a panel [inch]: the report shows it 460 px wide."""
+"""Size of a panel [inch]: two stand side by side on a page."""
 BINS = 20
 MOST_SAMPLES, MOST_VALUES = (0.002, 0.998), (0.01, 0.99)
 """Quantiles of samples and of predicted values between which they are drawn."""

@@ -29,6 +29,7 @@ MOST_BLOCKS = 400
 USUAL = {"speed_mps": FASTEST, "height_m": HIGHEST_CLIFF}
 """Largest usual values: no block flies higher than a cliff."""
 FARTHEST = 1e9
+"""Largest number of a table: the squares of larger ones leave the summaries."""
 
 
 class ObservedStops(NamedTuple):

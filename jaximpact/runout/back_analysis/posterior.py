@@ -20,6 +20,7 @@ from .regression import (
 )
 
 MOST_ROUNDS = 8
+"""Largest number of rounds: boxes that shrink by `ENOUGH` each still end."""
 
 OUTSIDE = 0.0005
 """Probability beyond each end of a box."""
@@ -37,6 +38,7 @@ LEAST_POOL = 100
 """Number of data sets below which no posterior is found."""
 
 ROUNDING = 1e-9
+"""Distance from the ends of a box, as a fraction, that keeps z finite."""
 
 
 class Region(NamedTuple):

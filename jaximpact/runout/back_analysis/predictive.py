@@ -40,6 +40,7 @@ LEAST_BLOCKS = 200
 STREAM = 100
 """Stream of random numbers of predictions, which no round has."""
 GRID = 101
+"""Number of values of a curve of exceedance: steps of 1 %."""
 PERCENTS = (50, 95)
 CURVE_PERCENTS = (50, 95, 99)
 RARE = 0.01

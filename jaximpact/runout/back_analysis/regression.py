@@ -25,6 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 FOLDS = 5
+"""Number of regressions, each of all data sets but a fifth."""
 MOST_LINEAR, MOST_QUADRATIC = 15, 5
 """Numbers of principal components of the summaries that are regressed on: linearly, and
 with their products too."""
@@ -37,6 +38,7 @@ NEAR, LEAST_NEAR = 0.2, 25
 """Fraction of the data sets that the second step takes, and their least number for each
 coefficient of the mean."""
 TINY = 1e-12
+"""Weight or variance that is rounding."""
 
 
 class Pool(NamedTuple):

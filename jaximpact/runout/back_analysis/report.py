@@ -51,9 +51,9 @@ def report(found: SlopeCalibration) -> Document:
 
     fit, posterior, predicted = found.fit, found.posterior, found.predicted
     known = [p for p in posterior.fitted if p.determined]
-    verdict = [f"{len(known)} of {len(posterior.fitted)} parameters are determined"]
+    verdict = [f"{len(known)} of {len(posterior.fitted)} parameters are determined."]
     verdict += [
-        f"{p.parameter.name}: {p.median:.4g}, 95 % interval {p.low:.4g} to {p.high:.4g}"
+        f"{p.parameter.name}: {p.median:.4g} (95 %: {p.low:.4g} to {p.high:.4g})."
         for p in known
     ]
     warnings = warnings_of(found)
@@ -305,12 +305,7 @@ def as_json(found: SlopeCalibration) -> dict:
             for p in posterior.fitted
         },
         "correlation": posterior.correlation,
-        "model_check": {
-            "probability": predicted.check.probability,
-            "needed": RARE,
-            "worst": predicted.check.worst,
-            "deviation": min(predicted.check.deviation, 1e300),
-        },
+        "model_check": predicted.check._asdict() | {"needed": RARE},
         "barriers": barriers_in_json(predicted.barriers),
         "held_out": [
             {

@@ -146,17 +146,34 @@ def draw_stops(dataset: xr.Dataset) -> Figure:
 
 
 @in_style
-def draw_collectors(dataset: xr.Dataset) -> Figure:
+def draw_collectors(datasets: Mapping[str, xr.Dataset]) -> Figure:
     """Draw the exceedance at each collector: the fraction of all blocks that did not
     fail whose first passage exceeds a value. A curve starts at the fraction that
-    passes."""
-    title = f"{plain(dataset.title)}: exceedance at collectors, first passages"
-    figure, axes = panels(1, len(CURVES), height=3.2, title=title, sharey=True)
-    for place, x in enumerate(dataset.collector.values):
-        _draw_exceedance(axes, dataset, place, f"x = {x:g} m", curve(place))
-    axes[0].set_ylabel("fraction of blocks [-]")
+    passes. Of several laws, each collector has a row."""
+    first, several = next(iter(datasets.values())), len(datasets) > 1
+    collectors = [f"x = {x:g} m" for x in first.collector.values]
+    rows = [
+        [(law, dataset, place) for law, dataset in datasets.items()]
+        for place in range(len(collectors))
+    ]
+    if not several:
+        rows = [[(words, first, place) for place, words in enumerate(collectors)]]
+    figure, axes = panels(
+        *(len(rows), len(CURVES)),
+        height=2.4 if several else 3.2,
+        title=f"{plain(first.title)}: exceedance at collectors, first passages",
+        sharey=True,
+        sharex="col",
+    )
+    for row, series in enumerate(rows):
+        in_row = axes[row * len(CURVES) : (row + 1) * len(CURVES)]
+        for number, (label, dataset, place) in enumerate(series):
+            _draw_exceedance(in_row, dataset, place, label, curve(number))
+        place = f"{collectors[row]}:\n" if several else ""
+        in_row[0].set_ylabel(f"{place}fraction of blocks [-]")
+    # Only now: a limit set on shared axes stops them from growing with the next row.
     _finish_exceedance(axes)
-    legend_outside(figure)
+    legend_outside(figure, axes[0].lines, ncols=3)
     return figure
 
 
@@ -190,26 +207,6 @@ def draw_comparison(
     axes[0].set_ylim(0.0, 1.02)
     _finish_envelopes(axes[1:4], axes[4], profile, drawn)
     figure.align_ylabels(axes)
-    legend_outside(figure, axes[0].lines, ncols=3)
-    return figure
-
-
-@in_style
-def draw_compared_collectors(datasets: Mapping[str, xr.Dataset]) -> Figure:
-    """Draw the exceedance at each collector by each law; see `draw_collectors`."""
-    first = next(iter(datasets.values()))
-    rows = len(first.collector)
-    title = f"{plain(first.title)}: exceedance at collectors by contact law"
-    figure, axes = panels(
-        rows, len(CURVES), height=2.4, title=title, sharey=True, sharex="col"
-    )
-    for row, x in enumerate(first.collector.values):
-        in_row = axes[row * len(CURVES) : (row + 1) * len(CURVES)]
-        for place, (law, dataset) in enumerate(datasets.items()):
-            _draw_exceedance(in_row, dataset, row, law, curve(place))
-        in_row[0].set_ylabel(f"x = {x:g} m:\nfraction of blocks [-]")
-    # Only now: a limit set on shared axes stops them from growing with the next row.
-    _finish_exceedance(axes)
     legend_outside(figure, axes[0].lines, ncols=3)
     return figure
 

@@ -99,7 +99,7 @@ def write_slope_study(study: SlopeStudy, dataset: xr.Dataset, new: NewFile) -> D
     write_text(new("report.html"), report.page())
     if len(study.settings.collectors):
         write_text(new("collectors.csv"), collector_table(dataset).csv())
-        figures["collectors"] = drawing.draw_collectors(dataset)
+        figures["collectors"] = drawing.draw_collectors({dataset.title: dataset})
     for name, figure in figures.items():
         save_figure(figure, new(f"{name}.png"))
     manifest = {"title": dataset.title} | _attributes(dataset)
@@ -163,7 +163,7 @@ def write_comparison(
     if len(study.settings.collectors):
         table = _of_laws(datasets, collector_table)
         write_text(new("comparison_collectors.csv"), table.csv())
-        figure = drawing.draw_compared_collectors(datasets)
+        figure = drawing.draw_collectors(datasets)
         save_figure(figure, new("comparison_collectors.png"))
     if study.settings.barriers:
         table = _of_laws(datasets, lambda one: estimate_table(estimates_of(one)))
