@@ -17,7 +17,6 @@ from jax import Array
 from ..._safe import safe_sqrt
 from ..._types import Structure
 from ...accuracy import PRESETS, Accuracy
-from ...batch import by_shape
 from ...errors import InputError
 from ...impact.events import Outcome
 from ...quantities import (
@@ -149,7 +148,6 @@ def rebound_objective(study: Study, law: type[AbstractRebound]) -> Objective:
     }
     known = columns_of(scene) | {column.name: column for column in columns}
     response = ReboundResponse(study.targets, law)
-    shapes = [((one, law(**start)), mask) for one, mask in by_shape(scene)]
-    unknown = unknown_columns(alone)
-    (model,) = forward_models(alone, [shapes], unknown, known, response)
+    ground, unknown = (scene, law(**start)), unknown_columns(alone)
+    (model,) = forward_models(alone, [ground], unknown, known, response)
     return Objective(alone, variant, model, PRESETS["balanced"])

@@ -24,12 +24,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..._checks import whole_number
-from ...batch import by_shape
 from ...errors import InputError
 from ...quantities import CURVE_COLUMNS, InputColumn, columns_of, leaf_places
 from ...reports.tables import Table
 from ...scene import Scene
-from ...shapes import Ellipsoid, EllipticCylinder
+from ...shapes import Ellipsoid, EllipticCylinder, each_shape
 from ..estimation.linear_algebra import inverse_positive
 from ..estimation.sigma import relative_sigma
 from ..problem.candidates import (
@@ -351,11 +350,11 @@ def _derivatives(fitted: VariantResult, common, scenes, targets):
 def _most_frequent(scene: Scene) -> tuple[Scene, np.ndarray]:
     """Find the most frequent shape of the tests, as their scene with that shape alone,
     and the most frequent value of each leaf."""
-    count = len(np.asarray(scene.impact.speed))
-    shapes = [(one, np.broadcast_to(mask, count)) for one, mask in by_shape(scene)]
-    alone, mask = max(shapes, key=lambda shape: np.sum(shape[1]))
+    alone = max(
+        (one for one, _ in each_shape(scene)), key=lambda one: len(one.impact.speed)
+    )
     each = (
-        np.unique(np.asarray(leaf)[mask], return_counts=True)
+        np.unique(np.asarray(leaf), return_counts=True)
         for leaf in jax.tree.leaves(alone)
     )
     return alone, np.array([values[np.argmax(counts)] for values, counts in each])

@@ -13,7 +13,6 @@ from ..._types import Structure
 from ...accuracy import PRESETS, Accuracy
 from ...backend import MACHINE_CODE
 from ...backend.rows import prepare
-from ...batch import by_shape
 from ...progress import Progress, listening, telling
 from ...quantities import (
     CURVE_COLUMNS,
@@ -24,6 +23,7 @@ from ...quantities import (
     leaf_places,
 )
 from ...scene import Scene
+from ...shapes import each_shape
 from ...simulation import simulate
 from ...tasks import Item, Result, run_in_threads
 from .bounds import Bounds
@@ -195,7 +195,7 @@ class ForwardModel:
 
 def forward_models(
     study: Study,
-    grounds: Sequence[Sequence[tuple[Any, np.ndarray]]],
+    grounds: Sequence[Any],
     columns: Sequence[UnknownColumn],
     known: Mapping[str, InputColumn],
     response: Response,
@@ -203,23 +203,21 @@ def forward_models(
     """Make the model on each of several grounds, with common programs.
 
     Args:
-        grounds: for each ground the trees of the tests of each shape, leaves (tests,),
-            with the mask of these tests.
+        grounds: tree of all tests on each ground, leaves (tests,).
         columns: columns of the trees that are fitted.
         known: all columns of the trees.
     """
     first = np.unique(study.tests.first_of_row)
     leaves_of: dict[Structure, list[np.ndarray]] = {}
     split = []
-    for shapes in grounds:
+    for ground in grounds:
         split.append([])
-        for tree, mask in shapes:
+        impacts = jax.tree.map(lambda leaf: np.asarray(leaf)[first], ground)
+        for tree, chosen in each_shape(impacts):
             structure = jax.tree.structure(tree)
-            here = np.flatnonzero(np.broadcast_to(mask, len(study.tests))[first])
             leaves = np.stack([np.asarray(x) for x in jax.tree.leaves(tree)])
-            leaves = leaves[:, first[here]]
             leaves_of.setdefault(structure, []).append(leaves)
-            split[-1].append((structure, here, leaves))
+            split[-1].append((structure, np.arange(len(first))[chosen], leaves))
     own = [OwnColumn(c.name, known[c.name].factor, c.pooled) for c in columns]
     tied = [(one, known[one.name].factor) for one in study.tied]
     programs = {
@@ -291,9 +289,8 @@ def models_of(study: Study) -> list[ForwardModel]:
     """Make the model of impacts for each variant of a study."""
     scenes = [study.scene_of(variant) for variant in study.variants]
     known = {name: c for scene in scenes for name, c in columns_of(scene).items()}
-    grounds = [by_shape(scene) for scene in scenes]
     response = ImpactResponse(study.targets)
-    return forward_models(study, grounds, unknown_columns(study), known, response)
+    return forward_models(study, scenes, unknown_columns(study), known, response)
 
 
 def for_each_variant(
